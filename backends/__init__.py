@@ -1,0 +1,1 @@
+"""What a robot is: capabilities, Robot, and the backends behind it."""

@@ -1,0 +1,38 @@
+"""The arm."""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .capability import Capability
+
+
+class Arm(Capability):
+    """An arm under position control, joints in the order of the robot's file."""
+
+    @abstractmethod
+    def move(self, joints: NDArray[np.float64]) -> None:
+        """Command where the joints are to stand at the end of the next period, (n,) in [rad].
+
+        Raises:
+            CommandError: a value isn't finite, beyond its limit, or further than the joint's top speed
+                takes it in one period.
+        """
+
+    @abstractmethod
+    def command(self) -> NDArray[np.float64]:
+        """The last commanded joint angles, (n,) in [rad]: what the arm holds."""
+
+    @abstractmethod
+    def joints(self) -> NDArray[np.float64]:
+        """Measured joint angles, (n,) in [rad]."""
+
+    @abstractmethod
+    def hand_force(self) -> NDArray[np.float64]:
+        """The force that the surroundings put on the hand or what it holds, (3,) in [N], in the hand frame.
+
+        From a wrist sensor or from the joints' efforts; the weight of what is held is taken out.
+        """

@@ -1,0 +1,33 @@
+"""The wheels."""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from typing import NamedTuple
+
+from .capability import Capability
+
+
+class WheelTravel(NamedTuple):
+    """How far the wheels have rolled since the backend was built, by their encoders and nominal radius."""
+
+    left: float
+    """[m]"""
+    right: float
+    """[m]"""
+
+
+class Base(Capability):
+    """A mobile base."""
+
+    @abstractmethod
+    def drive(self, speed: float, turn_rate: float) -> None:
+        """Command the next period's forward speed in [m/s] and turn rate in [rad/s].
+
+        Raises:
+            CommandError: a value isn't finite or beyond the robot's limits.
+        """
+
+    @abstractmethod
+    def wheel_travel(self) -> WheelTravel:
+        """The encoders' reading."""

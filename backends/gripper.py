@@ -1,0 +1,31 @@
+"""The gripper."""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+
+from .capability import Capability
+
+
+class Gripper(Capability):
+    """Two fingers that close along the hand's y axis until they meet each other or an object."""
+
+    @abstractmethod
+    def command(self) -> float:
+        """The width last commanded, in [m]: what the fingers strive for."""
+
+    @abstractmethod
+    def move(self, width: float) -> None:
+        """Command the opening between the finger pads, in [m]. An object between them stops them, held.
+
+        Raises:
+            CommandError: the width isn't finite or not between 0 and the gripper's opening.
+        """
+
+    @abstractmethod
+    def width(self) -> float:
+        """Measured opening between the finger pads, in [m]."""
+
+    @abstractmethod
+    def closed_on_something(self) -> bool:
+        """Whether the fingers press on something (motor current), which may be each other."""

@@ -1,0 +1,38 @@
+"""The range sensor."""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robotics.geometry.pose2 import Pose2
+
+from .capability import Capability
+
+
+class Scan(NamedTuple):
+    """One turn of a range sensor."""
+
+    angles: NDArray[np.float64]
+    """(n,) in [rad], in the sensor frame, counter-clockwise from its x axis."""
+    ranges: NDArray[np.float64]
+    """(n,) in [m]; infinity where nothing came back."""
+    base_T_sensor: Pose2
+    """Where the sensor stands on the base."""
+
+    def points(self) -> NDArray[np.float64]:
+        """What was hit, (m, 2) in [m], in the base frame."""
+        hit = np.isfinite(self.ranges)
+        reach, angle = self.ranges[hit], self.angles[hit]
+        return self.base_T_sensor.apply(np.column_stack([reach * np.cos(angle), reach * np.sin(angle)]))
+
+
+class RangeSensor(Capability):
+    """A scanning range sensor, its plane parallel to the floor."""
+
+    @abstractmethod
+    def scan(self) -> Scan:
+        """This period's scan."""

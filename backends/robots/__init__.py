@@ -1,0 +1,1 @@
+"""Robots: a URDF with a YAML file beside it."""

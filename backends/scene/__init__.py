@@ -1,0 +1,1 @@
+"""Simulated worlds: what stands around the robot, and what its sensors see of it."""

@@ -1,0 +1,1 @@
+"""Reading YAML with positions and units; the root of errors."""

@@ -1,0 +1,70 @@
+"""The root of all errors of handcart, and those that files cause.
+
+    HandcartError                    exit status 5
+    └── InputError (ValueError)      exit status 2: refused before anything moved
+        ├── FileError                what is wrong in a file, all of it at once
+        └── UnsafePath               a path in a file leads where it must not
+
+Other layers hang their own classes under `HandcartError` (or `InputError`, for bad input).
+"""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import ClassVar
+
+from files.printable import printable
+
+
+class HandcartError(Exception):
+    """Anything that handcart refuses or cannot do; never an expected end of a motion."""
+
+    exit_status: ClassVar[int] = 5
+    """The status with which a command ends that is ended by this error."""
+
+
+class InputError(HandcartError, ValueError):
+    """What the user gave cannot be used; found before anything moved."""
+
+    exit_status: ClassVar[int] = 2
+
+
+@dataclass(frozen=True, order=True)
+class Finding:
+    """One thing wrong at one place of a file.
+
+    `message` reads "what is wrong; what is allowed". `line` and `column` count from 1; line 0 says
+    that `file` has no lines (`--set KEY=VALUE` on the command line).
+    """
+
+    file: str
+    line: int
+    column: int
+    message: str
+
+    def __str__(self) -> str:
+        place = f"{self.file}:{self.line}:{self.column}" if self.line else self.file
+        return printable(f"{place}: {self.message}")
+
+
+class FileError(InputError):
+    """A file that cannot be used, with everything found wrong in it, in the order of the lines."""
+
+    def __init__(self, findings: Iterable[Finding]) -> None:
+        self.findings: tuple[Finding, ...] = tuple(sorted(set(findings)))
+        super().__init__("\n".join(str(finding) for finding in self.findings))
+
+    def __reduce__(self) -> tuple[type["FileError"], tuple[tuple[Finding, ...]]]:
+        # An exception is pickled with its message by default; process pools need the findings.
+        return type(self), (self.findings,)
+
+
+class UnsafePath(InputError):
+    """A path in a file that is absolute, leaves its root or is no portable relative path."""
+
+    def __init__(self, path: str, reason: str) -> None:
+        self.path = path
+        self.reason = reason
+        super().__init__(printable(f"the path {path!r} {reason}; allowed: a relative path inside the root"))
+
+    def __reduce__(self) -> tuple[type["UnsafePath"], tuple[str, str]]:
+        return type(self), (self.path, self.reason)

@@ -1,0 +1,37 @@
+"""Collecting what is wrong, so that all of it is told at once."""
+
+from collections.abc import Iterable
+
+from files.errors import FileError, Finding
+
+
+class Findings:
+    """A growing list of findings, raised together.
+
+    findings = Findings()
+    if unknown:
+        findings.add(document.finding(("network", "goal"), "unknown situation; allowed: ..."))
+    findings.raise_all()
+    """
+
+    def __init__(self, findings: Iterable[Finding] = ()) -> None:
+        self._findings = list(findings)
+
+    def add(self, *findings: Finding) -> None:
+        """Take these in."""
+        self._findings.extend(findings)
+
+    def take(self, error: FileError) -> None:
+        """Take in all that another check found, so that later checks can still run."""
+        self._findings.extend(error.findings)
+
+    def __bool__(self) -> bool:
+        return bool(self._findings)
+
+    def __len__(self) -> int:
+        return len(self._findings)
+
+    def raise_all(self) -> None:
+        """Raise `FileError` with everything collected, if there is anything."""
+        if self._findings:
+            raise FileError(self._findings)

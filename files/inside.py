@@ -1,0 +1,57 @@
+"""Paths that files name: relative, portable, and never out of their root."""
+
+import re
+from pathlib import Path
+from typing import Annotated
+
+from pydantic import AfterValidator
+
+from files.errors import UnsafePath
+from files.printable import printable
+
+_LONGEST = 1024
+_REFUSED = (
+    (re.compile(r"\s*"), "is empty"),
+    (re.compile(r".*\\.*", re.DOTALL), "has a backslash"),
+    (re.compile(r"/.*", re.DOTALL), "is absolute"),
+    (re.compile(r"~.*", re.DOTALL), "starts in a home folder"),
+    (re.compile(r".*:.*", re.DOTALL), "has a colon: a drive or an address"),
+)
+
+
+def portable(path: str) -> str:
+    """`path` as it is, if it is a relative path on every system; raises `UnsafePath` (a ValueError).
+
+    It may still have `..` in it: whether that leads out of its root only `resolve_inside` can tell.
+    """
+    for pattern, reason in _REFUSED:
+        if pattern.fullmatch(path):
+            raise UnsafePath(path[:_LONGEST], reason)
+    if printable(path) != path:
+        raise UnsafePath(path[:_LONGEST], "has control characters")
+    if len(path) > _LONGEST:
+        raise UnsafePath(f"{path[:40]}...", f"has more than {_LONGEST} characters")
+    return path
+
+
+FilePath = Annotated[str, AfterValidator(portable)]
+"""A field of a model that names a file: a portable relative path, still to be resolved."""
+
+
+def resolve_inside(root: Path, relative: str, *, start: Path | None = None) -> Path:
+    """The absolute path of `relative`, with every symbolic link followed, inside `root`.
+
+    start: folder inside `root` that `relative` starts from; `root` itself by default.
+    The file need not exist. Raises `UnsafePath` if the path is no portable relative one, or leads
+    to `root` itself or out of it, by `..` or by a link.
+    """
+    portable(relative)
+    try:
+        real_root = root.resolve()
+        real = ((start or root).resolve() / relative).resolve()
+    # RuntimeError is how Python before 3.13 tells of links in a circle.
+    except (OSError, RuntimeError, ValueError):
+        raise UnsafePath(relative, "cannot be followed") from None
+    if real == real_root or not real.is_relative_to(real_root):
+        raise UnsafePath(relative, f"leads out of {root}")
+    return real

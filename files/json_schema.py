@@ -1,0 +1,19 @@
+"""JSON Schemas of the files, for editors that complete and check while one types."""
+
+from typing import Any
+
+from pydantic import BaseModel, TypeAdapter
+
+DIALECT = "https://json-schema.org/draft/2020-12/schema"
+
+
+def schema(model: type[BaseModel] | TypeAdapter[Any], title: str | None = None) -> dict[str, Any]:
+    """The JSON Schema of what a file may hold.
+
+    Descriptions are the docstrings of the classes and those under their fields. The title is the
+    name of the class unless given.
+    """
+    adapter: TypeAdapter[Any] = model if isinstance(model, TypeAdapter) else TypeAdapter(model)
+    body = adapter.json_schema(mode="validation", by_alias=True)
+    name = title or body.pop("title", None) or "handcart"
+    return {"$schema": DIALECT, "title": name, **{key: part for key, part in body.items() if key != "title"}}

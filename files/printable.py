@@ -1,0 +1,28 @@
+"""Text from files and wires made safe to show."""
+
+import unicodedata
+
+# Control, format (bidirectional overrides), surrogate, private; line and paragraph separators.
+_HIDDEN = frozenset({"Cc", "Cf", "Cs", "Co", "Cn", "Zl", "Zp"})
+
+
+def printable(text: str) -> str:
+    r"""Give `text` with everything that a terminal would act on written as an escape.
+
+    `"\x1b[2J"` becomes the eight characters `\x1b[2J`; ordinary letters of any script stay.
+    """
+    if text.isascii() and text.isprintable():
+        return text
+    return "".join(_escaped(c) if unicodedata.category(c) in _HIDDEN else c for c in text)
+
+
+def _escaped(character: str) -> str:
+    code = ord(character)
+    if code < 0x100:
+        return f"\\x{code:02x}"
+    return f"\\u{code:04x}" if code < 0x10000 else f"\\U{code:08x}"
+
+
+def clipped(text: str, longest: int = 60) -> str:
+    """The beginning of `text`, with dots where something is left out."""
+    return text if len(text) <= longest else f"{text[: longest - 3]}..."

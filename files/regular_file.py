@@ -1,0 +1,86 @@
+"""Reading a regular file, whole, at most so large, without ever waiting."""
+
+import os
+import re
+import stat
+from pathlib import Path
+
+from files.errors import FileError, Finding
+
+MAX_LINE = 20_000
+"""[characters]. The YAML parser takes 8 s for a tag that fills a line of 1 MiB: quadratic."""
+_OVERLONG_LINE = re.compile(rf"(?m:^)[^\n]{{{MAX_LINE + 1}}}")
+_MARKS = (
+    (b"\xef\xbb\xbf", "a UTF-8 byte order mark"),
+    (b"\xff\xfe", "a UTF-16 byte order mark"),
+    (b"\xfe\xff", "a UTF-16 byte order mark"),
+)
+_CONTROL = re.compile("[^\t\n\r\x20-\x7e\x85\xa0-\ud7ff\ue000-\ufefe\uff00-\ufffd\U00010000-\U0010ffff]")
+
+
+def read_regular_file(path: Path | str, max_bytes: int) -> bytes:
+    """The bytes of the regular file `path`.
+
+    Raises `FileError` for a missing file, a directory, a pipe, a device, one that may not be read
+    and one of more than `max_bytes`, which is not read at all. A pipe without a writer does not block.
+    """
+    try:
+        descriptor = os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC | os.O_NOCTTY)
+    except (OSError, ValueError) as error:
+        raise _refused(path, _cause(error)) from None
+    try:
+        with os.fdopen(descriptor, "rb", closefd=True) as stream:
+            status = os.fstat(stream.fileno())
+            if not stat.S_ISREG(status.st_mode):
+                raise _refused(path, f"is {_kind(status.st_mode)}")
+            content = stream.read(max_bytes + 1) if status.st_size <= max_bytes else None
+    except OSError as error:
+        raise _refused(path, _cause(error)) from None
+    if content is None or len(content) > max_bytes:
+        raise _refused(path, f"has {status.st_size} bytes", f"at most {max_bytes}")
+    return content
+
+
+def decode_text(content: bytes, file: str) -> str:
+    """The text of UTF-8 bytes; raises `FileError` with the place of the first byte that is none,
+    of a character that no text has, of a byte order mark or of a line too long.
+    """
+    for mark, name in _MARKS:
+        if content.startswith(mark):
+            raise FileError([Finding(file, 1, 1, f"starts with {name}; allowed: plain UTF-8 without one")])
+    try:
+        text = content.decode("utf-8")
+    except UnicodeDecodeError as error:
+        before = content[: error.start].decode("utf-8")
+        wrong = f"the byte 0x{content[error.start]:02x} is not UTF-8; allowed: UTF-8"
+        raise FileError([_at_end_of(before, file, wrong)]) from None
+    if found := _CONTROL.search(text):
+        wrong = f"the character U+{ord(found.group()):04X} stands in the file; allowed: printable characters"
+        raise FileError([_at_end_of(text[: found.start()], file, wrong)])
+    if overlong := _OVERLONG_LINE.search(text):
+        wrong = f"a line of more than {MAX_LINE} characters; allowed: shorter ones"
+        raise FileError([_at_end_of(text[: overlong.start()], file, wrong)])
+    return text
+
+
+def _at_end_of(before: str, file: str, message: str) -> Finding:
+    # Only these three break lines in YAML 1.2; str.splitlines knows eight more.
+    lines = before.replace("\r\n", "\n").replace("\r", "\n").split("\n")
+    return Finding(file, len(lines), len(lines[-1]) + 1, message)
+
+
+def _refused(path: Path | str, wrong: str, allowed: str = "a regular file that can be read") -> FileError:
+    return FileError([Finding(str(path), 1, 1, f"the file {wrong}; allowed: {allowed}")])
+
+
+def _cause(error: OSError | ValueError) -> str:
+    if isinstance(error, FileNotFoundError):
+        return "does not exist"
+    if isinstance(error, OSError) and error.strerror:
+        return f"cannot be read ({error.strerror.lower()})"
+    return "has an impossible name"
+
+
+def _kind(mode: int) -> str:
+    kinds = ((stat.S_ISDIR, "a directory"), (stat.S_ISFIFO, "a pipe"), (stat.S_ISSOCK, "a socket"))
+    return next((name for test, name in kinds if test(mode)), "a device")

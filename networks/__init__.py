@@ -1,0 +1,1 @@
+"""What to do next: task file, network, planning, coordinator, journal."""

@@ -1,0 +1,1 @@
+"""What a robot can do: one file, one primitive."""

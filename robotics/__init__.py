@@ -1,0 +1,1 @@
+"""The mathematics: arrays in, arrays or named tuples out; no I/O, no framework."""

@@ -1,0 +1,65 @@
+"""Poses in the plane."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+
+def wrap(angle: float) -> float:
+    """The same angle in (-pi, pi], in [rad]."""
+    return -((math.pi - angle) % (2.0 * math.pi) - math.pi)
+
+
+class Pose2(NamedTuple):
+    """A pose in the plane, SE(2): `x`, `y` in [m], `theta` in [rad].
+
+    Named `a_T_b` it is the pose of b in a; `a_T_b.compose(b_T_c)` is `a_T_c`.
+    """
+
+    x: float
+    y: float
+    theta: float
+
+    def compose(self, other: Pose2) -> Pose2:
+        """The pose `other`, given in this pose's frame, in the frame of this pose."""
+        cos, sin = math.cos(self.theta), math.sin(self.theta)
+        return Pose2(
+            self.x + cos * other.x - sin * other.y,
+            self.y + sin * other.x + cos * other.y,
+            wrap(self.theta + other.theta),
+        )
+
+    def inverse(self) -> Pose2:
+        """b_T_a of a_T_b."""
+        cos, sin = math.cos(self.theta), math.sin(self.theta)
+        return Pose2(-cos * self.x - sin * self.y, sin * self.x - cos * self.y, wrap(-self.theta))
+
+    def relative_to(self, other: Pose2) -> Pose2:
+        """This pose in the frame of `other`."""
+        return other.inverse().compose(self)
+
+    def apply(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Points (n, 2) of this pose's own frame, in the frame of this pose, in [m]."""
+        cos, sin = math.cos(self.theta), math.sin(self.theta)
+        rotation = np.array([[cos, sin], [-sin, cos]])
+        moved: NDArray[np.float64] = points @ rotation + np.array([self.x, self.y])
+        return moved
+
+    def distance(self, other: Pose2) -> float:
+        """Straight distance between the two positions, in [m]."""
+        return math.hypot(self.x - other.x, self.y - other.y)
+
+    def turn(self, other: Pose2) -> float:
+        """Size of the turn between the two headings, in [rad], 0 to pi."""
+        return abs(wrap(self.theta - other.theta))
+
+    def lift(self, z: float = 0.0) -> NDArray[np.float64]:
+        """The same pose in space, (4, 4), at height `z` in [m]."""
+        cos, sin = math.cos(self.theta), math.sin(self.theta)
+        return np.array(
+            [[cos, -sin, 0.0, self.x], [sin, cos, 0.0, self.y], [0.0, 0.0, 1.0, z], [0.0, 0.0, 0.0, 1.0]]
+        )

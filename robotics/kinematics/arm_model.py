@@ -1,0 +1,200 @@
+"""Forward, differential and inverse kinematics of any serial arm in a URDF."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import NDArray
+
+from robotics.geometry.transform import Transform
+from robotics.kinematics.shapes import Box, Cylinder, Shape, Sphere
+from robotics.kinematics.urdf_tree import urdf_of_arm
+
+Vector = NDArray[np.float64]
+
+
+class ArmModel:
+    """The joints `joint_names` of a URDF robot, from its link `base` to its link `tip`.
+
+    All other joints (wheels, fingers) stand still: at `others[name]` in [rad] or [m], else at zero.
+    A continuous joint counts as one limited to a turn, -pi to pi. Poses are given in `base`.
+    An object holds work space: use it from one thread at a time.
+
+    Attributes:
+        lower, upper: joint limits (n,), in [rad]; velocity: joint speed limits (n,), in [rad/s].
+    Raises:
+        ValueError: a joint or link is not in the URDF, or `base` itself is moved by the arm.
+    """
+
+    def __init__(
+        self,
+        urdf_text: str,
+        joint_names: Sequence[str],
+        tip: str = "hand",
+        base: str = "base",
+        others: Mapping[str, float] | None = None,
+    ) -> None:
+        self._urdf = urdf_text
+        self.joint_names = tuple(joint_names)
+        self.tip = tip
+        self.base = base
+        self._others = dict(others or {})
+        reduced = urdf_of_arm(urdf_text, self.joint_names, self._others)
+        self._model = pin.buildModelFromXML(reduced)
+        self._geometry = pin.buildGeomFromUrdfString(self._model, reduced, pin.GeometryType.COLLISION)
+        self._order = np.array([self._model.idx_qs[self._model.getJointId(name)] for name in joint_names])
+        self.lower: Vector = self._model.lowerPositionLimit[self._order]
+        self.upper: Vector = self._model.upperPositionLimit[self._order]
+        self.velocity: Vector = self._model.velocityLimit[self._order]
+        self._data = self._model.createData()
+        self._tip_id = self._frame(tip)
+        self._root_T_base = self._fixed_placement(self._frame(base))
+        self._base_T_root = self._root_T_base.inverse()
+
+    def with_others(self, others: Mapping[str, float]) -> ArmModel:
+        """The same arm with other joints standing elsewhere, for example fingers opened to hold a book."""
+        return ArmModel(self._urdf, self.joint_names, self.tip, self.base, others={**self._others, **others})
+
+    @property
+    def dof(self) -> int:
+        """Number of joints n."""
+        return len(self.joint_names)
+
+    def forward(self, q: Vector, frame: str | None = None) -> Transform:
+        """base_T_frame (4, 4) at the joint angles `q` (n,) in [rad]; `frame` is any link, else the tip."""
+        pin.forwardKinematics(self._model, self._data, self.ordered(q))
+        index = self._tip_id if frame is None else self._frame(frame)
+        placement: Transform = (
+            self._base_T_root * pin.updateFramePlacement(self._model, self._data, index)
+        ).homogeneous
+        return placement
+
+    def jacobian(self, q: Vector) -> NDArray[np.float64]:
+        """(6, n): velocity of the tip [m/s; rad/s], in the axes of `base`, for each joint's [rad/s]."""
+        aligned = pin.ReferenceFrame.LOCAL_WORLD_ALIGNED
+        root_J = pin.computeFrameJacobian(self._model, self._data, self.ordered(q), self._tip_id, aligned)
+        turn = self._base_T_root.rotation
+        columns = self._order
+        return np.vstack((turn @ root_J[:3, columns], turn @ root_J[3:, columns]))
+
+    def manipulability(self, q: Vector) -> float:
+        """Smallest singular value of the Jacobian (0 at a singularity), with 1 m weighed as 1 rad."""
+        return float(np.linalg.svd(self.jacobian(q), compute_uv=False)[-1])
+
+    def inverse(
+        self, base_T_tip: Transform, near: Vector, restarts: int = 20, seed: int = 0
+    ) -> Vector | None:
+        """Joint angles (n,) within the limits that put the tip at `base_T_tip` (4, 4), or None.
+
+        The descent from `near` (n,) is taken when it arrives. Else `restarts` seeded random starts are
+        tried, those closest to `near` first.
+        """
+        target = self._root_T_base * pin.SE3(base_T_tip)
+        found = self._descend(target, np.clip(near, self.lower, self.upper))
+        if found is not None or restarts == 0:
+            return found
+        starts = self._starts(target, restarts, np.random.default_rng(seed))
+        starts.sort(key=lambda start: float(np.linalg.norm(start - near)))
+        arrived = (self._descend(target, start) for start in starts)
+        return next((q for q in arrived if q is not None), None)
+
+    def link_poses(self, q: Vector) -> NDArray[np.float64]:
+        """base_T_shape (g, 4, 4) of each body of `link_shapes`, in the same order."""
+        pin.forwardKinematics(self._model, self._data, self.ordered(q))
+        placements = [
+            self._base_T_root * self._data.oMi[body.parentJoint] * body.placement
+            for body in self._geometry.geometryObjects
+        ]
+        return np.array([placement.homogeneous for placement in placements])
+
+    def link_shapes(self, q: Vector) -> list[Shape]:
+        """All collision bodies of the robot, posed in `base`, each named after its link."""
+        names = [self._model.frames[body.parentFrame].name for body in self._geometry.geometryObjects]
+        bodies = zip(self._geometry.geometryObjects, names, self.link_poses(q), strict=True)
+        return [replace(_shape(body.geometry), pose=pose, name=name) for body, name, pose in bodies]
+
+    def for_collision(self) -> tuple[pin.Model, pin.GeometryModel, pin.SE3]:
+        """For a collision checker: Pinocchio's model, its own copy of the bodies, and root_T_base."""
+        return self._model, self._geometry.copy(), self._root_T_base
+
+    def tip_mount(self) -> tuple[int, pin.SE3]:
+        """For a collision checker: Pinocchio's index of the joint that carries the tip, and joint_T_tip."""
+        frame = self._model.frames[self._tip_id]
+        return frame.parentJoint, frame.placement
+
+    def ordered(self, q: Vector) -> Vector:
+        """The angles `q` (n,) of `joint_names` in Pinocchio's order (n,)."""
+        result = np.empty(self.dof)
+        result[self._order] = q
+        return result
+
+    def _frame(self, name: str) -> int:
+        if not self._model.existFrame(name, pin.FrameType.BODY):
+            raise ValueError(f"the URDF has no link {name!r}")
+        index: int = self._model.getFrameId(name, pin.FrameType.BODY)
+        return index
+
+    def _fixed_placement(self, index: int) -> pin.SE3:
+        frame = self._model.frames[index]
+        if frame.parentJoint != 0:
+            raise ValueError(f"link {frame.name!r} can't be the base: the arm's joints move it")
+        return frame.placement
+
+    def _descend(self, root_T_target: pin.SE3, start: Vector) -> Vector | None:
+        """Levenberg-Marquardt with damping by the error: Sugihara (2011), eq. 15 and 16, limits clamped."""
+        q = self.ordered(start)
+        lower, upper = self._model.lowerPositionLimit, self._model.upperPositionLimit
+        for _ in range(_ITERATIONS):
+            error, J = self._error(root_T_target, q)
+            squared = float(error @ error)
+            if squared < _TOLERANCE**2:
+                return np.asarray(q[self._order])
+            g = J.T @ error
+            stuck = ((q <= lower) & (g < 0.0)) | ((q >= upper) & (g > 0.0))
+            J[:, stuck] = 0.0
+            H = J.T @ J
+            H.flat[:: self.dof + 1] += 0.05 * squared + _DAMPING
+            step = np.linalg.solve(H, np.where(stuck, 0.0, g))
+            q = np.clip(q + step * min(1.0, _LONGEST_STEP / float(np.abs(step).max())), lower, upper)
+        return None
+
+    def _starts(self, root_T_target: pin.SE3, count: int, rng: np.random.Generator) -> list[Vector]:
+        """`count` starts, each the nearest to the target of some random ones: cheaper than more descents."""
+        drawn = rng.uniform(self.lower, self.upper, (count, _DRAWN, self.dof))
+        return [min(group, key=lambda q: self._distance(root_T_target, q)) for group in drawn]
+
+    def _distance(self, root_T_target: pin.SE3, q: Vector) -> float:
+        pin.forwardKinematics(self._model, self._data, self.ordered(q))
+        root_T_tip = pin.updateFramePlacement(self._model, self._data, self._tip_id)
+        return float(np.linalg.norm(pin.log6(root_T_tip.actInv(root_T_target)).vector))
+
+    def _error(self, root_T_target: pin.SE3, q: Vector) -> tuple[Vector, NDArray[np.float64]]:
+        pin.computeJointJacobians(self._model, self._data, q)
+        J = pin.getFrameJacobian(self._model, self._data, self._tip_id, pin.ReferenceFrame.LOCAL)
+        root_T_tip = pin.updateFramePlacement(self._model, self._data, self._tip_id)
+        return pin.log6(root_T_tip.actInv(root_T_target)).vector, J
+
+
+_ITERATIONS = 40
+_DRAWN = 8
+_LONGEST_STEP = 0.5  # [rad]
+_TOLERANCE = 1e-8  # [m] and [rad]
+_DAMPING = 1e-7
+
+
+def _shape(geometry: object) -> Shape:
+    match geometry:
+        case pin.coal.Box():
+            x, y, z = (2.0 * float(half) for half in geometry.halfSide)
+            return Box(np.eye(4), (x, y, z))
+        case pin.coal.Cylinder():
+            return Cylinder(np.eye(4), float(geometry.radius), 2.0 * float(geometry.halfLength))
+        case pin.coal.Sphere():
+            return Sphere(np.eye(4), float(geometry.radius))
+        case _:
+            raise ValueError(
+                f"a link's collision body is a {type(geometry).__name__}; use box, cylinder, sphere"
+            )

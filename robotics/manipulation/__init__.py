@@ -1,0 +1,1 @@
+"""Arm motion: collision, planning, timing."""

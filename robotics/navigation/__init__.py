@@ -1,0 +1,1 @@
+"""Maps, Voronoi graphs, tracking, localisation."""

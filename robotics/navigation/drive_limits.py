@@ -1,0 +1,56 @@
+"""What a differential drive can do, and commands that stay within it."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+BRAKING = 0.5  # share of the acceleration that braking is planned with; the rest is for late commands
+NEAR = 4.0  # [1/s]: close to the end speed falls in proportion to what is left, so that nothing overshoots
+
+
+class DriveLimits(NamedTuple):
+    """Of the base."""
+
+    speed: float = 0.5
+    """In [m/s]."""
+    turn_rate: float = 1.2
+    """In [rad/s]."""
+    acceleration: float = 0.6
+    """In [m/s²]."""
+    turn_acceleration: float = 2.5
+    """In [rad/s²]."""
+
+
+def rate_to_stop(rest: float, most: float, acceleration: float) -> float:
+    """The speed with which to cover `rest` and stop there; works for metres and for radians, with sign."""
+    size = min(most, math.sqrt(2.0 * BRAKING * acceleration * abs(rest)), NEAR * abs(rest))
+    return math.copysign(size, rest)
+
+
+class Ramp:
+    """Keeps commands within speeds and accelerations; remembers the last one."""
+
+    def __init__(self, limits: DriveLimits) -> None:
+        """At rest."""
+        self.limits = limits
+        self.speed = 0.0
+        self.turn_rate = 0.0
+
+    @property
+    def at_rest(self) -> bool:
+        """Whether the last command was (all but) to stand still."""
+        return abs(self.speed) < 1e-3 and abs(self.turn_rate) < 2e-3
+
+    def towards(self, speed: float, turn_rate: float, dt: float) -> tuple[float, float]:
+        """The allowed command nearest to what is wanted, in [m/s] and [rad/s], `dt` in [s] after the last."""
+        limits = self.limits
+        speed = _clip(speed, limits.speed)
+        turn_rate = _clip(turn_rate, limits.turn_rate)
+        self.speed += _clip(speed - self.speed, limits.acceleration * dt)
+        self.turn_rate += _clip(turn_rate - self.turn_rate, limits.turn_acceleration * dt)
+        return self.speed, self.turn_rate
+
+
+def _clip(value: float, most: float) -> float:
+    return max(-most, min(most, value))

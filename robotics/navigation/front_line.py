@@ -1,0 +1,138 @@
+"""Docking on a straight front: where a shelf stands, seen by a range sensor."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robotics.geometry.pose2 import Pose2, wrap
+
+FEWEST = 12  # points: fewer don't make a line
+ROUNDS = 8
+TRIED = 24  # points whose pairs are tried as a first line
+TUKEY = 3.5  # sigmas beyond which a point counts nothing: a thing 50 mm before the front must not tilt it
+
+
+class FrontLine(NamedTuple):
+    """A straight front in the base frame."""
+
+    distance: float
+    """From the base's origin straight to the line, in [m]."""
+    angle: float
+    """Direction of the line's nearest point (of the front's inward normal), in [rad]; 0: square before it."""
+    distance_std: float
+    """In [m]."""
+    angle_std: float
+    """In [rad]."""
+    inliers: int
+    """Points that made the line."""
+
+
+def fit_front(
+    points: NDArray[np.float64],
+    expected: NDArray[np.float64],
+    sigma: float = 0.01,
+    gate: float = 0.1,
+    margin: float = 0.05,
+) -> FrontLine | None:
+    """Fit a line to the points of a front: the best of lines through two points, then Tukey's weights.
+
+    What stands before a part of the front, or a part that is open, doesn't pull the line.
+
+    Args:
+        points: (n, 2) scan points in the base frame, in [m]; several scans from one pose may be stacked.
+        expected: (2, 2) the front's two ends in the base frame, as map and pose have it, in [m].
+        sigma: noise of a range, in [m].
+        gate: how far the front may be from where it is expected, in [m].
+        margin: left out at both ends of the front, in [m]; corners belong to something else as well.
+
+    Returns:
+        None if too few points belong to one line.
+    """
+    along, normal = _axes(expected)
+    local = np.column_stack([(points - expected[0]) @ along, (points - expected[0]) @ normal])
+    length = float(np.linalg.norm(expected[1] - expected[0]))
+    chosen = points[(np.abs(local[:, 1]) < gate) & (local[:, 0] > margin) & (local[:, 0] < length - margin)]
+    if len(chosen) < FEWEST:
+        return None
+    centre, normal = _first_line(chosen, along, normal, sigma)
+    for _ in range(ROUNDS):
+        ratio = (chosen - centre) @ normal / (TUKEY * sigma)
+        weights = np.where(np.abs(ratio) < 1.0, (1.0 - ratio**2) ** 2, 0.0)
+        if np.count_nonzero(weights) < FEWEST:
+            return None
+        centre, normal = _weighted_line(chosen, weights, normal)
+    return _front(chosen, weights, centre, normal, sigma)
+
+
+def _axes(segment: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Unit vectors along a segment and across it, the latter away from the origin."""
+    along = (segment[1] - segment[0]) / np.linalg.norm(segment[1] - segment[0])
+    normal = np.array([-along[1], along[0]])
+    return along, normal if normal @ segment[0] >= 0.0 else -normal
+
+
+def _first_line(
+    points: NDArray[np.float64], along: NDArray[np.float64], normal: NDArray[np.float64], sigma: float
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """A point and the normal of the line through two far points that explains most of the points (MSAC)."""
+    ordered = points[np.argsort(points @ along, kind="stable")]
+    some = ordered[np.linspace(0, len(points) - 1, min(TRIED, len(points))).astype(np.int64)]
+    first, second = np.triu_indices(len(some), k=max(1, len(some) // 4))
+    rays = some[second] - some[first]
+    normals = np.column_stack([-rays[:, 1], rays[:, 0]]) / np.maximum(np.hypot(*rays.T), 1e-9)[:, None]
+    normals[normals @ normal < 0.0] *= -1.0
+    off = normals @ points.T - (normals * some[first]).sum(axis=1)[:, None]
+    best = int(np.argmin(np.minimum((off / (1.5 * sigma)) ** 2, 1.0).sum(axis=1)))
+    return some[first[best]], normals[best]
+
+
+def _weighted_line(
+    points: NDArray[np.float64], weights: NDArray[np.float64], towards: NDArray[np.float64]
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Centre of the points and normal of the line through them, on the side of `towards`."""
+    centre: NDArray[np.float64] = weights @ points / weights.sum()
+    off = points - centre
+    _, axes = np.linalg.eigh((off * weights[:, None]).T @ off)
+    normal = axes[:, 0] if axes[:, 0] @ towards >= 0.0 else -axes[:, 0]
+    return centre, normal
+
+
+def _front(
+    points: NDArray[np.float64],
+    weights: NDArray[np.float64],
+    centre: NDArray[np.float64],
+    normal: NDArray[np.float64],
+    sigma: float,
+) -> FrontLine:
+    used = weights > 0.0
+    at = (points - centre) @ np.array([-normal[1], normal[0]])
+    spread = float((weights * at**2).sum())
+    noise = max(sigma, float(np.std(((points - centre) @ normal)[used])))
+    angle_std = noise / math.sqrt(spread)
+    lever = float(
+        centre @ np.array([-normal[1], normal[0]])
+    )  # of the foot point, seen from the points' centre
+    distance_std = math.hypot(noise / math.sqrt(float(weights.sum())), lever * angle_std)
+    angle = math.atan2(float(normal[1]), float(normal[0]))
+    return FrontLine(float(centre @ normal), angle, distance_std, angle_std, int(used.sum()))
+
+
+def pose_from_front(pose: Pose2, front: FrontLine, segment: NDArray[np.float64]) -> Pose2:
+    """Correct a pose by a front: its heading, and its place along the front's normal; the rest stays.
+
+    Args:
+        pose: map_T_base, so good that the right front was looked at.
+        front: as fitted in the base frame.
+        segment: (2, 2) the front's two ends in the map frame, in [m].
+    """
+    along = (segment[1] - segment[0]) / np.linalg.norm(segment[1] - segment[0])
+    here = np.array([pose.x, pose.y])
+    normal = np.array([-along[1], along[0]])
+    normal = normal if normal @ (segment[0] - here) >= 0.0 else -normal
+    heading = wrap(math.atan2(float(normal[1]), float(normal[0])) - front.angle)
+    moved = here + (float(normal @ (segment[0] - here)) - front.distance) * normal
+    return Pose2(float(moved[0]), float(moved[1]), heading)

@@ -1,0 +1,120 @@
+"""Where the robot is: odometry, with or without scans."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robotics.geometry.pose2 import Pose2
+from robotics.navigation.odometry import Odometry, OdometryErrors
+from robotics.navigation.scan_matching import LikelihoodField, ScanMatch, match_scan
+
+FEWEST_POINTS = 20
+
+
+class Localizer(ABC):
+    """Estimates map_T_base from wheel travel and range scans."""
+
+    def __init__(
+        self,
+        start: Pose2,
+        tread: float,
+        errors: OdometryErrors = OdometryErrors(),
+        covariance: NDArray[np.float64] | None = None,
+    ) -> None:
+        """Start at a pose, certain or with a covariance (3, 3); `tread` of the wheels in [m]."""
+        self._odometry = Odometry(start, tread, errors, covariance)
+
+    @property
+    def pose(self) -> Pose2:
+        """map_T_base."""
+        return self._odometry.pose
+
+    @property
+    def covariance(self) -> NDArray[np.float64]:
+        """(3, 3) of x, y in [m] and heading in [rad], in the map frame."""
+        return self._odometry.covariance
+
+    def predict(self, left: float, right: float) -> None:
+        """The wheels travelled this far, in [m]."""
+        self._odometry.predict(left, right)
+
+    @abstractmethod
+    def correct(self, points: NDArray[np.float64]) -> bool:
+        """Take a scan's end points (n, 2), base frame, in [m]; whether the estimate could be corrected."""
+
+
+class OdometryLocalizer(Localizer):
+    """Wheels alone: what is left when scans are switched off."""
+
+    def correct(self, points: NDArray[np.float64]) -> bool:
+        """Scans are not looked at."""
+        return False
+
+
+class ScanLocalizer(Localizer):
+    """Odometry corrected by matching scans with a map.
+
+    Attributes:
+        last_match: what the latest scan gave, taken over or not; None before the first.
+    """
+
+    def __init__(
+        self,
+        field: LikelihoodField,
+        start: Pose2,
+        tread: float,
+        errors: OdometryErrors = OdometryErrors(),
+        covariance: NDArray[np.float64] | None = None,
+        sigma: float = 0.01,
+        least_inliers: float = 0.4,
+        patience: int = 10,
+    ) -> None:
+        """Start at a pose on a map.
+
+        Args:
+            field: of the map.
+            start: map_T_base.
+            tread: distance of the wheels, in [m].
+            errors: of the wheels.
+            covariance: (3, 3) of the start, in [m, m, rad]; certain if None.
+            sigma: noise of a range, in [m].
+            least_inliers: share of points that the map must explain for a match to be believed.
+            patience: poor matches in a row after which the robot counts as lost and searches wider.
+        """
+        super().__init__(start, tread, errors, covariance)
+        self._field = field
+        self._sigma = sigma
+        self._least_inliers = least_inliers
+        self._patience = patience
+        self._poor = 0
+        self.last_match: ScanMatch | None = None
+
+    @property
+    def lost(self) -> bool:
+        """Whether the last scans didn't fit the map anywhere near."""
+        return self._poor >= self._patience
+
+    def correct(self, points: NDArray[np.float64]) -> bool:
+        """Match the scan and take the pose over, unless the map explains too little of it."""
+        if len(points) < FEWEST_POINTS:
+            self._poor += 1
+            return False
+        match = match_scan(self._field, points, self.pose, self.covariance, self._sigma, anneal=self.lost)
+        self.last_match = match
+        if match.inliers < self._least_inliers:
+            self._poor += 1
+            return False
+        self._poor = 0
+        self._odometry.correct(match.pose, match.covariance)
+        return True
+
+    def relocalize(self, near: Pose2, points: NDArray[np.float64]) -> ScanMatch:
+        """Start again from a rough pose, up to about 0.3 m and 10 degrees off, by a scan (n, 2)."""
+        rough = np.diag([0.3, 0.3, 0.17]) ** 2
+        match = match_scan(self._field, points, near, rough, self._sigma, anneal=True)
+        self._odometry.reset(match.pose, match.covariance)
+        self.last_match, self._poor = match, 0
+        return match

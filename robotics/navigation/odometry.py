@@ -1,0 +1,120 @@
+"""Dead reckoning of a differential drive, with an honest covariance."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robotics.geometry.pose2 import Pose2
+
+
+class OdometryErrors(NamedTuple):
+    """One-sigma errors of a differential drive's wheels."""
+
+    radius: float = 0.002
+    """Of each wheel's radius, relative, the same all the time."""
+    tread: float = 0.005
+    """Of the distance between the wheels, relative, the same all the time."""
+    slip: float = 0.01
+    """Of each wheel's travel, relative, new every `slip_length`."""
+    slip_length: float = 0.1
+    """In [m]."""
+
+
+class Odometry:
+    """Integrates wheel travel into a pose, and its errors into a covariance.
+
+    Errors of wheel radius and tread stay the same for the whole drive, so their effect grows with distance,
+    not with its square root. They are therefore carried as three more states; a pose that was measured
+    otherwise (`correct`) also teaches them: the wheels are calibrated while driving.
+    """
+
+    def __init__(
+        self,
+        pose: Pose2,
+        tread: float,
+        errors: OdometryErrors = OdometryErrors(),
+        covariance: NDArray[np.float64] | None = None,
+    ) -> None:
+        """Start at a pose.
+
+        Args:
+            pose: map_T_base.
+            tread: distance between the wheels, in [m].
+            errors: of the wheels.
+            covariance: (3, 3) of the pose, in [m, m, rad]; certain if None.
+        """
+        self._tread = tread
+        self._errors = errors
+        self._scales = np.zeros(3)  # relative: left travel, right travel, tread
+        self._state = np.diag([0.0, 0.0, 0.0, errors.radius**2, errors.radius**2, errors.tread**2])
+        self.reset(pose, covariance)
+
+    @property
+    def covariance(self) -> NDArray[np.float64]:
+        """(3, 3) of x, y in [m] and heading in [rad], in the map frame."""
+        return self._state[:3, :3].copy()
+
+    def reset(self, pose: Pose2, covariance: NDArray[np.float64] | None = None) -> None:
+        """Forget the pose; what was learned about the wheels is kept."""
+        self.pose = pose
+        self._state[:3] = 0.0
+        self._state[:, :3] = 0.0
+        if covariance is not None:
+            self._state[:3, :3] = covariance
+
+    def predict(self, left: float, right: float) -> None:
+        """Move by the travel of both wheels since the last call, in [m]."""
+        moved = np.array([left, right]) * (1.0 + self._scales[:2])
+        tread = self._tread * (1.0 + self._scales[2])
+        forward, turn = 0.5 * (moved[0] + moved[1]), (moved[1] - moved[0]) / tread
+        heading = self.pose.theta + 0.5 * turn
+        chord = forward * (math.sin(0.5 * turn) / (0.5 * turn) if abs(turn) > 1e-9 else 1.0)
+        cos, sin = math.cos(heading), math.sin(heading)
+        by_wheel = _wheel_jacobian(forward, cos, sin, tread)
+        step = np.eye(6)
+        step[:2, 2] = -chord * sin, chord * cos
+        step[:3, 3:5] = by_wheel * (left, right)
+        step[:3, 5] = np.array([0.5 * forward * sin, -0.5 * forward * cos, -1.0]) * turn
+        slip = self._errors.slip**2 * np.abs([left, right]) * self._errors.slip_length
+        self._state = step @ self._state @ step.T
+        self._state[:3, :3] += (by_wheel * slip) @ by_wheel.T
+        self.pose = self.pose.compose(_arc(chord, turn))
+
+    def correct(self, pose: Pose2, covariance: NDArray[np.float64]) -> None:
+        """Take over a better pose, found with this one as its prior.
+
+        Args:
+            pose: map_T_base.
+            covariance: (3, 3), of the pose with the prior already in it.
+        """
+        prior = self._state[:3, :3] + 1e-12 * np.eye(3)
+        gain = np.linalg.solve(
+            prior, self._state[:3]
+        ).T  # (6, 3): what a change of the pose says of all states
+        turn = Pose2(0.0, 0.0, pose.theta).relative_to(Pose2(0.0, 0.0, self.pose.theta)).theta
+        change = np.array([pose.x - self.pose.x, pose.y - self.pose.y, turn])
+        self._scales += (gain @ change)[3:]
+        self._state = self._state + gain @ (covariance - prior) @ gain.T
+        self._state[:3, :3] = covariance
+        self.pose = pose
+
+
+def _wheel_jacobian(forward: float, cos: float, sin: float, tread: float) -> NDArray[np.float64]:
+    """(3, 2) of x, y, heading by the travel of the left and the right wheel."""
+    bend = 0.5 * forward / tread
+    return np.array(
+        [
+            [0.5 * cos + bend * sin, 0.5 * cos - bend * sin],
+            [0.5 * sin - bend * cos, 0.5 * sin + bend * cos],
+            [-1.0 / tread, 1.0 / tread],
+        ]
+    )
+
+
+def _arc(chord: float, turn: float) -> Pose2:
+    """Where an arc with this chord and turn ends, seen from where it starts."""
+    return Pose2(float(chord) * math.cos(0.5 * turn), float(chord) * math.sin(0.5 * turn), float(turn))

@@ -1,0 +1,1 @@
+"""From pixels to tags, labels, spines and gaps."""

@@ -1,0 +1,112 @@
+"""From a text recogniser's letter probabilities to the likeliest call number."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+SYMBOLS = "0123456789.ABCDEFGHIJKLMNOPQRSTUVWXYZ"
+# What a recogniser trained on all scripts may call our symbols. Digits and letters share their look-alikes:
+# the place in the call number decides which of the two was meant.
+_ALIASES = {
+    **{letter: letter + letter.lower() for letter in "CJKMPSUVWXYZ"},
+    "0": "0OoD",
+    "1": "1lI|",
+    ".": ".,·。．、・",
+    "I": "I1l|",
+    "O": "Oo0",
+    "A": "AΑА",
+    "B": "BΒВ",
+    "E": "EΕЕ",
+    "H": "HΗН",
+    "N": "NΝ",
+    "T": "TΤТ",
+}
+_DIGITS, _POINT, _LETTERS = range(10), 10, range(11, 37)
+_UNLIKELY = 1e-3
+_BEAM = 12
+
+
+class Decoded(NamedTuple):
+    """A text of a call number's form. `confidence`, 0..1: its share among all call numbers that the
+    probabilities allow, times the mean (geometric) probability of its symbols."""
+
+    text: str
+    confidence: float
+
+
+class CallNumberDecoder:
+    """Finds the likeliest call number `ddd[.d...] LLL` in a recogniser's (CTC) outputs.
+
+    Prefix beam search (Graves et al., "Connectionist temporal classification", 2006; Hannun et al., 2014)
+    that only follows prefixes of call numbers. What isn't in the outputs is not made up: no path, no text.
+    """
+
+    def __init__(self, characters: Sequence[str], letters: int = 3, max_decimals: int = 4) -> None:
+        """`characters`: what each column of the recogniser's output stands for; column 0 is the blank."""
+        columns = {character: i for i, character in enumerate(characters)}
+        self._groups = [
+            [columns[alias] for alias in _ALIASES.get(symbol, symbol) if alias in columns]
+            for symbol in SYMBOLS
+        ]
+        self._blank = [0] + [columns[c] for c in (" ", "\u3000") if c in columns]
+        self._letters, self._max_decimals = letters, max_decimals
+
+    def decode(self, probabilities: NDArray[np.float32]) -> Decoded | None:
+        """The call number in `probabilities` (time, characters), or None where they hold none."""
+        symbols = np.column_stack([probabilities[:, group].sum(axis=1) for group in self._groups])
+        blanks = probabilities[:, self._blank].sum(axis=1)
+        # Of a prefix: its probability ending in a blank, and ending in its last symbol.
+        beams: dict[tuple[int, ...], tuple[float, float]] = {(): (1.0, 0.0)}
+        for row, blank in zip(symbols.astype(np.float64), blanks.tolist(), strict=True):
+            beams = self._step(beams, row, blank)
+        finished = {prefix: sum(p) for prefix, p in beams.items() if self._finished(prefix)}
+        if not finished:
+            return None
+        best = max(finished, key=lambda prefix: (finished[prefix], prefix))
+        text = "".join(SYMBOLS[i] for i in best)
+        quality = min(1.0, finished[best]) ** (1.0 / len(best))
+        confidence = finished[best] / sum(finished.values()) * quality
+        return Decoded(f"{text[: -self._letters]} {text[-self._letters :]}", float(confidence))
+
+    def _step(
+        self, beams: dict[tuple[int, ...], tuple[float, float]], row: NDArray[np.float64], blank: float
+    ) -> dict[tuple[int, ...], tuple[float, float]]:
+        grown: dict[tuple[int, ...], tuple[float, float]] = {}
+        likely = [(int(i), float(row[i])) for i in np.flatnonzero(row > _UNLIKELY)]
+        for prefix, (ends_blank, ends_symbol) in beams.items():
+            last = prefix[-1] if prefix else -1
+            stays = float(row[last]) * ends_symbol if prefix else 0.0
+            _add(grown, prefix, (ends_blank + ends_symbol) * blank, stays)
+            for i, p in likely:
+                if self._may_follow(prefix, i):
+                    # A symbol twice in a row needs a blank between, or it is one symbol.
+                    _add(
+                        grown, (*prefix, i), 0.0, p * (ends_blank if i == last else ends_blank + ends_symbol)
+                    )
+        best = sorted(grown.items(), key=lambda item: (-sum(item[1]), item[0]))
+        return dict(best[:_BEAM])
+
+    def _may_follow(self, prefix: tuple[int, ...], symbol: int) -> bool:
+        letters = sum(i in _LETTERS for i in prefix)
+        digits = len(prefix) - letters
+        if letters or symbol in _LETTERS:
+            complete = digits == 3 or (digits > 4 and prefix[3] == _POINT)
+            return symbol in _LETTERS and complete and letters < self._letters
+        if len(prefix) < 3:
+            return symbol in _DIGITS
+        return symbol == _POINT if len(prefix) == 3 else symbol in _DIGITS and digits < 4 + self._max_decimals
+
+    def _finished(self, prefix: tuple[int, ...]) -> bool:
+        return len(prefix) > self._letters and prefix[-self._letters] in _LETTERS
+
+
+def _add(
+    beams: dict[tuple[int, ...], tuple[float, float]], prefix: tuple[int, ...], blank: float, symbol: float
+) -> None:
+    if blank + symbol > 0.0:
+        before = beams.get(prefix, (0.0, 0.0))
+        beams[prefix] = (before[0] + blank, before[1] + symbol)

@@ -1,0 +1,96 @@
+"""A camera with lens distortion: points to pixels, pixels to rays, pixels to points of a plane."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+GreyImage = NDArray[np.uint8]
+
+
+class CameraModel(NamedTuple):
+    """Pinhole with OpenCV's five-term distortion (k1, k2, p1, p2, k3); an integer pixel is a pixel's centre.
+
+    `K` (3, 3) in [px]; `distortion` (5,); `width`, `height` of the image in [px]. Camera frame: z forward,
+    x right, y down.
+    """
+
+    K: Floats
+    distortion: Floats
+    width: int
+    height: int
+
+    def project(self, points: Floats) -> Floats:
+        """Pixels (n, 2) of points (n, 3) of the camera frame in [m]. Points behind the camera give NaN."""
+        if len(points) == 0:
+            return np.empty((0, 2))
+        zero = np.zeros(3)
+        pixels, _ = cv2.projectPoints(points.reshape(-1, 1, 3), zero, zero, self.K, self.distortion)
+        result: Floats = pixels.reshape(-1, 2).astype(np.float64)
+        result[points[:, 2] <= 0.0] = np.nan
+        return result
+
+    def undistort(self, pixels: Floats) -> Floats:
+        """Rays (n, 2) through pixels (n, 2): x/z and y/z in the camera frame."""
+        if len(pixels) == 0:
+            return np.empty((0, 2))
+        criteria = (cv2.TERM_CRITERIA_COUNT | cv2.TERM_CRITERIA_EPS, 40, 1e-10)
+        source = np.ascontiguousarray(pixels, dtype=np.float64).reshape(-1, 1, 2)
+        rays = cv2.undistortPointsIter(source, self.K, self.distortion, np.eye(3), np.eye(3), criteria)
+        result: Floats = rays.reshape(-1, 2).astype(np.float64)
+        return result
+
+    def pixel_on_plane(self, pixels: Floats, camera_T_plane: Floats, x: float = 0.0) -> Floats:
+        """Where the rays through pixels (n, 2) meet the plane at `x` [m] of a frame: (n, 2) of its y, z in
+        [m].
+
+        The plane is x = const, not z, because shelf frames point x into the shelf. Rays that meet it behind
+        the camera or not at all give NaN.
+        """
+        rays = np.column_stack([self.undistort(pixels), np.ones(len(pixels))])
+        to_plane = np.linalg.inv(plane_to_rays(camera_T_plane, x))
+        meets = rays @ to_plane.T
+        with np.errstate(divide="ignore", invalid="ignore"):
+            points: Floats = meets[:, :2] / meets[:, 2:]
+        points[~(meets[:, 2] > 1e-12)] = np.nan
+        return points
+
+    def plane_in_image(self, points: Floats, camera_T_plane: Floats, x: float = 0.0) -> Floats:
+        """Pixels (n, 2) of points (n, 2) (y, z in [m]) on the plane at `x`: inverse of pixel_on_plane."""
+        space = np.column_stack([np.full(len(points), x), points])
+        return self.project(space @ camera_T_plane[:3, :3].T + camera_T_plane[:3, 3])
+
+    def rectify(self, image: GreyImage, picture_to_rays: Floats, size: tuple[int, int]) -> GreyImage:
+        """The picture (h, w) that a flat sheet would show, the lens undone.
+
+        `picture_to_rays` (3, 3) takes (column, row, 1) of the picture to a ray of the camera frame; `size` is
+        (width, height) of the picture. What the image doesn't show is 0.
+        """
+        # OpenCV inverts its "new camera matrix" to get exactly this map; any homography does.
+        inverse = np.linalg.inv(picture_to_rays)
+        columns, rows = cv2.initUndistortRectifyMap(
+            self.K, self.distortion, np.eye(3), inverse, size, cv2.CV_32FC1
+        )
+        return cv2.remap(image, columns, rows, cv2.INTER_CUBIC).astype(np.uint8, copy=False)
+
+
+def plane_to_rays(camera_T_plane: Floats, x: float = 0.0) -> Floats:
+    """The homography (3, 3) from (y, z, 1) on the plane at `x` [m] of a frame to rays of the camera frame."""
+    rotation, origin = camera_T_plane[:3, :3], camera_T_plane[:3, 3]
+    return np.column_stack([rotation[:, 1], rotation[:, 2], origin + rotation[:, 0] * x])
+
+
+def picture_of_plane(
+    camera_T_plane: Floats, upper_left: tuple[float, float], m_per_px: float, x: float = 0.0
+) -> Floats:
+    """`picture_to_rays` for a picture of the plane at `x`, seen from -x: y runs to the left, z up.
+
+    `upper_left` is (y, z) in [m] of the picture's first pixel.
+    """
+    to_plane = np.array([[-m_per_px, 0.0, upper_left[0]], [0.0, -m_per_px, upper_left[1]], [0.0, 0.0, 1.0]])
+    picture_to_rays: Floats = plane_to_rays(camera_T_plane, x) @ to_plane
+    return picture_to_rays
