@@ -1,7 +1,7 @@
 """Voronoi graphs, routes, scan matching and docking, measured: `python -m benchmarks.navigation`.
 
-Seeded; times are medians of warm calls. `--maps` names a folder with `turtlebot3/map.pgm` and `depot/depot.pgm`;
-without it only the generated office is measured. `--quick` leaves out the 4000 x 4000 map.
+Seeded; times are medians of warm calls. `--maps` names a folder with `turtlebot3/map.pgm` and
+`depot/depot.pgm`; without it only the generated office is measured. `--quick` leaves out the 4000 x 4000 map.
 """
 
 from __future__ import annotations
@@ -232,10 +232,11 @@ def scan_rows(strangers: int, aligned: bool) -> list[Row]:
         )
         errors.append(error)
         squares.append(error @ np.linalg.solve(match.covariance, error))
+    where = "on cell edges" if aligned else "anywhere"
     away, turned = np.hypot(*np.array(errors)[:, :2].T), np.degrees(np.abs(np.array(errors)[:, 2]))
     return [
         Row(
-            f"scan to map, walls {'on cell edges' if aligned else 'anywhere'}, {strangers} unknown boxes: mm, mean / 95 %",
+            f"scan to map, walls {where}, {strangers} unknown boxes: mm, mean / 95 %",
             f"{1e3 * away.mean():.1f} / {1e3 * np.quantile(away, 0.95):.1f}",
             "start 63 mm off",
             "15, must 30",

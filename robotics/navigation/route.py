@@ -91,7 +91,7 @@ def _with_ends(
     start: Pose2 | tuple[float, float],
     goal: Pose2 | tuple[float, float],
 ) -> Route:
-    """The exact start and goal in place of those positions (n, 2), in [cells], that are within a cell of them."""
+    """The exact start and goal in place of those positions (n, 2), in [cells], within a cell of them."""
     points = graph.map.to_point(path)
     ends = np.array([start[:2], goal[:2]])
     far = [np.hypot(*(points - end).T) > graph.map.resolution for end in ends]

@@ -40,7 +40,7 @@ class LikelihoodField:
 
     def read(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
         """Distance (n,) in [m] of points (n, 2) of the map to the nearest surface; inf outside the map."""
-        distances: NDArray[np.float64] = _read(self.distance, self._scaled(points))[:, 0]
+        distances: NDArray[np.float64] = _read(self.distance, self.map.occupied, self._scaled(points))[:, 0]
         return distances
 
     def _scaled(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -63,14 +63,16 @@ class ScanMatch(NamedTuple):
 
 
 @compiled
-def _read(distance: NDArray[np.float32], at: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Distance and its slopes along x and y per cell (n, 3), bilinear; (inf, 0, 0) outside."""
+def _read(
+    distance: NDArray[np.float32], occupied: NDArray[np.bool_], at: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Distance, its bilinear slopes along x and y per cell, 1 in solids: (n, 4); inf and zeros outside."""
     height, width = distance.shape
-    out = np.empty((len(at), 3))
+    out = np.empty((len(at), 4))
     for i in range(len(at)):
         column, row = math.floor(at[i, 0]), math.floor(at[i, 1])
         if not (0 <= column < width - 1 and 0 <= row < height - 1):
-            out[i] = np.inf, 0.0, 0.0
+            out[i] = np.inf, 0.0, 0.0, 0.0
             continue
         u, v = at[i, 0] - column, at[i, 1] - row
         a, b = distance[row, column], distance[row, column + 1]
@@ -78,14 +80,21 @@ def _read(distance: NDArray[np.float32], at: NDArray[np.float64]) -> NDArray[np.
         out[i, 0] = (a * (1 - u) + b * u) * (1 - v) + (c * (1 - u) + d * u) * v
         out[i, 1] = (b - a) * (1 - v) + (d - c) * v
         out[i, 2] = (c - a) * (1 - u) + (d - b) * u
+        out[i, 3] = occupied[int(row + v + 0.5), int(column + u + 0.5)]
     return out
 
 
 @compiled
 def _normal_equations(
-    readings: NDArray[np.float64], arms: NDArray[np.float64], resolution: float, scale: float
+    readings: NDArray[np.float64],
+    arms: NDArray[np.float64],
+    resolution: float,
+    scale: float,
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Hessian (3, 3) and gradient (3,) of the points' robust cost, weights of Geman and McClure."""
+    """Hessian (3, 3) and gradient (3,) of the points' robust cost, weights of Geman and McClure.
+
+    A point inside a solid that would be drawn on along its beam is left out: that way is the wall's back.
+    """
     hessian = np.zeros((3, 3))
     gradient = np.zeros(3)
     slope = np.empty(3)
@@ -95,6 +104,12 @@ def _normal_equations(
             continue
         weight = 1.0 / (1.0 + (residual / scale) ** 2) ** 2
         slope[0], slope[1] = readings[i, 1] / resolution, readings[i, 2] / resolution
+        if (
+            readings[i, 3]
+            and slope[0] * arms[i, 0] + slope[1] * arms[i, 1] < 0.0
+            and residual > 0.5 * resolution
+        ):
+            continue
         slope[2] = slope[1] * arms[i, 0] - slope[0] * arms[i, 1]
         for j in range(3):
             gradient[j] += weight * slope[j] * residual
@@ -151,7 +166,7 @@ def _descend(
     for _ in range(12):
         moved = pose.apply(points)
         arms = moved - (pose.x, pose.y)
-        readings = _read(field.distance, field._scaled(moved))
+        readings = _read(field.distance, field.map.occupied, field._scaled(moved))
         hessian, gradient = _normal_equations(readings, arms, resolution, scale)
         off = np.array([pose.x - prior.x, pose.y - prior.y, wrap(pose.theta - prior.theta)])
         total = hessian / noise**2 + information

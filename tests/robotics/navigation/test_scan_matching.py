@@ -78,6 +78,19 @@ def test_a_corridor_says_nothing_about_the_way_along_it(scan):
     assert abs(match.pose.x - 25.15) < 0.05
 
 
+def test_a_thin_walls_back_is_not_taken_for_its_front(scan):
+    """Points 80 mm deep in a wall of 130 mm are nearer to its far side."""
+    walls = [(3.0, y, 0.0, 6.0, 0.13) for y in (0.513, 4.487)] + [
+        (x, 2.5, 0.0, 0.13, 4.0) for x in (0.513, 5.487)
+    ]
+    field = LikelihoodField(from_boxes(walls, 0.05, (0.0, 0.0), (6.0, 5.0)))
+    truth, prior = Pose2(2.6, 2.2, 0.4), np.diag([0.1, 0.1, 0.03]) ** 2
+    for x, y in ((0.08, 0.0), (-0.08, 0.0), (0.06, 0.08), (-0.05, -0.09)):
+        points = scan(walls, truth, np.random.default_rng(0))
+        match = match_scan(field, points, Pose2(2.6 + x, 2.2 + y, 0.42), prior)
+        assert match.pose.distance(truth) < 0.03
+
+
 def test_no_points_leave_the_prior(library_field):
     prior = np.diag([0.04, 0.09, 0.01])
     match = match_scan(library_field, np.empty((0, 2)), Pose2(5, 3, 1), prior)

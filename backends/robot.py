@@ -1,0 +1,184 @@
+"""The robot as a primitive sees it: any backend, with what is estimated above it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Generator
+from functools import cached_property
+from typing import TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from files.errors import HandcartError
+from robotics.geometry.pose2 import Pose2
+from robotics.geometry.transform import Transform
+from robotics.kinematics.arm_model import ArmModel
+from robotics.navigation.drive_limits import DriveLimits
+from robotics.navigation.grid_map import GridMap
+from robotics.navigation.localizer import Localizer, OdometryLocalizer, ScanLocalizer
+from robotics.navigation.scan_matching import LikelihoodField
+
+from .arm import Arm
+from .backend import Backend
+from .base import Base
+from .camera import Camera
+from .capability import Capability
+from .gripper import Gripper
+from .range_sensor import RangeSensor
+from .robot_file import RobotFile
+
+T = TypeVar("T")
+C = TypeVar("C", bound=Capability)
+
+STILL_SCANS = 20  # periods at rest after which further scans tell nothing new
+START_SIGMA = np.diag([0.05**2, 0.05**2, 0.035**2])  # [m², rad²] of where a task says the robot starts
+
+
+class MissingCapability(HandcartError, ValueError):
+    """The robot can't do what is asked of it."""
+
+    exit_status = 2
+
+    def __init__(self, kind: type[Capability], robot: Backend) -> None:
+        have = ", ".join(sorted(_name(type(each)) for each in robot.capabilities()))
+        super().__init__(f"the robot has no {kind.__name__}; it has: {have}")
+
+
+def _name(kind: type) -> str:
+    return next(each.__name__ for each in kind.__mro__ if Capability in each.__bases__)
+
+
+class Robot:
+    """A backend, its file, and the estimates that follow from its readings.
+
+    The outermost loop calls `step` once a period; primitives never do. `pose` is map_T_base, estimated once
+    above all backends, so the same for all of them.
+    """
+
+    def __init__(self, backend: Backend, spec: RobotFile, start: Pose2, grid: GridMap | None = None) -> None:
+        """Take a backend over.
+
+        Args:
+            backend: behind it.
+            spec: the robot's file.
+            start: map_T_base as the task states it, known to about 50 mm and 2 degrees.
+            grid: what scans are compared with; without it, or a range sensor, wheels alone tell the pose.
+        """
+        self.backend = backend
+        self.spec = spec
+        self.period = backend.period
+        self.time = 0.0
+        self._localizer = self._make_localizer(start, grid)
+        self._travel = self.base.wheel_travel()
+        self._still = 0
+
+    def _make_localizer(self, start: Pose2, grid: GridMap | None) -> Localizer:
+        tread = self.spec.drive.tread_m
+        if self.spec.localiser == "odometry" or grid is None or self.backend.get(RangeSensor) is None:
+            return OdometryLocalizer(start, tread, covariance=START_SIGMA)
+        localizer = ScanLocalizer(LikelihoodField(grid), start, tread, covariance=START_SIGMA)
+        localizer.correct(self.range_sensor.scan().points())
+        return localizer
+
+    # What it can do
+
+    def get(self, kind: type[C]) -> C:
+        """A capability; raises `MissingCapability` where the robot has none of that kind."""
+        found = self.backend.get(kind)
+        if found is None:
+            raise MissingCapability(kind, self.backend)
+        return found
+
+    @property
+    def base(self) -> Base:
+        """The wheels."""
+        return self.get(Base)  # type: ignore[type-abstract]
+
+    @property
+    def arm(self) -> Arm:
+        """The arm."""
+        return self.get(Arm)  # type: ignore[type-abstract]
+
+    @property
+    def gripper(self) -> Gripper:
+        """The gripper."""
+        return self.get(Gripper)  # type: ignore[type-abstract]
+
+    @property
+    def camera(self) -> Camera:
+        """The camera on the hand."""
+        return self.get(Camera)  # type: ignore[type-abstract]
+
+    @property
+    def range_sensor(self) -> RangeSensor:
+        """The range sensor."""
+        return self.get(RangeSensor)  # type: ignore[type-abstract]
+
+    @cached_property
+    def arm_model(self) -> ArmModel:
+        """Kinematics of the arm, from the URDF; its tip is the frame `hand`."""
+        if self.spec.arm is None:
+            raise MissingCapability(Arm, self.backend)
+        return ArmModel(self.spec.urdf_text(), self.spec.arm.joints)
+
+    @cached_property
+    def drive_limits(self) -> DriveLimits:
+        """Of the base."""
+        drive = self.spec.drive
+        return DriveLimits(
+            drive.top_speed_m_s,
+            np.radians(drive.top_turn_deg_s),
+            drive.acceleration_m_s2,
+            np.radians(drive.turn_acceleration_deg_s2),
+        )
+
+    # What is estimated
+
+    @property
+    def pose(self) -> Pose2:
+        """map_T_base."""
+        return self._localizer.pose
+
+    @property
+    def pose_covariance(self) -> NDArray[np.float64]:
+        """(3, 3) of x, y in [m] and heading in [rad]."""
+        return self._localizer.covariance
+
+    @property
+    def lost(self) -> bool:
+        """Whether the scans no longer fit the map anywhere near."""
+        return isinstance(self._localizer, ScanLocalizer) and self._localizer.lost
+
+    def base_T(self, frame: str) -> Transform:
+        """Pose of a frame of the arm in the base frame by the measured joints, (4, 4)."""
+        return self.arm_model.forward(self.arm.joints(), frame)
+
+    # Time
+
+    def step(self) -> None:
+        """Let one period pass and bring the estimates up to date."""
+        self.backend.step()
+        self.time += self.period
+        travel = self.base.wheel_travel()
+        left, right = travel.left - self._travel.left, travel.right - self._travel.right
+        self._travel = travel
+        self._still = self._still + 1 if left == right == 0.0 else 0
+        self._localizer.predict(left, right)
+        if self._still <= STILL_SCANS and self.backend.get(RangeSensor) is not None:  # type: ignore[type-abstract]
+            self._localizer.correct(self.range_sensor.scan().points())
+
+    def stop(self) -> None:
+        """Stop all motion."""
+        self.backend.stop()
+
+    def compute(self, work: Callable[..., T], *args: object, takes: float = 0.2) -> Generator[None, None, T]:
+        """Long computing: the robot holds, and time passes for it: `takes` in [s] in simulation."""
+        result = work(*args)
+        yield from self.wait(takes)
+        return result
+
+    def wait(self, seconds: float) -> Generator[None, None, None]:
+        """Hold for that long, in [s] of the robot's time."""
+        end = self.time + seconds
+        while self.time < end - 1e-9:
+            yield

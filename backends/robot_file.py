@@ -1,0 +1,144 @@
+"""A robot's file: what stands in `robot.yaml` beside its URDF."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import Annotated, Literal
+
+from pydantic import Field, PrivateAttr
+
+from files.inside import FilePath, resolve_inside
+from files.loading import load
+from files.model import FileModel
+
+Positive = Annotated[float, Field(gt=0.0)]
+NotNegative = Annotated[float, Field(ge=0.0)]
+
+ROBOTS = Path(__file__).parent / "robots"
+
+
+class Drive(FileModel):
+    """Two driven wheels."""
+
+    wheel_radius_m: Positive
+    tread_m: Positive
+    """Distance between the wheels."""
+    top_speed_m_s: Positive
+    top_turn_deg_s: Positive
+    acceleration_m_s2: Positive
+    turn_acceleration_deg_s2: Positive
+
+
+class ArmSpec(FileModel):
+    """The arm's joints and its named postures."""
+
+    joints: tuple[str, ...]
+    """Names in the URDF, from the shoulder to the hand."""
+    top_speed_deg_s: Positive
+    acceleration_deg_s2: Positive
+    postures: dict[str, tuple[float, ...]]
+    """Joint angles in [deg], in the order of `joints`. `handcart teach` adds to them."""
+
+
+class GripperSpec(FileModel):
+    """Two fingers."""
+
+    opening_mm: Positive
+    speed_mm_s: Positive
+    force_n: Positive
+
+
+class CameraSpec(FileModel):
+    """The camera at the URDF's frame `camera`."""
+
+    width_px: Annotated[int, Field(gt=0)]
+    height_px: Annotated[int, Field(gt=0)]
+    focal_px: Positive
+    k1: float = 0.0
+    k2: float = 0.0
+
+
+class RangeSpec(FileModel):
+    """The range sensor at the URDF's frame `range_sensor`."""
+
+    beams: Annotated[int, Field(gt=2)]
+    reach_m: Positive
+    sigma_mm: NotNegative
+
+
+class Errors(FileModel):
+    """How a simulated backend errs: sigmas; of the systematic ones, sigmas of what a seed draws once."""
+
+    wheel_radius_percent: NotNegative = 0.2
+    tread_percent: NotNegative = 0.5
+    slip_percent: NotNegative = 1.0
+    joint_repeatability_mrad: NotNegative = 0.15
+    image_noise_grey: NotNegative = 3.0
+    image_blur_px: NotNegative = 0.7
+    light_gradient: NotNegative = 0.25
+    """Share by which the picture's light changes from one side to the other."""
+    start_mm: NotNegative = 20.0
+    start_deg: NotNegative = 1.0
+    book_place_mm: NotNegative = 2.0
+    """How a person sets a book onto the tray."""
+    book_turn_deg: NotNegative = 1.0
+    hand_force_n: NotNegative = 0.3
+
+
+class Tolerance(FileModel):
+    """Within which a measured situation counts as the one that was."""
+
+    base_mm: Positive
+    base_deg: Positive
+    joints_deg: Positive
+    gripper_mm: Positive
+    object_mm: Positive
+
+
+class RobotFile(FileModel):
+    """A robot: drive, arm, sensors, limits, tolerances, postures, and how its simulation errs."""
+
+    format: Literal["handcart-robot/1"]
+    urdf: FilePath
+    period_s: Positive
+    """The control period."""
+    footprint_radius_m: Positive
+    """Of the circle about the base's centre that holds base, arm in its travelling posture and load."""
+    localiser: Literal["scan", "odometry"]
+    drive: Drive
+    arm: ArmSpec | None = None
+    gripper: GripperSpec | None = None
+    camera: CameraSpec | None = None
+    range_sensor: RangeSpec | None = None
+    errors: Errors = Errors()
+    tolerance: Tolerance
+    _folder: Path = PrivateAttr(default=ROBOTS)
+
+    def urdf_text(self) -> str:
+        """The URDF beside the file."""
+        return resolve_inside(self._folder, self.urdf).read_text(encoding="utf-8")
+
+    def posture(self, name: str) -> tuple[float, ...]:
+        """A named posture, in [rad]."""
+        if self.arm is None or name not in self.arm.postures:
+            known = ", ".join(self.arm.postures) if self.arm else "none: the robot has no arm"
+            raise KeyError(f"no posture {name!r}; allowed: {known}")
+        return tuple(math.radians(angle) for angle in self.arm.postures[name])
+
+
+def load_robot(name: str) -> RobotFile:
+    """A shipped robot by its name, or any by the path of its YAML file.
+
+    Raises:
+        FileError: the file is missing or something in it is wrong.
+    """
+    path = Path(name) if name.endswith((".yaml", ".yml")) else ROBOTS / name / "robot.yaml"
+    robot = load(path, RobotFile)
+    robot._folder = path.parent
+    return robot
+
+
+def robot_names() -> list[str]:
+    """The robots that are shipped."""
+    return sorted(path.parent.name for path in ROBOTS.glob("*/robot.yaml"))

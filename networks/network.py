@@ -1,0 +1,152 @@
+"""The action network: situations joined by actions, fixed before anything moves."""
+
+from __future__ import annotations
+
+import hashlib
+import math
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field, replace
+from types import MappingProxyType
+
+import networkx as nx
+
+from files.errors import InputError
+from files.suggest import suggest
+
+from .binding import Binding
+
+Fact = str | bool | int | float
+
+MAX_COST_S = 86_400.0
+"""The most that an action may cost, in [s]: a day."""
+MAX_ATTEMPTS = 20
+"""The most attempts of an action. With `MAX_COST_S` it keeps doubled weights below `SKIP_WEIGHT`."""
+
+
+class NetworkError(InputError):
+    """Situations and actions that make no sound network; the message says what is wrong."""
+
+
+@dataclass(frozen=True)
+class Situation:
+    """A named planning state of robot and world."""
+
+    name: str
+    facts: Mapping[str, Fact] = field(default_factory=dict)
+    """What physically holds in it; facts that only say what is known belong in the name."""
+    element: str | None = None
+    """Which element of a `repeat` it belongs to; what was learned for that is forgotten on leaving it."""
+
+
+@dataclass(frozen=True)
+class Action:
+    """A way from one situation to another: a primitive with its parameters, and what it costs."""
+
+    source: str
+    target: str
+    binding: Binding | None
+    """The primitive; None for a skip, which does nothing but leave an element of a `repeat` undone."""
+    cost_s: float = 1.0
+    attempts: int = 3
+    on_fail: str | None = None
+    """Where a Fail leads when only knowledge differs there; None: it leaves the situation as it is."""
+    index: int = -1
+    """Its number in the network."""
+
+    @property
+    def do(self) -> str:
+        """The primitive's name in files, SKIP for a skip."""
+        return self.binding.label if self.binding else "SKIP"
+
+    def __str__(self) -> str:
+        return f"{self.do} ({self.source} to {self.target})"
+
+
+@dataclass(frozen=True)
+class ActionNetwork:
+    """Situations and actions as a directed multigraph that never changes.
+
+    Each edge has its action's number as key and the action under `action`.
+    """
+
+    graph: nx.MultiDiGraph[str]
+    situations: Mapping[str, Situation]
+    actions: tuple[Action, ...]
+    start: str
+    goal: str
+
+    @classmethod
+    def build(
+        cls, situations: Iterable[Situation], actions: Iterable[Action], start: str, goal: str
+    ) -> ActionNetwork:
+        """A network of these.
+
+        Raises:
+            NetworkError: with everything that is wrong: names used twice or not known, costs and attempts
+                out of range, a Fail that would lead to other physical facts.
+        """
+        every = list(situations)
+        known = {each.name: each for each in every}
+        numbered = tuple(replace(action, index=number) for number, action in enumerate(actions))
+        wrong = [f"the situation {name!r} is there twice" for name in _doubled(each.name for each in every)]
+        for role, name in (("start", start), ("goal", goal)):
+            if name not in known:
+                wrong.append(f"{role}: unknown situation {name!r}{suggest(name, known)}")
+        wrong += [f"{action}: {fault}" for action in numbered for fault in faults_of(action, known)]
+        if wrong:
+            raise NetworkError("\n".join(wrong))
+        graph: nx.MultiDiGraph[str] = nx.MultiDiGraph()
+        graph.add_nodes_from(known)
+        graph.add_edges_from((a.source, a.target, a.index, {"action": a}) for a in numbered)
+        return cls(nx.freeze(graph), MappingProxyType(known), numbered, start, goal)
+
+    def bound(self) -> int:
+        """The most actions that any run can start, whatever fails: (A + 1)(V - 1) + A.
+
+        V situations, A attempts of all actions together: between two counted attempts a run visits no
+        situation twice.
+        """
+        attempts = sum(action.attempts for action in self.actions)
+        return (attempts + 1) * (len(self.situations) - 1) + attempts
+
+    def fingerprint(self) -> str:
+        """A checksum of everything that planning sees, in hexadecimal."""
+        digest = hashlib.sha256(repr((self.start, self.goal)).encode())
+        for each in self.situations.values():
+            digest.update(repr((each.name, sorted(each.facts.items()), each.element)).encode())
+        for action in self.actions:
+            said = action.binding.said() if action.binding else {}
+            row = (action.do, action.source, action.target, action.on_fail, action.cost_s, action.attempts)
+            digest.update(repr((row, said)).encode())
+        return digest.hexdigest()
+
+
+def faults_of(action: Action, known: Mapping[str, Situation]) -> list[str]:
+    """What is wrong with an action among these situations, "what is wrong; what is allowed"."""
+    named = {"from": action.source, "to": action.target, "on_fail": action.on_fail}
+    wrong = [
+        f"{key}: unknown situation {name!r}{suggest(name, known)}"
+        for key, name in named.items()
+        if name is not None and name not in known
+    ]
+    if not (math.isfinite(action.cost_s) and 0 < action.cost_s <= MAX_COST_S):
+        wrong.append(f"cost_s is {action.cost_s}; allowed: above 0, at most {MAX_COST_S:g}")
+    if not 1 <= action.attempts <= MAX_ATTEMPTS:
+        wrong.append(f"attempts is {action.attempts}; allowed: 1 to {MAX_ATTEMPTS}")
+    if action.on_fail in known and action.source in known:
+        wrong += _moved(known[action.source], known[action.on_fail])
+    return wrong
+
+
+def _moved(before: Situation, after: Situation) -> list[str]:
+    if dict(before.facts) == dict(after.facts):
+        return []
+    return [
+        f"on_fail: {after.name!r} has other physical facts than {before.name!r}, and a Fail changes none; "
+        "allowed: a situation with the same facts"
+    ]
+
+
+def _doubled(names: Iterable[str]) -> list[str]:
+    seen: set[str] = set()
+    return [name for name in names if name in seen or seen.add(name)]  # type: ignore[func-returns-value]

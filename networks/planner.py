@@ -1,0 +1,108 @@
+"""The cheapest way to the goal, with what failed made dearer."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import networkx as nx
+
+from .network import Action, ActionNetwork
+
+SKIP_WEIGHT = 1e12
+"""Leaving an element undone is dearer than all that could still be tried, in [s]."""
+
+
+@dataclass(frozen=True)
+class Plan:
+    """What to do next, and after it."""
+
+    actions: tuple[Action, ...]
+    cost: float
+    """The sum of planning weights, in [s]."""
+    excluded: tuple[Action, ...]
+    """What is out: as often failed as it may be."""
+
+
+@dataclass(frozen=True)
+class NoWay:
+    """No action that is left leads on to the goal."""
+
+    situation: str
+    blocking: tuple[Action, ...]
+    """The actions that would lead on, had they not been used up."""
+    explanation: str
+
+
+class Planner:
+    """Dijkstra's search over a network that it doesn't change: weights hide what is out.
+
+    An action's weight is its cost, doubled by each Fail. Of ways that weigh the same the one whose actions
+    come first in the network is taken, always. While nothing fails, the rest of a plan stays the cheapest
+    way, so it is kept.
+    """
+
+    def __init__(self, network: ActionNetwork) -> None:
+        self.network = network
+        self._fails = [0] * len(network.actions)
+        self._out = [False] * len(network.actions)
+        self._weights = [SKIP_WEIGHT if a.binding is None else a.cost_s for a in network.actions]
+        self._reasons: dict[int, str] = {}
+
+    def fails(self, action: Action) -> int:
+        """How often it failed."""
+        return self._fails[action.index]
+
+    def failed(self, action: Action, reason: str, *, permanent: bool = False) -> None:
+        """Count a Fail; a permanent one uses up all attempts."""
+        index = action.index
+        self._fails[index] += 1
+        self._reasons[index] = reason
+        self._weights[index] = math.ldexp(action.cost_s, self._fails[index])
+        self._out[index] = permanent or self._fails[index] >= action.attempts
+
+    def plan(self, situation: str) -> Plan | NoWay:
+        """The cheapest way from `situation` to the goal."""
+        try:
+            cost, nodes = nx.single_source_dijkstra(
+                self.network.graph, situation, self.network.goal, weight=self._weight
+            )
+        except nx.NetworkXNoPath:
+            return self._no_way(situation)
+        pairs = zip(nodes, nodes[1:], strict=False)
+        return Plan(tuple(self._best(*pair) for pair in pairs), float(cost), self._excluded())
+
+    def _weight(self, _source: str, _target: str, edges: Mapping[int, Any]) -> float | None:
+        # None hides an edge from networkx.
+        return min((self._weights[index] for index in edges if not self._out[index]), default=None)
+
+    def _best(self, source: str, target: str) -> Action:
+        left = [index for index in self.network.graph[source][target] if not self._out[index]]
+        return self.network.actions[min(left, key=lambda index: (self._weights[index], index))]
+
+    def _excluded(self) -> tuple[Action, ...]:
+        return tuple(action for action in self.network.actions if self._out[action.index])
+
+    def _no_way(self, situation: str) -> NoWay:
+        graph, goal = self.network.graph, self.network.goal
+        reached = self._reached(situation)
+        useful = nx.ancestors(graph, goal) | {goal}
+        blocking = tuple(
+            action
+            for action in self._excluded()
+            if action.source in reached and action.target in useful - reached
+        )
+        words = "; ".join(self._why(action) for action in blocking) or f"nothing leads from {situation} there"
+        return NoWay(situation, blocking, f"no way left from {situation} to {goal}: {words}")
+
+    def _reached(self, situation: str) -> set[str]:
+        usable: Iterable[Action] = (a for a in self.network.actions if not self._out[a.index])
+        left: nx.DiGraph[str] = nx.DiGraph([(a.source, a.target) for a in usable])
+        left.add_node(situation)
+        return nx.descendants(left, situation) | {situation}
+
+    def _why(self, action: Action) -> str:
+        times = self._fails[action.index]
+        return f"{action} failed {times} time{'s' * (times != 1)}, last: {self._reasons[action.index]}"

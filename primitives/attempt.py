@@ -1,0 +1,162 @@
+"""One attempt of a primitive: the part that no primitive may get wrong."""
+
+from __future__ import annotations
+
+import traceback
+from collections.abc import Callable, Generator
+
+from backends.backend import CommandError
+from backends.robot import Robot
+
+from .action_primitive import ActionPrimitive, Periods
+from .discrepancy import Discrepancy, NeedsPerson
+from .outcome import Fail, GiveUp, Outcome, Success, fail_if_restored
+from .retrace import reach_pose
+from .snapshot import Seen, Snapshot, limits, residuals, settle, take_snapshot
+from .trace import Trace
+from .world_model import ModelView, WorldModel
+
+RESTORES = 2  # times that restoring is tried before a person is called
+LONGEST_RESTORE = 600.0  # [s]
+
+
+def attempt(
+    primitive: ActionPrimitive,
+    robot: Robot,
+    model: WorldModel,
+    on_restore: Callable[[str], None] = lambda reason: None,
+) -> Generator[None, None, Outcome]:
+    """Run a primitive to its outcome. One `yield` is one period; who iterates steps the robot after each.
+
+    Stops, restores, waits for rest, measures and compares with the absolute snapshot; whether that is Fail
+    or GiveUp is decided here. A `Discrepancy` thrown in from outside (a cancel) restores like any other.
+
+    Args:
+        primitive: a fresh instance, its parameters bound.
+        robot: at rest.
+        model: what the robot knows; the primitive sees what it declared.
+        on_restore: told the reason when restoring begins.
+    """
+    view = model.view(primitive)
+    if primitive.only_knowledge:
+        return (yield from _think(primitive, robot, view))
+    if not (yield from settle(robot)):
+        robot.stop()
+        return GiveUp("the robot doesn't come to rest before the start")
+    start = take_snapshot(robot, {})
+    trace = Trace(robot)
+    try:
+        start = take_snapshot(robot, (yield from _recorded(primitive.observe(robot, view), trace)))
+        yield from _watched(primitive, primitive.motion(robot, view), robot, view, trace)
+        if not (yield from settle(robot)):
+            raise Discrepancy("the robot doesn't come to rest")
+        if not (yield from _recorded(primitive.effect(robot, view), trace)):
+            raise Discrepancy("what was to be achieved is not seen")
+        return Success(dict(primitive.facts))
+    except NeedsPerson as need:
+        robot.stop()
+        return GiveUp(need.reason)
+    except Discrepancy as discrepancy:
+        reason, permanent = discrepancy.reason, discrepancy.permanent
+    except Exception as error:  # a fault of the primitive's own code is restored from like any other
+        reason, permanent = _words(error), False
+        primitive.found(traceback=traceback.format_exc())
+    robot.stop()
+    on_restore(reason)
+    if primitive._no_return is not None:
+        return (yield from _finish(primitive, robot, view, reason))
+    return (yield from _restore(primitive, robot, view, start, trace, reason, permanent))
+
+
+def _think(primitive: ActionPrimitive, robot: Robot, view: ModelView) -> Generator[None, None, Outcome]:
+    """A primitive that only changes knowledge: nothing moves, so nothing has to be restored."""
+    try:
+        yield from primitive.motion(robot, view)
+        return Success(dict(primitive.facts))
+    except NeedsPerson as need:
+        return GiveUp(need.reason)
+    except Discrepancy as discrepancy:
+        return fail_if_restored(discrepancy.reason, discrepancy.permanent, {}, {})
+
+
+def _recorded(
+    periods: Generator[None, None, Seen | bool], trace: Trace
+) -> Generator[None, None, Seen | bool]:
+    """Take every period down for the way back."""
+    trace.record()
+    try:
+        while True:
+            next(periods)
+            yield
+            trace.record()
+    except StopIteration as end:
+        return end.value
+
+
+def _watched(
+    primitive: ActionPrimitive, periods: Periods, robot: Robot, view: ModelView, trace: Trace
+) -> Periods:
+    """The motion, watched every period; taken down for the way back up to the point of no return."""
+    trace.record()
+    for _ in periods:
+        yield
+        if primitive._no_return is None:
+            trace.record()
+        primitive.watch(robot, view)
+
+
+def _finish(
+    primitive: ActionPrimitive, robot: Robot, view: ModelView, reason: str
+) -> Generator[None, None, GiveUp]:
+    """Withdraw; what happened can't be undone, so a person has to look."""
+    try:
+        yield from primitive.finish(robot, view)
+    except (Discrepancy, NeedsPerson, CommandError) as error:
+        reason = f"{reason}; and withdrawing: {_words(error)}"
+    robot.stop()
+    return GiveUp(f"{reason}; after a point of no return ({primitive._no_return})")
+
+
+def _restore(
+    primitive: ActionPrimitive,
+    robot: Robot,
+    view: ModelView,
+    start: Snapshot,
+    trace: Trace,
+    reason: str,
+    permanent: bool,
+) -> Generator[None, None, Fail | GiveUp]:
+    """Restore, wait for rest, measure, compare with the absolute snapshot."""
+    verdict: Fail | GiveUp = GiveUp(reason)
+    for again in range(RESTORES):
+        way_back = reach_pose(robot, start.pose) if again else primitive.restore(robot, view, start, trace)
+        try:
+            yield from _within_time(way_back, robot, primitive, view)
+            yield from settle(robot)
+            now = take_snapshot(robot, {})
+            if start.seen:
+                now = take_snapshot(robot, (yield from primitive.observe(robot, view)))
+                yield from settle(robot)
+        except Exception as error:  # no second restore on top of a fault in restoring
+            robot.stop()
+            return GiveUp(f"{reason}; and restoring failed: {_words(error)}")
+        found = residuals(start, now)
+        verdict = fail_if_restored(reason, permanent, found, limits(robot, found))
+        if isinstance(verdict, Fail):
+            break
+    robot.stop()
+    return verdict
+
+
+def _within_time(way_back: Periods, robot: Robot, primitive: ActionPrimitive, view: ModelView) -> Periods:
+    end = robot.time + LONGEST_RESTORE
+    for _ in way_back:
+        yield
+        primitive.watch(robot, view)
+        if robot.time > end:
+            raise Discrepancy("restoring takes too long")
+
+
+def _words(error: Exception) -> str:
+    words = getattr(error, "reason", None) or str(error)
+    return words if isinstance(error, Discrepancy | NeedsPerson) else f"{type(error).__name__}: {words}"

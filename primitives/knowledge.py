@@ -1,0 +1,139 @@
+"""What a task tells the robot beforehand, in files: a map, places, a catalogue."""
+
+from __future__ import annotations
+
+import math
+from functools import cached_property
+from pathlib import Path
+from typing import Annotated, Literal
+
+import cv2
+import numpy as np
+from pydantic import Field
+
+from files.errors import FileError, Finding
+from files.inside import FilePath
+from files.loading import load_document
+from files.model import FileModel
+from files.yaml_document import read_document
+from robotics.geometry.pose2 import Pose2
+from robotics.geometry.transform import Transform
+from robotics.navigation.grid_map import GridMap, from_ros, unknown_read_as_free
+
+Positive = Annotated[float, Field(gt=0.0)]
+
+
+class Shelf(FileModel):
+    """A shelf in front of a place. Its frame: x into the shelf, y left, z up, from the front edge's middle."""
+
+    distance_m: Positive
+    """From the base's centre, standing at the place, to the shelf's front, straight ahead."""
+    width_m: Positive
+    """Between the side panels."""
+    board_m: Positive
+    """Height of the board that the books stand on."""
+    front_m: Positive
+    """Width of the front that the range sensor sees."""
+
+
+class Place(FileModel):
+    """A pose of the base that has a name."""
+
+    x_m: float
+    y_m: float
+    heading_deg: float
+    shelf: Shelf | None = None
+
+    @property
+    def pose(self) -> Pose2:
+        """map_T_base."""
+        return Pose2(self.x_m, self.y_m, math.radians(self.heading_deg))
+
+    @property
+    def map_T_shelf(self) -> Transform:
+        """Pose of the shelf frame, (4, 4). Raises ValueError where the place has no shelf."""
+        shelf = self._shelf()
+        return self.pose.compose(Pose2(shelf.distance_m, 0.0, 0.0)).lift(shelf.board_m)
+
+    @property
+    def front(self) -> np.ndarray[tuple[int, int], np.dtype[np.float64]]:
+        """The shelf's front, (2, 2): its ends on the map, in [m]."""
+        shelf = self._shelf()
+        ends = np.array([[shelf.distance_m, -0.5 * shelf.front_m], [shelf.distance_m, 0.5 * shelf.front_m]])
+        return self.pose.apply(ends)
+
+    def _shelf(self) -> Shelf:
+        if self.shelf is None:
+            raise ValueError("there is no shelf at this place")
+        return self.shelf
+
+
+class Places(FileModel):
+    """The places of a map."""
+
+    format: Literal["handcart-places/1"]
+    places: dict[str, Place]
+
+
+class Book(FileModel):
+    """A book in the catalogue."""
+
+    accession: Annotated[int, Field(ge=0, lt=250)]
+    """Number of its tag."""
+    call: str
+    """Call number, as on its label."""
+    title: str
+    shelf: str
+    """The place where it belongs."""
+    thickness_mm: Positive
+    height_mm: Positive
+    depth_mm: Positive
+
+
+class Catalogue(FileModel):
+    """All books that the library owns."""
+
+    format: Literal["handcart-catalogue/1"]
+    books: tuple[Book, ...]
+
+    @cached_property
+    def by_accession(self) -> dict[int, Book]:
+        """The books by the number of their tag."""
+        return {book.accession: book for book in self.books}
+
+
+class MapFile(FileModel):
+    """A map in ROS format (map_server), trinary."""
+
+    image: FilePath
+    resolution: Positive
+    origin: tuple[float, float, float]
+    negate: Annotated[int, Field(ge=0, le=1)] = 0
+    occupied_thresh: Annotated[float, Field(gt=0.0, lt=1.0)] = 0.65
+    free_thresh: Annotated[float, Field(gt=0.0, lt=1.0)] = 0.25
+    mode: Literal["trinary"] = "trinary"
+
+
+def load_map(path: Path) -> tuple[GridMap, str | None]:
+    """A map in ROS format, and a warning about it, if there is one.
+
+    Raises:
+        FileError: the YAML or its image is missing or wrong.
+    """
+    loaded = load_document(read_document(path), MapFile)
+    spec = loaded.value
+    image = cv2.imread(str(path.parent / spec.image), cv2.IMREAD_GRAYSCALE)
+    if image is None:
+        raise FileError([loaded.finding(("image",), f"no picture can be read from {spec.image!r}")])
+    negate = bool(spec.negate)
+    grid = from_ros(
+        image.astype(np.uint8), spec.resolution, spec.origin, spec.occupied_thresh, spec.free_thresh, negate
+    )
+    lost = unknown_read_as_free(image.astype(np.uint8), spec.free_thresh, negate)
+    if not lost:
+        return grid, None
+    warning = f"free_thresh {spec.free_thresh} turns {lost} unknown cells (grey 205) into free ones; "
+    line, column = (
+        loaded.document.position(("free_thresh",)) if "free_thresh" in spec.model_fields_set else (1, 1)
+    )
+    return grid, str(Finding(str(path), line, column, warning + "use 0.196 to keep them unknown"))

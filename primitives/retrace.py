@@ -1,0 +1,101 @@
+"""Playing a recorded motion backwards."""
+
+from __future__ import annotations
+
+from collections.abc import Generator, Sequence
+
+import numpy as np
+
+from backends.arm import Arm
+from backends.gripper import Gripper
+from backends.robot import Robot
+from robotics.geometry.pose2 import Pose2
+from robotics.navigation.path_tracking import PathTracker
+from robotics.navigation.pose_regulator import PoseRegulator, PoseTolerance
+
+from .snapshot import Snapshot
+from .trace import Moment, Trace
+
+TOLERANCE = PoseTolerance(position=0.006, heading=0.004)
+SHORT = 0.05  # [m]: less travel than this is regulated, not tracked
+GRIP_PAUSE = 0.6  # [s] that fingers get before anything else moves
+STOOD = 1e-4  # [m], [rad]: between two periods, less is no motion
+
+
+def retrace(robot: Robot, start: Snapshot, trace: Trace) -> Generator[None, None, None]:
+    """Bring the robot back to the absolute snapshot along the way it came, on one time line.
+
+    Stretches in which the base moved are driven back with feedback of its pose; in between, the commands of
+    arm and gripper are played backwards.
+    """
+    for stretch in reversed(_stretches(trace.moments)):
+        if _travelled(stretch):
+            yield from _drive_back(robot, stretch)
+        else:
+            yield from _play_back(robot, stretch)
+    yield from _command(robot, Moment(start.pose, start.joint_command, start.gripper_command))
+    yield from reach_pose(robot, start.pose)
+
+
+def reach_pose(
+    robot: Robot, goal: Pose2, tolerance: PoseTolerance = TOLERANCE
+) -> Generator[None, None, None]:
+    """Bring the base to a pose near by; does nothing where it stands there already, twice as exact."""
+    if robot.pose.distance(goal) < 0.5 * tolerance.position and robot.pose.turn(goal) < tolerance.heading:
+        return
+    regulator = PoseRegulator(goal, robot.drive_limits, tolerance)
+    while not regulator.finished(robot.pose):
+        robot.base.drive(*regulator.command(robot.pose, robot.period))
+        yield
+
+
+def _stretches(moments: Sequence[Moment]) -> list[list[Moment]]:
+    """The moments, divided where the base starts or stops moving."""
+    result: list[list[Moment]] = []
+    moving = False
+    for before, now in zip(moments, moments[1:], strict=False):
+        moves = before.pose.distance(now.pose) > STOOD or before.pose.turn(now.pose) > STOOD
+        if not result or moves != moving:
+            result.append([before])
+        result[-1].append(now)
+        moving = moves
+    return result or [list(moments)]
+
+
+def _travelled(stretch: Sequence[Moment]) -> bool:
+    ends = stretch[0].pose, stretch[-1].pose
+    return ends[0].distance(ends[1]) > 0.01 or ends[0].turn(ends[1]) > 0.02
+
+
+def _drive_back(robot: Robot, stretch: Sequence[Moment]) -> Generator[None, None, None]:
+    goal = stretch[0].pose
+    points = np.array([[each.pose.x, each.pose.y] for each in reversed(stretch)])
+    length = float(np.hypot(*np.diff(points, axis=0).T).sum())
+    if length < SHORT:
+        yield from reach_pose(robot, goal)
+        return
+    tracker = PathTracker(points, goal.theta, robot.drive_limits, _forwards(stretch), TOLERANCE)
+    while not tracker.finished(robot.pose):
+        robot.base.drive(*tracker.command(robot.pose, robot.period))
+        yield
+
+
+def _forwards(stretch: Sequence[Moment]) -> bool:
+    """Whether the base mostly drove forwards, so that the way back is driven backwards."""
+    steps = [now.pose.relative_to(before.pose).x for before, now in zip(stretch, stretch[1:], strict=False)]
+    return sum(steps) > 0.0
+
+
+def _play_back(robot: Robot, stretch: Sequence[Moment]) -> Generator[None, None, None]:
+    for moment in reversed(stretch):
+        yield from _command(robot, moment)
+
+
+def _command(robot: Robot, moment: Moment) -> Generator[None, None, None]:
+    arm, gripper = robot.backend.get(Arm), robot.backend.get(Gripper)  # type: ignore[type-abstract]
+    if gripper and abs(gripper.command() - moment.grip) > 1e-6:
+        gripper.move(moment.grip)
+        yield from robot.wait(GRIP_PAUSE)
+    if arm and np.any(arm.command() != moment.joints):
+        arm.move(moment.joints)
+        yield

@@ -1,0 +1,117 @@
+"""What is measured when a primitive starts, and how far from it the robot is later."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Generator, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from backends.arm import Arm
+from backends.gripper import Gripper
+from backends.robot import Robot
+from robotics.geometry.pose2 import Pose2
+
+STILL = 5  # periods without any motion that count as rest
+PATIENCE = 5.0  # [s]
+JOINT_NOISE = 2e-4  # [rad] between two readings of a joint that stands
+
+Seen = Mapping[str, tuple[float, ...]]
+"""Objects by name: where each was seen, in [m]."""
+
+
+@dataclass(frozen=True)
+class Snapshot:
+    """The robot at rest, as measured."""
+
+    pose: Pose2
+    """map_T_base."""
+    pose_sigma: tuple[float, float]
+    """Of the position in [m] and of the heading in [rad]."""
+    joints: NDArray[np.float64]
+    """(n,) measured, in [rad]; (0,) without an arm."""
+    joint_command: NDArray[np.float64]
+    """(n,) in [rad]."""
+    gripper_command: float
+    """In [m]; 0 without a gripper."""
+    gripper_width: float
+    """Measured, in [m]."""
+    holding: bool
+    """Whether the fingers press on something that keeps them apart."""
+    seen: Seen
+    """The objects that the primitive can touch."""
+
+
+def settle(robot: Robot) -> Generator[None, None, bool]:
+    """Wait until nothing moves any more; whether it came to rest in time."""
+    still, end = 0, robot.time + PATIENCE
+    before = _readings(robot)
+    while still < STILL and robot.time < end:
+        yield
+        now = _readings(robot)
+        still = still + 1 if np.all(np.abs(now - before) <= JOINT_NOISE) else 0
+        before = now
+    return still >= STILL
+
+
+def take_snapshot(robot: Robot, seen: Seen) -> Snapshot:
+    """Measure the robot as it stands now; `seen` are the objects it can touch."""
+    arm, gripper = robot.backend.get(Arm), robot.backend.get(Gripper)  # type: ignore[type-abstract]
+    sigma = np.sqrt(np.diag(robot.pose_covariance))
+    width = gripper.width() if gripper else 0.0
+    return Snapshot(
+        pose=robot.pose,
+        pose_sigma=(float(np.hypot(sigma[0], sigma[1])), float(sigma[2])),
+        joints=arm.joints().copy() if arm else np.empty(0),
+        joint_command=arm.command().copy() if arm else np.empty(0),
+        gripper_command=gripper.command() if gripper else 0.0,
+        gripper_width=width,
+        holding=bool(gripper and gripper.closed_on_something() and width > 0.002),
+        seen=dict(seen),
+    )
+
+
+def residuals(start: Snapshot, now: Snapshot) -> dict[str, float]:
+    """How far `now` is from `start`: name with unit to size.
+
+    What no longer is there, or isn't held any more, is infinitely far. The base's residual is what was
+    measured or 3 sigma of the measurement, whichever is larger.
+    """
+    result = {
+        "base_mm": 1e3 * max(now.pose.distance(start.pose), 3.0 * now.pose_sigma[0]),
+        "base_deg": math.degrees(max(now.pose.turn(start.pose), 3.0 * now.pose_sigma[1])),
+        "gripper_mm": 1e3 * abs(now.gripper_width - start.gripper_width),
+        "held": math.inf if start.holding != now.holding else 0.0,
+    }
+    if start.joints.size:
+        result["joints_deg"] = math.degrees(float(np.abs(now.joints - start.joints).max()))
+    for name, place in start.seen.items():
+        away = math.dist(place, now.seen[name]) if name in now.seen else math.inf
+        result[f"object {name} mm"] = 1e3 * away
+    return result
+
+
+def limits(robot: Robot, names: Mapping[str, float]) -> dict[str, float]:
+    """The tolerance of the robot's file for each residual."""
+    tolerance = robot.spec.tolerance
+    known = {
+        "base_mm": tolerance.base_mm,
+        "base_deg": tolerance.base_deg,
+        "joints_deg": tolerance.joints_deg,
+        "gripper_mm": tolerance.gripper_mm,
+        "held": 0.0,
+    }
+    return {name: known.get(name, tolerance.object_mm) for name in names}
+
+
+def _readings(robot: Robot) -> NDArray[np.float64]:
+    arm, gripper = robot.backend.get(Arm), robot.backend.get(Gripper)  # type: ignore[type-abstract]
+    return np.concatenate(
+        [
+            robot.base.wheel_travel(),
+            arm.joints() if arm else np.empty(0),
+            [gripper.width()] if gripper else np.empty(0),
+        ]
+    )

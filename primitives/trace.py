@@ -1,0 +1,39 @@
+"""What a motion did, period by period: the way back."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from backends.arm import Arm
+from backends.gripper import Gripper
+from backends.robot import Robot
+from robotics.geometry.pose2 import Pose2
+
+
+class Moment(NamedTuple):
+    """One period of a trace: base, arm and gripper on one time line."""
+
+    pose: Pose2
+    """map_T_base as estimated."""
+    joints: NDArray[np.float64]
+    """(n,) commanded, in [rad]; (0,) without an arm."""
+    grip: float
+    """Commanded opening, in [m]; 0 without a gripper."""
+
+
+class Trace:
+    """The moments of a motion, oldest first."""
+
+    def __init__(self, robot: Robot) -> None:
+        self._robot = robot
+        self.moments: list[Moment] = []
+
+    def record(self) -> None:
+        """Take this period down."""
+        arm = self._robot.backend.get(Arm)  # type: ignore[type-abstract]
+        gripper = self._robot.backend.get(Gripper)  # type: ignore[type-abstract]
+        joints = arm.command().copy() if arm else np.empty(0)
+        self.moments.append(Moment(self._robot.pose, joints, gripper.command() if gripper else 0.0))

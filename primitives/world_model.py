@@ -1,0 +1,164 @@
+"""What the robot knows: told beforehand, seen and learned."""
+
+from __future__ import annotations
+
+import typing
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from files.errors import HandcartError
+from files.suggest import suggest
+from robotics.geometry.pose2 import Pose2
+from robotics.navigation.grid_map import GridMap
+
+from .knowledge import Book, Catalogue, Place
+
+if TYPE_CHECKING:
+    from .action_primitive import ActionPrimitive
+
+
+class UnknownFact(HandcartError, LookupError):
+    """Something that the robot doesn't know (yet)."""
+
+
+class UndeclaredAccess(HandcartError, AttributeError):
+    """A primitive reads or writes an entry of the world model that it didn't declare."""
+
+
+class Slot(NamedTuple):
+    """Where a book belongs on its shelf, in the shelf's frame."""
+
+    shelf: str
+    """Name of the place with the shelf."""
+    left: float
+    """y of the left neighbour's side, in [m]."""
+    right: float
+    """y of the right neighbour's side, in [m]; less than `left`."""
+    sigma: float
+    """Of both, in [m]."""
+    after: str
+    """Call number of the left neighbour; empty at the end of the row."""
+    before: str
+    """Call number of the right neighbour."""
+
+
+class Detour(NamedTuple):
+    """A route that was planned around what was sensed."""
+
+    goal: str
+    points: NDArray[np.float64]
+    """(n, 2) on the map, in [m]."""
+
+
+@dataclass
+class WorldModel:
+    """The robot's knowledge. What an element of a repeat learned is forgotten with `clear_element`."""
+
+    # Told beforehand
+    map: GridMap
+    places: Mapping[str, Place]
+    catalogue: Catalogue
+    # Learned, kept for the run
+    obstacles: NDArray[np.float64]
+    """(n, 2) points that were sensed and are not on the map, in [m]."""
+    # Learned, kept for one element
+    book: Book | None = None
+    """The book that is to be returned."""
+    book_pose: Pose2 | None = None
+    """base_T_book while it stands on the tray: middle of its spine, x along its depth."""
+    slot: Slot | None = None
+    detour: Detour | None = None
+
+    ELEMENT: typing.ClassVar = ("book", "book_pose", "slot", "detour")
+
+    def __post_init__(self) -> None:
+        self._told = self._state()
+
+    def clear_element(self) -> None:
+        """Forget what belongs to one element of a repeat."""
+        for name in self.ELEMENT:
+            setattr(self, name, None)
+
+    def view(self, primitive: ActionPrimitive) -> ModelView:
+        """The model as this primitive may use it."""
+        return ModelView(self, primitive)
+
+    def lookup(self, path: str) -> Any:
+        """A value for a late-bound parameter, such as `book.shelf`.
+
+        Raises:
+            UnknownFact: it isn't known yet.
+        """
+        value: Any = self
+        for name in path.split("."):
+            value = getattr(value, name, None)
+            if value is None:
+                raise UnknownFact(f"{path} is not known yet")
+        return value
+
+    @classmethod
+    def type_of(cls, path: str) -> Any:
+        """The type that `lookup` will give.
+
+        Raises:
+            UnknownFact: there is no such entry; the message lists what there is.
+        """
+        kind: Any = cls
+        for name in path.split("."):
+            known = {key: value for key, value in typing.get_type_hints(kind).items() if key.islower()}
+            if name not in known:
+                raise UnknownFact(f"the world model has no {path!r}{suggest(name, known)}")
+            kind = known[name]
+            options = [each for each in typing.get_args(kind) if each is not type(None)]
+            kind = options[0] if type(None) in typing.get_args(kind) else kind
+        return kind
+
+    def taken_changes(self) -> dict[str, Any]:
+        """What was learned or forgotten since the last call, ready for JSON."""
+        now = self._state()
+        changes = {name: value for name, value in now.items() if value != self._told[name]}
+        self._told = now
+        return changes
+
+    def _state(self) -> dict[str, Any]:
+        return {
+            "obstacles": len(self.obstacles),
+            "book": self.book.accession if self.book else None,
+            "book_pose": list(self.book_pose) if self.book_pose else None,
+            "slot": list(self.slot) if self.slot else None,
+            "detour": self.detour.points.round(4).tolist() if self.detour else None,
+        }
+
+
+class ModelView:
+    """The world model through one primitive's eyes: what it didn't declare it can neither read nor write."""
+
+    if TYPE_CHECKING:
+        map: GridMap
+        places: Mapping[str, Place]
+        catalogue: Catalogue
+        obstacles: NDArray[np.float64]
+        book: Book | None
+        book_pose: Pose2 | None
+        slot: Slot | None
+        detour: Detour | None
+
+    def __init__(self, model: WorldModel, primitive: ActionPrimitive) -> None:
+        object.__setattr__(self, "_model", model)
+        object.__setattr__(self, "_primitive", primitive)
+
+    def __getattr__(self, name: str) -> Any:
+        primitive = self.__dict__["_primitive"]
+        if name not in primitive.reads + primitive.writes:
+            raise UndeclaredAccess(f"{primitive.label()} reads {name!r} without declaring it in `reads`")
+        return getattr(self.__dict__["_model"], name)
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        primitive = self.__dict__["_primitive"]
+        if name not in primitive.writes:
+            raise UndeclaredAccess(f"{primitive.label()} writes {name!r} without declaring it in `writes`")
+        setattr(self.__dict__["_model"], name, value)
