@@ -37,18 +37,14 @@ class Binding:
         """The primitive's name in files."""
         return self.kind.label()
 
-    @cached_property
-    def _known(self) -> ActionPrimitive:
-        return self.kind.model_validate(self.fixed)
-
     def make(self, model: WorldModel) -> ActionPrimitive:
-        """The primitive with all its parameters.
+        """A fresh instance, for one attempt, with all its parameters.
 
         Raises:
             NotBound: the world model doesn't know a value yet, or it is none that the parameter takes.
         """
         if not self.late:
-            return self._known
+            return self.kind.model_validate(self.fixed)
         try:
             known = {name: model.lookup(key) for name, key in self.late.items()}
             return self.kind.model_validate({**self.fixed, **known})

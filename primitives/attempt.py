@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import traceback
 from collections.abc import Callable, Generator
+from typing import TypeVar
 
 from backends.backend import CommandError
 from backends.robot import Robot
@@ -12,9 +13,11 @@ from .action_primitive import ActionPrimitive, Periods
 from .discrepancy import Discrepancy, NeedsPerson
 from .outcome import Fail, GiveUp, Outcome, Success, fail_if_restored
 from .retrace import reach_pose
-from .snapshot import Seen, Snapshot, limits, residuals, settle, take_snapshot
+from .snapshot import Snapshot, limits, residuals, settle, take_snapshot
 from .trace import Trace
 from .world_model import ModelView, WorldModel
+
+T = TypeVar("T")
 
 RESTORES = 2  # times that restoring is tried before a person is called
 LONGEST_RESTORE = 600.0  # [s]
@@ -79,18 +82,17 @@ def _think(primitive: ActionPrimitive, robot: Robot, view: ModelView) -> Generat
         return fail_if_restored(discrepancy.reason, discrepancy.permanent, {}, {})
 
 
-def _recorded(
-    periods: Generator[None, None, Seen | bool], trace: Trace
-) -> Generator[None, None, Seen | bool]:
+def _recorded(periods: Generator[None, None, T], trace: Trace) -> Generator[None, None, T]:
     """Take every period down for the way back."""
     trace.record()
-    try:
-        while True:
+    while True:
+        try:
             next(periods)
-            yield
-            trace.record()
-    except StopIteration as end:
-        return end.value
+        except StopIteration as end:
+            value: T = end.value
+            return value
+        yield
+        trace.record()
 
 
 def _watched(

@@ -24,7 +24,9 @@ Positive = Annotated[float, Field(gt=0.0)]
 
 
 class Shelf(FileModel):
-    """A shelf in front of a place. Its frame: x into the shelf, y left, z up, from the front edge's middle."""
+    """A shelf in front of a place. Its frame: x into the shelf, y left, z up, from the middle of its front edge
+    at the height of the board.
+    """
 
     distance_m: Positive
     """From the base's centre, standing at the place, to the shelf's front, straight ahead."""
@@ -127,7 +129,12 @@ def load_map(path: Path) -> tuple[GridMap, str | None]:
         raise FileError([loaded.finding(("image",), f"no picture can be read from {spec.image!r}")])
     negate = bool(spec.negate)
     grid = from_ros(
-        image.astype(np.uint8), spec.resolution, spec.origin, spec.occupied_thresh, spec.free_thresh, negate
+        image.astype(np.uint8),
+        spec.resolution,
+        spec.origin[:2],
+        spec.occupied_thresh,
+        spec.free_thresh,
+        negate,
     )
     lost = unknown_read_as_free(image.astype(np.uint8), spec.free_thresh, negate)
     if not lost:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Generator, Sequence
+from itertools import pairwise
 
 import numpy as np
 
@@ -53,7 +54,7 @@ def _stretches(moments: Sequence[Moment]) -> list[list[Moment]]:
     """The moments, divided where the base starts or stops moving."""
     result: list[list[Moment]] = []
     moving = False
-    for before, now in zip(moments, moments[1:], strict=False):
+    for before, now in pairwise(moments):
         moves = before.pose.distance(now.pose) > STOOD or before.pose.turn(now.pose) > STOOD
         if not result or moves != moving:
             result.append([before])
@@ -82,7 +83,7 @@ def _drive_back(robot: Robot, stretch: Sequence[Moment]) -> Generator[None, None
 
 def _forwards(stretch: Sequence[Moment]) -> bool:
     """Whether the base mostly drove forwards, so that the way back is driven backwards."""
-    steps = [now.pose.relative_to(before.pose).x for before, now in zip(stretch, stretch[1:], strict=False)]
+    steps = [now.pose.relative_to(before.pose).x for before, now in pairwise(stretch)]
     return sum(steps) > 0.0
 
 

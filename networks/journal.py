@@ -1,0 +1,143 @@
+"""The journal: one JSON line for everything decided, written before it is acted on."""
+
+from __future__ import annotations
+
+import errno
+import fcntl
+import os
+import time
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any, Literal
+
+import orjson
+from pydantic import BaseModel
+
+from .journal_record import FIRST, JournalError, seal
+
+SCHEMA = "handcart-journal/1"
+
+Sync = Literal["never", "always"]
+"""Whether each record waits until it is on the disk. Not needed to survive a killed process."""
+
+_FLAGS = os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_APPEND | os.O_CLOEXEC | os.O_NOFOLLOW
+_OPTIONS = orjson.OPT_SERIALIZE_NUMPY
+
+
+class Journal:
+    """A new file that records are appended to, each with one write, chained by checksums.
+
+    A record that could not be written whole poisons the journal: every further one raises. What the wall
+    clock says stands under `wall`, outside the chain, so that two runs of one seed are equal without it.
+    A context manager: leaving it closes the file.
+    """
+
+    def __init__(self, path: Path, sync: Sync = "never", clock: Callable[[], float] = time.time) -> None:
+        """Create `path`, which must not exist, readable by its owner alone.
+
+        Raises:
+            JournalError: it can't be created, or is locked by somebody else.
+        """
+        self.path = path
+        self._sync = sync
+        self._clock = clock
+        self._next = 0
+        self._last = FIRST
+        self._poisoned: str | None = None
+        try:
+            self._file = os.open(path, _FLAGS, 0o600)
+            fcntl.flock(self._file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            self._identity = _identity(os.fstat(self._file))
+            _sync_folder(path.parent)
+        except OSError as error:
+            raise JournalError(path, f"can't be created: {error.strerror}") from None
+        self._size = 0
+
+    def append(self, kind: str, time_s: float, fields: Mapping[str, Any]) -> int:
+        """Write one record; it is the operating system's when this returns, on the disk with `sync`.
+
+        Args:
+            kind: RUN, PLAN, START, RESULT and so on.
+            time_s: the robot's time, in [s].
+            fields: the rest; whatever JSON holds, numpy arrays, paths and models.
+
+        Returns:
+            The record's number, from 0.
+
+        Raises:
+            JournalError: disk full, file gone, or a record that couldn't be written before.
+        """
+        number = self._next
+        try:
+            body = orjson.dumps(
+                {"q": number, "p": self._last, "t": round(time_s, 6), "kind": kind, **fields},
+                default=_plain,
+                option=_OPTIONS,
+            )
+        except TypeError as error:
+            raise self._poison(f"record {number} ({kind}) is no JSON: {error}") from None
+        line, checksum = seal(body, self._clock())
+        self._write(line)
+        self._next, self._last = number + 1, checksum
+        return number
+
+    def close(self) -> None:
+        """Let go of the file; a second call does nothing."""
+        if self._file >= 0:
+            os.close(self._file)
+            self._file = -1
+
+    def __enter__(self) -> Journal:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def _write(self, line: bytes) -> None:
+        if self._poisoned:
+            raise JournalError(self.path, self._poisoned)
+        try:
+            if _identity(os.stat(self.path)) != self._identity:
+                raise self._poison("was replaced while it was written")
+            self._write_whole(line)
+            if self._sync == "always":
+                os.fdatasync(self._file)  # never tried again: after a failure pages count as clean
+        except OSError as error:
+            raise self._poison(f"can't be written: {error.strerror}") from None
+        self._size += len(line)
+
+    def _write_whole(self, line: bytes) -> None:
+        for _ in range(2):
+            if os.write(self._file, line) == len(line):
+                return
+            # Left as it is, the torn record would end up inside.
+            os.ftruncate(self._file, self._size)
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    def _poison(self, reason: str) -> JournalError:
+        self._poisoned = reason
+        return JournalError(self.path, reason)
+
+
+def _identity(stat: os.stat_result) -> tuple[int, int]:
+    return stat.st_dev, stat.st_ino
+
+
+def _sync_folder(folder: Path) -> None:
+    handle = os.open(folder, os.O_RDONLY | os.O_DIRECTORY)
+    try:
+        os.fsync(handle)
+    finally:
+        os.close(handle)
+
+
+def _plain(value: object) -> Any:
+    if isinstance(value, BaseModel):
+        return value.model_dump(mode="json")
+    if isinstance(value, Path):
+        return str(value)
+    if isinstance(value, Mapping):
+        return dict(value)
+    if isinstance(value, tuple):  # named tuples
+        return list(value)
+    raise TypeError(f"{type(value).__name__} is not JSON serializable")

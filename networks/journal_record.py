@@ -1,0 +1,93 @@
+"""A line of the journal: how it is sealed, and how a reader checks it."""
+
+from __future__ import annotations
+
+import zlib
+from dataclasses import dataclass
+from hashlib import blake2b
+from pathlib import Path
+from typing import Any
+
+import orjson
+
+from files.errors import HandcartError
+from files.printable import printable
+
+FIRST = ""
+"""What the first record names as the checksum before it."""
+
+
+class JournalError(HandcartError):
+    """The journal can't be written, or isn't what was written. Exit status 5."""
+
+    def __init__(self, path: Path, reason: str) -> None:
+        self.path = path
+        self.reason = reason
+        super().__init__(printable(f"journal {path}: {reason}"))
+
+
+@dataclass(frozen=True)
+class JournalContents:
+    """What a journal holds."""
+
+    records: tuple[dict[str, Any], ...]
+    torn_at: int | None
+    """Offset in [bytes] from which on the tail is no whole record (a crash while writing); None: no such."""
+
+
+def seal(body: bytes, wall_s: float) -> tuple[bytes, str]:
+    """The line for a record, and its checksum.
+
+    Args:
+        body: a JSON object as orjson writes it, checksum of the record before it included.
+        wall_s: the wall clock, in [s] since 1970; sealed by a checksum of its own, outside the chain.
+    """
+    checksum = blake2b(body, digest_size=12).hexdigest()
+    head = b'%b,"h":"%b","wall":{"unix_s":%.6f' % (body[:-1], checksum.encode(), wall_s)
+    return b'%b,"crc":"%08x"}}\n' % (head, zlib.crc32(head)), checksum
+
+
+def without_wall(record: dict[str, Any]) -> dict[str, Any]:
+    """A record without what the wall clock said: equal in two runs of one seed."""
+    return {key: value for key, value in record.items() if key != "wall"}
+
+
+def read_journal(path: Path) -> JournalContents:
+    """All records, each checked byte for byte, and the chain.
+
+    Raises:
+        JournalError: it can't be read, or a record that others follow isn't what was written; a damaged tail
+            is what a crash leaves, and only reported.
+    """
+    try:
+        lines = path.read_bytes().splitlines(keepends=True)
+    except OSError as error:
+        raise JournalError(path, f"can't be read: {error.strerror}") from None
+    records: list[dict[str, Any]] = []
+    offset, last = 0, FIRST
+    for number, line in enumerate(lines):
+        record = _checked(line)
+        if record is None or record["q"] != number or record["p"] != last:
+            if any(_follows(later, number) for later in lines[number + 1 :]):
+                raise JournalError(path, f"record {number} at byte {offset} isn't what was written")
+            return JournalContents(tuple(records), offset)
+        records.append(record)
+        offset, last = offset + len(line), record["h"]
+    return JournalContents(tuple(records), None)
+
+
+def _follows(line: bytes, number: int) -> bool:
+    record = _checked(line)
+    return record is not None and bool(record["q"] > number)
+
+
+def _checked(line: bytes) -> dict[str, Any] | None:
+    """The record in a line, if writing it again gives the same bytes."""
+    try:
+        record: dict[str, Any] = orjson.loads(line)
+        body = {key: value for key, value in record.items() if key not in ("h", "wall")}
+        again, checksum = seal(orjson.dumps(body), record["wall"]["unix_s"])
+    except (orjson.JSONDecodeError, KeyError, TypeError, AttributeError):
+        return None
+    whole = again == line and checksum == record["h"] and {"q", "p", "t", "kind"} <= body.keys()
+    return record if whole else None

@@ -1,0 +1,34 @@
+"""How a run ends."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+RunOutcome = Literal["Success", "Fail", "GiveUp", "Cancelled", "Error"]
+
+_STATUS: dict[RunOutcome, int] = {"Success": 0, "Fail": 3, "GiveUp": 4, "Error": 5, "Cancelled": 130}
+
+
+@dataclass(frozen=True)
+class RunEnd:
+    """The end of a run, for people and for programs."""
+
+    outcome: RunOutcome
+    situation: str
+    """The situation in which the run ended: the last that is known to hold."""
+    reason: str
+    """In words that a person understands; empty for Success."""
+    actions: int
+    """How many were started."""
+    fails: int
+    """How many of them did not succeed."""
+    replans: int
+    """How often a plan was made anew after the first."""
+    skipped: tuple[str, ...] = ()
+    """Elements of a `repeat` that were left undone."""
+
+    @property
+    def exit_status(self) -> int:
+        """0 Success, 3 no way left, 4 a person has to help, 5 a fault in here, 130 interrupted."""
+        return _STATUS[self.outcome]

@@ -1,0 +1,95 @@
+"""The life of a run: which state it is in, and which states may follow."""
+
+from __future__ import annotations
+
+from enum import Enum
+from typing import Any
+
+from transitions import Machine
+
+
+class RunState(Enum):
+    """What a run is doing."""
+
+    PLANNING = "planning"
+    WAITING_FOR_PERMISSION = "waiting for permission"
+    ACTING = "acting"
+    RESTORING = "restoring"
+    PAUSED_WHILE_ACTING = "paused while acting"
+    PAUSED_WHILE_RESTORING = "paused while restoring"
+    ENDED = "ended"
+
+
+_S = RunState
+_TRANSITIONS: list[dict[str, Any]] = [
+    {"trigger": "_plan", "source": [_S.WAITING_FOR_PERMISSION, _S.ACTING, _S.RESTORING], "dest": _S.PLANNING},
+    {"trigger": "_ask", "source": [_S.PLANNING, _S.ACTING], "dest": _S.WAITING_FOR_PERMISSION},
+    {"trigger": "_act", "source": [_S.PLANNING, _S.WAITING_FOR_PERMISSION], "dest": _S.ACTING},
+    {"trigger": "_restore", "source": _S.ACTING, "dest": _S.RESTORING},
+    {"trigger": "_pause", "source": _S.ACTING, "dest": _S.PAUSED_WHILE_ACTING},
+    {"trigger": "_pause", "source": _S.RESTORING, "dest": _S.PAUSED_WHILE_RESTORING},
+    {"trigger": "_resume", "source": _S.PAUSED_WHILE_ACTING, "dest": _S.ACTING},
+    {"trigger": "_resume", "source": _S.PAUSED_WHILE_RESTORING, "dest": _S.RESTORING},
+    {"trigger": "_end", "source": [each for each in RunState if each is not _S.ENDED], "dest": _S.ENDED},
+]
+
+
+class RunLife:
+    """A state machine behind typed methods; a step that may not follow raises `transitions.MachineError`.
+
+    Entering the state that it is in already does nothing: from one action of a plan to the next the run
+    keeps acting.
+    """
+
+    def __init__(self) -> None:
+        self._state = RunState.PLANNING
+        self._machine = Machine(
+            model=self,
+            states=RunState,
+            transitions=_TRANSITIONS,
+            initial=RunState.PLANNING,
+            auto_transitions=False,
+            model_attribute="_state",
+        )
+
+    @property
+    def state(self) -> RunState:
+        """What the run is doing."""
+        return self._state
+
+    @property
+    def paused(self) -> bool:
+        """Whether the robot is to hold and its time to stand still."""
+        return self._state in (RunState.PAUSED_WHILE_ACTING, RunState.PAUSED_WHILE_RESTORING)
+
+    def plan(self) -> None:
+        """What comes next is being decided."""
+        self._go("_plan", RunState.PLANNING)
+
+    def ask(self) -> None:
+        """Somebody has to permit the action."""
+        self._go("_ask", RunState.WAITING_FOR_PERMISSION)
+
+    def act(self) -> None:
+        """A primitive moves."""
+        self._go("_act", RunState.ACTING)
+
+    def restore(self) -> None:
+        """A primitive brings everything back."""
+        self._go("_restore", RunState.RESTORING)
+
+    def pause(self) -> None:
+        """The robot holds."""
+        self._go("_pause", None)
+
+    def resume(self) -> None:
+        """Go on with what was interrupted by a pause."""
+        self._go("_resume", None)
+
+    def end(self) -> None:
+        """Nothing follows."""
+        self._go("_end", RunState.ENDED)
+
+    def _go(self, trigger: str, state: RunState | None) -> None:
+        if self._state is not state:
+            getattr(self, trigger)()
