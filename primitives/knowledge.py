@@ -24,8 +24,9 @@ Positive = Annotated[float, Field(gt=0.0)]
 
 
 class Shelf(FileModel):
-    """A shelf in front of a place. Its frame: x into the shelf, y left, z up, from the middle of its front edge
-    at the height of the board.
+    """A shelf in front of a place.
+
+    Its frame: x into the shelf, y left, z up, from the middle of its front edge at the height of the board.
     """
 
     distance_m: Positive

@@ -1,0 +1,124 @@
+"""Telling of a run: into the journal first, then to those who look on."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
+
+import orjson
+
+from backends.robot import Robot
+from primitives.action_primitive import ActionPrimitive
+from primitives.outcome import Fail, GiveUp, Outcome, Success
+from primitives.world_model import WorldModel
+
+from .events import Ended, Event, LeftOut, NotStarted, Observer, Planned, Restoring, RunEnded, Started
+from .journal import Journal
+from .network import Action
+from .planner import NoWay, Plan
+from .run_end import RunEnd
+
+
+class Chronicle:
+    """Counts what happens in a run, journals it and tells the observers."""
+
+    def __init__(
+        self, robot: Robot, model: WorldModel, journal: Journal | None, observers: Sequence[Observer]
+    ) -> None:
+        self.started = 0
+        self.fails = 0
+        self.plans = 0
+        self.skipped: list[str] = []
+        self._robot = robot
+        self._model = model
+        self._journal = journal
+        self._observers = observers
+        self._said: dict[int, orjson.Fragment] = {}
+
+    def planned(self, situation: str, plan: Plan | NoWay) -> None:
+        """A plan was made, or there is none."""
+        self.plans += 1
+        if isinstance(plan, Plan):
+            way = {"way": [action.index for action in plan.actions], "cost": plan.cost}
+            excluded = plan.excluded
+        else:
+            way, excluded = {"no_way": plan.explanation}, plan.blocking
+        self._write("PLAN", {"situation": situation, **way, "excluded": [each.index for each in excluded]})
+        self._tell(lambda: Planned(self._robot.time, situation, plan))
+
+    def start(self, action: Action, primitive: ActionPrimitive, fails: int) -> None:
+        """An action is about to start."""
+        self.started += 1
+        if self._journal is not None:
+            self._write("START", {"n": self.started, "action": self._words(action, primitive)})
+        self._tell(lambda: Started(self._robot.time, self.started, action, primitive, fails))
+
+    def restoring(self, action: Action, reason: str) -> None:
+        """The running action restores."""
+        self._write("RESTORE", {"n": self.started, "reason": reason})
+        self._tell(lambda: Restoring(self._robot.time, action, reason))
+
+    def result(self, action: Action, primitive: ActionPrimitive, outcome: Outcome) -> None:
+        """An action has ended."""
+        changes = self._model.taken_changes()
+        fields = {"n": self.started, **outcome_fields(outcome)}
+        if changes:
+            fields["learned"] = changes
+        self._write("RESULT", fields)
+        self._tell(lambda: Ended(self._robot.time, self.started, action, primitive, outcome, changes))
+
+    def not_started(self, action: Action, reason: str) -> NotStarted:
+        """An action could not be started."""
+        self._write("NOT_STARTED", {"action": action.index, "reason": reason})
+        self._tell(lambda: LeftOut(self._robot.time, action, reason))
+        return NotStarted(reason)
+
+    def skip(self, action: Action, element: str) -> None:
+        """An element of a repeat is left undone."""
+        self.skipped.append(element)
+        self._write("SKIP", {"action": action.index, "element": element})
+        self._tell(lambda: LeftOut(self._robot.time, action, f"{element} is left undone"))
+
+    def ended(self, end: RunEnd) -> None:
+        """The run has ended."""
+        self._write(
+            "END", {"outcome": end.outcome, "situation": end.situation, "reason": end.reason}
+        )
+        self._tell(lambda: RunEnded(self._robot.time, end))
+
+    def _words(self, action: Action, primitive: ActionPrimitive) -> object:
+        """What the journal says of an action; written out once where nothing in it changes."""
+        if action.index in self._said:
+            return self._said[action.index]
+        words = {
+            "index": action.index,
+            "do": action.do,
+            "from": action.source,
+            "to": action.target,
+            "with": primitive.model_dump(mode="json"),
+        }
+        if action.binding is None or not action.binding.late:
+            self._said[action.index] = orjson.Fragment(orjson.dumps(words))
+        return words
+
+    def _write(self, kind: str, fields: Mapping[str, Any]) -> None:
+        if self._journal is not None:
+            self._journal.append(kind, self._robot.time, fields)
+
+    def _tell(self, event: Callable[[], Event]) -> None:
+        if self._observers:
+            made = event()
+            for observer in self._observers:
+                observer(made)
+
+
+def outcome_fields(outcome: Outcome) -> dict[str, Any]:
+    """An outcome as the journal holds it."""
+    match outcome:
+        case Success(evidence):
+            return {"outcome": "Success", "evidence": evidence} if evidence else {"outcome": "Success"}
+        case Fail(reason, permanent, residuals):
+            told = {"reason": reason, "permanent": permanent, "residuals": residuals}
+            return {"outcome": "Fail", **told}
+        case GiveUp(reason, residuals):
+            return {"outcome": "GiveUp", "reason": reason, "residuals": residuals}

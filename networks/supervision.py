@@ -1,0 +1,134 @@
+"""Running an attempt to its end, while somebody may ask for a pause or a stop."""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Generator
+from dataclasses import replace
+from enum import Enum
+
+from backends.robot import Robot
+from primitives.discrepancy import Discrepancy
+from primitives.outcome import Outcome
+from primitives.snapshot import Snapshot, limits, residuals, settle, take_snapshot
+
+from .events import NotStarted
+from .run_life import RunLife, RunState
+
+Attempt = Generator[None, None, Outcome]
+
+
+class Request(Enum):
+    """What can be asked of a run from outside."""
+
+    PAUSE = "pause"
+    RESUME = "resume"
+    STOP = "stop"
+    """Stop where it is and hold: the run ends."""
+    CANCEL = "cancel"
+    """Bring back what the running action did, then end."""
+    RESTORE = "restore"
+    """Bring back what the running action did, count that as its Fail, and go on."""
+
+
+_ENDING = {Request.STOP: "stopped by request", Request.CANCEL: "cancelled by request"}
+
+
+class Interrupted(Exception):
+    """The run is to end, because somebody asked for it."""
+
+    def __init__(self, reason: str) -> None:
+        super().__init__(reason)
+        self.reason = reason
+
+
+class Supervision:
+    """Honours requests at each period of an attempt."""
+
+    def __init__(self, robot: Robot, life: RunLife) -> None:
+        self.requests: deque[Request] = deque()
+        self._robot = robot
+        self._life = life
+        self._after_restoring: Request | None = None
+
+    def to_its_end(self, attempt: Attempt) -> Generator[None, None, Outcome | NotStarted]:
+        """The attempt's outcome; `NotStarted` if it was called back before it began.
+
+        Raises:
+            Interrupted: it was stopped; the robot holds where it is.
+        """
+        try:
+            next(attempt)
+            while True:
+                yield
+                while self.requests:
+                    outcome = yield from self._honour(self.requests.popleft(), attempt)
+                    if outcome is not None:
+                        return outcome
+                next(attempt)
+        except StopIteration as end:
+            ended: Outcome = end.value
+            return ended
+
+    def between_actions(self) -> None:
+        """Honour what was asked for while no action runs; a pause waits for the next one.
+
+        Raises:
+            Interrupted: the run is to end.
+        """
+        if self._after_restoring is not None:
+            raise Interrupted(_ENDING[self._after_restoring])
+        for request in self.requests:
+            if request in _ENDING:
+                self._robot.stop()
+                raise Interrupted(_ENDING[request])
+
+    def _honour(self, request: Request, attempt: Attempt) -> Generator[None, None, Outcome | NotStarted | None]:
+        if request is Request.STOP:
+            attempt.close()
+            self._robot.stop()
+            raise Interrupted(_ENDING[request])
+        if request is Request.PAUSE:
+            return (yield from self._pause(attempt))
+        if request is Request.CANCEL:
+            self._after_restoring = request
+        if request in (Request.CANCEL, Request.RESTORE) and self._life.state is RunState.ACTING:
+            return (yield from _call_back(attempt, Discrepancy(_ENDING.get(request, "interrupted"))))
+        return None
+
+    def _pause(self, attempt: Attempt) -> Generator[None, None, Outcome | NotStarted | None]:
+        """Hold until something else is asked for; moved by hand meanwhile is a discrepancy."""
+        self._life.pause()
+        self._robot.stop()
+        yield from settle(self._robot)
+        stood = take_snapshot(self._robot, {})
+        while not self.requests or self.requests[0] is Request.PAUSE:
+            self.requests.clear()
+            yield
+        self._life.resume()
+        off = _moved(self._robot, stood)
+        if off and self._life.state is RunState.ACTING:
+            return (yield from _call_back(attempt, Discrepancy(f"moved during a pause: {off}")))
+        return None
+
+
+def _call_back(
+    attempt: Attempt, discrepancy: Discrepancy
+) -> Generator[None, None, Outcome | NotStarted | None]:
+    try:
+        attempt.throw(discrepancy)
+    except StopIteration as end:
+        ended: Outcome = end.value
+        return ended
+    except Discrepancy:  # it was still waiting for rest before its start
+        return NotStarted(discrepancy.reason)
+    yield
+    return None
+
+
+def _moved(robot: Robot, stood: Snapshot) -> str:
+    """What stands elsewhere than before, in words; empty if nothing does."""
+    now = replace(take_snapshot(robot, {}), pose_sigma=(0.0, 0.0))
+    found = residuals(stood, now)
+    allowed = limits(robot, found)
+    return ", ".join(f"{name} {size:.3g}" for name, size in found.items() if size > allowed[name])

@@ -1,0 +1,44 @@
+"""MODIFY: plan another path around what was sensed."""
+
+from __future__ import annotations
+
+from typing import ClassVar
+
+from backends.range_sensor import RangeSensor
+from backends.robot import Robot
+
+from .action_primitive import ActionPrimitive, Periods
+from .discrepancy import Discrepancy
+from .driving import goal_pose, plan_drive
+from .place_name import PlaceName
+from .world_model import Detour, ModelView
+
+
+class Modify(ActionPrimitive):
+    """Plan another path to a place, clear of everything that was sensed and isn't on the map.
+
+    Only knowledge changes. Where there is no other way, it Fails for good.
+    """
+
+    place: PlaceName
+    """Where the path leads."""
+
+    needs: ClassVar = (RangeSensor,)
+    reads: ClassVar = ("map", "places", "obstacles")
+    writes: ClassVar = ("detour",)
+    only_knowledge: ClassVar = True
+
+    def motion(self, robot: Robot, model: ModelView) -> Periods:
+        goal = goal_pose(model, self.place)
+        route = yield from robot.compute(plan_drive, robot, model.map, model.obstacles, goal)
+        if route is None:
+            raise Discrepancy(self._no_way(model), permanent=True)
+        self.evidence.points["planned"] = route.points
+        self.found(detour_m=round(route.length, 3))
+        model.detour = Detour(self.place, route.points)
+
+    def _no_way(self, model: ModelView) -> str:
+        if not len(model.obstacles):
+            return f"no way leads to {self.place} on the map"
+        x, y = model.obstacles[-1]
+        return f"no way around leads to {self.place}: something stands at ({x:.2f}, {y:.2f}) m"

@@ -1,0 +1,147 @@
+"""MOVE_TO: drive the base to a named place."""
+
+from __future__ import annotations
+
+from collections.abc import Generator
+from typing import Annotated, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import Field, PrivateAttr
+
+from backends.base import Base
+from backends.range_sensor import RangeSensor
+from backends.robot import Robot
+from robotics.geometry.pose2 import Pose2
+from robotics.navigation.front_line import fit_front, pose_from_front
+from robotics.navigation.path_tracking import PathTracker
+from robotics.navigation.pose_regulator import PoseTolerance
+
+from .action_primitive import ActionPrimitive, Periods
+from .discrepancy import Discrepancy, NeedsPerson
+from .driving import Lookout, goal_pose, plan_drive
+from .knowledge import Place
+from .place_name import PlaceName
+from .retrace import reach_pose, retrace
+from .snapshot import Snapshot, settle
+from .trace import Trace
+from .world_model import ModelView
+
+ARRIVED = PoseTolerance(position=0.02, heading=0.01)
+DOCKED = PoseTolerance(position=0.008, heading=0.003)
+DOCKINGS = 4  # times that the front is measured and the pose corrected
+FRONT_SCANS = 20  # scans stacked for one measurement of the front
+STUCK = 6.0  # [s] without getting on, though nothing is seen in the way
+
+
+class MoveTo(ActionPrimitive):
+    """Drive the base to a named place along the Voronoi graph, and dock there if a shelf stands before it.
+
+    Odometry is corrected by comparing scans with the map. What the map doesn't show and stands in the way is
+    waited for, then it is a Fail and what was sensed is kept.
+    """
+
+    place: PlaceName
+    """Where to."""
+    wait_s: Annotated[float, Field(ge=0.0, le=600.0)] = 5.0
+    """How long to wait for a passer-by to leave the way."""
+
+    needs: ClassVar = (Base, RangeSensor)
+    reads: ClassVar = ("map", "places")
+    writes: ClassVar = ("obstacles", "detour")
+
+    _lookout: Lookout | None = PrivateAttr(default=None)
+    _ahead: NDArray[np.float64] = PrivateAttr(default_factory=lambda: np.empty((0, 2)))
+    _blocked_since: float | None = PrivateAttr(default=None)
+
+    def motion(self, robot: Robot, model: ModelView) -> Periods:
+        goal = goal_pose(model, self.place)
+        self._lookout = Lookout(model.map, robot.spec.footprint_radius_m)
+        points = yield from self._route(robot, model, goal)
+        self.evidence.points["planned"] = points
+        tracker = PathTracker(points, goal.theta, robot.drive_limits, tolerance=ARRIVED)
+        yield from self._follow(robot, tracker)
+        self._ahead = np.empty((0, 2))
+        if model.places[self.place].shelf is not None:
+            yield from self._dock(robot, model.places[self.place])
+        if model.detour and model.detour.goal == self.place:
+            model.detour = None
+
+    def _route(
+        self, robot: Robot, model: ModelView, goal: Pose2
+    ) -> Generator[None, None, NDArray[np.float64]]:
+        """(n, 2) the detour that was planned for this place, or a new route on the map."""
+        if model.detour and model.detour.goal == self.place:
+            return model.detour.points
+        route = yield from robot.compute(plan_drive, robot, model.map, model.obstacles, goal)
+        if route is None:
+            raise Discrepancy(f"no way leads to {self.place} on the map", permanent=True)
+        return route.points
+
+    def _follow(self, robot: Robot, tracker: PathTracker) -> Periods:
+        progress, since, driven, last = 0.0, robot.time, 0.0, robot.pose
+        while not tracker.finished(robot.pose):
+            self._ahead = tracker.ahead
+            if self._blocked_since is None:
+                robot.base.drive(*tracker.command(robot.pose, robot.period))
+            if (
+                tracker.progress > progress + 0.01
+                or self._blocked_since is not None
+                or tracker.remaining < 0.05
+            ):
+                progress, since = tracker.progress, robot.time
+            if robot.time > since + STUCK:
+                raise Discrepancy("the base doesn't get on: it touches something that the scan doesn't show")
+            yield
+            driven += robot.pose.distance(last)
+            last = robot.pose
+            self.found(path_length_m=round(driven, 3))
+
+    def watch(self, robot: Robot, model: ModelView) -> None:
+        """Something unexpected in the way: hold, and after `wait_s` it is a Discrepancy."""
+        if robot.lost:
+            raise NeedsPerson("the robot doesn't know where it is: its scans fit the map nowhere near")
+        if self._lookout is None or len(self._ahead) < 2:
+            return
+        sensed = self._lookout.unexpected(robot)
+        found = self._lookout.obstacle(self._ahead, sensed)
+        if found is None:
+            self._blocked_since = None
+            return
+        self._blocked_since = robot.time if self._blocked_since is None else self._blocked_since
+        if robot.time >= self._blocked_since + self.wait_s:
+            model.obstacles = np.vstack([model.obstacles, sensed])
+            self.evidence.points |= {"sensed": sensed, "in the way": found[1][None], "ahead": self._ahead}
+            x, y = found[1]
+            raise Discrepancy(f"an obstacle stands on the path to {self.place}, at ({x:.2f}, {y:.2f}) m")
+
+    def restore(self, robot: Robot, model: ModelView, start: Snapshot, trace: Trace) -> Periods:
+        """Drive back the way it came; what stands there now is waited for."""
+        self._blocked_since = None
+        behind = np.array([[moment.pose.x, moment.pose.y] for moment in trace.moments])[::-1]
+        way_back = retrace(robot, start, trace)
+        while True:
+            nearest = int(np.argmin(np.hypot(*(behind - (robot.pose.x, robot.pose.y)).T)))
+            self._ahead = behind[nearest:]
+            if self._blocked_since is None and next(way_back, self) is self:
+                return
+            yield
+
+    def _dock(self, robot: Robot, place: Place) -> Periods:
+        """Correct the pose by the shelf's front until it stands square before it."""
+        for _ in range(DOCKINGS):
+            yield from settle(robot)
+            scans = []
+            for _ in range(FRONT_SCANS):
+                scans.append(robot.range_sensor.scan().points())
+                yield
+            expected = robot.pose.inverse().apply(place.front)
+            front = fit_front(np.vstack(scans), expected, gate=0.15)
+            if front is None:
+                raise Discrepancy(f"the front of the shelf at {self.place} is not seen")
+            seen = pose_from_front(robot.pose, front, place.front)
+            self.found(dock_mm=round(1e3 * seen.distance(place.pose), 1))
+            if seen.distance(place.pose) < DOCKED.position and seen.turn(place.pose) < DOCKED.heading:
+                return
+            yield from reach_pose(robot, robot.pose.compose(place.pose.relative_to(seen)), DOCKED)
+        raise Discrepancy(f"the base doesn't come to stand square before {self.place}")
