@@ -82,13 +82,10 @@ class MoveTo(ActionPrimitive):
         progress, since, driven, last = 0.0, robot.time, 0.0, robot.pose
         while not tracker.finished(robot.pose):
             self._ahead = tracker.ahead
-            if self._blocked_since is None:
-                robot.base.drive(*tracker.command(robot.pose, robot.period))
-            if (
-                tracker.progress > progress + 0.01
-                or self._blocked_since is not None
-                or tracker.remaining < 0.05
-            ):
+            waits = self._blocked_since is not None
+            drive = tracker.hold(robot.period) if waits else tracker.command(robot.pose, robot.period)
+            robot.base.drive(*drive)
+            if tracker.progress > progress + 0.01 or waits or tracker.remaining < 0.05:
                 progress, since = tracker.progress, robot.time
             if robot.time > since + STUCK:
                 raise Discrepancy("the base doesn't get on: it touches something that the scan doesn't show")

@@ -91,6 +91,10 @@ class PathTracker:
         speed, turn_rate = self._track(Pose2(pose.x, pose.y, wrap(pose.theta + self._flip)))
         return self._ramp.towards(-speed if self._flip else speed, turn_rate, dt)
 
+    def hold(self, dt: float) -> tuple[float, float]:
+        """Speed in [m/s] and turn rate in [rad/s] with which to come to rest and stay there."""
+        return self._ramp.towards(0.0, 0.0, dt)
+
     def _advance(self, pose: Pose2) -> None:
         """Move progress to the nearest point of the route not far ahead; never back."""
         low = int(np.searchsorted(self._along, self._progress, side="right")) - 1
