@@ -81,9 +81,7 @@ class Chronicle:
 
     def ended(self, end: RunEnd) -> None:
         """The run has ended."""
-        self._write(
-            "END", {"outcome": end.outcome, "situation": end.situation, "reason": end.reason}
-        )
+        self._write("END", {"outcome": end.outcome, "situation": end.situation, "reason": end.reason})
         self._tell(lambda: RunEnded(self._robot.time, end))
 
     def _words(self, action: Action, primitive: ActionPrimitive) -> object:

@@ -164,6 +164,4 @@ class Coordinator:
     def _end(self, outcome: RunOutcome, reason: str) -> RunEnd:
         told = self._chronicle
         replans = max(0, told.plans - 1)
-        return RunEnd(
-            outcome, self.situation, reason, told.started, told.fails, replans, tuple(told.skipped)
-        )
+        return RunEnd(outcome, self.situation, reason, told.started, told.fails, replans, tuple(told.skipped))

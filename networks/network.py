@@ -92,7 +92,9 @@ class ActionNetwork:
         for role, name in (("start", start), ("goal", goal)):
             if name not in known:
                 wrong.append(f"{role}: unknown situation {name!r}{suggest(name, known)}")
-        wrong += [f"{action}: {fault}" for action in numbered for fault in faults_of(action, known)]
+        wrong += [
+            f"{action}: {key}: {fault}" for action in numbered for key, fault in faults_of(action, known)
+        ]
         if wrong:
             raise NetworkError("\n".join(wrong))
         graph: nx.MultiDiGraph[str] = nx.MultiDiGraph()
@@ -121,30 +123,23 @@ class ActionNetwork:
         return digest.hexdigest()
 
 
-def faults_of(action: Action, known: Mapping[str, Situation]) -> list[str]:
-    """What is wrong with an action among these situations, "what is wrong; what is allowed"."""
+def faults_of(action: Action, known: Mapping[str, Situation]) -> list[tuple[str, str]]:
+    """What is wrong with an action among these situations: key in files, "what is wrong; what is allowed"."""
     named = {"from": action.source, "to": action.target, "on_fail": action.on_fail}
     wrong = [
-        f"{key}: unknown situation {name!r}{suggest(name, known)}"
+        (key, f"unknown situation {name!r}{suggest(name, known)}")
         for key, name in named.items()
         if name is not None and name not in known
     ]
     if not (math.isfinite(action.cost_s) and 0 < action.cost_s <= MAX_COST_S):
-        wrong.append(f"cost_s is {action.cost_s}; allowed: above 0, at most {MAX_COST_S:g}")
+        wrong.append(("cost_s", f"cost_s is {action.cost_s}; allowed: above 0, at most {MAX_COST_S:g}"))
     if not 1 <= action.attempts <= MAX_ATTEMPTS:
-        wrong.append(f"attempts is {action.attempts}; allowed: 1 to {MAX_ATTEMPTS}")
-    if action.on_fail in known and action.source in known:
-        wrong += _moved(known[action.source], known[action.on_fail])
+        wrong.append(("attempts", f"attempts is {action.attempts}; allowed: 1 to {MAX_ATTEMPTS}"))
+    before, after = known.get(action.source), known.get(action.on_fail or "")
+    if before and after and dict(before.facts) != dict(after.facts):
+        said = f"{after.name!r} has other physical facts than {before.name!r}, and a Fail changes none"
+        wrong.append(("on_fail", f"{said}; allowed: a situation with the same facts"))
     return wrong
-
-
-def _moved(before: Situation, after: Situation) -> list[str]:
-    if dict(before.facts) == dict(after.facts):
-        return []
-    return [
-        f"on_fail: {after.name!r} has other physical facts than {before.name!r}, and a Fail changes none; "
-        "allowed: a situation with the same facts"
-    ]
 
 
 def _doubled(names: Iterable[str]) -> list[str]:

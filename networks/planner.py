@@ -80,7 +80,8 @@ class Planner:
 
     def _best(self, source: str, target: str) -> Action:
         left = [index for index in self.network.graph[source][target] if not self._out[index]]
-        return self.network.actions[min(left, key=lambda index: (self._weights[index], index))]
+        best: int = min(left, key=lambda index: (self._weights[index], index))
+        return self.network.actions[best]
 
     def _excluded(self) -> tuple[Action, ...]:
         return tuple(action for action in self.network.actions if self._out[action.index])
@@ -101,7 +102,7 @@ class Planner:
         usable: Iterable[Action] = (a for a in self.network.actions if not self._out[a.index])
         left: nx.DiGraph[str] = nx.DiGraph([(a.source, a.target) for a in usable])
         left.add_node(situation)
-        return nx.descendants(left, situation) | {situation}
+        return {situation, *nx.descendants(left, situation)}
 
     def _why(self, action: Action) -> str:
         times = self._fails[action.index]

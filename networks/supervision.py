@@ -83,7 +83,9 @@ class Supervision:
                 self._robot.stop()
                 raise Interrupted(_ENDING[request])
 
-    def _honour(self, request: Request, attempt: Attempt) -> Generator[None, None, Outcome | NotStarted | None]:
+    def _honour(
+        self, request: Request, attempt: Attempt
+    ) -> Generator[None, None, Outcome | NotStarted | None]:
         if request is Request.STOP:
             attempt.close()
             self._robot.stop()

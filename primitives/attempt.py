@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import traceback
 from collections.abc import Callable, Generator
+from dataclasses import replace
 from typing import TypeVar
 
 from backends.backend import CommandError
@@ -12,8 +13,8 @@ from backends.robot import Robot
 from .action_primitive import ActionPrimitive, Periods
 from .discrepancy import Discrepancy, NeedsPerson
 from .outcome import Fail, GiveUp, Outcome, Success, fail_if_restored
-from .retrace import reach_pose
-from .snapshot import Snapshot, limits, residuals, settle, take_snapshot
+from .retrace import reach_pose, retrace
+from .snapshot import Seen, Snapshot, limits, residuals, settle, take_snapshot
 from .trace import Trace
 from .world_model import ModelView, WorldModel
 
@@ -49,7 +50,7 @@ def attempt(
     start = take_snapshot(robot, {})
     trace = Trace(robot)
     try:
-        start = take_snapshot(robot, (yield from _recorded(primitive.observe(robot, view), trace)))
+        start = replace(start, seen=(yield from _recorded(primitive.observe(robot, view), trace)))
         yield from _watched(primitive, primitive.motion(robot, view), robot, view, trace)
         if not (yield from settle(robot)):
             raise Discrepancy("the robot doesn't come to rest")
@@ -135,10 +136,8 @@ def _restore(
         try:
             yield from _within_time(way_back, robot, primitive, view)
             yield from settle(robot)
-            now = take_snapshot(robot, {})
-            if start.seen:
-                now = take_snapshot(robot, (yield from primitive.observe(robot, view)))
-                yield from settle(robot)
+            seen = (yield from _look_again(primitive, robot, view, start)) if start.seen else {}
+            now = take_snapshot(robot, seen)
         except Exception as error:  # no second restore on top of a fault in restoring
             robot.stop()
             return GiveUp(f"{reason}; and restoring failed: {_words(error)}")
@@ -148,6 +147,17 @@ def _restore(
             break
     robot.stop()
     return verdict
+
+
+def _look_again(
+    primitive: ActionPrimitive, robot: Robot, view: ModelView, start: Snapshot
+) -> Generator[None, None, Seen]:
+    """Measure the objects once more; what that moved is moved back."""
+    trace = Trace(robot)
+    seen = yield from _recorded(primitive.observe(robot, view), trace)
+    yield from retrace(robot, start, trace)
+    yield from settle(robot)
+    return seen
 
 
 def _within_time(way_back: Periods, robot: Robot, primitive: ActionPrimitive, view: ModelView) -> Periods:

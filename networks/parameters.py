@@ -1,0 +1,82 @@
+"""`{parameter: KEY}` and `{each: NAME}` in a task file: put in before anything else is read."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from files.errors import Finding
+from files.findings import Findings
+from files.suggest import suggest
+from files.yaml_document import Document
+from files.yaml_node import Node
+
+SECTION = "parameters"
+
+
+def reference(node: Node, kind: str) -> str | None:
+    """What `{kind: NAME}` names; None if the node is something else."""
+    content = node.content
+    if not isinstance(content, dict) or list(content) != [kind]:
+        return None
+    name = content[kind].content
+    return name if isinstance(name, str) else None
+
+
+def with_parameters(document: Document, findings: Findings) -> Document:
+    """The document with the value of each parameter wherever one is named; unknown ones are findings."""
+    root = document.root
+    if not isinstance(root.content, dict):
+        return document
+    section = root.content.get(SECTION)
+    declared = section.content if section and isinstance(section.content, dict) else {}
+    parts = {
+        key: part if key == SECTION else _put_in(part, declared, findings)
+        for key, part in root.content.items()
+    }
+    return replace(document, root=replace(root, content=parts))
+
+
+def _put_in(node: Node, declared: dict[str, Node], findings: Findings) -> Node:
+    name = reference(node, "parameter")
+    if name is not None:
+        if name in declared:
+            given = declared[name]
+            return replace(given, key_line=node.key_line, key_column=node.key_column)
+        findings.add(_unknown(node, f"unknown parameter {name!r}{suggest(name, declared)}"))
+        return node
+    if isinstance(node.content, dict):
+        parts = {key: _put_in(part, declared, findings) for key, part in node.content.items()}
+        return replace(node, content=parts)
+    if isinstance(node.content, list):
+        return replace(node, content=[_put_in(part, declared, findings) for part in node.content])
+    return node
+
+
+def with_element(node: Node, name: str | None, element: Node | None, findings: Findings) -> Node:
+    """The node with the element of a repeat wherever `{each: NAME}` or `{each: NAME.KEY}` stands."""
+    path = reference(node, "each")
+    if path is not None:
+        found = _found(path, name, element)
+        if found is not None:
+            return replace(found, key_line=node.key_line, key_column=node.key_column)
+        allowed = f"; allowed: {name}, {name}.KEY with a key of each element" if name else "; no repeat here"
+        findings.add(_unknown(node, f"unknown element {path!r}{allowed}"))
+        return node
+    if isinstance(node.content, dict):
+        parts = {key: with_element(part, name, element, findings) for key, part in node.content.items()}
+        return replace(node, content=parts)
+    if isinstance(node.content, list):
+        return replace(node, content=[with_element(part, name, element, findings) for part in node.content])
+    return node
+
+
+def _found(path: str, name: str | None, element: Node | None) -> Node | None:
+    first, *keys = path.split(".")
+    if element is None or first != name:
+        return None
+    found, there = element.deepest(tuple(keys))
+    return found if there else None
+
+
+def _unknown(node: Node, message: str) -> Finding:
+    return Finding(node.file, node.line, node.column, message)

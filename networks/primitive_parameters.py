@@ -1,0 +1,138 @@
+"""Checking the parameters that a task file gives to a primitive."""
+
+from __future__ import annotations
+
+import types
+import typing
+from collections.abc import Sequence
+from dataclasses import replace
+from functools import cache
+from typing import Any
+
+from pydantic import TypeAdapter, create_model
+from pydantic.fields import FieldInfo
+
+from files.errors import FileError
+from files.findings import Findings
+from files.loading import load_part
+from files.suggest import suggest
+from files.yaml_document import Document
+from files.yaml_node import Node
+from primitives.action_primitive import ActionPrimitive
+from primitives.world_model import UnknownFact, WorldModel
+
+from .binding import Binding
+from .parameters import reference, with_element
+
+
+class ParameterReader:
+    """Makes bindings out of the `with` of a file's actions."""
+
+    def __init__(
+        self, document: Document, findings: Findings, places: Sequence[str] | None, element: str | None
+    ) -> None:
+        """What all actions share.
+
+        Args:
+            document: the task file.
+            findings: what is wrong is added here.
+            places: the names of places; None where no file tells them.
+            element: what the element of a repeat is called.
+        """
+        self._document = document
+        self._findings = findings
+        self._places = places
+        self._element = element
+
+    def binding(self, kind: type[ActionPrimitive], number: int, element: int | None) -> Binding | None:
+        """The primitive of action `number` of the file, for an element of a repeat or none.
+
+        None if something is wrong with its parameters.
+        """
+        before = len(self._findings)
+        given = self._given(number, element)
+        late = self._late(kind, given)
+        fixed = self._fixed(kind, number, given, late)
+        return Binding(kind, fixed, late) if len(self._findings) == before else None
+
+    def _given(self, number: int, element: int | None) -> Node:
+        action, _ = self._document.root.deepest(("actions", number))
+        written = action.child("with") or replace(action, content={})
+        node = None
+        if element is not None:
+            node, _ = self._document.root.deepest(("repeat", "over", element))
+        name = self._element if element is not None else None
+        return with_element(written, name, node, self._findings)
+
+    def _late(self, kind: type[ActionPrimitive], given: Node) -> dict[str, str]:
+        content = given.content if isinstance(given.content, dict) else {}
+        late: dict[str, str] = {}
+        for name, node in content.items():
+            key = reference(node, "model")
+            if key is not None and name in kind.model_fields:
+                late[name] = key
+                self._check_type(kind.model_fields[name], name, key, node)
+        return late
+
+    def _check_type(self, field: FieldInfo, name: str, key: str, node: Node) -> None:
+        try:
+            given = WorldModel.type_of(key)
+        except UnknownFact as unknown:
+            self._add(node, str(unknown))
+            return
+        if not _fits(given, field.annotation):
+            wrong = f"{name}: {key} is of type {_called(given)}; allowed: {_called(field.annotation)}"
+            self._add(node, wrong)
+
+    def _fixed(
+        self, kind: type[ActionPrimitive], number: int, given: Node, late: dict[str, str]
+    ) -> dict[str, Any]:
+        content = given.content if isinstance(given.content, dict) else {}
+        kept = replace(given, content={key: part for key, part in content.items() if key not in late})
+        path = ("actions", number, "with")
+        document = self._document.with_value(path, kept)
+        try:
+            value = load_part(document, path, _adapter(kind, frozenset(late)))
+        except FileError as error:
+            self._findings.take(error)
+            return {}
+        fixed = {name: getattr(value, name) for name in kind.model_fields if name not in late}
+        for name, part in fixed.items():
+            if _is_place(kind.model_fields[name]):
+                self._check_place(name, part, kept.child(name) or kept)
+        return fixed
+
+    def _check_place(self, name: str, value: object, node: Node) -> None:
+        places = self._places
+        if places is not None and isinstance(value, str) and value not in places:
+            self._add(node, f"{name}: unknown place {value!r}{suggest(value, places)}")
+
+    def _add(self, node: Node, message: str) -> None:
+        where = Document(node.file, b"", node)
+        self._findings.add(where.finding((), message))
+
+
+@cache
+def _adapter(kind: type[ActionPrimitive], late: frozenset[str]) -> TypeAdapter[Any]:
+    """The primitive as a type in which parameters that are bound late may be missing."""
+    if not late:
+        return TypeAdapter(kind)
+    missing: dict[str, Any] = {name: (Any, None) for name in sorted(late)}
+    return TypeAdapter(create_model(kind.__name__, __base__=kind, __module__=kind.__module__, **missing))
+
+
+def _is_place(field: FieldInfo) -> bool:
+    """Whether a parameter is the name of a place: so marked by the primitive."""
+    return any(getattr(mark, "names_of", None) == "places" for mark in field.metadata)
+
+
+def _fits(given: Any, wanted: Any) -> bool:
+    options = (
+        typing.get_args(wanted) if typing.get_origin(wanted) in (typing.Union, types.UnionType) else (wanted,)
+    )
+    numbers = (given, float) == (int, float) or given is int and float in options
+    return given in options or Any in options or numbers
+
+
+def _called(kind: Any) -> str:
+    return getattr(kind, "__name__", None) or str(kind)

@@ -1,0 +1,273 @@
+"""From a task file to a checked network: everything wrong is told at once, before anything moves."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import networkx as nx
+
+from backends.backend import Backend
+from backends.robot_file import ROBOTS
+from files.errors import FileError, UnsafePath
+from files.findings import Findings
+from files.inside import resolve_inside
+from files.loading import load, load_document, load_part
+from files.settings import with_settings
+from files.suggest import suggest
+from files.yaml_document import Document, read_document
+from files.yaml_node import KeyPath
+from primitives.action_primitive import ActionPrimitive
+from primitives.knowledge import Places
+from primitives.registry import primitive_class
+
+from .binding import Binding
+from .network import Action, ActionNetwork, Fact, Situation, faults_of
+from .parameters import with_parameters
+from .primitive_parameters import ParameterReader
+from .repeating import Copied, Copies, Repetition, entered_elsewhere, once, repeated
+from .task_model import ActionEntry, Repeat, TaskFile
+
+Primitives = Callable[[str], type[ActionPrimitive]]
+
+
+@dataclass(frozen=True)
+class Task:
+    """A checked task file."""
+
+    file: TaskFile
+    document: Document
+    network: ActionNetwork
+    entries: tuple[int | None, ...]
+    """For each action of the network its number in the file; None for a skip."""
+
+    def path(self, *key: str) -> Path | None:
+        """Where a file that the task names is: beside the task's file, or from the current folder if it was
+        set on the command line. None where the task names none."""
+        return _resolved(self.document, key)
+
+    @property
+    def robot(self) -> str:
+        """A shipped robot's name, or the path of a robot's file."""
+        return _robot(self.document, self.file.robot)
+
+    def check_capabilities(self, backend: Backend) -> None:
+        """Raise `FileError` naming every action whose primitive needs what the robot doesn't have."""
+        findings = Findings()
+        for action, entry in zip(self.network.actions, self.entries, strict=True):
+            if action.binding is None or entry is None:
+                continue
+            missing = [kind.__name__ for kind in action.binding.kind.needs if backend.get(kind) is None]
+            if missing:
+                wrong = f"{action.do} needs what the robot doesn't have: {', '.join(missing)}"
+                have = ", ".join(sorted(type(each).__name__ for each in backend.capabilities()))
+                findings.add(self.document.finding(("actions", entry, "do"), f"{wrong}; it has: {have}"))
+        findings.raise_all()
+
+
+def load_task(
+    path: Path | str, settings: Mapping[str, str] | None = None, primitives: Primitives = primitive_class
+) -> Task:
+    """Read and check a task file.
+
+    Args:
+        path: the file.
+        settings: what `--set KEY=VALUE` gave, VALUE unparsed.
+        primitives: the class of a primitive by its name; raises KeyError, saying what there is.
+
+    Raises:
+        FileError: with every finding.
+    """
+    return _Reader(with_settings(read_document(path), settings or {}), primitives).task()
+
+
+class _Reader:
+    """Reads one document, collecting what is wrong."""
+
+    def __init__(self, document: Document, primitives: Primitives) -> None:
+        self._findings = Findings()
+        self._document = with_parameters(document, self._findings)
+        self._primitives = primitives
+
+    def task(self) -> Task:
+        file = self._whole()
+        situations, entries, repeat = self._situations(), self._entries(), self._repeat()
+        for number, entry in entries.items():
+            self._check_entry(number, entry, situations)
+        part = self._part(situations, entries, repeat)
+        start = self._named("start", situations)
+        goal = self._named("goal", situations)
+        copies = repeated(situations, entries, start, part) if part else once(situations, entries, start)
+        actions = self._actions(copies, entries, part)
+        self._check_files()
+        if self._findings or file is None:
+            self._findings.raise_all()
+        assert file is not None
+        return self._built(file, copies, actions, part, goal)
+
+    # Parts, each None or left out where the file is wrong: `_whole` tells that
+
+    def _whole(self) -> TaskFile | None:
+        try:
+            return load_document(self._document, TaskFile).value
+        except FileError as error:
+            self._findings.take(error)
+            return None
+
+    def _situations(self) -> dict[str, Mapping[str, Fact]]:
+        found = self._silently(("situations",), dict[str, dict[str, Fact] | None])
+        return {name: facts or {} for name, facts in (found or {}).items()}
+
+    def _entries(self) -> dict[int, ActionEntry]:
+        listed = self._document.root.child("actions")
+        count = len(listed.content) if listed and isinstance(listed.content, list) else 0
+        found = ((number, self._silently(("actions", number), ActionEntry)) for number in range(count))
+        return {number: entry for number, entry in found if entry is not None}
+
+    def _repeat(self) -> Repeat | None:
+        repeat: Repeat | None = self._silently(("repeat",), Repeat)
+        return repeat
+
+    def _silently(self, path: KeyPath, kind: Any) -> Any:
+        try:
+            return load_part(self._document, path, kind)
+        except FileError:
+            return None
+
+    # Checks
+
+    def _add(self, path: KeyPath, message: str) -> None:
+        self._findings.add(self._document.finding(path, message))
+
+    def _named(self, key: str, situations: Mapping[str, object]) -> str:
+        node = self._document.root.child(key)
+        name = str(node.content) if node else ""
+        if node and situations and name not in situations:
+            self._add((key,), f"unknown situation {name!r}{suggest(name, situations)}")
+        return name
+
+    def _check_entry(
+        self, number: int, entry: ActionEntry, situations: Mapping[str, Mapping[str, Fact]]
+    ) -> None:
+        known = {name: Situation(name, facts) for name, facts in situations.items()}
+        plain = Action(entry.source, entry.target, None, entry.cost_s, entry.attempts, entry.on_fail)
+        for key, fault in faults_of(plain, known):
+            self._add(("actions", number, key), fault)
+
+    def _part(
+        self,
+        situations: Mapping[str, object],
+        entries: Mapping[int, ActionEntry],
+        repeat: Repeat | None,
+    ) -> Repetition | None:
+        if repeat is None:
+            return None
+        for key, name in (("start", repeat.start), ("goal", repeat.goal)):
+            if name not in situations:
+                self._add(("repeat", key), f"unknown situation {name!r}{suggest(name, situations)}")
+        part = Repetition(repeat, entries)
+        for number, key in entered_elsewhere(entries, part):
+            allowed = f"allowed: {repeat.start}, where the part begins"
+            self._add(("actions", number, key), f"leads into the middle of the repeated part; {allowed}")
+        begins = self._document.root.child("start")
+        ends = self._document.root.child("goal")
+        inside = part.inner - {repeat.start}
+        if begins and begins.content in inside:
+            self._add(("start",), f"is inside the repeated part; allowed there: {repeat.start}")
+        if ends and ends.content in part.inner - {repeat.goal}:
+            self._add(("goal",), "is inside the repeated part; allowed: its goal, or what lies behind it")
+        return part
+
+    def _actions(
+        self, copies: Copies, entries: Mapping[int, ActionEntry], part: Repetition | None
+    ) -> list[Action | None]:
+        names = self._place_names()
+        reader = ParameterReader(self._document, self._findings, names, part.repeat.name if part else None)
+        kinds = {number: self._kind(number, entry.do) for number, entry in entries.items()}
+        return [self._action(copied, entries, kinds, reader) for copied in copies.actions]
+
+    def _action(
+        self,
+        copied: Copied,
+        entries: Mapping[int, ActionEntry],
+        kinds: Mapping[int, type[ActionPrimitive] | None],
+        reader: ParameterReader,
+    ) -> Action | None:
+        ends = copied.source, copied.target
+        if copied.entry is None:
+            return Action(*ends, None, attempts=1)
+        entry, kind = entries[copied.entry], kinds[copied.entry]
+        binding: Binding | None = reader.binding(kind, copied.entry, copied.element) if kind else None
+        if binding is None:
+            return None
+        return Action(*ends, binding, entry.cost_s, entry.attempts, copied.on_fail)
+
+    def _kind(self, number: int, name: str) -> type[ActionPrimitive] | None:
+        try:
+            return self._primitives(name)
+        except KeyError as unknown:
+            self._add(("actions", number, "do"), str(unknown.args[0]))
+            return None
+
+    def _place_names(self) -> list[str] | None:
+        """The names of the map's places; None where no file tells them."""
+        try:
+            path = _resolved(self._document, ("knowledge", "places"))
+            return list(load(path, Places).places) if path else None
+        except FileError as error:
+            self._findings.take(error)
+        except UnsafePath:
+            pass  # told by `_check_files`
+        return None
+
+    def _check_files(self) -> None:
+        for key in (("world",), ("knowledge", "map"), ("knowledge", "places"), ("knowledge", "catalogue")):
+            try:
+                path = _resolved(self._document, key)
+            except UnsafePath as unsafe:
+                self._add(key, str(unsafe))
+                continue
+            if path is not None and not path.is_file():
+                self._add(key, f"there is no file {path.name!r}; allowed: a file, from the task's folder")
+
+    def _built(
+        self,
+        file: TaskFile,
+        copies: Copies,
+        actions: list[Action | None],
+        part: Repetition | None,
+        goal: str,
+    ) -> Task:
+        name = part.repeat.name if part else ""
+        situations = [
+            Situation(each, facts, None if element is None else f"{name}[{element + 1}]")
+            for each, (facts, element) in copies.situations.items()
+        ]
+        every = [action for action in actions if action is not None]
+        network = ActionNetwork.build(situations, every, copies.start, goal)
+        if not nx.has_path(network.graph, network.start, network.goal):
+            self._add(
+                ("goal",),
+                f"no actions lead from {network.start} to {goal}; allowed: a goal that can be reached",
+            )
+            self._findings.raise_all()
+        return Task(file, self._document, network, tuple(copied.entry for copied in copies.actions))
+
+
+def _resolved(document: Document, key: KeyPath) -> Path | None:
+    node, there = document.root.deepest(key)
+    if not there or not isinstance(node.content, str):
+        return None
+    if node.line == 0:  # from the command line: the user's own words
+        return Path(node.content)
+    folder = document.folder.resolve()
+    # Neighbouring tasks may share a world.
+    return resolve_inside(folder.parent, node.content, start=folder)
+
+
+def _robot(document: Document, name: str) -> str:
+    if not name.endswith((".yaml", ".yml")) or (ROBOTS / name).exists():
+        return name
+    return str(_resolved(document, ("robot",)))

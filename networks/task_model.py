@@ -1,0 +1,83 @@
+"""What stands in a task file."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal
+
+from pydantic import Field
+
+from files.model import FileModel
+
+from .network import MAX_ATTEMPTS, MAX_COST_S, Fact
+
+
+class KnowledgeFiles(FileModel):
+    """What the robot is told beforehand: files beside the task's."""
+
+    map: str
+    """A map in ROS format."""
+    places: str | None = None
+    """The map's named places."""
+    catalogue: str | None = None
+    """The books of a library."""
+
+
+class ActionEntry(FileModel):
+    """One action of the network."""
+
+    do: str
+    """Name of the primitive."""
+    source: Annotated[str, Field(alias="from")]
+    """The situation in which it can be done."""
+    target: Annotated[str, Field(alias="to")]
+    """The situation that Success leads to."""
+    on_fail: str | None = None
+    """The situation that Fail leads to: same facts, other knowledge. Left out: Fail changes nothing."""
+    cost_s: Annotated[float, Field(gt=0.0, le=MAX_COST_S)]
+    """What it is expected to take; each Fail doubles its weight in planning."""
+    attempts: Annotated[int, Field(ge=1, le=MAX_ATTEMPTS)] = 3
+    """After that many Fails it is out."""
+    parameters: Annotated[dict[str, Any], Field(alias="with")] = {}
+    """The primitive's parameters; `{model: book.shelf}` is looked up when the action starts, `{each: slot}`
+    is the element of a repeat."""
+
+
+class Repeat(FileModel):
+    """A part of the network, copied for each element of a list, one copy after the other."""
+
+    over: Annotated[list[Any], Field(min_length=1)]
+    """The elements."""
+    name: Annotated[str, Field(alias="as")]
+    """What `{each: NAME}` calls the element."""
+    start: str
+    """The situation in which the part begins."""
+    goal: str
+    """The situation in which an element is done: where the next one's part begins."""
+    unfinished: Literal["stop", "skip"] = "stop"
+    """Whether an element that can't be done ends the run, or is left out where the robot stands as at the
+    part's start (the run then ends with status 3)."""
+
+
+class TaskFile(FileModel):
+    """A task: situations, and the actions that lead from one to another."""
+
+    format: Literal["handcart-task/1"]
+    title: str
+    """What is to be achieved, in words."""
+    robot: str
+    """A shipped robot's name, or the path of a robot's YAML file."""
+    world: str | None = None
+    """What simulated backends build; the robot doesn't know it."""
+    backend: str = "kinematic"
+    """What the robot is, unless the command line says otherwise."""
+    knowledge: KnowledgeFiles | None = None
+    parameters: dict[str, Any] = {}
+    """Values that `--set KEY=VALUE` may change; `{parameter: KEY}` stands for them anywhere in the file."""
+    start: str
+    """The situation at the start."""
+    goal: str
+    """The situation to be reached."""
+    situations: dict[str, dict[str, Fact] | None]
+    """By name, each with the physical facts that hold in it."""
+    actions: list[ActionEntry]
+    repeat: Repeat | None = None
