@@ -155,10 +155,10 @@ class Robot:
 
     # Time
 
-    def step(self) -> None:
-        """Let one period pass and bring the estimates up to date."""
+    def step(self, paused: bool = False) -> None:
+        """Let one period pass and bring the estimates up to date; in a pause `time` stands still."""
         self.backend.step()
-        self.time += self.period
+        self.time += 0.0 if paused else self.period
         travel = self.base.wheel_travel()
         left, right = travel.left - self._travel.left, travel.right - self._travel.right
         self._travel = travel

@@ -15,7 +15,7 @@ from .chronicle import Chronicle
 from .events import NotStarted, Observer
 from .journal import Journal
 from .network import Action, ActionNetwork
-from .planner import NoWay, Plan, Planner
+from .planner import NoWay, Planner
 from .run_end import RunEnd, RunOutcome
 from .run_life import RunLife
 from .supervision import Interrupted, Request, Supervision

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
@@ -71,7 +72,7 @@ class Planner:
             )
         except nx.NetworkXNoPath:
             return self._no_way(situation)
-        pairs = zip(nodes, nodes[1:], strict=False)
+        pairs = itertools.pairwise(nodes)
         return Plan(tuple(self._best(*pair) for pair in pairs), float(cost), self._excluded())
 
     def _weight(self, _source: str, _target: str, edges: Mapping[int, Any]) -> float | None:

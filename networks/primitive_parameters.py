@@ -117,7 +117,7 @@ def _adapter(kind: type[ActionPrimitive], late: frozenset[str]) -> TypeAdapter[A
     """The primitive as a type in which parameters that are bound late may be missing."""
     if not late:
         return TypeAdapter(kind)
-    missing: dict[str, Any] = {name: (Any, None) for name in sorted(late)}
+    missing: dict[str, Any] = dict.fromkeys(sorted(late), (Any, None))
     return TypeAdapter(create_model(kind.__name__, __base__=kind, __module__=kind.__module__, **missing))
 
 
@@ -127,11 +127,9 @@ def _is_place(field: FieldInfo) -> bool:
 
 
 def _fits(given: Any, wanted: Any) -> bool:
-    options = (
-        typing.get_args(wanted) if typing.get_origin(wanted) in (typing.Union, types.UnionType) else (wanted,)
-    )
-    numbers = (given, float) == (int, float) or given is int and float in options
-    return given in options or Any in options or numbers
+    is_union = typing.get_origin(wanted) in (typing.Union, types.UnionType)
+    options = typing.get_args(wanted) if is_union else (wanted,)
+    return given in options or Any in options or (given is int and float in options)
 
 
 def _called(kind: Any) -> str:
