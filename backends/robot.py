@@ -31,6 +31,7 @@ T = TypeVar("T")
 C = TypeVar("C", bound=Capability)
 
 STILL_SCANS = 20  # periods at rest after which further scans tell nothing new
+SCAN_SIGMA = (0.004, 0.0015)  # [m], [rad]: spread of scan matches about one place
 START_SIGMA = np.diag([0.05**2, 0.05**2, 0.035**2])  # [m², rad²] of where a task says the robot starts
 
 
@@ -143,6 +144,18 @@ class Robot:
     def pose_covariance(self) -> NDArray[np.float64]:
         """(3, 3) of x, y in [m] and heading in [rad]."""
         return self._localizer.covariance
+
+    @property
+    def pose_sigma(self) -> tuple[float, float]:
+        """How well two poses that are both measured like this one can be compared: one sigma, [m] and [rad].
+
+        Where scans are matched with the map, the map's own error is the same in both; by wheels alone it is
+        all that has been added up since the surroundings were last seen.
+        """
+        if isinstance(self._localizer, ScanLocalizer) and self._localizer.sure:
+            return SCAN_SIGMA
+        sigma = np.sqrt(np.diag(self.pose_covariance))
+        return float(np.hypot(sigma[0], sigma[1])), float(sigma[2])
 
     @property
     def lost(self) -> bool:

@@ -161,6 +161,10 @@ class Coordinator:
         self.life.restore()
         self._chronicle.restoring(action, reason)
 
+    def broken_off(self, reason: str) -> RunEnd:
+        """The end of a run that a fault in our own code or the journal broke off."""
+        return self._end("Error", reason)
+
     def _end(self, outcome: RunOutcome, reason: str) -> RunEnd:
         told = self._chronicle
         replans = max(0, told.plans - 1)

@@ -29,10 +29,9 @@ def with_parameters(document: Document, findings: Findings) -> Document:
         return document
     section = root.content.get(SECTION)
     declared = section.content if section and isinstance(section.content, dict) else {}
-    parts = {
-        key: part if key == SECTION else _put_in(part, declared, findings)
-        for key, part in root.content.items()
-    }
+    parts = {key: _put_in(part, declared, findings) for key, part in root.content.items() if key != SECTION}
+    if section is not None:
+        parts[SECTION] = section
     return replace(document, root=replace(root, content=parts))
 
 

@@ -19,6 +19,7 @@ from files.suggest import suggest
 from files.yaml_document import Document
 from files.yaml_node import Node
 from primitives.action_primitive import ActionPrimitive
+from primitives.place_name import Names
 from primitives.world_model import UnknownFact, WorldModel
 
 from .binding import Binding
@@ -88,15 +89,17 @@ class ParameterReader:
         self, kind: type[ActionPrimitive], number: int, given: Node, late: dict[str, str]
     ) -> dict[str, Any]:
         content = given.content if isinstance(given.content, dict) else {}
-        kept = replace(given, content={key: part for key, part in content.items() if key not in late})
+        # What a reference that leads nowhere stands for is told already.
+        open_ = {*late, *(key for key, part in content.items() if _is_reference(part))}
+        kept = replace(given, content={key: part for key, part in content.items() if key not in open_})
         path = ("actions", number, "with")
         document = self._document.with_value(path, kept)
         try:
-            value = load_part(document, path, _adapter(kind, frozenset(late)))
+            value = load_part(document, path, _adapter(kind, frozenset(open_ & kind.model_fields.keys())))
         except FileError as error:
             self._findings.take(error)
             return {}
-        fixed = {name: getattr(value, name) for name in kind.model_fields if name not in late}
+        fixed = {name: getattr(value, name) for name in kind.model_fields if name not in open_}
         for name, part in fixed.items():
             if _is_place(kind.model_fields[name]):
                 self._check_place(name, part, kept.child(name) or kept)
@@ -112,6 +115,10 @@ class ParameterReader:
         self._findings.add(where.finding((), message))
 
 
+def _is_reference(node: Node) -> bool:
+    return any(reference(node, kind) is not None for kind in ("parameter", "each"))
+
+
 @cache
 def _adapter(kind: type[ActionPrimitive], late: frozenset[str]) -> TypeAdapter[Any]:
     """The primitive as a type in which parameters that are bound late may be missing."""
@@ -123,7 +130,7 @@ def _adapter(kind: type[ActionPrimitive], late: frozenset[str]) -> TypeAdapter[A
 
 def _is_place(field: FieldInfo) -> bool:
     """Whether a parameter is the name of a place: so marked by the primitive."""
-    return any(getattr(mark, "names_of", None) == "places" for mark in field.metadata)
+    return any(isinstance(mark, Names) and mark.entry == "places" for mark in field.metadata)
 
 
 def _fits(given: Any, wanted: Any) -> bool:

@@ -16,6 +16,8 @@ from .events import NotStarted
 from .run_life import RunLife, RunState
 
 Attempt = Generator[None, None, Outcome]
+Periods = Generator[None, None, Outcome | NotStarted | None]
+"""Periods, and the outcome if the attempt ended in them."""
 
 
 class Request(Enum):
@@ -83,9 +85,7 @@ class Supervision:
                 self._robot.stop()
                 raise Interrupted(_ENDING[request])
 
-    def _honour(
-        self, request: Request, attempt: Attempt
-    ) -> Generator[None, None, Outcome | NotStarted | None]:
+    def _honour(self, request: Request, attempt: Attempt) -> Periods:
         if request is Request.STOP:
             attempt.close()
             self._robot.stop()
@@ -98,7 +98,7 @@ class Supervision:
             return (yield from _call_back(attempt, Discrepancy(_ENDING.get(request, "interrupted"))))
         return None
 
-    def _pause(self, attempt: Attempt) -> Generator[None, None, Outcome | NotStarted | None]:
+    def _pause(self, attempt: Attempt) -> Periods:
         """Hold until something else is asked for; moved by hand meanwhile is a discrepancy."""
         self._life.pause()
         self._robot.stop()
@@ -114,9 +114,7 @@ class Supervision:
         return None
 
 
-def _call_back(
-    attempt: Attempt, discrepancy: Discrepancy
-) -> Generator[None, None, Outcome | NotStarted | None]:
+def _call_back(attempt: Attempt, discrepancy: Discrepancy) -> Periods:
     try:
         attempt.throw(discrepancy)
     except StopIteration as end:

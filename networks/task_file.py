@@ -184,6 +184,7 @@ class _Reader:
         self, copies: Copies, entries: Mapping[int, ActionEntry], part: Repetition | None
     ) -> list[Action | None]:
         names = self._place_names()
+        self._check_start_place(names)
         reader = ParameterReader(self._document, self._findings, names, part.repeat.name if part else None)
         kinds = {number: self._kind(number, entry.do) for number, entry in entries.items()}
         return [self._action(copied, entries, kinds, reader) for copied in copies.actions]
@@ -221,6 +222,12 @@ class _Reader:
         except UnsafePath:
             pass  # told by `_check_files`
         return None
+
+    def _check_start_place(self, names: list[str] | None) -> None:
+        node, there = self._document.root.deepest(("knowledge", "start"))
+        name = node.content
+        if there and names is not None and isinstance(name, str) and name not in names:
+            self._add(("knowledge", "start"), f"unknown place {name!r}{suggest(name, names)}")
 
     def _check_files(self) -> None:
         for key in (("world",), ("knowledge", "map"), ("knowledge", "places"), ("knowledge", "catalogue")):

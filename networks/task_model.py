@@ -20,6 +20,8 @@ class KnowledgeFiles(FileModel):
     """The map's named places."""
     catalogue: str | None = None
     """The books of a library."""
+    start: str | None = None
+    """The place where the robot stands at first; left out: the map's origin."""
 
 
 class ActionEntry(FileModel):
@@ -37,7 +39,7 @@ class ActionEntry(FileModel):
     """What it is expected to take; each Fail doubles its weight in planning."""
     attempts: Annotated[int, Field(ge=1, le=MAX_ATTEMPTS)] = 3
     """After that many Fails it is out."""
-    parameters: Annotated[dict[str, Any], Field(alias="with")] = {}
+    parameters: Annotated[dict[str, Any], Field(alias="with", default_factory=dict)]
     """The primitive's parameters; `{model: book.shelf}` is looked up when the action starts, `{each: slot}`
     is the element of a repeat."""
 
@@ -71,7 +73,7 @@ class TaskFile(FileModel):
     backend: str = "kinematic"
     """What the robot is, unless the command line says otherwise."""
     knowledge: KnowledgeFiles | None = None
-    parameters: dict[str, Any] = {}
+    parameters: Annotated[dict[str, Any], Field(default_factory=dict)]
     """Values that `--set KEY=VALUE` may change; `{parameter: KEY}` stands for them anywhere in the file."""
     start: str
     """The situation at the start."""

@@ -28,7 +28,7 @@ from .trace import Trace
 from .world_model import ModelView
 
 ARRIVED = PoseTolerance(position=0.02, heading=0.01)
-DOCKED = PoseTolerance(position=0.008, heading=0.003)
+DOCKED = PoseTolerance(position=0.004, heading=0.003)
 DOCKINGS = 4  # times that the front is measured and the pose corrected
 FRONT_SCANS = 20  # scans stacked for one measurement of the front
 STUCK = 6.0  # [s] without getting on, though nothing is seen in the way

@@ -59,11 +59,10 @@ def settle(robot: Robot) -> Generator[None, None, bool]:
 def take_snapshot(robot: Robot, seen: Seen) -> Snapshot:
     """Measure the robot as it stands now; `seen` are the objects it can touch."""
     arm, gripper = robot.backend.get(Arm), robot.backend.get(Gripper)  # type: ignore[type-abstract]
-    sigma = np.sqrt(np.diag(robot.pose_covariance))
     width = gripper.width() if gripper else 0.0
     return Snapshot(
         pose=robot.pose,
-        pose_sigma=(float(np.hypot(sigma[0], sigma[1])), float(sigma[2])),
+        pose_sigma=robot.pose_sigma,
         joints=arm.joints().copy() if arm else np.empty(0),
         joint_command=arm.command().copy() if arm else np.empty(0),
         gripper_command=gripper.command() if gripper else 0.0,
@@ -76,12 +75,14 @@ def take_snapshot(robot: Robot, seen: Seen) -> Snapshot:
 def residuals(start: Snapshot, now: Snapshot) -> dict[str, float]:
     """How far `now` is from `start`: name with unit to size.
 
-    What no longer is there, or isn't held any more, is infinitely far. The base's residual is what was
-    measured or 3 sigma of the measurement, whichever is larger.
+    What no longer is there, or isn't held any more, is infinitely far. Beside the base's residual stands how
+    far it may be off unnoticed: 3 sigma of the measurement.
     """
     result = {
-        "base_mm": 1e3 * max(now.pose.distance(start.pose), 3.0 * now.pose_sigma[0]),
-        "base_deg": math.degrees(max(now.pose.turn(start.pose), 3.0 * now.pose_sigma[1])),
+        "base_mm": 1e3 * now.pose.distance(start.pose),
+        "base_deg": math.degrees(now.pose.turn(start.pose)),
+        "base_unsure_mm": 3e3 * now.pose_sigma[0],
+        "base_unsure_deg": math.degrees(3.0 * now.pose_sigma[1]),
         "gripper_mm": 1e3 * abs(now.gripper_width - start.gripper_width),
         "held": math.inf if start.holding != now.holding else 0.0,
     }
@@ -99,6 +100,8 @@ def limits(robot: Robot, names: Mapping[str, float]) -> dict[str, float]:
     known = {
         "base_mm": tolerance.base_mm,
         "base_deg": tolerance.base_deg,
+        "base_unsure_mm": tolerance.base_mm,
+        "base_unsure_deg": tolerance.base_deg,
         "joints_deg": tolerance.joints_deg,
         "gripper_mm": tolerance.gripper_mm,
         "held": 0.0,

@@ -93,6 +93,11 @@ class ScanLocalizer(Localizer):
         self.last_match: ScanMatch | None = None
 
     @property
+    def sure(self) -> bool:
+        """Whether the last scan was believed."""
+        return self.last_match is not None and self._poor == 0
+
+    @property
     def lost(self) -> bool:
         """Whether the last scans didn't fit the map anywhere near."""
         return self._poor >= self._patience

@@ -1,0 +1,100 @@
+"""The arm of the kinematic robot."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from backends.arm import Arm
+from backends.backend import CommandError
+from backends.robot_file import RobotFile
+from backends.scene.hand import Hand
+from backends.scene.keyed_noise import keyed
+
+ENCODER_SIGMA = 2e-5  # [rad]
+_ROUNDING = 1e-9
+
+Vector = NDArray[np.float64]
+
+
+class KinematicArm(Arm):
+    """Joints that reach their command within the period, but for a contact and for repeatability.
+
+    The joints stand off what their encoders read by an offset that is drawn anew whenever the arm sets out
+    from rest: gears and links give, which no encoder sees.
+    """
+
+    def __init__(self, robot: RobotFile, hand: Hand, seed: int) -> None:
+        self._hand, self._seed = hand, seed
+        self._errors, self._period = robot.errors, robot.period_s
+        top = np.inf if robot.arm is None else np.radians(robot.arm.top_speed_deg_s)
+        self._top = np.minimum(hand.arm.velocity, top)
+        self._command = hand.scene.joints.copy()
+        self._reached = self._command.copy()
+        self._motions, self._moving, self._settled = 0, False, False
+        self._offset = self._draw_offset()
+        hand.scene.joints = self._command + self._offset
+        self._touching: frozenset[tuple[str, str]] = frozenset()
+        self._now, self._readings = 0, dict[str, tuple[int, Vector]]()
+
+    def move(self, joints: Vector) -> None:
+        """See `Arm`."""
+        wanted = np.array(joints, dtype=np.float64)
+        model = self._hand.arm
+        if wanted.shape != self._reached.shape or not np.isfinite(wanted).all():
+            raise CommandError(f"joint angles {wanted.tolist()}; allowed: {model.dof} finite numbers")
+        if (wanted < model.lower - _ROUNDING).any() or (wanted > model.upper + _ROUNDING).any():
+            raise CommandError(f"joint angles {wanted.round(4).tolist()} rad; allowed: {self._range()}")
+        step = np.abs(wanted - self._reached)
+        if (step > self._top * self._period * (1.0 + 1e-6) + _ROUNDING).any():
+            most = (self._top * self._period).round(5).tolist()
+            raise CommandError(f"joint steps of {step.round(5).tolist()} rad in a period; allowed: {most}")
+        self._command = wanted
+
+    def _range(self) -> str:
+        model = self._hand.arm
+        return f"{model.lower.round(4).tolist()} to {model.upper.round(4).tolist()}"
+
+    def command(self) -> Vector:
+        """See `Arm`."""
+        return self._command.copy()
+
+    def joints(self) -> Vector:
+        """See `Arm`."""
+        motor = self._hand.scene.joints - self._offset
+        return self._read("joints", motor, ENCODER_SIGMA)
+
+    def hand_force(self) -> Vector:
+        """See `Arm`."""
+        return self._read("hand force", self._hand.scene.hand_force, self._errors.hand_force_n)
+
+    def halt(self) -> None:
+        """Forget a command that hasn't begun; hold."""
+        self._command = self._reached.copy()
+
+    def advance(self, period: int, disturbed: bool) -> frozenset[tuple[str, str]]:
+        """Move for a period; gives what touches. `disturbed`: the fingers have moved."""
+        self._now = period
+        changed = bool((self._command != self._reached).any())
+        if changed and not self._moving:
+            self._motions += 1
+            self._offset = self._draw_offset()
+        self._moving = changed
+        self._reached = self._command.copy()
+        if not changed and not disturbed and self._settled:
+            return self._touching
+        self._settled = not changed
+        self._touching = self._hand.move(self._command + self._offset)
+        return self._touching
+
+    def _draw_offset(self) -> Vector:
+        sigma = self._errors.joint_repeatability_mrad / 1e3
+        rng = keyed(self._seed, "joint repeatability", self._motions)
+        return sigma * rng.standard_normal(len(self._reached))
+
+    def _read(self, sensor: str, truth: Vector, sigma: float) -> Vector:
+        last = self._readings.get(sensor)
+        if last is None or last[0] != self._now:
+            noise = sigma * keyed(self._seed, sensor, self._now).standard_normal(len(truth))
+            last = self._readings[sensor] = (self._now, truth + noise)
+        return last[1].copy()

@@ -1,0 +1,105 @@
+"""A robot without physics, with a real robot's errors."""
+
+from __future__ import annotations
+
+from backends.backend import Backend
+from backends.capability import Capability
+from backends.robot_file import RobotFile
+from backends.scene.base_contact import move_base
+from backends.scene.hand import Hand
+from backends.scene.mounts import base_T_frame
+from backends.scene.scene import build_scene
+from backends.scene.world_file import WorldFile
+from robotics.geometry.pose2 import Pose2
+
+from .kinematic_arm import KinematicArm
+from .kinematic_base import KinematicBase
+from .kinematic_camera import KinematicCamera
+from .kinematic_gripper import KinematicGripper
+from .kinematic_range_sensor import KinematicRangeSensor
+
+
+class KinematicBackend(Backend):
+    """A differential drive with arm, gripper, camera and range sensor among solid things.
+
+    How it errs, seeded: radius of each wheel, tread, slip in each period, joint repeatability, ranges,
+    image noise, blur, light and lens, the force reading, where a person puts the robot and the book.
+
+    How it differs from metal:
+    - No mass: wheels, joints and fingers follow their commands within the period; limits of speed are
+      checked, those of acceleration are not. Nothing swings, tips or heats up.
+    - Contacts are quasi-static. The base is a disc and stops where it meets something, its wheels slipping.
+      The arm stops where a contact begins; the force grows by 2 N a mm of further command, up to 60 N.
+      The arm is not checked against itself and its base.
+    - A gripped book sits in the hand as if glued and centred: it neither slips nor sags.
+    - Whether a book enters its slot is decided by a rule fitted to a physics engine
+      (`scene.insertion.entry_chance`), once an entry; in the slot it aligns. Books that are pushed slide
+      straight back against 3 N (10 N where an edge jams), and nothing stops them before the shelf's back.
+    - A book let go at most 20 mm above board or tray stands there upright. Else it lies on the floor, lost,
+      and nothing runs into it there.
+    - Calibration is exact: the camera's model and mount are as stated, encoders have no bias.
+    - Light has no shadows; glass, mirrors and black lacquer are unknown to the range sensor.
+
+    `scene` is ground truth: only evaluation may read it.
+    """
+
+    name = "kinematic"
+
+    def __init__(self, robot: RobotFile, world: WorldFile, seed: int) -> None:
+        """Set robot and world up. The same seed gives the same run, bit for bit."""
+        self.period = robot.period_s
+        self.scene = build_scene(robot, world, seed)
+        self._periods = 0
+        self._base = KinematicBase(robot, seed)
+        self._arm: KinematicArm | None = None
+        self._gripper: KinematicGripper | None = None
+        self._camera: KinematicCamera | None = None
+        self._range: KinematicRangeSensor | None = None
+        self._hand: Hand | None = None
+        model = self.scene.arm
+        if model is not None:
+            self._hand = Hand(self.scene, model, seed)
+            self._arm = KinematicArm(robot, self._hand, seed)
+            if robot.gripper is not None:
+                self._gripper = KinematicGripper(robot.gripper, self._hand, self.period, seed)
+            if robot.camera is not None:
+                self._camera = KinematicCamera(robot, robot.camera, self.scene, seed)
+        if robot.range_sensor is not None:
+            mount = base_T_frame(robot.urdf_text(), "range_sensor")
+            self._range = KinematicRangeSensor(robot.range_sensor, mount, self.scene, seed)
+
+    def capabilities(self) -> tuple[Capability, ...]:
+        """See `Backend`."""
+        parts = (self._base, self._arm, self._gripper, self._camera, self._range)
+        return tuple(part for part in parts if part is not None)
+
+    def step(self) -> None:
+        """See `Backend`."""
+        self._periods += 1
+        self.scene.time = self._periods * self.period
+        motion = self._base.advance(self._periods)
+        touching = self._move_base(motion)
+        fingers = self._gripper is not None and self._gripper.advance(self._periods)
+        if self._arm is not None:
+            touching |= self._arm.advance(self._periods, disturbed=fingers)
+        for sensor in (self._camera, self._range):
+            if sensor is not None:
+                sensor.advance(self._periods)
+        self.scene.touch(touching)
+
+    def _move_base(self, motion: Pose2) -> frozenset[tuple[str, str]]:
+        if motion == Pose2(0.0, 0.0, 0.0):
+            return frozenset()
+        touching = move_base(self.scene, motion, self._hand)
+        if self._hand is not None:
+            self._hand.follow_base()
+        return touching
+
+    def stop(self) -> None:
+        """See `Backend`."""
+        for part in (self._base, self._arm, self._gripper):
+            if part is not None:
+                part.halt()
+
+    def close(self) -> None:
+        """See `Backend`; there is nothing to let go of."""

@@ -1,0 +1,58 @@
+"""The gripper of the kinematic robot."""
+
+from __future__ import annotations
+
+from backends.backend import CommandError
+from backends.gripper import Gripper
+from backends.robot_file import GripperSpec
+from backends.scene.hand import Hand
+from backends.scene.keyed_noise import keyed
+
+WIDTH_SIGMA = 5e-5  # of the measured opening [m]
+_PRESSES = 2e-4  # commanded this far beyond where they stand, the fingers press [m]
+
+
+class KinematicGripper(Gripper):
+    """Fingers that close at constant speed, and hold what is between them as if it were glued."""
+
+    def __init__(self, spec: GripperSpec, hand: Hand, period: float, seed: int) -> None:
+        self._opening, self._step = spec.opening_mm / 1e3, spec.speed_mm_s / 1e3 * period
+        self._hand, self._seed = hand, seed
+        self._command = hand.scene.width
+        self._now, self._pressing = 0, False
+
+    def command(self) -> float:
+        """See `Gripper`."""
+        return self._command
+
+    def move(self, width: float) -> None:
+        """See `Gripper`."""
+        if not 0.0 <= width <= self._opening + 1e-9:
+            raise CommandError(f"a width of {width} m; allowed: 0 to {self._opening}")
+        self._command = float(width)
+
+    def width(self) -> float:
+        """See `Gripper`."""
+        noise = WIDTH_SIGMA * keyed(self._seed, "width", self._now).standard_normal()
+        return float(max(0.0, self._hand.scene.width + noise))
+
+    def closed_on_something(self) -> bool:
+        """See `Gripper`."""
+        return self._pressing
+
+    def halt(self) -> None:
+        """Hold: fingers that press go on pressing, those that move stop."""
+        if not self._pressing:
+            self._command = self._hand.scene.width
+
+    def advance(self, period: int) -> bool:
+        """Move for a period; gives whether anything moved."""
+        self._now = period
+        before, held = self._hand.scene.width, self._hand.scene.held
+        way = max(-self._step, min(self._step, self._command - before))
+        if way != 0.0:
+            self._hand.set_width(before + way)
+        after = self._hand.scene.width
+        stands = abs(after - before) < 1e-9
+        self._pressing = stands and (self._command < after - _PRESSES or self._command <= 0.0)
+        return not stands or held is not self._hand.scene.held

@@ -1,0 +1,65 @@
+"""The backends that can be named."""
+
+from __future__ import annotations
+
+from functools import cache
+from importlib import import_module
+from importlib.metadata import entry_points
+from pathlib import Path
+from typing import Protocol
+
+from files.errors import InputError
+from files.loading import load
+from files.suggest import suggest
+
+from .backend import Backend
+from .robot_file import RobotFile
+
+TABLE = {"kinematic": "backends.kinematic.kinematic_backend:KinematicBackend"}
+"""Name to import path; other packages add theirs by an entry point of the group `handcart.backends`."""
+
+
+class SimulatedBackend(Protocol):
+    """How a simulated backend is built."""
+
+    def __call__(self, robot: RobotFile, world: object, seed: int) -> Backend:
+        """From a robot, a world (a `WorldFile`) and a seed."""
+
+
+class UnknownBackend(InputError, KeyError):
+    """No backend has that name."""
+
+    def __init__(self, name: str) -> None:
+        self.name = name
+        super().__init__(f"unknown backend {name!r}{suggest(name, backend_names())}")
+
+    def __str__(self) -> str:
+        # KeyError shows its argument in quotes.
+        return str(self.args[0])
+
+
+@cache
+def _all() -> dict[str, str]:
+    return TABLE | {each.name: each.value for each in entry_points(group="handcart.backends")}
+
+
+def backend_names() -> list[str]:
+    """All names, ours and those of other packages."""
+    return sorted(_all())
+
+
+def make_backend(name: str, robot: RobotFile, world_path: Path, seed: int) -> Backend:
+    """A backend by its name, for a robot in the world of a file.
+
+    Raises:
+        UnknownBackend: none has that name; the message lists those that exist.
+        FileError: the world's file is missing or something in it is wrong.
+    """
+    if name not in _all():
+        raise UnknownBackend(name)
+    from .scene.world_file import WorldFile
+
+    world = load(world_path, WorldFile)
+    module, _, attribute = _all()[name].partition(":")
+    build: SimulatedBackend = getattr(import_module(module), attribute)
+    return build(robot, world, seed)

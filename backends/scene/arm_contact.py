@@ -1,0 +1,197 @@
+"""Whether the arm, or what it holds, stands in something solid."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection
+from typing import NamedTuple
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import NDArray
+
+from robotics.geometry.pose2 import Pose2
+from robotics.geometry.transform import Transform, transform
+from robotics.kinematics.arm_model import ArmModel
+from robotics.kinematics.shapes import Box, Cylinder, Shape
+
+from .book import Rest
+from .scene import Scene
+
+HELD = "held book"
+FINGERS = ("left_finger", "right_finger")
+_OWN = ("tray", "column")
+_GIVE = 0.0005  # bodies that only touch count as free [m]
+
+Skip = Callable[[str, str], bool]
+
+
+class Touch(NamedTuple):
+    """The deepest overlap of the arm with a solid."""
+
+    depth: float
+    """[m]"""
+    body: str
+    other: str
+
+
+FREE = Touch(0.0, "", "")
+
+
+class ArmContact:
+    """Overlaps of the moved links, fingers and held book with the world's solids and the books in it.
+
+    The arm against itself and its own base is not checked (a planner's task), the held book against tray
+    and column is. Spheres about the bodies sort out what is far; coal measures the rest.
+    """
+
+    def __init__(self, scene: Scene, arm: ArmModel) -> None:
+        self._scene, self._arm = scene, arm
+        shapes = arm.link_shapes(scene.joints)
+        moved = [s.name not in _still(arm, shapes) for s in shapes]
+        self._links = [i for i, moves in enumerate(moved) if moves]
+        self._own = [i for i, s in enumerate(shapes) if s.name in _OWN]
+        self._names = [shape.name for shape in shapes]
+        self._geometry = [_geometry(shape) for shape in shapes]
+        self._radius = np.array([_radius(shape) for shape in shapes])
+        self._fixed = [solid.box for solid in scene.solids]
+        self._boxes: list[Box] = []
+        self._changes = -1
+        self._reach: tuple[object, float] = (None, 0.0)
+
+    def deepest(self, base: Pose2, joints: NDArray[np.float64], skip: Skip | None = None) -> Touch:
+        """The deepest overlap with the base and the joints there; `skip(body, other)` leaves pairs out."""
+        if self._scene.full_plan.clearance(base.x, base.y, self._scene.time)[0] > self._extent(joints):
+            return FREE
+        return self._check(base.lift(), joints, skip)
+
+    def inside_footprint(self, joints: NDArray[np.float64]) -> bool:
+        """Whether the base's circle holds the arm and its load, so that its contacts are the base's."""
+        return self._extent(joints) <= self._scene.robot.footprint_radius_m
+
+    def _extent(self, joints: NDArray[np.float64]) -> float:
+        """Radius about the base's centre that the arm and its load stay in, in [m], on the safe side."""
+        key = (joints.tobytes(), self._scene.held)
+        if self._reach[0] != key:
+            poses = self._arm.link_poses(joints)[self._links]
+            out = np.hypot(poses[:, 0, 3], poses[:, 1, 3]) + self._radius[self._links]
+            reach = float(out.max()) + 0.04
+            if self._scene.held is not None:
+                hand = self._arm.forward(joints)
+                middle = hand @ self._scene.hand_T_book @ self._scene.held.book_T_middle
+                reach = max(reach, float(np.hypot(*middle[:2, 3]) + np.hypot(*self._scene.held.size[:2]) / 2))
+            self._reach = (key, reach)
+        return self._reach[1]
+
+    def _check(self, world_T_base: Transform, joints: NDArray[np.float64], skip: Skip | None) -> Touch:
+        self._refresh()
+        poses = world_T_base @ self._arm.link_poses(joints)
+        bodies = [(self._names[i], self._geometry[i], poses[i], self._radius[i]) for i in self._links]
+        for i, (name, geometry, pose, radius) in enumerate(bodies):
+            if name in FINGERS:
+                side = 1.0 if name == FINGERS[0] else -1.0
+                shifted = pose @ transform((0.0, side * self._scene.width / 2, 0.0))
+                bodies[i] = (name, geometry, shifted, radius)
+        held = self._held(world_T_base, joints)
+        if held is not None:
+            bodies.append(held)
+        worst = self._against_world(bodies, skip)
+        return worst if held is None else max(worst, self._against_robot(held, poses))
+
+    def _held(
+        self, world_T_base: Transform, joints: NDArray[np.float64]
+    ) -> tuple[str, object, Transform, float] | None:
+        book = self._scene.held
+        if book is None:
+            return None
+        pose = world_T_base @ self._arm.forward(joints) @ self._scene.hand_T_book @ book.book_T_middle
+        size = np.array(book.size) - 2 * _GIVE
+        return HELD, pin.coal.Box(*size), pose, float(np.linalg.norm(size)) / 2
+
+    def _against_world(
+        self, bodies: list[tuple[str, object, Transform, float]], skip: Skip | None
+    ) -> Touch:
+        centres = np.array([body[2][:3, 3] for body in bodies])
+        radii = np.array([body[3] for body in bodies])
+        local = np.einsum("nji,gnj->gni", self._turn, centres[:, None] - self._middle[None])
+        outside = np.maximum(np.abs(local) - self._half, 0.0)
+        near = (outside**2).sum(axis=2) < radii[:, None] ** 2
+        near &= self._there()
+        worst = FREE
+        for g, n in np.argwhere(near):
+            name, geometry, pose, _ = bodies[g]
+            if skip is not None and skip(name, self._boxes[n].name):
+                continue
+            depth = _overlap(geometry, pose, self._solids[n], self._boxes[n].pose)
+            if depth > worst.depth:
+                worst = Touch(depth, name, self._boxes[n].name)
+        return worst
+
+    def _against_robot(
+        self, held: tuple[str, object, Transform, float], poses: NDArray[np.float64]
+    ) -> Touch:
+        hits = [
+            Touch(_overlap(held[1], held[2], self._geometry[i], poses[i]), HELD, self._names[i])
+            for i in self._own
+        ]
+        return max(hits, default=FREE)
+
+    def _there(self) -> NDArray[np.bool_]:
+        present = np.ones(len(self._boxes), dtype=bool)
+        time = self._scene.time
+        for i, solid in enumerate(self._scene.solids):
+            present[i] = solid.appears <= time < solid.leaves
+        return present
+
+    def _refresh(self) -> None:
+        """Take the books from where they are now."""
+        key = self._scene.changes
+        if key == self._changes:
+            return
+        self._changes = key
+        standing = [b.box() for b in self._scene.books.values() if b.rest in (Rest.SHELF, Rest.TRAY)]
+        self._boxes = [*self._fixed, *standing]
+        self._solids = [pin.coal.Box(*(np.array(box.size) - _GIVE)) for box in self._boxes]
+        poses = np.array([box.pose for box in self._boxes]).reshape(-1, 4, 4)
+        self._middle, self._turn = poses[:, :3, 3], poses[:, :3, :3]
+        self._half = np.array([box.size for box in self._boxes]).reshape(-1, 3) / 2
+
+
+def _still(arm: ArmModel, shapes: Collection[Shape]) -> set[str]:
+    """Names of the links that no joint of the arm moves, and of the first, which only turns in place."""
+    here = {s.name: s.pose for s in arm.link_shapes(0.5 * (arm.lower + arm.upper))}
+    there = {s.name: s.pose for s in arm.link_shapes(0.5 * (arm.lower + arm.upper) + 0.1)}
+    return {name for name, pose in here.items() if np.allclose(pose, there[name])}
+
+
+def _overlap(one: object, pose: Transform, other: object, other_pose: Transform) -> float:
+    request, result = pin.coal.CollisionRequest(), pin.coal.CollisionResult()
+    placed, placed_other = _placed(pose), _placed(other_pose)
+    if not pin.coal.collide(one, placed, other, placed_other, request, result):
+        return 0.0
+    return max(0.0, -float(result.getContact(0).penetration_depth))
+
+
+def _placed(pose: Transform) -> object:
+    return pin.coal.Transform3s(pose[:3, :3], pose[:3, 3])
+
+
+def _geometry(shape: Shape) -> object:
+    match shape:
+        case Box():
+            return pin.coal.Box(*shape.size)
+        case Cylinder():
+            return pin.coal.Cylinder(shape.radius, shape.length)
+        case _:
+            return pin.coal.Sphere(shape.radius)
+
+
+def _radius(shape: Shape) -> float:
+    match shape:
+        case Box():
+            return float(np.linalg.norm(shape.size)) / 2
+        case Cylinder():
+            return float(np.hypot(shape.radius, shape.length / 2))
+        case _:
+            return shape.radius
+
+

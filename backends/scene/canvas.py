@@ -1,0 +1,131 @@
+"""A picture of an ideal pinhole camera, painted from far to near."""
+
+from __future__ import annotations
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from robotics.geometry.transform import Transform
+
+_NEAREST = 0.01  # what is nearer to the camera than this isn't shown [m]
+_SHIFT = 4  # OpenCV draws to 1/16 px
+_FAR = 30000.0  # beyond any picture, within OpenCV's fixed-point range [px]
+
+Floats = NDArray[np.float64]
+GreyImage = NDArray[np.uint8]
+
+
+class Canvas:
+    """Paints faces given in the world; an integer pixel is a pixel's centre."""
+
+    def __init__(self, K: Floats, size: tuple[int, int], world_T_camera: Transform, background: int) -> None:
+        """`K` (3, 3) in [px], `size` (width, height), `world_T_camera` (4, 4)."""
+        self.picture: GreyImage = np.full((size[1], size[0]), background, dtype=np.uint8)
+        self.eye: Floats = world_T_camera[:3, 3]
+        self._K = K
+        self._turn = world_T_camera[:3, :3]
+        self._projection = K @ self._turn.T
+
+    def seen_from_front(self, corner: Floats, normal: Floats) -> bool:
+        """Whether the camera is on the side of a face that its normal points to."""
+        return bool((self.eye - corner) @ normal > 0.0)
+
+    def polygon(self, corners: Floats, grey: int) -> None:
+        """A flat convex face, corners (n, 3) in the world, in one shade."""
+        rays = (corners - self.eye) @ self._projection.T
+        if (rays[:, 2] < _NEAREST).any():
+            rays = _before(rays)
+            if len(rays) < 3:
+                return
+        pixels = rays[:, :2] / rays[:, 2:]
+        if self._outside(pixels):
+            return
+        fixed = np.rint(np.clip(pixels, -_FAR, _FAR) * 2**_SHIFT).astype(np.int32)
+        cv2.fillConvexPoly(self.picture, fixed, grey, cv2.LINE_AA, _SHIFT)
+
+    def texture(self, levels: list[tuple[GreyImage, float]], face: Transform) -> None:
+        """A printed face.
+
+        `face` (4, 4): origin at the picture's upper left corner, x along its rows, y down its columns, in
+        [m]. `levels` are the same picture in falling resolution, each with its metres a pixel.
+        """
+        size = np.array([levels[0][0].shape[1], levels[0][0].shape[0]]) * levels[0][1]
+        corners = face[:3, 3] + np.array([[0, 0], [1, 0], [1, 1], [0, 1]]) * size @ face[:3, :2].T
+        rays = (corners - self.eye) @ self._projection.T
+        if (rays[:, 2] < _NEAREST).any():
+            return
+        pixels = rays[:, :2] / rays[:, 2:]
+        if self._outside(pixels):
+            return
+        picture, metres = self._level(levels, pixels, size)
+        self._warp(picture, metres, face, pixels)
+
+    def _level(
+        self, levels: list[tuple[GreyImage, float]], pixels: Floats, size: Floats
+    ) -> tuple[GreyImage, float]:
+        """The coarsest level that is as fine as the picture."""
+        px_per_m = max(
+            np.linalg.norm(pixels[1] - pixels[0]) / size[0], np.linalg.norm(pixels[3] - pixels[0]) / size[1]
+        )
+        fine = [level for level in levels if level[1] * px_per_m <= 1.0]
+        return fine[-1] if fine else levels[0]
+
+    def _warp(self, picture: GreyImage, metres: float, face: Transform, pixels: Floats) -> None:
+        height, width = self.picture.shape
+        left, top = np.maximum(np.floor(pixels.min(axis=0)).astype(int) - 1, 0)
+        right, bottom = np.minimum(np.ceil(pixels.max(axis=0)).astype(int) + 2, (width, height))
+        # A picture's pixel (column, row) has its centre half a pixel in.
+        to_metres = np.array([[metres, 0.0, metres / 2], [0.0, metres, metres / 2], [0.0, 0.0, 1.0]])
+        plane = np.column_stack((face[:3, 0], face[:3, 1], face[:3, 3] - self.eye))
+        to_window = np.array([[1.0, 0.0, -left], [0.0, 1.0, -top], [0.0, 0.0, 1.0]])
+        homography = to_window @ self._projection @ plane @ to_metres
+        window = (int(right - left), int(bottom - top))
+        warped = cv2.warpPerspective(
+            picture, homography, window, flags=cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE
+        )
+        target = self.picture[top:bottom, left:right]
+        cover = _cover(pixels - (left, top), window)
+        np.copyto(target, _blend(target, warped, cover))
+
+    def _outside(self, pixels: Floats) -> bool:
+        height, width = self.picture.shape
+        low, high = pixels.min(axis=0), pixels.max(axis=0)
+        return bool(high[0] < 0 or high[1] < 0 or low[0] > width - 1 or low[1] > height - 1)
+
+
+def _cover(pixels: Floats, window: tuple[int, int]) -> NDArray[np.float32]:
+    """How much of each pixel a convex quadrangle covers, (h, w) 0 to 1: distance to its edges + 1/2."""
+    columns = np.arange(window[0], dtype=np.float32)
+    rows = np.arange(window[1], dtype=np.float32)[:, None]
+    cover = np.ones((window[1], window[0]), dtype=np.float32)
+    area = _area(pixels)
+    for a, b in zip(pixels, np.roll(pixels, -1, axis=0), strict=True):
+        along = (b - a) / max(1e-9, float(np.hypot(*(b - a)))) * np.sign(area)
+        inside = np.float32(along[0]) * (rows - np.float32(a[1])) - np.float32(along[1]) * (
+            columns - np.float32(a[0])
+        )
+        np.minimum(cover, inside + np.float32(0.5), out=cover)
+    return np.maximum(cover, 0.0, out=cover)
+
+
+def _area(pixels: Floats) -> float:
+    x, y = pixels[:, 0], pixels[:, 1]
+    return float(np.sum(x * np.roll(y, -1) - y * np.roll(x, -1)))
+
+
+def _blend(below: GreyImage, above: GreyImage, cover: NDArray[np.float32]) -> GreyImage:
+    mixed = below + (above.astype(np.float32) - below) * cover
+    return (mixed + np.float32(0.5)).astype(np.uint8)
+
+
+def _before(rays: Floats) -> Floats:
+    """The part of a polygon before the nearest plane (Sutherland and Hodgman, 1974)."""
+    kept: list[Floats] = []
+    for a, b in zip(rays, np.roll(rays, -1, axis=0), strict=True):
+        if a[2] >= _NEAREST:
+            kept.append(a)
+        if (a[2] >= _NEAREST) != (b[2] >= _NEAREST):
+            share = (_NEAREST - a[2]) / (b[2] - a[2])
+            kept.append(a + share * (b - a))
+    return np.array(kept).reshape(-1, 3)

@@ -1,0 +1,296 @@
+"""The arm, its hand and what they do to books: moving, gripping, inserting, pushing, letting go."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robotics.geometry.pose2 import Pose2
+from robotics.geometry.transform import Transform, inverse, transform
+from robotics.kinematics.arm_model import ArmModel
+
+from .arm_contact import FINGERS, HELD, ArmContact
+from .book import Book, Rest
+from .insertion import Entrance, Entry
+from .putting_down import put_down
+from .row import FORCE_CAP, JAM_FRICTION, PUSH_FRICTION, STIFFNESS, Member, Pusher, Slot, members, push
+from .scene import Scene
+from .shelf import Shelf
+
+FINGER_TIP = 0.15  # x of the finger tips in the hand frame [m]
+PAD_REAR = 0.10
+PLATE = 0.0015  # thickness of a finger
+HALF_PAD = 0.02  # the pads reach this far above and below the hand's x axis
+SLOT_FRICTION = 2.0  # of a book that slides in its slot [N]
+_BITE = 0.005  # a book must reach this deep between the pads to be held
+_LETS_GO = 0.001  # opening beyond the book's thickness at which it is free
+_FACING = np.cos(np.radians(30.0))
+
+Vector = NDArray[np.float64]
+
+
+class _Front(NamedTuple):
+    """The shelf that the hand reaches into: its row, and the hand in S."""
+
+    shelf: Shelf
+    row: list[Member]
+    S_T_hand: Transform
+
+
+class Hand:
+    """Moves the arm of a scene as far as what is solid lets it.
+
+    Quasi-static: the arm stops at the posture where a contact begins, and `scene.hand_force` grows with how
+    far it is commanded beyond, 2 N a mm, up to 60 N where its drives give way. A held book in its slot
+    yields sideways and aligns with the slot; the hand feels that. A book can be pushed too far into the
+    shelf: nothing but friction holds it.
+    """
+
+    def __init__(self, scene: Scene, arm: ArmModel, seed: int) -> None:
+        self.scene, self.arm = scene, arm
+        self.contact = ArmContact(scene, arm)
+        self.entry: Entry | None = None
+        self._entrance = Entrance(seed)
+
+    # Motion
+
+    def move(self, target: Vector) -> frozenset[tuple[str, str]]:
+        """Strive for the joint angles `target` (n,) in [rad], coming from `scene.joints`.
+
+        Sets joints, the held book's pose and the force; gives the pairs that touch.
+        """
+        scene, start = self.scene, self.scene.joints
+        front = self._front(target)
+        self._follow_entry(front)
+        posture, pairs = self._stop_at_solids(start, target)
+        pushed = 0.0
+        if front is not None:
+            posture, pushed, met = self._stop_at_row(front, start, posture)
+            pairs |= met
+        scene.joints = posture
+        drag = self._carry(start) if scene.held is not None else np.zeros(3)
+        scene.hand_force = self._reaction(target, posture, pushed) + drag
+        return pairs
+
+    def base_may_stand(self, base: Pose2) -> bool:
+        """Whether the base can go there without driving the arm into something, or deeper into it."""
+        if self.contact.inside_footprint(self.scene.joints):
+            return True
+        there = self.contact.deepest(base, self.scene.joints, self._skip_tray)
+        if there.depth == 0.0:
+            return True
+        here = self.contact.deepest(self.scene.base, self.scene.joints, self._skip_tray)
+        return there.depth <= here.depth
+
+    def follow_base(self) -> None:
+        """Take along what is held after the base was moved."""
+        if self.scene.held is not None:
+            self._carry(self.scene.joints)
+
+    def _front(self, joints: Vector) -> _Front | None:
+        """The shelf right before the hand, if the hand points into one."""
+        world_T_hand = self.scene.world_T_base @ self.arm.forward(joints)
+        for shelf in self.scene.shelves.values():
+            S_T_hand = shelf.inverse_pose @ world_T_hand
+            x, y, z = S_T_hand[:3, 3]
+            near = -0.45 < x < 0.25 and abs(y) < shelf.half_width + 0.05 and -0.1 < z < 0.4
+            if near and S_T_hand[0, 0] > _FACING:
+                return _Front(shelf, members(self.scene, shelf, self.scene.held), S_T_hand)
+        return None
+
+    def _follow_entry(self, front: _Front | None) -> None:
+        book = self.scene.held
+        if book is None or front is None:
+            self.entry = None
+            return
+        edge = _leading_edge(front, book, self.scene.hand_T_book)
+        self.entry = self._entrance.follow(self.entry, front.shelf, front.row, edge, book.thickness)
+
+    def _stop_at_solids(self, start: Vector, target: Vector) -> tuple[Vector, frozenset[tuple[str, str]]]:
+        """How far the straight joint line is free; a motion that lessens an overlap always is."""
+        scene, none = self.scene, frozenset[tuple[str, str]]()
+        there = self.contact.deepest(scene.base, target, self._skip)
+        if there.depth == 0.0:
+            return target, none
+        here = self.contact.deepest(scene.base, start, self._skip)
+        if here.depth > 0.0 and there.depth <= here.depth:
+            return target, frozenset({(there.body, there.other)})
+        free, blocked = 0.0, 1.0
+        for _ in range(7 if here.depth == 0.0 else 0):
+            middle = (free + blocked) / 2
+            hit = self.contact.deepest(scene.base, start + middle * (target - start), self._skip)
+            free, blocked = (middle, blocked) if hit.depth == 0.0 else (free, middle)
+        return start + free * (target - start), frozenset({(there.body, there.other)})
+
+    def _skip(self, body: str, other: str) -> bool:
+        """Pairs that the row's rules decide instead of rigid geometry."""
+        if body in FINGERS:
+            tray = self.scene.tray_book()
+            return other.startswith("book ") and (tray is None or other != f"book {tray.accession}")
+        if body != HELD or self.entry is None:
+            return False
+        return other.startswith(("book ", "left panel", "right panel"))
+
+    def _skip_tray(self, body: str, other: str) -> bool:
+        """For a moving base: what stands on its tray moves with it."""
+        tray = self.scene.tray_book()
+        own = tray is not None and other == f"book {tray.accession}"
+        return own or (body == HELD and self._skip(body, other))
+
+    def _stop_at_row(
+        self, front: _Front, start: Vector, target: Vector
+    ) -> tuple[Vector, float, frozenset[tuple[str, str]]]:
+        scene, shelf = self.scene, front.shelf
+        S_T_base = shelf.inverse_pose @ scene.world_T_base
+        before, after = S_T_base @ self.arm.forward(start), S_T_base @ self.arm.forward(target)
+        advance, short, force = float(after[0, 3] - before[0, 3]), 0.0, 0.0
+        met: set[tuple[str, str]] = set()
+        for name, pusher in self._pushers(after):
+            # Where the hand stands back already, the pusher's front does too.
+            result = push(scene, shelf, front.row, pusher, pusher.lead - max(0.0, advance))
+            short = max(short, pusher.lead - result.lead)
+            force = max(force, result.force)
+            met |= {(name, other) for other in result.met}
+        if short <= 0.0:
+            return target, 0.0, frozenset(met)
+        share = 0.0 if advance <= 0.0 else max(0.0, 1.0 - short / advance)
+        return start + share * (target - start), force, frozenset(met)
+
+    def _pushers(self, S_T_hand: Transform) -> list[tuple[str, Pusher]]:
+        scene, z = self.scene, float(S_T_hand[2, 3])
+        inner, outer = scene.width / 2, scene.width / 2 + PLATE
+        spans = [(-outer, outer)] if scene.width < 2 * PLATE else [(-outer, -inner), (inner, outer)]
+        found = []
+        for right, left in spans:
+            ends = [S_T_hand @ np.array([FINGER_TIP, y, 0.0, 1.0]) for y in (right, left)]
+            lead = float(max(ends[0][0], ends[1][0]))
+            span = (float(ends[0][1]), float(ends[1][1]))
+            found.append(("fingers", Pusher(lead, *span, z - HALF_PAD, z + HALF_PAD, PUSH_FRICTION)))
+        if scene.held is not None and self.entry is not None and not self.entry.admitted:
+            found.append((HELD, self._jammed(S_T_hand, scene.held)))
+        return found
+
+    def _jammed(self, S_T_hand: Transform, book: Book) -> Pusher:
+        pose = S_T_hand @ self.scene.hand_T_book
+        edge = pose @ np.array([book.depth, 0.0, 0.0, 1.0])
+        half, entry = book.thickness / 2, self.entry
+        right, left = float(edge[1]) - half, float(edge[1]) + half
+        if entry is not None and entry.slot.width > 0.0:
+            # It stands against the nearer side of the slot, however little it overlaps.
+            if edge[1] > entry.slot.middle:
+                left = max(left, entry.slot.left + 0.002)
+            else:
+                right = min(right, entry.slot.right - 0.002)
+        return Pusher(float(edge[0]), right, left, float(edge[2]), float(edge[2]) + book.height, JAM_FRICTION)
+
+    def _reaction(self, target: Vector, posture: Vector, pushed: float) -> Vector:
+        """Force in the hand frame from how far the arm is commanded beyond where it stands."""
+        if posture is target:
+            return np.zeros(3)
+        base_T_hand = self.arm.forward(posture)
+        beyond = self.arm.forward(target)[:3, 3] - base_T_hand[:3, 3]
+        force = -STIFFNESS * (base_T_hand[:3, :3].T @ beyond)
+        if pushed > 0.0:
+            force[0] = -pushed
+        size = float(np.linalg.norm(force))
+        return np.asarray(force * min(1.0, FORCE_CAP / size) if size > 0.0 else force)
+
+    def _carry(self, start: Vector) -> Vector:
+        """Place the held book with the hand; in its slot it aligns. Gives the slot's force on the hand."""
+        scene, book = self.scene, self.scene.held
+        assert book is not None
+        world_T_hand = scene.world_T_base @ self.arm.forward(scene.joints)
+        book.pose = world_T_hand @ scene.hand_T_book
+        if self.entry is None or not self.entry.admitted:
+            return np.zeros(3)
+        shelf, slot = self.entry.shelf, self.entry.slot
+        rigid = shelf.inverse_pose @ book.pose
+        half = book.thickness / 2
+        lateral = float(np.clip(rigid[1, 3], min(slot.right + half, slot.middle), max(slot.left - half, slot.middle)))
+        book.pose = shelf.pose @ transform((rigid[0, 3], lateral, max(0.0, rigid[2, 3])))
+        moved = self.arm.forward(scene.joints)[0, 3] - self.arm.forward(start)[0, 3]
+        force = np.array([-SLOT_FRICTION if moved > 1e-4 else 0.0, STIFFNESS * (lateral - rigid[1, 3]), 0.0])
+        force[1] = np.clip(force[1], -FORCE_CAP, FORCE_CAP)
+        return np.asarray(world_T_hand[:3, :3].T @ shelf.pose[:3, :3] @ force)
+
+    # Fingers
+
+    def set_width(self, width: float) -> None:
+        """Bring the finger pads to that opening in [m]; what stands between them stops and holds it."""
+        scene = self.scene
+        if scene.held is None and width < scene.width:
+            book = self._between()
+            if book is not None and width <= book.thickness:
+                self._grip(book)
+                return
+        if scene.held is not None:
+            if width <= scene.held.thickness + _LETS_GO:
+                scene.width = max(width, scene.held.thickness)
+                return
+            self._let_go(scene.held)
+        scene.width = min(width, max(scene.width, self._room()))
+
+    def _between(self) -> Book | None:
+        """The book that closing fingers meet."""
+        scene = self.scene
+        hand_T_world = inverse(scene.world_T("hand"))
+        for book in scene.books.values():
+            if book.rest is Rest.FLOOR:
+                continue
+            pose = hand_T_world @ book.pose
+            x, y, z = pose[:3, 3]
+            inside = x < FINGER_TIP - _BITE and x + book.depth > PAD_REAR and pose[0, 0] > 0.9
+            level = z < HALF_PAD and z + book.height > -HALF_PAD
+            if inside and level and abs(y) + book.thickness / 2 < scene.width / 2 + PLATE:
+                return book
+        return None
+
+    def _grip(self, book: Book) -> None:
+        """Covers align with the pads: centred, turned to the hand; depth and height stay."""
+        scene = self.scene
+        scene.width = book.thickness
+        world_T_hand = scene.world_T("hand")
+        before = inverse(world_T_hand) @ book.pose
+        pitch = float(np.arctan2(-before[2, 0], before[0, 0]))
+        scene.hand_T_book = transform((before[0, 3], 0.0, before[2, 3]), (0.0, pitch, 0.0))
+        if book.rest is Rest.SHELF and book.shelf is not None:
+            self.entry = self._slot_of(book, scene.shelves[book.shelf])
+        book.rest, book.shelf, scene.held = Rest.HAND, None, book
+        scene.changes += 1
+        self._carry(scene.joints)
+
+    def _slot_of(self, book: Book, shelf: Shelf) -> Entry | None:
+        """A book gripped in its slot is in it still."""
+        row = members(self.scene, shelf, book)
+        y = float((shelf.inverse_pose @ book.pose)[1, 3])
+        half = book.thickness / 2
+        right = max((m for m in row if m.left <= y - half + 1e-4), key=lambda m: m.left)
+        left = min((m for m in row if m.right >= y + half - 1e-4), key=lambda m: m.right)
+        edge = float((shelf.inverse_pose @ book.pose)[0, 3]) + book.depth
+        front = min(right.front, left.front)
+        return Entry(shelf, Slot(right.left, left.right, front), True) if edge > front else None
+
+    def _let_go(self, book: Book) -> None:
+        slot = self.entry.slot if self.entry is not None and self.entry.admitted else None
+        self.scene.held, self.entry = None, None
+        put_down(self.scene, book, slot)
+
+    def _room(self) -> float:
+        """How far the fingers can open: neighbours in the row stop them once the tips are between them."""
+        front = self._front(self.scene.joints)
+        if front is None:
+            return np.inf
+        tip = front.S_T_hand @ np.array([FINGER_TIP, 0.0, 0.0, 1.0])
+        half = self.scene.width / 2
+        sides = [m for m in front.row if m.front < tip[0] - 0.001 and tip[2] < m.top]
+        left = min((m.right - tip[1] for m in sides if m.right >= tip[1] + half - 0.001), default=np.inf)
+        right = min((tip[1] - m.left for m in sides if m.left <= tip[1] - half + 0.001), default=np.inf)
+        return float(max(0.0, 2 * (min(left, right) - PLATE)))
+
+
+def _leading_edge(front: _Front, book: Book, hand_T_book: Transform) -> tuple[float, float, float]:
+    pose = front.S_T_hand @ hand_T_book
+    edge = pose @ np.array([book.depth, 0.0, 0.0, 1.0])
+    return float(edge[0]), float(edge[1]), float(np.arctan2(pose[1, 0], pose[0, 0]))

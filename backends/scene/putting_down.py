@@ -1,0 +1,67 @@
+"""What becomes of a book that the hand lets go."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from robotics.geometry.transform import inverse, transform
+
+from .book import Book, Rest
+from .row import Slot, members, slots
+from .scene import TRAY_TOP, Scene
+from .shelf import DEPTH, Shelf
+
+HIGHEST_DROP = 0.020  # onto a support; from higher up a book falls over and off [m]
+_BELOW = 0.003
+_TRAY_MIDDLE = (0.19, 0.0)  # of the tray in the base frame [m], and half its sides
+_TRAY_HALF = (0.11, 0.14)
+
+
+def put_down(scene: Scene, book: Book, slot: Slot | None) -> None:
+    """Let a book drop from where it is.
+
+    On a shelf's board or the tray, if one carries its middle and is at most 20 mm below its foot: it stands
+    there, upright, on the board in line with its slot. Else it falls to the floor and is lost to the robot.
+    """
+    scene.changes += 1
+    shelf = next((s for s in scene.shelves.values() if _carries(scene, s, book, slot)), None)
+    if shelf is not None:
+        x, y = (shelf.inverse_pose @ book.pose)[:2, 3]
+        book.pose = shelf.pose @ transform((float(x), float(y), 0.0))
+        book.rest, book.shelf = Rest.SHELF, shelf.name
+    elif _on_tray(scene, book):
+        base_T_book = inverse(scene.world_T_base) @ book.pose
+        yaw = float(np.arctan2(base_T_book[1, 0], base_T_book[0, 0]))
+        x, y = base_T_book[:2, 3]
+        scene.base_T_tray_book = transform((float(x), float(y), TRAY_TOP), (0.0, 0.0, yaw))
+        book.pose, book.rest = scene.world_T_base @ scene.base_T_tray_book, Rest.TRAY
+    else:
+        _fall(scene, book)
+
+
+def _carries(scene: Scene, shelf: Shelf, book: Book, slot: Slot | None) -> bool:
+    pose = shelf.inverse_pose @ book.pose
+    x, y, z = pose[:3, 3]
+    middle = x + pose[0, 0] * book.depth / 2
+    if not (0.0 < middle < DEPTH and -_BELOW < z < HIGHEST_DROP and pose[0, 0] > 0.9):
+        return False
+    half = book.thickness / 2 - 1e-4
+    free = [slot] if slot is not None else slots(members(scene, shelf, book))
+    return any(each.right <= y - half and y + half <= each.left for each in free)
+
+
+def _on_tray(scene: Scene, book: Book) -> bool:
+    if scene.tray_book() is not None:
+        return False
+    foot = inverse(scene.world_T_base) @ book.pose
+    middle = foot @ np.array([book.depth / 2, 0.0, 0.0, 1.0])
+    near = all(abs(middle[i] - _TRAY_MIDDLE[i]) < _TRAY_HALF[i] for i in range(2))
+    return near and -_BELOW < middle[2] - TRAY_TOP < HIGHEST_DROP and foot[2, 2] > 0.98
+
+
+def _fall(scene: Scene, book: Book) -> None:
+    """It lies on its cover below where it was let go."""
+    x, y = book.pose[:2, 3]
+    yaw = float(np.arctan2(book.pose[1, 0], book.pose[0, 0]))
+    lying = transform((float(x), float(y), book.thickness / 2), (np.pi / 2, 0.0, yaw))
+    book.pose, book.rest, book.shelf = lying, Rest.FLOOR, None

@@ -1,0 +1,123 @@
+"""A row of books as a hand that comes from the front meets it: what stands where, and how it gives way."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import NamedTuple
+
+from .book import Book
+from .scene import Scene
+from .shelf import DEPTH, Shelf
+
+STIFFNESS = 2000.0  # of the arm under position control [N/m]
+FORCE_CAP = 60.0  # what the hand can press with before its drives give way [N]
+PUSH_FRICTION = 3.0  # of a standing book pushed on its spine [N]
+JAM_FRICTION = 10.0  # of a book pushed back by an edge that jams against it [N]
+_LEAST_OVERLAP = 3e-4
+
+
+class Member(NamedTuple):
+    """Something of the row, in S in [m]: `right` < `left`; `front` is x of its spine."""
+
+    right: float
+    left: float
+    front: float
+    top: float
+    book: Book | None
+    """None: a panel or the book end, which nothing moves."""
+
+
+class Slot(NamedTuple):
+    """A free interval of the row, in S in [m], between two members."""
+
+    right: float
+    left: float
+    front: float
+    """x at which a book's leading edge enters it."""
+
+    @property
+    def middle(self) -> float:
+        """y of its middle."""
+        return (self.right + self.left) / 2
+
+    @property
+    def width(self) -> float:
+        """Between its two sides."""
+        return self.left - self.right
+
+
+class Pusher(NamedTuple):
+    """The front of what the hand moves into the row, in S: its `lead` (x), and its extent in y and z [m]."""
+
+    lead: float
+    right: float
+    left: float
+    low: float
+    high: float
+    friction: float
+    """With which each book that it meets resists, in [N]."""
+
+
+class Push(NamedTuple):
+    """What comes of pushing: where the pusher's front stands, the force on it, and who was met."""
+
+    lead: float
+    force: float
+    met: tuple[str, ...]
+
+
+def members(scene: Scene, shelf: Shelf, without: Book | None) -> list[Member]:
+    """The row from right to left, the fixed parts included, `without` the book that the hand holds."""
+    row = [Member(right, left, front, 0.35, None) for right, left, front in shelf.fixed_intervals()]
+    for each in scene.shelf_books(shelf.name):
+        if each.book is not without:
+            half = each.book.thickness / 2
+            row.append(
+                Member(each.lateral - half, each.lateral + half, each.front, each.book.height, each.book)
+            )
+    return sorted(row, key=lambda member: member.right)
+
+
+def slots(row: Sequence[Member]) -> list[Slot]:
+    """The free intervals between the members."""
+    pairs = zip(row, row[1:], strict=False)
+    return [Slot(a.left, b.right, min(a.front, b.front)) for a, b in pairs if b.right - a.left > 1e-4]
+
+
+def push(scene: Scene, shelf: Shelf, row: Sequence[Member], pusher: Pusher, start: float) -> Push:
+    """Let the pusher, commanded to `pusher.lead` from `start` (x in S), meet the row; books give way.
+
+    Quasi-static: the arm is a spring of `STIFFNESS` behind its command, each book met resists with its
+    friction, a book at the shelf's back and the fixed parts don't move. Moves the books.
+    """
+    met = [m for m in row if _meets(m, pusher, start)]
+    met.sort(key=lambda member: member.front)
+    lead, resist, moved = pusher.lead, 0.0, []
+    for member in met:
+        if member.front >= lead:
+            break
+        moved.append(member)
+        resist += pusher.friction if member.book is not None else math.inf
+        lead = max(member.front, pusher.lead - resist / STIFFNESS)
+        ends = [DEPTH - m.book.depth for m in moved if m.book is not None]
+        lead = min([lead, *(max(end, m.front) for end, m in zip(ends, moved, strict=False))])
+    if not moved:
+        return Push(lead, 0.0, ())
+    _move(scene, shelf, moved, lead)
+    names = tuple(f"book {m.book.accession}" if m.book else f"panel of {shelf.name}" for m in moved)
+    return Push(lead, min(FORCE_CAP, STIFFNESS * (pusher.lead - lead)), names)
+
+
+def _meets(member: Member, pusher: Pusher, start: float) -> bool:
+    beside = min(member.left, pusher.left) - max(member.right, pusher.right) > _LEAST_OVERLAP
+    level = pusher.high > 0.0 and pusher.low < member.top
+    return beside and level and member.front > start - 0.005
+
+
+def _move(scene: Scene, shelf: Shelf, moved: Sequence[Member], lead: float) -> None:
+    for member in moved:
+        if member.book is not None and lead > member.front + 1e-9:
+            member.book.pose = member.book.pose.copy()
+            member.book.pose[:3, 3] += shelf.pose[:3, 0] * (lead - member.front)
+            scene.changes += 1

@@ -1,0 +1,173 @@
+"""The true state of a simulated world. Only evaluation and the simulation itself read it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from backends.robot_file import RobotFile
+from robotics.geometry.pose2 import Pose2
+from robotics.geometry.transform import Transform, transform
+from robotics.kinematics.arm_model import ArmModel
+
+from .book import Book, Rest
+from .keyed_noise import keyed
+from .shelf import Shelf
+from .solids import FloorPlan, Solid, of_furniture, of_wall
+from .world_file import BookSpec, WorldFile
+
+TRAY_SPINE_X = 0.10  # of the book's spine in the base frame, as a person sets it down [m]
+TRAY_TOP = 0.62
+PROTRUSION = 0.003  # spines stand this much before or behind the board's front edge at most [m]
+BODY_HEIGHT = 0.55  # of the base [m]
+
+
+class Contact(NamedTuple):
+    """The beginning of a contact."""
+
+    time: float
+    """[s]"""
+    body: str
+    """What of the robot: "base", a link, "held book", "fingers"."""
+    other: str
+    """What it ran into."""
+
+
+class StandingBook(NamedTuple):
+    """How a book stands on a shelf, in S."""
+
+    book: Book
+    lateral: float
+    """y of the middle of its spine, in [m]."""
+    front: float
+    """x of its spine, in [m]: below zero, it is proud."""
+    tilt: float
+    """Of its height against the vertical, in [rad]."""
+    yaw: float
+    """Of its depth against the shelf's, in [rad]."""
+
+
+@dataclass(eq=False)
+class Scene:
+    """World and robot as they truly are.
+
+    `base` is world_T_base; `joints` (n,) in [rad]; `width` the opening between the finger pads in [m];
+    `hand_force` (3,) in [N] in the hand frame, without noise; `contacts` all that the robot ran into.
+    """
+
+    robot: RobotFile
+    arm: ArmModel | None
+    shelves: dict[str, Shelf]
+    solids: tuple[Solid, ...]
+    books: dict[int, Book]
+    base: Pose2
+    joints: NDArray[np.float64]
+    width: float
+    time: float = 0.0
+    held: Book | None = None
+    hand_T_book: Transform = field(default_factory=lambda: np.eye(4))
+    base_T_tray_book: Transform = field(default_factory=lambda: np.eye(4))
+    hand_force: NDArray[np.float64] = field(default_factory=lambda: np.zeros(3))
+    contacts: list[Contact] = field(default_factory=list)
+    touching: frozenset[tuple[str, str]] = frozenset()
+    """What touches in this period: pairs as in `Contact`."""
+    changes: int = 0
+    """Counts the times that a book was moved: what is derived from their poses asks it."""
+
+    def __post_init__(self) -> None:
+        self.body_plan = FloorPlan(self.solids, 0.02, BODY_HEIGHT)
+        self.full_plan = FloorPlan(self.solids, 0.02, 2.0)
+
+    # Where things are
+
+    @property
+    def world_T_base(self) -> Transform:
+        """(4, 4)."""
+        return self.base.lift()
+
+    def world_T(self, frame: str) -> Transform:
+        """True pose (4, 4) of a frame of the robot."""
+        if self.arm is None:
+            raise ValueError("the robot has no arm")
+        return self.world_T_base @ self.arm.forward(self.joints, frame)
+
+    def book_pose(self, accession: int) -> Transform:
+        """world_T_book (4, 4); its frame is that of `Book`."""
+        return self.books[accession].pose
+
+    def shelf_books(self, shelf: str) -> list[StandingBook]:
+        """What stands on a shelf, from left to right."""
+        frame = self.shelves[shelf].inverse_pose
+        standing = []
+        for book in self.books.values():
+            if book.rest is Rest.SHELF and book.shelf == shelf:
+                pose = frame @ book.pose
+                yaw = float(np.arctan2(pose[1, 0], pose[0, 0]))
+                standing.append(
+                    StandingBook(book, float(pose[1, 3]), float(pose[0, 3]), book.tilt(), yaw)
+                )
+        return sorted(standing, key=lambda each: -each.lateral)
+
+    def tray_book(self) -> Book | None:
+        """What stands on the tray."""
+        return next((book for book in self.books.values() if book.rest is Rest.TRAY), None)
+
+    # What changes it
+
+    def move_base(self, base: Pose2) -> None:
+        """Put the base elsewhere, with what stands on its tray; what the hand holds is placed by who moves it."""
+        self.base = base
+        book = self.tray_book()
+        if book is not None:
+            book.pose = self.world_T_base @ self.base_T_tray_book
+            self.changes += 1
+
+    def touch(self, pairs: frozenset[tuple[str, str]]) -> None:
+        """Note what touches in this period; what didn't before is a new contact."""
+        for body, other in sorted(pairs - self.touching):
+            self.contacts.append(Contact(self.time, body, other))
+        self.touching = pairs
+
+
+def build_scene(robot: RobotFile, world: WorldFile, seed: int) -> Scene:
+    """The world at first: robot and tray's book set down by a person, spines not quite in line."""
+    shelves = {spec.name: Shelf(spec) for spec in world.shelves}
+    solids = [of_wall(wall, i) for i, wall in enumerate(world.walls)]
+    solids += [of_furniture(piece) for piece in (*world.furniture, *world.surprises)]
+    solids += [Solid(part) for shelf in shelves.values() for part in shelf.parts().values()]
+    books = {book.accession: book for shelf in shelves.values() for book in _standing(shelf, seed)}
+    arm = None if robot.arm is None else ArmModel(robot.urdf_text(), robot.arm.joints)
+    joints = np.zeros(0) if robot.arm is None else np.array(robot.posture("home"))
+    width = 0.0 if robot.gripper is None else robot.gripper.opening_mm / 1e3
+    scene = Scene(robot, arm, shelves, tuple(solids), books, _start(robot, world, seed), joints, width)
+    if world.tray is not None:
+        _set_on_tray(scene, world.tray, seed)
+    return scene
+
+
+def _start(robot: RobotFile, world: WorldFile, seed: int) -> Pose2:
+    dx, dy, turn = keyed(seed, "start").standard_normal(3)
+    error = robot.errors.start_mm / 1e3
+    heading = np.radians(world.start.heading_deg + robot.errors.start_deg * turn)
+    return Pose2(world.start.x_m + error * dx, world.start.y_m + error * dy, float(heading))
+
+
+def _standing(shelf: Shelf, seed: int) -> list[Book]:
+    rng = keyed(seed, f"row of {shelf.name}")
+    return [
+        Book(spec, shelf.pose @ transform((rng.uniform(-PROTRUSION, PROTRUSION), y, 0.0)), Rest.SHELF, shelf.name)
+        for spec, y in shelf.standing()
+    ]
+
+
+def _set_on_tray(scene: Scene, spec: BookSpec, seed: int) -> None:
+    dx, dy, turn = keyed(seed, "tray").standard_normal(3)
+    place = scene.robot.errors.book_place_mm / 1e3
+    yaw = np.radians(scene.robot.errors.book_turn_deg * turn)
+    scene.base_T_tray_book = transform((TRAY_SPINE_X + place * dx, place * dy, TRAY_TOP), (0.0, 0.0, yaw))
+    pose = scene.world_T_base @ scene.base_T_tray_book
+    scene.books[spec.accession] = Book(spec, pose, Rest.TRAY)
+

@@ -1,0 +1,87 @@
+"""Solid boxes that stand upright: walls, furniture, surprises, shelves."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robotics.geometry.pose2 import Pose2
+from robotics.kinematics.shapes import Box
+
+from .world_file import Furniture, Surprise, Wall
+
+WALL_HEIGHT = 2.0
+_FOREVER = math.inf
+
+
+@dataclass(frozen=True, eq=False)
+class Solid:
+    """A box with upright sides, and when it is there, in [s] of simulated time."""
+
+    box: Box
+    appears: float = 0.0
+    leaves: float = _FOREVER
+
+
+def of_wall(wall: Wall, index: int) -> Solid:
+    """A wall, ends included."""
+    (ax, ay), (bx, by) = wall.from_m, wall.to_m
+    pose = Pose2((ax + bx) / 2, (ay + by) / 2, math.atan2(by - ay, bx - ax)).lift(WALL_HEIGHT / 2)
+    length = math.hypot(bx - ax, by - ay) + wall.thickness_m
+    return Solid(Box(pose, (length, wall.thickness_m, WALL_HEIGHT), f"wall {index + 1}"))
+
+
+def of_furniture(piece: Furniture) -> Solid:
+    """A piece of furniture, or a surprise with its times."""
+    pose = Pose2(piece.x_m, piece.y_m, math.radians(piece.heading_deg)).lift(piece.size_m[2] / 2)
+    box = Box(pose, piece.size_m, piece.name)
+    if not isinstance(piece, Surprise):
+        return Solid(box)
+    leaves = _FOREVER if piece.leaves_s is None else piece.leaves_s
+    return Solid(box, piece.appears_s or 0.0, leaves)
+
+
+class FloorPlan:
+    """The outlines of those solids that reach into a range of heights, as arrays."""
+
+    def __init__(self, solids: Sequence[Solid], low: float, high: float) -> None:
+        """Take what stands anywhere between the heights `low` and `high`, in [m]."""
+        chosen = [
+            each
+            for each in solids
+            if each.box.pose[2, 3] - each.box.size[2] / 2 < high
+            and each.box.pose[2, 3] + each.box.size[2] / 2 > low
+        ]
+        self.names = tuple(each.box.name for each in chosen)
+        poses = np.array([each.box.pose for each in chosen]).reshape(-1, 4, 4)
+        self.middle: NDArray[np.float64] = poses[:, :2, 3]
+        self.cos, self.sin = poses[:, 0, 0], poses[:, 1, 0]
+        self.half = np.array([each.box.size[:2] for each in chosen]).reshape(-1, 2) / 2
+        self._appears = np.array([each.appears for each in chosen])
+        self._leaves = np.array([each.leaves for each in chosen])
+        self.steady = bool(np.all((self._appears == 0.0) & np.isinf(self._leaves)))
+
+    def there(self, time: float) -> NDArray[np.bool_]:
+        """Which of them stand there at that time, in [s]."""
+        present: NDArray[np.bool_] = (self._appears <= time) & (time < self._leaves)
+        return present
+
+    def local(self, x: float, y: float) -> NDArray[np.float64]:
+        """A point of the floor in the frames of all outlines, (n, 2)."""
+        dx, dy = x - self.middle[:, 0], y - self.middle[:, 1]
+        return np.column_stack((self.cos * dx + self.sin * dy, self.cos * dy - self.sin * dx))
+
+    def clearance(self, x: float, y: float, time: float) -> tuple[float, str]:
+        """Distance of a point to the nearest outline in [m] (below 0: inside), and that one's name."""
+        if not self.names:
+            return math.inf, ""
+        out = np.abs(self.local(x, y)) - self.half
+        distance = np.hypot(*np.maximum(out, 0.0).T) + np.minimum(out.max(axis=1), 0.0)
+        if not self.steady:
+            distance = np.where(self.there(time), distance, np.inf)
+        nearest = int(np.argmin(distance))
+        return float(distance[nearest]), self.names[nearest]

@@ -1,0 +1,124 @@
+"""A world's file: what stands around the robot, seen and unseen by its map."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal, Self
+
+from pydantic import Field, model_validator
+
+from files.model import FileModel
+
+Coordinate = Annotated[float, Field(ge=-1000.0, le=1000.0)]
+Degrees = Annotated[float, Field(ge=-360.0, le=360.0)]
+Length = Annotated[float, Field(gt=0.0, le=100.0)]
+Seconds = Annotated[float, Field(ge=0.0)]
+Name = Annotated[str, Field(min_length=1, max_length=60)]
+
+
+class Place(FileModel):
+    """A pose on the floor."""
+
+    x_m: Coordinate
+    y_m: Coordinate
+    heading_deg: Degrees = 0.0
+
+
+class Wall(FileModel):
+    """A straight wall about the line between two points, 2 m high."""
+
+    from_m: tuple[Coordinate, Coordinate]
+    to_m: tuple[Coordinate, Coordinate]
+    thickness_m: Length = 0.1
+
+    @model_validator(mode="after")
+    def _has_length(self) -> Self:
+        if self.from_m == self.to_m:
+            raise ValueError("the wall has no length; allowed: two different points")
+        return self
+
+
+class Furniture(Place):
+    """A solid box that stands on the floor; its pose is that of its middle."""
+
+    name: Name
+    size_m: tuple[Length, Length, Length]
+    """Along its own x, along its own y, height."""
+
+
+class Surprise(Furniture):
+    """A box that no map shows; with times, somebody who comes and goes."""
+
+    appears_s: Seconds | None = None
+    """When it comes, in simulated time; it is there from the start where this is missing."""
+    leaves_s: Seconds | None = None
+
+    @model_validator(mode="after")
+    def _comes_first(self) -> Self:
+        if self.leaves_s is not None and self.leaves_s <= (self.appears_s or 0.0):
+            raise ValueError("it leaves before it appears; allowed: leaves_s later than appears_s")
+        return self
+
+
+class BookSpec(FileModel):
+    """A book: what is printed on its spine, and its measures."""
+
+    accession: Annotated[int, Field(ge=0, le=249)]
+    """The number in its tag (ArUco 5x5)."""
+    call: Annotated[str, Field(min_length=3, max_length=16)]
+    """Call number on the label, "512.7 NAG"."""
+    title: str = ""
+    thickness_mm: Annotated[float, Field(ge=15.0, le=45.0)]
+    height_mm: Annotated[float, Field(ge=170.0, le=260.0)]
+    depth_mm: Annotated[float, Field(ge=100.0, le=200.0)]
+    grey: Annotated[int, Field(ge=0, le=255)] = 120
+    font: str = "DejaVuSans"
+    """A TTF of matplotlib's, without its ending."""
+    tag: Literal["readable", "smeared", "none"] = "readable"
+
+
+class GapSpec(FileModel):
+    """A free slot in a row of books."""
+
+    gap_mm: Annotated[float, Field(gt=0.0, le=1000.0)]
+
+
+class ShelfSpec(Place):
+    """One row of books. Frame S: the pose is that of the middle of the board's front edge, x into the shelf."""
+
+    name: Name
+    width_m: Annotated[float, Field(ge=0.1, le=3.0)] = 1.0
+    """Between the side panels."""
+    books: tuple[BookSpec | GapSpec, ...] = ()
+    """From left (+y) to right; a book end fills what is left on the right."""
+
+    @model_validator(mode="after")
+    def _books_fit(self) -> Self:
+        used = sum(e.gap_mm if isinstance(e, GapSpec) else e.thickness_mm for e in self.books)
+        if used > self.width_m * 1e3 + 1e-6:
+            raise ValueError(f"books and gaps take {used:.1f} mm; allowed: at most {self.width_m * 1e3:.1f}")
+        return self
+
+
+class WorldFile(FileModel):
+    """The surroundings of the robot, and the book on its tray."""
+
+    format: Literal["handcart-world/1"]
+    start: Place
+    """Where a person puts the robot at first, within `errors.start_mm` and `start_deg` of its file."""
+    walls: tuple[Wall, ...] = ()
+    furniture: tuple[Furniture, ...] = ()
+    surprises: tuple[Surprise, ...] = ()
+    shelves: tuple[ShelfSpec, ...] = ()
+    tray: BookSpec | None = None
+    """The book on the robot's tray."""
+
+    @model_validator(mode="after")
+    def _one_of_each(self) -> Self:
+        books = [e.accession for shelf in self.shelves for e in shelf.books if isinstance(e, BookSpec)]
+        if self.tray is not None:
+            books.append(self.tray.accession)
+        for what, names in (("accession", books), ("shelf", [shelf.name for shelf in self.shelves])):
+            twice = sorted({str(name) for name in names if names.count(name) > 1})
+            if twice:
+                raise ValueError(f"{what} {', '.join(twice)} is there twice; allowed: each once")
+        return self

@@ -1,0 +1,179 @@
+"""Time per action of the coordinator, with instant primitives, beside py_trees and transitions.
+
+    python benchmarks/coordinator.py [--actions 1000] [--rounds 7]
+
+Every START and RESULT goes into the journal (unsynced) before it is acted on, and the PLAN of the way. The
+least of some rounds is shown: what disturbs a round only makes it slower.
+"""
+
+from __future__ import annotations
+
+import argparse
+import tempfile
+from collections.abc import Callable
+from pathlib import Path
+from time import perf_counter
+from typing import ClassVar
+
+import numpy as np
+import py_trees
+from transitions import Machine
+
+from backends.backend import Backend
+from backends.base import Base, WheelTravel
+from backends.capability import Capability
+from backends.robot import Robot
+from backends.robot_file import RobotFile
+from networks.binding import Binding
+from networks.coordinator import Coordinator
+from networks.journal import Journal
+from networks.network import Action, ActionNetwork, Situation
+from primitives.action_primitive import ActionPrimitive, Periods
+from primitives.knowledge import Catalogue
+from primitives.world_model import ModelView, WorldModel
+from robotics.geometry.pose2 import Pose2
+from robotics.navigation.grid_map import GridMap
+
+DRIVE = {
+    "wheel_radius_m": 0.1,
+    "tread_m": 0.4,
+    "top_speed_m_s": 1.0,
+    "top_turn_deg_s": 90.0,
+    "acceleration_m_s2": 1.0,
+    "turn_acceleration_deg_s2": 180.0,
+}
+TOLERANCE = {"base_mm": 25, "base_deg": 1.5, "joints_deg": 0.3, "gripper_mm": 1, "object_mm": 8}
+ROBOT = {
+    "format": "handcart-robot/1",
+    "urdf": "none.urdf",
+    "period_s": 0.05,
+    "footprint_radius_m": 0.3,
+    "localiser": "odometry",
+    "drive": DRIVE,
+    "tolerance": TOLERANCE,
+}
+
+
+class Standing(Base):
+    """Wheels that never roll."""
+
+    def drive(self, speed: float, turn_rate: float) -> None:
+        return
+
+    def wheel_travel(self) -> WheelTravel:
+        return WheelTravel(0.0, 0.0)
+
+
+class Nothing(Backend):
+    """A robot that does nothing."""
+
+    name = "nothing"
+    period = 0.05
+
+    def __init__(self) -> None:
+        self._wheels = Standing()
+
+    def capabilities(self) -> tuple[Capability, ...]:
+        return (self._wheels,)
+
+    def step(self) -> None:
+        return
+
+    def stop(self) -> None:
+        return
+
+    def close(self) -> None:
+        return
+
+
+class Instant(ActionPrimitive):
+    """Succeeds before a period has passed."""
+
+    number: int
+    only_knowledge: ClassVar[bool] = True
+
+    def motion(self, robot: Robot, model: ModelView) -> Periods:
+        return
+        yield
+
+
+def chain(length: int) -> ActionNetwork:
+    """A network that is one long way."""
+    situations = [Situation(f"s{number}") for number in range(length + 1)]
+    actions = [
+        Action(f"s{number}", f"s{number + 1}", Binding.of(Instant(number=number))) for number in range(length)
+    ]
+    return ActionNetwork.build(situations, actions, "s0", f"s{length}")
+
+
+def coordinator_round(network: ActionNetwork, journal: Journal | None) -> float:
+    """Seconds for one run through the network."""
+    nothing = np.zeros((1, 1), dtype=np.bool_)
+    catalogue = Catalogue(format="handcart-catalogue/1", books=())
+    model = WorldModel(GridMap(nothing, nothing, 0.05, 0.0, 0.0), {}, catalogue, np.empty((0, 2)))
+    robot = Robot(Nothing(), RobotFile.model_validate(ROBOT), Pose2(0.0, 0.0, 0.0))
+    coordinator = Coordinator(network, robot, model, journal)
+    began = perf_counter()
+    for _ in coordinator.run():
+        robot.step()
+    taken = perf_counter() - began
+    assert coordinator.situation == network.goal
+    return taken
+
+
+def journaled_round(network: ActionNetwork) -> float:
+    """The same, with a journal on the disk."""
+    with tempfile.TemporaryDirectory() as folder, Journal(Path(folder) / "journal.jsonl") as journal:
+        return coordinator_round(network, journal)
+
+
+def py_trees_round(length: int) -> float:
+    """Seconds for one tick of a sequence of as many instant behaviours."""
+    steps: list[py_trees.behaviour.Behaviour] = [py_trees.behaviours.Success(f"s{n}") for n in range(length)]
+    tree = py_trees.trees.BehaviourTree(py_trees.composites.Sequence("all", memory=True, children=steps))
+    began = perf_counter()
+    tree.tick()
+    taken = perf_counter() - began
+    assert tree.root.status is py_trees.common.Status.SUCCESS
+    return taken
+
+
+def transitions_round(length: int) -> float:
+    """Seconds for as many steps of a state machine."""
+    machine = Machine(states=["a", "b"], initial="a", auto_transitions=False)
+    machine.add_transition("go", "a", "b")
+    machine.add_transition("go", "b", "a")
+    step = machine.go
+    began = perf_counter()
+    for _ in range(length):
+        step()
+    return perf_counter() - began
+
+
+def least_us(work: Callable[[], float], length: int, rounds: int) -> float:
+    """The least of some rounds, per action in [us]."""
+    return 1e6 * min(work() for _ in range(rounds)) / length
+
+
+def main() -> None:
+    """Measure and print."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else None)
+    parser.add_argument("--actions", type=int, default=1000)
+    parser.add_argument("--rounds", type=int, default=7)
+    chosen = parser.parse_args()
+    length, rounds = chosen.actions, chosen.rounds
+    network = chain(length)
+    rows = {
+        "handcart, journal on": least_us(lambda: journaled_round(network), length, rounds),
+        "handcart, no journal": least_us(lambda: coordinator_round(network, None), length, rounds),
+        "py_trees, Sequence": least_us(lambda: py_trees_round(length), length, rounds),
+        "transitions, one step": least_us(lambda: transitions_round(length), length, rounds),
+    }
+    first = next(iter(rows.values()))
+    print(f"{length} instant primitives, least of {rounds} rounds")
+    for name, taken in rows.items():
+        print(f"{name:24s} {taken:8.1f} us an action   {taken / first:6.2f} of the first")
+
+
+if __name__ == "__main__":
+    main()

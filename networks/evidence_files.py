@@ -1,0 +1,42 @@
+"""Writing what a primitive saw into the run's folder."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import cv2
+import numpy as np
+
+from primitives.evidence import Evidence
+from primitives.outcome import Success
+
+from .events import Ended, Event
+
+FOLDER = "evidence"
+
+
+class EvidenceFiles:
+    """An observer that keeps the pictures and points which decided how each action ended.
+
+    `evidence/003_SEARCH_Fail_shelf.png` is the picture `shelf` of the third action.
+    """
+
+    def __init__(self, run_dir: Path) -> None:
+        self._folder = run_dir / FOLDER
+
+    def __call__(self, event: Event) -> None:
+        """Write what an action that has ended leaves."""
+        if isinstance(event, Ended):
+            outcome = "" if isinstance(event.outcome, Success) else f"_{type(event.outcome).__name__}"
+            self._write(f"{event.number:03d}_{event.action.do}{outcome}", event.primitive.evidence)
+
+    def _write(self, name: str, evidence: Evidence) -> None:
+        if not evidence.pictures and not evidence.points:
+            return
+        self._folder.mkdir(exist_ok=True)
+        for key, picture in evidence.pictures.items():
+            cv2.imwrite(str(self._folder / f"{name}_{key}.png"), picture)
+        if evidence.points:
+            points: dict[str, Any] = dict(evidence.points)
+            np.savez_compressed(self._folder / f"{name}.npz", **points)

@@ -1,0 +1,128 @@
+"""From a task file to a robot that could start: everything is checked, nothing has moved."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TypeVar
+
+import numpy as np
+
+from backends.backend import Backend
+from backends.registry import make_backend
+from backends.robot import Robot
+from backends.robot_file import RobotFile, load_robot
+from files.errors import FileError
+from files.findings import Findings
+from files.loading import load
+from primitives.knowledge import Catalogue, Places, load_map
+from primitives.registry import primitive_class
+from primitives.world_model import WorldModel
+from robotics.geometry.pose2 import Pose2
+from robotics.navigation.grid_map import GridMap
+
+from .task_file import Primitives, Task, load_task
+
+T = TypeVar("T")
+
+
+@dataclass(frozen=True)
+class Prepared:
+    """A run that could start. A context manager: leaving it closes the backend."""
+
+    task: Task
+    backend_name: str
+    backend: Backend
+    robot: Robot
+    model: WorldModel
+    seed: int
+    settings: Mapping[str, str]
+    warnings: tuple[str, ...]
+    """What the user should know before it starts."""
+
+    def __enter__(self) -> Prepared:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.backend.close()
+
+
+def prepare(
+    task_path: Path | str,
+    backend: str | None = None,
+    settings: Mapping[str, str] | None = None,
+    seed: int = 0,
+    primitives: Primitives = primitive_class,
+) -> Prepared:
+    """Read and check a task with all its files, and build its robot.
+
+    Args:
+        task_path: the task's file.
+        backend: another one than the task names.
+        settings: what `--set KEY=VALUE` gave, VALUE unparsed.
+        seed: of the simulated errors.
+        primitives: the class of a primitive by its name.
+
+    Raises:
+        FileError: with every finding in all of the files.
+    """
+    task = load_task(task_path, settings, primitives)
+    findings = Findings()
+    spec = _collected(findings, lambda: load_robot(task.robot))
+    told = _collected(findings, lambda: load_model(task))
+    name = backend or task.file.backend
+    world = task.path("world")
+    if world is None:
+        findings.add(task.document.finding((), f"the key 'world' is missing; needed: what {name} builds"))
+    made = None
+    if spec is not None and world is not None:
+        made = _collected(findings, lambda: make_backend(name, spec, world, seed))
+    findings.raise_all()
+    assert made is not None
+    assert spec is not None
+    assert told is not None
+    model, warnings = told
+    try:
+        task.check_capabilities(made)
+        robot = make_robot(task, made, spec, model)
+    except BaseException:
+        made.close()
+        raise
+    return Prepared(task, name, made, robot, model, seed, dict(settings or {}), warnings)
+
+
+def make_robot(task: Task, backend: Backend, spec: RobotFile, model: WorldModel) -> Robot:
+    """The robot, standing where the task says that it starts."""
+    knowledge = task.file.knowledge
+    if knowledge is None:
+        return Robot(backend, spec, Pose2(0.0, 0.0, 0.0))
+    start = model.places[knowledge.start].pose if knowledge.start else Pose2(0.0, 0.0, 0.0)
+    return Robot(backend, spec, start, model.map)
+
+
+def load_model(task: Task) -> tuple[WorldModel, tuple[str, ...]]:
+    """What the robot knows beforehand, and warnings about it; raises `FileError` with every finding."""
+    findings = Findings()
+    chart, places, catalogue = (task.path("knowledge", key) for key in ("map", "places", "catalogue"))
+    told = _collected(findings, lambda: load_map(chart)) if chart else (_nowhere(), None)
+    named = _collected(findings, lambda: load(places, Places).places) if places else {}
+    books = _collected(findings, lambda: load(catalogue, Catalogue)) if catalogue else None
+    findings.raise_all()
+    assert told is not None
+    grid, warning = told
+    known = books or Catalogue(format="handcart-catalogue/1", books=())
+    return WorldModel(grid, named or {}, known, np.empty((0, 2))), (warning,) if warning else ()
+
+
+def _nowhere() -> GridMap:
+    nothing = np.zeros((1, 1), dtype=np.bool_)
+    return GridMap(nothing, ~nothing, 0.05, 0.0, 0.0)
+
+
+def _collected(findings: Findings, read: Callable[[], T]) -> T | None:
+    try:
+        return read()
+    except FileError as error:
+        findings.take(error)
+        return None

@@ -1,0 +1,167 @@
+"""Executing a prepared run: the outermost loop, and the run's folder."""
+
+from __future__ import annotations
+
+import os
+import signal
+import threading
+import time
+import traceback
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from importlib.metadata import version
+from pathlib import Path
+from types import FrameType
+from typing import Any
+
+import orjson
+
+from backends.robot import Robot
+from files.errors import HandcartError
+
+from .coordinator import Coordinator, Permission
+from .events import Observer
+from .evidence_files import EvidenceFiles
+from .journal import SCHEMA, Journal, Sync
+from .journal_record import JournalError
+from .preparing import Prepared
+from .preparing import prepare as prepare
+from .run_end import RunEnd
+from .run_life import RunState
+from .supervision import Request
+from .telemetry import Telemetry
+
+Metrics = Callable[[Prepared, RunEnd, Telemetry], Mapping[str, Any]]
+"""Task-specific figures about a run that has ended; only evaluation knows the ground truth."""
+
+
+def execute(
+    prepared: Prepared,
+    run_dir: Path,
+    observers: Sequence[Observer] = (),
+    *,
+    metrics: Metrics | None = None,
+    permission: Permission | None = None,
+    sync: Sync = "never",
+    clock: Callable[[], float] = time.monotonic,
+) -> RunEnd:
+    """Step the robot until the run ends; an interrupt (Ctrl-C) stops it where it is, and it holds.
+
+    Writes `journal.jsonl`, `telemetry.npz`, `summary.json` and the evidence into `run_dir`; after a fault in
+    our own code also `error.txt`.
+
+    Raises:
+        JournalError: no journal can be created there; nothing has moved.
+    """
+    began = clock()
+    run_dir.mkdir(parents=True, exist_ok=True)
+    telemetry = Telemetry()
+    with Journal(run_dir / "journal.jsonl", sync) as journal:
+        journal.append("RUN", prepared.robot.time, _header(prepared))
+        looking_on: list[Observer] = [*observers, EvidenceFiles(run_dir)]
+        coordinator = Coordinator(
+            prepared.task.network, prepared.robot, prepared.model, journal, looking_on, permission
+        )
+        with _interrupts_stop(coordinator):
+            end = _guarded(coordinator, prepared.robot, telemetry, run_dir)
+    telemetry.save(run_dir / "telemetry.npz")
+    figures = dict(metrics(prepared, end, telemetry)) if metrics else {}
+    _write(run_dir / "summary.json", summary(prepared, end, run_dir, clock() - began, figures))
+    return end
+
+
+def step_until_end(coordinator: Coordinator, robot: Robot, telemetry: Telemetry) -> RunEnd:
+    """Iterate the coordinator, and step the robot once for each of its periods."""
+    run = coordinator.run()
+    while True:
+        try:
+            next(run)
+        except StopIteration as end:
+            ended: RunEnd = end.value
+            return ended
+        now = robot.time
+        robot.step()
+        if coordinator.life.paused:
+            robot.time = now
+        else:
+            restoring = coordinator.life.state is RunState.RESTORING
+            telemetry.record(robot, coordinator.running, restoring)
+
+
+def summary(
+    prepared: Prepared, end: RunEnd, run_dir: Path, wall_time_s: float, metrics: Mapping[str, Any]
+) -> dict[str, Any]:
+    """What programs read about a run: the fields of `handcart run --json`."""
+    return {
+        "outcome": end.outcome,
+        "situation": end.situation,
+        "reason": end.reason,
+        "actions": end.actions,
+        "fails": end.fails,
+        "replans": end.replans,
+        "skipped": list(end.skipped),
+        "sim_time_s": round(prepared.robot.time, 3),
+        "wall_time_s": round(wall_time_s, 3),
+        "seed": prepared.seed,
+        "backend": prepared.backend_name,
+        "run_dir": str(run_dir),
+        "metrics": dict(metrics),
+    }
+
+
+def _header(prepared: Prepared) -> dict[str, Any]:
+    task = prepared.task
+    return {
+        "schema": SCHEMA,
+        "handcart": version("handcart"),
+        "task": task.file.title,
+        "task_sha256": task.document.sha256,
+        "task_text": task.document.content.decode(),
+        "settings": dict(prepared.settings),
+        "network": task.network.fingerprint(),
+        "bound": task.network.bound(),
+        "robot": task.file.robot,
+        "backend": prepared.backend_name,
+        "seed": prepared.seed,
+    }
+
+
+def _guarded(coordinator: Coordinator, robot: Robot, telemetry: Telemetry, run_dir: Path) -> RunEnd:
+    try:
+        return step_until_end(coordinator, robot, telemetry)
+    except Exception as error:
+        robot.stop()
+        known = isinstance(error, HandcartError)
+        if not isinstance(error, JournalError):
+            (run_dir / "error.txt").write_text(traceback.format_exc(), encoding="utf-8")
+        reason = str(error) if known else f"{type(error).__name__}: {error}"
+        return coordinator.broken_off(reason)
+
+
+@contextmanager
+def _interrupts_stop(coordinator: Coordinator) -> Iterator[None]:
+    """The first interrupt asks for a stop at the next period; a second one is Python's own."""
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    kinds = (signal.SIGINT, signal.SIGTERM)
+    before = {kind: signal.getsignal(kind) for kind in kinds}
+
+    def stop(number: int, _frame: FrameType | None) -> None:
+        coordinator.request(Request.STOP)
+        signal.signal(number, before[signal.Signals(number)])
+
+    for kind in kinds:
+        signal.signal(kind, stop)
+    try:
+        yield
+    finally:
+        for kind in kinds:
+            signal.signal(kind, before[kind])
+
+
+def _write(path: Path, content: Mapping[str, Any]) -> None:
+    options = orjson.OPT_INDENT_2 | orjson.OPT_SERIALIZE_NUMPY | orjson.OPT_APPEND_NEWLINE
+    new = path.with_suffix(".new")
+    new.write_bytes(orjson.dumps(content, option=options))
+    os.replace(new, path)

@@ -1,0 +1,51 @@
+"""Where the robot was in each period, for drawing; nothing depends on it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from backends.robot import Robot
+
+
+class Track(NamedTuple):
+    """A run, period by period."""
+
+    time: NDArray[np.float64]
+    """(n,) the robot's time, in [s]."""
+    pose: NDArray[np.float64]
+    """(n, 3) estimated map_T_base: x and y in [m], heading in [rad]."""
+    action: NDArray[np.int32]
+    """(n,) number of the action that ran, from 1; 0 before the first."""
+    restoring: NDArray[np.bool_]
+    """(n,) whether it restored."""
+
+
+class Telemetry:
+    """Collects a track."""
+
+    def __init__(self) -> None:
+        self._rows: list[tuple[float, float, float, float, int, bool]] = []
+
+    def record(self, robot: Robot, action: int, restoring: bool) -> None:
+        """Note where the robot is now."""
+        pose = robot.pose
+        self._rows.append((robot.time, pose.x, pose.y, pose.theta, action, restoring))
+
+    def track(self) -> Track:
+        """What was noted so far."""
+        table = np.array(self._rows, dtype=np.float64).reshape(-1, 6)
+        return Track(table[:, 0], table[:, 1:4], table[:, 4].astype(np.int32), table[:, 5] > 0.5)
+
+    def save(self, path: Path) -> None:
+        """Write the track into an .npz file."""
+        np.savez_compressed(path, **self.track()._asdict())
+
+
+def load_track(path: Path) -> Track:
+    """A track that was saved."""
+    with np.load(path) as arrays:
+        return Track(**{name: arrays[name] for name in Track._fields})

@@ -1,0 +1,120 @@
+"""PICK_UP: take the book from the tray."""
+
+from __future__ import annotations
+
+from collections.abc import Generator
+from typing import ClassVar, Literal
+
+import numpy as np
+from pydantic import PrivateAttr
+
+from backends.arm import Arm
+from backends.camera import Camera
+from backends.gripper import Gripper
+from backends.robot import Robot
+from robotics.geometry.transform import Transform, transform
+from robotics.perception.tag_reader import read_tags, tag_pose
+
+from .action_primitive import ActionPrimitive, Periods
+from .arm_motion import held_box, move_to_joints, move_to_posture
+from .discrepancy import Discrepancy
+from .grip import close_on, HAND_TO_SPINE, open_to, GRIP_HEIGHT
+from .knowledge import Book
+from .pushing import push
+from .retrace import retrace
+from .snapshot import Seen, Snapshot, settle
+from .taught import taught_postures
+from .trace import Trace
+from .world_model import ModelView
+
+BEFORE = 0.05  # [m] before the grip from which the hand goes in straight
+LIFT = 0.12  # [m]: clear of the tray's rim and of what lies on it
+SPEED = 0.05  # [m/s] of the hand near the book
+TOUCH = 6.0  # [N]: more means that a finger runs into the book instead of beside it
+LOOKS = 3  # pictures in which the tag is looked for
+TAG_SIDE = 0.010  # [m] of the tag's black square
+
+
+class PickUp(ActionPrimitive):
+    """Take the book from the tray: grip the rear of its covers, beside the spine, lift it and carry it.
+
+    Planned, the hand comes in line with the book where RECOGNIZE saw it; taught, it plays back postures
+    (`pick_up_1` before the book, `pick_up_2` gripping it, `pick_up_3` and on lifted) and trusts that the book
+    stands where it stood when they were taught.
+    """
+
+    method: Literal["planned", "taught"] = "planned"
+    """How the hand finds its way."""
+
+    needs: ClassVar = (Arm, Gripper, Camera)
+    reads: ClassVar = ("book", "book_pose")
+
+    _stands: bool = PrivateAttr(default=False)
+    _held: bool = PrivateAttr(default=False)
+
+    def observe(self, robot: Robot, model: ModelView) -> Generator[None, None, Seen]:
+        """Where the book's tag is, in the base frame; nothing where it isn't seen."""
+        if model.book is None:
+            raise Discrepancy("no book has been recognized", permanent=True)
+        yield from move_to_posture(robot, "look_at_tag")
+        yield from settle(robot)
+        for _ in range(LOOKS):
+            yield
+            for tag in read_tags(robot.camera.image()):
+                if tag.id == model.book.accession:
+                    camera_T_tag = tag_pose(tag, robot.camera.model, TAG_SIDE)
+                    place = robot.base_T("hand") @ robot.camera.hand_T_camera @ camera_T_tag[:, 3]
+                    self._stands = True
+                    return {"book": (float(place[0]), float(place[1]), float(place[2]))}
+        return {}
+
+    def motion(self, robot: Robot, model: ModelView) -> Periods:
+        book, pose = model.book, model.book_pose
+        if book is None or pose is None or not self._stands:
+            raise Discrepancy("the book isn't seen on the tray")
+        yield from open_to(robot, None)
+        if self.method == "taught":
+            yield from self._taught(robot, book)
+        else:
+            height = float(robot.base_T("tray")[2, 3]) + GRIP_HEIGHT
+            base_T_grip = pose.lift(height) @ transform((-HAND_TO_SPINE, 0.0, 0.0))
+            yield from self._planned(robot, book, base_T_grip)
+        self.found(width_mm=round(1e3 * robot.gripper.width(), 1))
+
+    def _planned(self, robot: Robot, book: Book, base_T_grip: Transform) -> Periods:
+        before = base_T_grip @ transform((-BEFORE, 0.0, 0.0))
+        yield from move_to_pose(robot, before)
+        if (yield from push(robot, base_T_grip, SPEED, TOUCH)).met:
+            raise Discrepancy("a finger runs into the book: it stands crooked on the tray")
+        yield from self._close(robot, book)
+        lifted = base_T_grip.copy()
+        lifted[2, 3] += LIFT
+        yield from push(robot, lifted, SPEED, np.inf)
+        yield from move_to_posture(robot, "carry", held=held_box(book))
+
+    def _taught(self, robot: Robot, book: Book) -> Periods:
+        before, grip, *lifted = taught_postures(robot, "pick_up", 3)
+        yield from move_to_joints(robot, before)
+        yield from move_to_joints(robot, grip)
+        yield from self._close(robot, book)
+        for posture in lifted:
+            yield from move_to_joints(robot, posture, held=held_box(book))
+
+    def _close(self, robot: Robot, book: Book) -> Periods:
+        yield from close_on(robot, book)
+        self._held = True
+
+    def watch(self, robot: Robot, model: ModelView) -> None:
+        """A book that slips out of the hand."""
+        if self._held and not robot.gripper.closed_on_something():
+            raise Discrepancy("the book slipped out of the hand")
+
+    def effect(self, robot: Robot, model: ModelView) -> Generator[None, None, bool]:
+        """The fingers press on something as thick as the book."""
+        return grips(robot, model.book)
+        yield
+
+    def restore(self, robot: Robot, model: ModelView, start: Snapshot, trace: Trace) -> Periods:
+        """Played backwards, the lifted book stands on the tray again before the fingers open."""
+        self._held = False
+        yield from retrace(robot, start, trace)

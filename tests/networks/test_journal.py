@@ -1,0 +1,171 @@
+"""The journal (rows D1 to D5, D10, D11, D14)."""
+
+import os
+import stat
+from pathlib import Path
+
+import pytest
+
+from networks.journal import Journal
+from networks.journal_record import JournalError, read_journal
+
+
+def written(path: Path, count: int = 4) -> bytes:
+    with Journal(path, clock=lambda: 1.7e9) as journal:
+        for number in range(count):
+            journal.append("STEP", 0.05 * number, {"n": number, "words": "naïve\n", "xs": [1.0, None]})
+    return path.read_bytes()
+
+
+def test_read_back(tmp_path):
+    path = tmp_path / "j.jsonl"
+    written(path)
+    contents = read_journal(path)
+    assert contents.torn_at is None
+    assert [record["n"] for record in contents.records] == [0, 1, 2, 3]
+    assert contents.records[1]["p"] == contents.records[0]["h"]
+    assert stat.S_IMODE(path.stat().st_mode) == 0o600
+
+
+def test_truncated_at_any_byte(tmp_path):
+    """D1: what was written whole is there, the tail is told."""
+    whole = written(tmp_path / "j.jsonl", 3)
+    ends = [number for number, byte in enumerate(whole) if byte == 10]
+    torn = tmp_path / "torn.jsonl"
+    for length in range(len(whole)):
+        torn.write_bytes(whole[:length])
+        contents = read_journal(torn)
+        assert len(contents.records) == sum(end < length for end in ends)
+        complete = length == 0 or length - 1 in ends
+        assert (contents.torn_at is None) == complete
+
+
+def test_any_flipped_bit(tmp_path):
+    """D2, D3: refused in the middle, torn in the last record; never taken for good."""
+    whole = written(tmp_path / "j.jsonl", 3)
+    last = whole[:-1].rindex(b"\n") + 1
+    bad = tmp_path / "bad.jsonl"
+    for place in range(len(whole)):
+        for bit in range(8):
+            damaged = bytearray(whole)
+            damaged[place] ^= 1 << bit
+            bad.write_bytes(damaged)
+            if place < last - 1:
+                with pytest.raises(JournalError, match=r"record \d at byte \d+ isn't what was written"):
+                    read_journal(bad)
+            else:
+                assert read_journal(bad).torn_at is not None
+
+
+@pytest.mark.parametrize("tail", [b"\0" * 4096, b"garbage\nmore\n", b"{}\n", b"[]\n", b"1\n", None])
+def test_tails(tmp_path, tail):
+    """D4: None stands for the last record once more."""
+    path = tmp_path / "j.jsonl"
+    whole = written(path)
+    path.write_bytes(whole + (tail if tail is not None else whole.splitlines(keepends=True)[-1]))
+    contents = read_journal(path)
+    assert (len(contents.records), contents.torn_at) == (4, len(whole))
+
+
+def test_edited_or_removed_record(tmp_path):
+    path = tmp_path / "j.jsonl"
+    lines = written(path).splitlines(keepends=True)
+    path.write_bytes(b"".join([lines[0], *lines[2:]]))
+    with pytest.raises(JournalError, match="record 1"):
+        read_journal(path)
+    path.write_bytes(b"".join([lines[0], lines[1].replace(b'"n":1', b'"n":7'), *lines[2:]]))
+    with pytest.raises(JournalError, match="record 1"):
+        read_journal(path)
+
+
+def test_never_written_over(tmp_path):
+    path = tmp_path / "j.jsonl"
+    written(path)
+    with pytest.raises(JournalError) as error:
+        Journal(path)
+    assert error.value.exit_status == 5
+
+
+def test_links_are_not_followed(tmp_path):
+    """D14."""
+    (tmp_path / "link").symlink_to(tmp_path / "target")
+    with pytest.raises(JournalError):
+        Journal(tmp_path / "link")
+    assert not (tmp_path / "target").exists()
+
+
+def test_no_folder(tmp_path):
+    """D10."""
+    with pytest.raises(JournalError, match="can't be created"):
+        Journal(tmp_path / "none" / "j.jsonl")
+
+
+def test_disk_full_poisons(tmp_path, monkeypatch):
+    """D5, D7: one more try, then nothing more."""
+    path = tmp_path / "j.jsonl"
+    journal = Journal(path)
+    journal.append("ONE", 0.0, {})
+    before = path.read_bytes()
+    calls = []
+
+    def short(file, line):
+        calls.append(line)
+        return real(file, line[:5])
+
+    real = os.write
+    monkeypatch.setattr(os, "write", short)
+    with pytest.raises(JournalError, match="No space left"):
+        journal.append("TWO", 0.0, {})
+    monkeypatch.setattr(os, "write", real)
+    assert len(calls) == 2
+    assert path.read_bytes() == before
+    with pytest.raises(JournalError):
+        journal.append("THREE", 0.0, {})
+    journal.close()
+    journal.close()
+
+
+def test_short_write_is_tried_again(tmp_path, monkeypatch):
+    path = tmp_path / "j.jsonl"
+    real, calls = os.write, []
+
+    def once_short(file, line):
+        calls.append(line)
+        return real(file, line[:5] if len(calls) == 1 else line)
+
+    with Journal(path) as journal:
+        monkeypatch.setattr(os, "write", once_short)
+        journal.append("ONE", 0.0, {})
+    assert len(read_journal(path).records) == 1
+
+
+def test_failed_sync_poisons(tmp_path, monkeypatch):
+    """D8: never tried again."""
+    calls = []
+
+    def failing(file):
+        calls.append(file)
+        raise OSError(5, "Input/output error")
+
+    with Journal(tmp_path / "j.jsonl", sync="always") as journal:
+        monkeypatch.setattr(os, "fdatasync", failing)
+        for _ in range(2):
+            with pytest.raises(JournalError, match="Input/output"):
+                journal.append("ONE", 0.0, {})
+    assert len(calls) == 1
+
+
+def test_replaced_file(tmp_path):
+    """D11."""
+    path = tmp_path / "j.jsonl"
+    with Journal(path) as journal:
+        journal.append("ONE", 0.0, {})
+        path.rename(tmp_path / "away")
+        path.write_bytes(b"")
+        with pytest.raises(JournalError, match="replaced"):
+            journal.append("TWO", 0.0, {})
+
+
+def test_what_is_no_json(tmp_path):
+    with Journal(tmp_path / "j.jsonl") as journal, pytest.raises(JournalError, match="no JSON"):
+        journal.append("ONE", 0.0, {"thing": object()})

@@ -1,0 +1,108 @@
+"""A network as a behaviour in a real py_trees tree."""
+
+from collections import deque
+
+import py_trees
+import pytest
+from py_trees.common import Status
+
+from networks.binding import Binding
+from networks.coordinator import Coordinator
+from networks.network import Action, ActionNetwork, Situation
+from networks.network_behaviour import NetworkBehaviour
+
+
+class Alarm(py_trees.behaviour.Behaviour):
+    """Keeps the tree to itself while it rings."""
+
+    rings = False
+
+    def update(self) -> Status:
+        return Status.RUNNING if self.rings else Status.FAILURE
+
+
+def tree_of(stand, network):
+    events = []
+    behaviour = NetworkBehaviour(
+        "network",
+        stand.robot,
+        lambda: Coordinator(network, stand.robot, stand.model, observers=[events.append]),
+    )
+    alarm = Alarm("alarm")
+    root = py_trees.composites.Selector("root", memory=False, children=[alarm, behaviour])
+    return py_trees.trees.BehaviourTree(root), behaviour, alarm, events
+
+
+def tick(tree, stand, times):
+    for _ in range(times):
+        tree.tick()
+        stand.robot.step()
+        if tree.root.status is not Status.RUNNING:
+            return
+
+
+def drive(stand, attempts=3):
+    bound = Binding.of(stand.Drive(periods=40))
+    action = Action("a", "z", bound, 1.0, attempts)
+    return ActionNetwork.build([Situation("a"), Situation("z")], [action], "a", "z")
+
+
+def test_reaches_the_goal(stand):
+    tree, behaviour, _, _ = tree_of(stand, drive(stand))
+    tick(tree, stand, 200)
+    assert tree.root.status is Status.SUCCESS
+    assert behaviour.end.outcome == "Success"
+    assert stand.robot.pose.x == pytest.approx(0.4, abs=0.02)
+
+
+def test_interrupted_it_stops_and_then_restores_first(stand):
+    tree, behaviour, alarm, events = tree_of(stand, drive(stand))
+    tick(tree, stand, 30)
+    alarm.rings = True
+    tick(tree, stand, 1)
+    stopped = stand.robot.pose
+    assert stopped.x > 0.1
+    tick(tree, stand, 20)
+    assert stand.robot.pose == stopped
+    assert stand.backend.stops
+    alarm.rings = False
+    nearest = []
+    for _ in range(400):
+        tick(tree, stand, 1)
+        nearest.append(stand.robot.pose.x)
+        if tree.root.status is not Status.RUNNING:
+            break
+    assert min(nearest) < 0.02
+    assert tree.root.status is Status.SUCCESS
+    assert behaviour.end.fails == 1
+    assert [type(event).__name__ for event in events][:4] == ["Planned", "Started", "Restoring", "Ended"]
+
+
+def test_no_way_left_is_failure(stand):
+    stand.script["x"] = deque("P")
+    tree, behaviour, _, _ = tree_of(stand, stand.network("a z x 1"))
+    tick(tree, stand, 5)
+    assert tree.root.status is Status.FAILURE
+    assert behaviour.end.exit_status == 3
+
+
+def test_give_up_stays_until_a_person_acknowledges(stand):
+    stand.script["x"] = deque("G")
+    tree, behaviour, _, events = tree_of(stand, stand.network("a z x 1"))
+    tick(tree, stand, 1)
+    told = len(events)
+    tick(tree, stand, 1)
+    tick(tree, stand, 1)
+    assert tree.root.status is Status.FAILURE
+    assert behaviour.latched
+    assert len(events) == told
+    behaviour.acknowledge()
+    tick(tree, stand, 1)
+    assert tree.root.status is Status.SUCCESS
+
+
+def test_shutdown_while_it_runs(stand):
+    tree, _, _, _ = tree_of(stand, drive(stand))
+    tick(tree, stand, 10)
+    tree.shutdown()
+    assert stand.backend.stops

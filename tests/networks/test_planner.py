@@ -1,0 +1,95 @@
+"""Planning: weights, ties, and what blocks (rows N11, N14)."""
+
+import os
+import subprocess
+import sys
+from time import process_time
+
+import pytest
+
+from networks.binding import Binding
+from networks.network import Action, ActionNetwork, Situation
+from networks.planner import NoWay, Planner
+
+SCRIPT = """
+from networks.network import Action, ActionNetwork, Situation
+from networks.planner import Planner
+names = [f"situation {n}" for n in range(30)]
+actions = [Action(a, b, None) for a in names for b in names[::3] if a != b]
+planner = Planner(ActionNetwork.build(map(Situation, names), actions, names[1], names[27]))
+for _ in range(12):
+    plan = planner.plan(names[1])
+    print([action.index for action in plan.actions])
+    planner.failed(plan.actions[0], "x")
+"""
+
+
+def test_each_fail_doubles_the_weight(stand):
+    network = stand.network("a z one 3", "a z two 10")
+    planner = Planner(network)
+    costs = []
+    for _ in range(3):
+        costs.append(planner.plan("a").cost)
+        planner.failed(planner.plan("a").actions[0], "x")
+    assert costs == [3.0, 6.0, 10.0]
+    assert planner.fails(network.actions[0]) == 2
+    assert network.actions[0].cost_s == 3.0
+
+
+def test_ties_go_to_the_first_in_the_network(stand):
+    network = stand.network("a z one 3", "a z two 3")
+    assert Planner(network).plan("a").actions[0].index == 0
+
+
+def test_a_permanent_fail_is_out_at_once(stand):
+    network = stand.network("a z one 3")
+    planner = Planner(network)
+    planner.failed(network.actions[0], "no such thing", permanent=True)
+    found = planner.plan("a")
+    assert isinstance(found, NoWay)
+    assert found.blocking == network.actions
+    assert found.explanation == ("no way left from a to z: THINK (a to z) failed 1 time, last: no such thing")
+
+
+def test_only_what_would_lead_on_blocks(stand):
+    network = stand.network("a b dead_end 1", "a z way 2", "b c further 1")
+    planner = Planner(network)
+    for action in network.actions[:2]:
+        planner.failed(action, "x", permanent=True)
+    assert [action.index for action in planner.plan("a").blocking] == [1]
+
+
+def test_the_network_never_changes(stand):
+    network = stand.network("a z one 3")
+    with pytest.raises(Exception, match="[Ff]rozen"):
+        network.graph.add_edge("a", "z")
+
+
+def test_same_plans_whatever_the_hash_seed():
+    """N11."""
+    said = {
+        subprocess.run(
+            [sys.executable, "-c", SCRIPT],
+            env={**os.environ, "PYTHONHASHSEED": seed},
+            check=True,
+            capture_output=True,
+        ).stdout
+        for seed in ("0", "1", "4711")
+    }
+    assert len(said) == 1
+
+
+@pytest.mark.slow
+def test_a_hundred_thousand_actions(stand):
+    """N14: in CPU time, with room for a slow machine."""
+    names = [f"s{n}" for n in range(30_000)]
+    bound = Binding.of(stand.Think(name="x"))
+    actions = [
+        Action(name, names[(number + step) % len(names)], bound)
+        for number, name in enumerate(names)
+        for step in (1, 7, 113)
+    ]
+    planner = Planner(ActionNetwork.build(map(Situation, names), actions, names[0], names[-1]))
+    began = process_time()
+    planner.plan(names[0])
+    assert process_time() - began < 10.0

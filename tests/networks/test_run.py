@@ -1,0 +1,134 @@
+"""Executing a run: its folder, its end, and what breaks it off (rows D6, N10)."""
+
+import signal
+from collections import deque
+
+import orjson
+import pytest
+
+from networks.journal import Journal
+from networks.journal_record import JournalError, read_journal, without_wall
+from networks.preparing import Prepared, load_model
+from networks.run import execute
+from networks.task_file import load_task
+from networks.telemetry import load_track
+
+TASK = """\
+format: handcart-task/1
+title: Drive
+robot: librarian
+parameters: {periods: 30}
+start: a
+goal: z
+situations: {a: {}, b: {}, z: {}}
+actions:
+  - {do: THINK, from: a, to: b, cost_s: 1, with: {name: x}}
+  - {do: DRIVE, from: b, to: z, cost_s: 1, with: {periods: {parameter: periods}}}
+"""
+
+
+@pytest.fixture
+def prepare(tmp_path, new_stand, primitives):
+    def prepared(**settings):
+        stand = new_stand()
+        path = tmp_path / "task" / "task.yaml"
+        path.parent.mkdir(exist_ok=True)
+        path.write_text(TASK)
+        task = load_task(path, settings, lambda name: getattr(primitives, name))
+        return stand, Prepared(task, "two_wheels", stand.backend, stand.robot, stand.model, 7, settings, ())
+
+    return prepared
+
+
+def test_run_folder(prepare, tmp_path):
+    stand, prepared = prepare(periods="20")
+    stand.script["x"] = deque("F")
+    folder = tmp_path / "run"
+    told = []
+    end = execute(prepared, folder, [told.append], metrics=lambda *_: {"x_m": stand.robot.pose.x})
+    assert end.outcome == "Success"
+    summary = orjson.loads((folder / "summary.json").read_bytes())
+    assert list(summary) == [
+        "outcome", "situation", "reason", "actions", "fails", "replans", "skipped", "sim_time_s",
+        "wall_time_s", "seed", "backend", "run_dir", "metrics",
+    ]  # fmt: skip
+    assert summary["actions"] == 3
+    assert summary["metrics"]["x_m"] == pytest.approx(0.2)
+    records = read_journal(folder / "journal.jsonl").records
+    assert [record["kind"] for record in records] == (
+        ["RUN", "PLAN", *["START", "RESULT"], "PLAN", *["START", "RESULT"] * 2, "END"]
+    )
+    assert records[0]["settings"] == {"periods": "20"}
+    track = load_track(folder / "telemetry.npz")
+    assert track.pose.shape == (len(track.time), 3)
+    assert set(track.action.tolist()) == {3}
+    assert type(told[-1]).__name__ == "RunEnded"
+
+
+def test_same_seed_same_journal(prepare, tmp_path):
+    journals = []
+    for name in ("one", "two"):
+        _, prepared = prepare()
+        execute(prepared, tmp_path / name)
+        journals.append([without_wall(r) for r in read_journal(tmp_path / name / "journal.jsonl").records])
+    assert journals[0] == journals[1]
+
+
+def test_interrupt_stops_and_holds(prepare, tmp_path):
+    stand, prepared = prepare(periods="2000")
+    step = stand.backend.step
+
+    def interrupted():
+        step()
+        if 1.0 < stand.robot.time < 1.04:
+            signal.raise_signal(signal.SIGINT)
+
+    stand.backend.step = interrupted
+    before = signal.getsignal(signal.SIGINT)
+    end = execute(prepared, tmp_path / "run")
+    assert (end.outcome, end.exit_status) == ("Cancelled", 130)
+    assert stand.robot.time < 1.2
+    assert stand.backend.stops
+    assert signal.getsignal(signal.SIGINT) is before
+
+
+def test_disk_full_while_it_runs(prepare, tmp_path, monkeypatch):
+    """D6: the robot is stopped; exit status 5."""
+    stand, prepared = prepare()
+    append = Journal.append
+
+    def full(journal, kind, *rest):
+        if kind == "RESULT":
+            raise JournalError(journal.path, "can't be written: No space left on device")
+        return append(journal, kind, *rest)
+
+    monkeypatch.setattr(Journal, "append", full)
+    end = execute(prepared, tmp_path / "run")
+    assert (end.outcome, end.exit_status) == ("Error", 5)
+    assert "No space left" in end.reason
+    assert stand.backend.stops
+
+
+def test_fault_in_our_own_code(prepare, tmp_path):
+    _, prepared = prepare()
+
+    def broken(event):
+        raise ZeroDivisionError("oh")
+
+    end = execute(prepared, tmp_path / "run", [broken])
+    assert (end.outcome, end.reason) == ("Error", "ZeroDivisionError: oh")
+    assert "ZeroDivisionError" in (tmp_path / "run" / "error.txt").read_text()
+
+
+def test_folder_of_another_run(prepare, tmp_path):
+    _, prepared = prepare()
+    execute(prepared, tmp_path / "run")
+    with pytest.raises(JournalError):
+        execute(prepared, tmp_path / "run")
+
+
+def test_a_task_without_knowledge(prepare):
+    _, prepared = prepare()
+    model, warnings = load_model(prepared.task)
+    assert model.places == {}
+    assert warnings == ()

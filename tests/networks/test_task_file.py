@@ -1,0 +1,236 @@
+"""Task files: what is wrong in them, all at once with its place; and repeating (rows T10 to T12, T17)."""
+
+from collections import deque
+from pathlib import Path
+from typing import ClassVar
+
+import pytest
+
+from files.errors import FileError
+from networks.coordinator import Coordinator
+from networks.events import Started
+from networks.task_file import load_task
+from primitives.action_primitive import ActionPrimitive
+from primitives.place_name import PlaceName
+
+TASK = """\
+format: handcart-task/1
+title: Think
+robot: librarian
+parameters: {word: hello, words: [one, two, three]}
+start: a
+goal: z
+situations:
+  a: {book: here}
+  b: {book: there}
+  z:
+actions:
+  - {do: THINK, from: a, to: b, cost_s: 2, with: {name: x, text: {parameter: word}}}
+  - {do: THINK, from: b, to: z, cost_s: 1, with: {name: y}}
+"""
+REPEAT = """\
+repeat:
+  over: {parameter: words}
+  as: word
+  start: a
+  goal: z
+  unfinished: skip
+"""
+
+
+@pytest.fixture
+def load(tmp_path, primitives):
+    def primitive(name):
+        if not hasattr(primitives, name):
+            raise KeyError(f"unknown primitive {name!r}; allowed: THINK, DRIVE")
+        return getattr(primitives, name)
+
+    def loaded(text, **settings):
+        path = tmp_path / "lib" / "task.yaml"
+        path.parent.mkdir(exist_ok=True)
+        path.write_text(text)
+        return load_task(path, settings, primitive)
+
+    return loaded
+
+
+def findings(load, text, **settings):
+    with pytest.raises(FileError) as error:
+        load(text, **settings)
+    return [(each.line, each.message) for each in error.value.findings]
+
+
+def test_good_file(load):
+    task = load(TASK)
+    assert [str(action) for action in task.network.actions] == ["THINK (a to b)", "THINK (b to z)"]
+    assert task.network.actions[0].binding.fixed == {"name": "x", "text": "hello"}
+    assert task.network.bound() == (6 + 1) * 2 + 6
+    assert load(TASK, word="bye").network.actions[0].binding.fixed["text"] == "bye"
+    assert load(TASK).network.fingerprint() == task.network.fingerprint()
+    assert load(TASK, word="bye").network.fingerprint() != task.network.fingerprint()
+
+
+def test_everything_at_once(load):
+    text = (
+        TASK.replace("goal: z", "goal: zz")
+        .replace("do: THINK, from: a", "do: THINKS, from: a")
+        .replace("from: b, to: z, cost_s: 1", "from: b, to: y, cost_s: 1, on_fail: a, atempts: 2")
+        .replace("{name: y}", "{nam: 7}")
+        .replace("{parameter: word}", "{parameter: wrd}")
+    )
+    found = findings(load, text)
+    lines = "\n".join(f"{line} {message}" for line, message in found)
+    for part in (
+        "6 unknown situation 'zz'",
+        "12 unknown primitive 'THINKS'",
+        "12 unknown parameter 'wrd'; did you mean 'word'?",
+        "13 unknown key 'atempts'; did you mean 'attempts'?",
+    ):
+        assert part in lines
+    also = findings(load, text.replace(", atempts: 2", ""))
+    lines = "\n".join(f"{line} {message}" for line, message in also)
+    for part in (
+        "13 unknown situation 'y'",
+        "13 'a' has other physical facts than 'b'",
+        "13 unknown key 'nam'; did you mean 'name'?",
+        "13 the key 'name' is missing",
+    ):
+        assert part in lines
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ("cost_s: 2", "cost_s: 0", "cost_s is 0"),
+        ("cost_s: 2", "cost_s: -1.5", "cost_s is -1.5"),
+        ("cost_s: 2", "cost_s: fast", "cost_s is 'fast'"),
+        ("cost_s: 2", "cost_s: 2, attempts: 0", "attempts is 0"),
+        ("from: b, to: z", "from: b, to: a", "no actions lead from a to z"),
+        ("name: y", "name: {model: book.sehlf}", "did you mean 'shelf'?"),
+        ("name: y", "name: {model: book.accession}", "book.accession is of type int; allowed: str"),
+        ("name: y", "name: {each: word}", "unknown element 'word'"),
+        ("robot: librarian", "robot: librarian\nworld: none.yaml", "there is no file 'none.yaml'"),
+        ("robot: librarian", "robot: librarian\nworld: ../../w.yaml", "leads out of"),
+        ("robot: librarian", "robot: librarian\nworld: /etc/passwd", "is absolute"),
+    ],
+)
+def test_one_thing_wrong(load, old, new, message):
+    found = findings(load, TASK.replace(old, new))
+    assert len(found) == 1
+    assert message in found[0][1]
+    assert found[0][0] > 0
+
+
+def test_settings_are_checked_as_the_file(load):
+    found = findings(load, TASK, word="7")
+    assert found[0][0] == 0
+    assert "text is 7" in found[0][1]
+
+
+def test_places_are_known(load, tmp_path, primitives):
+    class Go(ActionPrimitive):
+        place: PlaceName
+        only_knowledge: ClassVar = True
+
+        def motion(self, robot, model):
+            return
+            yield
+
+    primitives.GO = Go
+    places = "format: handcart-places/1\nplaces:\n  home: {x_m: 0, y_m: 0, heading_deg: 0}\n"
+    (tmp_path / "lib").mkdir()
+    (tmp_path / "lib" / "places.yaml").write_text(places)
+    (tmp_path / "lib" / "map.yaml").write_text("")
+    text = TASK.replace("start: a", "knowledge: {map: map.yaml, places: places.yaml, start: hom}\nstart: a")
+    text = text.replace("do: THINK, from: b", "do: GO, from: b").replace("{name: y}", "{place: hme}")
+    found = findings(load, text)
+    assert [line for line, _ in found] == [5, 14]
+    assert all("unknown place" in message and "did you mean 'home'?" in message for _, message in found)
+
+
+def test_missing_capabilities_are_listed(load, stand):
+    task = load(TASK.replace("do: THINK, from: b", "do: DRIVE, from: b").replace(", with: {name: y}", ""))
+    task.check_capabilities(stand.backend)
+    stand.backend.capabilities = lambda: ()
+    with pytest.raises(FileError, match="DRIVE needs what the robot doesn't have: Base"):
+        task.check_capabilities(stand.backend)
+
+
+def repeated(**changes):
+    text = TASK.replace("text: {parameter: word}", "text: {each: word}") + REPEAT
+    for old, new in changes.items():
+        text = text.replace(old, new)
+    return text
+
+
+def test_repeat_copies_the_part(load):
+    network = load(repeated()).network
+    assert list(network.situations) == ["a[1]", "a[2]", "a[3]", "b[1]", "b[2]", "b[3]", "z"]
+    assert [str(a) for a in network.actions][3:6] == [
+        "THINK (b[1] to a[2])",
+        "THINK (b[2] to a[3])",
+        "THINK (b[3] to z)",
+    ]
+    assert [a.binding.fixed["text"] for a in network.actions[:3]] == ["one", "two", "three"]
+
+
+def test_repeat_skips_what_cannot_be_done(load, stand):
+    stand.script["x"] = deque("SP")
+    network = load(repeated()).network
+    cleared, events = [], []
+    stand.model.clear_element = lambda: cleared.append(stand.robot.time)
+    end = stand.finish(Coordinator(network, stand.robot, stand.model, observers=[events.append]))
+    texts = [event.primitive.text for event in events if isinstance(event, Started)]
+    assert texts == ["one", "", "two", "three", ""]
+    assert (end.outcome, end.exit_status, end.situation) == ("Fail", 3, "z")
+    assert end.skipped == ("word[2]",)
+    assert end.reason == "left undone: word[2]"
+    assert len(cleared) == 3
+
+
+def test_repeat_stops(load, stand):
+    stand.script["x"] = deque("SP")
+    network = load(repeated(**{"unfinished: skip": "unfinished: stop"})).network
+    end = stand.finish(Coordinator(network, stand.robot, stand.model))
+    assert (end.outcome, end.situation, end.skipped) == ("Fail", "a[2]", ())
+
+
+def test_elements_are_checked_at_their_own_place(load):
+    found = findings(load, repeated(**{"[one, two, three]": "[one, 2, three]"}))
+    assert [(line, "text is 2" in message) for line, message in found] == [(4, True)]
+
+
+def test_elements_with_keys(load):
+    text = repeated(**{"[one, two, three]": "[{w: one}, {w: two}]", "{each: word}": "{each: word.w}"})
+    assert [a.binding.fixed["text"] for a in load(text).network.actions[:2]] == ["one", "two"]
+    found = findings(load, text.replace("{w: two}", "{v: two}"))
+    assert "unknown element 'word.w'" in found[0][1]
+
+
+def test_two_hundred_situations_are_a_page(load):
+    words = ", ".join(f"w{n}" for n in range(100))
+    text = repeated(**{"one, two, three": words})
+    assert len(text.splitlines()) < 30
+    assert len(load(text).network.situations) == 201
+
+
+def test_a_way_into_the_middle_of_the_part(load):
+    text = repeated(**{"start: a\ngoal": "start: s\ngoal", "  a: {": "  s: {book: here}\n  a: {"})
+    text = text.replace("repeat:", "  - {do: THINK, from: s, to: b, cost_s: 1, with: {name: q}}\nrepeat:")
+    assert any("into the middle" in message for _, message in findings(load, text))
+
+
+def test_start_and_goal_of_a_part_may_be_the_same(load, stand):
+    text = repeated(**{"goal: z\n  unf": "goal: a\n  unf", "to: z": "to: a"})
+    text = text.replace("repeat:", "  - {do: THINK, from: a, to: z, cost_s: 1, with: {name: q}}\nrepeat:")
+    with pytest.raises(FileError):
+        load(text)  # the part would hold the task's own goal
+
+
+def test_shipped_tasks_are_found_from_their_own_folder(load, tmp_path):
+    (tmp_path / "other").mkdir()
+    (tmp_path / "other" / "world.yaml").write_text("x: 1")
+    task = load(TASK.replace("robot: librarian", "robot: librarian\nworld: ../other/world.yaml"))
+    assert task.path("world") == (tmp_path / "other" / "world.yaml").resolve()
+    assert task.path("knowledge", "map") is None
+    assert isinstance(task.path("world"), Path)
