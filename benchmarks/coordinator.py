@@ -28,6 +28,7 @@ from networks.binding import Binding
 from networks.coordinator import Coordinator
 from networks.journal import Journal
 from networks.network import Action, ActionNetwork, Situation
+from networks.planner import Planner
 from primitives.action_primitive import ActionPrimitive, Periods
 from primitives.knowledge import Catalogue
 from primitives.world_model import ModelView, WorldModel
@@ -127,6 +128,21 @@ def journaled_round(network: ActionNetwork) -> float:
         return coordinator_round(network, journal)
 
 
+def planning_s(situations: int) -> float:
+    """Seconds for one plan over three times as many actions."""
+    names = [f"s{number}" for number in range(situations)]
+    bound = Binding.of(Instant(number=0))
+    actions = [
+        Action(name, names[(number + step) % situations], bound)
+        for number, name in enumerate(names)
+        for step in (1, 7, 113)
+    ]
+    planner = Planner(ActionNetwork.build(map(Situation, names), actions, names[0], names[-1]))
+    began = perf_counter()
+    planner.plan(names[0])
+    return perf_counter() - began
+
+
 def py_trees_round(length: int) -> float:
     """Seconds for one tick of a sequence of as many instant behaviours."""
     steps: list[py_trees.behaviour.Behaviour] = [py_trees.behaviours.Success(f"s{n}") for n in range(length)]
@@ -173,6 +189,8 @@ def main() -> None:
     print(f"{length} instant primitives, least of {rounds} rounds")
     for name, taken in rows.items():
         print(f"{name:24s} {taken:8.1f} us an action   {taken / first:6.2f} of the first")
+    for situations in (10, 1_000, 33_000):
+        print(f"one plan over {3 * situations:6d} actions: {1e3 * planning_s(situations):8.2f} ms")
 
 
 if __name__ == "__main__":

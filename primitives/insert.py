@@ -13,20 +13,25 @@ from backends.gripper import Gripper
 from backends.range_sensor import RangeSensor
 from backends.robot import Robot
 from robotics.geometry.transform import Transform, inverse, transform
-from robotics.manipulation.motion_planner import plan_straight
 
 from .action_primitive import ActionPrimitive, Periods
-from .discrepancy import Discrepancy
-from .grip import HAND_TO_TIPS, holds
+from .arm_motion import move_to_joints
+from .discrepancy import Discrepancy, NeedsPerson
+from .grip import HAND_TO_SPINE, HAND_TO_TIPS, holds
 from .place_name import PlaceName
 from .pushing import Pushed, push
+from .retrace import retrace
 from .shelf_front import measure_shelf
+from .snapshot import Snapshot
 from .taught import taught_postures
+from .trace import Trace
 from .world_model import ModelView
 
 TIPS_BEFORE = 0.007  # [m] that the finger tips stay before the shelf's front: spines stand 3 mm before it
 SPEED = 0.02  # [m/s]
-JAM = 7.0  # [N]: sliding in takes 2; a neighbour is pushed back from 10 on
+BACK_SPEED = 0.05  # [m/s]
+JAM = 7.0  # [N]: sliding in takes 2
+PUSHES_BACK = 10.0  # [N]: a neighbour gives way from here on, and the hand's camera doesn't see it
 WIGGLES = ((0.0, 0.0), (0.003, 0.035), (-0.003, -0.035))  # to the left in [m], turned left by [rad]
 REACHED = 0.004  # [m]
 
@@ -36,7 +41,8 @@ class Insert(ActionPrimitive):
 
     Where it enters is where APPROACH brought it; how far it goes is measured on the shelf's front. A book
     that jams is pulled out and tried a few millimetres beside; one that jams everywhere is a Fail, pulled
-    back to where it was. Taught, the hand plays back `insert_1` and on, whatever the range sensor says.
+    back to where it was. No sensor sees whether a neighbour was pushed back, so the force must tell: above
+    10 N a person has to look. Taught, the hand plays back `insert_1` and on, whatever the range sensor says.
     """
 
     shelf: PlaceName
@@ -49,23 +55,63 @@ class Insert(ActionPrimitive):
     needs: ClassVar = (Arm, Gripper, RangeSensor)
     reads: ClassVar = ("places", "book")
 
-    _goal: Transform | None = PrivateAttr(default=None)
-    """base_T_hand at the end (4, 4)."""
+    _base_T_end: Transform | None = PrivateAttr(default=None)
+    _strongest: float = PrivateAttr(default=0.0)
 
     def motion(self, robot: Robot, model: ModelView) -> Periods:
         if model.book is None or not holds(robot, model.book):
             raise Discrepancy("the hand doesn't hold the book")
-        base_T_hand = robot.arm_model.forward(robot.arm.command())
-        ways = WIGGLES if self.wiggle and self.method == "planned" else WIGGLES[:1]
+        start = robot.arm_model.forward(robot.arm.command())
         if self.method == "taught":
-            self._goal = robot.arm_model.forward(taught_postures(robot, "insert", 1)[-1])
+            *way, last = taught_postures(robot, "insert", 1)
+            self._base_T_end = robot.arm_model.forward(last)
+            for posture in way:
+                yield from move_to_joints(robot, posture)
         else:
             base_T_shelf = yield from measure_shelf(robot, model.places[self.shelf])
-            self._goal = _end(base_T_shelf, base_T_hand)
-        for number, (aside, turn) in enumerate(ways, start=1):
-            beside = transform((0.0, aside, 0.0), (0.0, 0.0, turn))
-            pushed = yield from self._try(robot, base_T_hand @ beside, self._goal @ beside)
-            self.found(force_n=round(pushed.force, 1), tries=number)
+            self._base_T_end = _end(base_T_shelf, start)
+        edge = HAND_TO_SPINE + model.book.depth_mm / 1e3
+        for number, (aside, turn) in enumerate(WIGGLES if self.wiggle else WIGGLES[:1], start=1):
+            pushed = yield from self._try(robot, start @ _about(edge, aside, turn), self._base_T_end)
+            self.found(force_n=round(self._strongest, 1), tries=number)
             if not pushed.met:
                 return
-        raise Discrepancy(f"the book jams: it is pressed with {pushed.force:.0f} N")
+            yield from push(robot, start, BACK_SPEED, np.inf)
+        raise Discrepancy(f"the book jams: it resists with {pushed.force:.0f} N")
+
+    def _try(self, robot: Robot, start: Transform, end: Transform) -> Generator[None, None, Pushed]:
+        if not np.allclose(robot.arm_model.forward(robot.arm.command()), start, atol=1e-6):
+            yield from push(robot, start, BACK_SPEED, JAM)
+        pushed = yield from push(robot, end, SPEED, JAM)
+        self._strongest = max(self._strongest, pushed.force)
+        return pushed
+
+    def effect(self, robot: Robot, model: ModelView) -> Generator[None, None, bool]:
+        """The book is still held, and the hand stands where it was to go."""
+        if self._base_T_end is None or model.book is None:
+            return False
+        off = float(np.linalg.norm(robot.base_T("hand")[:3, 3] - self._base_T_end[:3, 3]))
+        self.found(off_mm=round(1e3 * off, 1))
+        return off < REACHED and holds(robot, model.book)
+        yield
+
+    def restore(self, robot: Robot, model: ModelView, start: Snapshot, trace: Trace) -> Periods:
+        """Pull straight back."""
+        yield from retrace(robot, start, trace)
+        if self._strongest > PUSHES_BACK:
+            raise NeedsPerson(f"{self._strongest:.0f} N may have pushed a neighbour back")
+
+
+def _end(base_T_shelf: Transform, base_T_hand: Transform) -> Transform:
+    """The pose of the hand (4, 4) further along the shelf's x, its tips just before the spines."""
+    shelf_T_hand = inverse(base_T_shelf) @ base_T_hand
+    if shelf_T_hand[0, 3] > -TIPS_BEFORE - HAND_TO_TIPS:
+        raise Discrepancy("the hand stands too close to the shelf to push a book in")
+    shelf_T_hand[0, 3] = -TIPS_BEFORE - HAND_TO_TIPS
+    return base_T_shelf @ shelf_T_hand
+
+
+def _about(edge: float, aside: float, turn: float) -> Transform:
+    """hand_T_hand (4, 4) moved aside, and turned about a point so far ahead that the leading edge stays."""
+    there = transform((edge, aside, 0.0), (0.0, 0.0, turn))
+    return there @ transform((-edge, 0.0, 0.0))

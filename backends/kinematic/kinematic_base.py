@@ -34,7 +34,9 @@ class KinematicBase(Base):
         if not abs(speed) <= top + _ROUNDING:
             raise CommandError(f"a speed of {speed} m/s; allowed: -{top} to {top}")
         if not abs(turn_rate) <= top_turn + _ROUNDING:
-            raise CommandError(f"a turn rate of {turn_rate} rad/s; allowed: -{top_turn:.3f} to {top_turn:.3f}")
+            raise CommandError(
+                f"a turn rate of {turn_rate} rad/s; allowed: -{top_turn:.3f} to {top_turn:.3f}"
+            )
         self._command = (float(speed), float(turn_rate))
 
     def wheel_travel(self) -> WheelTravel:

@@ -107,9 +107,7 @@ class ArmContact:
         size = np.array(book.size) - 2 * _GIVE
         return HELD, pin.coal.Box(*size), pose, float(np.linalg.norm(size)) / 2
 
-    def _against_world(
-        self, bodies: list[tuple[str, object, Transform, float]], skip: Skip | None
-    ) -> Touch:
+    def _against_world(self, bodies: list[tuple[str, object, Transform, float]], skip: Skip | None) -> Touch:
         centres = np.array([body[2][:3, 3] for body in bodies])
         radii = np.array([body[3] for body in bodies])
         local = np.einsum("nji,gnj->gni", self._turn, centres[:, None] - self._middle[None])
@@ -126,9 +124,7 @@ class ArmContact:
                 worst = Touch(depth, name, self._boxes[n].name)
         return worst
 
-    def _against_robot(
-        self, held: tuple[str, object, Transform, float], poses: NDArray[np.float64]
-    ) -> Touch:
+    def _against_robot(self, held: tuple[str, object, Transform, float], poses: NDArray[np.float64]) -> Touch:
         hits = [
             Touch(_overlap(held[1], held[2], self._geometry[i], poses[i]), HELD, self._names[i])
             for i in self._own
@@ -193,5 +189,3 @@ def _radius(shape: Shape) -> float:
             return float(np.hypot(shape.radius, shape.length / 2))
         case _:
             return shape.radius
-
-

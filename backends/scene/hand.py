@@ -208,7 +208,9 @@ class Hand:
         shelf, slot = self.entry.shelf, self.entry.slot
         rigid = shelf.inverse_pose @ book.pose
         half = book.thickness / 2
-        lateral = float(np.clip(rigid[1, 3], min(slot.right + half, slot.middle), max(slot.left - half, slot.middle)))
+        lateral = float(
+            np.clip(rigid[1, 3], min(slot.right + half, slot.middle), max(slot.left - half, slot.middle))
+        )
         book.pose = shelf.pose @ transform((rigid[0, 3], lateral, max(0.0, rigid[2, 3])))
         moved = self.arm.forward(scene.joints)[0, 3] - self.arm.forward(start)[0, 3]
         force = np.array([-SLOT_FRICTION if moved > 1e-4 else 0.0, STIFFNESS * (lateral - rigid[1, 3]), 0.0])

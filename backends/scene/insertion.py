@@ -64,7 +64,10 @@ class Entrance:
             return None if x < entry.slot.front - _OUT else entry
         free = [slot for slot in slots(row) if slot.width >= thickness]
         nearest = min(free, key=lambda slot: abs(y - slot.middle), default=None)
-        front = min((m.front for m in row if m.right < y + thickness / 2 and m.left > y - thickness / 2), default=math.inf)
+        front = min(
+            (m.front for m in row if m.right < y + thickness / 2 and m.left > y - thickness / 2),
+            default=math.inf,
+        )
         if nearest is None or abs(y - nearest.middle) > thickness:
             return Entry(shelf, Slot(y, y, front), False) if x > front else None
         if x <= min(front, nearest.front):

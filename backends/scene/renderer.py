@@ -58,7 +58,9 @@ class Renderer:
         """The same without lens, light and noise; larger."""
         canvas = Canvas(self._lens.K, self._lens.size, world_T_camera, _BACKGROUND)
         _room(canvas, scene)
-        shelves = sorted(scene.shelves.values(), key=lambda s: -float(np.linalg.norm(s.pose[:3, 3] - canvas.eye)))
+        shelves = sorted(
+            scene.shelves.values(), key=lambda s: -float(np.linalg.norm(s.pose[:3, 3] - canvas.eye))
+        )
         for shelf in shelves:
             _shelf(canvas, scene, shelf)
         _robot(canvas, scene)
@@ -95,9 +97,12 @@ def _shelf(canvas: Canvas, scene: Scene, shelf: Shelf) -> None:
     _inside(canvas, shelf)
     ends = [parts["book end"]] if "book end" in parts else []
     bodies: list[tuple[float, Book | Box]] = [
-        (_to_row(each.lateral, each.book.thickness, eye[1]), each.book) for each in scene.shelf_books(shelf.name)
+        (_to_row(each.lateral, each.book.thickness, eye[1]), each.book)
+        for each in scene.shelf_books(shelf.name)
     ]
-    bodies += [(_to_row((shelf.book_end_left - shelf.half_width) / 2, box.size[1], eye[1]), box) for box in ends]
+    bodies += [
+        (_to_row((shelf.book_end_left - shelf.half_width) / 2, box.size[1], eye[1]), box) for box in ends
+    ]
     held = _held_inside(scene, shelf)
     if held is not None:
         lateral = float((shelf.inverse_pose @ held.pose)[1, 3])
@@ -166,7 +171,9 @@ def _book(canvas: Canvas, book: Book, shelf: Shelf | None) -> None:
 
 
 # A spine's picture: x to the right is -y of the book, y downwards is -z.
-_SPINE_FACE = np.array([[0.0, 0.0, 1.0, 0.0], [-1.0, 0.0, 0.0, 0.0], [0.0, -1.0, 0.0, 0.0], [0.0, 0.0, 0.0, 1.0]])
+_SPINE_FACE = np.array(
+    [[0.0, 0.0, 1.0, 0.0], [-1.0, 0.0, 0.0, 0.0], [0.0, -1.0, 0.0, 0.0], [0.0, 0.0, 0.0, 1.0]]
+)
 
 
 def _part(canvas: Canvas, book: Book, span: tuple[float, float], cover: int, head: int) -> None:
@@ -218,5 +225,3 @@ def spine_levels(spec: BookSpec) -> list[tuple[GreyImage, float]]:
         size = (even.shape[1] // 2, even.shape[0] // 2)
         levels.append((cv2.resize(even, size, interpolation=cv2.INTER_AREA).astype(np.uint8), 2 * metres))
     return levels
-
-

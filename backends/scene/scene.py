@@ -106,9 +106,7 @@ class Scene:
             if book.rest is Rest.SHELF and book.shelf == shelf:
                 pose = frame @ book.pose
                 yaw = float(np.arctan2(pose[1, 0], pose[0, 0]))
-                standing.append(
-                    StandingBook(book, float(pose[1, 3]), float(pose[0, 3]), book.tilt(), yaw)
-                )
+                standing.append(StandingBook(book, float(pose[1, 3]), float(pose[0, 3]), book.tilt(), yaw))
         return sorted(standing, key=lambda each: -each.lateral)
 
     def tray_book(self) -> Book | None:
@@ -158,7 +156,12 @@ def _start(robot: RobotFile, world: WorldFile, seed: int) -> Pose2:
 def _standing(shelf: Shelf, seed: int) -> list[Book]:
     rng = keyed(seed, f"row of {shelf.name}")
     return [
-        Book(spec, shelf.pose @ transform((rng.uniform(-PROTRUSION, PROTRUSION), y, 0.0)), Rest.SHELF, shelf.name)
+        Book(
+            spec,
+            shelf.pose @ transform((rng.uniform(-PROTRUSION, PROTRUSION), y, 0.0)),
+            Rest.SHELF,
+            shelf.name,
+        )
         for spec, y in shelf.standing()
     ]
 
@@ -170,4 +173,3 @@ def _set_on_tray(scene: Scene, spec: BookSpec, seed: int) -> None:
     scene.base_T_tray_book = transform((TRAY_SPINE_X + place * dx, place * dy, TRAY_TOP), (0.0, 0.0, yaw))
     pose = scene.world_T_base @ scene.base_T_tray_book
     scene.books[spec.accession] = Book(spec, pose, Rest.TRAY)
-

@@ -3,7 +3,6 @@
 import os
 import subprocess
 import sys
-from time import process_time
 
 import pytest
 
@@ -61,7 +60,7 @@ def test_only_what_would_lead_on_blocks(stand):
 
 def test_the_network_never_changes(stand):
     network = stand.network("a z one 3")
-    with pytest.raises(Exception, match="[Ff]rozen"):
+    with pytest.raises(Exception, match=r"[Ff]rozen"):
         network.graph.add_edge("a", "z")
 
 
@@ -79,9 +78,8 @@ def test_same_plans_whatever_the_hash_seed():
     assert len(said) == 1
 
 
-@pytest.mark.slow
 def test_a_hundred_thousand_actions(stand):
-    """N14: in CPU time, with room for a slow machine."""
+    """N14; how long that takes stands in benchmarks/coordinator.py."""
     names = [f"s{n}" for n in range(30_000)]
     bound = Binding.of(stand.Think(name="x"))
     actions = [
@@ -90,6 +88,5 @@ def test_a_hundred_thousand_actions(stand):
         for step in (1, 7, 113)
     ]
     planner = Planner(ActionNetwork.build(map(Situation, names), actions, names[0], names[-1]))
-    began = process_time()
-    planner.plan(names[0])
-    assert process_time() - began < 10.0
+    plan = planner.plan(names[0])
+    assert plan.cost == len(plan.actions) == 30_000 // 113 + 54 // 7 + 54 % 7

@@ -1,0 +1,134 @@
+"""RELEASE: let the book go in its slot, and push it home."""
+
+from __future__ import annotations
+
+from collections.abc import Generator
+from typing import ClassVar
+
+import numpy as np
+from py_trees.behaviour import Behaviour
+from py_trees.composites import Sequence
+from pydantic import PrivateAttr
+
+from backends.arm import Arm
+from backends.camera import Camera
+from backends.gripper import Gripper
+from backends.range_sensor import RangeSensor
+from backends.robot import Robot
+from robotics.geometry.transform import Transform, inverse, transform
+from robotics.perception.call_number import parse
+from robotics.perception.label_reader import Label
+from robotics.perception.ocr_label_reader import OcrLabelReader
+
+from .action_primitive import Periods
+from .arm_motion import move_to_posture
+from .discrepancy import Discrepancy
+from .grip import GRIP_HEIGHT, HAND_TO_TIPS, close, holds, open_to
+from .place_name import PlaceName
+from .pushing import push, relax
+from .shelf_front import measure_shelf
+from .snapshot import settle
+from .tree_primitive import GeneratorBehaviour, TreePrimitive
+from .world_model import ModelView
+
+LOWER_SPEED = 0.01  # [m/s]
+STANDS = 3.0  # [N] from below that mean that the book stands on the board
+TOO_LOW = 0.006  # [m] below where the board should be: there is none
+ROOM = 0.012  # [m] that the fingers open wider than the book
+BACK_OFF = 0.06  # [m]: the tips leave the book's rear
+HOME_SPEED = 0.02  # [m/s]
+HOME = 8.0  # [N]: sliding home takes 3
+BEYOND = 0.008  # [m] that the push may be commanded beyond flush: the arm gives under the book's friction
+FLUSH = 0.002  # [m] behind the shelf's front edge to which the tips push
+PROUD = 0.006  # [m] before the front edge: a book that stays there isn't home
+AWAY = 0.18  # [m] from the tips to the shelf's front, after withdrawing and while looking
+LOOK_HEIGHT = 0.09  # [m] of the camera above the board: labels stand near the foot
+SPEED = 0.08  # [m/s] of the free hand before the shelf
+SAME_PLACE = 0.012  # [m] between where the book was let go and where its label is seen
+
+
+class Release(TreePrimitive):
+    """Let the book go in its slot and push it home: lower, open, back off, close, push, withdraw, look.
+
+    From opening on it can't be undone: a book that stands on the board, between its neighbours and behind
+    thin air, is out of the hand's reach to take up again in the same way. The label must then be read in
+    its slot, else a person has to look.
+    """
+
+    shelf: PlaceName
+    """The place before the shelf."""
+
+    needs: ClassVar = (Arm, Gripper, Camera, RangeSensor)
+    reads: ClassVar = ("places", "book", "slot")
+
+    _base_T_shelf: Transform | None = PrivateAttr(default=None)
+    _lateral: float = PrivateAttr(default=0.0)
+
+    def tree(self, robot: Robot, model: ModelView) -> Behaviour:
+        """Seven steps, one after the other."""
+        steps = {
+            "measure the shelf": lambda: self._measure(robot, model),
+            "lower the book onto the board": lambda: self._lower(robot),
+            "open the fingers": lambda: self._open(robot, model),
+            "back off": lambda: self._move_in_shelf(robot, -BACK_OFF),
+            "close the fingers": lambda: close(robot),
+            "push the book home": lambda: self._push_home(robot),
+            "withdraw": lambda: self._withdraw(robot),
+            "look at the shelf": lambda: self._look(robot),
+        }
+        leaves: list[Behaviour] = [GeneratorBehaviour(name, step) for name, step in steps.items()]
+        return Sequence("release the book", memory=True, children=leaves)
+
+    def _measure(self, robot: Robot, model: ModelView) -> Periods:
+        if model.book is None or not holds(robot, model.book):
+            raise Discrepancy("the hand doesn't hold the book")
+        self._base_T_shelf = yield from measure_shelf(robot, model.places[self.shelf])
+        self._lateral = float(self._hand(robot)[1, 3])
+
+    def _lower(self, robot: Robot) -> Periods:
+        foot = float(self._hand(robot)[2, 3]) - GRIP_HEIGHT
+        goal = robot.arm_model.forward(robot.arm.command())
+        goal[2, 3] -= max(0.002, foot + TOO_LOW)
+        if not (yield from push(robot, goal, LOWER_SPEED, STANDS)).met:
+            raise Discrepancy("there is no board below the book")
+        self.found(lowered_mm=round(1e3 * (foot + GRIP_HEIGHT - float(self._hand(robot)[2, 3])), 1))
+        yield from relax(robot)
+
+    def _open(self, robot: Robot, model: ModelView) -> Periods:
+        thickness = model.book.thickness_mm / 1e3 if model.book else 0.0
+        self.point_of_no_return("the fingers let the book go")
+        yield from open_to(robot, thickness + ROOM)
+
+    def _push_home(self, robot: Robot) -> Periods:
+        tips = float(self._hand(robot)[0, 3]) + HAND_TO_TIPS
+        goal = self._in_shelf(robot, FLUSH + BEYOND - tips)
+        pushed = yield from push(robot, goal, HOME_SPEED, HOME, lambda: self._tips(robot) >= FLUSH)
+        proud = -self._tips(robot)
+        self.found(proud_mm=round(1e3 * proud, 1), push_n=round(pushed.force, 1))
+        if proud > PROUD:
+            raise Discrepancy(f"the book doesn't go home: it stands {1e3 * proud:.0f} mm proud")
+
+    def _withdraw(self, robot: Robot) -> Periods:
+        yield from self._move_in_shelf(robot, -AWAY - self._tips(robot))
+
+    def _look(self, robot: Robot) -> Periods:
+        """Bring the camera before the slot, as far as the hand is now."""
+        shelf_T_hand = self._hand(robot)
+        eye = robot.camera.hand_T_camera[:3, 3]
+        goal = np.eye(4)
+        goal[:3, 3] = (shelf_T_hand[0, 3], self._lateral - eye[1], LOOK_HEIGHT - eye[2])
+        yield from push(robot, self._shelf @ goal, SPEED, np.inf)
+
+    def effect(self, robot: Robot, model: ModelView) -> Generator[None, None, bool]:
+        """The book's label is read in its slot, between the right neighbours; then the arm is put away."""
+        if model.book is None:
+            return False
+        yield
+        image = robot.camera.image()
+        camera_T_shelf = inverse(robot.base_T("hand") @ robot.camera.hand_T_camera) @ self._shelf
+        self.evidence.pictures["after release"] = image
+        reader = OcrLabelReader([])
+        labels = yield from robot.compute(reader.read, image, robot.camera.model, camera_T_shelf)
+        stands = self._stands(labels, model)
+        yield from move_to_posture(robot, "home")
+        return stands
