@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from pathlib import Path
 from typing import TypeVar
 
 from files.errors import HandcartError
 
 from .capability import Capability
+from .robot_file import RobotFile
 
 C = TypeVar("C", bound=Capability)
 
@@ -27,6 +29,20 @@ class Backend(ABC):
     """How `--backend` calls it."""
     period: float
     """The control period, in [s]."""
+
+    @classmethod
+    @abstractmethod
+    def build(cls, robot: RobotFile, world: Path | None, seed: int) -> Backend:
+        """From a robot's file.
+
+        Args:
+            robot: what it is to behave like.
+            world: the file of what stands around it; simulated backends need one, others don't look at it.
+            seed: of simulated errors.
+
+        Raises:
+            FileError: the world's file is missing or something in it is wrong.
+        """
 
     @abstractmethod
     def capabilities(self) -> tuple[Capability, ...]:

@@ -6,10 +6,8 @@ from functools import cache
 from importlib import import_module
 from importlib.metadata import entry_points
 from pathlib import Path
-from typing import Protocol
 
 from files.errors import InputError
-from files.loading import load
 from files.suggest import suggest
 
 from .backend import Backend
@@ -17,13 +15,6 @@ from .robot_file import RobotFile
 
 TABLE = {"kinematic": "backends.kinematic.kinematic_backend:KinematicBackend"}
 """Name to import path; other packages add theirs by an entry point of the group `handcart.backends`."""
-
-
-class SimulatedBackend(Protocol):
-    """How a simulated backend is built."""
-
-    def __call__(self, robot: RobotFile, world: object, seed: int) -> Backend:
-        """From a robot, a world (a `WorldFile`) and a seed."""
 
 
 class UnknownBackend(InputError, KeyError):
@@ -48,8 +39,8 @@ def backend_names() -> list[str]:
     return sorted(_all())
 
 
-def make_backend(name: str, robot: RobotFile, world_path: Path, seed: int) -> Backend:
-    """A backend by its name, for a robot in the world of a file.
+def make_backend(name: str, robot: RobotFile, world: Path | None, seed: int) -> Backend:
+    """A backend by its name, for a robot, in the world of a file.
 
     Raises:
         UnknownBackend: none has that name; the message lists those that exist.
@@ -57,9 +48,6 @@ def make_backend(name: str, robot: RobotFile, world_path: Path, seed: int) -> Ba
     """
     if name not in _all():
         raise UnknownBackend(name)
-    from .scene.world_file import WorldFile
-
-    world = load(world_path, WorldFile)
     module, _, attribute = _all()[name].partition(":")
-    build: SimulatedBackend = getattr(import_module(module), attribute)
-    return build(robot, world, seed)
+    kind: type[Backend] = getattr(import_module(module), attribute)
+    return kind.build(robot, world, seed)

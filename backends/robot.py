@@ -75,7 +75,7 @@ class Robot:
 
     def _make_localizer(self, start: Pose2, grid: GridMap | None) -> Localizer:
         tread = self.spec.drive.tread_m
-        if self.spec.localiser == "odometry" or grid is None or self.backend.get(RangeSensor) is None:
+        if self.spec.localiser == "odometry" or grid is None or self.backend.get(RangeSensor) is None:  # type: ignore[type-abstract]
             return OdometryLocalizer(start, tread, covariance=START_SIGMA)
         localizer = ScanLocalizer(LikelihoodField(grid), start, tread, covariance=START_SIGMA)
         localizer.correct(self.range_sensor.scan().points())

@@ -53,6 +53,7 @@ class ParameterReader:
         before = len(self._findings)
         given = self._given(number, element)
         late = self._late(kind, given)
+        self._check_places(kind, given)
         fixed = self._fixed(kind, number, given, late)
         return Binding(kind, fixed, late) if len(self._findings) == before else None
 
@@ -99,16 +100,15 @@ class ParameterReader:
         except FileError as error:
             self._findings.take(error)
             return {}
-        fixed = {name: getattr(value, name) for name in kind.model_fields if name not in open_}
-        for name, part in fixed.items():
-            if _is_place(kind.model_fields[name]):
-                self._check_place(name, part, kept.child(name) or kept)
-        return fixed
+        return {name: getattr(value, name) for name in kind.model_fields if name not in open_}
 
-    def _check_place(self, name: str, value: object, node: Node) -> None:
-        places = self._places
-        if places is not None and isinstance(value, str) and value not in places:
-            self._add(node, f"{name}: unknown place {value!r}{suggest(value, places)}")
+    def _check_places(self, kind: type[ActionPrimitive], given: Node) -> None:
+        for name, field in kind.model_fields.items():
+            node = given.child(name)
+            value = node.content if node else None
+            known = self._places is None or not isinstance(value, str) or value in self._places
+            if node and not known and _is_place(field):
+                self._add(node, f"{name}: unknown place {value!r}{suggest(str(value), self._places or ())}")
 
     def _add(self, node: Node, message: str) -> None:
         where = Document(node.file, b"", node)

@@ -79,11 +79,9 @@ def step_until_end(coordinator: Coordinator, robot: Robot, telemetry: Telemetry)
         except StopIteration as end:
             ended: RunEnd = end.value
             return ended
-        now = robot.time
-        robot.step()
-        if coordinator.life.paused:
-            robot.time = now
-        else:
+        paused = coordinator.life.paused
+        robot.step(paused)
+        if not paused:
             restoring = coordinator.life.state is RunState.RESTORING
             telemetry.record(robot, coordinator.running, restoring)
 

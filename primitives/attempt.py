@@ -81,6 +81,9 @@ def _think(primitive: ActionPrimitive, robot: Robot, view: ModelView) -> Generat
         return GiveUp(need.reason)
     except Discrepancy as discrepancy:
         return fail_if_restored(discrepancy.reason, discrepancy.permanent, {}, {})
+    except Exception as error:  # a fault of the primitive's own code
+        primitive.found(traceback=traceback.format_exc())
+        return fail_if_restored(_words(error), False, {}, {})
 
 
 def _recorded(periods: Generator[None, None, T], trace: Trace) -> Generator[None, None, T]:

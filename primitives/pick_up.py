@@ -16,9 +16,9 @@ from robotics.geometry.transform import Transform, transform
 from robotics.perception.tag_reader import read_tags, tag_pose
 
 from .action_primitive import ActionPrimitive, Periods
-from .arm_motion import held_box, move_to_joints, move_to_posture
+from .arm_motion import held_box, move_to_joints, move_to_pose, move_to_posture
 from .discrepancy import Discrepancy
-from .grip import close_on, HAND_TO_SPINE, open_to, GRIP_HEIGHT
+from .grip import GRIP_HEIGHT, HAND_TO_SPINE, close_on, holds, open_to
 from .knowledge import Book
 from .pushing import push
 from .retrace import retrace
@@ -111,7 +111,7 @@ class PickUp(ActionPrimitive):
 
     def effect(self, robot: Robot, model: ModelView) -> Generator[None, None, bool]:
         """The fingers press on something as thick as the book."""
-        return grips(robot, model.book)
+        return model.book is not None and holds(robot, model.book)
         yield
 
     def restore(self, robot: Robot, model: ModelView, start: Snapshot, trace: Trace) -> Periods:

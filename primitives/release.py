@@ -15,7 +15,7 @@ from backends.camera import Camera
 from backends.gripper import Gripper
 from backends.range_sensor import RangeSensor
 from backends.robot import Robot
-from robotics.geometry.transform import Transform, inverse, transform
+from robotics.geometry.transform import Transform, inverse
 from robotics.perception.call_number import parse
 from robotics.perception.label_reader import Label
 from robotics.perception.ocr_label_reader import OcrLabelReader
@@ -127,8 +127,52 @@ class Release(TreePrimitive):
         image = robot.camera.image()
         camera_T_shelf = inverse(robot.base_T("hand") @ robot.camera.hand_T_camera) @ self._shelf
         self.evidence.pictures["after release"] = image
-        reader = OcrLabelReader([])
+        reader = OcrLabelReader()
         labels = yield from robot.compute(reader.read, image, robot.camera.model, camera_T_shelf)
         stands = self._stands(labels, model)
         yield from move_to_posture(robot, "home")
         return stands
+
+    def finish(self, robot: Robot, model: ModelView) -> Periods:
+        """Pull the hand back from the shelf, and put the arm away."""
+        yield from settle(robot)
+        if self._base_T_shelf is not None and self._tips(robot) > -AWAY:
+            yield from self._withdraw(robot)
+        yield from move_to_posture(robot, "home")
+
+    def _stands(self, labels: list[Label], model: ModelView) -> bool:
+        """Whether the book's label is among those read, where the hand let it go, in order."""
+        numbers = [(label.lateral, label.call_number) for label in labels if label.call_number is not None]
+        own = parse(model.book.call) if model.book else None
+        near = [y for y, number in numbers if number == own and abs(y - self._lateral) < SAME_PLACE]
+        if own is None or not near:
+            return False
+        self.found(label_off_mm=round(1e3 * (near[0] - self._lateral), 1))
+        if model.slot is None:
+            return True
+        left = [number for y, number in numbers if y > near[0]]
+        right = [number for y, number in numbers if y < near[0]]
+        return parse(model.slot.after) not in right and parse(model.slot.before) not in left
+
+    def _move_in_shelf(self, robot: Robot, ahead: float) -> Periods:
+        """Move the hand along the shelf's x by `ahead` [m]."""
+        yield from push(robot, self._in_shelf(robot, ahead), SPEED, np.inf)
+
+    def _in_shelf(self, robot: Robot, ahead: float) -> Transform:
+        base_T_hand = robot.arm_model.forward(robot.arm.command())
+        base_T_hand[:3, 3] += ahead * self._shelf[:3, 0]
+        return base_T_hand
+
+    def _tips(self, robot: Robot) -> float:
+        """x of the finger tips in the shelf frame, by the measured joints, in [m]."""
+        return float((self._hand(robot) @ np.array([HAND_TO_TIPS, 0.0, 0.0, 1.0]))[0])
+
+    def _hand(self, robot: Robot) -> Transform:
+        """shelf_T_hand (4, 4) by the measured joints."""
+        return inverse(self._shelf) @ robot.base_T("hand")
+
+    @property
+    def _shelf(self) -> Transform:
+        if self._base_T_shelf is None:
+            raise Discrepancy("the shelf hasn't been measured")
+        return self._base_T_shelf

@@ -33,7 +33,7 @@ class TreePrimitive(ActionPrimitive):
 
 
 class GeneratorBehaviour(Behaviour):
-    """A generator of periods as a leaf: RUNNING while it yields, then SUCCESS, or FAILURE if it returns False."""
+    """A generator of periods as a leaf: RUNNING while it yields, FAILURE if it returns False."""
 
     def __init__(self, name: str, factory: Callable[[], Generator[None, None, bool | None]]) -> None:
         """Name the leaf; `factory` is called each time that the leaf starts anew."""

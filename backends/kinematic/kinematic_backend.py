@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 from backends.backend import Backend
 from backends.capability import Capability
 from backends.robot_file import RobotFile
@@ -10,6 +12,8 @@ from backends.scene.hand import Hand
 from backends.scene.mounts import base_T_frame
 from backends.scene.scene import build_scene
 from backends.scene.world_file import WorldFile
+from files.errors import InputError
+from files.loading import load
 from robotics.geometry.pose2 import Pose2
 
 from .kinematic_arm import KinematicArm
@@ -17,6 +21,10 @@ from .kinematic_base import KinematicBase
 from .kinematic_camera import KinematicCamera
 from .kinematic_gripper import KinematicGripper
 from .kinematic_range_sensor import KinematicRangeSensor
+
+
+class MissingWorld(InputError):
+    """A simulated backend was asked for without a world to simulate."""
 
 
 class KinematicBackend(Backend):
@@ -67,6 +75,13 @@ class KinematicBackend(Backend):
         if robot.range_sensor is not None:
             mount = base_T_frame(robot.urdf_text(), "range_sensor")
             self._range = KinematicRangeSensor(robot.range_sensor, mount, self.scene, seed)
+
+    @classmethod
+    def build(cls, robot: RobotFile, world: Path | None, seed: int) -> KinematicBackend:
+        """See `Backend`."""
+        if world is None:
+            raise MissingWorld("the backend 'kinematic' simulates; needed: a world file")
+        return cls(robot, load(world, WorldFile), seed)
 
     def capabilities(self) -> tuple[Capability, ...]:
         """See `Backend`."""

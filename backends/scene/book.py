@@ -23,7 +23,7 @@ class Rest(Enum):
     """Fallen: lost to the robot."""
 
 
-@dataclass(eq=False)
+@dataclass(eq=False, repr=False)
 class Book:
     """A book and where it truly is.
 

@@ -86,7 +86,7 @@ class Canvas:
         )
         target = self.picture[top:bottom, left:right]
         cover = _cover(pixels - (left, top), window)
-        np.copyto(target, _blend(target, warped, cover))
+        np.copyto(target, _blend(target, warped.astype(np.uint8, copy=False), cover))
 
     def _outside(self, pixels: Floats) -> bool:
         height, width = self.picture.shape

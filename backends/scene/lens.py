@@ -36,7 +36,8 @@ class Lens:
         self.size = (int(high[0] - low[0]) + 1, int(high[1] - low[1]) + 1)
         self.K = np.array([[focal, 0.0, -low[0]], [0.0, focal, -low[1]], [0.0, 0.0, 1.0]])
         source = (rays * focal - low).astype(np.float32).reshape(*self._shape, 2)
-        self._maps = cv2.convertMaps(source, None, cv2.CV_16SC2)
+        columns_of, rows_of = (np.ascontiguousarray(source[..., i]) for i in (0, 1))
+        self._maps = cv2.convertMaps(columns_of, rows_of, cv2.CV_16SC2)
         self._gain = self._light(rows, columns)
         tile = (self._shape[0] + _SPARE, self._shape[1] + _SPARE)
         noise = keyed(seed, "noise tile").standard_normal(tile, dtype=np.float32)
@@ -50,12 +51,11 @@ class Lens:
 
     def take(self, ideal: NDArray[np.uint8], period: int) -> NDArray[np.uint8]:
         """The picture taken, (height, width), of an ideal one (`size`)."""
-        picture = cv2.remap(ideal, *self._maps, cv2.INTER_LINEAR)
+        picture = cv2.remap(ideal, self._maps[0], self._maps[1], cv2.INTER_LINEAR)
         if self._errors.image_blur_px > 0.0:
             picture = cv2.GaussianBlur(picture, (5, 5), self._errors.image_blur_px)
         height, width = self._shape
         top, left = keyed(self._seed, "image", period).integers(0, _SPARE, 2)
         lit = cv2.multiply(picture, self._gain, dtype=cv2.CV_32F)
         noisy = cv2.add(lit, self._noise[top : top + height, left : left + width])
-        taken: NDArray[np.uint8] = cv2.convertScaleAbs(cv2.max(noisy, 0.0))
-        return taken
+        return cv2.convertScaleAbs(np.maximum(noisy, 0.0)).astype(np.uint8, copy=False)

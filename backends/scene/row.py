@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from itertools import pairwise
 from typing import NamedTuple
 
 from .book import Book
@@ -81,8 +82,7 @@ def members(scene: Scene, shelf: Shelf, without: Book | None) -> list[Member]:
 
 def slots(row: Sequence[Member]) -> list[Slot]:
     """The free intervals between the members."""
-    pairs = zip(row, row[1:], strict=False)
-    return [Slot(a.left, b.right, min(a.front, b.front)) for a, b in pairs if b.right - a.left > 1e-4]
+    return [Slot(a.left, b.right, min(a.front, b.front)) for a, b in pairwise(row) if b.right - a.left > 1e-4]
 
 
 def push(scene: Scene, shelf: Shelf, row: Sequence[Member], pusher: Pusher, start: float) -> Push:

@@ -116,7 +116,7 @@ class Scene:
     # What changes it
 
     def move_base(self, base: Pose2) -> None:
-        """Put the base elsewhere, with what stands on its tray; what the hand holds is placed by who moves it."""
+        """Put the base elsewhere, with what stands on its tray; the held book is the hand's."""
         self.base = base
         book = self.tray_book()
         if book is not None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
@@ -83,7 +84,7 @@ class GapSpec(FileModel):
 
 
 class ShelfSpec(Place):
-    """One row of books. Frame S: the pose is that of the middle of the board's front edge, x into the shelf."""
+    """One row of books; its pose is that of frame S: middle of the board's front edge, x into the shelf."""
 
     name: Name
     width_m: Annotated[float, Field(ge=0.1, le=3.0)] = 1.0
@@ -117,8 +118,9 @@ class WorldFile(FileModel):
         books = [e.accession for shelf in self.shelves for e in shelf.books if isinstance(e, BookSpec)]
         if self.tray is not None:
             books.append(self.tray.accession)
-        for what, names in (("accession", books), ("shelf", [shelf.name for shelf in self.shelves])):
-            twice = sorted({str(name) for name in names if names.count(name) > 1})
+        shelves = [shelf.name for shelf in self.shelves]
+        for what, names in (("accession", list(map(str, books))), ("shelf", shelves)):
+            twice = sorted(name for name, times in Counter(names).items() if times > 1)
             if twice:
                 raise ValueError(f"{what} {', '.join(twice)} is there twice; allowed: each once")
         return self

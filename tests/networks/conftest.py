@@ -4,6 +4,7 @@ from collections import deque
 from collections.abc import Callable, Generator
 from dataclasses import dataclass, field
 from types import SimpleNamespace
+from pathlib import Path
 from typing import ClassVar
 
 import numpy as np
@@ -66,6 +67,10 @@ class TwoWheels(Backend):
     def __init__(self) -> None:
         self.wheels = Wheels()
         self.stops = 0
+
+    @classmethod
+    def build(cls, robot: RobotFile, world: Path | None, seed: int) -> TwoWheels:
+        return cls()
 
     def capabilities(self) -> tuple[Capability, ...]:
         return (self.wheels,)
@@ -159,10 +164,7 @@ def drain(coordinator: Coordinator, robot: Robot, at: dict[int, Callable[[], Non
             next(run)
         except StopIteration as end:
             return end.value
-        before = robot.time
-        robot.step()
-        if coordinator.life.paused:
-            robot.time = before
+        robot.step(coordinator.life.paused)
     raise AssertionError("the run doesn't end")
 
 

@@ -1,0 +1,216 @@
+from __future__ import annotations
+
+import math
+
+import cv2
+import numpy as np
+import pytest
+
+from backends.arm import Arm
+from backends.backend import CommandError
+from backends.base import Base
+from backends.camera import Camera
+from backends.gripper import Gripper
+from backends.range_sensor import RangeSensor
+from robotics.geometry.pose2 import Pose2
+from robotics.geometry.transform import apply, inverse, transform
+from robotics.perception.tag_reader import read_tags
+
+
+def run(backend, periods, speed=0.0, turn_rate=0.0):
+    for _ in range(periods):
+        backend.get(Base).drive(speed, turn_rate)
+        backend.step()
+
+
+def test_a_drive_is_nearly_what_the_encoders_say(make):
+    backend = make()
+    start = backend.scene.base
+    run(backend, 20, speed=-0.3)
+    travel = backend.get(Base).wheel_travel()
+    assert travel == pytest.approx((-0.3, -0.3))
+    moved = start.distance(backend.scene.base)
+    assert moved == pytest.approx(0.3, rel=0.02)
+    assert moved != pytest.approx(0.3, rel=1e-5)
+
+
+def test_a_command_that_is_not_renewed_lives_one_period(make):
+    backend = make()
+    backend.get(Base).drive(0.3, 0.0)
+    backend.step()
+    there = backend.scene.base
+    backend.step()
+    assert backend.scene.base == there
+
+
+def test_after_stop_nothing_moves(make):
+    backend = make()
+    arm, gripper = backend.get(Arm), backend.get(Gripper)
+    gripper.move(0.0)
+    backend.step()
+    backend.get(Base).drive(0.3, 0.0)
+    arm.move(arm.command() + 0.02)
+    backend.stop()
+    before = (backend.scene.base, backend.scene.joints.copy(), backend.scene.width)
+    for _ in range(3):
+        backend.step()
+    assert backend.scene.base == before[0]
+    assert np.array_equal(backend.scene.joints, before[1])
+    assert backend.scene.width == before[2]
+
+
+@pytest.mark.parametrize("command", [(math.nan, 0.0), (0.0, math.inf), (0.7, 0.0), (0.0, -1.7)])
+def test_the_base_refuses(make, command):
+    with pytest.raises(CommandError):
+        make().get(Base).drive(*command)
+
+
+@pytest.mark.parametrize("offset", [math.nan, math.inf, 0.2, -4.0])
+def test_the_arm_refuses(make, offset):
+    arm = make().get(Arm)
+    with pytest.raises(CommandError):
+        arm.move(arm.command() + offset)
+
+
+@pytest.mark.parametrize("width", [math.nan, -0.01, 0.08])
+def test_the_gripper_refuses(make, width):
+    with pytest.raises(CommandError):
+        make().get(Gripper).move(width)
+
+
+def test_the_base_stops_at_a_wall_while_its_wheels_go_on(make):
+    backend = make()
+    run(backend, 100, speed=-0.5)
+    assert backend.scene.base.y == pytest.approx(0.05 + 0.34, abs=3e-3)
+    assert backend.get(Base).wheel_travel().left == pytest.approx(-2.5)
+    assert ("base", "wall 1") in {contact[1:] for contact in backend.scene.contacts}
+    run(backend, 10, speed=0.5)
+    assert backend.scene.base.y > 0.5
+
+
+def test_a_scan_fits_the_room_and_sees_who_comes_and_goes(make):
+    backend = make()
+    sensor = backend.get(RangeSensor)
+
+    def beam(bearing):
+        scan = sensor.scan()
+        world = scan.angles + backend.scene.base.theta
+        nearest = np.argmin(np.abs(np.angle(np.exp(1j * (world - bearing)))))
+        return scan.ranges[nearest]
+
+    assert beam(-np.pi / 2) == pytest.approx(backend.scene.base.y - 0.05, abs=0.05)
+    assert beam(np.pi / 2) == pytest.approx(2.0 - backend.scene.base.y, abs=0.05)
+    assert beam(0.0) == pytest.approx(3.95 - backend.scene.base.x, abs=0.05)
+    run(backend, 30)
+    assert beam(0.0) == pytest.approx(3.2 - backend.scene.base.x, abs=0.05)
+    run(backend, 15)
+    assert beam(0.0) == pytest.approx(3.95 - backend.scene.base.x, abs=0.05)
+
+
+def test_range_noise_has_the_stated_sigma(make):
+    backend = make()
+    scans = []
+    for _ in range(15):
+        backend.step()
+        scans.append(backend.get(RangeSensor).scan().ranges)
+    assert np.std(scans, axis=0)[np.isfinite(scans[0])].mean() == pytest.approx(0.010, rel=0.1)
+
+
+def drive_about(backend, look):
+    base, arm, gripper = backend.get(Base), backend.get(Arm), backend.get(Gripper)
+    for i in range(25):
+        base.drive(0.1, 0.2)
+        arm.move(arm.command() + 0.002)
+        gripper.move(0.03)
+        if look and i % 3 == 0:
+            backend.get(Camera).image()
+            backend.get(RangeSensor).scan()
+            arm.joints()
+        backend.step()
+    readings = (
+        arm.joints(),
+        arm.hand_force(),
+        backend.get(RangeSensor).scan().ranges,
+        backend.get(Camera).image(),
+    )
+    return backend.scene.base, *(reading.tobytes() for reading in readings)
+
+
+def test_the_same_seed_is_the_same_run_and_further_readings_change_nothing(make):
+    assert drive_about(make(3), look=False) == drive_about(make(3), look=True)
+
+
+def test_another_seed_is_another_run(make):
+    assert drive_about(make(3), look=False)[0] != drive_about(make(4), look=False)[0]
+
+
+def test_a_reading_is_taken_once_a_period(make):
+    backend = make()
+    arm, camera = backend.get(Arm), backend.get(Camera)
+    assert np.array_equal(arm.joints(), arm.joints())
+    first, image = arm.joints(), camera.image()
+    assert image is camera.image()
+    backend.step()
+    assert not np.array_equal(first, arm.joints())
+    noise = camera.image().astype(float) - image
+    assert noise.std() == pytest.approx(3.0 * math.sqrt(2), rel=0.1)
+
+
+def test_joints_repeat_within_what_the_file_states(make):
+    backend = make()
+    arm = backend.get(Arm)
+    home, rests = arm.command(), []
+    for _ in range(40):
+        arm.move(home + 0.01)
+        backend.step()
+        arm.move(home)
+        backend.step()
+        backend.step()
+        rests.append(backend.scene.joints - home)
+    assert np.std(rests) == pytest.approx(1.5e-4, rel=0.2)
+
+
+def tag_corners(scene, accession):
+    book = scene.books[accession]
+    middle, half = book.height - 0.014, 0.005
+    corners = [
+        (0, half, middle + half),
+        (0, -half, middle + half),
+        (0, -half, middle - half),
+        (0, half, middle - half),
+    ]
+    return apply(book.pose, np.array(corners))
+
+
+def test_the_picture_shows_a_tag_where_the_camera_model_puts_it(make):
+    """Sub-pixel corners in pictures from several places, less their noise, have no common offset."""
+    backend = make()
+    camera, scene = backend.get(Camera), backend.scene
+    optical = np.array([[0, 0, 1, 0], [-1, 0, 0, 0], [0, -1, 0, 0], [0, 0, 0, 1.0]])
+    renderer, errors = backend._camera._renderer, []
+    for y in (-0.08, -0.04, 0.0, 0.04, 0.08):
+        pose = scene.shelves["shelf_1"].pose @ transform((-0.2, y, 0.19), (0.0, 0.0, 0.1)) @ optical
+        picture = renderer.render(scene, pose, 1)
+        for tag in read_tags(picture):
+            expected = camera.model.project(apply(inverse(pose), tag_corners(scene, tag.id)))
+            start = expected.astype(np.float32).copy()
+            found = cv2.cornerSubPix(picture, start, (3, 3), (-1, -1), (3, 50, 1e-3))
+            errors.append(found - expected)
+    assert len(errors) >= 8
+    assert np.abs(np.mean(errors, axis=(0, 1))).max() < 0.05
+    assert np.abs(np.mean(errors, axis=1)).max() < 0.2
+
+
+def test_the_tray_book_is_set_down_near_its_place_and_rides_along(make):
+    backend = make()
+    before = inverse(backend.scene.world_T_base) @ backend.scene.book_pose(117)
+    assert before[:3, 3] == pytest.approx((0.10, 0.0, 0.62), abs=0.01)
+    run(backend, 10, speed=-0.2, turn_rate=0.5)
+    after = inverse(backend.scene.world_T_base) @ backend.scene.book_pose(117)
+    assert np.allclose(before, after)
+
+
+def test_the_start_is_near_what_the_file_states(make):
+    places = [make(seed).scene.base for seed in range(5)]
+    assert all(place.distance(Pose2(2.0, 1.2, 0.0)) < 0.08 for place in places)
+    assert len(set(places)) == 5
