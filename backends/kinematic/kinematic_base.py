@@ -57,7 +57,7 @@ class KinematicBase(Base):
         self._travel = WheelTravel(self._travel.left + left, self._travel.right + right)
         slips = self._slip * keyed(self._seed, "slip", period).standard_normal(2)
         left, right = left * self._left_scale * (1.0 - slips[0]), right * self._right_scale * (1.0 - slips[1])
-        return _arc((left + right) / 2, float((right - left) / self._true_tread))
+        return _arc(float(left + right) / 2, float((right - left) / self._true_tread))
 
 
 def _arc(length: float, turn: float) -> Pose2:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from backends.backend import CommandError
 from backends.gripper import Gripper
 from backends.robot_file import GripperSpec
+from backends.scene.fingers import Fingers
 from backends.scene.hand import Hand
 from backends.scene.keyed_noise import keyed
 
@@ -17,7 +18,7 @@ class KinematicGripper(Gripper):
 
     def __init__(self, spec: GripperSpec, hand: Hand, period: float, seed: int) -> None:
         self._opening, self._step = spec.opening_mm / 1e3, spec.speed_mm_s / 1e3 * period
-        self._hand, self._seed = hand, seed
+        self._scene, self._fingers, self._seed = hand.scene, Fingers(hand), seed
         self._command = hand.scene.width
         self._now, self._pressing = 0, False
 
@@ -34,7 +35,7 @@ class KinematicGripper(Gripper):
     def width(self) -> float:
         """See `Gripper`."""
         noise = WIDTH_SIGMA * keyed(self._seed, "width", self._now).standard_normal()
-        return float(max(0.0, self._hand.scene.width + noise))
+        return float(max(0.0, self._scene.width + noise))
 
     def closed_on_something(self) -> bool:
         """See `Gripper`."""
@@ -43,16 +44,16 @@ class KinematicGripper(Gripper):
     def halt(self) -> None:
         """Hold: fingers that press go on pressing, those that move stop."""
         if not self._pressing:
-            self._command = self._hand.scene.width
+            self._command = self._scene.width
 
     def advance(self, period: int) -> bool:
         """Move for a period; gives whether anything moved."""
         self._now = period
-        before, held = self._hand.scene.width, self._hand.scene.held
+        before, held = self._scene.width, self._scene.held
         way = max(-self._step, min(self._step, self._command - before))
         if way != 0.0:
-            self._hand.set_width(before + way)
-        after = self._hand.scene.width
+            self._fingers.set_width(before + way)
+        after = self._scene.width
         stands = abs(after - before) < 1e-9
         self._pressing = stands and (self._command < after - _PRESSES or self._command <= 0.0)
-        return not stands or held is not self._hand.scene.held
+        return not stands or held is not self._scene.held

@@ -1,4 +1,4 @@
-"""The arm, its hand and what they do to books: moving, gripping, inserting, pushing, letting go."""
+"""The arm among solid things and rows of books: moving, inserting, pushing."""
 
 from __future__ import annotations
 
@@ -8,30 +8,26 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robotics.geometry.pose2 import Pose2
-from robotics.geometry.transform import Transform, inverse, transform
+from robotics.geometry.transform import Transform, transform
 from robotics.kinematics.arm_model import ArmModel
 
 from .arm_contact import FINGERS, HELD, ArmContact
-from .book import Book, Rest
+from .book import Book
 from .insertion import Entrance, Entry
-from .putting_down import put_down
-from .row import FORCE_CAP, JAM_FRICTION, PUSH_FRICTION, STIFFNESS, Member, Pusher, Slot, members, push
+from .row import FORCE_CAP, JAM_FRICTION, PUSH_FRICTION, STIFFNESS, Member, Pusher, members, push
 from .scene import Scene
 from .shelf import Shelf
 
 FINGER_TIP = 0.15  # x of the finger tips in the hand frame [m]
-PAD_REAR = 0.10
 PLATE = 0.0015  # thickness of a finger
 HALF_PAD = 0.02  # the pads reach this far above and below the hand's x axis
 SLOT_FRICTION = 2.0  # of a book that slides in its slot [N]
-_BITE = 0.005  # a book must reach this deep between the pads to be held
-_LETS_GO = 0.001  # opening beyond the book's thickness at which it is free
 _FACING = np.cos(np.radians(30.0))
 
 Vector = NDArray[np.float64]
 
 
-class _Front(NamedTuple):
+class Front(NamedTuple):
     """The shelf that the hand reaches into: its row, and the hand in S."""
 
     shelf: Shelf
@@ -62,7 +58,7 @@ class Hand:
         Sets joints, the held book's pose and the force; gives the pairs that touch.
         """
         scene, start = self.scene, self.scene.joints
-        front = self._front(target)
+        front = self.front(target)
         self._follow_entry(front)
         posture, pairs = self._stop_at_solids(start, target)
         pushed = 0.0
@@ -70,7 +66,7 @@ class Hand:
             posture, pushed, met = self._stop_at_row(front, start, posture)
             pairs |= met
         scene.joints = posture
-        drag = self._carry(start) if scene.held is not None else np.zeros(3)
+        drag = self.carry(start) if scene.held is not None else np.zeros(3)
         scene.hand_force = self._reaction(target, posture, pushed) + drag
         return pairs
 
@@ -87,9 +83,9 @@ class Hand:
     def follow_base(self) -> None:
         """Take along what is held after the base was moved."""
         if self.scene.held is not None:
-            self._carry(self.scene.joints)
+            self.carry(self.scene.joints)
 
-    def _front(self, joints: Vector) -> _Front | None:
+    def front(self, joints: Vector) -> Front | None:
         """The shelf right before the hand, if the hand points into one."""
         world_T_hand = self.scene.world_T_base @ self.arm.forward(joints)
         for shelf in self.scene.shelves.values():
@@ -97,10 +93,10 @@ class Hand:
             x, y, z = S_T_hand[:3, 3]
             near = -0.45 < x < 0.25 and abs(y) < shelf.half_width + 0.05 and -0.1 < z < 0.4
             if near and S_T_hand[0, 0] > _FACING:
-                return _Front(shelf, members(self.scene, shelf, self.scene.held), S_T_hand)
+                return Front(shelf, members(self.scene, shelf, self.scene.held), S_T_hand)
         return None
 
-    def _follow_entry(self, front: _Front | None) -> None:
+    def _follow_entry(self, front: Front | None) -> None:
         book = self.scene.held
         if book is None or front is None:
             self.entry = None
@@ -140,7 +136,7 @@ class Hand:
         return own or (body == HELD and self._skip(body, other))
 
     def _stop_at_row(
-        self, front: _Front, start: Vector, target: Vector
+        self, front: Front, start: Vector, target: Vector
     ) -> tuple[Vector, float, frozenset[tuple[str, str]]]:
         scene, shelf = self.scene, front.shelf
         S_T_base = shelf.inverse_pose @ scene.world_T_base
@@ -197,7 +193,7 @@ class Hand:
         size = float(np.linalg.norm(force))
         return np.asarray(force * min(1.0, FORCE_CAP / size) if size > 0.0 else force)
 
-    def _carry(self, start: Vector) -> Vector:
+    def carry(self, start: Vector) -> Vector:
         """Place the held book with the hand; in its slot it aligns. Gives the slot's force on the hand."""
         scene, book = self.scene, self.scene.held
         assert book is not None
@@ -217,82 +213,8 @@ class Hand:
         force[1] = np.clip(force[1], -FORCE_CAP, FORCE_CAP)
         return np.asarray(world_T_hand[:3, :3].T @ shelf.pose[:3, :3] @ force)
 
-    # Fingers
 
-    def set_width(self, width: float) -> None:
-        """Bring the finger pads to that opening in [m]; what stands between them stops and holds it."""
-        scene = self.scene
-        if scene.held is None and width < scene.width:
-            book = self._between()
-            if book is not None and width <= book.thickness:
-                self._grip(book)
-                return
-        if scene.held is not None:
-            if width <= scene.held.thickness + _LETS_GO:
-                scene.width = max(width, scene.held.thickness)
-                return
-            self._let_go(scene.held)
-        scene.width = min(width, max(scene.width, self._room()))
-
-    def _between(self) -> Book | None:
-        """The book that closing fingers meet."""
-        scene = self.scene
-        hand_T_world = inverse(scene.world_T("hand"))
-        for book in scene.books.values():
-            if book.rest is Rest.FLOOR:
-                continue
-            pose = hand_T_world @ book.pose
-            x, y, z = pose[:3, 3]
-            inside = x < FINGER_TIP - _BITE and x + book.depth > PAD_REAR and pose[0, 0] > 0.9
-            level = z < HALF_PAD and z + book.height > -HALF_PAD
-            if inside and level and abs(y) + book.thickness / 2 < scene.width / 2 + PLATE:
-                return book
-        return None
-
-    def _grip(self, book: Book) -> None:
-        """Covers align with the pads: centred, turned to the hand; depth and height stay."""
-        scene = self.scene
-        scene.width = book.thickness
-        world_T_hand = scene.world_T("hand")
-        before = inverse(world_T_hand) @ book.pose
-        pitch = float(np.arctan2(-before[2, 0], before[0, 0]))
-        scene.hand_T_book = transform((before[0, 3], 0.0, before[2, 3]), (0.0, pitch, 0.0))
-        if book.rest is Rest.SHELF and book.shelf is not None:
-            self.entry = self._slot_of(book, scene.shelves[book.shelf])
-        book.rest, book.shelf, scene.held = Rest.HAND, None, book
-        scene.changes += 1
-        self._carry(scene.joints)
-
-    def _slot_of(self, book: Book, shelf: Shelf) -> Entry | None:
-        """A book gripped in its slot is in it still."""
-        row = members(self.scene, shelf, book)
-        y = float((shelf.inverse_pose @ book.pose)[1, 3])
-        half = book.thickness / 2
-        right = max((m for m in row if m.left <= y - half + 1e-4), key=lambda m: m.left)
-        left = min((m for m in row if m.right >= y + half - 1e-4), key=lambda m: m.right)
-        edge = float((shelf.inverse_pose @ book.pose)[0, 3]) + book.depth
-        front = min(right.front, left.front)
-        return Entry(shelf, Slot(right.left, left.right, front), True) if edge > front else None
-
-    def _let_go(self, book: Book) -> None:
-        slot = self.entry.slot if self.entry is not None and self.entry.admitted else None
-        self.scene.held, self.entry = None, None
-        put_down(self.scene, book, slot)
-
-    def _room(self) -> float:
-        """How far the fingers can open: neighbours in the row stop them once the tips are between them."""
-        front = self._front(self.scene.joints)
-        if front is None:
-            return np.inf
-        tip = front.S_T_hand @ np.array([FINGER_TIP, 0.0, 0.0, 1.0])
-        half = self.scene.width / 2
-        sides = [m for m in front.row if m.front < tip[0] - 0.001 and tip[2] < m.top]
-        left = min((m.right - tip[1] for m in sides if m.right >= tip[1] + half - 0.001), default=np.inf)
-        right = min((tip[1] - m.left for m in sides if m.left <= tip[1] - half + 0.001), default=np.inf)
-        return float(max(0.0, 2 * (min(left, right) - PLATE)))
-
-
-def _leading_edge(front: _Front, book: Book, hand_T_book: Transform) -> tuple[float, float, float]:
+def _leading_edge(front: Front, book: Book, hand_T_book: Transform) -> tuple[float, float, float]:
     pose = front.S_T_hand @ hand_T_book
     edge = pose @ np.array([book.depth, 0.0, 0.0, 1.0])
     return float(edge[0]), float(edge[1]), float(np.arctan2(pose[1, 0], pose[0, 0]))

@@ -44,7 +44,8 @@ _SHADE = (1.0, 0.6, 0.8, 0.85, 0.4, 1.1)  # light comes from above and from befo
 class Renderer:
     """Paints a scene for one camera: far things first, convex bodies face by face.
 
-    Spines are printed; all else is flat shades. What stands deep in a shelf is dark.
+    Spines are printed; all else is flat shades. What stands deep in a shelf is dark. Not shown: the arm
+    beyond its fingers, the base, fallen books.
     """
 
     def __init__(self, camera: CameraModel, errors: Errors, seed: int) -> None:

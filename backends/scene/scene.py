@@ -150,7 +150,8 @@ def _start(robot: RobotFile, world: WorldFile, seed: int) -> Pose2:
     dx, dy, turn = keyed(seed, "start").standard_normal(3)
     error = robot.errors.start_mm / 1e3
     heading = np.radians(world.start.heading_deg + robot.errors.start_deg * turn)
-    return Pose2(world.start.x_m + error * dx, world.start.y_m + error * dy, float(heading))
+    x, y = world.start.x_m + error * dx, world.start.y_m + error * dy
+    return Pose2(float(x), float(y), float(heading))
 
 
 def _standing(shelf: Shelf, seed: int) -> list[Book]:

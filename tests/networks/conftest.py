@@ -3,8 +3,8 @@
 from collections import deque
 from collections.abc import Callable, Generator
 from dataclasses import dataclass, field
-from types import SimpleNamespace
 from pathlib import Path
+from types import SimpleNamespace
 from typing import ClassVar
 
 import numpy as np
@@ -69,7 +69,7 @@ class TwoWheels(Backend):
         self.stops = 0
 
     @classmethod
-    def build(cls, robot: RobotFile, world: Path | None, seed: int) -> TwoWheels:
+    def build(cls, robot: RobotFile, world: Path | None, seed: int) -> "TwoWheels":
         return cls()
 
     def capabilities(self) -> tuple[Capability, ...]:
