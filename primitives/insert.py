@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Generator
 from typing import ClassVar, Literal
 
@@ -33,6 +34,8 @@ BACK_SPEED = 0.05  # [m/s]
 JAM = 7.0  # [N]: sliding in takes 2
 PUSHES_BACK = 10.0  # [N]: a neighbour gives way from here on, and the hand's camera doesn't see it
 WIGGLES = ((0.0, 0.0), (0.003, 0.035), (-0.003, -0.035))  # to the left in [m], turned left by [rad]
+SIDE_FORCE = 1.5  # [N] from the slot's sides that the hand yields to
+ASIDE, MOST_ASIDE = 0.0005, 0.008  # [m]: a step, and how far the hand yields at most
 REACHED = 0.004  # [m]
 
 
@@ -80,11 +83,24 @@ class Insert(ActionPrimitive):
         raise Discrepancy(f"the book jams: it resists with {pushed.force:.0f} N")
 
     def _try(self, robot: Robot, start: Transform, end: Transform) -> Generator[None, None, Pushed]:
-        if not np.allclose(robot.arm_model.forward(robot.arm.command()), start, atol=1e-6):
-            yield from push(robot, start, BACK_SPEED, JAM)
-        pushed = yield from push(robot, end, SPEED, JAM)
+        """Half the way straight ahead from `start`, which brings the book into the slot; then on to `end`."""
+        ahead = (end[:3, 3] - start[:3, 3]) @ end[:3, 0] / 2
+        halfway = start.copy()
+        halfway[:3, 3] += ahead * end[:3, 0]
+        yield from push(robot, start, BACK_SPEED, JAM)
+        pushed = yield from push(robot, halfway, SPEED, JAM)
+        if not pushed.met:
+            aside = yield from _yield_aside(robot)
+            self._base_T_end = end @ transform((0.0, aside, 0.0))
+            self.found(yielded_mm=round(1e3 * aside, 1))
+            pushed = yield from push(robot, self._base_T_end, SPEED, JAM)
         self._strongest = max(self._strongest, pushed.force)
         return pushed
+
+    def watch(self, robot: Robot, model: ModelView) -> None:
+        """A book that slips out of the hand."""
+        if self._base_T_end is not None and not robot.gripper.closed_on_something():
+            raise Discrepancy("the book slipped out of the hand")
 
     def effect(self, robot: Robot, model: ModelView) -> Generator[None, None, bool]:
         """The book is still held, and the hand stands where it was to go."""
@@ -109,6 +125,16 @@ def _end(base_T_shelf: Transform, base_T_hand: Transform) -> Transform:
         raise Discrepancy("the hand stands too close to the shelf to push a book in")
     shelf_T_hand[0, 3] = -TIPS_BEFORE - HAND_TO_TIPS
     return base_T_shelf @ shelf_T_hand
+
+
+def _yield_aside(robot: Robot) -> Generator[None, None, float]:
+    """Go with the slot's sides until they hardly press: how far to the left, in [m]."""
+    start = robot.arm_model.forward(robot.arm.command())
+    aside = 0.0
+    while abs(aside) < MOST_ASIDE and abs(force := float(robot.arm.hand_force()[1])) > SIDE_FORCE:
+        aside += math.copysign(ASIDE, force)
+        yield from push(robot, start @ transform((0.0, aside, 0.0)), SPEED, np.inf)
+    return aside
 
 
 def _about(edge: float, aside: float, turn: float) -> Transform:

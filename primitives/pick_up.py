@@ -13,6 +13,7 @@ from backends.camera import Camera
 from backends.gripper import Gripper
 from backends.robot import Robot
 from robotics.geometry.transform import Transform, transform
+from robotics.kinematics.shapes import Box
 from robotics.perception.tag_reader import read_tags, tag_pose
 
 from .action_primitive import ActionPrimitive, Periods
@@ -56,7 +57,7 @@ class PickUp(ActionPrimitive):
         """Where the book's tag is, in the base frame; nothing where it isn't seen."""
         if model.book is None:
             raise Discrepancy("no book has been recognized", permanent=True)
-        yield from move_to_posture(robot, "look_at_tag")
+        yield from move_to_posture(robot, "look_at_tag", around=_standing(robot, model))
         yield from settle(robot)
         for _ in range(LOOKS):
             yield
@@ -76,14 +77,13 @@ class PickUp(ActionPrimitive):
         if self.method == "taught":
             yield from self._taught(robot, book)
         else:
-            height = float(robot.base_T("tray")[2, 3]) + GRIP_HEIGHT
-            base_T_grip = pose.lift(height) @ transform((-HAND_TO_SPINE, 0.0, 0.0))
+            base_T_grip = pose.lift(_tray(robot)) @ transform((-HAND_TO_SPINE, 0.0, GRIP_HEIGHT))
+            before = base_T_grip @ transform((-BEFORE, 0.0, 0.0))
+            yield from move_to_pose(robot, before, around=_standing(robot, model))
             yield from self._planned(robot, book, base_T_grip)
         self.found(width_mm=round(1e3 * robot.gripper.width(), 1))
 
     def _planned(self, robot: Robot, book: Book, base_T_grip: Transform) -> Periods:
-        before = base_T_grip @ transform((-BEFORE, 0.0, 0.0))
-        yield from move_to_pose(robot, before)
         if (yield from push(robot, base_T_grip, SPEED, TOUCH)).met:
             raise Discrepancy("a finger runs into the book: it stands crooked on the tray")
         yield from self._close(robot, book)
@@ -118,3 +118,18 @@ class PickUp(ActionPrimitive):
         """Played backwards, the lifted book stands on the tray again before the fingers open."""
         self._held = False
         yield from retrace(robot, start, trace)
+
+
+def _tray(robot: Robot) -> float:
+    """Height of the tray's top in the base frame, in [m]."""
+    return float(robot.base_T("tray")[2, 3])
+
+
+def _standing(robot: Robot, model: ModelView) -> tuple[Box, ...]:
+    """The book on the tray, in the base frame, as far as it was seen."""
+    book, pose = model.book, model.book_pose
+    if book is None or pose is None:
+        return ()
+    depth, thickness, height = (1e-3 * size for size in (book.depth_mm, book.thickness_mm, book.height_mm))
+    middle = pose.lift(_tray(robot)) @ transform((depth / 2, 0.0, height / 2))
+    return (Box(middle, (depth, thickness, height), "book on the tray"),)

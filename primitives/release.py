@@ -39,7 +39,7 @@ BACK_OFF = 0.06  # [m]: the tips leave the book's rear
 HOME_SPEED = 0.02  # [m/s]
 HOME = 8.0  # [N]: sliding home takes 3
 BEYOND = 0.008  # [m] that the push may be commanded beyond flush: the arm gives under the book's friction
-FLUSH = 0.002  # [m] behind the shelf's front edge to which the tips push
+FLUSH = 0.0  # [m] behind the shelf's front edge, to which the tips push: spines stand 3 mm about it
 PROUD = 0.006  # [m] before the front edge: a book that stays there isn't home
 AWAY = 0.18  # [m] from the tips to the shelf's front, after withdrawing and while looking
 LOOK_HEIGHT = 0.09  # [m] of the camera above the board: labels stand near the foot
@@ -50,9 +50,8 @@ SAME_PLACE = 0.012  # [m] between where the book was let go and where its label 
 class Release(TreePrimitive):
     """Let the book go in its slot and push it home: lower, open, back off, close, push, withdraw, look.
 
-    From opening on it can't be undone: a book that stands on the board, between its neighbours and behind
-    thin air, is out of the hand's reach to take up again in the same way. The label must then be read in
-    its slot, else a person has to look.
+    From opening on it can't be undone: pushed home, the book offers the fingers nothing to take it by. Its
+    label must then be read in its slot, between the right neighbours; else a person has to look.
     """
 
     shelf: PlaceName
@@ -65,7 +64,7 @@ class Release(TreePrimitive):
     _lateral: float = PrivateAttr(default=0.0)
 
     def tree(self, robot: Robot, model: ModelView) -> Behaviour:
-        """Seven steps, one after the other."""
+        """The steps, one after the other."""
         steps = {
             "measure the shelf": lambda: self._measure(robot, model),
             "lower the book onto the board": lambda: self._lower(robot),

@@ -1,1 +1,71 @@
-"""The command line."""
+"""The command `handcart`: each subcommand is one module, imported when it is called."""
+
+from __future__ import annotations
+
+import sys
+from importlib import import_module
+from typing import Any
+
+import typer
+from typer.core import TyperGroup
+
+COMMANDS = {
+    "run": ("tools.run_task", "run", "Run a task."),
+    "do": ("tools.do_primitive", "do", "Run one primitive alone."),
+    "check": ("tools.check_file", "check", "Tell what is wrong with a file, without moving."),
+    "draw": ("tools.draw_network", "draw", "Draw a task's action network."),
+    "list": ("tools.list_names", "list_names", "List primitives, backends, robots or tasks."),
+    "describe": ("tools.describe", "describe", "Tell what a primitive takes, needs and does."),
+    "schema": ("tools.schema", "schema", "Print the JSON Schema of a kind of file."),
+    "teach": ("tools.teach", "teach", "Record a posture into a robot's file."),
+    "make-library": ("tools.make_library", "make_library", "Write a library: world, map, places, catalogue."),
+    "campaign": ("tools.campaign", "campaign", "Run a task many times, with seeds, and count."),
+}
+"""Name to module, function and what help says of it."""
+
+
+HELP = "Action primitives for mobile manipulators: run, check, draw and count tasks."
+
+
+class LazyGroup(TyperGroup):
+    """Subcommands from the table; none is imported before it is called."""
+
+    def list_commands(self, ctx: Any) -> list[str]:
+        """In the table's order."""
+        return list(COMMANDS)
+
+    def get_command(self, ctx: Any, cmd_name: str) -> Any:
+        """The command, imported now."""
+        if cmd_name not in COMMANDS:
+            return None
+        module, function, told = COMMANDS[cmd_name]
+        app = typer.Typer(add_completion=False, rich_markup_mode=None)
+        app.command(cmd_name, help=told)(getattr(import_module(module), function))
+        return typer.main.get_command(app)
+
+    def format_commands(self, ctx: Any, formatter: Any) -> None:
+        """Names and help from the table, without importing anything."""
+        with formatter.section("Commands"):
+            formatter.write_dl([(name, told) for name, (_, _, told) in COMMANDS.items()])
+
+
+app = typer.Typer(cls=LazyGroup, help=HELP, no_args_is_help=True, add_completion=False, rich_markup_mode=None)
+
+
+@app.callback()
+def about() -> None:
+    """Take the subcommand; the group has no options of its own."""
+
+
+def main(arguments: list[str] | None = None) -> None:
+    """Run the command line and exit with its status (see the README); bad input is told without a traceback."""
+    try:
+        app(arguments, standalone_mode=True)
+    except KeyboardInterrupt:
+        sys.exit(130)
+    except Exception as error:
+        status = getattr(type(error), "exit_status", None)
+        if status is None:
+            raise
+        print(error, file=sys.stderr)
+        sys.exit(status)

@@ -10,7 +10,7 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from robotics.geometry.pose2 import Pose2
-from robotics.geometry.transform import Transform, transform
+from robotics.geometry.transform import Transform
 from robotics.kinematics.arm_model import ArmModel
 from robotics.kinematics.shapes import Box, Cylinder, Shape
 
@@ -20,9 +20,12 @@ from .scene import Scene
 HELD = "held book"
 FINGERS = ("left_finger", "right_finger")
 _OWN = ("tray", "column")
+_HANDS = (HELD, *FINGERS, "hand", "camera_body")
 _GIVE = 0.0005  # bodies that only touch count as free [m]
 
 Skip = Callable[[str, str], bool]
+Body = tuple[str, object, Transform, float]
+"""Name, coal's geometry, pose in the world, radius of the sphere about it."""
 
 
 class Touch(NamedTuple):
@@ -40,8 +43,8 @@ FREE = Touch(0.0, "", "")
 class ArmContact:
     """Overlaps of the moved links, fingers and held book with the world's solids and the books in it.
 
-    The arm against itself and its own base is not checked (a planner's task), the held book against tray
-    and column is. Spheres about the bodies sort out what is far; coal measures the rest.
+    The arm against itself and its own base is not checked (a planner's task), the hand and the held book
+    against tray and column are. Spheres about the bodies sort out what is far; coal measures the rest.
     """
 
     def __init__(self, scene: Scene, arm: ArmModel) -> None:
@@ -57,12 +60,23 @@ class ArmContact:
         self._boxes: list[Box] = []
         self._changes = -1
         self._reach: tuple[object, float] = (None, 0.0)
+        self._last_poses = (b"", np.zeros((0, 4, 4)))
 
     def deepest(self, base: Pose2, joints: NDArray[np.float64], skip: Skip | None = None) -> Touch:
         """The deepest overlap with the base and the joints there; `skip(body, other)` leaves pairs out."""
-        if self._scene.full_plan.clearance(base.x, base.y, self._scene.time)[0] > self._extent(joints):
-            return FREE
-        return self._check(base.lift(), joints, skip)
+        scene = self._scene
+        far = scene.full_plan.clearance(base.x, base.y, scene.time)[0] > self._extent(joints)
+        return FREE if far else self._check(base.lift(), joints, skip)
+
+    def deepest_of_arm(self, joints: NDArray[np.float64], skip: Skip | None = None) -> Touch:
+        """The same where the base is, the robot's own tray and what stands on it included."""
+        world_T_base = self._scene.world_T_base
+        worst = self.deepest(self._scene.base, joints, skip)
+        if worst is FREE and self._scene.tray_book() is not None:
+            worst = self._check(world_T_base, joints, skip)
+        poses = world_T_base @ self._link_poses(joints)
+        hand = [body for body in self._bodies(world_T_base, poses, joints) if body[0] in _HANDS]
+        return max(worst, self._against_robot(hand, poses))
 
     def inside_footprint(self, joints: NDArray[np.float64]) -> bool:
         """Whether the base's circle holds the arm and its load, so that its contacts are the base's."""
@@ -72,7 +86,7 @@ class ArmContact:
         """Radius about the base's centre that the arm and its load stay in, in [m], on the safe side."""
         key = (joints.tobytes(), self._scene.held)
         if self._reach[0] != key:
-            poses = self._arm.link_poses(joints)[self._links]
+            poses = self._link_poses(joints)[self._links]
             out = np.hypot(poses[:, 0, 3], poses[:, 1, 3]) + self._radius[self._links]
             reach = float(out.max()) + 0.04
             if self._scene.held is not None:
@@ -84,22 +98,31 @@ class ArmContact:
 
     def _check(self, world_T_base: Transform, joints: NDArray[np.float64], skip: Skip | None) -> Touch:
         self._refresh()
-        poses = world_T_base @ self._arm.link_poses(joints)
+        poses = world_T_base @ self._link_poses(joints)
+        return self._against_world(self._bodies(world_T_base, poses, joints), skip)
+
+    def _bodies(
+        self, world_T_base: Transform, poses: NDArray[np.float64], joints: NDArray[np.float64]
+    ) -> list[Body]:
+        """Moved links, fingers where they stand, and the held book."""
         bodies = [(self._names[i], self._geometry[i], poses[i], self._radius[i]) for i in self._links]
         for i, (name, geometry, pose, radius) in enumerate(bodies):
             if name in FINGERS:
                 side = 1.0 if name == FINGERS[0] else -1.0
-                shifted = pose @ transform((0.0, side * self._scene.width / 2, 0.0))
+                shifted = pose.copy()
+                shifted[:3, 3] += side * self._scene.width / 2 * pose[:3, 1]
                 bodies[i] = (name, geometry, shifted, radius)
         held = self._held(world_T_base, joints)
-        if held is not None:
-            bodies.append(held)
-        worst = self._against_world(bodies, skip)
-        return worst if held is None else max(worst, self._against_robot(held, poses))
+        return bodies if held is None else [*bodies, held]
 
-    def _held(
-        self, world_T_base: Transform, joints: NDArray[np.float64]
-    ) -> tuple[str, object, Transform, float] | None:
+    def _link_poses(self, joints: NDArray[np.float64]) -> NDArray[np.float64]:
+        """base_T_link (g, 4, 4): asked several times in a period for the same joints."""
+        key = joints.tobytes()
+        if self._last_poses[0] != key:
+            self._last_poses = (key, self._arm.link_poses(joints))
+        return self._last_poses[1]
+
+    def _held(self, world_T_base: Transform, joints: NDArray[np.float64]) -> Body | None:
         book = self._scene.held
         if book is None:
             return None
@@ -107,7 +130,7 @@ class ArmContact:
         size = np.array(book.size) - 2 * _GIVE
         return HELD, pin.coal.Box(*size), pose, float(np.linalg.norm(size)) / 2
 
-    def _against_world(self, bodies: list[tuple[str, object, Transform, float]], skip: Skip | None) -> Touch:
+    def _against_world(self, bodies: list[Body], skip: Skip | None) -> Touch:
         centres = np.array([body[2][:3, 3] for body in bodies])
         radii = np.array([body[3] for body in bodies])
         local = np.einsum("nji,gnj->gni", self._turn, centres[:, None] - self._middle[None])
@@ -124,10 +147,12 @@ class ArmContact:
                 worst = Touch(depth, name, self._boxes[n].name)
         return worst
 
-    def _against_robot(self, held: tuple[str, object, Transform, float], poses: NDArray[np.float64]) -> Touch:
+    def _against_robot(self, bodies: list[Body], poses: NDArray[np.float64]) -> Touch:
         hits = [
-            Touch(_overlap(held[1], held[2], self._geometry[i], poses[i]), HELD, self._names[i])
+            Touch(_overlap(geometry, pose, self._geometry[i], poses[i]), name, self._names[i])
+            for name, geometry, pose, radius in bodies
             for i in self._own
+            if np.linalg.norm(pose[:3, 3] - poses[i][:3, 3]) < radius + self._radius[i]
         ]
         return max(hits, default=FREE)
 

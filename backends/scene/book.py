@@ -7,7 +7,7 @@ from enum import Enum
 
 import numpy as np
 
-from robotics.geometry.transform import Transform, transform
+from robotics.geometry.transform import Transform
 from robotics.kinematics.shapes import Box
 
 from .world_file import BookSpec
@@ -60,7 +60,9 @@ class Book:
     @property
     def book_T_middle(self) -> Transform:
         """Of its middle (4, 4)."""
-        return transform((self.depth / 2, 0.0, self.height / 2))
+        result = np.eye(4)
+        result[0, 3], result[2, 3] = self.depth / 2, self.height / 2
+        return result
 
     def tilt(self) -> float:
         """Angle between its height and the vertical, in [rad]."""

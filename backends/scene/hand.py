@@ -22,6 +22,7 @@ FINGER_TIP = 0.15  # x of the finger tips in the hand frame [m]
 PLATE = 0.0015  # thickness of a finger
 HALF_PAD = 0.02  # the pads reach this far above and below the hand's x axis
 SLOT_FRICTION = 2.0  # of a book that slides in its slot [N]
+_WRENCH = np.radians(10.0)  # turned further than this against its slot, a book stops the arm
 _FACING = np.cos(np.radians(30.0))
 
 Vector = NDArray[np.float64]
@@ -48,6 +49,8 @@ class Hand:
         self.scene, self.arm = scene, arm
         self.contact = ArmContact(scene, arm)
         self.entry: Entry | None = None
+        self.strain = 0.0
+        """How far a hand wrenches the book in its slot, as a share of what stops the arm."""
         self._entrance = Entrance(seed)
 
     # Motion
@@ -66,7 +69,12 @@ class Hand:
             posture, pushed, met = self._stop_at_row(front, start, posture)
             pairs |= met
         scene.joints = posture
+        strain = self.strain
         drag = self.carry(start) if scene.held is not None else np.zeros(3)
+        if self.strain > max(1.0, strain):
+            scene.joints = posture = start
+            drag = self.carry(start)
+            pairs |= {(HELD, "the sides of its slot")}
         scene.hand_force = self._reaction(target, posture, pushed) + drag
         return pairs
 
@@ -106,17 +114,17 @@ class Hand:
 
     def _stop_at_solids(self, start: Vector, target: Vector) -> tuple[Vector, frozenset[tuple[str, str]]]:
         """How far the straight joint line is free; a motion that lessens an overlap always is."""
-        scene, none = self.scene, frozenset[tuple[str, str]]()
-        there = self.contact.deepest(scene.base, target, self._skip)
+        none = frozenset[tuple[str, str]]()
+        there = self.contact.deepest_of_arm(target, self._skip)
         if there.depth == 0.0:
             return target, none
-        here = self.contact.deepest(scene.base, start, self._skip)
+        here = self.contact.deepest_of_arm(start, self._skip)
         if here.depth > 0.0 and there.depth <= here.depth:
             return target, frozenset({(there.body, there.other)})
         free, blocked = 0.0, 1.0
         for _ in range(7 if here.depth == 0.0 else 0):
             middle = (free + blocked) / 2
-            hit = self.contact.deepest(scene.base, start + middle * (target - start), self._skip)
+            hit = self.contact.deepest_of_arm(start + middle * (target - start), self._skip)
             free, blocked = (middle, blocked) if hit.depth == 0.0 else (free, middle)
         return start + free * (target - start), frozenset({(there.body, there.other)})
 
@@ -199,6 +207,7 @@ class Hand:
         assert book is not None
         world_T_hand = scene.world_T_base @ self.arm.forward(scene.joints)
         book.pose = world_T_hand @ scene.hand_T_book
+        self.strain = 0.0
         if self.entry is None or not self.entry.admitted:
             return np.zeros(3)
         shelf, slot = self.entry.shelf, self.entry.slot
@@ -208,6 +217,8 @@ class Hand:
             np.clip(rigid[1, 3], min(slot.right + half, slot.middle), max(slot.left - half, slot.middle))
         )
         book.pose = shelf.pose @ transform((rigid[0, 3], lateral, max(0.0, rigid[2, 3])))
+        beside, turned = abs(lateral - rigid[1, 3]), float(np.arccos(np.clip(rigid[0, 0], -1.0, 1.0)))
+        self.strain = float(max(beside / (FORCE_CAP / STIFFNESS), turned / _WRENCH))
         moved = self.arm.forward(scene.joints)[0, 3] - self.arm.forward(start)[0, 3]
         force = np.array([-SLOT_FRICTION if moved > 1e-4 else 0.0, STIFFNESS * (lateral - rigid[1, 3]), 0.0])
         force[1] = np.clip(force[1], -FORCE_CAP, FORCE_CAP)

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import re
+from collections.abc import Callable, Generator
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -14,10 +15,15 @@ from backends.registry import make_backend
 from backends.robot import Robot
 from backends.robot_file import load_robot
 from primitives.action_primitive import ActionPrimitive
+from primitives.arm_motion import held_box, move_to_pose
 from primitives.attempt import attempt
-from primitives.knowledge import Catalogue, Place, Shelf
-from primitives.outcome import Outcome
-from primitives.world_model import WorldModel
+from primitives.discrepancy import Discrepancy
+from primitives.knowledge import Book, Catalogue, Place, Shelf
+from primitives.outcome import Outcome, Success
+from primitives.pick_up import PickUp
+from primitives.world_model import Slot, WorldModel
+from robotics.geometry.pose2 import Pose2
+from robotics.geometry.transform import inverse, transform
 from robotics.navigation.grid_map import Box, from_boxes
 
 WORLD = """\
@@ -54,6 +60,27 @@ SHELF = Place(
     shelf=Shelf(distance_m=0.47, width_m=1.0, board_m=0.7, front_m=1.04),
 )
 
+TRAY_BOOK = Book(
+    accession=117,
+    call="512.7 NAG",
+    title="",
+    shelf="shelf_1",
+    thickness_mm=25.0,
+    height_mm=210.0,
+    depth_mm=150.0,
+)
+TRAY = "tray: {accession: 117, call: 512.7 NAG, thickness_mm: 25, height_mm: 210, depth_mm: 150, grey: 115}\n"
+GAP_MM = 31
+GAP_MIDDLE = 0.5 - 8 * 0.04 - GAP_MM / 2e3  # y in the shelf frame of the gap's middle, in [m]
+
+
+def row() -> str:
+    """Eight books of 40 mm, a gap, two more books, for the end of the shelf's list in the world file."""
+    book = "      - {{accession: {0}, call: 51{1} ABE, thickness_mm: 40, height_mm: 210, depth_mm: 150}}"
+    calls = [f"0.{number}" for number in range(8)], ["2.8", "3.1"]
+    left, right = ([book.format(10 + i + 10 * k, c) for i, c in enumerate(calls[k])] for k in (0, 1))
+    return "\n".join([*left, f"      - {{gap_mm: {GAP_MM}}}", *right]) + "\n"
+
 
 @dataclass
 class Rig:
@@ -64,16 +91,31 @@ class Rig:
     scene: Any
     restored: list[str] = field(default_factory=list)
 
-    def run(self, primitive: ActionPrimitive) -> Outcome:
-        """One attempt to its outcome."""
+    def run(self, primitive: ActionPrimitive, cancel: Callable[[], bool] = lambda: False) -> Outcome:
+        """One attempt to its outcome; cancelled in the first period in which `cancel` holds."""
         periods = attempt(primitive, self.robot, self.model, self.restored.append)
+        outcome: Outcome = self.drive(periods, cancel)
+        return outcome
+
+    def drive(self, periods: Generator[None, None, Any], cancel: Callable[[], bool] = lambda: False) -> Any:
+        """Step the robot until the generator ends; gives its value."""
+        cancelled = False
         while True:
             try:
-                next(periods)
+                if not cancelled and cancel():
+                    cancelled = True
+                    periods.throw(Discrepancy("cancelled by the operator"))
+                else:
+                    next(periods)
             except StopIteration as end:
-                outcome: Outcome = end.value
-                return outcome
+                return end.value
             self.robot.step()
+
+    def book_is_recognized(self) -> None:
+        """The model knows the book on the tray, and where it stands, without RECOGNIZE's errors."""
+        pose = self.scene.base_T_tray_book
+        self.model.book = TRAY_BOOK
+        self.model.book_pose = Pose2(pose[0, 3], pose[1, 3], float(np.arctan2(pose[1, 0], pose[0, 0])))
 
 
 @pytest.fixture
@@ -89,5 +131,32 @@ def make_rig(tmp_path: Path) -> Callable[..., Rig]:
         catalogue = Catalogue(format="handcart-catalogue/1", books=())
         model = WorldModel(grid, {"home": HOME, "shelf_1": SHELF}, catalogue, np.empty((0, 2)))
         return Rig(Robot(backend, spec, HOME.pose, grid), model, backend.scene)  # type: ignore[attr-defined]
+
+    return make
+
+
+@pytest.fixture
+def at_slot(make_rig: Callable[..., Rig], monkeypatch: pytest.MonkeyPatch) -> Callable[..., Rig]:
+    """Builds a rig docked before the shelf, the book in the hand 50 mm before its slot, 5 mm above the board.
+
+    `aside` in [m]: how far to the left of the slot's middle the book is held.
+    """
+    here = f"start: {{x_m: {SHELF.x_m}, y_m: {SHELF.y_m}, heading_deg: 90}}"
+    docked = re.sub(r"start: .*", here, re.sub(r" +- \{accession: 3,.*\n", "", WORLD))
+    monkeypatch.setitem(globals(), "WORLD", docked)
+    monkeypatch.setitem(globals(), "HOME", SHELF)
+
+    def make(aside: float = 0.0, seed: int = 0) -> Rig:
+        rig = make_rig(row() + TRAY, seed=seed)
+        rig.book_is_recognized()
+        assert isinstance(rig.run(PickUp()), Success)
+        base_T_shelf = inverse(rig.scene.world_T_base) @ rig.scene.shelves["shelf_1"].pose
+        before = transform((-0.05 - 0.12 - 0.15, GAP_MIDDLE + aside, 0.125))
+        rig.drive(move_to_pose(rig.robot, base_T_shelf @ before, held_box(TRAY_BOOK)))
+        half = GAP_MM / 2e3
+        rig.model.slot = Slot(
+            "shelf_1", GAP_MIDDLE + half, GAP_MIDDLE - half, 0.001, "510.7 ABE", "512.8 ABE"
+        )
+        return rig
 
     return make

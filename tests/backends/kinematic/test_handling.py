@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from backends.scene.book import Rest
+from robotics.geometry.pose2 import Pose2
 
 
 def front(puppet, accession):
@@ -120,3 +121,28 @@ def test_the_arm_stops_at_what_is_solid_and_feels_it(puppet):
         assert np.linalg.norm(puppet.arm.hand_force()) > 5.0
     else:
         pytest.fail("the hand went through the board")
+
+
+def test_the_hand_cannot_be_driven_through_its_own_tray(puppet):
+    puppet.scene.move_base(Pose2(2.0, 1.0, 0.0))
+    puppet.to(-0.10, 0.08, 0.80)
+    puppet.to(0.0, 0.08, 0.66)
+    puppet.to(0.0, 0.08, 0.60)
+    assert puppet.scene.arm.forward(puppet.scene.joints)[2, 3] > 0.63
+    assert "tray" in {contact.other for contact in puppet.scene.contacts}
+    assert puppet.arm.hand_force()[2] > 20.0
+
+
+def test_a_book_in_its_slot_holds_a_hand_that_wrenches_sideways(puppet):
+    puppet.insert()
+    puppet.to(puppet.DOCK - 0.15, puppet.slot - 0.08, puppet.height)
+    hand = puppet.scene.arm.forward(puppet.scene.joints)
+    assert abs(hand[1, 3] - puppet.slot) < 0.04
+    assert puppet.arm.hand_force()[1] > 40.0
+    assert abs(front_of_held(puppet)) < 0.0031
+
+
+def front_of_held(puppet):
+    """y of the held book in S, about the slot's middle."""
+    pose = puppet.scene.shelves["shelf_1"].inverse_pose @ puppet.scene.book_pose(117)
+    return pose[1, 3] - puppet.slot
