@@ -11,16 +11,21 @@ from backends.robot import Robot
 from robotics.geometry.transform import Transform, transform
 from robotics.kinematics.shapes import Box, Shape
 from robotics.manipulation.collision_model import HELD, CollisionModel
-from robotics.manipulation.motion_planner import plan_motion
+from robotics.manipulation.motion_planner import plan_motion, plan_straight
 from robotics.manipulation.trajectory import time_path
 
 from .action_primitive import Periods
 from .discrepancy import Discrepancy
 from .grip import GRIP_HEIGHT, HAND_TO_SPINE
-from .knowledge import Book
+from .knowledge import Book, Shelf
 
 MARGIN = 0.005  # [m] between the arm and anything
 ALLOWED = ((HELD, "tray"),)  # what the hand holds was taken from there
+LAGS = 0.15  # [rad] behind the command at which something stops the arm: two periods at top speed
+PROUD = 0.004  # [m] that spines stand before a shelf's front
+ABOVE = 0.35  # [m] above its board that a shelf may be filled, or closed
+PANEL = 0.03  # [m] at most, of its sides
+INSIDE = 0.25  # [m] of its depth that counts
 
 Vector = NDArray[np.float64]
 
@@ -60,18 +65,37 @@ def move_to_joints(
     here = robot.arm.command()
     if np.allclose(here, joints, atol=1e-4):
         return
-    width = robot.gripper.command() / 2.0
-    arm = robot.arm_model.with_others({"left_finger": width, "right_finger": width})
-    collision = CollisionModel(arm, around, held, margin=MARGIN, allowed=ALLOWED)
-    path = yield from robot.compute(plan_motion, arm, collision, here, joints)
+    collision = _collision(robot, held, around)
+    path = yield from robot.compute(plan_motion, collision.arm, collision, here, joints)
     if path is None:
         hits = collision.contacts(joints) or collision.contacts(here)
         raise Discrepancy(f"the arm finds no free way{_between(hits)}")
     yield from follow(robot, path)
 
 
+def move_straight(
+    robot: Robot, base_T_hand: Transform, held: Shape | None = None, around: Sequence[Shape] = ()
+) -> Periods:
+    """Move the hand to a pose (4, 4) in a straight line. Arguments as for `move_to_joints`.
+
+    Raises:
+        Discrepancy: the line can't be followed, or something is in its way.
+    """
+    collision = _collision(robot, held, around)
+    here = robot.arm.command()
+    path = yield from robot.compute(plan_straight, collision.arm, here, base_T_hand, 0.005, collision)
+    if path is None:
+        x, y, z = base_T_hand[:3, 3]
+        raise Discrepancy(f"the hand can't go straight to ({x:.2f}, {y:.2f}, {z:.2f}) m")
+    yield from follow(robot, path)
+
+
 def follow(robot: Robot, path: NDArray[np.float64]) -> Periods:
-    """Move along straight joint lines (m, n) in [rad], from where the arm was last commanded."""
+    """Move along straight joint lines (m, n) in [rad], from where the arm was last commanded.
+
+    Raises:
+        Discrepancy: the arm doesn't follow.
+    """
     spec = robot.spec.arm
     top = np.radians(spec.top_speed_deg_s) if spec else np.inf
     hard = np.radians(spec.acceleration_deg_s2) if spec else np.inf
@@ -79,6 +103,21 @@ def follow(robot: Robot, path: NDArray[np.float64]) -> Periods:
     for joints in time_path(path, speed, np.full(len(speed), hard), robot.period)[1:]:
         robot.arm.move(joints)
         yield
+        if float(np.abs(robot.arm.joints() - joints).max()) > LAGS:
+            raise Discrepancy("something stops the arm")
+
+
+def shelf_boxes(base_T_shelf: Transform, shelf: Shelf) -> tuple[Box, ...]:
+    """A shelf for who stays before it, in the base frame: solid from just before its spines.
+
+    Args:
+        base_T_shelf: (4, 4), as measured.
+        shelf: what is known of it.
+    """
+    depth, height = INSIDE + PROUD, shelf.board_m + ABOVE
+    middle = transform((depth / 2 - PROUD, 0.0, height / 2 - shelf.board_m))
+    width = max(shelf.width_m, shelf.front_m) + 2 * PANEL
+    return (Box(base_T_shelf @ middle, (depth, width, height), "the shelf"),)
 
 
 def held_box(book: Book) -> Box:
@@ -86,6 +125,12 @@ def held_box(book: Book) -> Box:
     depth, thickness, height = (1e-3 * size for size in (book.depth_mm, book.thickness_mm, book.height_mm))
     middle = transform((HAND_TO_SPINE + depth / 2, 0.0, height / 2 - GRIP_HEIGHT))
     return Box(middle, (depth, thickness, height), HELD)
+
+
+def _collision(robot: Robot, held: Shape | None, around: Sequence[Shape]) -> CollisionModel:
+    width = robot.gripper.width() / 2.0
+    arm = robot.arm_model.with_others({"left_finger": width, "right_finger": width})
+    return CollisionModel(arm, around, held, margin=MARGIN, allowed=ALLOWED)
 
 
 def _between(hits: Sequence[tuple[str, str]]) -> str:

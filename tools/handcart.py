@@ -39,7 +39,7 @@ class LazyGroup(TyperGroup):
         if cmd_name not in COMMANDS:
             return None
         module, function, told = COMMANDS[cmd_name]
-        app = typer.Typer(add_completion=False, rich_markup_mode=None)
+        app = typer.Typer(add_completion=False, rich_markup_mode=None, pretty_exceptions_enable=False)
         app.command(cmd_name, help=told)(getattr(import_module(module), function))
         return typer.main.get_command(app)
 
@@ -49,7 +49,14 @@ class LazyGroup(TyperGroup):
             formatter.write_dl([(name, told) for name, (_, _, told) in COMMANDS.items()])
 
 
-app = typer.Typer(cls=LazyGroup, help=HELP, no_args_is_help=True, add_completion=False, rich_markup_mode=None)
+app = typer.Typer(
+    cls=LazyGroup,
+    help=HELP,
+    no_args_is_help=True,
+    add_completion=False,
+    rich_markup_mode=None,
+    pretty_exceptions_enable=False,
+)
 
 
 @app.callback()
@@ -58,7 +65,7 @@ def about() -> None:
 
 
 def main(arguments: list[str] | None = None) -> None:
-    """Run the command line and exit with its status (see the README); bad input is told without a traceback."""
+    """Run the command line and exit with its status (see the README); bad input is told in words."""
     try:
         app(arguments, standalone_mode=True)
     except KeyboardInterrupt:

@@ -13,23 +13,26 @@ def run(
     task: Annotated[Path, typer.Argument(help="the task's file")],
     backend: Annotated[str | None, typer.Option(help="another backend than the task names")] = None,
     seed: Annotated[int, typer.Option(help="of the simulated errors")] = 0,
-    settings: Annotated[list[str] | None, typer.Option("--set", help="KEY=VALUE: a parameter of the task")] = None,
+    settings: Annotated[
+        list[str] | None, typer.Option("--set", help="KEY=VALUE: a parameter that the task declares")
+    ] = None,
     as_json: Annotated[bool, typer.Option("--json", help="end with one JSON object on stdout")] = False,
     runs: Annotated[Path, typer.Option(help="where the run's folder is made")] = Path("runs"),
 ) -> None:
     """Check a task with all its files, run it, and tell how it ended."""
+    import orjson
+
     from evaluation.running import run_task
     from files.settings import split_setting
 
     from .progress import Progress
 
     chosen = dict(split_setting(each) for each in settings or [])
-    with Progress(sys.stderr) as progress:
-        told = run_task(task, runs, backend, chosen, seed, progress)
+    with Progress() as progress:
+        summary, status = run_task(task, runs, backend, chosen, seed, [progress])
     if as_json:
-        import orjson
-
-        print(orjson.dumps(told.summary).decode())
+        print(orjson.dumps(summary).decode())
     else:
-        print(told.line())
-    sys.exit(told.status)
+        reason = f": {summary['reason']}" if summary["reason"] else ""
+        print(f"{summary['outcome']} in situation {summary['situation']}{reason}; see {summary['run_dir']}")
+    sys.exit(status)

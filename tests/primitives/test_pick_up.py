@@ -11,7 +11,7 @@ import pytest
 from primitives.outcome import Fail, GiveUp, Success
 from primitives.pick_up import PickUp
 
-TRAY = "tray: {{accession: 117, call: 512.7 NAG, thickness_mm: {0}, height_mm: 210, depth_mm: 150, grey: 115}}\n"
+TRAY = "tray: {{accession: 117, call: 512.7 NAG, thickness_mm: {0}, height_mm: 210, depth_mm: 150}}\n"
 
 
 @pytest.fixture

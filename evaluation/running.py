@@ -1,0 +1,51 @@
+"""Running a task once, with its metrics, into a folder of its own."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import orjson
+
+from networks.events import Observer
+from networks.run import execute, prepare
+
+
+def run_task(
+    task: Path,
+    runs: Path,
+    backend: str | None,
+    settings: Mapping[str, str],
+    seed: int,
+    observers: Sequence[Observer] = (),
+) -> tuple[dict[str, Any], int]:
+    """Run a task once.
+
+    Args:
+        task: its file.
+        runs: the run's folder is made in there.
+        backend: another one than the task names.
+        settings: parameters of the task, values unparsed.
+        seed: of the simulated errors.
+        observers: told of all that happens.
+
+    Returns:
+        The summary that also stands in the run's folder, and the exit status.
+
+    Raises:
+        FileError: something in the task or a file that it names is wrong; nothing has moved.
+    """
+    with prepare(task, backend, settings, seed) as prepared:
+        folder = new_folder(runs, f"{task.resolve().parent.name}-{seed}")
+        end = execute(prepared, folder, observers)
+    return orjson.loads((folder / "summary.json").read_bytes()), end.exit_status
+
+
+def new_folder(runs: Path, name: str) -> Path:
+    """A folder that doesn't exist yet: NAME, NAME.2, NAME.3 ..."""
+    number, folder = 1, runs / name
+    while folder.exists():
+        number += 1
+        folder = runs / f"{name}.{number}"
+    return folder

@@ -1,0 +1,99 @@
+"""RELEASE at its public face, on the kinematic backend."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+
+from backends.scene.book import Rest
+from primitives.insert import Insert
+from primitives.outcome import Fail, GiveUp, Success
+from primitives.release import Release
+
+
+@pytest.fixture
+def inserted(at_slot: Callable[..., Any]) -> Callable[..., Any]:
+    def make(seed: int = 0) -> Any:
+        rig = at_slot(seed=seed)
+        assert isinstance(rig.run(Insert(shelf="shelf_1")), Success)
+        return rig
+
+    return make
+
+
+def standing(rig: Any, accession: int) -> Any:
+    """How a book stands on the shelf; None if it doesn't."""
+    found = [each for each in rig.scene.shelf_books("shelf_1") if each.book.accession == accession]
+    return found[0] if found else None
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_the_book_stands_in_its_slot_flush_with_its_neighbours(
+    inserted: Callable[..., Any], seed: int
+) -> None:
+    rig = inserted(seed)
+    others = {each.book.accession: each.front for each in rig.scene.shelf_books("shelf_1")}
+    outcome = rig.run(Release(shelf="shelf_1"))
+    assert isinstance(outcome, Success)
+    book = standing(rig, 117)
+    assert abs(book.front) < 0.003
+    assert book.tilt == book.yaw == pytest.approx(0.0)
+    assert standing(rig, 17).lateral > book.lateral > standing(rig, 20).lateral
+    assert all(standing(rig, accession).front == front for accession, front in others.items())
+    assert outcome.evidence["proud_mm"] == pytest.approx(-1e3 * book.front, abs=1.5)
+    assert np.allclose(rig.robot.arm.command(), rig.robot.spec.posture("home"))
+
+
+def test_before_the_fingers_open_everything_can_be_undone(inserted: Callable[..., Any]) -> None:
+    rig = inserted()
+    height = rig.scene.held.pose[2, 3]
+    outcome = rig.run(Release(shelf="shelf_1"), lambda: rig.scene.held.pose[2, 3] < height - 0.003)
+    assert isinstance(outcome, Fail)
+    assert rig.scene.held.pose[2, 3] == pytest.approx(height, abs=1e-3)
+
+
+def test_from_opening_on_a_cancel_is_for_a_person_and_the_hand_withdraws(
+    inserted: Callable[..., Any],
+) -> None:
+    rig = inserted()
+    outcome = rig.run(Release(shelf="shelf_1"), lambda: rig.scene.held is None)
+    assert isinstance(outcome, GiveUp)
+    assert "after a point of no return (the fingers let the book go)" in outcome.reason
+    assert standing(rig, 117) is not None
+    assert np.allclose(rig.robot.arm.command(), rig.robot.spec.posture("home"))
+
+
+def test_a_label_that_is_not_read_in_the_slot_is_for_a_person(inserted: Callable[..., Any]) -> None:
+    rig = inserted()
+    rig.model.book = rig.model.book.model_copy(update={"call": "533.1 OHM"})
+    outcome = rig.run(Release(shelf="shelf_1"))
+    assert isinstance(outcome, GiveUp)
+    assert "what was to be achieved is not seen" in outcome.reason
+
+
+def test_a_book_between_the_wrong_neighbours_is_for_a_person(inserted: Callable[..., Any]) -> None:
+    rig = inserted()
+    rig.model.slot = rig.model.slot._replace(after=rig.model.slot.before, before=rig.model.slot.after)
+    assert isinstance(rig.run(Release(shelf="shelf_1")), GiveUp)
+
+
+def test_where_no_board_is_the_book_is_not_let_go(at_slot: Callable[..., Any]) -> None:
+    rig = at_slot()
+    outcome = rig.run(Release(shelf="shelf_1"))
+    assert isinstance(outcome, Fail)
+    assert outcome.reason == "there is no board below the book"
+    assert rig.scene.held.rest is Rest.HAND
+
+
+def test_a_book_that_does_not_go_home_is_for_a_person(
+    inserted: Callable[..., Any], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    rig = inserted()
+    monkeypatch.setattr("backends.scene.hand.PUSH_FRICTION", 40.0)
+    outcome = rig.run(Release(shelf="shelf_1"))
+    assert isinstance(outcome, GiveUp)
+    assert "doesn't go home" in outcome.reason
+    assert np.allclose(rig.robot.arm.command(), rig.robot.spec.posture("home"))

@@ -1,0 +1,83 @@
+"""`handcart check`: everything that can be known about a file without moving."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+
+def check(
+    file: Annotated[Path, typer.Argument(help="a task, robot, world, places or catalogue file")],
+    as_json: Annotated[bool, typer.Option("--json", help="one JSON object on stdout")] = False,
+    settings: Annotated[
+        list[str] | None, typer.Option("--set", help="KEY=VALUE: a parameter that the task declares")
+    ] = None,
+) -> None:
+    """Read a file with all that it names, and tell what is wrong with it: each finding with its place."""
+    import orjson
+
+    from files.errors import FileError
+    from files.settings import split_setting
+
+    try:
+        told = _facts(file, dict(split_setting(each) for each in settings or []))
+    except FileError as error:
+        if not as_json:
+            raise
+        findings = [
+            {"file": each.file, "line": each.line, "column": each.column, "message": each.message}
+            for each in error.findings
+        ]
+        print(orjson.dumps({"ok": False, "findings": findings}).decode())
+        sys.exit(error.exit_status)
+    if as_json:
+        print(orjson.dumps({"ok": True, **told}).decode())
+        return
+    print(f"{file}: no fault found")
+    for name, value in told.items():
+        print(f"  {name}: {value}")
+
+
+def _facts(file: Path, settings: dict[str, str]) -> dict[str, Any]:
+    from files.loading import load
+    from files.suggest import suggest
+    from files.yaml_document import read_document
+
+    from .file_kinds import KINDS, model_of
+
+    document = read_document(file)
+    data = document.data if isinstance(document.data, dict) else {}
+    kind = str(data.get("format", "")).removeprefix("handcart-").split("/")[0]
+    if kind not in KINDS:
+        allowed = [f"handcart-{each}/1" for each in KINDS]
+        from files.errors import FileError
+
+        wrong = f"the key 'format' doesn't tell what this is{suggest(str(data.get('format', '')), allowed)}"
+        raise FileError([document.finding(("format",) if "format" in data else (), wrong)])
+    if kind == "task":
+        return _task_facts(file, settings)
+    if kind == "robot":
+        from backends.robot_file import load_robot
+
+        robot = load_robot(str(file))
+        robot.urdf_text()
+        return {"format": data["format"], "joints": len(robot.arm.joints) if robot.arm else 0}
+    load(file, model_of(kind))
+    return {"format": data["format"]}
+
+
+def _task_facts(file: Path, settings: dict[str, str]) -> dict[str, Any]:
+    from networks.run import prepare
+
+    with prepare(file, settings=settings) as prepared:
+        network = prepared.task.network
+        return {
+            "title": prepared.task.file.title,
+            "situations": len(network.situations),
+            "actions": len(network.actions),
+            "longest run": f"at most {network.bound()} actions",
+            "warnings": list(prepared.warnings),
+        }

@@ -1,0 +1,23 @@
+"""`handcart draw`: a task's action network as a picture."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+
+def draw(
+    task: Annotated[Path, typer.Argument(help="the task's file")],
+    output: Annotated[Path, typer.Option("-o", "--output", help="FILE.svg, FILE.mmd or FILE.dot")],
+) -> None:
+    """Draw a task's action network: as SVG, Mermaid or dot, by the file's ending."""
+    from files.suggest import suggest
+    from networks.drawing import FORMATS
+    from networks.task_file import load_task
+
+    if output.suffix not in FORMATS:
+        raise typer.BadParameter(f"no drawing for {output.suffix!r}{suggest(output.suffix, FORMATS)}")
+    output.write_text(FORMATS[output.suffix](load_task(task).network), encoding="utf-8")
+    print(f"drawn into {output}")

@@ -1,0 +1,62 @@
+"""`handcart list`: what there is."""
+
+from __future__ import annotations
+
+from enum import StrEnum
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+TASKS = Path(__file__).parent.parent / "tasks"
+
+
+class What(StrEnum):
+    """What can be listed."""
+
+    primitives = "primitives"
+    backends = "backends"
+    robots = "robots"
+    tasks = "tasks"
+
+
+def list_names(what: Annotated[What, typer.Argument(help="what to list")]) -> None:
+    """List primitives, backends, robots or tasks, with one line about each."""
+    rows = {
+        What.primitives: _primitives,
+        What.backends: _backends,
+        What.robots: _robots,
+        What.tasks: _tasks,
+    }[what]()
+    width = max((len(name) for name, _ in rows), default=0)
+    for name, told in rows:
+        print(f"{name:<{width}}  {told}".rstrip())
+
+
+def _primitives() -> list[tuple[str, str]]:
+    from primitives.registry import primitive_class, primitive_names
+
+    return [(name, _first_line(primitive_class(name).__doc__)) for name in primitive_names()]
+
+
+def _backends() -> list[tuple[str, str]]:
+    from backends.registry import backend_names
+
+    return [(name, "") for name in backend_names()]
+
+
+def _robots() -> list[tuple[str, str]]:
+    from backends.robot_file import robot_names
+
+    return [(name, "") for name in robot_names()]
+
+
+def _tasks() -> list[tuple[str, str]]:
+    from files.yaml_document import read_document
+
+    found = sorted(TASKS.glob("*/task.yaml"))
+    return [(path.parent.name, str(read_document(path).data.get("title", ""))) for path in found]
+
+
+def _first_line(text: str | None) -> str:
+    return (text or "").strip().split("\n")[0]

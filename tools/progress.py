@@ -1,0 +1,62 @@
+"""Telling a person how a run gets on."""
+
+from __future__ import annotations
+
+from types import TracebackType
+
+from rich.console import Console
+from rich.markup import escape
+
+from networks.events import Ended, Event, LeftOut, Planned, Restoring, RunEnded, Started
+from networks.planner import NoWay
+from primitives.outcome import Fail, GiveUp, Success
+
+COLOURS = {"Success": "green", "Fail": "yellow", "GiveUp": "red"}
+
+
+class Progress:
+    """An observer of a run: one line for each thing that ends, and on a terminal what goes on just now.
+
+    Writes to stderr, so that stdout holds the result alone.
+    """
+
+    def __init__(self) -> None:
+        self._console = Console(stderr=True, highlight=False, soft_wrap=True)
+        self._status = self._console.status("planning")
+
+    def __enter__(self) -> Progress:
+        if self._console.is_terminal:
+            self._status.start()
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self._status.stop()
+
+    def __call__(self, event: Event) -> None:
+        """Tell of an event."""
+        match event:
+            case Planned(time, situation, NoWay()):
+                self._line(time, f"no way leads on from {situation}")
+            case Started(_, number, action, _, fails):
+                again = f", failed {fails} times before" if fails else ""
+                self._status.update(
+                    escape(f"{number}. {action.do}: {action.source} to {action.target}{again}")
+                )
+            case Restoring(time, action, reason):
+                self._line(time, f"{action.do} restores: {reason}", "yellow")
+            case Ended(time, number, action, _, outcome):
+                self._ended(time, number, f"{action.do}: {action.source} to {action.target}", outcome)
+            case LeftOut(time, action, reason):
+                self._line(time, f"{action.do} is not started: {reason}", "yellow")
+            case Planned() | RunEnded():
+                pass
+
+    def _ended(self, time: float, number: int, what: str, outcome: Success | Fail | GiveUp) -> None:
+        word = type(outcome).__name__
+        reason = "" if isinstance(outcome, Success) else f": {outcome.reason}"
+        self._line(time, f"{number}. {what}: {word}{reason}", COLOURS[word])
+
+    def _line(self, time: float, words: str, colour: str = "default") -> None:
+        self._console.print(f"[dim]{time:8.1f} s[/dim]  [{colour}]{escape(words)}[/{colour}]")

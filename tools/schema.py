@@ -1,0 +1,31 @@
+"""`handcart schema`: JSON Schemas for editors."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from .file_kinds import KINDS
+
+
+def schema(
+    kind: Annotated[str, typer.Argument(help=", ".join(KINDS))],
+    output: Annotated[Path | None, typer.Option("-o", "--output", help="a file instead of stdout")] = None,
+) -> None:
+    """Print the JSON Schema of a kind of file."""
+    import json
+
+    from files import json_schema
+    from files.suggest import suggest
+
+    from .file_kinds import model_of
+
+    if kind not in KINDS:
+        raise typer.BadParameter(f"unknown kind of file {kind!r}{suggest(kind, KINDS)}")
+    text = json.dumps(json_schema.schema(model_of(kind)), indent=2)
+    if output is None:
+        print(text)
+    else:
+        output.write_text(text + "\n", encoding="utf-8")
