@@ -128,7 +128,7 @@ def held_box(book: Book) -> Box:
 
 
 def _collision(robot: Robot, held: Shape | None, around: Sequence[Shape]) -> CollisionModel:
-    width = robot.gripper.width() / 2.0
+    width = max(0.0, robot.gripper.width() / 2.0)
     arm = robot.arm_model.with_others({"left_finger": width, "right_finger": width})
     return CollisionModel(arm, around, held, margin=MARGIN, allowed=ALLOWED)
 

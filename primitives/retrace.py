@@ -18,6 +18,7 @@ from .snapshot import Snapshot
 from .trace import Moment, Trace
 
 TOLERANCE = PoseTolerance(position=0.006, heading=0.004)
+FINE = PoseTolerance(position=0.003, heading=0.002)  # at the end: what is left adds up from Fail to Fail
 SHORT = 0.05  # [m]: less travel than this is regulated, not tracked
 GRIP_PAUSE = 0.6  # [s] that fingers get before anything else moves
 STOOD = 1e-4  # [m], [rad]: between two periods, less is no motion
@@ -26,8 +27,8 @@ STOOD = 1e-4  # [m], [rad]: between two periods, less is no motion
 def retrace(robot: Robot, start: Snapshot, trace: Trace) -> Generator[None, None, None]:
     """Bring the robot back to the absolute snapshot along the way it came, on one time line.
 
-    Stretches in which the base moved are driven back with feedback of its pose; in between, the commands of
-    arm and gripper are played backwards.
+    Stretches in which the base moved are driven back with feedback of its pose, the arm where it was when the
+    base was there; in between, the commands of arm and gripper are played backwards.
     """
     for stretch in reversed(_stretches(trace.moments)):
         if _travelled(stretch):
@@ -35,7 +36,7 @@ def retrace(robot: Robot, start: Snapshot, trace: Trace) -> Generator[None, None
         else:
             yield from _play_back(robot, stretch)
     yield from _command(robot, Moment(start.pose, start.joint_command, start.gripper_command))
-    yield from reach_pose(robot, start.pose)
+    yield from reach_pose(robot, start.pose, FINE)
 
 
 def reach_pose(
@@ -69,16 +70,34 @@ def _travelled(stretch: Sequence[Moment]) -> bool:
 
 
 def _drive_back(robot: Robot, stretch: Sequence[Moment]) -> Generator[None, None, None]:
-    goal = stretch[0].pose
+    goal, left = stretch[0].pose, list(stretch)
     points = np.array([[each.pose.x, each.pose.y] for each in reversed(stretch)])
-    length = float(np.hypot(*np.diff(points, axis=0).T).sum())
-    if length < SHORT:
+    way = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(points, axis=0).T))])[::-1]
+    if way[0] < SHORT:
         yield from reach_pose(robot, goal)
-        return
-    tracker = PathTracker(points, goal.theta, robot.drive_limits, _forwards(stretch), TOLERANCE)
-    while not tracker.finished(robot.pose):
-        robot.base.drive(*tracker.command(robot.pose, robot.period))
-        yield
+    else:
+        tracker = PathTracker(points, goal.theta, robot.drive_limits, _forwards(stretch), TOLERANCE)
+        while not tracker.finished(robot.pose):
+            robot.base.drive(*tracker.command(robot.pose, robot.period))
+            if left and way[len(left) - 1] <= tracker.progress and _only_arm(robot, left[-1]):
+                _renew_arm(robot, left.pop())
+            yield
+    yield from _play_back(robot, left)
+
+
+def _only_arm(robot: Robot, moment: Moment) -> bool:
+    """Whether the fingers stay as they are: they move while the base stands."""
+    gripper = robot.backend.get(Gripper)  # type: ignore[type-abstract]
+    return gripper is None or abs(gripper.command() - moment.grip) <= 1e-6
+
+
+def _renew_arm(robot: Robot, moment: Moment) -> bool:
+    """Command the arm as in that moment; whether that is another command than the last."""
+    arm = robot.backend.get(Arm)  # type: ignore[type-abstract]
+    if arm is None or not np.any(arm.command() != moment.joints):
+        return False
+    arm.move(moment.joints)
+    return True
 
 
 def _forwards(stretch: Sequence[Moment]) -> bool:
@@ -93,10 +112,9 @@ def _play_back(robot: Robot, stretch: Sequence[Moment]) -> Generator[None, None,
 
 
 def _command(robot: Robot, moment: Moment) -> Generator[None, None, None]:
-    arm, gripper = robot.backend.get(Arm), robot.backend.get(Gripper)  # type: ignore[type-abstract]
+    gripper = robot.backend.get(Gripper)  # type: ignore[type-abstract]
     if gripper and abs(gripper.command() - moment.grip) > 1e-6:
         gripper.move(moment.grip)
         yield from robot.wait(GRIP_PAUSE)
-    if arm and np.any(arm.command() != moment.joints):
-        arm.move(moment.joints)
+    if _renew_arm(robot, moment):
         yield

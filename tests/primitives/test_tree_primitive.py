@@ -58,16 +58,23 @@ def test_a_failure_speaks_the_words_of_the_leaf_that_failed() -> None:
         periods(Sequence("all", memory=True, children=[Always("ok"), leaf]))
 
 
+class Mute(Behaviour):
+    """Fails without a word."""
+
+    def update(self) -> Status:
+        return Status.FAILURE
+
+
 @pytest.mark.parametrize(
     ("root", "words"),
     [
-        (Sequence("all", memory=True, children=[Failure("reach for it")]), "reach for it failed"),
-        (Inverter("not", Always("seen")), "not failed"),
+        (Sequence("all", memory=True, children=[Mute("reach for it")]), "reach for it failed"),
+        (Inverter("not", Always("seen")), "success -> failure"),
         (steps(2, [], "turn", value=False), "turn failed"),
     ],
     ids=["sequence", "inverter", "generator"],
 )
-def test_a_failure_without_words_names_the_leaf(root: Behaviour, words: str) -> None:
+def test_a_failure_has_words_whatever_fails(root: Behaviour, words: str) -> None:
     with pytest.raises(Discrepancy) as caught:
         periods(root)
     assert caught.value.reason == words

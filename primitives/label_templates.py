@@ -1,0 +1,41 @@
+"""Pictures of the labels that a library prints, to compare what is seen with."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from pathlib import Path
+
+import matplotlib
+import numpy as np
+from numpy.typing import NDArray
+from PIL import Image, ImageDraw, ImageFont
+
+from robotics.perception.call_number import CallNumber
+
+PX_PER_M = 8000.0
+FACE = "DejaVuSans.ttf"  # of the library's label printer
+CAP_HEIGHT, WIDTH, MARGIN = 0.005, 0.010, 0.0025  # [m]: of capitals, of the label, before and after the text
+SPACE = 0.45  # between words, in heights of a capital
+PAPER, INK = 244, 22
+
+
+def label_templates(numbers: Iterable[CallNumber]) -> dict[CallNumber, NDArray[np.uint8]]:
+    """Each label upright, its text running left to right, at `PX_PER_M` pixels a metre."""
+    path = Path(matplotlib.get_data_path()) / "fonts" / "ttf" / FACE
+    cap = CAP_HEIGHT * PX_PER_M
+    top, bottom = (ImageFont.truetype(str(path), 200).getbbox("H", anchor="ls")[i] for i in (1, 3))
+    face = ImageFont.truetype(str(path), 200 * cap / (bottom - top))
+    return {number: _label(str(number), face, cap) for number in numbers}
+
+
+def _label(text: str, face: ImageFont.FreeTypeFont, cap: float) -> NDArray[np.uint8]:
+    words = text.split(" ")
+    widths = [face.getlength(word) for word in words]
+    margin, height = MARGIN * PX_PER_M, round(WIDTH * PX_PER_M)
+    length = sum(widths) + SPACE * cap * (len(words) - 1) + 2 * margin
+    page = Image.new("L", (round(length), height), PAPER)
+    pen, x = ImageDraw.Draw(page), margin
+    for word, width in zip(words, widths, strict=True):
+        pen.text((x, (height + cap) / 2), word, font=face, fill=INK, anchor="ls")
+        x += width + SPACE * cap
+    return np.asarray(page, dtype=np.uint8).copy()

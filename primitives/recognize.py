@@ -1,0 +1,112 @@
+"""RECOGNIZE: tell which book stands on the tray, and where."""
+
+from __future__ import annotations
+
+from collections.abc import Generator
+from typing import ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import PrivateAttr
+
+from backends.arm import Arm
+from backends.camera import Camera
+from backends.robot import Robot
+from robotics.geometry.pose2 import Pose2
+from robotics.geometry.transform import transform
+from robotics.kinematics.shapes import Box
+from robotics.perception.overlay import draw_overlay
+from robotics.perception.tag_reader import Tag, read_tags, tag_pose
+
+from .action_primitive import ActionPrimitive, Periods
+from .arm_motion import move_straight, move_to_posture
+from .discrepancy import Discrepancy
+from .snapshot import settle
+from .world_model import ModelView
+
+POSTURE = "look_at_tag"
+ASIDE = ((0.0, 0.0), (0.0, 0.025), (0.0, -0.025), (0.02, 0.0))  # of views: left and up, in [m]
+ENOUGH = 3  # views in which the tag was read
+PICTURES = 2  # from each view, until the tag is read
+TAG_SIDE = 0.010  # [m] of the tag's black square
+TRAY = ((0.04, 0.22), (-0.10, 0.10))  # x and y in the base frame where a spine can stand, in [m]
+STANDING = (0.15, 0.10, 0.26)  # [m] of the room that a book may take; its spine may stand at NEAREST
+NEAREST = 0.085  # [m]
+
+
+class Recognize(ActionPrimitive):
+    """Read the tag of the book on the tray, and look it up in the catalogue.
+
+    The tag is read in a few views from beside each other: their mean tells where the spine stands. How far
+    the book is turned can't be seen on a tag of 10 mm: it counts as set straight, and the fingers turn it.
+    """
+
+    needs: ClassVar = (Arm, Camera)
+    reads: ClassVar = ("catalogue",)
+    writes: ClassVar = ("book", "book_pose")
+
+    _seen: list[tuple[int, NDArray[np.float64]]] = PrivateAttr(default_factory=list)
+
+    def motion(self, robot: Robot, model: ModelView) -> Periods:
+        around = (_standing(robot),)
+        yield from move_to_posture(robot, POSTURE, around=around)
+        start = robot.arm_model.forward(robot.arm.command())
+        for aside, up in ASIDE:
+            yield from move_straight(robot, start @ transform((0.0, aside, up)), around=around)
+            yield from self._read(robot)
+            if len(self._seen) >= ENOUGH:
+                break
+        yield from move_straight(robot, start, around=around)
+        self._conclude(model)
+
+    def _read(self, robot: Robot) -> Generator[None, None, None]:
+        """Look for a tag from here."""
+        yield from settle(robot)
+        base_T_camera = robot.base_T("hand") @ robot.camera.hand_T_camera
+        for _ in range(PICTURES):
+            yield
+            image = robot.camera.image()
+            tags = read_tags(image)
+            places = [base_T_camera @ tag_pose(tag, robot.camera.model, TAG_SIDE)[:, 3] for tag in tags]
+            found = [
+                (tag, place[:3]) for tag, place in zip(tags, places, strict=True) if _on_tray(place)
+            ]
+            self._show(image, [tag for tag, _ in found])
+            if found:
+                self._seen += [(tag.id, place) for tag, place in found]
+                return
+
+    def _show(self, image: NDArray[np.uint8], tags: list[Tag]) -> None:
+        if tags or not self._seen:
+            self.evidence.pictures["tray"] = draw_overlay(image, tags)
+
+    def _conclude(self, model: ModelView) -> None:
+        if not self._seen:
+            raise Discrepancy("no tag can be read on the tray")
+        numbers = sorted({number for number, _ in self._seen})
+        if len(numbers) > 1:
+            raise Discrepancy(f"there are several tags on the tray: {', '.join(map(str, numbers))}")
+        book = model.catalogue.by_accession.get(numbers[0])
+        if book is None:
+            raise Discrepancy(f"the book with the tag {numbers[0]} is not in the catalogue", permanent=True)
+        x, y, _ = np.mean([place for _, place in self._seen], axis=0)
+        model.book = book
+        model.book_pose = Pose2(float(x), float(y), 0.0)
+        self.found(
+            accession=float(book.accession),
+            call=book.call,
+            x_mm=round(1e3 * float(x), 1),
+            y_mm=round(1e3 * float(y), 1),
+            views=len(self._seen),
+        )
+
+
+def _on_tray(place: NDArray[np.float64]) -> bool:
+    return all(low < at < high for at, (low, high) in zip(place, TRAY, strict=False))
+
+
+def _standing(robot: Robot) -> Box:
+    """Where some book may stand on the tray, in the base frame."""
+    tray = float(robot.base_T("tray")[2, 3])
+    middle = (NEAREST + STANDING[0] / 2, 0.0, tray + STANDING[2] / 2)
+    return Box(transform(middle), STANDING, "book on the tray")

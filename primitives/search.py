@@ -1,0 +1,167 @@
+"""SEARCH: find where on the shelf the book belongs."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Generator, Sequence
+from typing import ClassVar, Literal
+
+import numpy as np
+from pydantic import PrivateAttr
+
+from backends.arm import Arm
+from backends.camera import Camera
+from backends.range_sensor import RangeSensor
+from backends.robot import Robot
+from robotics.geometry.transform import Transform, transform
+from robotics.kinematics.shapes import Box
+from robotics.perception.call_number import CallNumber, parse
+from robotics.perception.gap_finder import GapFound, NoGap, find_gap
+from robotics.perception.label_reader import LabelReader
+from robotics.perception.ocr_label_reader import OcrLabelReader
+from robotics.perception.overlay import draw_overlay
+from robotics.perception.shelf_views import ShelfReading, fuse_views
+from robotics.perception.spines import SpineView, find_spines
+from robotics.perception.template_label_reader import TemplateLabelReader
+
+from .action_primitive import ActionPrimitive, Periods
+from .arm_motion import move_straight, move_to_pose, shelf_boxes
+from .discrepancy import Discrepancy
+from .grip import HAND_TO_SPINE
+from .hand_view import held_book, look
+from .knowledge import Book, Shelf
+from .label_templates import PX_PER_M, label_templates
+from .place_name import PlaceName
+from .shelf_front import measure_shelf
+from .world_model import ModelView, Slot
+
+AWAY = 0.285  # [m] from the camera to the spines
+ROOM = 0.03  # [m] that a held book keeps from them
+HEIGHT = 0.082  # [m] of the camera above the board: labels and the foot of the spines are in view
+STEP = 0.125  # [m] between views: with a thick book in the hand, a view shows 0.18 m
+BEYOND = 0.012  # [m] of the side panels that is in view
+ASIDE = 0.03  # [m] to both sides of the slot, for a closer look
+SIGMA = 0.001  # [m] of a slot's sides
+
+
+class Search(ActionPrimitive):
+    """Look along the shelf, read the labels, and find the slot where the book belongs.
+
+    The camera moves on a straight line from left to right, past the held book, and stops for each view. The
+    slot is then looked at twice more from nearly straight ahead. Where it is holds in the shelf's frame as
+    the robot has it at this stop; APPROACH sees to the rest.
+    """
+
+    shelf: PlaceName
+    """The place before the shelf."""
+    reader: Literal["ocr", "template"] = "ocr"
+    """How labels are read: letter by letter, or compared with pictures of those in the catalogue."""
+    fuse: bool = True
+    """Whether what several views show of one book is aligned, averaged and voted on."""
+    misplacement: bool = True
+    """Whether a book that stands out of order is seen through."""
+
+    needs: ClassVar = (Arm, Camera, RangeSensor)
+    reads: ClassVar = ("places", "catalogue", "book")
+    writes: ClassVar = ("slot",)
+
+    _base_T_shelf: Transform = PrivateAttr(default_factory=lambda: np.eye(4))
+    _held: Box | None = PrivateAttr(default=None)
+    _around: tuple[Box, ...] = PrivateAttr(default=())
+    _views: list[SpineView] = PrivateAttr(default_factory=list)
+
+    def motion(self, robot: Robot, model: ModelView) -> Periods:
+        book = model.book
+        if book is None:
+            raise Discrepancy("no book has been recognized", permanent=True)
+        place = model.places[self.shelf]
+        self._base_T_shelf = yield from measure_shelf(robot, place)
+        self._held = held_book(robot, book)
+        self._around = shelf_boxes(self._base_T_shelf, place.shelf)
+        reader = self._make_reader([each.call for each in model.catalogue.books])
+        stops = self._stops(robot, place.shelf)
+        yield from self._look_from(robot, reader, stops)
+        found = self._find(book)
+        if isinstance(found, NoGap):
+            between = [(a + b) / 2 for a, b in zip(stops[1:], stops[:-1], strict=True)]
+            yield from self._look_from(robot, reader, between[::-1])
+        else:
+            yield from self._look_from(robot, reader, [found.centre + ASIDE, found.centre - ASIDE])
+        self._conclude(model, self._find(book))
+
+    def _make_reader(self, calls: Sequence[str]) -> LabelReader:
+        numbers: list[CallNumber] = [number for call in calls if (number := parse(call)) is not None]
+        if self.reader == "template":
+            return TemplateLabelReader(label_templates(numbers), PX_PER_M)
+        return OcrLabelReader(numbers)
+
+    def _stops(self, robot: Robot, shelf: Shelf) -> list[float]:
+        """y of the camera for views that together show the whole shelf, from left to right, in [m]."""
+        camera = robot.camera.model
+        left = right = self._away(robot) * camera.width / (2 * camera.K[0, 0])
+        if self._held is not None:
+            right = min(right, self._past(robot))
+        first, last = 0.5 * shelf.width_m + BEYOND - left, -0.5 * shelf.width_m - BEYOND + right
+        count = 1 + max(0, math.ceil((first - last) / STEP))
+        return [float(y) for y in np.linspace(first, last, count)]
+
+    def _away(self, robot: Robot) -> float:
+        """From the camera to the spines, in [m]."""
+        if self._held is None:
+            return AWAY
+        return max(AWAY, HAND_TO_SPINE + self._held.size[0] + ROOM - float(robot.camera.hand_T_camera[0, 3]))
+
+    def _past(self, robot: Robot) -> float:
+        """How far to the right of the camera the spines are seen past the held book, in [m]."""
+        assert self._held is not None
+        eye = robot.camera.hand_T_camera[:3, 3]
+        ahead = HAND_TO_SPINE + self._held.size[0] - float(eye[0])
+        return (float(eye[1]) - 0.5 * self._held.size[1]) * self._away(robot) / ahead - 0.003
+
+    def _look_from(self, robot: Robot, reader: LabelReader, stops: Sequence[float]) -> Periods:
+        eye = robot.camera.hand_T_camera[:3, 3]
+        for y in stops:
+            place = (-self._away(robot) - eye[0], y - eye[1], HEIGHT - eye[2])
+            yield from self._move(robot, self._base_T_shelf @ transform(place))
+            yield from self._see(robot, reader)
+
+    def _move(self, robot: Robot, base_T_hand: Transform) -> Periods:
+        """On a straight line where there is one."""
+        if self._views:
+            try:
+                yield from move_straight(robot, base_T_hand, self._held, self._around)
+                return
+            except Discrepancy:
+                pass
+        yield from move_to_pose(robot, base_T_hand, self._held, self._around)
+
+    def _see(self, robot: Robot, reader: LabelReader) -> Generator[None, None, None]:
+        view = yield from look(robot, self._base_T_shelf, self._held)
+        labels = reader.read(view.image, view.camera, view.camera_T_shelf, view.mask)
+        seen = find_spines(view.image, view.camera, view.camera_T_shelf, labels, view.mask)
+        self._views.append(seen)
+        self.evidence.pictures[f"view_{len(self._views)}"] = draw_overlay(
+            view.image, (), labels, seen.spines, seen.gaps, view.camera, view.camera_T_shelf
+        )
+
+    def _find(self, book: Book) -> GapFound | NoGap:
+        number = parse(book.call)
+        if number is None:
+            raise Discrepancy(f"{book.call!r} in the catalogue is no call number", permanent=True)
+        reading = fuse_views(self._views, self.fuse)
+        self._note(reading)
+        return find_gap(reading, number, book.thickness_mm / 1e3, misplacement=self.misplacement)
+
+    def _note(self, reading: ShelfReading) -> None:
+        read = [str(book.call_number) for book in reading.books if book.call_number is not None]
+        self.found(
+            views=len(self._views), books_seen=len(reading.books), labels_read=len(read), row=", ".join(read)
+        )
+
+    def _conclude(self, model: ModelView, found: GapFound | NoGap) -> None:
+        if isinstance(found, NoGap):
+            raise Discrepancy(found.reason, permanent=True)
+        after, before = (str(number) if number is not None else "" for number in (found.before, found.after))
+        self.found(gap_mm=round(1e3 * found.width, 1), gap_at_mm=round(1e3 * found.centre, 1))
+        self.found(after=after, before=before, misplaced=", ".join(map(str, found.misplaced)))
+        model.slot = Slot(self.shelf, found.left, found.right, SIGMA, after, before)
