@@ -11,6 +11,8 @@ import orjson
 from networks.events import Observer
 from networks.run import execute, prepare
 
+from .judge import Judge
+
 
 def run_task(
     task: Path,
@@ -38,7 +40,8 @@ def run_task(
     """
     with prepare(task, backend, settings, seed) as prepared:
         folder = new_folder(runs, f"{task.resolve().parent.name}-{seed}")
-        end = execute(prepared, folder, observers)
+        judge = Judge(prepared)
+        end = execute(prepared, folder, [*observers, judge], metrics=judge.metrics)
     return orjson.loads((folder / "summary.json").read_bytes()), end.exit_status
 
 

@@ -7,7 +7,6 @@ from collections.abc import Callable, Generator
 from dataclasses import replace
 from typing import TypeVar
 
-from backends.backend import CommandError
 from backends.robot import Robot
 
 from .action_primitive import ActionPrimitive, Periods
@@ -44,7 +43,11 @@ def attempt(
     view = model.view(primitive)
     if primitive.only_knowledge:
         return (yield from _think(primitive, robot, view))
-    if not (yield from settle(robot)):
+    try:
+        rests = yield from settle(robot)
+    except Discrepancy as early:  # nothing was commanded yet
+        return fail_if_restored(early.reason, early.permanent, {}, {})
+    if not rests:
         robot.stop()
         return GiveUp("the robot doesn't come to rest before the start")
     start = take_snapshot(robot, {})
@@ -117,7 +120,7 @@ def _finish(
     """Withdraw; what happened can't be undone, so a person has to look."""
     try:
         yield from primitive.finish(robot, view)
-    except (Discrepancy, NeedsPerson, CommandError) as error:
+    except Exception as error:
         reason = f"{reason}; and withdrawing: {_words(error)}"
     robot.stop()
     return GiveUp(f"{reason}; after a point of no return ({primitive._no_return})")

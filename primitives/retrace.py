@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Generator, Sequence
 from itertools import pairwise
 
@@ -18,7 +19,9 @@ from .snapshot import Snapshot
 from .trace import Moment, Trace
 
 TOLERANCE = PoseTolerance(position=0.006, heading=0.004)
-FINE = PoseTolerance(position=0.003, heading=0.002)  # at the end: what is left adds up from Fail to Fail
+FINE = PoseTolerance(position=0.003, heading=0.002)
+NUDGE = 10  # periods for what is left then
+LOOK = 0.5  # [s] at rest for the estimate of the pose to be its best
 SHORT = 0.05  # [m]: less travel than this is regulated, not tracked
 GRIP_PAUSE = 0.6  # [s] that fingers get before anything else moves
 STOOD = 1e-4  # [m], [rad]: between two periods, less is no motion
@@ -30,13 +33,27 @@ def retrace(robot: Robot, start: Snapshot, trace: Trace) -> Generator[None, None
     Stretches in which the base moved are driven back with feedback of its pose, the arm where it was when the
     base was there; in between, the commands of arm and gripper are played backwards.
     """
-    for stretch in reversed(_stretches(trace.moments)):
+    stretches = _stretches(trace.moments)
+    for stretch in reversed(stretches):
         if _travelled(stretch):
             yield from _drive_back(robot, stretch)
         else:
             yield from _play_back(robot, stretch)
     yield from _command(robot, Moment(start.pose, start.joint_command, start.gripper_command))
     yield from reach_pose(robot, start.pose, FINE)
+    if any(_travelled(stretch) for stretch in stretches):
+        yield from _nudge(robot, start.pose)
+
+
+def _nudge(robot: Robot, goal: Pose2) -> Generator[None, None, None]:
+    """Take back what a regulator leaves, always to the same side: it would add up from Fail to Fail."""
+    yield from robot.wait(LOOK)
+    left, seconds = goal.relative_to(robot.pose), NUDGE * robot.period
+    if math.hypot(left.x, left.y) > TOLERANCE.position or abs(left.theta) > TOLERANCE.heading:
+        return
+    for _ in range(NUDGE):
+        robot.base.drive(left.x / seconds, left.theta / seconds)
+        yield
 
 
 def reach_pose(

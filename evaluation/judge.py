@@ -1,0 +1,110 @@
+"""Whether outcomes tell the truth, by the ground truth of a simulated world."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from backends.robot_file import RobotFile
+from networks.events import Ended, Event, Started
+from networks.preparing import Prepared
+from networks.run_end import RunEnd
+from networks.telemetry import Telemetry
+from primitives.outcome import Fail
+from robotics.geometry.pose2 import Pose2
+from robotics.geometry.transform import difference
+
+from .shelving import Shelving, shelving
+
+SIGMAS = 5.0
+BASE_SIGMA_MM, BASE_SIGMA_DEG = 4.0, 0.09  # of a base pose measured by matching scans with the map
+JOINT_SIGMA_DEG = 0.01  # encoders and repeatability
+OBJECT_SIGMA_MM = 1.5  # of an object seen by the camera
+
+
+@dataclass(frozen=True)
+class Truth:
+    """The true state of robot and world at one instant."""
+
+    base: Pose2
+    joints: NDArray[np.float64]
+    held: int | None
+    books: Mapping[int, NDArray[np.float64]]
+    """world_T_book by accession; of the held one, hand_T_book."""
+
+
+def truth_of(scene: Any) -> Truth:
+    """Read the scene of a simulated backend."""
+    held = scene.held.accession if scene.held is not None else None
+    books = {number: book.pose.copy() for number, book in scene.books.items()}
+    if held is not None:
+        books[held] = scene.hand_T_book.copy()
+    return Truth(scene.base, scene.joints.copy(), held, books)
+
+
+def broken_promises(before: Truth, after: Truth, robot: RobotFile) -> list[str]:
+    """What a Fail claims to have restored and did not: beyond tolerance plus 5 sigma of its sensors."""
+    tolerance = robot.tolerance
+    far = 1e3 * before.base.distance(after.base)
+    turned = math.degrees(before.base.turn(after.base))
+    off = math.degrees(float(np.abs(before.joints - after.joints).max())) if before.joints.size else 0.0
+    checks = [
+        ("base_mm", far, tolerance.base_mm + SIGMAS * BASE_SIGMA_MM),
+        ("base_deg", turned, tolerance.base_deg + SIGMAS * BASE_SIGMA_DEG),
+        ("joints_deg", off, tolerance.joints_deg + SIGMAS * JOINT_SIGMA_DEG),
+    ]
+    # Books on the tray ride on the base, so the base's own tolerance comes on top.
+    room = tolerance.object_mm + SIGMAS * OBJECT_SIGMA_MM + tolerance.base_mm + SIGMAS * BASE_SIGMA_MM
+    for number, pose in before.books.items():
+        moved = 1e3 * difference(pose, after.books[number])[0]
+        checks.append((f"book {number} mm", moved, room))
+    wrong = [f"{name} {size:.1f} (at most {most:.1f})" for name, size, most in checks if size > most]
+    if before.held != after.held:
+        wrong.append(f"held {before.held}, then {after.held}")
+    return wrong
+
+
+class Judge:
+    """An observer of a run that holds its outcomes against the ground truth."""
+
+    def __init__(self, prepared: Prepared) -> None:
+        """Judge a run that hasn't started; where the backend isn't simulated, nothing is claimed."""
+        self._robot = prepared.robot.spec
+        self._scene: Any = getattr(prepared.backend, "scene", None)
+        self._start: Truth | None = None
+        self._labels = 0
+        self.untrue: list[str] = []
+        """Outcomes that the ground truth contradicts, in words."""
+        self._shelving: Shelving | None = None
+        if self._scene is not None and self._scene.tray_book() is not None:
+            self._shelving = shelving(self._scene, self._scene.tray_book().accession)
+
+    def __call__(self, event: Event) -> None:
+        """Take the truth down when an action starts, compare when it has ended."""
+        if self._scene is None:
+            return
+        if isinstance(event, Started):
+            self._start = truth_of(self._scene)
+        elif isinstance(event, Ended):
+            self._labels += int(event.primitive.facts.get("labels_read", 0))
+            if isinstance(event.outcome, Fail) and self._start is not None:
+                for wrong in broken_promises(self._start, truth_of(self._scene), self._robot):
+                    self.untrue.append(f"{event.number}. {event.action.do} Fail: {wrong}")
+
+    def metrics(self, prepared: Prepared, end: RunEnd, telemetry: Telemetry) -> dict[str, Any]:
+        """The figures of a run that has ended."""
+        track = telemetry.track().pose
+        driven = float(np.hypot(*np.diff(track[:, :2], axis=0).T).sum()) if len(track) > 1 else 0.0
+        figures: dict[str, Any] = {"path_length_m": round(driven, 3)}
+        if self._shelving is not None:
+            stands = self._shelving.judge(self._scene)
+            figures |= stands.figures() | {"labels_read": self._labels}
+            if end.outcome == "Success" and not stands.right:
+                self.untrue.append(f"Success: {stands}")
+        figures["untrue"] = self.untrue
+        return figures
