@@ -1,0 +1,152 @@
+"""Campaigns: one task, many seeds."""
+
+from __future__ import annotations
+
+import math
+import tempfile
+from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from dataclasses import dataclass
+from multiprocessing import get_context
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from scipy.stats import binomtest
+
+from .library_generator import make_library
+from .running import run_task
+
+
+@dataclass(frozen=True)
+class Setting:
+    """What all trials of a campaign have in common."""
+
+    task: Path
+    backend: str | None = None
+    settings: Mapping[str, str] | None = None
+    library: Mapping[str, Any] | None = None
+    """Options of `make_library`: each trial gets a library of its own, by its seed. None: the task's own."""
+    runs: Path = Path("runs")
+
+
+@dataclass(frozen=True)
+class Trial:
+    """One run of a campaign."""
+
+    seed: int
+    status: int
+    summary: Mapping[str, Any]
+
+    @property
+    def success(self) -> bool:
+        """Whether the goal was reached."""
+        return self.status == 0
+
+    @property
+    def untrue(self) -> Sequence[str]:
+        """What the ground truth contradicts."""
+        return list(self.summary["metrics"].get("untrue", []))
+
+
+def run_trial(setting: Setting, seed: int) -> Trial:
+    """One seeded run, with a library of its own where the setting says so."""
+    chosen = dict(setting.settings or {})
+    if setting.library is None:
+        summary, status = run_task(setting.task, setting.runs, setting.backend, chosen, seed)
+        return Trial(seed, status, summary)
+    from .library_files import write_library
+
+    with tempfile.TemporaryDirectory() as folder:
+        write_library(make_library(seed, **setting.library), Path(folder))
+        named = {name: f"{folder}/{name}.yaml" for name in ("world", "map", "places", "catalogue")}
+        summary, status = run_task(setting.task, setting.runs, setting.backend, named | chosen, seed)
+    return Trial(seed, status, summary)
+
+
+def run_campaign(setting: Setting, seeds: Sequence[int], jobs: int) -> Iterator[Trial]:
+    """Run the trials in a pool of processes; each is handed out when it has ended."""
+    if jobs == 1:
+        yield from (run_trial(setting, seed) for seed in seeds)
+        return
+    with ProcessPoolExecutor(jobs, get_context("spawn"), _one_thread) as pool:
+        running = [pool.submit(run_trial, setting, seed) for seed in seeds]
+        try:
+            for each in as_completed(running):
+                yield each.result()
+        finally:
+            for each in running:
+                each.cancel()
+
+
+def _one_thread() -> None:
+    import cv2
+
+    cv2.setNumThreads(1)
+
+
+@dataclass(frozen=True)
+class Spread:
+    """How a metric is distributed over the trials that have it."""
+
+    count: int
+    least: float
+    median: float
+    most_95: float
+    """95 % of the trials are at or below this."""
+    most: float
+
+
+@dataclass(frozen=True)
+class Report:
+    """What came out of a campaign."""
+
+    trials: tuple[Trial, ...]
+
+    @property
+    def successes(self) -> int:
+        """Trials that reached the goal."""
+        return sum(trial.success for trial in self.trials)
+
+    @property
+    def wilson(self) -> tuple[float, float]:
+        """95 % interval of the success rate, by Wilson."""
+        interval = binomtest(self.successes, len(self.trials)).proportion_ci(method="wilson")
+        return float(interval.low), float(interval.high)
+
+    @property
+    def outcomes(self) -> Counter[str]:
+        """How often each outcome, with the reason where it isn't Success."""
+        return Counter(
+            trial.summary["outcome"] + (f": {trial.summary['reason']}" if trial.summary["reason"] else "")
+            for trial in self.trials
+        )
+
+    @property
+    def untrue(self) -> list[Trial]:
+        """Trials with an outcome that the ground truth contradicts."""
+        return [trial for trial in self.trials if trial.untrue]
+
+    def spreads(self) -> dict[str, Spread]:
+        """Each metric's distribution; of yes and no, the share of yes."""
+        metrics: dict[str, list[float]] = {}
+        for trial in self.trials:
+            figures = dict(trial.summary["metrics"])
+            figures |= {key: trial.summary[key] for key in ("sim_time_s", "wall_time_s", "actions", "fails")}
+            for name, value in figures.items():
+                if isinstance(value, bool | int | float) and math.isfinite(value):
+                    metrics.setdefault(name, []).append(float(value))
+        return {name: _spread(values) for name, values in metrics.items()}
+
+    def worst(self, most: int = 5) -> list[Trial]:
+        """Trials to look at first: untrue ones, then those that did not succeed, then those with Fails."""
+        ranked = sorted(
+            self.trials, key=lambda each: (not each.untrue, each.success, -each.summary["fails"], each.seed)
+        )
+        return [each for each in ranked if each.untrue or not each.success or each.summary["fails"]][:most]
+
+
+def _spread(values: Sequence[float]) -> Spread:
+    least, median, most_95, most = np.quantile(values, [0.0, 0.5, 0.95, 1.0])
+    return Spread(len(values), float(least), float(median), float(most_95), float(most))

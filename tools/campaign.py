@@ -1,0 +1,91 @@
+"""`handcart campaign`: one task, many seeds."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+if TYPE_CHECKING:
+    from evaluation.campaign import Report, Setting
+
+
+def campaign(
+    task: Annotated[Path, typer.Argument(help="the task's file")],
+    trials: Annotated[int, typer.Option(min=1, help="how many")] = 20,
+    first: Annotated[int, typer.Option(help="the first trial's seed")] = 0,
+    jobs: Annotated[int, typer.Option(min=1, help="processes side by side")] = 2,
+    backend: Annotated[str | None, typer.Option(help="another backend than the task names")] = None,
+    settings: Annotated[
+        list[str] | None, typer.Option("--set", help="KEY=VALUE: a parameter that the task declares")
+    ] = None,
+    library: Annotated[
+        list[str] | None,
+        typer.Option(help="KEY=VALUE: a generated library for each seed, such as blocked=way_around"),
+    ] = None,
+    as_json: Annotated[bool, typer.Option("--json", help="end with one JSON object on stdout")] = False,
+    runs: Annotated[Path, typer.Option(help="where the runs' folders are made")] = Path("runs"),
+) -> None:
+    """Run seeded trials of a task side by side, and count how they end."""
+    from rich.progress import track
+
+    from evaluation.campaign import Report, Setting, run_campaign
+    from files.settings import split_setting
+
+    chosen = dict(split_setting(each) for each in settings or [])
+    options = _options([split_setting(each) for each in library or []]) if library else None
+    setting = Setting(task, backend, chosen, options, runs)
+    running = run_campaign(setting, range(first, first + trials), jobs)
+    from rich.console import Console
+
+    done = tuple(track(running, "trials", trials, console=Console(stderr=True)))
+    report = Report(tuple(sorted(done, key=lambda each: each.seed)))
+    _print_json(report) if as_json else _print_table(report, setting)
+    sys.exit(0 if not report.untrue else 5)
+
+
+def _options(pairs: list[tuple[str, str]]) -> dict[str, Any]:
+    words: dict[str, Any] = {"true": True, "false": False}
+    return {key: words.get(value, value) for key, value in pairs}
+
+
+def _print_table(report: Report, setting: Setting) -> None:
+    low, high = report.wilson
+    count = len(report.trials)
+    print(f"Success {report.successes} of {count}; by Wilson {100 * low:.1f} to {100 * high:.1f} % (95 %)")
+    print(f"outcomes that the ground truth contradicts: {len(report.untrue)} of {count} trials")
+    for outcome, times in report.outcomes.most_common():
+        print(f"  {times:4d} x {outcome}")
+    print(f"\n{'metric':<16}{'trials':>8}{'least':>11}{'median':>11}{'95 %':>11}{'most':>11}")
+    for name, each in report.spreads().items():
+        print(
+            f"{name:<16}{each.count:>8}{each.least:>11.2f}{each.median:>11.2f}{each.most_95:>11.2f}{each.most:>11.2f}"
+        )
+    for trial in report.worst():
+        print(f"\nseed {trial.seed}: {'; '.join(trial.untrue) or trial.summary['reason'] or 'with Fails'}")
+        print(f"  {_rerun(setting, trial.seed)}")
+
+
+def _rerun(setting: Setting, seed: int) -> str:
+    chosen = "".join(f" --set {key}={value}" for key, value in (setting.settings or {}).items())
+    if setting.library is None:
+        return f"handcart run {setting.task} --seed {seed}{chosen}"
+    options = "".join(f" --library {key}={value}" for key, value in setting.library.items())
+    return f"handcart campaign {setting.task} --trials 1 --first {seed} --jobs 1{options}{chosen}"
+
+
+def _print_json(report: Report) -> None:
+    import orjson
+
+    low, high = report.wilson
+    told = {
+        "trials": len(report.trials),
+        "successes": report.successes,
+        "wilson": [low, high],
+        "untrue": {trial.seed: list(trial.untrue) for trial in report.untrue},
+        "outcomes": dict(report.outcomes),
+        "metrics": report.spreads(),
+    }
+    print(orjson.dumps(told, option=orjson.OPT_NON_STR_KEYS).decode())
