@@ -33,6 +33,7 @@ CLEAR = 0.006  # [m] from the book's foot to the board
 LOOKS = 4
 GOOD = 0.0005  # [m] off its slot's middle that the hand needn't move for
 WITHIN = 0.010  # [m] from where SEARCH saw it that the slot's side is looked for
+WITHIN_AT_END = 0.005  # [m]: the same where nothing but its place tells it from another edge
 
 
 class Approach(ActionPrimitive):
@@ -86,12 +87,12 @@ class Approach(ActionPrimitive):
             yield from move_straight(robot, base_T_shelf @ goal, self._held, self._around)
         raise Discrepancy(f"the hand doesn't come before the slot: {1e3 * off:.1f} mm are left")
 
-    def _measured(
-        self, robot: Robot, base_T_shelf: Transform, slot: Slot
-    ) -> Generator[None, None, Slot]:
+    def _measured(self, robot: Robot, base_T_shelf: Transform, slot: Slot) -> Generator[None, None, Slot]:
         """The slot moved to where its left side is seen now."""
         view = yield from look(robot, base_T_shelf, self._held)
-        left = slot_edge(view.image, view.camera, view.camera_T_shelf, slot.left, WITHIN, view.mask)
+        between = bool(slot.before)
+        within = WITHIN if between else WITHIN_AT_END
+        left = slot_edge(view.image, view.camera, view.camera_T_shelf, slot.left, within, view.mask, between)
         moved = slot if left is None else slot._replace(left=left, right=left - (slot.left - slot.right))
         self.evidence.pictures["slot"] = draw_overlay(
             view.image,

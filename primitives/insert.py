@@ -16,11 +16,11 @@ from backends.robot import Robot
 from robotics.geometry.transform import Transform, inverse, transform
 
 from .action_primitive import ActionPrimitive, Periods
-from .arm_motion import move_to_joints
+from .arm_motion import held_box, move_straight, move_to_joints
 from .discrepancy import Discrepancy, NeedsPerson
 from .grip import HAND_TO_SPINE, HAND_TO_TIPS, holds
 from .place_name import PlaceName
-from .pushing import Pushed, push
+from .pushing import Pushed, push, relax
 from .retrace import retrace
 from .shelf_front import measure_shelf
 from .snapshot import Snapshot
@@ -30,7 +30,6 @@ from .world_model import ModelView
 
 TIPS_BEFORE = 0.007  # [m] that the finger tips stay before the shelf's front: spines stand 3 mm before it
 SPEED = 0.02  # [m/s]
-BACK_SPEED = 0.05  # [m/s]
 JAM = 7.0  # [N]: sliding in takes 2
 PUSHES_BACK = 10.0  # [N]: a neighbour gives way from here on, and the hand's camera doesn't see it
 WIGGLES = ((0.0, 0.0), (0.003, 0.035), (-0.003, -0.035))  # to the left in [m], turned left by [rad]
@@ -73,21 +72,23 @@ class Insert(ActionPrimitive):
         else:
             base_T_shelf = yield from measure_shelf(robot, model.places[self.shelf])
             self._base_T_end = _end(base_T_shelf, start)
-        edge = HAND_TO_SPINE + model.book.depth_mm / 1e3
+        edge, held = HAND_TO_SPINE + model.book.depth_mm / 1e3, held_box(model.book)
         for number, (aside, turn) in enumerate(WIGGLES if self.wiggle else WIGGLES[:1], start=1):
-            pushed = yield from self._try(robot, start @ _about(edge, aside, turn), self._base_T_end)
+            yield from move_straight(robot, start @ _about(edge, aside, turn), held)
+            pushed = yield from self._try(robot, self._base_T_end)
             self.found(force_n=round(self._strongest, 1), tries=number)
             if not pushed.met:
                 return
-            yield from push(robot, start, BACK_SPEED, np.inf)
+            yield from relax(robot)
+            yield from move_straight(robot, start, held)
         raise Discrepancy(f"the book jams: it resists with {pushed.force:.0f} N")
 
-    def _try(self, robot: Robot, start: Transform, end: Transform) -> Generator[None, None, Pushed]:
-        """Half the way straight ahead from `start`, which brings the book into the slot; then on to `end`."""
+    def _try(self, robot: Robot, end: Transform) -> Generator[None, None, Pushed]:
+        """Half the way straight ahead, which brings the book into the slot; then on to `end`."""
+        start = robot.arm_model.forward(robot.arm.command())
         ahead = (end[:3, 3] - start[:3, 3]) @ end[:3, 0] / 2
         halfway = start.copy()
         halfway[:3, 3] += ahead * end[:3, 0]
-        yield from push(robot, start, BACK_SPEED, JAM)
         pushed = yield from push(robot, halfway, SPEED, JAM)
         if not pushed.met:
             aside = yield from _yield_aside(robot)

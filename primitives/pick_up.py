@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Generator
 from typing import ClassVar, Literal
 
-import numpy as np
 from pydantic import PrivateAttr
 
 from backends.arm import Arm
@@ -17,7 +16,7 @@ from robotics.kinematics.shapes import Box
 from robotics.perception.tag_reader import read_tags, tag_pose
 
 from .action_primitive import ActionPrimitive, Periods
-from .arm_motion import held_box, move_to_joints, move_to_pose, move_to_posture
+from .arm_motion import held_box, move_straight, move_to_joints, move_to_pose, move_to_posture
 from .discrepancy import Discrepancy
 from .grip import GRIP_HEIGHT, HAND_TO_SPINE, close_on, holds, open_to
 from .knowledge import Book
@@ -89,7 +88,7 @@ class PickUp(ActionPrimitive):
         yield from self._close(robot, book)
         lifted = base_T_grip.copy()
         lifted[2, 3] += LIFT
-        yield from push(robot, lifted, SPEED, np.inf)
+        yield from move_straight(robot, lifted, held_box(book))
         yield from move_to_posture(robot, "carry", held=held_box(book))
 
     def _taught(self, robot: Robot, book: Book) -> Periods:

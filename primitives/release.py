@@ -19,9 +19,10 @@ from robotics.geometry.transform import Transform, inverse
 from robotics.perception.call_number import parse
 from robotics.perception.label_reader import Label
 from robotics.perception.ocr_label_reader import OcrLabelReader
+from robotics.perception.overlay import draw_overlay
 
 from .action_primitive import Periods
-from .arm_motion import move_to_posture
+from .arm_motion import move_straight, move_to_posture, shelf_boxes
 from .discrepancy import Discrepancy
 from .grip import GRIP_HEIGHT, HAND_TO_TIPS, close, holds, open_to
 from .place_name import PlaceName
@@ -43,7 +44,6 @@ FLUSH = 0.0  # [m] behind the shelf's front edge, to which the tips push: spines
 PROUD = 0.006  # [m] before the front edge: a book that stays there isn't home
 AWAY = 0.18  # [m] from the tips to the shelf's front, after withdrawing and while looking
 LOOK_HEIGHT = 0.09  # [m] of the camera above the board: labels stand near the foot
-SPEED = 0.08  # [m/s] of the free hand before the shelf
 SAME_PLACE = 0.012  # [m] between where the book was let go and where its label is seen
 
 
@@ -62,6 +62,9 @@ class Release(TreePrimitive):
 
     _base_T_shelf: Transform | None = PrivateAttr(default=None)
     _lateral: float = PrivateAttr(default=0.0)
+    """y in the shelf frame where the book is let go, in [m]."""
+    _open_to: float | None = PrivateAttr(default=None)
+    """How far the fingers are to open, in [m], while they do."""
 
     def tree(self, robot: Robot, model: ModelView) -> Behaviour:
         """The steps, one after the other."""
@@ -94,9 +97,10 @@ class Release(TreePrimitive):
         yield from relax(robot)
 
     def _open(self, robot: Robot, model: ModelView) -> Periods:
-        thickness = model.book.thickness_mm / 1e3 if model.book else 0.0
+        self._open_to = ROOM + (model.book.thickness_mm / 1e3 if model.book else 0.0)
         self.point_of_no_return("the fingers let the book go")
-        yield from open_to(robot, thickness + ROOM)
+        yield from open_to(robot, self._open_to)
+        self._open_to = None
 
     def _push_home(self, robot: Robot) -> Periods:
         tips = float(self._hand(robot)[0, 3]) + HAND_TO_TIPS
@@ -116,7 +120,7 @@ class Release(TreePrimitive):
         eye = robot.camera.hand_T_camera[:3, 3]
         goal = np.eye(4)
         goal[:3, 3] = (shelf_T_hand[0, 3], self._lateral - eye[1], LOOK_HEIGHT - eye[2])
-        yield from push(robot, self._shelf @ goal, SPEED, np.inf)
+        yield from move_straight(robot, self._shelf @ goal)
 
     def effect(self, robot: Robot, model: ModelView) -> Generator[None, None, bool]:
         """The book's label is read in its slot, between the right neighbours; then the arm is put away."""
@@ -125,19 +129,26 @@ class Release(TreePrimitive):
         yield
         image = robot.camera.image()
         camera_T_shelf = inverse(robot.base_T("hand") @ robot.camera.hand_T_camera) @ self._shelf
-        self.evidence.pictures["after release"] = image
         reader = OcrLabelReader()
         labels = yield from robot.compute(reader.read, image, robot.camera.model, camera_T_shelf)
+        self.evidence.pictures["after_release"] = draw_overlay(image, labels=labels)
         stands = self._stands(labels, model)
-        yield from move_to_posture(robot, "home")
+        yield from self._put_away(robot, model)
         return stands
 
     def finish(self, robot: Robot, model: ModelView) -> Periods:
         """Pull the hand back from the shelf, and put the arm away."""
         yield from settle(robot)
-        if self._base_T_shelf is not None and self._tips(robot) > -AWAY:
+        if self._open_to is not None:
+            yield from open_to(robot, self._open_to)
+        if self._tips(robot) > -AWAY:
             yield from self._withdraw(robot)
-        yield from move_to_posture(robot, "home")
+        yield from self._put_away(robot, model)
+
+    def _put_away(self, robot: Robot, model: ModelView) -> Periods:
+        shelf = model.places[self.shelf].shelf
+        around = () if shelf is None else shelf_boxes(self._shelf, shelf)
+        yield from move_to_posture(robot, "home", around=around)
 
     def _stands(self, labels: list[Label], model: ModelView) -> bool:
         """Whether the book's label is among those read, where the hand let it go, in order."""
@@ -155,7 +166,8 @@ class Release(TreePrimitive):
 
     def _move_in_shelf(self, robot: Robot, ahead: float) -> Periods:
         """Move the hand along the shelf's x by `ahead` [m]."""
-        yield from push(robot, self._in_shelf(robot, ahead), SPEED, np.inf)
+        yield from relax(robot)
+        yield from move_straight(robot, self._in_shelf(robot, ahead))
 
     def _in_shelf(self, robot: Robot, ahead: float) -> Transform:
         base_T_hand = robot.arm_model.forward(robot.arm.command())

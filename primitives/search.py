@@ -16,7 +16,7 @@ from backends.robot import Robot
 from robotics.geometry.transform import Transform, transform
 from robotics.kinematics.shapes import Box
 from robotics.perception.call_number import CallNumber, parse
-from robotics.perception.gap_finder import GapFound, NoGap, find_gap
+from robotics.perception.gap_finder import GapFound, NoGap, find_gap, ordered
 from robotics.perception.label_reader import LabelReader
 from robotics.perception.ocr_label_reader import OcrLabelReader
 from robotics.perception.overlay import draw_overlay
@@ -41,6 +41,7 @@ HEIGHT = 0.082  # [m] of the camera above the board: labels and the foot of the 
 STEP = 0.125  # [m] between views: with a thick book in the hand, a view shows 0.18 m
 BEYOND = 0.012  # [m] of the side panels that is in view
 ASIDE = 0.03  # [m] to both sides of the slot, for a closer look
+PLAY = 0.006  # [m] that a slot is wider than its book, about
 SIGMA = 0.001  # [m] of a slot's sides
 
 
@@ -81,13 +82,22 @@ class Search(ActionPrimitive):
         reader = self._make_reader([each.call for each in model.catalogue.books])
         stops = self._stops(robot, place.shelf)
         yield from self._look_from(robot, reader, stops)
-        found = self._find(book)
-        if isinstance(found, NoGap):
+        number = parse(book.call)
+        if number is None:
+            raise Discrepancy(f"{book.call!r} in the catalogue is no call number", permanent=True)
+        end = _end_of_row(self._reading(), number)
+        found = self._find(book, number)
+        if end is not None:
+            yield from self._look_from(robot, reader, [end - book.thickness_mm / 1e3 - PLAY])
+            found = self._find(book, number, self._views[-1:])
+        elif isinstance(found, GapFound):
+            yield from self._look_from(robot, reader, [found.centre + ASIDE, found.centre - ASIDE])
+            found = self._find(book, number)
+        else:
             between = [(a + b) / 2 for a, b in zip(stops[1:], stops[:-1], strict=True)]
             yield from self._look_from(robot, reader, between[::-1])
-        else:
-            yield from self._look_from(robot, reader, [found.centre + ASIDE, found.centre - ASIDE])
-        self._conclude(model, self._find(book))
+            found = self._find(book, number)
+        self._conclude(model, found)
 
     def _make_reader(self, calls: Sequence[str]) -> LabelReader:
         numbers: list[CallNumber] = [number for call in calls if (number := parse(call)) is not None]
@@ -144,12 +154,17 @@ class Search(ActionPrimitive):
             view.image, (), labels, seen.spines, seen.gaps, view.camera, view.camera_T_shelf
         )
 
-    def _find(self, book: Book) -> GapFound | NoGap:
-        number = parse(book.call)
-        if number is None:
-            raise Discrepancy(f"{book.call!r} in the catalogue is no call number", permanent=True)
-        reading = fuse_views(self._views, self.fuse)
+    def _reading(self) -> ShelfReading:
+        return fuse_views(self._views, self.fuse)
+
+    def _find(
+        self, book: Book, number: CallNumber, closest: Sequence[SpineView] | None = None
+    ) -> GapFound | NoGap:
+        """The slot in what was seen; with `closest`, those views alone tell where there are slots."""
+        reading = self._reading()
         self._note(reading)
+        if closest is not None:
+            reading = reading._replace(gaps=fuse_views(closest, self.fuse).gaps)
         return find_gap(reading, number, book.thickness_mm / 1e3, misplacement=self.misplacement)
 
     def _note(self, reading: ShelfReading) -> None:
@@ -165,3 +180,14 @@ class Search(ActionPrimitive):
         self.found(gap_mm=round(1e3 * found.width, 1), gap_at_mm=round(1e3 * found.centre, 1))
         self.found(after=after, before=before, misplaced=", ".join(map(str, found.misplaced)))
         model.slot = Slot(self.shelf, found.left, found.right, SIGMA, after, before)
+
+
+def _end_of_row(reading: ShelfReading, number: CallNumber) -> float | None:
+    """y of the last book's right side in [m], where the wanted one belongs to the right of all others.
+
+    The slot there is bounded by a book end, which stands back: only straight before it is its place seen.
+    """
+    read = ordered([book.call_number for book in reading.books if book.call_number is not None])
+    if not read or number < read[-1] or reading.books[-1].call_number != read[-1]:
+        return None
+    return reading.books[-1].right

@@ -1,0 +1,101 @@
+"""A robot in a world, to try single primitives on."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from pathlib import Path
+from types import TracebackType
+
+import numpy as np
+
+from backends.backend import Backend
+from backends.registry import make_backend
+from backends.robot import MissingCapability, Robot
+from backends.robot_file import load_robot
+from files.errors import InputError
+from files.loading import load
+from files.suggest import suggest
+from primitives.action_primitive import ActionPrimitive
+from primitives.attempt import attempt
+from primitives.knowledge import Catalogue, Places, load_map
+from primitives.outcome import Outcome
+from primitives.world_model import WorldModel
+
+LIBRARY = Path(__file__).parent.parent / "tasks" / "return_book"
+
+
+class NoSuchPlace(InputError):
+    """The robot can't start at a place that isn't there."""
+
+
+@dataclass(frozen=True)
+class StageFiles:
+    """What a stage is built from; by default the library of the task return_book."""
+
+    world: Path = LIBRARY / "world.yaml"
+    map: Path = LIBRARY / "map.yaml"
+    places: Path = LIBRARY / "places.yaml"
+    catalogue: Path = LIBRARY / "catalogue.yaml"
+    start: str = "home"
+    """The place where the robot stands at first."""
+
+
+@dataclass
+class Stage:
+    """A robot in a world, with what it is told beforehand; leaving it as a context closes the backend."""
+
+    robot: Robot
+    model: WorldModel
+    backend: Backend
+    restored: list[str] = field(default_factory=list)
+    """Why restoring began, each time that it did."""
+
+    def do(self, primitive: ActionPrimitive) -> Outcome:
+        """One attempt of a primitive, to its outcome.
+
+        Raises:
+            MissingCapability: the robot lacks what the primitive needs; nothing has moved.
+        """
+        for kind in primitive.needs:
+            if self.backend.get(kind) is None:
+                raise MissingCapability(kind, self.backend)
+        periods = attempt(primitive, self.robot, self.model, self.restored.append)
+        while True:
+            try:
+                next(periods)
+            except StopIteration as end:
+                outcome: Outcome = end.value
+                return outcome
+            self.robot.step()
+
+    def __enter__(self) -> Stage:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.backend.close()
+
+
+def set_stage(
+    files: StageFiles = StageFiles(), robot: str = "librarian", backend: str = "kinematic", seed: int = 0
+) -> Stage:
+    """Build a stage.
+
+    Args:
+        files: world and knowledge.
+        robot: a shipped robot's name, or the path of a robot's YAML file.
+        backend: by name.
+        seed: of the simulated errors.
+
+    Raises:
+        FileError: something in the files is wrong.
+    """
+    spec = load_robot(robot)
+    places = load(files.places, Places).places
+    if files.start not in places:
+        raise NoSuchPlace(f"no place {files.start!r} to start at{suggest(files.start, places)}")
+    grid, _ = load_map(files.map)
+    model = WorldModel(grid, places, load(files.catalogue, Catalogue), np.empty((0, 2)))
+    made = make_backend(backend, spec, files.world, seed)
+    return Stage(Robot(made, spec, places[files.start].pose, grid), model, made)
