@@ -21,6 +21,7 @@ def run_task(
     settings: Mapping[str, str],
     seed: int,
     observers: Sequence[Observer] = (),
+    draw: bool = False,
 ) -> tuple[dict[str, Any], int]:
     """Run a task once.
 
@@ -31,6 +32,7 @@ def run_task(
         settings: parameters of the task, values unparsed.
         seed: of the simulated errors.
         observers: told of all that happens.
+        draw: whether `overview.svg` is drawn.
 
     Returns:
         The summary that also stands in the run's folder, and the exit status.
@@ -42,6 +44,11 @@ def run_task(
         folder = new_folder(runs, f"{task.resolve().parent.name}-{seed}")
         judge = Judge(prepared)
         end = execute(prepared, folder, [*observers, judge], metrics=judge.metrics)
+        if draw:
+            from .overview import draw_overview
+
+            model, radius = prepared.model, prepared.robot.spec.footprint_radius_m
+            draw_overview(folder, model.map, model.places, radius)
     return orjson.loads((folder / "summary.json").read_bytes()), end.exit_status
 
 

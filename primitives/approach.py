@@ -64,6 +64,7 @@ class Approach(ActionPrimitive):
             raise Discrepancy(f"no slot is known on {self.shelf}", permanent=True)
         place = model.places[self.shelf]
         base_T_shelf = yield from measure_shelf(robot, place)
+        assert place.shelf is not None  # it was measured
         self._held, self._around = held_box(book), shelf_boxes(base_T_shelf, place.shelf)
         goal = _before(book, (slot.left + slot.right) / 2)
         yield from move_to_pose(robot, base_T_shelf @ goal, self._held, self._around)
@@ -73,7 +74,7 @@ class Approach(ActionPrimitive):
     def _centre(
         self, robot: Robot, base_T_shelf: Transform, goal: Transform, slot: Slot
     ) -> Generator[None, None, Slot]:
-        """Look and move until the hand is before the slot's middle; gives the slot as it is seen from there."""
+        """Look and move until the hand is before the slot's middle; gives the slot as seen from there."""
         for number in range(1, LOOKS + 1):
             slot = yield from self._measured(robot, base_T_shelf, slot)
             hand = inverse(base_T_shelf) @ robot.base_T("hand")
@@ -92,7 +93,7 @@ class Approach(ActionPrimitive):
         view = yield from look(robot, base_T_shelf, self._held)
         between = bool(slot.before)
         within = WITHIN if between else WITHIN_AT_END
-        left = slot_edge(view.image, view.camera, view.camera_T_shelf, slot.left, within, view.mask, between)
+        left = slot_edge(view, slot.left, within, between)
         moved = slot if left is None else slot._replace(left=left, right=left - (slot.left - slot.right))
         self.evidence.pictures["slot"] = draw_overlay(
             view.image,

@@ -63,25 +63,29 @@ class Insert(ActionPrimitive):
     def motion(self, robot: Robot, model: ModelView) -> Periods:
         if model.book is None or not holds(robot, model.book):
             raise Discrepancy("the hand doesn't hold the book")
+        end = yield from self._end(robot, model)
         start = robot.arm_model.forward(robot.arm.command())
-        if self.method == "taught":
-            *way, last = taught_postures(robot, "insert", 1)
-            self._base_T_end = robot.arm_model.forward(last)
-            for posture in way:
-                yield from move_to_joints(robot, posture)
-        else:
-            base_T_shelf = yield from measure_shelf(robot, model.places[self.shelf])
-            self._base_T_end = _end(base_T_shelf, start)
         edge, held = HAND_TO_SPINE + model.book.depth_mm / 1e3, held_box(model.book)
-        for number, (aside, turn) in enumerate(WIGGLES if self.wiggle else WIGGLES[:1], start=1):
+        ways = WIGGLES if self.wiggle and self.method == "planned" else WIGGLES[:1]
+        for number, (aside, turn) in enumerate(ways, start=1):
             yield from move_straight(robot, start @ _about(edge, aside, turn), held)
-            pushed = yield from self._try(robot, self._base_T_end)
+            pushed = yield from self._try(robot, end)
             self.found(force_n=round(self._strongest, 1), tries=number)
             if not pushed.met:
                 return
             yield from relax(robot)
             yield from move_straight(robot, start, held)
         raise Discrepancy(f"the book jams: it resists with {pushed.force:.0f} N")
+
+    def _end(self, robot: Robot, model: ModelView) -> Generator[None, None, Transform]:
+        """base_T_hand (4, 4) where the push ends; taught, the hand goes to the posture before it."""
+        if self.method == "planned":
+            base_T_shelf = yield from measure_shelf(robot, model.places[self.shelf])
+            return _before_spines(base_T_shelf, robot.arm_model.forward(robot.arm.command()))
+        *way, last = taught_postures(robot, "insert", 1)
+        for posture in way:
+            yield from move_to_joints(robot, posture)
+        return robot.arm_model.forward(last)
 
     def _try(self, robot: Robot, end: Transform) -> Generator[None, None, Pushed]:
         """Half the way straight ahead, which brings the book into the slot; then on to `end`."""
@@ -119,7 +123,7 @@ class Insert(ActionPrimitive):
             raise NeedsPerson(f"{self._strongest:.0f} N may have pushed a neighbour back")
 
 
-def _end(base_T_shelf: Transform, base_T_hand: Transform) -> Transform:
+def _before_spines(base_T_shelf: Transform, base_T_hand: Transform) -> Transform:
     """The pose of the hand (4, 4) further along the shelf's x, its tips just before the spines."""
     shelf_T_hand = inverse(base_T_shelf) @ base_T_hand
     if shelf_T_hand[0, 3] > -TIPS_BEFORE - HAND_TO_TIPS:

@@ -50,7 +50,8 @@ class Recognize(ActionPrimitive):
     """Read the tag of the book on the tray, and look it up in the catalogue.
 
     The tag is read in a few views from beside each other: where their lines of sight meet stands the spine.
-    How far the book is turned can't be seen on a tag of 10 mm: it counts as set straight, and the fingers turn it.
+    How far the book is turned can't be seen on a tag of 10 mm: it counts as set straight, and the fingers
+    turn it.
     """
 
     needs: ClassVar = (Arm, Camera)

@@ -21,18 +21,19 @@ from robotics.perception.label_reader import LabelReader
 from robotics.perception.ocr_label_reader import OcrLabelReader
 from robotics.perception.overlay import draw_overlay
 from robotics.perception.shelf_views import ShelfReading, fuse_views
-from robotics.perception.spines import SpineView, find_spines
+from robotics.perception.spines import Gap, SpineView, find_spines
 from robotics.perception.template_label_reader import TemplateLabelReader
 
 from .action_primitive import ActionPrimitive, Periods
 from .arm_motion import move_straight, move_to_pose, shelf_boxes
 from .discrepancy import Discrepancy
 from .grip import HAND_TO_SPINE
-from .hand_view import held_book, look
+from .hand_view import HandView, held_book, look
 from .knowledge import Book, Shelf
 from .label_templates import PX_PER_M, label_templates
 from .place_name import PlaceName
 from .shelf_front import measure_shelf
+from .slot_edge import book_end
 from .world_model import ModelView, Slot
 
 AWAY = 0.285  # [m] from the camera to the spines
@@ -70,6 +71,7 @@ class Search(ActionPrimitive):
     _held: Box | None = PrivateAttr(default=None)
     _around: tuple[Box, ...] = PrivateAttr(default=())
     _views: list[SpineView] = PrivateAttr(default_factory=list)
+    _last: HandView | None = PrivateAttr(default=None)
 
     def motion(self, robot: Robot, model: ModelView) -> Periods:
         book = model.book
@@ -77,6 +79,7 @@ class Search(ActionPrimitive):
             raise Discrepancy("no book has been recognized", permanent=True)
         place = model.places[self.shelf]
         self._base_T_shelf = yield from measure_shelf(robot, place)
+        assert place.shelf is not None  # it was measured
         self._held = held_book(robot, book)
         self._around = shelf_boxes(self._base_T_shelf, place.shelf)
         reader = self._make_reader([each.call for each in model.catalogue.books])
@@ -85,11 +88,11 @@ class Search(ActionPrimitive):
         number = parse(book.call)
         if number is None:
             raise Discrepancy(f"{book.call!r} in the catalogue is no call number", permanent=True)
-        end = _end_of_row(self._reading(), number)
         found = self._find(book, number)
+        end = _end_of_row(self._reading(), number, isinstance(found, NoGap))
         if end is not None:
             yield from self._look_from(robot, reader, [end - book.thickness_mm / 1e3 - PLAY])
-            found = self._find(book, number, self._views[-1:])
+            found = self._find(book, number, self._end_slots(book))
         elif isinstance(found, GapFound):
             yield from self._look_from(robot, reader, [found.centre + ASIDE, found.centre - ASIDE])
             found = self._find(book, number)
@@ -146,7 +149,7 @@ class Search(ActionPrimitive):
         yield from move_to_pose(robot, base_T_hand, self._held, self._around)
 
     def _see(self, robot: Robot, reader: LabelReader) -> Generator[None, None, None]:
-        view = yield from look(robot, self._base_T_shelf, self._held)
+        view = self._last = yield from look(robot, self._base_T_shelf, self._held)
         labels = reader.read(view.image, view.camera, view.camera_T_shelf, view.mask)
         seen = find_spines(view.image, view.camera, view.camera_T_shelf, labels, view.mask)
         self._views.append(seen)
@@ -157,14 +160,19 @@ class Search(ActionPrimitive):
     def _reading(self) -> ShelfReading:
         return fuse_views(self._views, self.fuse)
 
-    def _find(
-        self, book: Book, number: CallNumber, closest: Sequence[SpineView] | None = None
-    ) -> GapFound | NoGap:
-        """The slot in what was seen; with `closest`, those views alone tell where there are slots."""
+    def _end_slots(self, book: Book) -> tuple[Gap, ...]:
+        """The slot between the last book and the book end, in the last view."""
+        left = self._reading().books[-1].right
+        assert self._last is not None
+        right = book_end(self._last, left, book.thickness_mm / 1e3)
+        return () if right is None else (Gap(left, right),)
+
+    def _find(self, book: Book, number: CallNumber, slots: tuple[Gap, ...] | None = None) -> GapFound | NoGap:
+        """The slot in what was seen, among `slots` if they are given."""
         reading = self._reading()
         self._note(reading)
-        if closest is not None:
-            reading = reading._replace(gaps=fuse_views(closest, self.fuse).gaps)
+        if slots is not None:
+            reading = reading._replace(gaps=slots)
         return find_gap(reading, number, book.thickness_mm / 1e3, misplacement=self.misplacement)
 
     def _note(self, reading: ShelfReading) -> None:
@@ -182,12 +190,13 @@ class Search(ActionPrimitive):
         model.slot = Slot(self.shelf, found.left, found.right, SIGMA, after, before)
 
 
-def _end_of_row(reading: ShelfReading, number: CallNumber) -> float | None:
-    """y of the last book's right side in [m], where the wanted one belongs to the right of all others.
+def _end_of_row(reading: ShelfReading, number: CallNumber, no_gap: bool) -> float | None:
+    """y of the last book's right side in [m], where the wanted one belongs to the right of all in order.
 
     The slot there is bounded by a book end, which stands back: only straight before it is its place seen.
+    Where the last book is a misplaced one, the slot may also be left of it: then `no_gap` was found there.
     """
     read = ordered([book.call_number for book in reading.books if book.call_number is not None])
-    if not read or number < read[-1] or reading.books[-1].call_number != read[-1]:
+    if not read or number < read[-1]:
         return None
-    return reading.books[-1].right
+    return reading.books[-1].right if no_gap or reading.books[-1].call_number == read[-1] else None

@@ -1,14 +1,11 @@
-"""The side of a slot, seen past a held book."""
+"""The sides of a slot, seen past a held book."""
 
 from __future__ import annotations
 
-import numpy as np
-from numpy.typing import NDArray
-
-from robotics.geometry.transform import Transform
-from robotics.perception.camera_model import CameraModel
 from robotics.perception.label_finder import flat_view
-from robotics.perception.spine_edges import falling_edges, strips_of, upright
+from robotics.perception.spine_edges import Strips, falling_edges, strips_of, upright
+
+from .hand_view import HandView
 
 M_PER_PX = 0.0003
 HEIGHTS = (0.045, 0.160)  # [m] above the board: what is seen from the height at which a book goes in
@@ -16,32 +13,22 @@ SPINE, DARK = (
     (0.010, 0.002),
     (0.001, 0.005),
 )  # [m] left and right of the side: where spine and slot are compared
+LOW_HEIGHTS = (0.012, 0.150)  # [m]: the same from the height at which labels are read
+PLAY = (0.0, 0.015)  # [m] by which a slot may be wider than its book, as measured
 DARKER = 0.65  # a slot's brightness, against the spine's
 
 
-def slot_edge(
-    image: NDArray[np.uint8],
-    camera: CameraModel,
-    camera_T_shelf: Transform,
-    expected: float,
-    within: float,
-    mask: NDArray[np.bool_],
-    dark: bool = True,
-) -> float | None:
+def slot_edge(view: HandView, expected: float, within: float, dark: bool = True) -> float | None:
     """y in the shelf frame of a slot's left side, in [m]; None where no such side is seen.
 
     Args:
-        image: (h, w).
-        camera: that took it.
-        camera_T_shelf: (4, 4).
+        view: past the held book.
         expected: y of the side as it was seen before, in [m].
         within: how far from there it may be, in [m].
-        mask: (h, w), True where the image shows the shelf.
         dark: whether the slot must be darker than its neighbour, as it is between two books; at the end of
             the row a book end may be seen through it.
     """
-    view = flat_view(image, camera, camera_T_shelf, mask, M_PER_PX, HEIGHTS)
-    strips = upright(strips_of(view))
+    strips = _strips(view, HEIGHTS)
     sides = []
     for edge in falling_edges(strips):
         spine = strips.brightness(edge.y + SPINE[0], edge.y + SPINE[1], HEIGHTS[0])
@@ -50,3 +37,25 @@ def slot_edge(
             sides.append(edge.y)
     near = [y for y in sides if abs(y - expected) < within]
     return min(near, key=lambda y: abs(y - expected), default=None)
+
+
+def book_end(view: HandView, left: float, thickness: float) -> float | None:
+    """y in the shelf frame of the book end right of the last book, in [m]; None where none is seen.
+
+    It may be as dark as some spines are, so its edge tells it, not its grey. It stands back: the camera must
+    be straight before it.
+
+    Args:
+        view: from before the book end's edge.
+        left: y of the last book's right side, in [m].
+        thickness: of a book for which there would be a slot between, in [m].
+    """
+    strips = _strips(view, LOW_HEIGHTS)
+    edges = falling_edges(strips.mirrored())
+    fitting = [e for e in edges if PLAY[0] < left - e.y - thickness < PLAY[1]]
+    return max(fitting, key=lambda edge: edge.drop).y if fitting else None
+
+
+def _strips(view: HandView, heights: tuple[float, float]) -> Strips:
+    flat = flat_view(view.image, view.camera, view.camera_T_shelf, view.mask, M_PER_PX, heights)
+    return upright(strips_of(flat))

@@ -29,7 +29,7 @@ def run(
 
     chosen = dict(split_setting(each) for each in settings or [])
     with Progress() as progress:
-        summary, status = run_task(task, runs, backend, chosen, seed, [progress])
+        summary, status = run_task(task, runs, backend, chosen, seed, [progress], draw=True)
     if as_json:
         print(orjson.dumps(summary).decode())
     else:

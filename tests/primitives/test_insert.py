@@ -92,6 +92,23 @@ def test_a_cancel_in_the_slot_pulls_the_book_out(at_slot: Callable[..., Any], se
     assert np.allclose(spine(rig), start, atol=1e-3)
 
 
+def test_taught_it_plays_back_postures(at_slot: Callable[..., Any]) -> None:
+    rig = at_slot()
+    assert "insert_1" in rig.run(Insert(shelf="shelf_1", method="taught")).reason
+    arm, spec = rig.robot.arm_model, rig.robot.spec
+    near, postures = rig.robot.arm.command(), dict(spec.arm.postures)
+    for number, ahead in enumerate((0.02, 0.16), start=1):
+        hand = arm.forward(rig.robot.arm.command())
+        hand[:3, 3] += ahead * hand[:3, 0]
+        near = arm.inverse(hand, near)
+        postures[f"insert_{number}"] = tuple(np.degrees(near))
+    taught = spec.arm.model_copy(update={"postures": postures})
+    rig.robot.spec = spec.model_copy(update={"arm": taught})
+    before = spine(rig)
+    assert isinstance(rig.run(Insert(shelf="shelf_1", method="taught")), Success)
+    assert spine(rig)[0] - before[0] == pytest.approx(0.16, abs=0.002)
+
+
 def _inserted(rig: Any) -> int:
     """Tries that it took; 0 where it failed."""
     outcome = rig.run(Insert(shelf="shelf_1"))

@@ -1,0 +1,113 @@
+"""Bad input: exit status 2 before anything moves, every error at once, with file, line and column."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+TASKS = Path(__file__).resolve().parents[2] / "tasks"
+TASK = """\
+format: handcart-task/1
+title: A test
+robot: librarian
+world: world.yaml
+knowledge: {map: map.yaml, places: places.yaml, catalogue: catalogue.yaml, start: home}
+start: here
+goal: there
+situations: {here: {base: home}, there: {base: shelf}}
+actions:
+  - {do: MOVE_TO, from: here, to: there, cost_s: 30, with: {place: shelf_3, wait_s: 1.0}}
+"""
+
+
+@pytest.fixture
+def broken(tmp_path: Path) -> Callable[..., Path]:
+    """A task file in a folder with the library's files, with some text replaced."""
+    for name in ("world.yaml", "map.yaml", "map.png", "places.yaml", "catalogue.yaml"):
+        (tmp_path / name).write_bytes((TASKS / "return_book" / name).read_bytes())
+
+    def write(*changes: tuple[str, str]) -> Path:
+        text = TASK
+        for old, new in changes:
+            assert old in text
+            text = text.replace(old, new)
+        path = tmp_path / "task.yaml"
+        path.write_text(text, encoding="utf-8")
+        return path
+
+    return write
+
+
+def test_the_task_itself_is_right(handcart: Callable[..., Any], broken: Callable[..., Path]) -> None:
+    assert handcart("check", broken()).status == 0
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "place", "words"),
+    [
+        ("MOVE_TO", "MOVE_TOO", ":10:10: ", "did you mean 'MOVE_TO'"),
+        ("place: shelf_3", "place: 3", ":10:", "text"),
+        ("wait_s: 1.0", "wait_s: 1e9", ":10:", "600"),
+        ("wait_s: 1.0", "weit_s: 1.0", ":10:", "did you mean 'wait_s'"),
+        ("from: here", "from: hier", ":10:", "did you mean 'here'"),
+        ("goal: there", "goal: their", ":7:7: ", "did you mean 'there'"),
+        ("to: there", "to: here", ":7:", "reach"),
+        ("cost_s: 30", "cost_s: -1", ":10:", "cost_s"),
+        ("place: shelf_3", "place: shelf_33", ":10:", "shelf_3"),
+        ("robot: librarian", "robot: librarien", "", "librarien"),
+        ("map: map.yaml", "map: mop.yaml", "mop.yaml", "mop.yaml"),
+    ],
+)
+def test_one_error_is_told_with_its_place(
+    handcart: Callable[..., Any], broken: Callable[..., Path], old: str, new: str, place: str, words: str
+) -> None:
+    path = broken((old, new))
+    said = handcart("run", path, "--runs", path.parent / "runs")
+    assert said.status == 2
+    assert place in said.err
+    assert words in said.err
+    assert "Traceback" not in said.err
+    assert not (path.parent / "runs").exists()
+
+
+def test_all_errors_are_told_at_once(handcart: Callable[..., Any], broken: Callable[..., Path]) -> None:
+    path = broken(("goal: there", "goal: their"), ("MOVE_TO", "MOVE_TOO"), ("title: A test", "titel: A test"))
+    said = handcart("check", path)
+    assert said.status == 2
+    assert "titel" in said.err
+    lines = [line for line in said.err.splitlines() if line.startswith(str(path))]
+    assert len(lines) >= 2
+
+
+def test_a_missing_file_is_told(handcart: Callable[..., Any], tmp_path: Path) -> None:
+    said = handcart("run", tmp_path / "nothing.yaml")
+    assert said.status == 2
+    assert "nothing.yaml" in said.err
+
+
+def test_t17_a_robot_without_a_needed_capability_is_refused(
+    handcart: Callable[..., Any], broken: Callable[..., Path]
+) -> None:
+    robots = Path(__file__).resolve().parents[2] / "backends" / "robots" / "librarian"
+    path = broken(("robot: librarian", "robot: blind.yaml"))
+    lines = (robots / "robot.yaml").read_text(encoding="utf-8").split("\n")
+    start = next(i for i, line in enumerate(lines) if line.startswith("range_sensor:"))
+    end = next(i for i in range(start + 1, len(lines)) if lines[i] and not lines[i].startswith((" ", "#")))
+    text = "\n".join(lines[:start] + lines[end:]).replace("localiser: scan", "localiser: odometry")
+    (path.parent / "blind.yaml").write_text(text, encoding="utf-8")
+    (path.parent / "librarian.urdf").write_bytes((robots / "librarian.urdf").read_bytes())
+    said = handcart("run", path, "--runs", path.parent / "runs")
+    assert said.status == 2
+    assert "RangeSensor" in said.err
+
+
+def test_an_unknown_backend_and_an_unknown_setting_are_refused(
+    handcart: Callable[..., Any], broken: Callable[..., Path]
+) -> None:
+    said = handcart("run", broken(), "--backend", "kinematik")
+    assert (said.status, "did you mean 'kinematic'" in said.err) == (2, True)
+    said = handcart("run", TASKS / "return_book" / "task.yaml", "--set", "wait=3")
+    assert (said.status, "did you mean 'wait_s'" in said.err) == (2, True)
