@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Generator, Sequence
+from itertools import pairwise
 from typing import ClassVar, Literal
 
 import numpy as np
@@ -74,9 +75,7 @@ class Search(ActionPrimitive):
     _last: HandView | None = PrivateAttr(default=None)
 
     def motion(self, robot: Robot, model: ModelView) -> Periods:
-        book = model.book
-        if book is None:
-            raise Discrepancy("no book has been recognized", permanent=True)
+        book, number = _wanted(model)
         place = model.places[self.shelf]
         self._base_T_shelf = yield from measure_shelf(robot, place)
         assert place.shelf is not None  # it was measured
@@ -85,22 +84,17 @@ class Search(ActionPrimitive):
         reader = self._make_reader([each.call for each in model.catalogue.books])
         stops = self._stops(robot, place.shelf)
         yield from self._look_from(robot, reader, stops)
-        number = parse(book.call)
-        if number is None:
-            raise Discrepancy(f"{book.call!r} in the catalogue is no call number", permanent=True)
         found = self._find(book, number)
         end = _end_of_row(self._reading(), number, isinstance(found, NoGap))
         if end is not None:
-            yield from self._look_from(robot, reader, [end - book.thickness_mm / 1e3 - PLAY])
-            found = self._find(book, number, self._end_slots(book))
+            closer = [end - book.thickness_mm / 1e3 - PLAY]
         elif isinstance(found, GapFound):
-            yield from self._look_from(robot, reader, [found.centre + ASIDE, found.centre - ASIDE])
-            found = self._find(book, number)
+            closer = [found.centre + ASIDE, found.centre - ASIDE]
         else:
-            between = [(a + b) / 2 for a, b in zip(stops[1:], stops[:-1], strict=True)]
-            yield from self._look_from(robot, reader, between[::-1])
-            found = self._find(book, number)
-        self._conclude(model, found)
+            closer = [(a + b) / 2 for a, b in pairwise(stops)][::-1]
+        yield from self._look_from(robot, reader, closer)
+        slots = None if end is None else self._slot_at(end, book)
+        self._conclude(model, self._find(book, number, slots))
 
     def _make_reader(self, calls: Sequence[str]) -> LabelReader:
         numbers: list[CallNumber] = [number for call in calls if (number := parse(call)) is not None]
@@ -160,9 +154,8 @@ class Search(ActionPrimitive):
     def _reading(self) -> ShelfReading:
         return fuse_views(self._views, self.fuse)
 
-    def _end_slots(self, book: Book) -> tuple[Gap, ...]:
-        """The slot between the last book and the book end, in the last view."""
-        left = self._reading().books[-1].right
+    def _slot_at(self, left: float, book: Book) -> tuple[Gap, ...]:
+        """The slot between the last book, whose right side is `left`, and the book end, in the last view."""
         assert self._last is not None
         right = book_end(self._last, left, book.thickness_mm / 1e3)
         return () if right is None else (Gap(left, right),)
@@ -190,13 +183,26 @@ class Search(ActionPrimitive):
         model.slot = Slot(self.shelf, found.left, found.right, SIGMA, after, before)
 
 
+def _wanted(model: ModelView) -> tuple[Book, CallNumber]:
+    """The book whose slot is looked for, and its call number."""
+    book: Book | None = model.book
+    if book is None:
+        raise Discrepancy("no book has been recognized", permanent=True)
+    number = parse(book.call)
+    if number is None:
+        raise Discrepancy(f"{book.call!r} in the catalogue is no call number", permanent=True)
+    return book, number
+
+
 def _end_of_row(reading: ShelfReading, number: CallNumber, no_gap: bool) -> float | None:
     """y of the last book's right side in [m], where the wanted one belongs to the right of all in order.
 
     The slot there is bounded by a book end, which stands back: only straight before it is its place seen.
     Where the last book is a misplaced one, the slot may also be left of it: then `no_gap` was found there.
     """
-    read = ordered([book.call_number for book in reading.books if book.call_number is not None])
+    known = [(book.right, book.call_number) for book in reading.books if book.call_number is not None]
+    read = ordered([name for _, name in known])
     if not read or number < read[-1]:
         return None
-    return reading.books[-1].right if no_gap or reading.books[-1].call_number == read[-1] else None
+    right, last = known[-1]
+    return right if no_gap or last == read[-1] else None

@@ -37,6 +37,8 @@ def check(
         print(orjson.dumps({"ok": True, **told}).decode())
         return
     print(f"{file}: no fault found")
+    for warning in told.pop("warnings", ()):
+        print(f"  warning: {warning}")
     for name, value in told.items():
         print(f"  {name}: {value}")
 

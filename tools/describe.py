@@ -1,26 +1,48 @@
-"""`handcart describe`: what a primitive takes, needs and does."""
+"""`handcart describe`: what a primitive takes, needs and does; what a backend is."""
 
 from __future__ import annotations
 
 import inspect
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+if TYPE_CHECKING:
+    from primitives.action_primitive import ActionPrimitive
 
-def describe(name: Annotated[str, typer.Argument(help="a primitive, such as MOVE_TO")]) -> None:
-    """Tell what a primitive does, takes, needs, reads and writes."""
-    from primitives.registry import primitive_class
 
-    try:
-        kind = primitive_class(name)
-    except KeyError as unknown:
-        raise typer.BadParameter(str(unknown.args[0])) from None
-    print(f"{name}\n\n{inspect.cleandoc(kind.__doc__ or '')}\n")
-    for key, field in kind.model_fields.items():
-        default = "required" if field.is_required() else f"default {field.default!r}"
-        what = getattr(field.annotation, "__name__", field.annotation)
-        print(f"  {key} ({what}, {default}): {field.description}")
+def describe(name: Annotated[str, typer.Argument(help="a primitive, such as MOVE_TO, or a backend")]) -> None:
+    """Tell what a primitive does, takes, needs, reads and writes, or what a backend is."""
+    from backends.registry import backend_class, backend_names
+    from primitives.registry import primitive_class, primitive_names
+
+    if name in backend_names():
+        print(f"{name}\n\n{inspect.getdoc(backend_class(name))}")
+        return
+    if name not in primitive_names():
+        from files.suggest import suggest
+
+        known = [*primitive_names(), *backend_names()]
+        raise typer.BadParameter(f"unknown name {name!r}{suggest(name, known)}")
+    _describe_primitive(name, primitive_class(name))
+
+
+def _describe_primitive(name: str, kind: type[ActionPrimitive]) -> None:
+    print(f"{name}\n\n{inspect.getdoc(kind)}\n")
+    print("\n".join(_parameters(kind)) or "  no parameters")
     print(f"\nneeds:  {', '.join(each.__name__ for each in kind.needs) or 'nothing'}")
     print(f"reads:  {', '.join(kind.reads) or 'nothing'}")
     print(f"writes: {', '.join(kind.writes) or 'nothing'}")
+
+
+def _parameters(kind: type[ActionPrimitive]) -> list[str]:
+    from files.schema_walk import SchemaWalk
+    from files.schema_words import described, shown
+
+    walk = SchemaWalk(kind.__pydantic_core_schema__)
+    lines = []
+    for key, field in kind.model_fields.items():
+        default = "required" if field.is_required() else f"default {shown(field.default)}"
+        told = f": {field.description}" if field.description else ""
+        lines.append(f"  {key} ({described(walk, walk.place((key,)).schema, key)}; {default}){told}")
+    return lines

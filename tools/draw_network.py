@@ -17,7 +17,9 @@ def draw(
     from networks.drawing import FORMATS
     from networks.task_file import load_task
 
+    from .writing import write_text
+
     if output.suffix not in FORMATS:
         raise typer.BadParameter(f"no drawing for {output.suffix!r}{suggest(output.suffix, FORMATS)}")
-    output.write_text(FORMATS[output.suffix](load_task(task).network), encoding="utf-8")
+    write_text(output, FORMATS[output.suffix](load_task(task).network))
     print(f"drawn into {output}")

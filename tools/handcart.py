@@ -37,7 +37,9 @@ class LazyGroup(TyperGroup):
     def get_command(self, ctx: Any, cmd_name: str) -> Any:
         """The command, imported now."""
         if cmd_name not in COMMANDS:
-            return None
+            from files.suggest import suggest
+
+            ctx.fail(f"unknown command {cmd_name!r}{suggest(cmd_name, COMMANDS)}")
         module, function, told = COMMANDS[cmd_name]
         app = typer.Typer(add_completion=False, rich_markup_mode=None, pretty_exceptions_enable=False)
         app.command(cmd_name, help=told)(getattr(import_module(module), function))
@@ -71,8 +73,18 @@ def main(arguments: list[str] | None = None) -> None:
     except KeyboardInterrupt:
         sys.exit(130)
     except Exception as error:
-        status = getattr(type(error), "exit_status", None)
-        if status is None:
-            raise
+        sys.exit(_told(error))
+
+
+def _told(error: Exception) -> int:
+    """Tell of an error in words, of a fault of our own with its traceback too; gives the exit status."""
+    from files.errors import HandcartError
+
+    if isinstance(error, HandcartError):
         print(error, file=sys.stderr)
-        sys.exit(status)
+        return error.exit_status
+    import traceback
+
+    traceback.print_exception(error)
+    print("this is a fault in handcart, not in what you gave it", file=sys.stderr)
+    return 5

@@ -21,6 +21,7 @@ def schema(
     from files.suggest import suggest
 
     from .file_kinds import model_of
+    from .writing import write_text
 
     if kind not in KINDS:
         raise typer.BadParameter(f"unknown kind of file {kind!r}{suggest(kind, KINDS)}")
@@ -28,4 +29,4 @@ def schema(
     if output is None:
         print(text)
     else:
-        output.write_text(text + "\n", encoding="utf-8")
+        write_text(output, text + "\n")

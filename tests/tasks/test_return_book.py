@@ -1,0 +1,90 @@
+"""The task return_book, through `handcart run`'s own function and the generated libraries."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from evaluation.campaign import Setting, Trial, run_trial
+from networks.journal_record import read_journal, without_wall
+
+ROOT = Path(__file__).resolve().parents[2]
+TASK = ROOT / "tasks" / "return_book" / "task.yaml"
+
+
+def trial(tmp_path: Path, seed: int, settings: dict[str, str] | None = None, **library: Any) -> Trial:
+    return run_trial(Setting(TASK, None, settings, library or None, tmp_path), seed)
+
+
+def test_the_book_stands_in_its_place(tmp_path: Path) -> None:
+    done = trial(tmp_path, 11)
+    assert done.status == 0
+    metrics = done.summary["metrics"]
+    assert metrics["slot_correct"]
+    assert abs(metrics["proud_mm"]) < 10.0
+    assert metrics["tilt_deg"] < 5.0
+    assert metrics["pushed_mm"] < 10.0
+    assert metrics["labels_read"] > 15
+    assert metrics["untrue"] == []
+
+
+def test_a_box_on_the_way_is_a_fail_then_another_way_is_found(tmp_path: Path) -> None:
+    done = trial(tmp_path, 2, misplaced=True, blocked="way_around")
+    assert done.status == 0
+    assert done.summary["fails"] >= 1
+    assert done.summary["replans"] >= 1
+    assert done.untrue == []
+
+
+def test_where_no_way_is_left_the_robot_is_restored_and_the_reason_names_the_place(tmp_path: Path) -> None:
+    done = trial(tmp_path, 3, blocked="closed")
+    assert done.status == 3
+    assert done.summary["situation"] == "way_blocked"
+    assert "no way around leads to shelf_" in done.summary["reason"]
+    assert done.untrue == []
+
+
+@pytest.mark.parametrize(
+    ("library", "words"),
+    [
+        ({"tag": "smeared"}, "no tag can be read"),
+        ({"tag": "unknown"}, "not in the catalogue"),
+        ({"gap": False}, "there is no free slot"),
+    ],
+)
+def test_what_can_not_be_done_ends_with_status_3_and_a_reason(
+    tmp_path: Path, library: dict[str, Any], words: str
+) -> None:
+    done = trial(tmp_path, 4, **library)
+    assert done.status == 3
+    assert words in done.summary["reason"]
+    assert done.untrue == []
+
+
+def test_n11_same_seed_same_journal_whatever_the_hash_seed(tmp_path: Path) -> None:
+    journals = []
+    for hash_seed in ("0", "99"):
+        runs = tmp_path / hash_seed
+        words = ["run", str(TASK), "--seed", "5", "--runs", str(runs), "--json"]
+        code = f"from tools.handcart import main; main({words!r})"
+        said = subprocess.run(
+            [sys.executable, "-c", code],
+            env=os.environ | {"PYTHONHASHSEED": hash_seed},
+            cwd=ROOT,
+            capture_output=True,
+            text=True,
+            check=True,
+        )
+        told = json.loads(said.stdout.splitlines()[-1])
+        assert {"outcome", "situation", "reason", "actions", "fails", "replans", "sim_time_s"} <= told.keys()
+        assert {"wall_time_s", "seed", "backend", "run_dir", "metrics"} <= told.keys()
+        folder = Path(told["run_dir"])
+        assert (folder / "overview.svg").stat().st_size > 10_000
+        journals.append([without_wall(each) for each in read_journal(folder / "journal.jsonl").records])
+    assert journals[0] == journals[1]
