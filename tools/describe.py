@@ -1,4 +1,4 @@
-"""`handcart describe`: what a primitive takes, needs and does; what a backend is."""
+"""`handcart describe`: what a primitive takes, needs and does."""
 
 from __future__ import annotations
 
@@ -11,23 +11,14 @@ if TYPE_CHECKING:
     from primitives.action_primitive import ActionPrimitive
 
 
-def describe(name: Annotated[str, typer.Argument(help="a primitive, such as MOVE_TO, or a backend")]) -> None:
-    """Tell what a primitive does, takes, needs, reads and writes, or what a backend is."""
-    from backends.registry import backend_class, backend_names
-    from primitives.registry import primitive_class, primitive_names
+def describe(name: Annotated[str, typer.Argument(help="a primitive, such as MOVE_TO")]) -> None:
+    """Tell what a primitive does, takes, needs, reads and writes."""
+    from primitives.registry import primitive_class
 
-    if name in backend_names():
-        print(f"{name}\n\n{inspect.getdoc(backend_class(name))}")
-        return
-    if name not in primitive_names():
-        from files.suggest import suggest
-
-        known = [*primitive_names(), *backend_names()]
-        raise typer.BadParameter(f"unknown name {name!r}{suggest(name, known)}")
-    _describe_primitive(name, primitive_class(name))
-
-
-def _describe_primitive(name: str, kind: type[ActionPrimitive]) -> None:
+    try:
+        kind = primitive_class(name)
+    except KeyError as unknown:
+        raise typer.BadParameter(str(unknown.args[0])) from None
     print(f"{name}\n\n{inspect.getdoc(kind)}\n")
     print("\n".join(_parameters(kind)) or "  no parameters")
     print(f"\nneeds:  {', '.join(each.__name__ for each in kind.needs) or 'nothing'}")

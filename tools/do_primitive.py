@@ -4,9 +4,12 @@ from __future__ import annotations
 
 import sys
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
+
+if TYPE_CHECKING:
+    from primitives.action_primitive import ActionPrimitive
 
 STATUS = {"Success": 0, "Fail": 3, "GiveUp": 4}
 
@@ -27,10 +30,11 @@ def do(
     from evaluation.stage import StageFiles, set_stage
     from primitives.outcome import Success
 
-    made = _make(primitive, parameters or [])
+    made = _made(primitive, parameters or [])
     given = {"world": world, "map": map, "places": places, "catalogue": catalogue, "start": start}
     files = StageFiles(**{name: value for name, value in given.items() if value is not None})  # type: ignore[arg-type]
     with set_stage(files, robot, backend, seed) as stage:
+        _check_places(made, stage.model.places)
         outcome = stage.do(made)
     word = type(outcome).__name__
     print(word if isinstance(outcome, Success) else f"{word}: {outcome.reason}")
@@ -40,17 +44,46 @@ def do(
     sys.exit(STATUS[word])
 
 
-def _make(name: str, parameters: list[str]) -> Any:
+def _made(name: str, parameters: list[str]) -> ActionPrimitive:
     """The primitive with its parameters, checked as in a task file."""
-    from files.loading import load_part
-    from files.settings import split_setting
-    from files.yaml_document import parse_document
+    from files.errors import FileError
     from primitives.registry import primitive_class
 
     try:
         kind = primitive_class(name)
     except KeyError as unknown:
         raise typer.BadParameter(str(unknown.args[0])) from None
-    pairs = [split_setting(each) for each in parameters]
-    text = "".join(f"{key}: {value}\n" for key, value in pairs) or "{}\n"
-    return load_part(parse_document(text.encode(), f"handcart do {name}"), (), kind)
+    try:
+        return _read(name, kind, parameters)
+    except FileError as error:
+        raise FileError(_as_typed(error)) from None
+
+
+def _read(name: str, kind: type[ActionPrimitive], parameters: list[str]) -> ActionPrimitive:
+    from files.loading import load_part
+    from files.settings import setting_value, split_setting
+    from files.yaml_document import Document
+    from files.yaml_node import Node
+
+    content = {}
+    for key, value in map(split_setting, parameters):
+        content[key] = setting_value(key, value)
+    command = f"handcart do {name}"
+    return load_part(Document(command, b"", Node(content, command, 0, 0, 0, 0)), (), kind)
+
+
+def _as_typed(error: Any) -> list[Any]:
+    """Findings without the `--set` that a task's parameters have."""
+    from dataclasses import replace
+
+    return [replace(each, file=each.file.removeprefix("--set ")) for each in error.findings]
+
+
+def _check_places(made: ActionPrimitive, places: Any) -> None:
+    from files.suggest import suggest
+    from primitives.place_name import Names
+
+    for key, field in type(made).model_fields.items():
+        name = getattr(made, key)
+        if any(isinstance(mark, Names) for mark in field.metadata) and name not in places:
+            raise typer.BadParameter(f"{key}={name}: unknown place {name!r}{suggest(name, places)}")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from enum import StrEnum
 from pathlib import Path
 from typing import Annotated
@@ -36,7 +37,15 @@ def list_names(what: Annotated[What, typer.Argument(help="what to list")]) -> No
 def _primitives() -> list[tuple[str, str]]:
     from primitives.registry import primitive_class, primitive_names
 
-    return [(name, _first_line(primitive_class(name).__doc__)) for name in primitive_names()]
+    return [(name, _told(name, primitive_class)) for name in primitive_names()]
+
+
+def _told(name: str, find: Callable[[str], type]) -> str:
+    """The first line of a class's docstring; somebody else's that can't be imported hides no others."""
+    try:
+        return (find(name).__doc__ or "").strip().split("\n")[0]
+    except (ImportError, AttributeError) as error:
+        return f"can't be imported: {error}"
 
 
 def _backends() -> list[tuple[str, str]]:
@@ -46,9 +55,14 @@ def _backends() -> list[tuple[str, str]]:
 
 
 def _robots() -> list[tuple[str, str]]:
-    from backends.robot_file import robot_names
+    from backends.robot_file import ROBOTS, robot_names
 
-    return [(name, "") for name in robot_names()]
+    return [(name, _first_comment(ROBOTS / name / "robot.yaml")) for name in robot_names()]
+
+
+def _first_comment(file: Path) -> str:
+    first = file.read_text(encoding="utf-8").split("\n", 1)[0]
+    return first.removeprefix("#").strip() if first.startswith("#") else ""
 
 
 def _tasks() -> list[tuple[str, str]]:
@@ -56,7 +70,3 @@ def _tasks() -> list[tuple[str, str]]:
 
     found = sorted(TASKS.glob("*/task.yaml"))
     return [(path.parent.name, str(read_document(path).data.get("title", ""))) for path in found]
-
-
-def _first_line(text: str | None) -> str:
-    return (text or "").strip().split("\n")[0]

@@ -20,6 +20,9 @@ def make_library(
     from evaluation import library_generator
     from evaluation.library_files import write_library
 
+    from .writing import check_folder
+
+    check_folder(out)
     library = library_generator.make_library(seed, misplaced, gap, tag, blocked)  # type: ignore[arg-type]
     write_library(library, out)
     print(f"a library of {len(library.rows)} shelves is in {out}; to return: {library.wanted.call}")

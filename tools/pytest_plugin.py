@@ -1,4 +1,4 @@
-"""A pytest plugin: the fixture `stage` runs single primitives in a user's own tests."""
+"""A pytest plugin: fixtures that run single primitives in a user's own tests."""
 
 from __future__ import annotations
 
@@ -8,15 +8,19 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 if TYPE_CHECKING:
-    from evaluation.stage import Stage
+    from evaluation.stage import Stage, StageFiles
+    from primitives.action_primitive import ActionPrimitive
+    from primitives.outcome import Outcome
 
 
 @pytest.fixture
 def set_stage() -> Iterator[Callable[..., Stage]]:
     """Builds stages as `evaluation.stage.set_stage` does, and closes them after the test.
 
-    def test_forward(set_stage):
-        outcome = set_stage(seed=3).do(Forward(distance_m=0.5))
+    def test_there_and_back(set_stage):
+        stage = set_stage(seed=3)
+        for place in ("shelf_1", "home"):
+            assert isinstance(stage.do(MoveTo(place=place)), Success)
     """
     from evaluation.stage import set_stage as build
 
@@ -29,3 +33,25 @@ def set_stage() -> Iterator[Callable[..., Stage]]:
     yield make
     for stage in stages:
         stage.backend.close()
+
+
+@pytest.fixture
+def do_primitive(set_stage: Callable[..., Stage]) -> Callable[..., Outcome]:
+    """Runs one primitive alone, as `handcart do` does, and gives its outcome.
+
+    def test_forward(do_primitive):
+        assert isinstance(do_primitive(Forward(distance_m=0.5), seed=3), Success)
+    """
+
+    def do(
+        primitive: ActionPrimitive,
+        *,
+        files: StageFiles | None = None,
+        robot: str = "librarian",
+        backend: str = "kinematic",
+        seed: int = 0,
+    ) -> Outcome:
+        given = {} if files is None else {"files": files}
+        return set_stage(robot=robot, backend=backend, seed=seed, **given).do(primitive)
+
+    return do

@@ -26,7 +26,9 @@ def run(
     from files.settings import split_setting
 
     from .progress import Progress
+    from .writing import check_folder
 
+    check_folder(runs)
     chosen = dict(split_setting(each) for each in settings or [])
     with Progress() as progress:
         summary, status = run_task(task, runs, backend, chosen, seed, [progress], draw=True)

@@ -3,64 +3,90 @@
 from __future__ import annotations
 
 import difflib
+import re
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
+
+if TYPE_CHECKING:
+    from backends.robot_file import ArmSpec, RobotFile
 
 
 def teach(
     name: Annotated[
-        str, typer.Argument(help="of the posture; pick_up_1, pick_up_2 ... are played by PICK_UP")
+        str,
+        typer.Argument(
+            help="of the posture; PICK_UP plays back pick_up_1, pick_up_2 ..., INSERT insert_1 ..."
+        ),
     ],
-    robot: Annotated[Path, typer.Option(help="the robot's YAML file")],
-    joints: Annotated[str, typer.Option(help="joint angles in degrees: 10,20.5,-30,...")],
-    write: Annotated[bool, typer.Option(help="write it; otherwise only show the change")] = False,
+    robot: Annotated[str, typer.Option(help="the robot's YAML file, or a shipped robot")],
+    joints: Annotated[str | None, typer.Option(help="joint angles in degrees: 10,20.5,-30,...")] = None,
+    from_posture: Annotated[str | None, typer.Option(help="a posture in the file, to copy")] = None,
+    dry_run: Annotated[bool, typer.Option("--dry-run", help="only show what would change")] = False,
 ) -> None:
     """Record a posture into a robot's file, comments and order kept; shows the change."""
-    from backends.robot_file import load_robot
+    from backends.robot_file import ROBOTS, load_robot
 
-    spec = load_robot(str(robot))
+    from .writing import write_text
+
+    spec = load_robot(robot)
+    file = Path(robot) if robot.endswith((".yaml", ".yml")) else ROBOTS / robot / "robot.yaml"
     if spec.arm is None:
-        raise typer.BadParameter("the robot has no arm")
-    angles = _angles(joints, len(spec.arm.joints))
-    _check_limits(angles, spec.urdf_text(), spec.arm.joints)
-    before = robot.read_text(encoding="utf-8")
+        raise typer.BadParameter(f"the robot of {file} has no arm")
+    if not re.fullmatch(r"[a-z][a-z0-9_]*", name):
+        raise typer.BadParameter(
+            f"{name!r} is no name; allowed: small letters, digits and _, such as pick_up_1"
+        )
+    angles = _angles(spec.arm, joints, from_posture)
+    _check_limits(angles, spec, spec.arm)
+    before = file.read_text(encoding="utf-8")
     after = _with_posture(before, name, angles)
-    print(
-        "".join(difflib.unified_diff(before.splitlines(True), after.splitlines(True), str(robot), "new")),
-        end="",
-    )
-    if write:
-        robot.write_text(after, encoding="utf-8")
-        print(f"written into {robot}")
-    else:
-        print("nothing written; add --write to keep it")
+    lines = before.splitlines(keepends=True), after.splitlines(keepends=True)
+    print("".join(difflib.unified_diff(*lines, str(file), f"{file} with {name}")), end="")
+    if not dry_run:
+        write_text(file, after)
+    print(f"{name} {'would be' if dry_run else 'is'} recorded in {file}")
 
 
-def _angles(text: str, count: int) -> list[float]:
+def _angles(arm: ArmSpec, joints: str | None, from_posture: str | None) -> list[float]:
+    if (joints is None) == (from_posture is None):
+        raise typer.BadParameter("what is the posture? allowed: either --joints or --from-posture")
+    if from_posture is not None:
+        return _copied(arm, from_posture)
+    assert joints is not None
+    count = len(arm.joints)
     try:
-        angles = [float(each) for each in text.split(",")]
+        angles = [float(each) for each in joints.split(",")]
     except ValueError:
-        raise typer.BadParameter(f"{text!r} are no angles; allowed: {count} numbers with commas") from None
+        raise typer.BadParameter(f"{joints!r} are no angles; allowed: {count} numbers with commas") from None
     if len(angles) != count:
         raise typer.BadParameter(f"{len(angles)} angles; allowed: {count}, one for each joint")
     return angles
 
 
-def _check_limits(angles: list[float], urdf: str, joints: tuple[str, ...]) -> None:
+def _copied(arm: ArmSpec, posture: str) -> list[float]:
+    from files.suggest import suggest
+
+    if posture not in arm.postures:
+        raise typer.BadParameter(f"unknown posture {posture!r}{suggest(posture, arm.postures)}")
+    return list(arm.postures[posture])
+
+
+def _check_limits(angles: list[float], spec: RobotFile, arm: ArmSpec) -> None:
     import numpy as np
 
     from robotics.kinematics.arm_model import ArmModel
 
-    arm = ArmModel(urdf, joints)
-    for joint, angle, low, high in zip(
-        joints, angles, np.degrees(arm.lower), np.degrees(arm.upper), strict=True
-    ):
-        if not low <= angle <= high:
-            raise typer.BadParameter(
-                f"{joint} can't stand at {angle:g} deg; allowed: {low:.1f} to {high:.1f}"
-            )
+    model = ArmModel(spec.urdf_text(), arm.joints)
+    limits = zip(arm.joints, angles, np.degrees(model.lower), np.degrees(model.upper), strict=True)
+    wrong = [
+        f"{joint} can't stand at {angle:g} deg; allowed: {low:.1f} to {high:.1f}"
+        for joint, angle, low, high in limits
+        if not low <= angle <= high
+    ]
+    if wrong:
+        raise typer.BadParameter("; ".join(wrong))
 
 
 def _with_posture(text: str, name: str, angles: list[float]) -> str:
@@ -70,13 +96,29 @@ def _with_posture(text: str, name: str, angles: list[float]) -> str:
     from ruamel.yaml.comments import CommentedSeq
 
     yaml = YAML()
-    yaml.width = 110
+    yaml.width = 200
     yaml.preserve_quotes = True
     yaml.indent(mapping=2, sequence=4, offset=2)
     data = yaml.load(text)
     posture = CommentedSeq([round(angle, 3) for angle in angles])
     posture.fa.set_flow_style()
-    data["arm"]["postures"][name] = posture
+    postures = data["arm"]["postures"]
+    gap = "" if name in postures else _taken_gap(postures)
+    postures[name] = posture
+    if gap:
+        postures.yaml_add_eol_comment("#", name, column=0)
+        postures.ca.items[name][2].value = gap
     out = StringIO()
     yaml.dump(data, out)
     return out.getvalue()
+
+
+def _taken_gap(postures: Any) -> str:
+    """The blank lines behind the last posture, taken from it: they belong behind the new one."""
+    last = postures.ca.items.get(next(reversed(postures), None))
+    token = last[2] if last else None
+    if token is None:
+        return ""
+    comment, end, gap = token.value.partition("\n")
+    token.value = comment + end
+    return end + gap if gap else ""

@@ -12,7 +12,9 @@ class NotWritable(InputError):
     """A file can't be written where the user wants it."""
 
     def __init__(self, path: Path, error: OSError) -> None:
-        super().__init__(f"{path} can't be written: {error.strerror}; allowed: a file in a folder that exists")
+        super().__init__(
+            f"{path} can't be written: {error.strerror}; allowed: a file in a folder that exists"
+        )
 
 
 def write_text(path: Path, text: str) -> None:
@@ -27,4 +29,4 @@ def write_text(path: Path, text: str) -> None:
         os.replace(new, path)
     except OSError as error:
         new.unlink(missing_ok=True)
-        raise NotWritable(path, error) from None
+        raise NotWritable(path, error.strerror) from None

@@ -1,0 +1,69 @@
+"""RECOGNIZE at its public face, on the kinematic backend."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+
+from primitives.knowledge import Book, Catalogue
+from primitives.outcome import Fail, Success
+from primitives.recognize import Recognize
+
+TRAY = "tray: {{accession: 117, call: 512.7 NAG, thickness_mm: 25, height_mm: {}, depth_mm: 150, tag: {}}}\n"
+NAGEL = Book(
+    accession=117,
+    call="512.7 NAG",
+    title="",
+    shelf="shelf_1",
+    thickness_mm=25,
+    height_mm=210,
+    depth_mm=150,
+)
+
+
+@pytest.fixture
+def with_tray(make_rig: Callable[..., Any]) -> Callable[..., Any]:
+    def make(tray: str, seed: int = 0, books: tuple[Book, ...] = (NAGEL,)) -> Any:
+        rig = make_rig(tray, seed=seed)
+        rig.model.catalogue = Catalogue(format="handcart-catalogue/1", books=books)
+        return rig
+
+    return make
+
+
+@pytest.mark.parametrize(("seed", "height"), [(0, 180), (1, 210), (2, 240), (3, 210)])
+def test_it_tells_the_book_and_where_it_stands(with_tray: Callable[..., Any], seed: int, height: int) -> None:
+    rig = with_tray(TRAY.format(height, "readable"), seed)
+    primitive = Recognize()
+    assert isinstance(rig.run(primitive), Success)
+    assert rig.model.book == NAGEL
+    truth = rig.scene.base_T_tray_book[:3, 3]
+    assert math.dist(rig.model.book_pose[:2], truth[:2]) < 0.002
+    assert primitive.facts["call"] == "512.7 NAG"
+    assert primitive.evidence.pictures["tray"].shape == (480, 640, 3)
+    assert rig.scene.contacts == []
+
+
+@pytest.mark.parametrize("tray", [TRAY.format(210, "smeared"), TRAY.format(210, "none"), ""])
+def test_without_a_tag_it_is_a_fail_and_the_arm_back(with_tray: Callable[..., Any], tray: str) -> None:
+    rig = with_tray(tray)
+    before = rig.robot.arm.command()
+    outcome = rig.run(Recognize())
+    assert isinstance(outcome, Fail)
+    assert outcome.reason == "no tag can be read on the tray"
+    assert not outcome.permanent
+    assert np.array_equal(rig.robot.arm.command(), before)
+    assert rig.model.book is None
+
+
+def test_a_book_that_the_library_does_not_own_is_a_fail_for_good(with_tray: Callable[..., Any]) -> None:
+    rig = with_tray(TRAY.format(210, "readable"), books=())
+    outcome = rig.run(Recognize())
+    assert isinstance(outcome, Fail)
+    assert outcome.reason == "the book with the tag 117 is not in the catalogue"
+    assert outcome.permanent
+    assert rig.model.book is None

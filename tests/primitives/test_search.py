@@ -1,0 +1,96 @@
+"""SEARCH at its public face, on the kinematic backend."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, Literal
+
+import numpy as np
+import pytest
+
+from primitives.knowledge import Book, Catalogue
+from primitives.outcome import Fail, Success
+from primitives.search import Search
+
+
+@pytest.fixture
+def docked(at_slot: Callable[..., Any]) -> Callable[..., Any]:
+    """Builds a rig before the shelf, the book in the hand, no slot known, all books in the catalogue."""
+
+    def make(seed: int = 0, call: str = "512.7 NAG") -> Any:
+        rig = at_slot(seed=seed)
+        rig.model.slot = None
+        rig.model.book = rig.model.book.model_copy(update={"call": call})
+        specs = [each.book.spec for each in rig.scene.shelf_books("shelf_1")]
+        books = [
+            Book(
+                accession=spec.accession,
+                call=spec.call,
+                title="",
+                shelf="shelf_1",
+                thickness_mm=spec.thickness_mm,
+                height_mm=spec.height_mm,
+                depth_mm=spec.depth_mm,
+            )
+            for spec in specs
+        ]
+        rig.model.catalogue = Catalogue(format="handcart-catalogue/1", books=(*books, rig.model.book))
+        return rig
+
+    return make
+
+
+def row(rig: Any) -> list[tuple[float, float]]:
+    """Left and right of each book in the shelf frame, in [m]."""
+    return [
+        (each.lateral + each.book.thickness / 2, each.lateral - each.book.thickness / 2)
+        for each in rig.scene.shelf_books("shelf_1")
+    ]
+
+
+@pytest.mark.parametrize(("seed", "reader"), [(0, "ocr"), (1, "ocr"), (2, "template")])
+def test_it_finds_the_slot_between_the_right_neighbours(
+    docked: Callable[..., Any], seed: int, reader: Literal["ocr", "template"]
+) -> None:
+    rig = docked(seed)
+    primitive = Search(shelf="shelf_1", reader=reader)
+    assert isinstance(rig.run(primitive), Success)
+    slot = rig.model.slot
+    assert (slot.shelf, slot.after, slot.before) == ("shelf_1", "510.7 ABE", "512.8 ABE")
+    left, right = row(rig)[7][1], row(rig)[8][0]
+    assert slot.left - slot.right == pytest.approx(left - right, abs=0.0015)
+    assert slot.left == pytest.approx(left, abs=0.02)  # along the shelf the map counts
+    assert primitive.facts["labels_read"] == 10
+    assert len(primitive.evidence.pictures) == primitive.facts["views"] <= 10
+    assert rig.scene.contacts == []
+
+
+def test_at_the_end_of_the_row_it_looks_straight_at_the_book_end(docked: Callable[..., Any]) -> None:
+    rig = docked(0, call="512.9 ZUS")
+    aside = rig.scene.shelves["shelf_1"].pose[:3, 1]
+    rig.scene.books[20].pose[:3, 3] -= 0.009 * aside
+    del rig.scene.books[21]
+    rig.scene.changes += 1
+    assert isinstance(rig.run(Search(shelf="shelf_1")), Success)
+    slot = rig.model.slot
+    assert (slot.after, slot.before) == ("512.8 ABE", "")
+    assert slot.left - slot.right == pytest.approx(0.031, abs=0.0025)
+
+
+def test_where_no_slot_is_free_it_is_a_fail_for_good_and_the_arm_back(docked: Callable[..., Any]) -> None:
+    rig = docked(0, call="510.35 ZUS")
+    before = rig.robot.arm.command()
+    outcome = rig.run(Search(shelf="shelf_1"))
+    assert isinstance(outcome, Fail)
+    assert outcome.reason == "510.35 ZUS belongs between 510.3 ABE and 510.4 ABE, and there is no free slot"
+    assert outcome.permanent
+    assert np.array_equal(rig.robot.arm.command(), before)
+    assert rig.model.slot is None
+
+
+def test_without_a_book_there_is_nothing_to_look_for(docked: Callable[..., Any]) -> None:
+    rig = docked()
+    rig.model.book = None
+    outcome = rig.run(Search(shelf="shelf_1"))
+    assert isinstance(outcome, Fail)
+    assert outcome.reason == "no book has been recognized"

@@ -1,0 +1,40 @@
+"""The packages come from this checkout, and what documents show exists."""
+
+from __future__ import annotations
+
+import importlib
+import re
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[1]
+
+
+@pytest.mark.parametrize(
+    "name", ["robotics", "files", "backends", "primitives", "networks", "evaluation", "tools", "tasks"]
+)
+def test_each_package_is_this_checkouts(name: str) -> None:
+    assert Path(str(importlib.import_module(name).__file__)).parent == ROOT / name
+
+
+@pytest.mark.parametrize("document", ["README.md", "docs/tasks.md", "docs/primitives.md", "docs/backends.md"])
+def test_links_lead_somewhere(document: str) -> None:
+    path = ROOT / document
+    links = re.findall(r"\]\(([^)#]+)\)", path.read_text(encoding="utf-8"))
+    missing = [link for link in links if not link.startswith("http") and not (path.parent / link).exists()]
+    assert missing == []
+
+
+def test_the_readmes_first_task_is_right(tmp_path: Path) -> None:
+    from networks.run import prepare
+
+    text = (ROOT / "README.md").read_text(encoding="utf-8")
+    block = next(each for each in re.findall(r"```yaml\n(.*?)```", text, re.S) if "Drive to a shelf" in each)
+    for source in (ROOT / "tasks" / "return_book").iterdir():
+        if source.is_file():
+            (tmp_path / source.name).write_bytes(source.read_bytes())
+    (tmp_path / "tour.yaml").write_text(block, encoding="utf-8")
+    with prepare(tmp_path / "tour.yaml") as prepared:
+        assert prepared.task.network.goal == "at_shelf"
+    assert len(block.strip().splitlines()) <= 11
