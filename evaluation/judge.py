@@ -15,11 +15,12 @@ from networks.events import Ended, Event, Started
 from networks.preparing import Prepared
 from networks.run_end import RunEnd
 from networks.telemetry import Telemetry
-from primitives.outcome import Fail
+from primitives.outcome import Fail, Success
 from robotics.geometry.pose2 import Pose2
 from robotics.geometry.transform import difference
 
 from .shelving import Shelving, shelving
+from .stop_errors import stop_errors
 
 SIGMAS = 5.0
 BASE_SIGMA_MM, BASE_SIGMA_DEG = 4.0, 0.09  # of a base pose measured by matching scans with the map
@@ -78,6 +79,7 @@ class Judge:
         self._scene: Any = getattr(prepared.backend, "scene", None)
         self._start: Truth | None = None
         self._labels = 0
+        self._figures: dict[str, float] = {}
         self.untrue: list[str] = []
         """Outcomes that the ground truth contradicts, in words."""
         self._shelving: Shelving | None = None
@@ -92,6 +94,8 @@ class Judge:
             self._start = truth_of(self._scene)
         elif isinstance(event, Ended):
             self._labels += int(event.primitive.facts.get("labels_read", 0))
+            if isinstance(event.outcome, Success):
+                self._figures |= stop_errors(self._scene, event)
             if isinstance(event.outcome, Fail) and self._start is not None:
                 for wrong in broken_promises(self._start, truth_of(self._scene), self._robot):
                     self.untrue.append(f"{event.number}. {event.action.do} Fail: {wrong}")
@@ -100,7 +104,7 @@ class Judge:
         """The figures of a run that has ended."""
         track = telemetry.track().pose
         driven = float(np.hypot(*np.diff(track[:, :2], axis=0).T).sum()) if len(track) > 1 else 0.0
-        figures: dict[str, Any] = {"path_length_m": round(driven, 3)}
+        figures: dict[str, Any] = {"path_length_m": round(driven, 3), **self._figures}
         if self._shelving is not None:
             stands = self._shelving.judge(self._scene)
             figures |= stands.figures() | {"labels_read": self._labels}

@@ -25,6 +25,7 @@ LAGS = 0.15  # [rad] behind the command at which something stops the arm: two pe
 PROUD = 0.004  # [m] that spines stand before a shelf's front
 ABOVE = 0.35  # [m] above its board that a shelf may be filled, or closed
 PANEL = 0.03  # [m] at most, of its sides
+ON_TRAY = (0.085, 0.15, 0.10, 0.26)  # [m] from where, how deep, wide and high a book may stand on the tray
 INSIDE = 0.25  # [m] of its depth that counts
 
 Vector = NDArray[np.float64]
@@ -118,6 +119,14 @@ def shelf_boxes(base_T_shelf: Transform, shelf: Shelf) -> tuple[Box, ...]:
     middle = transform((depth / 2 - PROUD, 0.0, height / 2 - shelf.board_m))
     width = max(shelf.width_m, shelf.front_m) + 2 * PANEL
     return (Box(base_T_shelf @ middle, (depth, width, height), "the shelf"),)
+
+
+def tray_box(robot: Robot) -> Box:
+    """Where some book may stand on the tray, in the base frame."""
+    nearest, *size = ON_TRAY
+    tray = float(robot.base_T("tray")[2, 3])
+    middle = transform((nearest + size[0] / 2, 0.0, tray + size[2] / 2))
+    return Box(middle, (size[0], size[1], size[2]), "book on the tray")
 
 
 def held_box(book: Book) -> Box:

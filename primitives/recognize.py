@@ -14,13 +14,12 @@ from backends.camera import Camera
 from backends.robot import Robot
 from robotics.geometry.pose2 import Pose2
 from robotics.geometry.transform import Transform, transform
-from robotics.kinematics.shapes import Box
 from robotics.perception.camera_model import CameraModel
 from robotics.perception.overlay import draw_overlay
 from robotics.perception.tag_reader import Tag, read_tags, tag_pose
 
 from .action_primitive import ActionPrimitive, Periods
-from .arm_motion import move_straight, move_to_posture
+from .arm_motion import move_straight, move_to_posture, tray_box
 from .discrepancy import Discrepancy
 from .snapshot import settle
 from .world_model import ModelView
@@ -34,8 +33,6 @@ Vector = NDArray[np.float64]
 TAG_SIDE = 0.010  # [m] of the tag's black square
 TRAY = ((0.04, 0.22), (-0.10, 0.10))  # x and y in the base frame where a spine can stand, in [m]
 DEPTH_WEIGHT = 5e-4  # of a distance along a line of sight: 1 % of 0.2 m, against 0.05 mm across
-STANDING = (0.15, 0.10, 0.26)  # [m] of the room that a book may take; its spine may stand at NEAREST
-NEAREST = 0.085  # [m]
 
 
 class _Sighting(NamedTuple):
@@ -61,7 +58,7 @@ class Recognize(ActionPrimitive):
     _seen: list[_Sighting] = PrivateAttr(default_factory=list)
 
     def motion(self, robot: Robot, model: ModelView) -> Periods:
-        around = (_standing(robot),)
+        around = (tray_box(robot),)
         yield from move_to_posture(robot, POSTURE, around=around)
         start = robot.arm_model.forward(robot.arm.command())
         for aside, up in ASIDE:
@@ -133,10 +130,3 @@ def _place(seen: Sequence[_Sighting]) -> Vector:
 
 def _on_tray(place: Vector) -> bool:
     return all(low < at < high for at, (low, high) in zip(place, TRAY, strict=False))
-
-
-def _standing(robot: Robot) -> Box:
-    """Where some book may stand on the tray, in the base frame."""
-    tray = float(robot.base_T("tray")[2, 3])
-    middle = (NEAREST + STANDING[0] / 2, 0.0, tray + STANDING[2] / 2)
-    return Box(transform(middle), STANDING, "book on the tray")

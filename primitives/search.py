@@ -26,7 +26,7 @@ from robotics.perception.spines import Gap, SpineView, find_spines
 from robotics.perception.template_label_reader import TemplateLabelReader
 
 from .action_primitive import ActionPrimitive, Periods
-from .arm_motion import move_straight, move_to_pose, shelf_boxes
+from .arm_motion import move_straight, move_to_pose, shelf_boxes, tray_box
 from .discrepancy import Discrepancy
 from .grip import HAND_TO_SPINE
 from .hand_view import HandView, held_book, look
@@ -50,8 +50,8 @@ SIGMA = 0.001  # [m] of a slot's sides
 class Search(ActionPrimitive):
     """Look along the shelf, read the labels, and find the slot where the book belongs.
 
-    The camera moves on a straight line from left to right, past the held book, and stops for each view. The
-    slot is then looked at twice more from nearly straight ahead. Where it is holds in the shelf's frame as
+    The camera moves on a straight line from left to right, past the held book, and stops for each view (a
+    book on the tray would stand in the hand's way: pick it up first). The slot is then looked at twice more from nearly straight ahead. Where it is holds in the shelf's frame as
     the robot has it at this stop; APPROACH sees to the rest.
     """
 
@@ -65,7 +65,7 @@ class Search(ActionPrimitive):
     """Whether a book that stands out of order is seen through."""
 
     needs: ClassVar = (Arm, Camera, RangeSensor)
-    reads: ClassVar = ("places", "catalogue", "book")
+    reads: ClassVar = ("places", "catalogue", "book", "book_pose")
     writes: ClassVar = ("slot",)
 
     _base_T_shelf: Transform = PrivateAttr(default_factory=lambda: np.eye(4))
@@ -81,6 +81,8 @@ class Search(ActionPrimitive):
         assert place.shelf is not None  # it was measured
         self._held = held_book(robot, book)
         self._around = shelf_boxes(self._base_T_shelf, place.shelf)
+        if self._held is None and model.book_pose is not None:
+            self._around += (tray_box(robot),)
         reader = self._make_reader([each.call for each in model.catalogue.books])
         stops = self._stops(robot, place.shelf)
         yield from self._look_from(robot, reader, stops)

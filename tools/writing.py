@@ -9,12 +9,23 @@ from files.errors import InputError
 
 
 class NotWritable(InputError):
-    """A file can't be written where the user wants it."""
+    """Nothing can be written where the user wants it."""
 
-    def __init__(self, path: Path, error: OSError) -> None:
-        super().__init__(
-            f"{path} can't be written: {error.strerror}; allowed: a file in a folder that exists"
-        )
+    def __init__(self, path: Path, why: str | None, allowed: str = "a file in a folder that exists") -> None:
+        super().__init__(f"{path} can't be written: {why}; allowed: {allowed}")
+
+
+def check_folder(folder: Path) -> None:
+    """Make sure, without making it, that a folder could be made, or written into where it exists.
+
+    Raises:
+        NotWritable: its nearest parent that exists is no folder, or may not be written into.
+    """
+    there = next(each for each in (folder, *folder.absolute().parents) if each.exists())
+    if not there.is_dir():
+        raise NotWritable(folder, f"{there} is no folder", "a folder that exists or can be made")
+    if not os.access(there, os.W_OK | os.X_OK):
+        raise NotWritable(folder, f"{there} is closed to you", "a folder that exists or can be made")
 
 
 def write_text(path: Path, text: str) -> None:

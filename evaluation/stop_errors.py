@@ -1,0 +1,47 @@
+"""How far from where it should the robot truly stopped, before a shelf and before a slot."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+
+from networks.events import Ended
+from robotics.geometry.transform import inverse
+
+from .library_room import STAND_OFF
+
+
+def stop_errors(scene: Any, event: Ended) -> dict[str, float]:
+    """Figures about an action that has succeeded; none for those that stop nowhere in particular."""
+    if event.action.do == "MOVE_TO":
+        return _dock(scene, str(getattr(event.primitive, "place", "")))
+    if event.action.do == "APPROACH" and scene.held is not None:
+        return _slot(scene, str(getattr(event.primitive, "shelf", "")))
+    return {}
+
+
+def _dock(scene: Any, place: str) -> dict[str, float]:
+    """Distance and heading before a shelf's front."""
+    if place not in scene.shelves:
+        return {}
+    shelf_T_base = inverse(scene.shelves[place].pose) @ scene.world_T_base
+    off = 1e3 * abs(float(shelf_T_base[0, 3]) + STAND_OFF)
+    turned = abs(math.degrees(math.atan2(shelf_T_base[1, 0], shelf_T_base[0, 0])))
+    along = 1e3 * abs(float(shelf_T_base[1, 3]))
+    return {"dock_mm": round(off, 2), "dock_deg": round(turned, 3), "dock_along_mm": round(along, 1)}
+
+
+def _slot(scene: Any, shelf: str) -> dict[str, float]:
+    """How far the leading edge of the held book is beside the middle of the slot before it."""
+    if shelf not in scene.shelves:
+        return {}
+    book = scene.held
+    edge = inverse(scene.shelves[shelf].pose) @ book.pose @ np.array([book.depth, 0.0, 0.0, 1.0])
+    row = scene.shelf_books(shelf)
+    left = [each.lateral - each.book.thickness / 2 for each in row if each.lateral > edge[1]]
+    right = [each.lateral + each.book.thickness / 2 for each in row if each.lateral <= edge[1]]
+    if not left or not right:
+        return {}
+    return {"edge_mm": round(1e3 * abs(float(edge[1]) - 0.5 * (min(left) + max(right))), 3)}
