@@ -84,7 +84,9 @@ class Judge:
         """Outcomes that the ground truth contradicts, in words."""
         self._shelving: Shelving | None = None
         if self._scene is not None and self._scene.tray_book() is not None:
-            self._shelving = shelving(self._scene, self._scene.tray_book().accession)
+            first = self._scene.tray_book().accession
+            others = [each.accession for each in self._scene.to_come]
+            self._shelving = shelving(self._scene, (first, *others))
 
     def __call__(self, event: Event) -> None:
         """Take the truth down when an action starts, compare when it has ended."""

@@ -68,8 +68,11 @@ def _world(library: Library) -> str:
             for each in row.standing
         ]
     tag = {"readable": "readable", "unknown": "readable", "smeared": "smeared"}[library.tag]
-    accession = NOBODYS if library.tag == "unknown" else library.wanted.accession
-    lines.append(f"tray: {_book(library.wanted, accession)[:-1]}, tag: {tag}}}")
+    first, *others = library.wanted
+    accession = NOBODYS if library.tag == "unknown" else first.accession
+    lines.append(f"tray: {_book(first, accession)[:-1]}, tag: {tag}}}")
+    if others:
+        lines += ["handed_over: # when the robot is home again", *(f"  - {_book(each)}" for each in others)]
     return "\n".join(lines) + "\n"
 
 

@@ -47,8 +47,8 @@ class Library:
     walls: tuple[tuple[float, float, float, float], ...]
     """Each from x, y to x, y, in [m]."""
     rows: tuple[Row, ...]
-    wanted: GeneratedBook
-    """The book on the robot's tray."""
+    wanted: tuple[GeneratedBook, ...]
+    """The books to return: the first is on the robot's tray, the others a person hands over."""
     tag: Tag
     surprises: tuple[Surprise, ...]
     map: GridMap
@@ -60,6 +60,7 @@ def make_library(
     gap: bool = True,
     tag: Tag = "readable",
     blocked: Blocked = "none",
+    books: int = 1,
 ) -> Library:
     """A library of five shelves.
 
@@ -68,6 +69,7 @@ def make_library(
         misplaced: one book on each shelf stands directly beside a gap where it doesn't belong.
         gap: whether the gap of the book to return is there; else its row is closed.
         tag: of the book to return.
+        books: how many are to be returned, each to another shelf.
         blocked: a box stands on the way to the shelf: with another way, or in the only doorway.
     """
     for value, kind in ((tag, Tag), (blocked, Blocked)):
@@ -77,10 +79,13 @@ def make_library(
     rows = tuple(
         make_row(rng, f"shelf_{i + 1}", 1 + 45 * i, 100 * (1 + 2 * i), misplaced) for i in range(len(SHELVES))
     )
-    chosen = int(rng.integers(0, len(rows)))
-    wanted = rows[chosen].lent[int(rng.integers(0, 2))]
+    if not 1 <= books <= len(rows):
+        raise NoSuchLibrary(f"no library with {books} books to return; allowed: 1 to {len(rows)}")
+    shelves = [int(each) for each in rng.permutation(len(rows))[:books]]
+    wanted = tuple(rows[each].lent[int(rng.integers(0, 2))] for each in shelves)
+    chosen = shelves[0]
     if not gap:
-        rows = (*rows[:chosen], _closed(rows[chosen], wanted), *rows[chosen + 1 :])
+        rows = (*rows[:chosen], _closed(rows[chosen], wanted[0]), *rows[chosen + 1 :])
     walls = _walls(blocked == "closed")
     grid = _map(walls)
     surprises = _surprises(rng, blocked, grid, place_before(SHELVES[chosen]))

@@ -1,4 +1,4 @@
-"""Whether a book stands where it belongs, by the ground truth."""
+"""Whether books stand where they belong, by the ground truth."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ MOST_TILT_DEG = 5.0
 
 
 class Standing(NamedTuple):
-    """How the book that was to be returned stands."""
+    """How the books that were to be returned stand; of several, the worst of each."""
 
     slot_correct: bool
     proud_mm: float
@@ -47,20 +47,29 @@ class Standing(NamedTuple):
 
 @dataclass(frozen=True)
 class Shelving:
-    """Where a book belongs, and how the shelves were at first."""
+    """Which books are to be returned, and how the shelves were at first."""
 
-    accession: int
+    accessions: tuple[int, ...]
     fronts: Mapping[int, float]
     """S x of each standing book's spine, by accession, in [m]."""
 
     def judge(self, scene: Any) -> Standing:
-        """How the book stands now."""
+        """How the books stand now."""
         pushed = self._pushed(scene)
-        book = scene.books[self.accession]
-        if book.shelf is None or book.rest.value != "shelf":
+        each = [self._judge(scene, number, pushed) for number in self.accessions]
+        return Standing(
+            all(one.slot_correct for one in each),
+            max((one.proud_mm for one in each), key=abs),
+            max(one.tilt_deg for one in each),
+            pushed,
+        )
+
+    def _judge(self, scene: Any, accession: int, pushed: float) -> Standing:
+        book = scene.books.get(accession)
+        if book is None or book.shelf is None or book.rest.value != "shelf":
             return Standing(False, math.nan, math.nan, pushed)
         row = scene.shelf_books(book.shelf)
-        at = next(i for i, each in enumerate(row) if each.book.accession == self.accession)
+        at = next(i for i, each in enumerate(row) if each.book.accession == accession)
         beside = [row[i].front for i in (at - 1, at + 1) if 0 <= i < len(row)]
         proud = 1e3 * (sum(beside) / len(beside) - row[at].front) if beside else math.nan
         tilt = math.degrees(max(abs(row[at].tilt), abs(row[at].yaw)))
@@ -71,10 +80,10 @@ class Shelving:
         return 1e3 * max((now[number] - front for number, front in self.fronts.items()), default=0.0)
 
 
-def shelving(scene: Any, accession: int) -> Shelving:
+def shelving(scene: Any, accessions: tuple[int, ...]) -> Shelving:
     """Take down how the shelves are at first."""
     fronts = {each.book.accession: each.front for name in scene.shelves for each in scene.shelf_books(name)}
-    return Shelving(accession, fronts)
+    return Shelving(accessions, fronts)
 
 
 def _in_order(row: Sequence[Any], at: int) -> bool:

@@ -51,8 +51,9 @@ class Search(ActionPrimitive):
     """Look along the shelf, read the labels, and find the slot where the book belongs.
 
     The camera moves on a straight line from left to right, past the held book, and stops for each view (a
-    book on the tray would stand in the hand's way: pick it up first). The slot is then looked at twice more from nearly straight ahead. Where it is holds in the shelf's frame as
-    the robot has it at this stop; APPROACH sees to the rest.
+    book on the tray would stand in the hand's way: pick it up first). The slot is then looked at twice more
+    from nearly straight ahead. Where it is holds in the shelf's frame as the robot has it at this stop;
+    APPROACH sees to the rest.
     """
 
     shelf: PlaceName

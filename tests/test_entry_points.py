@@ -1,4 +1,4 @@
-"""Primitives from outside, by entry point; and the README's first primitive."""
+"""Primitives and backends from outside, by entry point: those that the documents show."""
 
 from __future__ import annotations
 
@@ -13,24 +13,79 @@ import pytest
 ROOT = Path(__file__).resolve().parents[1]
 
 
+def shown(document: str, name: str) -> str:
+    """The code block of a document that defines a class."""
+    text = (ROOT / document).read_text(encoding="utf-8")
+    return next(each for each in re.findall(r"```python\n(.*?)```", text, re.S) if f"class {name}(" in each)
+
+
+def install(folder: Path, document: str) -> None:
+    """A distribution with what the documents show, as pip would leave it in `folder`."""
+    (folder / "forward.py").write_text(shown(document, "Forward"), encoding="utf-8")
+    (folder / "ideal.py").write_text(shown("docs/backends.md", "Ideal"), encoding="utf-8")
+    info = folder / "outside-1.0.dist-info"
+    info.mkdir()
+    (info / "METADATA").write_text("Metadata-Version: 2.1\nName: outside\nVersion: 1.0\n", encoding="utf-8")
+    points = "[handcart.primitives]\nFORWARD = forward:Forward\nGONE = gone:Gone\n"
+    points += "[handcart.backends]\nideal = ideal:Ideal\n"
+    (info / "entry_points.txt").write_text(points, encoding="utf-8")
+
+
+def handcart(folder: Path, *words: str) -> subprocess.CompletedProcess[str]:
+    """`handcart ...` where the distribution of `folder` is installed."""
+    env = os.environ | {"PYTHONPATH": f"{folder}{os.pathsep}{ROOT}"}
+    command = [sys.executable, "-m", "tools.handcart", *words]
+    return subprocess.run(command, env=env, cwd=ROOT, capture_output=True, text=True, check=False)
+
+
 @pytest.mark.parametrize("document", ["README.md", "docs/primitives.md"])
 def test_a_primitive_of_another_package_runs(tmp_path: Path, document: str) -> None:
-    text = (ROOT / document).read_text(encoding="utf-8")
-    source = next(each for each in re.findall(r"```python\n(.*?)```", text, re.S) if "class Forward" in each)
-    (tmp_path / "forward.py").write_text(source, encoding="utf-8")
-    info = tmp_path / "forward-1.0.dist-info"
-    info.mkdir()
-    (info / "METADATA").write_text("Metadata-Version: 2.1\nName: forward\nVersion: 1.0\n", encoding="utf-8")
-    (info / "entry_points.txt").write_text(
-        "[handcart.primitives]\nFORWARD = forward:Forward\n", encoding="utf-8"
-    )
-    said = subprocess.run(
-        [sys.executable, "-m", "tools.handcart", "do", "FORWARD", "distance_m=0.3"],
-        env=os.environ | {"PYTHONPATH": f"{tmp_path}{os.pathsep}{ROOT}"},
-        cwd=ROOT,
-        capture_output=True,
-        text=True,
-        check=False,
-    )
+    install(tmp_path, document)
+    said = handcart(tmp_path, "do", "FORWARD", "distance_m=0.3")
     assert said.returncode == 0, said.stderr
     assert said.stdout.startswith("Success")
+
+
+def test_it_is_listed_and_one_that_is_broken_hides_no_others(tmp_path: Path) -> None:
+    install(tmp_path, "README.md")
+    said = handcart(tmp_path, "list", "primitives")
+    assert said.returncode == 0, said.stderr
+    told = dict(line.split(maxsplit=1) for line in said.stdout.splitlines())
+    assert told["FORWARD"] == "Drive straight on for a while."
+    assert told["GONE"] == "can't be imported: No module named 'gone'"
+    assert "MOVE_TO" in told
+
+
+def test_a_backend_of_another_package_is_asked_what_it_can_do(tmp_path: Path) -> None:
+    install(tmp_path, "README.md")
+    said = handcart(tmp_path, "do", "FORWARD", "distance_m=0.3", "--backend", "ideal")
+    assert said.returncode == 2
+    assert said.stderr == "the robot has no RangeSensor; it has: Base\n"
+
+
+def test_the_documents_backend_drives() -> None:
+    from backends.robot import Robot
+    from backends.robot_file import load_robot
+    from robotics.geometry.pose2 import Pose2
+
+    code: dict[str, type] = {}
+    exec(shown("docs/backends.md", "Ideal"), code)
+    spec = load_robot("librarian")
+    with code["Ideal"].build(spec, None, 0) as backend:  # type: ignore[attr-defined]
+        robot = Robot(backend, spec, Pose2(0.0, 0.0, 0.0))
+        for _ in range(40):
+            robot.base.drive(0.5, 0.0)
+            robot.step()
+        robot.step()  # not renewed, the command is over
+        assert robot.pose.x == pytest.approx(1.0)
+
+
+def test_the_documents_tests_pass(tmp_path: Path) -> None:
+    source = shown("docs/primitives.md", "Forward")
+    text = (ROOT / "docs/primitives.md").read_text(encoding="utf-8")
+    tests = next(each for each in re.findall(r"```python\n(.*?)```", text, re.S) if "def test_" in each)
+    (tmp_path / "test_forward.py").write_text(f"{source}\n\n{tests}", encoding="utf-8")
+    words = [sys.executable, "-m", "pytest", "-q", "-W", "error", "-p", "no:cacheprovider", "test_forward.py"]
+    said = subprocess.run(words, cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert said.returncode == 0, said.stdout + said.stderr
+    assert "2 passed" in said.stdout

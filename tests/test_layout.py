@@ -26,15 +26,26 @@ def test_links_lead_somewhere(document: str) -> None:
     assert missing == []
 
 
-def test_the_readmes_first_task_is_right(tmp_path: Path) -> None:
+@pytest.mark.parametrize("document", ["README.md", "docs/tasks.md"])
+def test_tasks_in_documents_are_right(tmp_path: Path, document: str) -> None:
     from networks.run import prepare
 
-    text = (ROOT / "README.md").read_text(encoding="utf-8")
-    block = next(each for each in re.findall(r"```yaml\n(.*?)```", text, re.S) if "Drive to a shelf" in each)
+    text = (ROOT / document).read_text(encoding="utf-8")
+    blocks = [each for each in re.findall(r"```yaml\n(.*?)```", text, re.S) if each.startswith("format:")]
     for source in (ROOT / "tasks" / "return_book").iterdir():
         if source.is_file():
             (tmp_path / source.name).write_bytes(source.read_bytes())
-    (tmp_path / "tour.yaml").write_text(block, encoding="utf-8")
-    with prepare(tmp_path / "tour.yaml") as prepared:
-        assert prepared.task.network.goal == "at_shelf"
-    assert len(block.strip().splitlines()) <= 11
+    for block in blocks:
+        (tmp_path / "shown.yaml").write_text(block, encoding="utf-8")
+        with prepare(tmp_path / "shown.yaml") as prepared:
+            assert prepared.task.network.goal == "at_shelf"
+    assert len(blocks) == 1
+
+
+@pytest.mark.parametrize("document", ["README.md", "docs/tasks.md", "docs/primitives.md", "docs/backends.md"])
+def test_commands_in_documents_exist(document: str) -> None:
+    from tools.handcart import COMMANDS
+
+    shown = re.findall(r"`handcart ([\w-]+)", (ROOT / document).read_text(encoding="utf-8"))
+    assert set(shown) <= set(COMMANDS)
+    assert document != "README.md" or set(shown) == set(COMMANDS)

@@ -23,7 +23,7 @@ def do(
     map: Annotated[Path | None, typer.Option(help="a map in ROS format")] = None,
     places: Annotated[Path | None, typer.Option(help="the map's named places")] = None,
     catalogue: Annotated[Path | None, typer.Option(help="of books")] = None,
-    start: Annotated[str, typer.Option(help="the place where the robot stands at first")] = "home",
+    start: Annotated[str, typer.Option(help="the place at which the world starts the robot")] = "home",
     seed: Annotated[int, typer.Option(help="of the simulated errors")] = 0,
 ) -> None:
     """Run one primitive alone, and tell its outcome."""

@@ -15,6 +15,7 @@ def make_library(
     gap: Annotated[bool, typer.Option(help="the slot of the book to return is there")] = True,
     tag: Annotated[str, typer.Option(help="readable, smeared or unknown")] = "readable",
     blocked: Annotated[str, typer.Option(help="none, way_around or closed")] = "none",
+    books: Annotated[int, typer.Option(help="to return, each to another shelf")] = 1,
 ) -> None:
     """Write world.yaml, places.yaml, catalogue.yaml, map.yaml and map.png of a generated library."""
     from evaluation import library_generator
@@ -23,6 +24,7 @@ def make_library(
     from .writing import check_folder
 
     check_folder(out)
-    library = library_generator.make_library(seed, misplaced, gap, tag, blocked)  # type: ignore[arg-type]
+    library = library_generator.make_library(seed, misplaced, gap, tag, blocked, books)  # type: ignore[arg-type]
     write_library(library, out)
-    print(f"a library of {len(library.rows)} shelves is in {out}; to return: {library.wanted.call}")
+    calls = ", ".join(book.call for book in library.wanted)
+    print(f"a library of {len(library.rows)} shelves is in {out}; to return: {calls}")

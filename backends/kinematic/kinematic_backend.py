@@ -10,6 +10,7 @@ from backends.robot_file import RobotFile
 from backends.scene.base_contact import move_base
 from backends.scene.hand import Hand
 from backends.scene.mounts import base_T_frame
+from backends.scene.person import Person
 from backends.scene.scene import build_scene
 from backends.scene.world_file import WorldFile
 from files.errors import InputError
@@ -75,6 +76,7 @@ class KinematicBackend(Backend):
         if robot.range_sensor is not None:
             mount = base_T_frame(robot.urdf_text(), "range_sensor")
             self._range = KinematicRangeSensor(robot.range_sensor, mount, self.scene, seed)
+        self._person = Person(self.scene, seed)
 
     @classmethod
     def build(cls, robot: RobotFile, world: Path | None, seed: int) -> KinematicBackend:
@@ -92,6 +94,7 @@ class KinematicBackend(Backend):
         """See `Backend`."""
         self._periods += 1
         self.scene.time = self._periods * self.period
+        self._person.step()
         motion = self._base.advance(self._periods)
         touching = self._move_base(motion)
         fingers = self._gripper is not None and self._gripper.advance(self._periods)

@@ -74,6 +74,8 @@ class Scene:
     contacts: list[Contact] = field(default_factory=list)
     touching: frozenset[tuple[str, str]] = frozenset()
     """What touches in this period: pairs as in `Contact`."""
+    to_come: list[BookSpec] = field(default_factory=list)
+    """Books that a person still has for the robot."""
     changes: int = 0
     """Counts the times that a book was moved: what is derived from their poses asks it."""
 
@@ -142,7 +144,8 @@ def build_scene(robot: RobotFile, world: WorldFile, seed: int) -> Scene:
     width = 0.0 if robot.gripper is None else robot.gripper.opening_mm / 1e3
     scene = Scene(robot, arm, shelves, tuple(solids), books, _start(robot, world, seed), joints, width)
     if world.tray is not None:
-        _set_on_tray(scene, world.tray, seed)
+        set_on_tray(scene, world.tray, seed)
+    scene.to_come += world.handed_over
     return scene
 
 
@@ -167,10 +170,12 @@ def _standing(shelf: Shelf, seed: int) -> list[Book]:
     ]
 
 
-def _set_on_tray(scene: Scene, spec: BookSpec, seed: int) -> None:
-    dx, dy, turn = keyed(seed, "tray").standard_normal(3)
+def set_on_tray(scene: Scene, spec: BookSpec, seed: int, number: int = 0) -> None:
+    """A person puts the book with this number down on the tray, not quite in its place."""
+    dx, dy, turn = keyed(seed, f"tray {number}" if number else "tray").standard_normal(3)
     place = scene.robot.errors.book_place_mm / 1e3
     yaw = np.radians(scene.robot.errors.book_turn_deg * turn)
     scene.base_T_tray_book = transform((TRAY_SPINE_X + place * dx, place * dy, TRAY_TOP), (0.0, 0.0, yaw))
     pose = scene.world_T_base @ scene.base_T_tray_book
     scene.books[spec.accession] = Book(spec, pose, Rest.TRAY)
+    scene.changes += 1

@@ -112,12 +112,15 @@ class WorldFile(FileModel):
     shelves: tuple[ShelfSpec, ...] = ()
     tray: BookSpec | None = None
     """The book on the robot's tray."""
+    handed_over: tuple[BookSpec, ...] = ()
+    """Books that a person puts onto the empty tray, one after the other, when the robot stands at its start."""
 
     @model_validator(mode="after")
     def _one_of_each(self) -> Self:
         books = [e.accession for shelf in self.shelves for e in shelf.books if isinstance(e, BookSpec)]
         if self.tray is not None:
             books.append(self.tray.accession)
+        books += [each.accession for each in self.handed_over]
         shelves = [shelf.name for shelf in self.shelves]
         for what, names in (("accession", list(map(str, books))), ("shelf", shelves)):
             twice = sorted(name for name, times in Counter(names).items() if times > 1)

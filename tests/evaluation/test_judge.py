@@ -32,7 +32,7 @@ def test_a_fail_that_did_not_restore_is_found(set_stage: Callable[..., Any]) -> 
 
 def test_a_book_on_the_tray_is_not_in_its_slot(set_stage: Callable[..., Any]) -> None:
     scene = set_stage().backend.scene
-    judged = shelving(scene, scene.tray_book().accession).judge(scene)
+    judged = shelving(scene, (scene.tray_book().accession,)).judge(scene)
     assert not judged.slot_correct
     assert not judged.right
 

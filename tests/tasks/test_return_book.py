@@ -88,3 +88,12 @@ def test_n11_same_seed_same_journal_whatever_the_hash_seed(tmp_path: Path) -> No
         assert (folder / "overview.svg").stat().st_size > 10_000
         journals.append([without_wall(each) for each in read_journal(folder / "journal.jsonl").records])
     assert journals[0] == journals[1]
+
+
+def test_two_books_one_after_the_other(tmp_path: Path) -> None:
+    task = TASK.parent.parent / "return_books" / "task.yaml"
+    done = run_trial(Setting(task, None, {"books": "[1, 2]"}, {"books": 2}, tmp_path), 6)
+    assert done.status == 0
+    assert done.summary["actions"] == 16
+    assert done.summary["metrics"]["slot_correct"]
+    assert done.untrue == []

@@ -4,10 +4,25 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from pathlib import Path
 
 import pytest
 
 from tools.handcart import main
+
+LIBRARY = Path(__file__).resolve().parents[2] / "tasks" / "return_book"
+TOUR = """\
+format: handcart-task/1
+title: Drive to a shelf
+robot: librarian
+world: world.yaml
+knowledge: {map: map.yaml, places: places.yaml, catalogue: catalogue.yaml, start: home}
+start: at_home
+goal: at_shelf
+situations: {at_home: {base: home}, at_shelf: {base: shelf}}
+actions:
+  - {do: MOVE_TO, from: at_home, to: at_shelf, cost_s: 30, with: {place: shelf_3}}
+"""
 
 
 @dataclass(frozen=True)
@@ -31,3 +46,13 @@ def handcart(capsys: pytest.CaptureFixture[str]) -> Callable[..., Said]:
         return Said(int(end.value.code or 0), printed.out, printed.err)
 
     return run
+
+
+@pytest.fixture
+def tour(tmp_path: Path) -> Path:
+    """A task that drives to a shelf, in a folder with the library's files."""
+    for name in ("world.yaml", "map.yaml", "map.png", "places.yaml", "catalogue.yaml"):
+        (tmp_path / name).write_bytes((LIBRARY / name).read_bytes())
+    path = tmp_path / "tour.yaml"
+    path.write_text(TOUR, encoding="utf-8")
+    return path

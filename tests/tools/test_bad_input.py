@@ -111,3 +111,41 @@ def test_an_unknown_backend_and_an_unknown_setting_are_refused(
     assert (said.status, "did you mean 'kinematic'" in said.err) == (2, True)
     said = handcart("run", TASKS / "return_book" / "task.yaml", "--set", "wait=3")
     assert (said.status, "did you mean 'wait_s'" in said.err) == (2, True)
+
+
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [
+        (("rum", "task.yaml"), "did you mean 'run'"),
+        (("describe", "MOVETO"), "did you mean 'MOVE_TO'"),
+        (("schema", "tusk"), "did you mean 'task'"),
+        (("list", "primitive"), "primitives"),
+        (("schema", "task", "-o", "no/folder/here.json"), "can't be written"),
+        (("draw", str(TASKS / "return_book/task.yaml"), "-o", "no/folder/here.svg"), "can't be written"),
+        (("draw", str(TASKS / "return_book/task.yaml"), "-o", "network.png"), ".svg"),
+        (("make-library", "--out", __file__), "is no folder"),
+        (("run", str(TASKS / "return_book/task.yaml"), "--runs", __file__), "is no folder"),
+        (("check", __file__), "no YAML"),
+        (("check", str(TASKS / "return_book/map.yaml")), "the key 'format'"),
+        (("do", "MOVETO"), "did you mean 'MOVE_TO'"),
+        (("do", "MOVE_TO", "plaze=shelf_1"), "did you mean 'place'"),
+        (("do", "MOVE_TO", "place=shelf_1", "wait_s=-5"), "wait_s is -5; allowed: a number from 0 to 600 s"),
+        (("do", "MOVE_TO", "place=cellar"), "unknown place 'cellar'"),
+        (("do", "MOVE_TO", "place"), "allowed: KEY=VALUE"),
+        (("do", "MODIFY", "place=shelf_1", "--start", "cellar"), "cellar"),
+        (("do", "MODIFY", "place=shelf_1", "--world", "none.yaml"), "none.yaml:1:1"),
+    ],
+)
+def test_bad_words_are_refused(handcart: Callable[..., Any], words: tuple[str, ...], told: str) -> None:
+    said = handcart(*words)
+    assert said.status == 2
+    assert told in said.err
+    assert "Traceback" not in said.err
+
+
+def test_findings_of_do_name_what_was_typed(handcart: Callable[..., Any]) -> None:
+    said = handcart("do", "MOVE_TO", "place=shelf_1", "wait_s=two", "weit_s=3")
+    assert said.err.splitlines() == [
+        "wait_s=two: wait_s is 'two'; allowed: a number from 0 to 600 s",
+        "weit_s=3: unknown key 'weit_s'; did you mean 'wait_s'? allowed: place, wait_s",
+    ]

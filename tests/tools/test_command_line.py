@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import subprocess
 import sys
 from collections.abc import Callable
@@ -82,33 +83,89 @@ def test_do_runs_one_primitive_and_tells_its_outcome(handcart: Callable[..., Any
     said = handcart("do", "MODIFY", "place=shelf_1")
     assert said.status == 0
     assert said.out.startswith("Success")
-    said = handcart("do", "MOVE_TO", "place=cellar")
+    said = handcart("do", "INSERT", "shelf=shelf_1")
     assert said.status == 3
-    assert "no place 'cellar'" in said.out
-    assert handcart("do", "MOVE_TO", "plaze=shelf_1").status == 2
-    assert handcart("do", "MOVETO").status == 2
+    assert said.out.startswith("Fail: the hand doesn't hold the book")
 
 
-def test_teach_keeps_comments_and_refuses_what_the_arm_cant(
-    handcart: Callable[..., Any], tmp_path: Path
+def test_the_fixtures_for_users_tests(
+    set_stage: Callable[..., Any], do_primitive: Callable[..., Any]
 ) -> None:
-    robots = ROOT / "backends" / "robots" / "librarian"
-    for name in ("robot.yaml", "librarian.urdf"):
-        (tmp_path / name).write_bytes((robots / name).read_bytes())
-    path = tmp_path / "robot.yaml"
-    before = path.read_text(encoding="utf-8")
-    assert handcart("teach", "wave", "--robot", path, "--joints", "0,0,1000,0,0,0").status == 2
-    assert path.read_text(encoding="utf-8") == before
-    assert handcart("teach", "wave", "--robot", path, "--joints", "0,-30,90,0,0,0", "--write").status == 0
-    after = path.read_text(encoding="utf-8")
-    assert "wave: [0.0, -30.0, 90.0, 0.0, 0.0, 0.0]" in after
-    assert [line for line in before.splitlines() if "#" in line] == [
-        line for line in after.splitlines() if "#" in line
-    ]
-
-
-def test_the_fixture_for_users_tests(set_stage: Callable[..., Any]) -> None:
     from primitives.modify import Modify
     from primitives.outcome import Success
 
     assert isinstance(set_stage(seed=3).do(Modify(place="shelf_2")), Success)
+    assert isinstance(do_primitive(Modify(place="shelf_2"), seed=3), Success)
+
+
+def test_the_plugin_costs_nothing_unused() -> None:
+    code = f"import sys, tools.pytest_plugin\nprint([name for name in {HEAVY!r} if name in sys.modules])"
+    said = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, cwd=ROOT, check=True)
+    assert said.stdout.strip() == "[]"
+
+
+def test_run_ends_with_how_it_ended_and_where(handcart: Callable[..., Any], tour: Path) -> None:
+    said = handcart("run", tour, "--runs", tour.parent / "runs")
+    assert said.status == 0
+    folder = tour.parent / "runs" / f"{tour.parent.name}-0"
+    assert said.out == f"Success in situation at_shelf; see {folder}\n"
+    assert "1. MOVE_TO: at_home to at_shelf: Success" in said.err
+    assert (folder / "journal.jsonl").is_file()
+
+
+def test_run_as_json(handcart: Callable[..., Any], tour: Path) -> None:
+    said = handcart("run", tour, "--runs", tour.parent / "runs", "--seed", 5, "--json")
+    told = json.loads(said.out.splitlines()[-1])
+    fields = (
+        "outcome situation reason actions fails replans sim_time_s wall_time_s seed backend run_dir metrics"
+    )
+    assert set(fields.split()) <= told.keys()
+    assert (said.status, told["outcome"], told["seed"], told["backend"]) == (0, "Success", 5, "kinematic")
+
+
+def test_a_goal_that_no_way_leads_to_is_status_3(handcart: Callable[..., Any], tour: Path) -> None:
+    text = tour.read_text(encoding="utf-8").replace("{do: MOVE_TO,", "{do: INSERT, attempts: 1,")
+    tour.write_text(text.replace("place: shelf_3", "shelf: shelf_3"), encoding="utf-8")
+    said = handcart("run", tour, "--runs", tour.parent / "runs")
+    assert said.status == 3
+    assert said.out.startswith("Fail in situation at_home: ")
+
+
+def test_an_interrupt_stops_with_status_130(tour: Path) -> None:
+    code = (
+        "import os, signal, sys, threading, tools.progress\n"
+        "from tools.handcart import main\n"
+        "class Interrupting(tools.progress.Progress):\n"
+        "    def __call__(self, event):\n"
+        "        super().__call__(event)\n"
+        "        if type(event).__name__ == 'Started': os.kill(os.getpid(), signal.SIGINT)\n"
+        "tools.progress.Progress = Interrupting\n"
+        "main(sys.argv[1:])\n"
+    )
+    words = [sys.executable, "-c", code, "run", str(tour), "--runs", str(tour.parent / "runs"), "--json"]
+    said = subprocess.run(words, capture_output=True, text=True, cwd=ROOT, check=False)
+    assert said.returncode == 130, said.stderr
+    assert json.loads(said.stdout.splitlines()[-1])["outcome"] == "Cancelled"
+
+
+def test_run_task_of_a_checkout(tour: Path) -> None:
+    (tour.parent / "runs").write_text("no folder", encoding="utf-8")
+    words = [str(ROOT / "tools" / "run_task"), str(tour), "--runs", str(tour.parent / "runs")]
+    path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
+    env = os.environ | {"PATH": path}
+    said = subprocess.run(words, capture_output=True, text=True, env=env, check=False)
+    assert said.returncode == 2
+    assert "is no folder" in said.stderr
+
+
+def test_a_fault_of_our_own_is_status_5(
+    handcart: Callable[..., Any], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def broken(kind: str) -> None:
+        raise ZeroDivisionError
+
+    monkeypatch.setattr("tools.file_kinds.model_of", broken)
+    said = handcart("schema", "task")
+    assert said.status == 5
+    assert "ZeroDivisionError" in said.err
+    assert "a fault in handcart" in said.err

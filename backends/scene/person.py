@@ -1,0 +1,35 @@
+"""The person who hands books over."""
+
+from __future__ import annotations
+
+from robotics.geometry.pose2 import Pose2
+
+from .scene import Scene, set_on_tray
+
+NEAR = 0.5  # [m] from where the robot started, within a person's reach
+AFTER = 1.0  # [s] that the robot stands there with an empty tray and hand before the next book comes
+
+
+class Person:
+    """Puts the next book onto the robot's tray when it stands at its start again, tray and hand empty."""
+
+    def __init__(self, scene: Scene, seed: int) -> None:
+        """The books are those in `scene.to_come`; `seed` is that of the errors with which they are put down."""
+        self._scene = scene
+        self._seed = seed
+        self._start = scene.base
+        self._given = 0
+        self._stood = Pose2(0.0, 0.0, 0.0)
+        self._since = 0.0
+
+    def step(self) -> None:
+        """One period passes."""
+        scene = self._scene
+        if not scene.to_come:
+            return
+        idle = scene.base == self._stood and scene.held is None and scene.tray_book() is None
+        if not idle or scene.base.distance(self._start) > NEAR:
+            self._stood, self._since = scene.base, scene.time
+        elif scene.time >= self._since + AFTER:
+            self._given += 1
+            set_on_tray(scene, scene.to_come.pop(0), self._seed, self._given)
