@@ -24,19 +24,25 @@ class EvidenceFiles:
 
     def __init__(self, run_dir: Path) -> None:
         self._folder = run_dir / FOLDER
+        self.lost: str | None = None
+        """Why nothing more is kept, where the disk took no more; the run goes on without."""
 
     def __call__(self, event: Event) -> None:
         """Write what an action that has ended leaves."""
         if isinstance(event, Ended):
             outcome = "" if isinstance(event.outcome, Success) else f"_{type(event.outcome).__name__}"
-            self._write(f"{event.number:03d}_{event.action.do}{outcome}", event.primitive.evidence)
+            try:
+                self._write(f"{event.number:03d}_{event.action.do}{outcome}", event.primitive.evidence)
+            except OSError as error:
+                self.lost = error.strerror
 
     def _write(self, name: str, evidence: Evidence) -> None:
-        if not evidence.pictures and not evidence.points:
+        if self.lost is not None or not (evidence.pictures or evidence.points):
             return
         self._folder.mkdir(exist_ok=True)
         for key, picture in evidence.pictures.items():
-            cv2.imwrite(str(self._folder / f"{name}_{key}.png"), picture)
+            _, png = cv2.imencode(".png", picture)
+            (self._folder / f"{name}_{key}.png").write_bytes(png.tobytes())
         if evidence.points:
             points: dict[str, Any] = dict(evidence.points)
             np.savez_compressed(self._folder / f"{name}.npz", **points)

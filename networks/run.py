@@ -35,6 +35,14 @@ Metrics = Callable[[Prepared, RunEnd, Telemetry], Mapping[str, Any]]
 """Task-specific figures about a run that has ended; only evaluation knows the ground truth."""
 
 
+class NotKept(HandcartError):
+    """A run has ended, but its summary or telemetry can't be written."""
+
+    def __init__(self, run_dir: Path, end: RunEnd, error: OSError) -> None:
+        ended = f"{end.outcome} in situation {end.situation}{': ' if end.reason else ''}{end.reason}"
+        super().__init__(f"{run_dir} can't be written: {error.strerror}; the run itself ended with {ended}")
+
+
 def execute(
     prepared: Prepared,
     run_dir: Path,
@@ -64,9 +72,12 @@ def execute(
         )
         with _interrupts_stop(coordinator):
             end = _guarded(coordinator, prepared.robot, telemetry, run_dir)
-    telemetry.save(run_dir / "telemetry.npz")
     figures = dict(metrics(prepared, end, telemetry)) if metrics else {}
-    _write(run_dir / "summary.json", summary(prepared, end, run_dir, clock() - began, figures))
+    try:
+        _write(run_dir / "summary.json", summary(prepared, end, run_dir, clock() - began, figures))
+        telemetry.save(run_dir / "telemetry.npz")
+    except OSError as error:
+        raise NotKept(run_dir, end, error) from None
     return end
 
 
