@@ -84,6 +84,9 @@ class Errors(FileModel):
     """How a person sets a book onto the tray."""
     book_turn_deg: NotNegative = 1.0
     hand_force_n: NotNegative = 0.3
+    swing_yaw_mrad: float = 0.0
+    """By which the standing base is turned each time that the arm has swung: casters and tyres give."""
+    swing_yaw_sigma_mrad: NotNegative = 0.0
 
 
 class Tolerance(FileModel):

@@ -32,6 +32,8 @@ class KinematicArm(Arm):
         self._command = hand.scene.joints.copy()
         self._reached = self._command.copy()
         self._motions, self._moving, self._settled = 0, False, False
+        self.swung = False
+        """Whether the arm came to rest in this period."""
         self._offset = self._draw_offset()
         hand.scene.joints = self._command + self._offset
         self._touching: frozenset[tuple[str, str]] = frozenset()
@@ -79,6 +81,7 @@ class KinematicArm(Arm):
         if changed and not self._moving:
             self._motions += 1
             self._offset = self._draw_offset()
+        self.swung = self._moving and not changed
         self._moving = changed
         self._reached = self._command.copy()
         if not changed and not disturbed and self._settled:
@@ -86,6 +89,11 @@ class KinematicArm(Arm):
         self._settled = not changed
         self._touching = self._hand.move(self._command + self._offset)
         return self._touching
+
+    def swing_yaw(self) -> float:
+        """By how much the swing that has ended turned the base, in [rad]."""
+        spread = keyed(self._seed, "swing yaw", self._motions).standard_normal()
+        return float(self._errors.swing_yaw_mrad + self._errors.swing_yaw_sigma_mrad * spread) / 1e3
 
     def _draw_offset(self) -> Vector:
         sigma = self._errors.joint_repeatability_mrad / 1e3

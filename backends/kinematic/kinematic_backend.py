@@ -31,8 +31,9 @@ class MissingWorld(InputError):
 class KinematicBackend(Backend):
     """A differential drive with arm, gripper, camera and range sensor among solid things.
 
-    How it errs, seeded: radius of each wheel, tread, slip in each period, joint repeatability, ranges,
-    image noise, blur, light and lens, the force reading, where a person puts the robot and the book.
+    How it errs, seeded: radius of each wheel, tread, slip in each period, joint repeatability, the base that
+    gives when the arm has swung, ranges, image noise, blur, light and lens, the force reading, where a person
+    puts the robot and the book.
 
     How it differs from metal:
     - No mass: wheels, joints and fingers follow their commands within the period; limits of speed are
@@ -100,6 +101,8 @@ class KinematicBackend(Backend):
         fingers = self._gripper is not None and self._gripper.advance(self._periods)
         if self._arm is not None:
             touching |= self._arm.advance(self._periods, disturbed=fingers)
+            if self._arm.swung:
+                self._move_base(Pose2(0.0, 0.0, self._arm.swing_yaw()))
         for sensor in (self._camera, self._range):
             if sensor is not None:
                 sensor.advance(self._periods)
