@@ -14,7 +14,7 @@ class Person:
     """Puts the next book onto the robot's tray when it stands at its start again, tray and hand empty."""
 
     def __init__(self, scene: Scene, seed: int) -> None:
-        """The books are those in `scene.to_come`; `seed` is that of the errors with which they are put down."""
+        """Hand over the books in `scene.to_come`; `seed` is that of how they are put down."""
         self._scene = scene
         self._seed = seed
         self._start = scene.base

@@ -113,7 +113,7 @@ class WorldFile(FileModel):
     tray: BookSpec | None = None
     """The book on the robot's tray."""
     handed_over: tuple[BookSpec, ...] = ()
-    """Books that a person puts onto the empty tray, one after the other, when the robot stands at its start."""
+    """Books that a person puts onto the empty tray, one after the other, when the robot is home."""
 
     @model_validator(mode="after")
     def _one_of_each(self) -> Self:
