@@ -74,6 +74,10 @@ class Nothing(Backend):
     def __init__(self) -> None:
         self._wheels = Standing()
 
+    @classmethod
+    def build(cls, robot: RobotFile, world: Path | None, seed: int) -> Nothing:
+        return cls()
+
     def capabilities(self) -> tuple[Capability, ...]:
         return (self._wheels,)
 
