@@ -4,9 +4,12 @@ from __future__ import annotations
 
 import sys
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
+
+if TYPE_CHECKING:
+    from files.errors import InputError
 
 
 def check(
@@ -19,19 +22,15 @@ def check(
     """Read a file with all that it names, and tell what is wrong with it: each finding with its place."""
     import orjson
 
-    from files.errors import FileError
+    from files.errors import InputError
     from files.settings import split_setting
 
     try:
         told = _facts(file, dict(split_setting(each) for each in settings or []))
-    except FileError as error:
+    except InputError as error:
         if not as_json:
             raise
-        findings = [
-            {"file": each.file, "line": each.line, "column": each.column, "message": each.message}
-            for each in error.findings
-        ]
-        print(orjson.dumps({"ok": False, "findings": findings}).decode())
+        print(orjson.dumps({"ok": False, "findings": _findings(error)}).decode())
         sys.exit(error.exit_status)
     if as_json:
         print(orjson.dumps({"ok": True, **told}).decode())
@@ -43,20 +42,31 @@ def check(
         print(f"  {name}: {value}")
 
 
+def _findings(error: InputError) -> list[dict[str, Any]]:
+    from files.errors import FileError
+
+    if not isinstance(error, FileError):  # a name that no file's line is known for
+        return [{"file": None, "line": 0, "column": 0, "message": str(error)}]
+    return [
+        {"file": each.file, "line": each.line, "column": each.column, "message": each.message}
+        for each in error.findings
+    ]
+
+
 def _facts(file: Path, settings: dict[str, str]) -> dict[str, Any]:
+    from files.errors import FileError
     from files.loading import load
     from files.suggest import suggest
     from files.yaml_document import read_document
 
     from .file_kinds import KINDS, model_of
+    from .robot_findings import robot_findings
 
     document = read_document(file)
     data = document.data if isinstance(document.data, dict) else {}
     kind = str(data.get("format", "")).removeprefix("handcart-").split("/")[0]
     if kind not in KINDS:
         allowed = [f"handcart-{each}/1" for each in KINDS]
-        from files.errors import FileError
-
         wrong = f"the key 'format' doesn't tell what this is{suggest(str(data.get('format', '')), allowed)}"
         raise FileError([document.finding(("format",) if "format" in data else (), wrong)])
     if kind == "task":
@@ -65,7 +75,9 @@ def _facts(file: Path, settings: dict[str, str]) -> dict[str, Any]:
         from backends.robot_file import load_robot
 
         robot = load_robot(str(file))
-        robot.urdf_text()
+        findings = robot_findings(robot, document)
+        if findings:
+            raise FileError(findings)
         return {"format": data["format"], "joints": len(robot.arm.joints) if robot.arm else 0}
     load(file, model_of(kind))
     return {"format": data["format"]}

@@ -39,7 +39,7 @@ def teach(
             f"{name!r} is no name; allowed: small letters, digits and _, such as pick_up_1"
         )
     angles = _angles(spec.arm, joints, from_posture)
-    _check_limits(angles, spec, spec.arm)
+    _check_posture(angles, spec, spec.arm)
     before = file.read_text(encoding="utf-8")
     after = _with_posture(before, name, angles)
     lines = before.splitlines(keepends=True), after.splitlines(keepends=True)
@@ -57,12 +57,9 @@ def _angles(arm: ArmSpec, joints: str | None, from_posture: str | None) -> list[
     assert joints is not None
     count = len(arm.joints)
     try:
-        angles = [float(each) for each in joints.split(",")]
+        return [float(each) for each in joints.split(",")]
     except ValueError:
         raise typer.BadParameter(f"{joints!r} are no angles; allowed: {count} numbers with commas") from None
-    if len(angles) != count:
-        raise typer.BadParameter(f"{len(angles)} angles; allowed: {count}, one for each joint")
-    return angles
 
 
 def _copied(arm: ArmSpec, posture: str) -> list[float]:
@@ -73,20 +70,14 @@ def _copied(arm: ArmSpec, posture: str) -> list[float]:
     return list(arm.postures[posture])
 
 
-def _check_limits(angles: list[float], spec: RobotFile, arm: ArmSpec) -> None:
-    import numpy as np
-
+def _check_posture(angles: list[float], spec: RobotFile, arm: ArmSpec) -> None:
     from robotics.kinematics.arm_model import ArmModel
 
-    model = ArmModel(spec.urdf_text(), arm.joints)
-    limits = zip(arm.joints, angles, np.degrees(model.lower), np.degrees(model.upper), strict=True)
-    wrong = [
-        f"{joint} can't stand at {angle:g} deg; allowed: {low:.1f} to {high:.1f}"
-        for joint, angle, low, high in limits
-        if not low <= angle <= high
-    ]
-    if wrong:
-        raise typer.BadParameter("; ".join(wrong))
+    from .robot_findings import posture_faults
+
+    faults = posture_faults(ArmModel(spec.urdf_text(), arm.joints), arm.joints, tuple(angles))
+    if faults:
+        raise typer.BadParameter("; ".join(faults))
 
 
 def _with_posture(text: str, name: str, angles: list[float]) -> str:

@@ -149,3 +149,27 @@ def test_findings_of_do_name_what_was_typed(handcart: Callable[..., Any]) -> Non
         "wait_s=two: wait_s is 'two'; allowed: a number from 0 to 600 s",
         "weit_s=3: unknown key 'weit_s'; did you mean 'wait_s'? allowed: place, wait_s",
     ]
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "told"),
+    [
+        ("urdf: librarian.urdf", "urdf: none.urdf", "there is no text file 'none.urdf'"),
+        ("urdf: librarian.urdf", "urdf: robot.yaml", "the URDF is not well-formed"),
+        ("joint_6]", "joint_7]", "no movable joint 'joint_7'"),
+        ("home: [-", "home: [0, -", "7 angles; allowed: 6"),
+        ("home: [-", "home: [-9", "joint_1 can't stand at"),
+    ],
+)
+def test_a_robots_file_is_checked_against_its_urdf(
+    handcart: Callable[..., Any], tmp_path: Path, old: str, new: str, told: str
+) -> None:
+    robots = Path(__file__).resolve().parents[2] / "backends" / "robots" / "librarian"
+    text = (robots / "robot.yaml").read_text(encoding="utf-8")
+    assert old in text
+    (tmp_path / "robot.yaml").write_text(text.replace(old, new, 1), encoding="utf-8")
+    (tmp_path / "librarian.urdf").write_bytes((robots / "librarian.urdf").read_bytes())
+    said = handcart("check", tmp_path / "robot.yaml")
+    assert said.status == 2
+    assert told in said.err
+    assert said.err.startswith(str(tmp_path / "robot.yaml:"))
