@@ -61,8 +61,12 @@ class PoseRegulator:
 
     def finished(self, pose: Pose2) -> bool:
         """Whether the robot stands at the goal, within tolerance, at rest."""
-        aligned = self._any_heading or pose.turn(self.goal) <= self.tolerance.heading
-        return self._ramp.at_rest and aligned and pose.distance(self.goal) <= self.tolerance.position
+        return (
+            self._ramp.at_rest and self._aligned(pose) and pose.distance(self.goal) <= self.tolerance.position
+        )
+
+    def _aligned(self, pose: Pose2) -> bool:
+        return self._any_heading or pose.turn(self.goal) <= self.tolerance.heading
 
     def command(self, pose: Pose2, dt: float) -> tuple[float, float]:
         """Speed in [m/s] and turn rate in [rad/s] for the next `dt` in [s]."""
@@ -79,9 +83,11 @@ class PoseRegulator:
         return self._ramp.towards(rate_to_stop(goal.x, limits.speed, limits.acceleration), turn_rate, dt)
 
     def _choose_phase(self, pose: Pose2, goal: Pose2) -> None:
-        distance = math.hypot(goal.x, goal.y)
+        distance = pose.distance(
+            self.goal
+        )  # as in `finished`: rounded otherwise, both could wait for the other
         if self._phase is _Phase.ALIGN:
-            aligned = self._any_heading or abs(goal.theta) <= self.tolerance.heading
+            aligned = self._aligned(pose)
             far = distance > 5.0 * self.tolerance.position
             if distance > self.tolerance.position and (far or (aligned and self._ramp.at_rest)):
                 self._phase, self._backwards = _Phase.AIM, goal.x < 0.0

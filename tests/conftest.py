@@ -1,0 +1,6 @@
+"""For all tests: Hypothesis draws the same examples in every run."""
+
+from hypothesis import settings
+
+settings.register_profile("handcart", derandomize=True, deadline=None)
+settings.load_profile("handcart")
