@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -22,6 +22,7 @@ def run_task(
     seed: int,
     observers: Sequence[Observer] = (),
     draw: bool = False,
+    warn: Callable[[str], None] | None = None,
 ) -> tuple[dict[str, Any], int]:
     """Run a task once.
 
@@ -33,6 +34,7 @@ def run_task(
         seed: of the simulated errors.
         observers: told of all that happens.
         draw: whether `overview.svg` is drawn.
+        warn: told what the user should know before the run starts.
 
     Returns:
         The summary that also stands in the run's folder, and the exit status.
@@ -41,6 +43,9 @@ def run_task(
         FileError: something in the task or a file that it names is wrong; nothing has moved.
     """
     with prepare(task, backend, settings, seed) as prepared:
+        if warn is not None:
+            for warning in prepared.warnings:
+                warn(warning)
         folder = new_folder(runs, f"{task.resolve().parent.name}-{seed}")
         judge = Judge(prepared)
         end = execute(prepared, folder, [*observers, judge], metrics=judge.metrics)

@@ -53,6 +53,10 @@ class Progress:
             case Planned() | RunEnded():
                 pass
 
+    def warn(self, words: str) -> None:
+        """Tell what the user should know before the run starts."""
+        self._console.print(f"[yellow]warning: {escape(words)}[/yellow]")
+
     def _ended(self, time: float, number: int, what: str, outcome: Success | Fail | GiveUp) -> None:
         word = type(outcome).__name__
         reason = "" if isinstance(outcome, Success) else f": {outcome.reason}"

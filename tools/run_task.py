@@ -31,7 +31,7 @@ def run(
     check_folder(runs)
     chosen = dict(split_setting(each) for each in settings or [])
     with Progress() as progress:
-        summary, status = run_task(task, runs, backend, chosen, seed, [progress], draw=True)
+        summary, status = run_task(task, runs, backend, chosen, seed, [progress], True, progress.warn)
     if as_json:
         print(orjson.dumps(summary).decode())
     else:

@@ -173,3 +173,25 @@ def test_a_robots_file_is_checked_against_its_urdf(
     assert said.status == 2
     assert told in said.err
     assert said.err.startswith(str(tmp_path / "robot.yaml:"))
+
+
+def test_thresholds_that_turn_unknown_cells_into_free_ones_are_warned_of(
+    handcart: Callable[..., Any], broken: Callable[..., Path]
+) -> None:
+    import cv2
+
+    path = broken(("place: shelf_3", "place: home"))
+    chart = path.parent / "map.png"
+    image = cv2.imread(str(chart), cv2.IMREAD_GRAYSCALE)
+    assert image is not None
+    image[:2, :] = 205
+    cv2.imwrite(str(chart), image)
+    lines = (
+        (path.parent / "map.yaml")
+        .read_text(encoding="utf-8")
+        .replace("free_thresh: 0.196", "free_thresh: 0.25")
+    )
+    (path.parent / "map.yaml").write_text(lines, encoding="utf-8")
+    said = handcart("run", path, "--runs", path.parent / "runs")
+    assert said.status == 0
+    assert "unknown cells (grey 205) into free ones" in said.err
