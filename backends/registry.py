@@ -46,8 +46,13 @@ def make_backend(name: str, robot: RobotFile, world: Path | None, seed: int) -> 
         UnknownBackend: none has that name; the message lists those that exist.
         FileError: the world's file is missing or something in it is wrong.
     """
+    return backend_class(name).build(robot, world, seed)
+
+
+def backend_class(name: str) -> type[Backend]:
+    """The class of a backend; raises `UnknownBackend`."""
     if name not in _all():
         raise UnknownBackend(name)
     module, _, attribute = _all()[name].partition(":")
     kind: type[Backend] = getattr(import_module(module), attribute)
-    return kind.build(robot, world, seed)
+    return kind

@@ -8,9 +8,13 @@ from typing import Annotated, Literal
 
 from pydantic import Field, PrivateAttr
 
+from files.errors import FileError
 from files.inside import FilePath, resolve_inside
-from files.loading import load
+from files.loading import load_document
 from files.model import FileModel
+from files.yaml_document import read_document
+
+from .robot_findings import robot_findings
 
 Positive = Annotated[float, Field(gt=0.0)]
 NotNegative = Annotated[float, Field(ge=0.0)]
@@ -134,11 +138,15 @@ def load_robot(name: str) -> RobotFile:
     """A shipped robot by its name, or any by the path of its YAML file.
 
     Raises:
-        FileError: the file is missing or something in it is wrong.
+        FileError: the file or its URDF is missing, or something in them is wrong.
     """
     path = Path(name) if name.endswith((".yaml", ".yml")) else ROBOTS / name / "robot.yaml"
-    robot = load(path, RobotFile)
+    loaded = load_document(read_document(path), RobotFile)
+    robot = loaded.value
     robot._folder = path.parent
+    findings = robot_findings(robot, loaded.document)
+    if findings:
+        raise FileError(findings)
     return robot
 
 

@@ -25,6 +25,7 @@ from .stop_errors import stop_errors
 SIGMAS = 5.0
 BASE_SIGMA_MM, BASE_SIGMA_DEG = 4.0, 0.09  # of a base pose measured by matching scans with the map
 JOINT_SIGMA_DEG = 0.01  # encoders and repeatability
+RELEASE = "RELEASE"  # a task without it returns no book
 OBJECT_SIGMA_MM = 1.5  # of an object seen by the camera
 
 
@@ -83,7 +84,8 @@ class Judge:
         self.untrue: list[str] = []
         """Outcomes that the ground truth contradicts, in words."""
         self._shelving: Shelving | None = None
-        if self._scene is not None and self._scene.tray_book() is not None:
+        shelves = any(action.do == RELEASE for action in prepared.task.network.actions)
+        if shelves and self._scene is not None and self._scene.tray_book() is not None:
             first = self._scene.tray_book().accession
             others = [each.accession for each in self._scene.to_come]
             self._shelving = shelving(self._scene, (first, *others))

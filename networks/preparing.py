@@ -10,7 +10,7 @@ from typing import TypeVar
 import numpy as np
 
 from backends.backend import Backend
-from backends.registry import make_backend
+from backends.registry import UnknownBackend, backend_names, make_backend
 from backends.robot import Robot
 from backends.robot_file import RobotFile, load_robot
 from files.errors import FileError
@@ -72,11 +72,13 @@ def prepare(
     spec = _collected(findings, lambda: load_robot(task.robot))
     told = _collected(findings, lambda: load_model(task))
     name = backend or task.file.backend
+    if backend is None and name not in backend_names():
+        findings.add(task.document.finding(("backend",), str(UnknownBackend(name))))
     world = task.path("world")
     if world is None:
         findings.add(task.document.finding((), f"the key 'world' is missing; needed: what {name} builds"))
     made = None
-    if spec is not None and world is not None:
+    if spec is not None and world is not None and not findings:
         made = _collected(findings, lambda: make_backend(name, spec, world, seed))
     findings.raise_all()
     assert made is not None

@@ -40,6 +40,7 @@ BACK_OFF = 0.06  # [m]: the tips leave the book's rear
 HOME_SPEED = 0.02  # [m/s]
 HOME = 8.0  # [N]: sliding home takes 3
 BEYOND = 0.008  # [m] that the push may be commanded beyond flush: the arm gives under the book's friction
+FELT = 1.5  # [N]: below this the fingers pushed nothing: they passed the book by
 FLUSH = 0.0  # [m] behind the shelf's front edge, to which the tips push: spines stand 3 mm about it
 PROUD = 0.006  # [m] before the front edge: a book that stays there isn't home
 AWAY = 0.18  # [m] from the tips to the shelf's front, after withdrawing and while looking
@@ -110,6 +111,8 @@ class Release(TreePrimitive):
         self.found(proud_mm=round(1e3 * proud, 1), push_n=round(pushed.force, 1))
         if proud > PROUD:
             raise Discrepancy(f"the book doesn't go home: it stands {1e3 * proud:.0f} mm proud")
+        if pushed.force < FELT:
+            raise Discrepancy("the fingers don't meet the book: it may stand proud")
 
     def _withdraw(self, robot: Robot) -> Periods:
         yield from self._move_in_shelf(robot, -AWAY - self._tips(robot))

@@ -60,7 +60,6 @@ def _facts(file: Path, settings: dict[str, str]) -> dict[str, Any]:
     from files.yaml_document import read_document
 
     from .file_kinds import KINDS, model_of
-    from .robot_findings import robot_findings
 
     document = read_document(file)
     data = document.data if isinstance(document.data, dict) else {}
@@ -75,9 +74,6 @@ def _facts(file: Path, settings: dict[str, str]) -> dict[str, Any]:
         from backends.robot_file import load_robot
 
         robot = load_robot(str(file))
-        findings = robot_findings(robot, document)
-        if findings:
-            raise FileError(findings)
         return {"format": data["format"], "joints": len(robot.arm.joints) if robot.arm else 0}
     load(file, model_of(kind))
     return {"format": data["format"]}

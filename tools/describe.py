@@ -1,4 +1,4 @@
-"""`handcart describe`: what a primitive takes, needs and does."""
+"""`handcart describe`: what a primitive takes, needs and does, or what a backend simulates."""
 
 from __future__ import annotations
 
@@ -11,10 +11,14 @@ if TYPE_CHECKING:
     from primitives.action_primitive import ActionPrimitive
 
 
-def describe(name: Annotated[str, typer.Argument(help="a primitive, such as MOVE_TO")]) -> None:
-    """Tell what a primitive does, takes, needs, reads and writes."""
+def describe(name: Annotated[str, typer.Argument(help="a primitive, such as MOVE_TO, or a backend")]) -> None:
+    """Tell what a primitive does, takes, needs, reads and writes, or how a backend differs from metal."""
+    from backends.registry import backend_class, backend_names
     from primitives.registry import primitive_class
 
+    if name in backend_names():
+        print(f"{name}\n\n{inspect.getdoc(backend_class(name))}")
+        return
     try:
         kind = primitive_class(name)
     except KeyError as unknown:

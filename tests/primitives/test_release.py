@@ -99,3 +99,24 @@ def test_a_book_that_does_not_go_home_is_for_a_person(
     assert isinstance(outcome, GiveUp)
     assert "doesn't go home" in outcome.reason
     assert np.allclose(rig.robot.arm.command(), rig.robot.spec.posture("home"))
+
+
+def test_fingers_that_pass_the_book_by_have_not_pushed_it_home(inserted: Callable[..., Any]) -> None:
+    rig = inserted()
+    rig.model.slot = None
+    release = Release(shelf="shelf_1")
+    aside = rig.scene.shelves["shelf_1"].pose[:3, 1]
+
+    def let_go() -> bool:
+        book = rig.scene.books[117]
+        if book.rest is Rest.SHELF and not moved:
+            book.pose = book.pose.copy()
+            book.pose[:3, 3] += 0.5 * aside
+            rig.scene.changes += 1
+            moved.append(book)
+        return False
+
+    moved: list[Any] = []
+    outcome = rig.run(release, let_go)
+    assert isinstance(outcome, GiveUp)
+    assert "the fingers don't meet the book" in outcome.reason

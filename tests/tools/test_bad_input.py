@@ -59,6 +59,7 @@ def test_the_task_itself_is_right(handcart: Callable[..., Any], broken: Callable
         ("place: shelf_3", "place: shelf_33", ":10:", "shelf_3"),
         ("robot: librarian", "robot: librarien", "", "librarien"),
         ("map: map.yaml", "map: mop.yaml", "mop.yaml", "mop.yaml"),
+        ("robot: librarian", "robot: librarian\nbackend: kinematik", ":4:10: ", "did you mean 'kinematic'"),
     ],
 )
 def test_one_error_is_told_with_its_place(
@@ -195,3 +196,18 @@ def test_thresholds_that_turn_unknown_cells_into_free_ones_are_warned_of(
     said = handcart("run", path, "--runs", path.parent / "runs")
     assert said.status == 0
     assert "unknown cells (grey 205) into free ones" in said.err
+
+
+@pytest.mark.parametrize("command", ["check", "run", "do"])
+def test_a_broken_urdf_is_told_with_its_place(
+    handcart: Callable[..., Any], broken: Callable[..., Path], command: str
+) -> None:
+    robots = TASKS.parent / "backends" / "robots" / "librarian"
+    path = broken(("robot: librarian", "robot: mine.yaml"))
+    (path.parent / "mine.yaml").write_bytes((robots / "robot.yaml").read_bytes())
+    (path.parent / "librarian.urdf").write_text("<robot name='x'><link", encoding="utf-8")
+    words = ("MOVE_TO", "place=shelf_3", "--robot", path.parent / "mine.yaml") if command == "do" else (path,)
+    said = handcart(command, *words)
+    assert said.status == 2
+    assert "mine.yaml:17:" in said.err
+    assert "Traceback" not in said.err

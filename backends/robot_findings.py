@@ -5,10 +5,11 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from backends.robot_file import ArmSpec, RobotFile
     from files.errors import Finding
     from files.yaml_document import Document
     from robotics.kinematics.arm_model import ArmModel
+
+    from .robot_file import ArmSpec, RobotFile
 
 
 def robot_findings(robot: RobotFile, document: Document) -> list[Finding]:
