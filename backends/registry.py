@@ -9,11 +9,15 @@ from pathlib import Path
 
 from files.errors import InputError
 from files.suggest import suggest
+from robotics.geometry.pose2 import Pose2
 
 from .backend import Backend
 from .robot_file import RobotFile
 
-TABLE = {"kinematic": "backends.kinematic.kinematic_backend:KinematicBackend"}
+TABLE = {
+    "kinematic": "backends.kinematic.kinematic_backend:KinematicBackend",
+    "pybullet": "backends.pybullet.pybullet_backend:PyBulletBackend",
+}
 """Name to import path; other packages add theirs by an entry point of the group `handcart.backends`."""
 
 
@@ -39,14 +43,29 @@ def backend_names() -> list[str]:
     return sorted(_all())
 
 
-def make_backend(name: str, robot: RobotFile, world: Path | None, seed: int) -> Backend:
+def make_backend(
+    name: str, robot: RobotFile, world: Path | None, seed: int, start: Pose2 = Pose2(0.0, 0.0, 0.0)
+) -> Backend:
     """A backend by its name, for a robot, in the world of a file.
+
+    Args:
+        name: one of `backend_names()`.
+        robot: what it is to behave like.
+        world: a world's file, or a map in ROS format: then all that is occupied on it stands there.
+        seed: of simulated errors.
+        start: world_T_base of the robot at first in a map's world; a world's file tells its own.
 
     Raises:
         UnknownBackend: none has that name; the message lists those that exist.
         FileError: the world's file is missing or something in it is wrong.
     """
-    return backend_class(name).build(robot, world, seed)
+    kind = backend_class(name)
+    if world is None:
+        return kind.build(robot, None, seed)
+    from .map_world import as_world_file
+
+    with as_world_file(world, start) as file:
+        return kind.build(robot, file, seed)
 
 
 def backend_class(name: str) -> type[Backend]:

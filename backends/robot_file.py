@@ -122,9 +122,13 @@ class RobotFile(FileModel):
     tolerance: Tolerance
     _folder: Path = PrivateAttr(default=ROBOTS)
 
+    def urdf_path(self) -> Path:
+        """Where the URDF lies, beside the file."""
+        return resolve_inside(self._folder, self.urdf)
+
     def urdf_text(self) -> str:
-        """The URDF beside the file."""
-        return resolve_inside(self._folder, self.urdf).read_text(encoding="utf-8")
+        """What stands in the URDF."""
+        return self.urdf_path().read_text(encoding="utf-8")
 
     def posture(self, name: str) -> tuple[float, ...]:
         """A named posture, in [rad]."""

@@ -20,6 +20,8 @@ from robotics.navigation.voronoi_graph import voronoi_graph
 
 COLOURS = {"Success": "#2a9d5c", "Fail": "#e0a100", "GiveUp": "#c8382e", "running": "#999999"}
 PLANNED, DRIVEN, RESTORED, SENSED, GRAPH = "#3b6fd4", "#111111", "#e07b00", "#d62828", "#b9c7dd"
+SCAN = "#2a9d5c"
+BESIDE = 0.5  # of the known part of a map that is drawn too [m]
 
 
 @dataclass(frozen=True)
@@ -109,25 +111,31 @@ def _draw_map(axis: Any, grid: GridMap, places: Mapping[str, Place], radius: flo
             "", (place.x_m + dx, place.y_m + dy), (place.x_m, place.y_m), arrowprops={"arrowstyle": "->"}
         )
         axis.annotate(name, (place.x_m, place.y_m), (4, 4), textcoords="offset points", fontsize=8)
+    known = np.argwhere(~grid.unknown)
+    if len(known):
+        low, high = grid.to_point(known.min(axis=0)[None])[0], grid.to_point(known.max(axis=0)[None])[0]
+        axis.set_xlim(max(low[0] - BESIDE, extent[0]), min(high[0] + BESIDE, extent[1]))
+        axis.set_ylim(max(low[1] - BESIDE, extent[2]), min(high[1] + BESIDE, extent[3]))
     axis.set_aspect("equal")
     axis.set_xlabel("x [m]")
     axis.set_ylabel("y [m]")
 
 
 def _draw_drive(axis: Any, run_dir: Path, track: Track) -> None:
-    planned = [points["planned"] for points in _points(run_dir).values() if "planned" in points]
-    for number, line in enumerate(planned):
+    for number, line in enumerate(_named(run_dir, "planned")):
         label = None if number else "planned"
-        axis.plot(line[:, 0], line[:, 1], color=PLANNED, lw=1.2, ls="--", label=label)
+        axis.plot(line[:, 0], line[:, 1], color=PLANNED, lw=1.0, ls="--", label=label, zorder=3)
     if len(track.pose):
         axis.plot(track.pose[:, 0], track.pose[:, 1], color=DRIVEN, lw=1.5, label="driven")
         back = np.where(track.restoring[:, None], track.pose[:, :2], np.nan)
         if track.restoring.any():
             axis.plot(back[:, 0], back[:, 1], color=RESTORED, lw=1.5, label="restored")
-    sensed = [points["sensed"] for points in _points(run_dir).values() if "sensed" in points]
+    scans, sensed = _named(run_dir, "scan"), _named(run_dir, "sensed")
+    if scans:
+        axis.plot(*np.vstack(scans).T, ".", color=SCAN, ms=1.5, label="scan on arrival", rasterized=True)
     if sensed:
         axis.plot(*np.vstack(sensed).T, ".", color=SENSED, ms=2.5, label="sensed, not on the map")
-    axis.legend(fontsize=7, loc="upper left", bbox_to_anchor=(0.0, -0.06), ncols=5, frameon=False)
+    axis.legend(fontsize=7, loc="upper left", bbox_to_anchor=(0.0, -0.1), ncols=6, frameon=False)
 
 
 def _draw_time(axis: Any, stretches: list[Stretch]) -> None:
@@ -161,6 +169,11 @@ def _draw_fail(run_dir: Path, stretch: Stretch, grid: GridMap) -> None:
     axis.set_ylim(y - 2.0, y + 2.0)
     axis.legend(fontsize=8)
     figure.savefig(run_dir / FOLDER / f"{name}.svg", metadata={"Date": None})
+
+
+def _named(run_dir: Path, name: str) -> list[NDArray[np.float64]]:
+    """The points of this name that the actions left, in their order."""
+    return [points[name] for points in _points(run_dir).values() if name in points]
 
 
 def _points(run_dir: Path) -> dict[str, dict[str, NDArray[np.float64]]]:

@@ -97,5 +97,6 @@ def set_stage(
         raise NoSuchPlace(f"no place {files.start!r} to start at{suggest(files.start, places)}")
     grid, _ = load_map(files.map)
     model = WorldModel(grid, places, load(files.catalogue, Catalogue), np.empty((0, 2)))
-    made = make_backend(backend, spec, files.world, seed)
-    return Stage(Robot(made, spec, places[files.start].pose, grid), model, made)
+    start = places[files.start].pose
+    made = make_backend(backend, spec, files.world, seed, start)
+    return Stage(Robot(made, spec, start, grid), model, made)

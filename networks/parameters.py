@@ -1,7 +1,8 @@
-"""`{parameter: KEY}` and `{each: NAME}` in a task file: put in before anything else is read."""
+"""`{parameter: KEY}`, `{each: NAME}`, `{all: places}` in a task file: put in before anything else is read."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 from files.errors import Finding
@@ -11,6 +12,7 @@ from files.yaml_document import Document
 from files.yaml_node import Node
 
 SECTION = "parameters"
+OVER = ("repeat", "over")
 
 
 def reference(node: Node, kind: str) -> str | None:
@@ -28,7 +30,9 @@ def with_parameters(document: Document, findings: Findings) -> Document:
     if not isinstance(root.content, dict):
         return document
     section = root.content.get(SECTION)
-    declared = section.content if section and isinstance(section.content, dict) else {}
+    given = section.content if section and isinstance(section.content, dict) else {}
+    # A parameter may stand for another one unless it is set: `world: {parameter: map}`.
+    declared = {key: _put_in(part, given, findings) for key, part in given.items()}
     parts = {key: _put_in(part, declared, findings) for key, part in root.content.items() if key != SECTION}
     if section is not None:
         parts[SECTION] = section
@@ -49,6 +53,14 @@ def _put_in(node: Node, declared: dict[str, Node], findings: Findings) -> Node:
     if isinstance(node.content, list):
         return replace(node, content=[_put_in(part, declared, findings) for part in node.content])
     return node
+
+
+def with_all_places(document: Document, names: Sequence[str]) -> Document:
+    """The document with the names of the places where its repeat goes over `{all: places}`."""
+    node, there = document.root.deepest(OVER)
+    if not there or reference(node, "all") != "places":
+        return document
+    return document.with_value(OVER, replace(node, content=[replace(node, content=name) for name in names]))
 
 
 def with_element(node: Node, name: str | None, element: Node | None, findings: Findings) -> Node:

@@ -15,13 +15,15 @@ from backends.robot import Robot
 from backends.robot_file import RobotFile, load_robot
 from files.errors import FileError
 from files.findings import Findings
-from files.loading import load
+from files.loading import load, load_document
+from files.yaml_document import read_document
 from primitives.knowledge import Catalogue, Places, load_map
 from primitives.registry import primitive_class
 from primitives.world_model import WorldModel
 from robotics.geometry.pose2 import Pose2
 from robotics.navigation.grid_map import GridMap
 
+from .place_findings import place_findings
 from .task_file import Primitives, Task, load_task
 
 T = TypeVar("T")
@@ -78,8 +80,9 @@ def prepare(
     if world is None:
         findings.add(task.document.finding((), f"the key 'world' is missing; needed: what {name} builds"))
     made = None
-    if spec is not None and world is not None and not findings:
-        made = _collected(findings, lambda: make_backend(name, spec, world, seed))
+    if spec is not None and world is not None and told is not None and not findings:
+        start = start_pose(task, told[0])
+        made = _collected(findings, lambda: make_backend(name, spec, world, seed, start))
     findings.raise_all()
     assert made is not None
     assert spec is not None
@@ -96,11 +99,14 @@ def prepare(
 
 def make_robot(task: Task, backend: Backend, spec: RobotFile, model: WorldModel) -> Robot:
     """The robot, standing where the task says that it starts."""
+    grid = model.map if task.file.knowledge else None
+    return Robot(backend, spec, start_pose(task, model), grid)
+
+
+def start_pose(task: Task, model: WorldModel) -> Pose2:
+    """map_T_base at first: at the place that the task names, or at the map's origin."""
     knowledge = task.file.knowledge
-    if knowledge is None:
-        return Robot(backend, spec, Pose2(0.0, 0.0, 0.0))
-    start = model.places[knowledge.start].pose if knowledge.start else Pose2(0.0, 0.0, 0.0)
-    return Robot(backend, spec, start, model.map)
+    return model.places[knowledge.start].pose if knowledge and knowledge.start else Pose2(0.0, 0.0, 0.0)
 
 
 def load_model(task: Task) -> tuple[WorldModel, tuple[str, ...]]:
@@ -108,13 +114,16 @@ def load_model(task: Task) -> tuple[WorldModel, tuple[str, ...]]:
     findings = Findings()
     chart, places, catalogue = (task.path("knowledge", key) for key in ("map", "places", "catalogue"))
     told = _collected(findings, lambda: load_map(chart)) if chart else (_nowhere(), None)
-    named = _collected(findings, lambda: load(places, Places).places) if places else {}
+    named = _collected(findings, lambda: load_document(read_document(places), Places)) if places else None
     books = _collected(findings, lambda: load(catalogue, Catalogue)) if catalogue else None
+    if chart and told and named:
+        findings.add(*place_findings(named, told[0], chart))
     findings.raise_all()
     assert told is not None
     grid, warning = told
     known = books or Catalogue(format="handcart-catalogue/1", books=())
-    return WorldModel(grid, named or {}, known, np.empty((0, 2))), (warning,) if warning else ()
+    model = WorldModel(grid, named.value.places if named else {}, known, np.empty((0, 2)))
+    return model, (warning,) if warning else ()
 
 
 def _nowhere() -> GridMap:

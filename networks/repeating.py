@@ -55,6 +55,12 @@ class Repetition:
             return self.of(name, element)
         return name if element == self._last else self.of(self.repeat.start, element + 1)
 
+    def name(self, element: int) -> str:
+        """What people read of an element: `place[2] (kitchen)`."""
+        value = self.repeat.over[element]
+        told = f" ({value})" if isinstance(value, str | int | float) else ""
+        return f"{self.repeat.name}[{element + 1}]{told}"
+
     def elements(self) -> range:
         """The numbers of the elements, from 0."""
         return range(self._last + 1)

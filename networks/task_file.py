@@ -25,7 +25,7 @@ from primitives.registry import primitive_class
 
 from .binding import Binding
 from .network import Action, ActionNetwork, Fact, Situation, faults_of
-from .parameters import with_parameters
+from .parameters import with_all_places, with_parameters
 from .primitive_parameters import ParameterReader
 from .repeating import Copied, Copies, Repetition, entered_elsewhere, once, repeated
 from .task_model import ActionEntry, Repeat, TaskFile
@@ -90,6 +90,8 @@ class _Reader:
         self._findings = Findings()
         self._document = with_parameters(document, self._findings)
         self._primitives = primitives
+        self._places = self._place_names()
+        self._document = with_all_places(self._document, self._places or ())
 
     def task(self) -> Task:
         file = self._whole()
@@ -183,7 +185,7 @@ class _Reader:
     def _actions(
         self, copies: Copies, entries: Mapping[int, ActionEntry], part: Repetition | None
     ) -> list[Action | None]:
-        names = self._place_names()
+        names = self._places
         self._check_start_place(names)
         reader = ParameterReader(self._document, self._findings, names, part.repeat.name if part else None)
         kinds = {number: self._kind(number, entry.do) for number, entry in entries.items()}
@@ -247,9 +249,8 @@ class _Reader:
         part: Repetition | None,
         goal: str,
     ) -> Task:
-        name = part.repeat.name if part else ""
         situations = [
-            Situation(each, facts, None if element is None else f"{name}[{element + 1}]")
+            Situation(each, facts, part.name(element) if part and element is not None else None)
             for each, (facts, element) in copies.situations.items()
         ]
         every = [action for action in actions if action is not None]

@@ -48,7 +48,7 @@ class Repeat(FileModel):
     """A part of the network, copied for each element of a list, one copy after the other."""
 
     over: Annotated[list[Any], Field(min_length=1)]
-    """The elements."""
+    """The elements; `{all: places}` stands for the names of the map's places, in their file's order."""
     name: Annotated[str, Field(alias="as")]
     """What `{each: NAME}` calls the element."""
     start: str
@@ -69,7 +69,8 @@ class TaskFile(FileModel):
     robot: str
     """A shipped robot's name, or the path of a robot's YAML file."""
     world: str | None = None
-    """What simulated backends build; the robot doesn't know it."""
+    """What simulated backends build, and the robot doesn't know: a world's file, or a map in ROS format. Then
+    what is occupied on the map stands there, and the robot starts where `knowledge` says."""
     backend: str = "kinematic"
     """What the robot is, unless the command line says otherwise."""
     knowledge: KnowledgeFiles | None = None

@@ -45,12 +45,13 @@ def attempt(
         return (yield from _think(primitive, robot, view))
     try:
         rests = yield from settle(robot)
-    except Discrepancy as early:  # nothing was commanded yet
-        return fail_if_restored(early.reason, early.permanent, {}, {})
+        start = take_snapshot(robot, {})
+    except Exception as early:  # nothing was commanded yet
+        robot.stop()
+        return fail_if_restored(_words(early), isinstance(early, Discrepancy) and early.permanent, {}, {})
     if not rests:
         robot.stop()
         return GiveUp("the robot doesn't come to rest before the start")
-    start = take_snapshot(robot, {})
     trace = Trace(robot)
     try:
         start = replace(start, seen=(yield from _recorded(primitive.observe(robot, view), trace)))

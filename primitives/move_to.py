@@ -64,6 +64,7 @@ class MoveTo(ActionPrimitive):
         self._ahead = np.empty((0, 2))
         if model.places[self.place].shelf is not None:
             yield from self._dock(robot, model.places[self.place])
+        self.evidence.points["scan"] = robot.pose.apply(robot.range_sensor.scan().points())
         if model.detour and model.detour.goal == self.place:
             model.detour = None
 

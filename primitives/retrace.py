@@ -15,6 +15,7 @@ from robotics.geometry.pose2 import Pose2
 from robotics.navigation.path_tracking import PathTracker
 from robotics.navigation.pose_regulator import PoseRegulator, PoseTolerance
 
+from .discrepancy import Discrepancy
 from .snapshot import Snapshot
 from .trace import Moment, Trace
 
@@ -24,6 +25,7 @@ NUDGE = 10  # periods for what is left then
 LOOK = 0.5  # [s] at rest for the estimate of the pose to be its best
 SHORT = 0.05  # [m]: less travel than this is regulated, not tracked
 GRIP_PAUSE = 0.6  # [s] that fingers get before anything else moves
+LONGEST_REACH = 60.0  # [s] that the base gets to a pose near by
 STOOD = 1e-4  # [m], [rad]: between two periods, less is no motion
 
 
@@ -59,11 +61,18 @@ def _nudge(robot: Robot, goal: Pose2) -> Generator[None, None, None]:
 def reach_pose(
     robot: Robot, goal: Pose2, tolerance: PoseTolerance = TOLERANCE
 ) -> Generator[None, None, None]:
-    """Bring the base to a pose near by; does nothing where it stands there already, twice as exact."""
+    """Bring the base to a pose near by; does nothing where it stands there already, twice as exact.
+
+    Raises:
+        Discrepancy: it isn't there after a minute.
+    """
     if robot.pose.distance(goal) < 0.5 * tolerance.position and robot.pose.turn(goal) < tolerance.heading:
         return
     regulator = PoseRegulator(goal, robot.drive_limits, tolerance)
+    end = robot.time + LONGEST_REACH
     while not regulator.finished(robot.pose):
+        if robot.time > end:
+            raise Discrepancy("the base doesn't come to stand where it is to")
         robot.base.drive(*regulator.command(robot.pose, robot.period))
         yield
 

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 
 def check(
-    file: Annotated[Path, typer.Argument(help="a task, robot, world, places or catalogue file")],
+    file: Annotated[Path, typer.Argument(help="a task, robot, world, map, places or catalogue file")],
     as_json: Annotated[bool, typer.Option("--json", help="one JSON object on stdout")] = False,
     settings: Annotated[
         list[str] | None, typer.Option("--set", help="KEY=VALUE: a parameter that the task declares")
@@ -54,6 +54,7 @@ def _findings(error: InputError) -> list[dict[str, Any]]:
 
 
 def _facts(file: Path, settings: dict[str, str]) -> dict[str, Any]:
+    from backends.map_file import is_map
     from files.errors import FileError
     from files.loading import load
     from files.suggest import suggest
@@ -62,6 +63,8 @@ def _facts(file: Path, settings: dict[str, str]) -> dict[str, Any]:
     from .file_kinds import KINDS, model_of
 
     document = read_document(file)
+    if is_map(document):
+        return _map_facts(file)
     data = document.data if isinstance(document.data, dict) else {}
     kind = str(data.get("format", "")).removeprefix("handcart-").split("/")[0]
     if kind not in KINDS:
@@ -75,8 +78,23 @@ def _facts(file: Path, settings: dict[str, str]) -> dict[str, Any]:
 
         robot = load_robot(str(file))
         return {"format": data["format"], "joints": len(robot.arm.joints) if robot.arm else 0}
-    load(file, model_of(kind))
+    if kind == "world":
+        from backends.scene.load_world import load_world
+
+        load_world(file)
+    else:
+        load(file, model_of(kind))
     return {"format": data["format"]}
+
+
+def _map_facts(file: Path) -> dict[str, Any]:
+    from backends.map_file import load_map
+
+    grid, warning = load_map(file)
+    height, width = grid.occupied.shape
+    counts = {"occupied": int(grid.occupied.sum()), "unknown": int(grid.unknown.sum())}
+    size = f"{width} x {height} of {grid.resolution:g} m"
+    return {"format": "ROS map", "cells": size, **counts, "warnings": [warning] if warning else []}
 
 
 def _task_facts(file: Path, settings: dict[str, str]) -> dict[str, Any]:

@@ -6,13 +6,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from backends.arm import Arm
-from backends.backend import CommandError
+from backends.limits import checked_joints
 from backends.robot_file import RobotFile
 from backends.scene.hand import Hand
 from backends.scene.keyed_noise import keyed
 
 ENCODER_SIGMA = 2e-5  # [rad]
-_ROUNDING = 1e-9
 
 Vector = NDArray[np.float64]
 
@@ -41,21 +40,8 @@ class KinematicArm(Arm):
 
     def move(self, joints: Vector) -> None:
         """See `Arm`."""
-        wanted = np.array(joints, dtype=np.float64)
-        model = self._hand.arm
-        if wanted.shape != self._reached.shape or not np.isfinite(wanted).all():
-            raise CommandError(f"joint angles {wanted.tolist()}; allowed: {model.dof} finite numbers")
-        if (wanted < model.lower - _ROUNDING).any() or (wanted > model.upper + _ROUNDING).any():
-            raise CommandError(f"joint angles {wanted.round(4).tolist()} rad; allowed: {self._range()}")
-        step = np.abs(wanted - self._reached)
-        if (step > self._top * self._period * (1.0 + 1e-6) + _ROUNDING).any():
-            most = (self._top * self._period).round(5).tolist()
-            raise CommandError(f"joint steps of {step.round(5).tolist()} rad in a period; allowed: {most}")
-        self._command = wanted
-
-    def _range(self) -> str:
-        model = self._hand.arm
-        return f"{model.lower.round(4).tolist()} to {model.upper.round(4).tolist()}"
+        most = self._top * self._period
+        self._command = checked_joints(self._hand.arm, joints, self._reached, most)
 
     def command(self) -> Vector:
         """See `Arm`."""

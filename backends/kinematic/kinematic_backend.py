@@ -9,12 +9,11 @@ from backends.capability import Capability
 from backends.robot_file import RobotFile
 from backends.scene.base_contact import move_base
 from backends.scene.hand import Hand
+from backends.scene.load_world import load_world
 from backends.scene.mounts import base_T_frame
 from backends.scene.person import Person
 from backends.scene.scene import build_scene
-from backends.scene.world_file import WorldFile
-from files.errors import InputError
-from files.loading import load
+from backends.scene.world_file import MissingWorld, WorldFile
 from robotics.geometry.pose2 import Pose2
 
 from .kinematic_arm import KinematicArm
@@ -22,10 +21,6 @@ from .kinematic_base import KinematicBase
 from .kinematic_camera import KinematicCamera
 from .kinematic_gripper import KinematicGripper
 from .kinematic_range_sensor import KinematicRangeSensor
-
-
-class MissingWorld(InputError):
-    """A simulated backend was asked for without a world to simulate."""
 
 
 class KinematicBackend(Backend):
@@ -84,7 +79,7 @@ class KinematicBackend(Backend):
         """See `Backend`."""
         if world is None:
             raise MissingWorld("the backend 'kinematic' simulates; needed: a world file")
-        return cls(robot, load(world, WorldFile), seed)
+        return cls(robot, load_world(world), seed)
 
     def capabilities(self) -> tuple[Capability, ...]:
         """See `Backend`."""

@@ -4,13 +4,11 @@ from __future__ import annotations
 
 import math
 
-from backends.backend import CommandError
 from backends.base import Base, WheelTravel
+from backends.limits import checked_drive
 from backends.robot_file import RobotFile
 from backends.scene.keyed_noise import keyed
 from robotics.geometry.pose2 import Pose2
-
-_ROUNDING = 1e-9
 
 
 class KinematicBase(Base):
@@ -29,15 +27,7 @@ class KinematicBase(Base):
 
     def drive(self, speed: float, turn_rate: float) -> None:
         """See `Base`."""
-        top, top_turn = self._drive.top_speed_m_s, math.radians(self._drive.top_turn_deg_s)
-        # Written so that NaN is refused too.
-        if not abs(speed) <= top + _ROUNDING:
-            raise CommandError(f"a speed of {speed} m/s; allowed: -{top} to {top}")
-        if not abs(turn_rate) <= top_turn + _ROUNDING:
-            raise CommandError(
-                f"a turn rate of {turn_rate} rad/s; allowed: -{top_turn:.3f} to {top_turn:.3f}"
-            )
-        self._command = (float(speed), float(turn_rate))
+        self._command = checked_drive(self._drive, speed, turn_rate)
 
     def wheel_travel(self) -> WheelTravel:
         """See `Base`."""

@@ -7,17 +7,11 @@ from numpy.typing import NDArray
 
 from backends.camera import Camera
 from backends.robot_file import CameraSpec, RobotFile
+from backends.scene.lens import camera_model
 from backends.scene.renderer import Renderer
 from backends.scene.scene import Scene
 from robotics.geometry.transform import Transform, inverse
 from robotics.perception.camera_model import CameraModel
-
-
-def camera_model(spec: CameraSpec) -> CameraModel:
-    """The model of a camera with its optical axis through the middle of the picture."""
-    middle = ((spec.width_px - 1) / 2, (spec.height_px - 1) / 2)
-    K = np.array([[spec.focal_px, 0.0, middle[0]], [0.0, spec.focal_px, middle[1]], [0.0, 0.0, 1.0]])
-    return CameraModel(K, np.array([spec.k1, spec.k2, 0.0, 0.0, 0.0]), spec.width_px, spec.height_px)
 
 
 class KinematicCamera(Camera):

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from backends.backend import CommandError
 from backends.gripper import Gripper
+from backends.limits import checked_width
 from backends.robot_file import GripperSpec
 from backends.scene.fingers import Fingers
 from backends.scene.hand import Hand
@@ -17,7 +17,7 @@ class KinematicGripper(Gripper):
     """Fingers that close at constant speed, and hold what is between them as if it were glued."""
 
     def __init__(self, spec: GripperSpec, hand: Hand, period: float, seed: int) -> None:
-        self._opening, self._step = spec.opening_mm / 1e3, spec.speed_mm_s / 1e3 * period
+        self._spec, self._step = spec, spec.speed_mm_s / 1e3 * period
         self._scene, self._fingers, self._seed = hand.scene, Fingers(hand), seed
         self._command = hand.scene.width
         self._now, self._pressing = 0, False
@@ -28,9 +28,7 @@ class KinematicGripper(Gripper):
 
     def move(self, width: float) -> None:
         """See `Gripper`."""
-        if not 0.0 <= width <= self._opening + 1e-9:
-            raise CommandError(f"a width of {width} m; allowed: 0 to {self._opening}")
-        self._command = float(width)
+        self._command = checked_width(self._spec, width)
 
     def width(self) -> float:
         """See `Gripper`."""

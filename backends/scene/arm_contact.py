@@ -133,12 +133,12 @@ class ArmContact:
     def _against_world(self, bodies: list[Body], skip: Skip | None) -> Touch:
         centres = np.array([body[2][:3, 3] for body in bodies])
         radii = np.array([body[3] for body in bodies])
-        local = np.einsum("nji,gnj->gni", self._turn, centres[:, None] - self._middle[None])
-        outside = np.maximum(np.abs(local) - self._half, 0.0)
-        near = (outside**2).sum(axis=2) < radii[:, None] ** 2
-        near &= self._there()
+        close = self._close(centres, radii)
+        local = np.einsum("nji,gnj->gni", self._turn[close], centres[:, None] - self._middle[close])
+        outside = np.maximum(np.abs(local) - self._half[close], 0.0)
         worst = FREE
-        for g, n in np.argwhere(near):
+        for g, k in np.argwhere((outside**2).sum(axis=2) < radii[:, None] ** 2):
+            n = close[k]
             name, geometry, pose, _ = bodies[g]
             if skip is not None and skip(name, self._boxes[n].name):
                 continue
@@ -156,12 +156,14 @@ class ArmContact:
         ]
         return max(hits, default=FREE)
 
-    def _there(self) -> NDArray[np.bool_]:
-        present = np.ones(len(self._boxes), dtype=bool)
-        time = self._scene.time
-        for i, solid in enumerate(self._scene.solids):
-            present[i] = solid.appears <= time < solid.leaves
-        return present
+    def _close(self, centres: NDArray[np.float64], radii: NDArray[np.float64]) -> NDArray[np.int64]:
+        """Those boxes that are there and that the sphere about all bodies' spheres may reach."""
+        middle = centres.mean(axis=0)
+        reach = float((np.linalg.norm(centres - middle, axis=1) + radii).max())
+        x, y, z = (self._middle - middle).T
+        close = x**2 + y**2 + z**2 < (self._ball + reach) ** 2
+        close &= (self._appears <= self._scene.time) & (self._scene.time < self._leaves)
+        return np.flatnonzero(close)
 
     def _refresh(self) -> None:
         """Take the books from where they are now."""
@@ -175,6 +177,10 @@ class ArmContact:
         poses = np.array([box.pose for box in self._boxes]).reshape(-1, 4, 4)
         self._middle, self._turn = poses[:, :3, 3], poses[:, :3, :3]
         self._half = np.array([box.size for box in self._boxes]).reshape(-1, 3) / 2
+        self._ball = np.linalg.norm(self._half, axis=1)
+        always = np.zeros(len(standing))
+        self._appears = np.append([solid.appears for solid in self._scene.solids], always)
+        self._leaves = np.append([solid.leaves for solid in self._scene.solids], always + np.inf)
 
 
 def _still(arm: ArmModel, shapes: Collection[Shape]) -> set[str]:

@@ -7,6 +7,7 @@ from robotics.geometry.pose2 import Pose2
 from .scene import Scene, set_on_tray
 
 NEAR = 0.5  # [m] from where the robot started, within a person's reach
+STILL = 1e-3  # [m], [rad]: motors that hold a robot still let it move less
 AFTER = 1.0  # [s] that the robot stands there with an empty tray and hand before the next book comes
 
 
@@ -27,8 +28,9 @@ class Person:
         scene = self._scene
         if not scene.to_come:
             return
-        idle = scene.base == self._stood and scene.held is None and scene.tray_book() is None
-        if not idle or scene.base.distance(self._start) > NEAR:
+        idle = scene.held is None and scene.tray_book() is None
+        stands = scene.base.distance(self._stood) < STILL and scene.base.turn(self._stood) < STILL
+        if not (idle and stands) or scene.base.distance(self._start) > NEAR:
             self._stood, self._since = scene.base, scene.time
         elif scene.time >= self._since + AFTER:
             self._given += 1

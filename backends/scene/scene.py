@@ -134,6 +134,7 @@ class Scene:
 
 def build_scene(robot: RobotFile, world: WorldFile, seed: int) -> Scene:
     """The world at first: robot and tray's book set down by a person, spines not quite in line."""
+    assert world.map is None, "load_world puts what the map shows among the furniture"
     shelves = {spec.name: Shelf(spec) for spec in world.shelves}
     solids = [of_wall(wall, i) for i, wall in enumerate(world.walls)]
     solids += [of_furniture(piece) for piece in (*world.furniture, *world.surprises)]

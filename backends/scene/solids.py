@@ -79,8 +79,9 @@ class FloorPlan:
         """Distance of a point to the nearest outline in [m] (below 0: inside), and that one's name."""
         if not self.names:
             return math.inf, ""
-        out = np.abs(self.local(x, y)) - self.half
-        distance = np.hypot(*np.maximum(out, 0.0).T) + np.minimum(out.max(axis=1), 0.0)
+        out_x, out_y = (np.abs(self.local(x, y)) - self.half).T
+        distance = np.hypot(np.maximum(out_x, 0.0), np.maximum(out_y, 0.0))
+        distance += np.minimum(np.maximum(out_x, out_y), 0.0)
         if not self.steady:
             distance = np.where(self.there(time), distance, np.inf)
         nearest = int(np.argmin(distance))

@@ -7,7 +7,14 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
+from files.errors import InputError
+from files.inside import FilePath
 from files.model import FileModel
+
+
+class MissingWorld(InputError):
+    """A simulated backend was asked for without a world to simulate."""
+
 
 Coordinate = Annotated[float, Field(ge=-1000.0, le=1000.0)]
 Degrees = Annotated[float, Field(ge=-360.0, le=360.0)]
@@ -106,6 +113,8 @@ class WorldFile(FileModel):
     format: Literal["handcart-world/1"]
     start: Place
     """Where a person puts the robot at first, within `errors.start_mm` and `start_deg` of its file."""
+    map: FilePath | None = None
+    """A map in ROS format: what is occupied on it stands here as well, 2 m high."""
     walls: tuple[Wall, ...] = ()
     furniture: tuple[Furniture, ...] = ()
     surprises: tuple[Surprise, ...] = ()

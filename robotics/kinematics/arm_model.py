@@ -80,6 +80,18 @@ class ArmModel:
         columns = self._order
         return np.vstack((turn @ root_J[:3, columns], turn @ root_J[3:, columns]))
 
+    def gravity_torque(self, q: Vector) -> Vector:
+        """Torques (n,) in [Nm] that carry the arm's own weight, the base upright."""
+        torque: Vector = pin.computeGeneralizedGravity(self._model, self._data, self.ordered(q))[self._order]
+        return torque
+
+    def load_torque(self, q: Vector, point: Vector, mass: float) -> Vector:
+        """Torques (n,) in [Nm] that carry a `mass` in [kg] held by the tip at a `point` (3,) of `base`."""
+        jacobian = self.jacobian(q)
+        arm = point - self.forward(q)[:3, 3]
+        rises = jacobian[2] + jacobian[3] * arm[1] - jacobian[4] * arm[0]
+        return np.asarray(mass * _GRAVITY * rises)
+
     def manipulability(self, q: Vector) -> float:
         """Smallest singular value of the Jacobian (0 at a singularity), with 1 m weighed as 1 rad."""
         return float(np.linalg.svd(self.jacobian(q), compute_uv=False)[-1])
@@ -178,6 +190,7 @@ class ArmModel:
         return pin.log6(root_T_tip.actInv(root_T_target)).vector, J
 
 
+_GRAVITY = 9.81  # [m/s²]
 _ITERATIONS = 40
 _DRAWN = 8
 _LONGEST_STEP = 0.5  # [rad]

@@ -183,8 +183,8 @@ def test_repeat_skips_what_cannot_be_done(load, stand):
     texts = [event.primitive.text for event in events if isinstance(event, Started)]
     assert texts == ["one", "", "two", "three", ""]
     assert (end.outcome, end.exit_status, end.situation) == ("Fail", 3, "z")
-    assert end.skipped == ("word[2]",)
-    assert end.reason == "left undone: word[2]"
+    assert end.skipped == ("word[2] (two)",)
+    assert end.reason == "left undone: word[2] (two)"
     assert len(cleared) == 3
 
 

@@ -114,6 +114,18 @@ def test_an_unknown_backend_and_an_unknown_setting_are_refused(
     assert (said.status, "did you mean 'wait_s'" in said.err) == (2, True)
 
 
+def test_a_file_of_no_kind_is_refused_and_a_map_in_ros_format_is_known(
+    handcart: Callable[..., Any], tmp_path: Path
+) -> None:
+    (tmp_path / "some.yaml").write_text("image: some.png\n", encoding="utf-8")
+    said = handcart("check", tmp_path / "some.yaml")
+    assert said.status == 2
+    assert "some.yaml:1:1: the key 'format'" in said.err
+    said = handcart("check", TASKS / "return_book" / "map.yaml")
+    assert said.status == 0
+    assert "cells: 470 x 370 of 0.02 m" in said.out
+
+
 @pytest.mark.parametrize(
     ("words", "told"),
     [
@@ -127,7 +139,6 @@ def test_an_unknown_backend_and_an_unknown_setting_are_refused(
         (("make-library", "--out", __file__), "is no folder"),
         (("run", str(TASKS / "return_book/task.yaml"), "--runs", __file__), "is no folder"),
         (("check", __file__), "no YAML"),
-        (("check", str(TASKS / "return_book/map.yaml")), "the key 'format'"),
         (("do", "MOVETO"), "did you mean 'MOVE_TO'"),
         (("do", "MOVE_TO", "plaze=shelf_1"), "did you mean 'place'"),
         (("do", "MOVE_TO", "place=shelf_1", "wait_s=-5"), "wait_s is -5; allowed: a number from 0 to 600 s"),

@@ -32,6 +32,16 @@ def test_ranges_equal_those_of_one_box_at_a_time():
     assert found[seen] == pytest.approx(expected[seen], abs=1e-6)
 
 
+def test_beams_may_come_in_any_order_and_from_any_turn():
+    rng = np.random.default_rng(2)
+    plan = FloorPlan([box(x, y, 20 * x) for x, y in rng.uniform(2, 6, (20, 2))], 0.25, 0.25)
+    angles = rng.permutation(ANGLES)
+    found = cast_rays(plan, Pose2(0, 0, 2.5), angles + 4 * np.pi, 0.0, 12.0)
+    expected = cast_rays(plan, Pose2(0, 0, 2.5), ANGLES, 0.0, 12.0)[np.argsort(np.argsort(angles))]
+    assert found == pytest.approx(expected)
+    assert np.isfinite(found).sum() > 30
+
+
 def test_only_what_crosses_the_scan_plane_is_seen():
     low = box(2.0, 0.0, size=(1.0, 1.0, 0.2))
     plan = FloorPlan([low], 0.25, 0.25)

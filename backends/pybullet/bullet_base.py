@@ -1,0 +1,89 @@
+"""The wheels of the simulated robot."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from backends.base import Base, WheelTravel
+from backends.limits import checked_drive
+from backends.robot_file import RobotFile
+from backends.scene.keyed_noise import keyed
+
+from .physics import Physics
+from .robot_body import WHEEL_FRICTION, RobotBody
+
+WHEELS = ("left_wheel", "right_wheel")
+COUNTS = 65536  # of an encoder, a turn
+CATCHES_UP = 0.02  # time constant of the drives' position loop [s]
+MOST_LAG = 0.05  # that a blocked wheel makes up for later [rad]
+
+
+class BulletBase(Base):
+    """Two wheels with velocity drives on a floor that they roll on, and slip on.
+
+    The file's errors of radius and tread are put onto the speeds, as if the wheels and where they stand were
+    not quite as the file has them; slip is the engine's. Encoders count whole steps.
+    """
+
+    def __init__(self, robot: RobotFile, body: RobotBody, physics: Physics, seed: int) -> None:
+        """Take the joints `left_wheel` and `right_wheel` over; other links must slide on the floor."""
+        self._drive, self._body, self._physics = robot.drive, body, physics
+        errors = robot.errors
+        left, right, tread = keyed(seed, "wheels").standard_normal(3)
+        self._scale = 1.0 + errors.wheel_radius_percent / 100 * np.array([left, right])
+        self._tread_scale = 1.0 + errors.tread_percent / 100 * float(tread)
+        self._joints = [body.joint_index[name] for name in WHEELS]
+        self._force = [body.effort[name] / physics.substeps for name in WHEELS]
+        body.rub(WHEELS, WHEEL_FRICTION)
+        self._command = (0.0, 0.0)
+        self._speeds = np.zeros(2)
+        self._first = self._goal = body.states(self._joints)[0]
+        self._travel = WheelTravel(0.0, 0.0)
+
+    def drive(self, speed: float, turn_rate: float) -> None:
+        """See `Base`."""
+        self._command = checked_drive(self._drive, speed, turn_rate)
+
+    def wheel_travel(self) -> WheelTravel:
+        """See `Base`."""
+        return self._travel
+
+    def halt(self) -> None:
+        """Forget the command."""
+        self._command = (0.0, 0.0)
+
+    def begin(self) -> None:
+        """A period begins: the command counts for it, and only for it."""
+        (speed, turn_rate), self._command = self._command, (0.0, 0.0)
+        half = turn_rate / self._tread_scale * self._drive.tread_m / 2
+        self._speeds = np.array([speed - half, speed + half]) * self._scale / self._drive.wheel_radius_m
+
+    def act(self) -> None:
+        """Command the drives for the next chunk of the period; they follow the angle, not only the speed."""
+        p, seconds = self._physics.p, self._physics.chunk
+        angles = self._body.states(self._joints)[0]
+        lag = np.clip(self._goal - angles, -MOST_LAG, MOST_LAG)
+        wanted = self._speeds + lag / CATCHES_UP
+        self._goal = angles + lag + self._speeds * seconds
+        p.setJointMotorControlArray(
+            self._body.id,
+            self._joints,
+            p.VELOCITY_CONTROL,
+            targetVelocities=wanted.tolist(),
+            forces=self._force,
+            physicsClientId=self._physics.client,
+        )
+
+    def read(self) -> None:
+        """Take the encoders' readings at the end of a period."""
+        turned = (self._body.states(self._joints)[0] - self._first) / self._scale
+        counts = np.round(turned * (COUNTS / (2 * math.pi)))
+        left, right = counts * (2 * math.pi / COUNTS * self._drive.wheel_radius_m)
+        self._travel = WheelTravel(float(left), float(right))
+
+    def rezero(self) -> None:
+        """Count from here on."""
+        self._first = self._body.states(self._joints)[0]
+        self.read()

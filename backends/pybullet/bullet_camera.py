@@ -1,0 +1,131 @@
+"""The camera of the simulated robot."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from backends.camera import Camera
+from backends.robot_file import CameraSpec, RobotFile
+from backends.scene.lens import Lens, camera_model
+from robotics.geometry.transform import Transform, inverse
+from robotics.kinematics.arm_model import ArmModel
+from robotics.perception.camera_model import CameraModel
+
+from .engine import quiet
+from .physics import Physics
+from .robot_body import RobotBody
+from .world_bodies import WorldBodies
+
+NEAREST, FURTHEST = 0.02, 20.0  # of what is shown [m]
+_PRINTS = 1.5  # spines nearer than this to the camera are printed [m]
+_TO_OPENGL = np.diag([1.0, -1.0, -1.0, 1.0])
+
+
+class BulletCamera(Camera):
+    """Bullet's renderer as an ideal pinhole camera, then the lens, light and noise of the robot's file.
+
+    Rendered on demand, once a period: by its EGL plug-in, if it has one, else by TinyRenderer. Light comes
+    from everywhere and there are no shadows; what stands in a shelf is painted dark instead. Calibration is
+    exact: model and mount are as stated.
+    """
+
+    def __init__(
+        self,
+        robot: RobotFile,
+        spec: CameraSpec,
+        arm: ArmModel,
+        body: RobotBody,
+        world: WorldBodies,
+        physics: Physics,
+        seed: int,
+    ) -> None:
+        """Mounted at the URDF's link `camera`."""
+        self._model = camera_model(spec)
+        self._lens = Lens(self._model, robot.errors, seed)
+        straight = np.zeros(arm.dof)
+        self._mount = inverse(arm.forward(straight)) @ arm.forward(straight, "camera")
+        self._body, self._world, self._physics = body, world, physics
+        self._now = 0
+        self._last: tuple[int, NDArray[np.uint8]] | None = None
+
+    def image(self) -> NDArray[np.uint8]:
+        """See `Camera`."""
+        if self._last is None or self._last[0] != self._now:
+            picture = self._lens.take(self.ideal(), self._now)
+            picture.flags.writeable = False
+            self._last = (self._now, picture)
+        return self._last[1]
+
+    @property
+    def model(self) -> CameraModel:
+        """See `Camera`."""
+        return self._model
+
+    @property
+    def hand_T_camera(self) -> Transform:
+        """See `Camera`."""
+        return self._mount.copy()
+
+    def begin(self, period: int) -> None:
+        """A new period begins."""
+        self._now = period
+
+    def ideal(self) -> NDArray[np.uint8]:
+        """What a pinhole camera sees, larger than the picture so that the lens has all of it, grey."""
+        pose = self._body.link_pose("hand") @ self._mount
+        self._print_near(pose[:3, 3])
+        width, height = self._lens.size
+        return render(self._physics, pose, self._lens.K, (width, height))
+
+    def _print_near(self, eye: NDArray[np.float64]) -> None:
+        for accession, body in self._world.books.items():
+            place = self._physics.pose(body)[:3, 3]
+            if np.linalg.norm(place - eye) < _PRINTS:
+                self._world.printed[accession].print(body)
+
+
+def render(
+    physics: Physics, world_T_camera: Transform, K: NDArray[np.float64], size: tuple[int, int]
+) -> NDArray[np.uint8]:
+    """A pinhole camera's grey picture (height, width).
+
+    Args:
+        physics: what is there.
+        world_T_camera: (4, 4) of the optical frame (z forward, x right, y down).
+        K: (3, 3) in [px]; an integer pixel is a pixel's centre.
+        size: width and height in [px].
+    """
+    width, height = size
+    view = inverse(world_T_camera @ _TO_OPENGL)
+    with quiet():
+        image = physics.p.getCameraImage(
+            width,
+            height,
+            view.T.ravel().tolist(),
+            _projection(K, size).T.ravel().tolist(),
+            shadow=0,
+            lightAmbientCoeff=1.0,
+            lightDiffuseCoeff=0.0,
+            lightSpecularCoeff=0.0,
+            renderer=physics.renderer,
+            flags=physics.p.ER_NO_SEGMENTATION_MASK,
+            physicsClientId=physics.client,
+        )[2]
+    rgba = np.asarray(image, dtype=np.uint8).reshape(height, width, 4)
+    return np.ascontiguousarray(rgba[..., 1])
+
+
+def _projection(K: NDArray[np.float64], size: tuple[int, int]) -> NDArray[np.float64]:
+    """OpenGL's projection (4, 4) of a pinhole camera; OpenGL counts pixels from their edges."""
+    width, height = size
+    fx, fy, cx, cy = K[0, 0], K[1, 1], K[0, 2] + 0.5, K[1, 2] + 0.5
+    far, near = FURTHEST, NEAREST
+    return np.array(
+        [
+            [2 * fx / width, 0.0, 1.0 - 2 * cx / width, 0.0],
+            [0.0, 2 * fy / height, 2 * cy / height - 1.0, 0.0],
+            [0.0, 0.0, -(far + near) / (far - near), -2 * far * near / (far - near)],
+            [0.0, 0.0, -1.0, 0.0],
+        ]
+    )

@@ -1,0 +1,106 @@
+"""The gripper of the simulated robot."""
+
+from __future__ import annotations
+
+from backends.gripper import Gripper
+from backends.limits import checked_width
+from backends.robot_file import GripperSpec
+from backends.scene.keyed_noise import keyed
+
+from .physics import Physics
+from .robot_body import RobotBody
+
+FINGERS = ("left_finger", "right_finger")
+WIDTH_SIGMA = 5e-5  # of the measured opening [m]
+PRESSES = 3e-4  # commanded this far beyond where they stand, the fingers press [m]
+STANDS = 3e-4  # [m] in a period: slower fingers stand
+_GEAR_FORCE = 500.0  # with which the linkage keeps both fingers alike [N]
+
+
+class BulletGripper(Gripper):
+    """Two fingers with pads of rubber, one drive, and a linkage by which one mirrors the other."""
+
+    def __init__(
+        self, spec: GripperSpec, body: RobotBody, physics: Physics, period: float, seed: int
+    ) -> None:
+        """Take the joints `left_finger` and `right_finger` over and open them."""
+        self._spec, self._body, self._physics, self._seed = spec, body, physics, seed
+        self._joints = [body.joint_index[name] for name in FINGERS]
+        self._step = spec.speed_mm_s / 1e3 * period
+        opening = spec.opening_mm / 1e3
+        for name in FINGERS:
+            body.reset(name, opening / 2)
+        body.pad(FINGERS)
+        self._command = self._target = self._stood = opening
+        self._now, self._pressing = 0, False
+        self._link()
+
+    def _link(self) -> None:
+        p, client = self._physics.p, self._physics.client
+        gear = p.createConstraint(
+            self._body.id,
+            self._joints[0],
+            self._body.id,
+            self._joints[1],
+            p.JOINT_GEAR,
+            (0, 1, 0),
+            (0, 0, 0),
+            (0, 0, 0),
+            physicsClientId=client,
+        )
+        p.changeConstraint(
+            gear, gearRatio=-1, maxForce=_GEAR_FORCE / self._physics.substeps, erp=0.8, physicsClientId=client
+        )
+
+    def command(self) -> float:
+        """See `Gripper`."""
+        return self._command
+
+    def move(self, width: float) -> None:
+        """See `Gripper`."""
+        self._command = checked_width(self._spec, width)
+
+    def width(self) -> float:
+        """See `Gripper`."""
+        noise = WIDTH_SIGMA * keyed(self._seed, "width", self._now).standard_normal()
+        return float(max(0.0, self.true_width() + noise))
+
+    def true_width(self) -> float:
+        """The opening, in [m]."""
+        return float(self._body.states(self._joints)[0].sum())
+
+    def closed_on_something(self) -> bool:
+        """See `Gripper`."""
+        return self._pressing
+
+    def halt(self) -> None:
+        """Hold: fingers that press go on pressing, those that move stop."""
+        if not self._pressing:
+            self._command = self.true_width()
+
+    def begin(self, period: int) -> None:
+        """A period begins."""
+        self._now = period
+
+    def act(self, share: float) -> None:
+        """Command the drive for a chunk at whose end `share` of the period has passed."""
+        way = max(-self._step, min(self._step, self._command - self._target))
+        p = self._physics.p
+        goal = (self._target + share * way) / 2
+        p.setJointMotorControlArray(
+            self._body.id,
+            self._joints,
+            p.POSITION_CONTROL,
+            targetPositions=[goal, goal],
+            forces=[self._spec.force_n / self._physics.substeps] * 2,
+            positionGains=[0.3, 0.3],
+            physicsClientId=self._physics.client,
+        )
+
+    def end(self) -> None:
+        """A period has ended."""
+        self._target += max(-self._step, min(self._step, self._command - self._target))
+        width = self.true_width()
+        stands = abs(width - self._stood) < STANDS
+        self._pressing = stands and (self._target < width - PRESSES or self._target <= 0.0)
+        self._stood = width

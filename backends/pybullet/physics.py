@@ -1,0 +1,159 @@
+"""One physics engine: its clock, its bodies, its saved states."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from importlib.util import find_spec
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+from robotics.geometry.transform import Transform
+from robotics.kinematics.shapes import Box
+
+from .engine import bullet, quiet
+
+STEP = 0.0025  # of the solver, at most [s]
+CHUNK = 0.005  # [s]: how often the drives' electronics look at their encoders
+GRAVITY = 9.81
+_ITERATIONS = 100
+_FLOOR = 0.37  # grey
+
+
+class Physics:
+    """A Bullet client of its own; `stepped` is called by nobody else. Ids of bodies are Bullet's.
+
+    The solver's step divides the drives' period, which divides the control period.
+    """
+
+    def __init__(self, period: float, window: bool = False) -> None:
+        """Start the engine.
+
+        Args:
+            period: the control period, in [s].
+            window: whether to show the world; needs a display.
+        """
+        self.p = bullet()
+        with quiet():
+            self.client = self.p.connect(self.p.GUI if window else self.p.DIRECT)
+        self.chunks = max(1, round(period / CHUNK))
+        """How often the drives act in a control period."""
+        self.chunk = period / self.chunks
+        self.substeps = max(1, int(np.ceil(self.chunk / STEP - 1e-9)))
+        """Steps of the solver in a chunk. Bullet takes impulses of motors and contacts for those of a chunk
+        while they are those of a step: what it is told of forces is to be divided by this, what it tells
+        multiplied."""
+        self._connected = True
+        self.renderer = self._start_renderer(window)
+        """Bullet's number of the renderer: its EGL plug-in where there is one, else TinyRenderer."""
+        self.p.setGravity(0.0, 0.0, -GRAVITY, physicsClientId=self.client)
+        self.p.setPhysicsEngineParameter(
+            fixedTimeStep=self.chunk,
+            numSubSteps=self.substeps,
+            numSolverIterations=_ITERATIONS,
+            deterministicOverlappingPairs=1,
+            physicsClientId=self.client,
+        )
+
+    def _start_renderer(self, window: bool) -> int:
+        plugin = None if window else find_spec("eglRenderer")
+        if plugin is not None and plugin.origin is not None:
+            # Before any shape is made: the renderer shows what was made after it.
+            with quiet():
+                loaded = self.p.loadPlugin(plugin.origin, "_eglRendererPlugin", physicsClientId=self.client)
+            if loaded >= 0:
+                return int(self.p.ER_BULLET_HARDWARE_OPENGL)
+        return int(self.p.ER_BULLET_HARDWARE_OPENGL if window else self.p.ER_TINY_RENDERER)
+
+    def step(self) -> None:
+        """Let `chunk` seconds pass."""
+        self.p.stepSimulation(physicsClientId=self.client)
+
+    def close(self) -> None:
+        """Let go of the engine; a second call does nothing."""
+        if self._connected:
+            self._connected = False
+            with quiet():
+                self.p.disconnect(physicsClientId=self.client)
+
+    # Bodies
+
+    def add_floor(self, friction: float) -> int:
+        """A plane through the origin; what is shown of it ends 40 m away."""
+        shape = self.p.createCollisionShape(self.p.GEOM_PLANE, physicsClientId=self.client)
+        visual = self.p.createVisualShape(
+            self.p.GEOM_BOX,
+            halfExtents=(40.0, 40.0, 0.005),
+            visualFramePosition=(0.0, 0.0, -0.005),
+            rgbaColor=(_FLOOR, _FLOOR, _FLOOR, 1.0),
+            specularColor=(0.0, 0.0, 0.0),
+            physicsClientId=self.client,
+        )
+        body = self.p.createMultiBody(0.0, shape, visual, physicsClientId=self.client)
+        self.p.changeDynamics(body, -1, lateralFriction=friction, physicsClientId=self.client)
+        return int(body)
+
+    def add_box(self, box: Box, friction: float, grey: int) -> int:
+        """A box that nothing moves."""
+        half = [size / 2 for size in box.size]
+        shape = self.p.createCollisionShape(self.p.GEOM_BOX, halfExtents=half, physicsClientId=self.client)
+        shade = grey / 255
+        visual = self.p.createVisualShape(
+            self.p.GEOM_BOX,
+            halfExtents=half,
+            rgbaColor=(shade, shade, shade, 1.0),
+            physicsClientId=self.client,
+        )
+        body = self.p.createMultiBody(0.0, shape, visual, *placed(box.pose), physicsClientId=self.client)
+        self.p.changeDynamics(body, -1, lateralFriction=friction, physicsClientId=self.client)
+        return int(body)
+
+    def remove(self, body: int) -> None:
+        """Take a body out of the world."""
+        self.p.removeBody(body, physicsClientId=self.client)
+
+    def pose(self, body: int) -> Transform:
+        """World pose (4, 4) of a body's middle of mass."""
+        position, turn = self.p.getBasePositionAndOrientation(body, physicsClientId=self.client)
+        return matrix(position, turn)
+
+    def set_pose(self, body: int, pose: Transform) -> None:
+        """Put a body elsewhere, at rest."""
+        self.p.resetBasePositionAndOrientation(body, *placed(pose), physicsClientId=self.client)
+        self.p.resetBaseVelocity(body, (0.0,) * 3, (0.0,) * 3, physicsClientId=self.client)
+
+    def contacts(self, body: int) -> Sequence[tuple[Any, ...]]:
+        """Bullet's contact points of a body with all others."""
+        points: Sequence[tuple[Any, ...]] = self.p.getContactPoints(bodyA=body, physicsClientId=self.client)
+        return points
+
+    # States
+
+    def save(self) -> int:
+        """Keep the state of all bodies in memory; gives its number."""
+        return int(self.p.saveState(physicsClientId=self.client))
+
+    def restore(self, state: int) -> None:
+        """Bring a kept state back. Bodies made since then make it fail; constraints made since survive it."""
+        self.p.restoreState(stateId=state, physicsClientId=self.client)
+
+
+def placed(pose: Transform) -> tuple[list[float], list[float]]:
+    """A pose (4, 4) as Bullet wants it: position, and quaternion x, y, z, w."""
+    return pose[:3, 3].tolist(), Rotation.from_matrix(pose[:3, :3]).as_quat().tolist()
+
+
+def matrix(position: Sequence[float], quaternion: Sequence[float]) -> Transform:
+    """The pose (4, 4) of a position and a quaternion x, y, z, w."""
+    x, y, z, w = quaternion
+    result: NDArray[np.float64] = np.array(
+        [
+            [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w), position[0]],
+            [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w), position[1]],
+            [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y), position[2]],
+            [0.0, 0.0, 0.0, 1.0],
+        ]
+    )
+    return result

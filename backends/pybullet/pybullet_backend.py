@@ -1,0 +1,182 @@
+"""A robot in a physics engine, with a real robot's errors."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from backends.backend import Backend
+from backends.capability import Capability
+from backends.robot_file import RobotFile
+from backends.scene.book import Book
+from backends.scene.load_world import load_world
+from backends.scene.mounts import base_T_frame
+from backends.scene.person import Person
+from backends.scene.scene import build_scene
+from backends.scene.world_file import MissingWorld, WorldFile
+from robotics.geometry.transform import inverse
+
+from .bullet_arm import BulletArm
+from .bullet_base import BulletBase
+from .bullet_camera import BulletCamera
+from .bullet_gripper import BulletGripper
+from .bullet_range_sensor import BulletRangeSensor
+from .physics import Physics
+from .robot_body import RobotBody
+from .scene_sync import SceneSync
+from .touch import Pairs, Touch
+from .world_bodies import WorldBodies
+
+SETTLES = 0.3  # [s] that everything gets to come to rest before time begins
+_FELT = 4  # of a period's chunks, the last ones in which the force on the hand is measured
+
+
+class PyBulletBackend(Backend):
+    """A differential drive with arm, gripper, camera and range sensor in Bullet.
+
+    The same robot and world files as on the kinematic backend; what is solid there is solid here. Two driven
+    wheels and frictionless casters roll on a floor; joints have drives with limited torque; fingers hold by
+    friction, one the mirror of the other; books are rigid bodies that stand on boards and lean on each other.
+
+    How it errs, seeded: radius of each wheel, tread, joint repeatability, ranges, image noise, blur, light,
+    lens, the force reading, where a person puts robot and book. Slip, and what gives, are physics.
+
+    How it differs from metal: links are rigid, the floor is flat, friction is Coulomb's, one coefficient for
+    a pair, light has no shadows and what stands inside a shelf is painted dark. Books in a row have square
+    edges, those to be returned rounded ones (3 mm).
+
+    `scene` is ground truth: only evaluation may read it.
+    """
+
+    name = "pybullet"
+
+    def __init__(self, robot: RobotFile, world: WorldFile, seed: int, window: bool = False) -> None:
+        """Set robot and world up; `window` shows them. The same seed gives the same run, bit for bit."""
+        self.period = robot.period_s
+        self._physics = Physics(self.period, window)
+        try:
+            self._build(robot, world, seed)
+        except BaseException:
+            self._physics.close()
+            raise
+
+    def _build(self, robot: RobotFile, world: WorldFile, seed: int) -> None:
+        physics = self._physics
+        self.scene = build_scene(robot, world, seed)
+        self._periods = 0
+        self._world = WorldBodies(physics, self.scene)
+        self._body = RobotBody(physics, robot, self.scene.base)
+        self._touch = Touch(physics, self._body, self._world)
+        self._sync = SceneSync(self.scene, self._body, self._world)
+        self._arm: BulletArm | None = None
+        self._gripper: BulletGripper | None = None
+        self._camera: BulletCamera | None = None
+        self._range: BulletRangeSensor | None = None
+        model = self.scene.arm
+        if model is not None:
+            for name, angle in zip(model.joint_names, self.scene.joints, strict=True):
+                self._body.reset(name, float(angle))
+            self._arm = BulletArm(robot, model, self._body, physics, seed)
+            if robot.gripper is not None:
+                self._gripper = BulletGripper(robot.gripper, self._body, physics, self.period, seed)
+            if robot.camera is not None:
+                self._camera = BulletCamera(
+                    robot, robot.camera, model, self._body, self._world, physics, seed
+                )
+        self._base = BulletBase(robot, self._body, physics, seed)
+        self._body.slide()
+        if robot.range_sensor is not None:
+            mount = base_T_frame(robot.urdf_text(), "range_sensor")
+            self._range = BulletRangeSensor(robot.range_sensor, mount, self._body, physics, seed)
+        self._held: Book | None = None
+        self._person = Person(self.scene, seed)
+        for _ in range(round(SETTLES / self.period)):
+            self._run_period()
+        self._base.rezero()
+
+    @classmethod
+    def build(cls, robot: RobotFile, world: Path | None, seed: int) -> PyBulletBackend:
+        """See `Backend`."""
+        if world is None:
+            raise MissingWorld("the backend 'pybullet' simulates; needed: a world file")
+        return cls(robot, load_world(world), seed)
+
+    def capabilities(self) -> tuple[Capability, ...]:
+        """See `Backend`."""
+        parts = (self._base, self._arm, self._gripper, self._camera, self._range)
+        return tuple(part for part in parts if part is not None)
+
+    def step(self) -> None:
+        """See `Backend`."""
+        self._periods += 1
+        self.scene.time = self._periods * self.period
+        self._person.step()
+        for book in self.scene.books.values():
+            if book.accession not in self._world.books:
+                self._world.add_book(book)
+        self._world.keep_time()
+        self._run_period()
+
+    def _run_period(self) -> None:
+        self._base.begin()
+        for part in (self._arm, self._gripper, self._camera, self._range):
+            if part is not None:
+                part.begin(self._periods)
+        held = None if self._held is None else self._world.books[self._held.accession]
+        chunks, felt = self._physics.chunks, np.zeros(3)
+        for chunk in range(chunks):
+            self._base.act()
+            if self._gripper is not None:
+                self._gripper.act((chunk + 1) / chunks)
+            if self._arm is not None:
+                self._arm.act(chunk / chunks, self.period)
+            self._physics.step()
+            if self._arm is not None and chunk >= chunks - _FELT:
+                felt += self._touch.force(held) / min(_FELT, chunks)
+        self._end_period(felt)
+
+    def _end_period(self, felt: np.ndarray) -> None:
+        self._base.read()
+        self._sync.base()
+        if self._gripper is not None:
+            self._gripper.end()
+            self._held = self._find_held()
+            self.scene.width = self._gripper.true_width()
+        self._sync.books(self._held)
+        if self._arm is not None:
+            self._arm.end()
+            self.scene.joints = self._arm.true_joints()
+            turn = self._body.link_pose("hand")[:3, :3]
+            self.scene.hand_force = self._arm.force = turn.T @ felt
+            self._arm.load = self._load()
+        self.scene.touch(self._touching())
+
+    def _find_held(self) -> Book | None:
+        """The book between fingers that press."""
+        body = self._touch.gripped()
+        if body is None or self._gripper is None or not (self._gripper.closed_on_something() or self._held):
+            return None
+        return next(b for b in self.scene.books.values() if self._world.books[b.accession] == body)
+
+    def _load(self) -> tuple[float, np.ndarray]:
+        if self._held is None:
+            return 0.0, np.zeros(3)
+        middle = self._held.pose @ self._held.book_T_middle
+        return self._world.mass(self._held), (inverse(self._body.base_pose()) @ middle)[:3, 3]
+
+    def _touching(self) -> Pairs:
+        bodies = self._world.books
+        held = None if self._held is None else bodies[self._held.accession]
+        tray = self.scene.tray_book()
+        return self._touch.pairs(held, () if tray is None else (bodies[tray.accession],))
+
+    def stop(self) -> None:
+        """See `Backend`."""
+        for part in (self._base, self._arm, self._gripper):
+            if part is not None:
+                part.halt()
+
+    def close(self) -> None:
+        """See `Backend`."""
+        self._physics.close()

@@ -1,0 +1,143 @@
+"""The robot as Bullet's body: its URDF loaded, its joints by name."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from xml.etree import ElementTree
+
+import numpy as np
+from numpy.typing import NDArray
+
+from backends.robot_file import RobotFile
+from robotics.geometry.pose2 import Pose2
+from robotics.geometry.transform import Transform, inverse
+
+from .engine import quiet
+from .physics import Physics, matrix
+
+WHEEL_FRICTION = 1.0  # rubber
+PAD_FRICTION = 1.5
+PAD_STIFFNESS = 3e4  # rubber, at each corner [N/m]: rigid pads would press with one corner each
+PAD_DAMPING = 300.0  # [Ns/m]
+ROBOT_GROUP = 64  # collision group of the robot: no beam of its range sensor meets it
+_ALL = -1
+_SPECK = 1e-6  # mass of a link that is only a frame [kg], and its inertia [kg m²]; Bullet would take 1
+
+Vector = NDArray[np.float64]
+
+
+class RobotBody:
+    """The URDF of a robot's file in a physics engine, standing on the floor."""
+
+    def __init__(self, physics: Physics, robot: RobotFile, base: Pose2) -> None:
+        """Load it with `base` as world_T_base."""
+        self._physics, self._p = physics, physics.p
+        p, client = physics.p, physics.client
+        flags = (
+            p.URDF_USE_INERTIA_FROM_FILE
+            | p.URDF_USE_IMPLICIT_CYLINDER
+            | p.URDF_USE_SELF_COLLISION_EXCLUDE_ALL_PARENTS
+        )
+        with quiet():
+            self.id = int(p.loadURDF(str(robot.urdf_path()), flags=flags, physicsClientId=client))
+        count = p.getNumJoints(self.id, physicsClientId=client)
+        infos = [p.getJointInfo(self.id, i, physicsClientId=client) for i in range(count)]
+        self.joint_index = {info[1].decode(): info[0] for info in infos}
+        self.link_index = {info[12].decode(): info[0] for info in infos}
+        self.link_names = {index: name for name, index in self.link_index.items()}
+        self.effort = {info[1].decode(): float(info[10]) for info in infos}
+        root = p.getBodyInfo(self.id, physicsClientId=client)[0].decode()
+        self.link_index[root], self.link_names[-1] = -1, root
+        self._root_T_middle = matrix(*p.getDynamicsInfo(self.id, -1, physicsClientId=client)[3:5])
+        self._middle_T_base = inverse(self._root_T_middle) @ self._root_T_base()
+        for name in _without_mass(robot.urdf_text()):
+            p.changeDynamics(
+                self.id,
+                self.link_index[name],
+                mass=_SPECK,
+                localInertiaDiagonal=(_SPECK, _SPECK, _SPECK),
+                physicsClientId=client,
+            )
+        for link in range(-1, count):
+            p.setCollisionFilterGroupMask(self.id, link, ROBOT_GROUP, _ALL, physicsClientId=client)
+        for info in infos:
+            if info[2] in (p.JOINT_REVOLUTE, p.JOINT_PRISMATIC):
+                self.free(info[0])
+        self.put(base)
+
+    def _root_T_base(self) -> Transform:
+        index = self.link_index["base"]
+        if index == -1:
+            return np.eye(4)
+        return inverse(self._root()) @ self.link_pose("base")
+
+    def _root(self) -> Transform:
+        return self._physics.pose(self.id) @ inverse(self._root_T_middle)
+
+    def put(self, base: Pose2) -> None:
+        """Put the base elsewhere on the floor."""
+        self._physics.set_pose(self.id, base.lift() @ inverse(self._middle_T_base))
+
+    def free(self, joint: int) -> None:
+        """Switch Bullet's own motor of a joint off."""
+        self._p.setJointMotorControl2(
+            self.id, joint, self._p.VELOCITY_CONTROL, force=0.0, physicsClientId=self._physics.client
+        )
+
+    def base_pose(self) -> Transform:
+        """world_T_base (4, 4), as it truly stands."""
+        return self._physics.pose(self.id) @ self._middle_T_base
+
+    def link_pose(self, link: str) -> Transform:
+        """World pose (4, 4) of a link's frame."""
+        index = self.link_index[link]
+        if index == -1:
+            return self._root()
+        state = self._p.getLinkState(
+            self.id, index, computeForwardKinematics=1, physicsClientId=self._physics.client
+        )
+        return matrix(state[4], state[5])
+
+    def states(self, joints: Sequence[int]) -> tuple[Vector, Vector]:
+        """Positions and velocities (n,) of joints, in [rad] or [m] and a second."""
+        read = self._p.getJointStates(self.id, joints, physicsClientId=self._physics.client)
+        return np.array([each[0] for each in read]), np.array([each[1] for each in read])
+
+    def reset(self, joint: str, position: float) -> None:
+        """Put a joint elsewhere, at rest."""
+        self._p.resetJointState(
+            self.id, self.joint_index[joint], position, physicsClientId=self._physics.client
+        )
+
+    def rub(self, links: Sequence[str], friction: float) -> None:
+        """Give links a friction."""
+        for link in links:
+            self._p.changeDynamics(
+                self.id,
+                self.link_index[link],
+                lateralFriction=friction,
+                physicsClientId=self._physics.client,
+            )
+
+    def pad(self, links: Sequence[str]) -> None:
+        """Cover links with rubber."""
+        for link in links:
+            self._p.changeDynamics(
+                self.id,
+                self.link_index[link],
+                lateralFriction=PAD_FRICTION,
+                contactStiffness=PAD_STIFFNESS,
+                contactDamping=PAD_DAMPING,
+                frictionAnchor=1,
+                physicsClientId=self._physics.client,
+            )
+
+    def slide(self) -> None:
+        """Let casters slide without friction: they stand for wheels that turn any way."""
+        self.rub([name for name in self.link_index if "caster" in name], 0.0)
+
+
+def _without_mass(urdf: str) -> list[str]:
+    """Links that are only frames."""
+    links = ElementTree.fromstring(urdf).findall("link")
+    return [link.get("name", "") for link in links if link.find("inertial") is None]

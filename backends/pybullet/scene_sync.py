@@ -1,0 +1,73 @@
+"""From the engine to the scene: the ground truth that evaluation reads."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from backends.scene.book import Book, Rest
+from backends.scene.scene import Scene
+from backends.scene.shelf import DEPTH
+from robotics.geometry.pose2 import Pose2
+from robotics.geometry.transform import Transform, inverse
+
+from .robot_body import RobotBody
+from .world_bodies import WorldBodies
+
+_NEAR = 1.3  # books of shelves further from the hand than this sleep [m]
+_ON = 0.03  # [m] that a book's foot may be off the board or tray
+_UPRIGHT = np.radians(45.0)
+_FALLEN = 0.5  # [m] above the floor
+
+
+class SceneSync:
+    """Writes where everything truly is into the scene, after each period."""
+
+    def __init__(self, scene: Scene, body: RobotBody, world: WorldBodies) -> None:
+        self._scene, self._body, self._world = scene, body, world
+
+    def base(self) -> None:
+        """Where the base stands, seen from above."""
+        pose = self._body.base_pose()
+        heading = float(np.arctan2(pose[1, 0], pose[0, 0]))
+        self._scene.base = Pose2(float(pose[0, 3]), float(pose[1, 3]), heading)
+
+    def books(self, held: Book | None) -> None:
+        """Where the books are that may have moved, and what carries them."""
+        scene = self._scene
+        world_T_hand = self._body.link_pose("hand") if "hand" in self._body.link_index else np.eye(4)
+        near = {
+            name
+            for name, shelf in scene.shelves.items()
+            if np.linalg.norm(shelf.pose[:3, 3] - world_T_hand[:3, 3]) < _NEAR
+        }
+        for book in scene.books.values():
+            if book.rest is Rest.SHELF and book.shelf not in near:
+                continue
+            book.pose = self._world.book_pose(book)
+            book.rest, book.shelf = (Rest.HAND, None) if book is held else self._rest(book)
+        scene.held = held
+        if held is not None:
+            scene.hand_T_book = inverse(world_T_hand) @ held.pose
+        tray = scene.tray_book()
+        if tray is not None:
+            scene.base_T_tray_book = inverse(self._body.base_pose()) @ tray.pose
+        scene.changes += 1
+
+    def _rest(self, book: Book) -> tuple[Rest, str | None]:
+        for name, shelf in self._scene.shelves.items():
+            x, y, z = (shelf.inverse_pose @ book.pose)[:3, 3]
+            on_board = -book.depth / 2 < x < DEPTH and abs(y) < shelf.half_width and abs(z) < _ON
+            if on_board and book.tilt() < _UPRIGHT:
+                return Rest.SHELF, name
+        if self._on_tray(book):
+            return Rest.TRAY, None
+        if book.pose[2, 3] < _FALLEN or book.rest is not Rest.HAND:
+            return Rest.FLOOR, None
+        return book.rest, None
+
+    def _on_tray(self, book: Book) -> bool:
+        if "tray" not in self._body.link_index:
+            return False
+        place: Transform = inverse(self._body.link_pose("tray")) @ book.pose @ book.book_T_middle
+        x, y, z = place[:3, 3]
+        return bool(abs(x) < 0.12 and abs(y) < 0.15 and abs(z - book.height / 2) < _ON)

@@ -1,0 +1,78 @@
+"""What the robot touches, and with what force."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .physics import Physics
+from .robot_body import RobotBody
+from .world_bodies import WorldBodies
+
+Pairs = frozenset[tuple[str, str]]
+ROLLING = ("left_wheel", "right_wheel", "front_caster", "rear_caster")
+HAND = ("hand", "left_finger", "right_finger", "camera_body")
+FINGERS = ("left_finger", "right_finger")
+HELD = "held book"
+
+
+class Touch:
+    """Reads the engine's contact points."""
+
+    def __init__(self, physics: Physics, body: RobotBody, world: WorldBodies) -> None:
+        self._physics, self._body, self._world = physics, body, world
+        self._links = {body.link_index[name] for name in HAND if name in body.link_index}
+        self._fingers = [body.link_index[name] for name in FINGERS if name in body.link_index]
+
+    def gripped(self) -> int | None:
+        """Body of the book that both fingers touch."""
+        sides = [
+            {point[2] for point in self._points(self._body.id) if point[3] == finger}
+            for finger in self._fingers
+        ]
+        both = set.intersection(*sides) if sides else set()
+        books = set(self._world.books.values())
+        return min(both & books, default=None)
+
+    def force(self, held: int | None) -> NDArray[np.float64]:
+        """What the surroundings put on the hand and what it holds, (3,) in [N], in the world."""
+        total = np.zeros(3)
+        for point in self._points(self._body.id):
+            if point[3] in self._links and point[2] not in (held, self._body.id):
+                total += _force(point)
+        if held is not None:
+            for point in self._points(held):
+                if point[2] != self._body.id or point[4] not in self._links:
+                    total += _force(point)
+        return total * self._physics.substeps
+
+    def pairs(self, held: int | None, riding: Collection[int]) -> Pairs:
+        """Names of what touches: a link, "base" or "held book", and what it ran into.
+
+        Args:
+            held: the body in the hand.
+            riding: bodies that stand on the robot.
+        """
+        found = set()
+        for point in self._points(self._body.id):
+            link, other = self._body.link_names[point[3]], point[2]
+            if other in (held, self._body.id) or (link in ROLLING and self._world.names[other] == "floor"):
+                continue
+            if other not in riding or link in HAND:
+                found.add((link, self._world.names[other]))
+        for point in self._points(held) if held is not None else ():
+            if point[2] != self._body.id:
+                found.add((HELD, self._world.names[point[2]]))
+        return frozenset(found)
+
+    def _points(self, body: int) -> list[tuple[Any, ...]]:
+        return [point for point in self._physics.contacts(body) if point[9] > 0.0]
+
+
+def _force(point: tuple[Any, ...]) -> NDArray[np.float64]:
+    """On the first body of a contact point."""
+    normal, along, across = (np.array(point[i]) for i in (7, 11, 13))
+    return np.asarray(point[9] * normal + point[10] * along + point[12] * across)
