@@ -15,6 +15,7 @@ from .backend import Backend
 from .robot_file import RobotFile
 
 TABLE = {
+    "can": "backends.can.can_backend:CanBackend",
     "kinematic": "backends.kinematic.kinematic_backend:KinematicBackend",
     "pybullet": "backends.pybullet.pybullet_backend:PyBulletBackend",
 }

@@ -14,6 +14,7 @@ from files.loading import load_document
 from files.model import FileModel
 from files.yaml_document import read_document
 
+from .can_spec import CanSpec
 from .robot_findings import robot_findings
 
 Positive = Annotated[float, Field(gt=0.0)]
@@ -51,6 +52,8 @@ class GripperSpec(FileModel):
     opening_mm: Positive
     speed_mm_s: Positive
     force_n: Positive
+    grasp: Literal["friction", "constraint"] = "friction"
+    """What holds in a physics engine: the pads' friction, or a rigid link made when both fingers press."""
 
 
 class CameraSpec(FileModel):
@@ -114,6 +117,8 @@ class RobotFile(FileModel):
     """Of the circle about the base's centre that holds base, arm in its travelling posture and load."""
     localiser: Literal["scan", "odometry"]
     drive: Drive
+    can: CanSpec | None = None
+    """Where the backend `can` finds the wheels' drives."""
     arm: ArmSpec | None = None
     gripper: GripperSpec | None = None
     camera: CameraSpec | None = None

@@ -73,6 +73,11 @@ class BulletGripper(Gripper):
         """See `Gripper`."""
         return self._pressing
 
+    @property
+    def opening(self) -> bool:
+        """Whether it is told to open."""
+        return self._command > self._target + PRESSES
+
     def halt(self) -> None:
         """Hold: fingers that press go on pressing, those that move stop."""
         if not self._pressing:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from importlib.util import find_spec
 from typing import Any
 
@@ -19,7 +20,28 @@ STEP = 0.0025  # of the solver, at most [s]
 CHUNK = 0.005  # [s]: how often the drives' electronics look at their encoders
 GRAVITY = 9.81
 _ITERATIONS = 100
+_STICKS = 0.8  # of what a contact that sticks has slid is taken back in a step
 _FLOOR = 0.37  # grey
+
+
+@dataclass(frozen=True)
+class Fixed:
+    """Two bodies held together: where `other` is in the frame of the middle of mass of a link of `body`."""
+
+    body: int
+    link: int
+    other: int
+    middle_T_other: Transform
+    force_n: float
+    """With which they are held."""
+
+
+@dataclass(frozen=True)
+class State:
+    """A kept state: Bullet's number, and what was fixed then, which Bullet doesn't keep."""
+
+    number: int
+    fixed: Fixed | None
 
 
 class Physics:
@@ -46,6 +68,7 @@ class Physics:
         while they are those of a step: what it is told of forces is to be divided by this, what it tells
         multiplied."""
         self._connected = True
+        self._fixed: tuple[Fixed, int] | None = None
         self.renderer = self._start_renderer(window)
         """Bullet's number of the renderer: its EGL plug-in where there is one, else TinyRenderer."""
         self.p.setGravity(0.0, 0.0, -GRAVITY, physicsClientId=self.client)
@@ -53,6 +76,8 @@ class Physics:
             fixedTimeStep=self.chunk,
             numSubSteps=self.substeps,
             numSolverIterations=_ITERATIONS,
+            frictionERP=_STICKS,
+            enableConeFriction=0,  # with it, what is held creeps out of the hand
             deterministicOverlappingPairs=1,
             physicsClientId=self.client,
         )
@@ -129,15 +154,48 @@ class Physics:
         points: Sequence[tuple[Any, ...]] = self.p.getContactPoints(bodyA=body, physicsClientId=self.client)
         return points
 
+    # What is held by a constraint
+
+    @property
+    def fixed(self) -> Fixed | None:
+        """What is fixed to what, now."""
+        return None if self._fixed is None else self._fixed[0]
+
+    def fix(self, wanted: Fixed | None) -> None:
+        """Hold this together, and nothing else; None lets go."""
+        if self._fixed is not None:
+            self.p.removeConstraint(self._fixed[1], physicsClientId=self.client)
+            self._fixed = None
+        if wanted is None:
+            return
+        position, turn = placed(wanted.middle_T_other)
+        number = self.p.createConstraint(
+            wanted.body,
+            wanted.link,
+            wanted.other,
+            -1,
+            self.p.JOINT_FIXED,
+            (0, 0, 0),
+            position,
+            (0, 0, 0),
+            turn,
+            physicsClientId=self.client,
+        )
+        force = wanted.force_n / self.substeps
+        self.p.changeConstraint(number, maxForce=force, physicsClientId=self.client)
+        self._fixed = (wanted, int(number))
+
     # States
 
-    def save(self) -> int:
-        """Keep the state of all bodies in memory; gives its number."""
-        return int(self.p.saveState(physicsClientId=self.client))
+    def save(self) -> State:
+        """Keep the state of all bodies in memory."""
+        return State(int(self.p.saveState(physicsClientId=self.client)), self.fixed)
 
-    def restore(self, state: int) -> None:
-        """Bring a kept state back. Bodies made since then make it fail; constraints made since survive it."""
-        self.p.restoreState(stateId=state, physicsClientId=self.client)
+    def restore(self, state: State) -> None:
+        """Bring a kept state back, also what was held together then. Bodies must be those of then."""
+        self.fix(None)
+        self.p.restoreState(stateId=state.number, physicsClientId=self.client)
+        self.fix(state.fixed)
 
 
 def placed(pose: Transform) -> tuple[list[float], list[float]]:

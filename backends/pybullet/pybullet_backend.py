@@ -22,6 +22,7 @@ from .bullet_base import BulletBase
 from .bullet_camera import BulletCamera
 from .bullet_gripper import BulletGripper
 from .bullet_range_sensor import BulletRangeSensor
+from .constraint_grasp import ConstraintGrasp
 from .physics import Physics
 from .robot_body import RobotBody
 from .scene_sync import SceneSync
@@ -90,6 +91,8 @@ class PyBulletBackend(Backend):
             mount = base_T_frame(robot.urdf_text(), "range_sensor")
             self._range = BulletRangeSensor(robot.range_sensor, mount, self._body, physics, seed)
         self._held: Book | None = None
+        constraint = robot.gripper is not None and robot.gripper.grasp == "constraint"
+        self._grasp = ConstraintGrasp(physics, self._body) if constraint else None
         self._person = Person(self.scene, seed)
         for _ in range(round(SETTLES / self.period)):
             self._run_period()
@@ -119,6 +122,8 @@ class PyBulletBackend(Backend):
         self._run_period()
 
     def _run_period(self) -> None:
+        if self._grasp is not None and self._gripper is not None and self._gripper.opening:
+            self._grasp.let_go()
         self._base.begin()
         for part in (self._arm, self._gripper, self._camera, self._range):
             if part is not None:
@@ -154,8 +159,15 @@ class PyBulletBackend(Backend):
 
     def _find_held(self) -> Book | None:
         """The book between fingers that press."""
+        if self._gripper is None:
+            return None
         body = self._touch.gripped()
-        if body is None or self._gripper is None or not (self._gripper.closed_on_something() or self._held):
+        presses = self._gripper.closed_on_something()
+        if self._grasp is not None:
+            if body is not None and presses and not self._gripper.opening:
+                self._grasp.take(body)
+            body = self._grasp.holds
+        if body is None or not (presses or self._held):
             return None
         return next(b for b in self.scene.books.values() if self._world.books[b.accession] == body)
 

@@ -17,8 +17,8 @@ from .physics import Physics, matrix
 
 WHEEL_FRICTION = 1.0  # rubber
 PAD_FRICTION = 1.5
-PAD_STIFFNESS = 3e4  # rubber, at each corner [N/m]: rigid pads would press with one corner each
-PAD_DAMPING = 300.0  # [Ns/m]
+PAD_STIFFNESS = 1e5  # rubber, at each corner [N/m]: rigid pads would press with one corner each
+PAD_DAMPING = 1000.0  # [Ns/m]
 ROBOT_GROUP = 64  # collision group of the robot: no beam of its range sensor meets it
 _ALL = -1
 _SPECK = 1e-6  # mass of a link that is only a frame [kg], and its inertia [kg m²]; Bullet would take 1
@@ -97,6 +97,16 @@ class RobotBody:
             self.id, index, computeForwardKinematics=1, physicsClientId=self._physics.client
         )
         return matrix(state[4], state[5])
+
+    def middle_of_mass(self, link: str) -> Transform:
+        """World pose (4, 4) of the frame at a link's middle of mass."""
+        index = self.link_index[link]
+        if index == -1:
+            return self._physics.pose(self.id)
+        state = self._p.getLinkState(
+            self.id, index, computeForwardKinematics=1, physicsClientId=self._physics.client
+        )
+        return matrix(state[0], state[1])
 
     def states(self, joints: Sequence[int]) -> tuple[Vector, Vector]:
         """Positions and velocities (n,) of joints, in [rad] or [m] and a second."""

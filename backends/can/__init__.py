@@ -1,0 +1,1 @@
+"""A robot whose wheels are CANopen drives."""

@@ -1,0 +1,85 @@
+"""The states of a CiA 402 drive."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from canopen.profiles.p402 import State402
+from transitions import Machine
+
+OFF, READY, ON, ENABLED = "SWITCH ON DISABLED", "READY TO SWITCH ON", "SWITCHED ON", "OPERATION ENABLED"
+QUICK_STOP, REACTION, FAULT = "QUICK STOP ACTIVE", "FAULT REACTION ACTIVE", "FAULT"
+_WORKING = [OFF, READY, ON, ENABLED, QUICK_STOP]
+STATES = [*_WORKING, REACTION, FAULT]
+
+# CiA 402-2, figure of the finite state automaton; its numbers of transitions behind.
+_TRANSITIONS: list[dict[str, Any]] = [
+    {"trigger": "_shutdown", "source": [OFF, ON, ENABLED], "dest": READY},  # 2, 6, 8
+    {"trigger": "_switch_on", "source": [READY, ENABLED], "dest": ON},  # 3, 5
+    {"trigger": "_enable", "source": ON, "dest": ENABLED},  # 4
+    {"trigger": "_disable", "source": [READY, ON, ENABLED, QUICK_STOP], "dest": OFF},  # 7, 10, 9, 12
+    {"trigger": "_quick_stop", "source": ENABLED, "dest": QUICK_STOP},  # 11
+    {"trigger": "_quick_stop", "source": [READY, ON], "dest": OFF},  # 7, 10
+    {"trigger": "_fail", "source": _WORKING, "dest": REACTION},  # 13
+    {"trigger": "_settle", "source": REACTION, "dest": FAULT},  # 14
+    {"trigger": "_reset", "source": FAULT, "dest": OFF},  # 15
+]
+
+
+class DriveLife:
+    """A state machine behind typed methods; what has no transition in a state does nothing there."""
+
+    def __init__(self) -> None:
+        self._state = OFF
+        self._controlword = 0
+        self._machine = Machine(
+            model=self,
+            states=STATES,
+            transitions=_TRANSITIONS,
+            initial=OFF,
+            auto_transitions=False,
+            ignore_invalid_triggers=True,
+            model_attribute="_state",
+        )
+
+    @property
+    def state(self) -> str:
+        """Its name, as in CiA 402."""
+        return self._state
+
+    @property
+    def statusword(self) -> int:
+        """Object 6041h: the state, voltage enabled (bit 4) and remote (bit 9)."""
+        return int(State402.SW_MASK[self._state][1]) | 0x0210
+
+    def control(self, controlword: int) -> None:
+        """Take a controlword (6040h)."""
+        rising = controlword & ~self._controlword
+        self._controlword = controlword
+        self._go("_reset" if rising & 0x80 else _trigger(controlword))
+
+    def disable(self) -> None:
+        """Voltage off."""
+        self._go("_disable")
+
+    def fail(self) -> None:
+        """A fault: its reaction begins."""
+        self._go("_fail")
+
+    def settle(self) -> None:
+        """The reaction to a fault is over."""
+        self._go("_settle")
+
+    def _go(self, trigger: str) -> None:
+        getattr(self, trigger)()
+
+
+def _trigger(controlword: int) -> str:
+    """CiA 402-2, table of commands: bit 0 switch on, 1 voltage, 2 no quick stop, 3 enable operation."""
+    if not controlword & 0x02:
+        return "_disable"
+    if not controlword & 0x04:
+        return "_quick_stop"
+    if not controlword & 0x01:
+        return "_shutdown"
+    return "_enable" if controlword & 0x08 else "_switch_on"

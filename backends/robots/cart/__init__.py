@@ -1,0 +1,1 @@
+"""Two wheels, a range sensor, and a deck to put things on."""

@@ -1,0 +1,51 @@
+"""The cart on simulated drives."""
+
+from __future__ import annotations
+
+import math
+import threading
+from collections.abc import Callable, Iterator
+
+import pytest
+from can.interfaces import virtual
+
+from backends.can.can_backend import CanBackend
+from backends.robot_file import RobotFile, load_robot
+from backends.scene.world_file import WorldFile
+
+ROOM = {
+    "format": "handcart-world/1",
+    "start": {"x_m": 2.0, "y_m": 1.5, "heading_deg": 90.0},
+    "walls": [
+        {"from_m": [0, 0], "to_m": [4, 0]},
+        {"from_m": [4, 0], "to_m": [4, 3]},
+        {"from_m": [4, 3], "to_m": [0, 3]},
+        {"from_m": [0, 3], "to_m": [0, 0]},
+    ],
+}
+COUNTS_PER_M = 16384 * 20 / (2 * math.pi * 0.1)
+"""Of the cart's wheels."""
+LEFT, RIGHT = 1, 2
+"""Nodes of the cart's drives."""
+
+
+@pytest.fixture
+def cart() -> RobotFile:
+    return load_robot("cart")
+
+
+@pytest.fixture
+def make(cart: RobotFile) -> Iterator[Callable[..., CanBackend]]:
+    """Makes backends in a room (`room=False`: in none) and sees to it that nothing of them is left."""
+    made, threads = [], threading.active_count()
+
+    def build(seed: int = 0, room: bool = True, robot: RobotFile = cart) -> CanBackend:
+        world = WorldFile.model_validate(ROOM) if room else None
+        made.append(CanBackend(robot, world, seed))
+        return made[-1]
+
+    yield build
+    for backend in made:
+        backend.close()
+    assert virtual.channels == {}
+    assert threading.active_count() == threads

@@ -1,0 +1,169 @@
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from backends.backend import CommandError
+from backends.base import Base
+from backends.can.errors import NoDrives, TooManyCounts
+from backends.range_sensor import RangeSensor
+from backends.registry import make_backend
+from backends.robot_file import load_robot
+
+from .conftest import COUNTS_PER_M, LEFT, RIGHT
+
+RAMPS = 12  # periods within which the wheels come to rest from any speed of these tests
+
+
+def run(backend, periods, speed=0.0, turn_rate=0.0):
+    for _ in range(periods):
+        backend.get(Base).drive(speed, turn_rate)
+        backend.step()
+
+
+def targets(backend):
+    """Velocities that the drives were told last, in counts/s."""
+    return [drive.rpdo[1][0x60FF].raw for drive in backend.bench.drives.nodes.values()]
+
+
+def test_speeds_are_metres_and_radians_and_left_is_left(make):
+    for speed, turn_rate in ((0.3, 0.0), (-0.3, 0.0), (0.0, 0.8), (0.2, -0.5)):
+        backend = make()
+        start = backend.scene.base
+        run(backend, 20, speed, turn_rate)
+        run(backend, RAMPS)
+        travel = backend.get(Base).wheel_travel()
+        # Speeding up costs what slowing down gives.
+        assert travel.left == pytest.approx(speed - 0.25 * turn_rate, abs=1e-4)
+        assert travel.right == pytest.approx(speed + 0.25 * turn_rate, abs=1e-4)
+        moved = backend.scene.base.relative_to(start)
+        assert moved.theta == pytest.approx(turn_rate, rel=0.03, abs=0.03)
+        if turn_rate == 0.0:
+            assert moved.x == pytest.approx(speed, rel=0.02)
+            assert moved.x != pytest.approx(speed, rel=1e-5)  # radii and slip
+
+
+def test_counts_have_the_sign_of_the_file(make):
+    backend = make(room=False)
+    run(backend, 20, 0.3)
+    run(backend, RAMPS)
+    left, right = (backend.bench.drives.nodes[node].position for node in (LEFT, RIGHT))
+    assert left == pytest.approx(0.3 * COUNTS_PER_M, rel=1e-4)
+    assert right == pytest.approx(-left)
+    assert backend.get(Base).wheel_travel() == pytest.approx((0.3, 0.3), rel=1e-4)
+
+
+def test_travel_goes_on_where_32_bits_go_over(make):
+    backend = make(room=False)
+    for node in (LEFT, RIGHT):
+        backend.bench.drives.nodes[node].position = 2.0**31 - 1000.0
+    backend.step()
+    before = backend.get(Base).wheel_travel()
+    run(backend, 20, 0.3)
+    run(backend, RAMPS)
+    after = backend.get(Base).wheel_travel()
+    assert np.subtract(after, before) == pytest.approx([0.3, 0.3], rel=1e-4)
+
+
+@pytest.mark.parametrize(
+    "command",
+    [(math.nan, 0.0), (0.0, math.nan), (math.inf, 0.0), (0.0, -math.inf), (0.61, 0.0), (0.0, 1.58)],
+)
+def test_what_no_robot_may_do_is_refused(make, command):
+    backend = make()
+    with pytest.raises(CommandError, match="allowed"):
+        backend.get(Base).drive(*command)
+    backend.step()
+    assert backend.get(Base).wheel_travel() == (0.0, 0.0)
+
+
+def test_a_command_that_is_not_renewed_lives_one_period(make):
+    backend = make()
+    backend.get(Base).drive(0.6, 0.0)
+    backend.step()
+    backend.step()
+    assert targets(backend) == [0, 0]
+    run(backend, RAMPS)
+    there = backend.scene.base
+    backend.step()
+    assert backend.scene.base == there
+
+
+def test_a_command_does_nothing_before_its_step(make):
+    backend = make()
+    there = backend.scene.base
+    backend.get(Base).drive(0.3, 0.0)
+    assert backend.get(Base).wheel_travel() == (0.0, 0.0)
+    assert backend.scene.base == there
+
+
+def test_after_stop_nothing_is_queued(make):
+    backend = make()
+    backend.get(Base).drive(0.3, 0.0)
+    backend.stop()
+    before = backend.scene.base
+    for _ in range(5):
+        backend.step()
+    assert backend.scene.base == before
+    run(backend, 20, 0.3)
+    assert targets(backend) == pytest.approx([0.3 * COUNTS_PER_M, -0.3 * COUNTS_PER_M], abs=1)
+    backend.stop()
+    backend.bench.drives.serve()
+    assert targets(backend) == [0, 0]  # at once, not with the next step
+    for _ in range(RAMPS):
+        backend.step()
+    there = backend.scene.base
+    backend.step()
+    assert backend.scene.base == there
+    run(backend, 5, 0.3)  # and it can be driven again
+    assert backend.scene.base != there
+
+
+def test_the_same_seed_gives_the_same_readings(make):
+    def readings(seed):
+        backend = make(seed)
+        run(backend, 15, 0.2, 0.4)
+        rolled = (*backend.get(Base).wheel_travel(), *backend.scene.base)
+        return rolled, backend.get(RangeSensor).scan().ranges
+
+    one, same, other = readings(5), readings(5), readings(6)
+    assert one[0] == same[0] and np.array_equal(one[1], same[1])
+    assert one[0] != other[0] and not np.array_equal(one[1], other[1])
+
+
+def test_a_wall_stops_the_base_and_is_noted(make):
+    backend = make()
+    run(backend, 100, 0.4)
+    assert backend.scene.base.y == pytest.approx(3.0 - 0.34, abs=0.06)
+    assert [(each.body, each.time > 0.0) for each in backend.scene.contacts] == [("base", True)]
+
+
+def test_without_a_world_there_are_wheels_alone(make):
+    backend = make(room=False)
+    assert backend.scene is None
+    assert backend.get(RangeSensor) is None
+    run(backend, 2, 0.1)
+    assert backend.get(Base).wheel_travel().left > 0.0
+
+
+def test_closing_takes_the_torque_away_at_rest(make):
+    backend = make()
+    run(backend, 20, 0.5)
+    backend.close()
+    backend.close()
+    for drive in backend.bench.drives.nodes.values():
+        assert (drive.velocity, drive.life.state) == (0.0, "SWITCH ON DISABLED")
+
+
+def test_a_robot_needs_a_section_can():
+    with pytest.raises(NoDrives, match="no section 'can'"):
+        make_backend("can", load_robot("librarian"), None, 0)
+
+
+def test_counts_that_do_not_fit_are_told(make, cart):
+    fine = cart.can.left.model_copy(update={"counts_per_rev": 2**24, "gear_ratio": 100.0})
+    robot = cart.model_copy(update={"can": cart.can.model_copy(update={"left": fine})})
+    with pytest.raises(TooManyCounts, match=r"the left drive \(node 1\) would be told .* counts_per_rev"):
+        make(robot=robot)

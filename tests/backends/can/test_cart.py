@@ -1,0 +1,66 @@
+"""The shipped cart: its file, the kit's checks, and MOVE_TO."""
+
+from __future__ import annotations
+
+import pytest
+
+from backends.can_spec import CanSpec
+from backends.robot_file import ROBOTS, RobotFile
+from evaluation.conformance.all_checks import CHECKS
+from evaluation.conformance.bench import Bench
+from evaluation.stage import set_stage
+from files.errors import FileError
+from files.loading import load
+from primitives.move_to import MoveTo
+from primitives.outcome import Success
+
+
+@pytest.mark.parametrize("backend", ["kinematic", "can"])
+def test_move_to_ends_at_the_right_place(backend):
+    with set_stage(robot="cart", backend=backend, seed=1) as stage:
+        outcome = stage.do(MoveTo(place="shelf_3"))
+        place, scene = stage.model.places["shelf_3"].pose, stage.backend.scene
+        assert isinstance(outcome, Success)
+        assert scene.base.distance(place) < 0.01
+        assert scene.base.turn(place) < 0.005
+        assert scene.contacts == []
+
+
+@pytest.mark.parametrize("name", CHECKS)
+def test_the_kit_finds_nothing_wrong(name):
+    assert CHECKS[name](Bench("can", "cart")).wrong == []
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "told"),
+    [
+        ("{node: 2,", "{node: 1,", "both wheels have the node 1; allowed: two different ones"),
+        ("{node: 2,", "{node: 128,", "127"),
+        ("interface: virtual ", "interface: socketcam ", "did you mean 'socketcan'"),
+        ("sign: -1", "sign: 0", "sign"),
+        ("bitrate_kbit_s: 500", "bitrate_kbit_s: 300", "bitrate_kbit_s"),
+    ],
+)
+def test_what_is_wrong_in_the_section_can_is_told_with_its_place(tmp_path, before, after, told):
+    text = (ROBOTS / "cart" / "robot.yaml").read_text(encoding="utf-8")
+    assert before in text
+    path = tmp_path / "robot.yaml"
+    path.write_text(text.replace(before, after), encoding="utf-8")
+    with pytest.raises(FileError, match=told) as error:
+        load(path, RobotFile)
+    assert f"{path}:" in str(error.value)
+
+
+def test_counts_for_a_metre():
+    wheel = {"node": 3, "counts_per_rev": 1000, "gear_ratio": 10.0, "sign": -1}
+    spec = CanSpec.model_validate(
+        {
+            "interface": "virtual",
+            "channel": "x",
+            "bitrate_kbit_s": 500,
+            "left": wheel,
+            "right": wheel | {"node": 4, "sign": 1},
+        }
+    )
+    assert spec.left.counts_per_m(0.1) == pytest.approx(-15915.494, rel=1e-6)
+    assert [each.node for each in spec.wheels] == [3, 4]
