@@ -1,0 +1,63 @@
+"""What the PyBullet backend costs over Bullet itself: `python -m benchmarks.pybullet_backend`.
+
+A run of whole control periods (drives, noise, contacts and ground truth included) while the robot drives and
+moves its arm, against the time that went into `stepSimulation` within it: the same bodies in the same states.
+No pictures are taken: they are rendered only when somebody asks.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+
+from backends.pybullet.physics import Physics
+from backends.pybullet.pybullet_backend import PyBulletBackend
+from backends.robot_file import load_robot
+from backends.scene.load_world import load_world
+
+WORLD = Path(__file__).resolve().parents[1] / "tasks" / "return_book" / "world.yaml"
+PERIODS, ROUNDS = 100, 9
+
+
+class Clock:
+    """Adds up how long a function takes."""
+
+    def __init__(self, function: Callable[[], None]) -> None:
+        self._function, self.spent = function, 0.0
+
+    def __call__(self) -> None:
+        began = time.perf_counter()
+        self._function()
+        self.spent += time.perf_counter() - began
+
+
+def main() -> None:
+    """Print the ratio, and how many times faster than real time both are."""
+    backend = PyBulletBackend(load_robot("librarian"), load_world(WORLD), 0)
+    physics: Physics = backend._physics
+    base, arm = backend.capabilities()[:2]
+    posture, simulated = arm.command(), PERIODS * backend.period
+    whole, inside = [], []
+    for _ in range(ROUNDS):
+        physics.step = clock = Clock(Physics.step.__get__(physics))
+        began = time.perf_counter()
+        for number in range(PERIODS):
+            base.drive(0.1 if number < PERIODS / 2 else -0.1, 0.0)
+            arm.move(posture + 0.1 * np.sin(2 * np.pi * number / PERIODS))
+            backend.step()
+        whole.append(time.perf_counter() - began)
+        inside.append(clock.spent)
+    backend.close()
+    for name, each in (("backend", whole), ("bare PyBullet", inside)):
+        spent = np.median(each)
+        print(
+            f"{name:14s} {spent / PERIODS * 1e3:6.2f} ms a period, {simulated / spent:5.1f} times real time"
+        )
+    print(f"ratio {np.median(np.divide(whole, inside)):.3f} (median of {ROUNDS} rounds)")
+
+
+if __name__ == "__main__":
+    main()

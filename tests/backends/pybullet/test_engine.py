@@ -1,0 +1,22 @@
+from __future__ import annotations
+
+import pytest
+
+from backends.pybullet import engine
+
+
+@pytest.mark.parametrize(
+    ("python", "how"),
+    [
+        ((3, 11), "pip install 'handcart[sim]'"),
+        ((3, 12), "PyBullet has no wheel for Python 3.12"),
+        ((3, 13), "PyBullet has no wheel for Python 3.13"),
+    ],
+)
+def test_where_pybullet_is_missing_the_error_says_how_to_get_it(monkeypatch, python, how):
+    monkeypatch.setattr(engine, "find_spec", lambda name: None)
+    monkeypatch.setattr(engine.sys, "version_info", (*python, 0))
+    engine.bullet.cache_clear()
+    with pytest.raises(engine.MissingPyBullet, match="not installed") as missing:
+        engine.bullet()
+    assert how in str(missing.value)

@@ -1,0 +1,181 @@
+"""What is physics here, and what must be as on the kinematic backend."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from backends.kinematic.kinematic_backend import KinematicBackend
+from backends.scene.book import Rest
+
+pytest.importorskip("pybullet", reason="PyBullet has no wheel for this Python")
+ROOT = Path(__file__).resolve().parents[3]
+
+
+def parts(backend):
+    return backend.capabilities()
+
+
+def steps(backend, count):
+    for _ in range(count):
+        backend.step()
+
+
+def test_all_books_stand_where_the_world_file_puts_them(make, world, spec):
+    backend = make()
+    planned = KinematicBackend(spec, world, 0).scene
+    steps(backend, 20)
+    for number, book in backend.scene.books.items():
+        off = backend.scene.book_pose(number)[:3, 3] - planned.book_pose(number)[:3, 3]
+        assert np.linalg.norm(off) < 2e-3
+        assert book.tilt() < 0.01
+    assert backend.scene.contacts == []
+
+
+def test_wheels_drive_the_base_and_tell_how_far(make):
+    backend = make()
+    base, start = parts(backend)[0], backend.scene.base
+    for _ in range(40):
+        base.drive(0.1, 0.0)
+        backend.step()
+    steps(backend, 10)
+    gone = start.distance(backend.scene.base)
+    travel = base.wheel_travel()
+    assert gone == pytest.approx(0.2, abs=0.01)
+    assert (travel.left + travel.right) / 2 == pytest.approx(0.2, abs=0.002)
+
+
+def test_positive_turn_rate_turns_left(make):
+    backend = make()
+    base, start = parts(backend)[0], backend.scene.base
+    for _ in range(20):
+        base.drive(0.0, 0.3)
+        backend.step()
+    assert start.inverse().compose(backend.scene.base).theta == pytest.approx(0.3, abs=0.03)
+
+
+def test_a_command_that_is_not_renewed_ends_with_its_period_and_the_base_comes_to_rest(make):
+    backend = make()
+    base = parts(backend)[0]
+    for _ in range(20):
+        base.drive(0.2, 0.0)
+        backend.step()
+    steps(backend, 10)
+    rests = backend.scene.base
+    steps(backend, 40)
+    assert rests.distance(backend.scene.base) < 2e-4
+
+
+def test_a_wall_stops_the_base_and_is_told_as_contact(make):
+    backend = make()
+    base = parts(backend)[0]
+    for _ in range(150):
+        base.drive(0.3, 0.0)
+        backend.step()
+    assert backend.scene.base.y < 1.8
+    assert any("shelf_1" in other for _, other in backend.scene.touching)
+
+
+def test_the_hand_is_where_kinematics_say(hand):
+    hand.joints(hand.arm.command() + np.array([0.2, -0.1, 0.1, 0.0, 0.1, 0.2]))
+    told = hand.model.forward(hand.backend.scene.joints)
+    body = hand.backend._body
+    assert np.abs(told - np.linalg.solve(body.base_pose(), body.link_pose("hand"))).max() < 1e-6
+
+
+def test_the_arm_goes_where_it_is_told_as_exactly_as_its_repeatability(hand, spec):
+    goal = hand.arm.command() + np.array([0.3, -0.2, 0.1, 0.2, 0.1, -0.2])
+    hand.joints(goal)
+    steps(hand.backend, 20)
+    off = np.abs(hand.backend.scene.joints - goal).max()
+    assert off < 6e-3 * spec.errors.joint_repeatability_mrad + 1e-3
+
+
+def test_fingers_hold_a_book_by_friction_and_let_it_fall(hand):
+    book = hand.backend.scene.books[117]
+    hand.take_book()
+    assert hand.gripper.closed_on_something()
+    assert hand.backend.scene.held is book
+    assert hand.gripper.width() == pytest.approx(0.025, abs=1e-3)
+    here = hand.model.forward(hand.arm.command())[:3, 3]
+    before = book.pose[2, 3]
+    hand.line(here[0], here[1], here[2] + 0.08)
+    assert book.pose[2, 3] - before == pytest.approx(0.08, abs=3e-3)
+    hand.grip(0.06)
+    assert hand.backend.scene.held is None
+    assert book.rest is not Rest.HAND
+    assert book.pose[2, 3] - before < 0.02
+
+
+def test_fingers_that_close_on_nothing_meet(hand):
+    hand.grip(0.0)
+    assert hand.backend.scene.held is None
+    assert hand.gripper.width() < 1e-3
+
+
+def test_a_constraint_grasp_holds_and_a_restored_state_has_it_as_it_was(make, spec, hand_of):
+    gripper = spec.gripper.model_copy(update={"grasp": "constraint"})
+    hand = hand_of(make(robot=spec.model_copy(update={"gripper": gripper})))
+    physics, book = hand.backend._physics, hand.backend.scene.books[117]
+    free = physics.save()
+    hand.take_book()
+    held = physics.save()
+    there = hand.backend._world.book_pose(book)
+    here = hand.model.forward(hand.arm.command())[:3, 3]
+    hand.line(here[0], here[1], here[2] + 0.08)
+    assert hand.backend.scene.held is book
+    assert (book.pose - there)[2, 3] == pytest.approx(0.08, abs=1e-3)
+    physics.restore(held)
+    assert physics.fixed == held.fixed is not None
+    assert np.abs(hand.backend._world.book_pose(book) - there).max() < 1e-6
+    physics.restore(free)
+    assert physics.fixed is None
+
+
+def test_a_constraint_grasp_opens(make, spec, hand_of):
+    gripper = spec.gripper.model_copy(update={"grasp": "constraint"})
+    hand = hand_of(make(robot=spec.model_copy(update={"gripper": gripper})))
+    hand.take_book()
+    hand.grip(0.06)
+    assert hand.backend.scene.held is None
+    assert hand.backend._physics.fixed is None
+
+
+def test_ranges_are_those_of_the_kinematic_backend(make, world, spec):
+    scans = []
+    for backend in (make(), KinematicBackend(spec, world, 0)):
+        backend.step()
+        scans.append(backend.capabilities()[-1].scan().ranges)
+    met = np.isfinite(scans[0]) & np.isfinite(scans[1])
+    assert met.mean() > 0.9
+    assert np.median(np.abs(scans[0] - scans[1])[met]) < 0.01
+
+
+def test_the_same_seed_gives_the_same_run(make):
+    readings = []
+    for backend in (make(7), make(7), make(8)):
+        base, arm, *_, camera, ranges = backend.capabilities()
+        for _ in range(10):
+            base.drive(0.1, 0.2)
+            arm.move(arm.command() + 0.01)
+            backend.step()
+        readings.append(
+            np.concatenate([ranges.scan().ranges, arm.joints(), base.wheel_travel(), camera.image().ravel()])
+        )
+    assert np.array_equal(readings[0], readings[1], equal_nan=True)
+    assert not np.array_equal(readings[0], readings[2], equal_nan=True)
+
+
+def test_the_engine_writes_nothing_to_our_streams():
+    code = (
+        "from pathlib import Path; from backends.registry import make_backend;"
+        "from backends.robot_file import load_robot;"
+        "b = make_backend('pybullet', load_robot('librarian'), Path('tasks/return_book/world.yaml'), 0);"
+        "b.step(); b.capabilities()[3].image(); b.close()"
+    )
+    done = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, check=True)
+    assert (done.stdout, done.stderr) == ("", "")
