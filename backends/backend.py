@@ -6,7 +6,10 @@ from abc import ABC, abstractmethod
 from pathlib import Path
 from typing import TypeVar
 
-from files.errors import HandcartError
+import numpy as np
+from numpy.typing import NDArray
+
+from files.errors import HandcartError, InputError
 
 from .capability import Capability
 from .robot_file import RobotFile
@@ -16,6 +19,10 @@ C = TypeVar("C", bound=Capability)
 
 class CommandError(HandcartError, ValueError):
     """A command that no robot may be given: not finite, or beyond a limit that its file states."""
+
+
+class NoWindow(InputError):
+    """A window was asked for where there is none."""
 
 
 class Backend(ABC):
@@ -44,6 +51,17 @@ class Backend(ABC):
             FileError: the world's file is missing or something in it is wrong.
         """
 
+    @classmethod
+    def build_in_window(cls, robot: RobotFile, world: Path | None, seed: int) -> Backend:
+        """As `build`, and robot and world are shown in a window.
+
+        Raises:
+            NoWindow: this backend has none, or there is no display.
+        """
+        raise NoWindow(
+            f"the backend {cls.name!r} has no window; allowed: a video of the run, --video FILE.mp4"
+        )
+
     @abstractmethod
     def capabilities(self) -> tuple[Capability, ...]:
         """What the robot behind it can do."""
@@ -59,6 +77,13 @@ class Backend(ABC):
     @abstractmethod
     def close(self) -> None:
         """Let go of everything. A second call does nothing."""
+
+    def view(self) -> NDArray[np.uint8] | None:
+        """Robot and surroundings as somebody beside them sees them, for videos: RGB (height, width, 3).
+
+        None where this backend renders nothing but its cameras.
+        """
+        return None
 
     def get(self, kind: type[C]) -> C | None:
         """The capability of that kind, None where the robot has none."""

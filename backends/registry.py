@@ -21,6 +21,8 @@ TABLE = {
 }
 """Name to import path; other packages add theirs by an entry point of the group `handcart.backends`."""
 
+HERE = Pose2(0.0, 0.0, 0.0)
+
 
 class UnknownBackend(InputError, KeyError):
     """No backend has that name."""
@@ -45,7 +47,7 @@ def backend_names() -> list[str]:
 
 
 def make_backend(
-    name: str, robot: RobotFile, world: Path | None, seed: int, start: Pose2 = Pose2(0.0, 0.0, 0.0)
+    name: str, robot: RobotFile, world: Path | None, seed: int, start: Pose2 = HERE, window: bool = False
 ) -> Backend:
     """A backend by its name, for a robot, in the world of a file.
 
@@ -55,18 +57,21 @@ def make_backend(
         world: a world's file, or a map in ROS format: then all that is occupied on it stands there.
         seed: of simulated errors.
         start: world_T_base of the robot at first in a map's world; a world's file tells its own.
+        window: whether robot and world are shown.
 
     Raises:
         UnknownBackend: none has that name; the message lists those that exist.
         FileError: the world's file is missing or something in it is wrong.
+        NoWindow: it can't be shown.
     """
     kind = backend_class(name)
+    build = kind.build_in_window if window else kind.build
     if world is None:
-        return kind.build(robot, None, seed)
+        return build(robot, None, seed)
     from .map_world import as_world_file
 
     with as_world_file(world, start) as file:
-        return kind.build(robot, file, seed)
+        return build(robot, file, seed)
 
 
 def backend_class(name: str) -> type[Backend]:

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
 
 import orjson
 
 from networks.events import Observer
-from networks.run import execute, prepare
+from networks.run import Onlooker, execute, prepare
 
 from .judge import Judge
 
@@ -23,6 +24,9 @@ def run_task(
     observers: Sequence[Observer] = (),
     draw: bool = False,
     warn: Callable[[str], None] | None = None,
+    onlookers: Sequence[Onlooker] = (),
+    video: Path | None = None,
+    window: bool = False,
 ) -> tuple[dict[str, Any], int]:
     """Run a task once.
 
@@ -35,20 +39,30 @@ def run_task(
         observers: told of all that happens.
         draw: whether `overview.svg` is drawn.
         warn: told what the user should know before the run starts.
+        onlookers: called after each period.
+        video: where the run is recorded, as MP4.
+        window: whether robot and world are shown.
 
     Returns:
         The summary that also stands in the run's folder, and the exit status.
 
     Raises:
         FileError: something in the task or a file that it names is wrong; nothing has moved.
+        NoWindow, NoVideo: the run can't be shown or recorded; nothing has moved.
     """
-    with prepare(task, backend, settings, seed) as prepared:
+    with ExitStack() as stack:
+        prepared = stack.enter_context(prepare(task, backend, settings, seed, window=window))
+        if video is not None:
+            from .video import Video
+
+            film = stack.enter_context(Video(video, prepared.robot))
+            observers, onlookers = [*observers, film.note], [*onlookers, film.look]
         if warn is not None:
             for warning in prepared.warnings:
                 warn(warning)
         folder = new_folder(runs, f"{task.resolve().parent.name}-{seed}")
         judge = Judge(prepared)
-        end = execute(prepared, folder, [*observers, judge], metrics=judge.metrics)
+        end = execute(prepared, folder, [*observers, judge], metrics=judge.metrics, onlookers=onlookers)
         if draw:
             from .overview import draw_overview
 

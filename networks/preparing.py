@@ -56,6 +56,7 @@ def prepare(
     settings: Mapping[str, str] | None = None,
     seed: int = 0,
     primitives: Primitives = primitive_class,
+    window: bool = False,
 ) -> Prepared:
     """Read and check a task with all its files, and build its robot.
 
@@ -65,8 +66,10 @@ def prepare(
         settings: what `--set KEY=VALUE` gave, VALUE unparsed.
         seed: of the simulated errors.
         primitives: the class of a primitive by its name.
+        window: whether robot and world are shown.
 
     Raises:
+        NoWindow: they can't be shown.
         FileError: with every finding in all of the files.
     """
     task = load_task(task_path, settings, primitives)
@@ -82,7 +85,7 @@ def prepare(
     made = None
     if spec is not None and world is not None and told is not None and not findings:
         start = start_pose(task, told[0])
-        made = _collected(findings, lambda: make_backend(name, spec, world, seed, start))
+        made = _collected(findings, lambda: make_backend(name, spec, world, seed, start, window))
     findings.raise_all()
     assert made is not None
     assert spec is not None

@@ -35,6 +35,10 @@ Metrics = Callable[[Prepared, RunEnd, Telemetry], Mapping[str, Any]]
 """Task-specific figures about a run that has ended; only evaluation knows the ground truth."""
 
 
+Onlooker = Callable[[Robot], None]
+"""Called after each period; it looks on and changes nothing."""
+
+
 class NotKept(HandcartError):
     """A run has ended, but its summary or telemetry can't be written."""
 
@@ -50,6 +54,7 @@ def execute(
     *,
     metrics: Metrics | None = None,
     permission: Permission | None = None,
+    onlookers: Sequence[Onlooker] = (),
     sync: Sync = "never",
     clock: Callable[[], float] = time.monotonic,
 ) -> RunEnd:
@@ -71,7 +76,7 @@ def execute(
             prepared.task.network, prepared.robot, prepared.model, journal, looking_on, permission
         )
         with _interrupts_stop(coordinator):
-            end = _guarded(coordinator, prepared.robot, telemetry, run_dir)
+            end = _guarded(coordinator, prepared.robot, telemetry, run_dir, onlookers)
     figures = dict(metrics(prepared, end, telemetry)) if metrics else {}
     try:
         _write(run_dir / "summary.json", summary(prepared, end, run_dir, clock() - began, figures))
@@ -81,7 +86,9 @@ def execute(
     return end
 
 
-def step_until_end(coordinator: Coordinator, robot: Robot, telemetry: Telemetry) -> RunEnd:
+def step_until_end(
+    coordinator: Coordinator, robot: Robot, telemetry: Telemetry, onlookers: Sequence[Onlooker] = ()
+) -> RunEnd:
     """Iterate the coordinator, and step the robot once for each of its periods."""
     run = coordinator.run()
     while True:
@@ -95,6 +102,8 @@ def step_until_end(coordinator: Coordinator, robot: Robot, telemetry: Telemetry)
         if not paused:
             restoring = coordinator.life.state is RunState.RESTORING
             telemetry.record(robot, coordinator.running, restoring)
+        for look in onlookers:
+            look(robot)
 
 
 def summary(
@@ -135,9 +144,15 @@ def _header(prepared: Prepared) -> dict[str, Any]:
     }
 
 
-def _guarded(coordinator: Coordinator, robot: Robot, telemetry: Telemetry, run_dir: Path) -> RunEnd:
+def _guarded(
+    coordinator: Coordinator,
+    robot: Robot,
+    telemetry: Telemetry,
+    run_dir: Path,
+    onlookers: Sequence[Onlooker],
+) -> RunEnd:
     try:
-        return step_until_end(coordinator, robot, telemetry)
+        return step_until_end(coordinator, robot, telemetry, onlookers)
     except Exception as error:
         robot.stop()
         known = isinstance(error, HandcartError)

@@ -7,6 +7,7 @@ from types import TracebackType
 from rich.console import Console
 from rich.markup import escape
 
+from backends.robot import Robot
 from networks.events import Ended, Event, LeftOut, Planned, Restoring, RunEnded, Started
 from networks.planner import NoWay
 from primitives.outcome import Fail, GiveUp, Success
@@ -23,6 +24,7 @@ class Progress:
     def __init__(self) -> None:
         self._console = Console(stderr=True, highlight=False, soft_wrap=True)
         self._status = self._console.status("planning")
+        self._now, self._next = "planning", 0.0
 
     def __enter__(self) -> Progress:
         if self._console.is_terminal:
@@ -41,9 +43,8 @@ class Progress:
                 self._line(time, f"no way leads on from {situation}")
             case Started(_, number, action, _, fails):
                 again = f", failed {fails} times before" if fails else ""
-                self._status.update(
-                    escape(f"{number}. {action.do}: {action.source} to {action.target}{again}")
-                )
+                self._now = escape(f"{number}. {action.do}: {action.source} to {action.target}{again}")
+                self._status.update(self._now)
             case Restoring(time, action, reason):
                 self._line(time, f"{action.do} restores: {reason}", "yellow")
             case Ended(time, number, action, _, outcome):
@@ -52,6 +53,12 @@ class Progress:
                 self._line(time, f"{action.do} is not started: {reason}", "yellow")
             case Planned() | RunEnded():
                 pass
+
+    def look(self, robot: Robot) -> None:
+        """Tell how late it is, on a terminal."""
+        if robot.time >= self._next:
+            self._next = robot.time + 0.5
+            self._status.update(f"[dim]{robot.time:8.1f} s[/dim]  {self._now}")
 
     def warn(self, words: str) -> None:
         """Tell what the user should know before the run starts."""

@@ -17,6 +17,8 @@ def run(
         list[str] | None, typer.Option("--set", help="KEY=VALUE: a parameter that the task declares")
     ] = None,
     as_json: Annotated[bool, typer.Option("--json", help="end with one JSON object on stdout")] = False,
+    video: Annotated[Path | None, typer.Option(help="record the run into this file, *.mp4")] = None,
+    gui: Annotated[bool, typer.Option("--gui", help="show robot and world in a window")] = False,
     runs: Annotated[Path, typer.Option(help="where the run's folder is made")] = Path("runs"),
 ) -> None:
     """Check a task with all its files, run it, and tell how it ended."""
@@ -31,7 +33,19 @@ def run(
     check_folder(runs)
     chosen = dict(split_setting(each) for each in settings or [])
     with Progress() as progress:
-        summary, status = run_task(task, runs, backend, chosen, seed, [progress], True, progress.warn)
+        summary, status = run_task(
+            task,
+            runs,
+            backend,
+            chosen,
+            seed,
+            [progress],
+            draw=True,
+            warn=progress.warn,
+            onlookers=[progress.look],
+            video=video,
+            window=gui,
+        )
     if as_json:
         print(orjson.dumps(summary).decode())
     else:

@@ -76,7 +76,8 @@ class BulletCamera(Camera):
         pose = self._body.link_pose("hand") @ self._mount
         self._print_near(pose[:3, 3])
         width, height = self._lens.size
-        return render(self._physics, pose, self._lens.K, (width, height))
+        picture = render(self._physics, pose, self._lens.K, (width, height))
+        return np.ascontiguousarray(picture[..., 1])
 
     def _print_near(self, eye: NDArray[np.float64]) -> None:
         for accession, body in self._world.books.items():
@@ -88,7 +89,7 @@ class BulletCamera(Camera):
 def render(
     physics: Physics, world_T_camera: Transform, K: NDArray[np.float64], size: tuple[int, int]
 ) -> NDArray[np.uint8]:
-    """A pinhole camera's grey picture (height, width).
+    """A pinhole camera's picture (height, width, 3) in RGB.
 
     Args:
         physics: what is there.
@@ -113,7 +114,18 @@ def render(
             physicsClientId=physics.client,
         )[2]
     rgba = np.asarray(image, dtype=np.uint8).reshape(height, width, 4)
-    return np.ascontiguousarray(rgba[..., 1])
+    return rgba[..., :3]
+
+
+def looking(eye: NDArray[np.float64], at: NDArray[np.float64]) -> Transform:
+    """world_T_camera (4, 4) of a level camera at a point that looks at another one, (3,) in [m]."""
+    forward = (at - eye) / np.linalg.norm(at - eye)
+    right = np.cross(forward, (0.0, 0.0, 1.0))
+    right /= np.linalg.norm(right)
+    pose = np.eye(4)
+    pose[:3, :3] = np.column_stack([right, np.cross(forward, right), forward])
+    pose[:3, 3] = eye
+    return pose
 
 
 def _projection(K: NDArray[np.float64], size: tuple[int, int]) -> NDArray[np.float64]:

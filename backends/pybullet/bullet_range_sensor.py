@@ -12,8 +12,8 @@ from backends.scene.keyed_noise import keyed
 from robotics.geometry.pose2 import Pose2
 from robotics.geometry.transform import Transform
 
-from .physics import Physics
-from .robot_body import ROBOT_GROUP, RobotBody
+from .physics import ROBOT_GROUP, Physics
+from .robot_body import RobotBody
 
 
 class BulletRangeSensor(RangeSensor):

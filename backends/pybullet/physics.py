@@ -19,29 +19,35 @@ from .engine import bullet, quiet
 STEP = 0.0025  # of the solver, at most [s]
 CHUNK = 0.005  # [s]: how often the drives' electronics look at their encoders
 GRAVITY = 9.81
+ROBOT_GROUP = 64  # collision group of the robot: no beam of its range sensor meets it
 _ITERATIONS = 100
 _STICKS = 0.8  # of what a contact that sticks has slid is taken back in a step
 _FLOOR = 0.37  # grey
 
 
+Point = tuple[float, float, float]
+
+
 @dataclass(frozen=True)
-class Fixed:
-    """Two bodies held together: where `other` is in the frame of the middle of mass of a link of `body`."""
+class Pinned:
+    """Two bodies held together at points, given (n, 3) in [m] in the frames of their middles of mass."""
 
     body: int
     link: int
+    """Of `body`."""
     other: int
-    middle_T_other: Transform
+    points: tuple[Point, ...]
+    other_points: tuple[Point, ...]
     force_n: float
-    """With which they are held."""
+    """With which each point is held, at most."""
 
 
 @dataclass(frozen=True)
 class State:
-    """A kept state: Bullet's number, and what was fixed then, which Bullet doesn't keep."""
+    """A kept state: Bullet's number, and what was pinned then, which Bullet doesn't keep."""
 
     number: int
-    fixed: Fixed | None
+    pinned: Pinned | None
 
 
 class Physics:
@@ -68,7 +74,9 @@ class Physics:
         while they are those of a step: what it is told of forces is to be divided by this, what it tells
         multiplied."""
         self._connected = True
-        self._fixed: tuple[Fixed, int] | None = None
+        self._pins: list[int] = []
+        self.pinned: Pinned | None = None
+        """What is held together now."""
         self.renderer = self._start_renderer(window)
         """Bullet's number of the renderer: its EGL plug-in where there is one, else TinyRenderer."""
         self.p.setGravity(0.0, 0.0, -GRAVITY, physicsClientId=self.client)
@@ -154,48 +162,50 @@ class Physics:
         points: Sequence[tuple[Any, ...]] = self.p.getContactPoints(bodyA=body, physicsClientId=self.client)
         return points
 
-    # What is held by a constraint
+    def free_share(self, start: NDArray[np.float64], end: NDArray[np.float64]) -> float:
+        """How far it is free of all but the robot from a point (3,) towards another: 1 for all the way."""
+        mask = ~ROBOT_GROUP
+        hit = self.p.rayTest(
+            start.tolist(), end.tolist(), collisionFilterMask=mask, physicsClientId=self.client
+        )
+        return float(hit[0][2])
 
-    @property
-    def fixed(self) -> Fixed | None:
-        """What is fixed to what, now."""
-        return None if self._fixed is None else self._fixed[0]
+    # What is held together
 
-    def fix(self, wanted: Fixed | None) -> None:
+    def pin(self, wanted: Pinned | None) -> None:
         """Hold this together, and nothing else; None lets go."""
-        if self._fixed is not None:
-            self.p.removeConstraint(self._fixed[1], physicsClientId=self.client)
-            self._fixed = None
+        for number in self._pins:
+            self.p.removeConstraint(number, physicsClientId=self.client)
+        self._pins, self.pinned = [], wanted
         if wanted is None:
             return
-        position, turn = placed(wanted.middle_T_other)
-        number = self.p.createConstraint(
-            wanted.body,
-            wanted.link,
-            wanted.other,
-            -1,
-            self.p.JOINT_FIXED,
-            (0, 0, 0),
-            position,
-            (0, 0, 0),
-            turn,
-            physicsClientId=self.client,
-        )
-        force = wanted.force_n / self.substeps
-        self.p.changeConstraint(number, maxForce=force, physicsClientId=self.client)
-        self._fixed = (wanted, int(number))
+        for point, other in zip(wanted.points, wanted.other_points, strict=True):
+            number = self.p.createConstraint(
+                wanted.body,
+                wanted.link,
+                wanted.other,
+                -1,
+                self.p.JOINT_POINT2POINT,
+                (0, 0, 0),
+                point,
+                other,
+                physicsClientId=self.client,
+            )
+            force = wanted.force_n / self.substeps
+            self.p.changeConstraint(number, maxForce=force, physicsClientId=self.client)
+            self._pins.append(int(number))
 
     # States
 
     def save(self) -> State:
         """Keep the state of all bodies in memory."""
-        return State(int(self.p.saveState(physicsClientId=self.client)), self.fixed)
+        return State(int(self.p.saveState(physicsClientId=self.client)), self.pinned)
 
     def restore(self, state: State) -> None:
         """Bring a kept state back, also what was held together then. Bodies must be those of then."""
-        self.fix(None)
+        self.pin(None)
         self.p.restoreState(stateId=state.number, physicsClientId=self.client)
-        self.fix(state.fixed)
+        self.pin(state.pinned)
 
 
 def placed(pose: Transform) -> tuple[list[float], list[float]]:

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import os
+import sys
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
-from backends.backend import Backend
+from backends.backend import Backend, NoWindow
 from backends.capability import Capability
 from backends.robot_file import RobotFile
 from backends.scene.book import Book
@@ -15,14 +18,14 @@ from backends.scene.mounts import base_T_frame
 from backends.scene.person import Person
 from backends.scene.scene import build_scene
 from backends.scene.world_file import MissingWorld, WorldFile
-from robotics.geometry.transform import inverse
+from robotics.geometry.transform import Transform, inverse
 
 from .bullet_arm import BulletArm
 from .bullet_base import BulletBase
-from .bullet_camera import BulletCamera
+from .bullet_camera import BulletCamera, looking, render
 from .bullet_gripper import BulletGripper
 from .bullet_range_sensor import BulletRangeSensor
-from .constraint_grasp import ConstraintGrasp
+from .grip import Grip
 from .physics import Physics
 from .robot_body import RobotBody
 from .scene_sync import SceneSync
@@ -30,6 +33,9 @@ from .touch import Pairs, Touch
 from .world_bodies import WorldBodies
 
 SETTLES = 0.3  # [s] that everything gets to come to rest before time begins
+_VIEW_SIZE = (640, 480)
+_VIEW_K = np.array([[520.0, 0.0, 319.5], [0.0, 520.0, 239.5], [0.0, 0.0, 1.0]])
+_VIEW_FROM, _VIEW_TO = np.array([-1.3, 1.3, 2.0]), np.array([0.5, -0.1, 0.6])  # in the frame `base` [m]
 _FELT = 4  # of a period's chunks, the last ones in which the force on the hand is measured
 
 
@@ -45,7 +51,7 @@ class PyBulletBackend(Backend):
 
     How it differs from metal: links are rigid, the floor is flat, friction is Coulomb's, one coefficient for
     a pair, light has no shadows and what stands inside a shelf is painted dark. Books in a row have square
-    edges, those to be returned rounded ones (3 mm).
+    edges, those to be returned rounded leading ones (3 mm).
 
     `scene` is ground truth: only evaluation may read it.
     """
@@ -91,8 +97,7 @@ class PyBulletBackend(Backend):
             mount = base_T_frame(robot.urdf_text(), "range_sensor")
             self._range = BulletRangeSensor(robot.range_sensor, mount, self._body, physics, seed)
         self._held: Book | None = None
-        constraint = robot.gripper is not None and robot.gripper.grasp == "constraint"
-        self._grasp = ConstraintGrasp(physics, self._body) if constraint else None
+        self._grip = None if robot.gripper is None else Grip(robot.gripper, physics, self._body)
         self._person = Person(self.scene, seed)
         for _ in range(round(SETTLES / self.period)):
             self._run_period()
@@ -104,6 +109,28 @@ class PyBulletBackend(Backend):
         if world is None:
             raise MissingWorld("the backend 'pybullet' simulates; needed: a world file")
         return cls(robot, load_world(world), seed)
+
+    @classmethod
+    def build_in_window(cls, robot: RobotFile, world: Path | None, seed: int) -> PyBulletBackend:
+        """See `Backend`."""
+        if sys.platform == "linux" and not os.environ.get("DISPLAY"):
+            raise NoWindow(
+                "there is no display to show a window on: $DISPLAY is not set; allowed: --video FILE.mp4"
+            )
+        if world is None:
+            raise MissingWorld("the backend 'pybullet' simulates; needed: a world file")
+        return cls(robot, load_world(world), seed, window=True)
+
+    def view(self) -> NDArray[np.uint8]:
+        """See `Backend`."""
+        return render(self._physics, self._beside(), _VIEW_K, _VIEW_SIZE)
+
+    def _beside(self) -> Transform:
+        """world_T_camera (4, 4) of somebody behind the robot, to its left, on this side of walls."""
+        world_T_base = self._body.base_pose()
+        eye, middle = ((world_T_base @ (*point, 1.0))[:3] for point in (_VIEW_FROM, _VIEW_TO))
+        free = self._physics.free_share(middle, eye)
+        return looking(middle + (0.95 if free < 1.0 else 1.0) * free * (eye - middle), middle)
 
     def capabilities(self) -> tuple[Capability, ...]:
         """See `Backend`."""
@@ -122,8 +149,8 @@ class PyBulletBackend(Backend):
         self._run_period()
 
     def _run_period(self) -> None:
-        if self._grasp is not None and self._gripper is not None and self._gripper.opening:
-            self._grasp.let_go()
+        if self._grip is not None and self._gripper is not None and self._gripper.opening:
+            self._grip.let_go()
         self._base.begin()
         for part in (self._arm, self._gripper, self._camera, self._range):
             if part is not None:
@@ -159,15 +186,15 @@ class PyBulletBackend(Backend):
 
     def _find_held(self) -> Book | None:
         """The book between fingers that press."""
-        if self._gripper is None:
+        if self._gripper is None or self._grip is None:
             return None
         body = self._touch.gripped()
-        presses = self._gripper.closed_on_something()
-        if self._grasp is not None:
-            if body is not None and presses and not self._gripper.opening:
-                self._grasp.take(body)
-            body = self._grasp.holds
-        if body is None or not (presses or self._held):
+        if body is not None and self._gripper.closed_on_something():
+            self._grip.take(body)
+        elif body is None:
+            self._grip.let_go()
+        body = self._grip.holds
+        if body is None:
             return None
         return next(b for b in self.scene.books.values() if self._world.books[b.accession] == body)
 

@@ -13,13 +13,13 @@ from robotics.geometry.pose2 import Pose2
 from robotics.geometry.transform import Transform, inverse
 
 from .engine import quiet
-from .physics import Physics, matrix
+from .physics import ROBOT_GROUP, Physics, matrix
 
 WHEEL_FRICTION = 1.0  # rubber
 PAD_FRICTION = 1.5
+FRICTION_SHARE = 0.5  # of it that the engine's contacts have; the rest is that of `Grip`
 PAD_STIFFNESS = 1e5  # rubber, at each corner [N/m]: rigid pads would press with one corner each
 PAD_DAMPING = 1000.0  # [Ns/m]
-ROBOT_GROUP = 64  # collision group of the robot: no beam of its range sensor meets it
 _ALL = -1
 _SPECK = 1e-6  # mass of a link that is only a frame [kg], and its inertia [kg m²]; Bullet would take 1
 
@@ -135,7 +135,7 @@ class RobotBody:
             self._p.changeDynamics(
                 self.id,
                 self.link_index[link],
-                lateralFriction=PAD_FRICTION,
+                lateralFriction=FRICTION_SHARE * PAD_FRICTION,
                 contactStiffness=PAD_STIFFNESS,
                 contactDamping=PAD_DAMPING,
                 frictionAnchor=1,

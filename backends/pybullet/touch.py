@@ -17,6 +17,7 @@ ROLLING = ("left_wheel", "right_wheel", "front_caster", "rear_caster")
 HAND = ("hand", "left_finger", "right_finger", "camera_body")
 FINGERS = ("left_finger", "right_finger")
 HELD = "held book"
+_ACROSS = 0.7  # of a contact's normal; less is a push with the tips
 
 
 class Touch:
@@ -28,12 +29,16 @@ class Touch:
         self._fingers = [body.link_index[name] for name in FINGERS if name in body.link_index]
 
     def gripped(self) -> int | None:
-        """Body of the book that both fingers touch."""
+        """Body of the book that both fingers touch from its two sides."""
+        if not self._fingers:
+            return None
+        across = self._body.link_pose("hand")[:3, 1]
+        points = self._points(self._body.id)
         sides = [
-            {point[2] for point in self._points(self._body.id) if point[3] == finger}
+            {each[2] for each in points if each[3] == finger and abs(across @ each[7]) > _ACROSS}
             for finger in self._fingers
         ]
-        both = set.intersection(*sides) if sides else set()
+        both = set.intersection(*sides)
         books = set(self._world.books.values())
         return min(both & books, default=None)
 

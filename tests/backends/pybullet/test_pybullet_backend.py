@@ -111,6 +111,27 @@ def test_fingers_hold_a_book_by_friction_and_let_it_fall(hand):
     assert book.pose[2, 3] - before < 0.02
 
 
+def test_closed_fingers_that_push_a_book_do_not_hold_it(hand):
+    spine = hand.backend.scene.base_T_tray_book[:3, 3]
+    hand.line(-0.10, spine[1], 0.80)
+    hand.grip(0.0)
+    hand.line(-0.10, spine[1], 0.70)
+    hand.line(spine[0] - 0.14, spine[1], 0.70)
+    assert any("117" in other for _, other in hand.backend.scene.touching)
+    assert hand.backend.scene.held is None
+
+
+def test_weak_fingers_let_the_book_slip(make, spec, hand_of):
+    gripper = spec.gripper.model_copy(update={"force_n": 1.0})
+    hand = hand_of(make(robot=spec.model_copy(update={"gripper": gripper})))
+    book = hand.backend.scene.books[117]
+    hand.take_book()
+    before = book.pose[2, 3]
+    here = hand.model.forward(hand.arm.command())[:3, 3]
+    hand.line(here[0], here[1], here[2] + 0.08)
+    assert book.pose[2, 3] - before < 0.04
+
+
 def test_fingers_that_close_on_nothing_meet(hand):
     hand.grip(0.0)
     assert hand.backend.scene.held is None
@@ -130,10 +151,10 @@ def test_a_constraint_grasp_holds_and_a_restored_state_has_it_as_it_was(make, sp
     assert hand.backend.scene.held is book
     assert (book.pose - there)[2, 3] == pytest.approx(0.08, abs=1e-3)
     physics.restore(held)
-    assert physics.fixed == held.fixed is not None
+    assert physics.pinned == held.pinned is not None
     assert np.abs(hand.backend._world.book_pose(book) - there).max() < 1e-6
     physics.restore(free)
-    assert physics.fixed is None
+    assert physics.pinned is None
 
 
 def test_a_constraint_grasp_opens(make, spec, hand_of):
@@ -142,7 +163,7 @@ def test_a_constraint_grasp_opens(make, spec, hand_of):
     hand.take_book()
     hand.grip(0.06)
     assert hand.backend.scene.held is None
-    assert hand.backend._physics.fixed is None
+    assert hand.backend._physics.pinned is None
 
 
 def test_ranges_are_those_of_the_kinematic_backend(make, world, spec):
