@@ -10,7 +10,9 @@ from typing import Any
 import orjson
 
 from networks.events import Observer
-from networks.run import Onlooker, execute, prepare
+from networks.permits import Permits
+from networks.preparing import Prepared, prepare
+from networks.run import Onlooker, execute
 
 from .judge import Judge
 
@@ -23,7 +25,9 @@ def run_task(
     seed: int,
     observers: Sequence[Observer] = (),
     draw: bool = False,
-    warn: Callable[[str], None] | None = None,
+    begin: Callable[[Prepared, Path], None] | None = None,
+    permits: Permits | None = None,
+    situation: str | None = None,
     onlookers: Sequence[Onlooker] = (),
     video: Path | None = None,
     window: bool = False,
@@ -38,7 +42,9 @@ def run_task(
         seed: of the simulated errors.
         observers: told of all that happens.
         draw: whether `overview.svg` is drawn.
-        warn: told what the user should know before the run starts.
+        begin: called with what is about to start, and the run's folder.
+        permits: who permits actions that need it; left out: all are permitted.
+        situation: where the run begins, instead of the task's start.
         onlookers: called after each period.
         video: where the run is recorded, as MP4.
         window: whether robot and world are shown.
@@ -51,18 +57,26 @@ def run_task(
         NoWindow, NoVideo: the run can't be shown or recorded; nothing has moved.
     """
     with ExitStack() as stack:
-        prepared = stack.enter_context(prepare(task, backend, settings, seed, window=window))
+        prepared = stack.enter_context(
+            prepare(task, backend, settings, seed, window=window, situation=situation)
+        )
         if video is not None:
             from .video import Video
 
             film = stack.enter_context(Video(video, prepared.robot))
             observers, onlookers = [*observers, film.note], [*onlookers, film.look]
-        if warn is not None:
-            for warning in prepared.warnings:
-                warn(warning)
         folder = new_folder(runs, f"{task.resolve().parent.name}-{seed}")
         judge = Judge(prepared)
-        end = execute(prepared, folder, [*observers, judge], metrics=judge.metrics, onlookers=onlookers)
+        if begin is not None:
+            begin(prepared, folder)
+        end = execute(
+            prepared,
+            folder,
+            [*observers, judge],
+            metrics=judge.metrics,
+            permits=permits or Permits("always"),
+            onlookers=onlookers,
+        )
         if draw:
             from .overview import draw_overview
 

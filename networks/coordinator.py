@@ -7,7 +7,7 @@ from collections.abc import Callable, Generator, Sequence
 from backends.robot import Robot
 from primitives.action_primitive import ActionPrimitive
 from primitives.attempt import attempt
-from primitives.outcome import Fail, GiveUp, Outcome, Success
+from primitives.outcome import GiveUp, Outcome, Success
 from primitives.world_model import WorldModel
 
 from .binding import NotBound
@@ -16,6 +16,7 @@ from .events import NotStarted, Observer
 from .journal import Journal
 from .network import Action, ActionNetwork
 from .planner import NoWay, Planner
+from .route import Route
 from .run_end import RunEnd, RunOutcome
 from .run_life import RunLife
 from .supervision import Interrupted, Request, Supervision
@@ -49,22 +50,32 @@ class Coordinator:
             model: what the robot knows.
             journal: what is decided is written there; None: nowhere.
             observers: called with each event, in order.
-            permission: who has to permit each action; None: nobody.
+            permission: asked before each action; None: those that need the operator's permission don't start.
         """
         self.network = network
-        self.situation = network.start
-        self.planner = Planner(network)
+        self._route = Route(network)
         self.life = RunLife()
+        self.asks: Action | None = None
+        """The action that waits for permission."""
         self._robot = robot
         self._model = model
         self._chronicle = Chronicle(robot, model, journal, observers)
         self._supervision = Supervision(robot, self.life)
         self._permission = permission
-        self._ahead: list[Action] = []
 
     def request(self, what: Request) -> None:
         """Ask for a pause, a stop and so on; honoured at the next period. Safe in a signal handler."""
         self._supervision.requests.append(what)
+
+    @property
+    def situation(self) -> str:
+        """The last that is known to hold."""
+        return self._route.situation
+
+    @property
+    def planner(self) -> Planner:
+        """What has failed how often, and what is out."""
+        return self._route.planner
 
     @property
     def running(self) -> int:
@@ -82,57 +93,40 @@ class Coordinator:
         return end
 
     def _pursue(self) -> Generator[None, None, RunEnd]:
-        # Paper 003, section 2.6
-        while self.situation != self.network.goal:
-            action = self._next()
-            if isinstance(action, NoWay):
-                return self._end("Fail", action.explanation)
+        while not self._route.arrived:
+            if not self._route.planned:
+                self.life.plan()
+                plan = self._route.plan()
+                self._chronicle.planned(self.situation, plan)
+                if isinstance(plan, NoWay):
+                    return self._end("Fail", plan.explanation)
+            action, left = self._route.next, self.situation
             outcome = yield from self._carry_out(action)
-            match outcome:
-                case Success():
-                    self._ahead.pop()
-                    self._enter(action.target)
-                case Fail(reason, permanent):
-                    self._count(action, reason, permanent)
-                case NotStarted(reason):
-                    self._count(action, reason, False)
-                case GiveUp(reason):
-                    return self._end("GiveUp", f"{action}: {reason}")
+            if isinstance(outcome, GiveUp):
+                return self._end("GiveUp", f"{action}: {outcome.reason}")
+            if not isinstance(outcome, Success):
+                self._chronicle.fails += 1
+            self._route.took(outcome)
+            self._forget(left)
             self._supervision.between_actions()
         skipped = self._chronicle.skipped
         if skipped:
             return self._end("Fail", f"left undone: {', '.join(skipped)}")
         return self._end("Success", "")
 
-    def _next(self) -> Action | NoWay:
-        """The action to do now: the rest of a plan stays the cheapest while nothing fails."""
-        if not self._ahead:
-            self.life.plan()
-            plan = self.planner.plan(self.situation)
-            self._chronicle.planned(self.situation, plan)
-            if isinstance(plan, NoWay):
-                return plan
-            self._ahead = list(reversed(plan.actions))
-        return self._ahead[-1]
-
-    def _count(self, action: Action, reason: str, permanent: bool) -> None:
-        self.planner.failed(action, reason, permanent=permanent)
-        self._chronicle.fails += 1
-        self._ahead = []
-        self._enter(action.on_fail or self.situation)
-
-    def _enter(self, situation: str) -> None:
-        left = self.network.situations[self.situation].element
-        if left is not None and self.network.situations[situation].element != left:
+    def _forget(self, left: str) -> None:
+        """What was learned for an element of a repeat, once it is left."""
+        situations = self.network.situations
+        element = situations[left].element
+        if element is not None and situations[self.situation].element != element:
             self._model.clear_element()
-        self.situation = situation
 
     def _carry_out(self, action: Action) -> Generator[None, None, Outcome | NotStarted]:
         if action.binding is None:
             element = self.network.situations[action.source].element or action.source
             self._chronicle.skip(action, element)
             return Success()
-        if self._permission is not None and not (yield from self._permitted(action, self._permission)):
+        if not (yield from self._permitted(action)):
             return self._chronicle.not_started(action, "permission was refused")
         try:
             primitive = action.binding.make(self._model)
@@ -140,18 +134,22 @@ class Coordinator:
             return self._chronicle.not_started(action, str(unknown))
         return (yield from self._act(action, primitive))
 
-    def _permitted(self, action: Action, permission: Permission) -> Generator[None, None, bool]:
-        self.life.ask()
-        while (answer := permission(action)) is None:
+    def _permitted(self, action: Action) -> Generator[None, None, bool]:
+        if self._permission is None:
+            return not action.permit
+        while (answer := self._permission(action)) is None:
+            self.life.ask()
+            self.asks = action
             yield
             self._supervision.between_actions()
+        self.asks = None
         return answer
 
     def _act(self, action: Action, primitive: ActionPrimitive) -> Generator[None, None, Outcome | NotStarted]:
         self.life.act()
         self._chronicle.start(action, primitive, self.planner.fails(action))
         periods = attempt(primitive, self._robot, self._model, lambda why: self._restore(action, why))
-        outcome = yield from self._supervision.to_its_end(periods)
+        outcome = yield from self._supervision.to_its_end(periods, action.time_out_s)
         if isinstance(outcome, NotStarted):
             return self._chronicle.not_started(action, outcome.reason)
         self._chronicle.result(action, primitive, outcome)

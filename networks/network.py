@@ -52,6 +52,10 @@ class Action:
     """Where a Fail leads when only knowledge differs there; None: it leaves the situation as it is."""
     index: int = -1
     """Its number in the network."""
+    permit: bool = False
+    """Whether the operator has to permit it each time."""
+    time_out_s: float | None = None
+    """The robot's time after which an attempt is called back, in [s]; None: never."""
 
     @property
     def do(self) -> str:
@@ -119,7 +123,7 @@ class ActionNetwork:
         for action in self.actions:
             said = action.binding.said() if action.binding else {}
             row = (action.do, action.source, action.target, action.on_fail, action.cost_s, action.attempts)
-            digest.update(repr((row, said)).encode())
+            digest.update(repr((row, said, action.permit, action.time_out_s)).encode())
         return digest.hexdigest()
 
 

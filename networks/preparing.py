@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TypeVar
 
@@ -13,9 +13,10 @@ from backends.backend import Backend
 from backends.registry import UnknownBackend, backend_names, make_backend
 from backends.robot import Robot
 from backends.robot_file import RobotFile, load_robot
-from files.errors import FileError
+from files.errors import FileError, InputError
 from files.findings import Findings
 from files.loading import load, load_document
+from files.suggest import suggest
 from files.yaml_document import read_document
 from primitives.knowledge import Catalogue, Places, load_map
 from primitives.registry import primitive_class
@@ -23,6 +24,7 @@ from primitives.world_model import WorldModel
 from robotics.geometry.pose2 import Pose2
 from robotics.navigation.grid_map import GridMap
 
+from .network import ActionNetwork
 from .place_findings import place_findings
 from .task_file import Primitives, Task, load_task
 
@@ -50,6 +52,17 @@ class Prepared:
         self.backend.close()
 
 
+class UnknownSituation(InputError):
+    """A run can't begin in a situation that isn't there."""
+
+
+def beginning_at(network: ActionNetwork, situation: str) -> ActionNetwork:
+    """The same network, begun elsewhere; raises `UnknownSituation`."""
+    if situation not in network.situations:
+        raise UnknownSituation(f"unknown situation {situation!r}{suggest(situation, network.situations)}")
+    return replace(network, start=situation)
+
+
 def prepare(
     task_path: Path | str,
     backend: str | None = None,
@@ -57,6 +70,7 @@ def prepare(
     seed: int = 0,
     primitives: Primitives = primitive_class,
     window: bool = False,
+    situation: str | None = None,
 ) -> Prepared:
     """Read and check a task with all its files, and build its robot.
 
@@ -67,12 +81,16 @@ def prepare(
         seed: of the simulated errors.
         primitives: the class of a primitive by its name.
         window: whether robot and world are shown.
+        situation: where the run begins, instead of the task's start.
 
     Raises:
+        UnknownSituation: the task has no such situation.
         NoWindow: they can't be shown.
         FileError: with every finding in all of the files.
     """
     task = load_task(task_path, settings, primitives)
+    if situation is not None:
+        task = replace(task, network=beginning_at(task.network, situation))
     findings = Findings()
     spec = _collected(findings, lambda: load_robot(task.robot))
     told = _collected(findings, lambda: load_model(task))

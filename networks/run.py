@@ -19,11 +19,13 @@ import orjson
 from backends.robot import Robot
 from files.errors import HandcartError
 
-from .coordinator import Coordinator, Permission
+from .coordinator import Coordinator
 from .events import Observer
 from .evidence_files import EvidenceFiles
 from .journal import SCHEMA, Journal, Sync
 from .journal_record import JournalError
+from .operation import Operation
+from .permits import Permits
 from .preparing import Prepared
 from .preparing import prepare as prepare
 from .run_end import RunEnd
@@ -53,12 +55,14 @@ def execute(
     observers: Sequence[Observer] = (),
     *,
     metrics: Metrics | None = None,
-    permission: Permission | None = None,
+    permits: Permits | None = None,
     onlookers: Sequence[Onlooker] = (),
     sync: Sync = "never",
     clock: Callable[[], float] = time.monotonic,
 ) -> RunEnd:
     """Step the robot until the run ends; an interrupt (Ctrl-C) stops it where it is, and it holds.
+
+    While it goes on, the operator is heard over the socket `control` in `run_dir`.
 
     Writes `journal.jsonl`, `telemetry.npz`, `summary.json` and the evidence into `run_dir`; after a fault in
     our own code also `error.txt`.
@@ -72,11 +76,16 @@ def execute(
     with Journal(run_dir / "journal.jsonl", sync) as journal:
         journal.append("RUN", prepared.robot.time, _header(prepared))
         looking_on: list[Observer] = [*observers, EvidenceFiles(run_dir)]
+        permits = permits or Permits()
         coordinator = Coordinator(
-            prepared.task.network, prepared.robot, prepared.model, journal, looking_on, permission
+            prepared.task.network, prepared.robot, prepared.model, journal, looking_on, permits
         )
-        with _interrupts_stop(coordinator):
-            end = _guarded(coordinator, prepared.robot, telemetry, run_dir, onlookers)
+        with (
+            _interrupts_stop(coordinator),
+            Operation(run_dir, coordinator, permits, prepared.robot) as operation,
+        ):
+            watching = [*onlookers, lambda _: operation.look()]
+            end = _guarded(coordinator, prepared.robot, telemetry, run_dir, watching)
     figures = dict(metrics(prepared, end, telemetry)) if metrics else {}
     try:
         _write(run_dir / "summary.json", summary(prepared, end, run_dir, clock() - began, figures))
@@ -164,16 +173,15 @@ def _guarded(
 
 @contextmanager
 def _interrupts_stop(coordinator: Coordinator) -> Iterator[None]:
-    """The first interrupt asks for a stop at the next period; a second one is Python's own."""
+    """An interrupt asks for a stop at the next period; a second one doesn't cut the stop short (row K3)."""
     if threading.current_thread() is not threading.main_thread():
         yield
         return
-    kinds = (signal.SIGINT, signal.SIGTERM)
+    kinds = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
     before = {kind: signal.getsignal(kind) for kind in kinds}
 
-    def stop(number: int, _frame: FrameType | None) -> None:
+    def stop(_number: int, _frame: FrameType | None) -> None:
         coordinator.request(Request.STOP)
-        signal.signal(number, before[signal.Signals(number)])
 
     for kind in kinds:
         signal.signal(kind, stop)

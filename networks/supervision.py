@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections import deque
 from collections.abc import Generator
 from dataclasses import replace
@@ -53,18 +54,32 @@ class Supervision:
         self._life = life
         self._after_restoring: Request | None = None
 
-    def to_its_end(self, attempt: Attempt) -> Generator[None, None, Outcome | NotStarted]:
+    def to_its_end(
+        self, attempt: Attempt, time_out: float | None = None
+    ) -> Generator[None, None, Outcome | NotStarted]:
         """The attempt's outcome; `NotStarted` if it was called back before it began.
+
+        Args:
+            attempt: the running one.
+            time_out: the robot's time in [s] after which it is called back; None: never.
 
         Raises:
             Interrupted: it was stopped; the robot holds where it is.
         """
+        latest = math.inf if time_out is None else self._robot.time + time_out
         try:
             next(attempt)
             while True:
                 yield
                 while self.requests:
                     outcome = yield from self._honour(self.requests.popleft(), attempt)
+                    if outcome is not None:
+                        return outcome
+                if self._robot.time > latest and self._life.state is RunState.ACTING:
+                    latest = math.inf
+                    outcome = yield from _call_back(
+                        attempt, Discrepancy(f"it took longer than {time_out:g} s")
+                    )
                     if outcome is not None:
                         return outcome
                 next(attempt)

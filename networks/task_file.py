@@ -205,7 +205,15 @@ class _Reader:
         binding: Binding | None = reader.binding(kind, copied.entry, copied.element) if kind else None
         if binding is None:
             return None
-        return Action(*ends, binding, entry.cost_s, entry.attempts, copied.on_fail)
+        return Action(
+            *ends,
+            binding,
+            entry.cost_s,
+            entry.attempts,
+            copied.on_fail,
+            permit=entry.permit == "operator",
+            time_out_s=entry.time_out_s,
+        )
 
     def _kind(self, number: int, name: str) -> type[ActionPrimitive] | None:
         try:

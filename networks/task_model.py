@@ -39,6 +39,10 @@ class ActionEntry(FileModel):
     """What it is expected to take; each Fail doubles its weight in planning."""
     attempts: Annotated[int, Field(ge=1, le=MAX_ATTEMPTS)] = 3
     """After that many Fails it is out."""
+    permit: Literal["operator"] | None = None
+    """`operator`: it starts only when the operator permits it, each time."""
+    time_out_s: Annotated[float, Field(gt=0.0, le=MAX_COST_S)] | None = None
+    """What the motion may take; after that it is called back, restored, and counts as a Fail."""
     parameters: Annotated[dict[str, Any], Field(alias="with", default_factory=dict)]
     """The primitive's parameters; `{model: book.shelf}` is looked up when the action starts, `{each: slot}`
     is the element of a repeat."""

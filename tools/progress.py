@@ -2,14 +2,20 @@
 
 from __future__ import annotations
 
+import select
+import sys
+from pathlib import Path
 from types import TracebackType
 
 from rich.console import Console
 from rich.markup import escape
 
 from backends.robot import Robot
+from backends.stopping import stopping_distance
 from networks.events import Ended, Event, LeftOut, Planned, Restoring, RunEnded, Started
+from networks.network import Action
 from networks.planner import NoWay
+from networks.preparing import Prepared
 from primitives.outcome import Fail, GiveUp, Success
 
 COLOURS = {"Success": "green", "Fail": "yellow", "GiveUp": "red"}
@@ -60,9 +66,25 @@ class Progress:
             self._next = robot.time + 0.5
             self._status.update(f"[dim]{robot.time:8.1f} s[/dim]  {self._now}")
 
-    def warn(self, words: str) -> None:
+    def begin(self, prepared: Prepared, folder: Path) -> None:
         """Tell what the user should know before the run starts."""
-        self._console.print(f"[yellow]warning: {escape(words)}[/yellow]")
+        for words in prepared.warnings:
+            self._console.print(f"[yellow]warning: {escape(words)}[/yellow]")
+        far = stopping_distance(prepared.robot)
+        words = f"{folder}: Ctrl-C or `handcart stop` with that folder stops the base within {far:.2f} m"
+        self._console.print(f"[dim]{escape(words)}[/dim]")
+
+    def ask(self, action: Action) -> None:
+        """Ask the operator for permission."""
+        how = "y or n and Enter, or " if sys.stdin.isatty() else ""
+        self._status.stop()
+        self._console.print(f"[bold]may {escape(str(action))} start? {how}handcart permit|refuse[/bold]")
+
+    def typed(self) -> bool | None:
+        """What somebody typed: y or n and Enter; None for nothing yet, or anything else."""
+        if not sys.stdin.isatty() or not select.select([sys.stdin], [], [], 0.0)[0]:
+            return None
+        return {"y": True, "yes": True, "n": False, "no": False}.get(sys.stdin.readline().strip().lower())
 
     def _ended(self, time: float, number: int, what: str, outcome: Success | Fail | GiveUp) -> None:
         word = type(outcome).__name__

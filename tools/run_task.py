@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import sys
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Literal
 
 import typer
+
+Permit = Literal["ask", "always", "never"]
 
 
 def run(
@@ -18,21 +20,40 @@ def run(
     ] = None,
     as_json: Annotated[bool, typer.Option("--json", help="end with one JSON object on stdout")] = False,
     video: Annotated[Path | None, typer.Option(help="record the run into this file, *.mp4")] = None,
+    permit: Annotated[Permit, typer.Option(help="actions with `permit: operator`")] = "ask",
+    step: Annotated[bool, typer.Option("--step", help="ask before every action")] = False,
+    breaks: Annotated[
+        list[str] | None, typer.Option("--break", help="ask before actions from this situation")
+    ] = None,
+    situation: Annotated[
+        str | None, typer.Option("--from", help="begin in this situation; you vouch for it")
+    ] = None,
+    dry_run: Annotated[bool, typer.Option("--dry-run", help="check and plan, print, move nothing")] = False,
+    script: Annotated[
+        Path | None, typer.Option(help="outcomes from a file instead of a robot's: try the network alone")
+    ] = None,
     gui: Annotated[bool, typer.Option("--gui", help="show robot and world in a window")] = False,
     runs: Annotated[Path, typer.Option(help="where the run's folder is made")] = Path("runs"),
 ) -> None:
     """Check a task with all its files, run it, and tell how it ended."""
+    if dry_run or script is not None:
+        from .dry_run import dry_run as imagine
+
+        sys.exit(imagine(task, backend, settings or [], seed, situation, script, as_json))
     import orjson
 
     from evaluation.running import run_task
     from files.settings import split_setting
+    from networks.permits import Permits
 
     from .progress import Progress
     from .writing import check_folder
 
     check_folder(runs)
     chosen = dict(split_setting(each) for each in settings or [])
+    permits = Permits(permit, step, breaks or ())
     with Progress() as progress:
+        permits.asking, permits.typed = progress.ask, progress.typed
         summary, status = run_task(
             task,
             runs,
@@ -41,7 +62,9 @@ def run(
             seed,
             [progress],
             draw=True,
-            warn=progress.warn,
+            begin=progress.begin,
+            permits=permits,
+            situation=situation,
             onlookers=[progress.look],
             video=video,
             window=gui,

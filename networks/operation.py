@@ -1,0 +1,91 @@
+"""The operator in command of a run: what may be asked of it, and how it answers."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from types import TracebackType
+from typing import Any
+
+from backends.robot import Robot
+
+from .control import Control, Message
+from .coordinator import Coordinator
+from .network import Action
+from .permits import Permits
+from .run_life import RunState
+from .supervision import Request
+
+REQUESTS = {
+    "pause": Request.PAUSE,
+    "continue": Request.RESUME,
+    "stop": Request.STOP,
+    "cancel": Request.CANCEL,
+    "restore": Request.RESTORE,
+}
+_IDLE = (RunState.WAITING_FOR_PERMISSION, RunState.PAUSED_WHILE_ACTING, RunState.PAUSED_WHILE_RESTORING)
+
+
+class Operation:
+    """Listens in the run's folder while the run lives; asked once a period.
+
+    While the run waits for a permission or is paused, a period lasts as long on the wall clock: there is
+    nothing to compute, and nobody should have to hurry. A context manager.
+    """
+
+    def __init__(self, folder: Path, coordinator: Coordinator, permits: Permits, robot: Robot) -> None:
+        self._coordinator, self._permits, self._robot = coordinator, permits, robot
+        self._control = Control(folder, self.answer)
+
+    def look(self) -> None:
+        """Once a period: hear who has something to say."""
+        idle = self._coordinator.life.state in _IDLE
+        self._control.poll(self._robot.period if idle else 0.0)
+        answer = self._permits.typed() if self._permits.asks is not None else None
+        if answer is not None:
+            self._permits.answer(answer)
+
+    def answer(self, message: Message) -> dict[str, Any]:
+        """Do what a message asks for, and tell how things stand."""
+        word = message.get("do")
+        if word in ("permit", "refuse"):
+            wrong = self._permit(word == "permit", message.get("action"))
+            if wrong:
+                return {"ok": False, "error": wrong}
+        elif word in REQUESTS:
+            self._coordinator.request(REQUESTS[word])
+        elif word != "status":
+            allowed = ", ".join([*REQUESTS, "permit", "refuse", "status"])
+            return {"ok": False, "error": f"unknown word {word!r}; allowed: {allowed}"}
+        return {"ok": True, **self.status()}
+
+    def status(self) -> dict[str, Any]:
+        """How things stand."""
+        asks = self._permits.asks
+        return {
+            "state": self._coordinator.life.state.value,
+            "situation": self._coordinator.situation,
+            "actions": self._coordinator.running,
+            "sim_time_s": round(self._robot.time, 3),
+            "asks": None if asks is None else _words(asks),
+        }
+
+    def _permit(self, permitted: bool, number: object) -> str:
+        asks = self._permits.asks
+        if asks is None:
+            return "no action waits for permission"
+        if number is not None and number != asks.index:
+            return f"action {number} doesn't wait for permission; what waits is {asks.index}: {asks}"
+        self._permits.answer(permitted)
+        return ""
+
+    def __enter__(self) -> Operation:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self._control.close()
+
+
+def _words(action: Action) -> dict[str, Any]:
+    return {"index": action.index, "do": action.do, "from": action.source, "to": action.target}

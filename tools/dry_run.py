@@ -1,0 +1,39 @@
+"""`handcart run --dry-run` and `--script`: what a run would do, without a robot."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+STATUS = {"Success": 0, "Fail": 3, "GiveUp": 4}
+
+
+def dry_run(
+    task: Path,
+    backend: str | None,
+    settings: Sequence[str],
+    seed: int,
+    situation: str | None,
+    script: Path | None,
+    as_json: bool,
+) -> int:
+    """Check a task with all its files, print what would be done; the exit status that a run would have."""
+    import orjson
+
+    from files.settings import split_setting
+    from networks.preparing import prepare
+    from networks.script import follow, load_script
+
+    outcomes = None if script is None else load_script(script)
+    chosen = dict(split_setting(each) for each in settings)
+    with prepare(task, backend, chosen, seed, situation=situation) as prepared:
+        network = prepared.task.network
+    told = follow(network, outcomes.outcomes if outcomes else ())
+    if as_json:
+        print(orjson.dumps(told.summary()).decode())
+    else:
+        for line in told.lines:
+            print(line)
+        print(f"{told.outcome} in situation {told.situation}{told.reason and ': '}{told.reason}")
+        print(f"imagined: nothing has moved; a real run takes at most {network.bound()} actions")
+    return STATUS[told.outcome]

@@ -1,0 +1,82 @@
+"""`handcart pause`, `continue`, `stop`, `cancel`, `permit`, `refuse`, `status`: the operator in command."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+Run = Annotated[Path, typer.Argument(help="the run's folder")]
+Json = Annotated[bool, typer.Option("--json", help="one JSON object on stdout")]
+SOON = 10.0  # [s] in which a run that is told to stop ends
+
+
+def pause(run: Run, as_json: Json = False) -> None:
+    """Stop the robot where it is; it holds, and `handcart continue` goes on."""
+    _say("pause", run, as_json)
+
+
+def go_on(run: Run, as_json: Json = False) -> None:
+    """Go on after a pause; moved by hand meanwhile, the action restores."""
+    _say("continue", run, as_json)
+
+
+def stop(run: Run, as_json: Json = False) -> None:
+    """Stop the robot where it is; it holds, and the run ends."""
+    _say("stop", run, as_json)
+    _wait_for_end(run)
+
+
+def cancel(run: Run, as_json: Json = False) -> None:
+    """Bring back what the running action did, then end the run: the robot moves."""
+    _say("cancel", run, as_json)
+
+
+def permit(run: Run, as_json: Json = False, action: int | None = None) -> None:
+    """Permit the action that waits; with its number, only that one."""
+    _say("permit", run, as_json, action)
+
+
+def refuse(run: Run, as_json: Json = False, action: int | None = None) -> None:
+    """Refuse the action that waits: that counts as its Fail."""
+    _say("refuse", run, as_json, action)
+
+
+def status(run: Run, as_json: Json = False) -> None:
+    """Tell what a run is doing."""
+    _say("status", run, as_json)
+
+
+def _say(word: str, run: Path, as_json: bool, action: int | None = None) -> None:
+    import orjson
+
+    from networks.control import ask
+
+    told = ask(run, {"do": word} if action is None else {"do": word, "action": action})
+    if as_json:
+        print(orjson.dumps(told).decode())
+    elif told["ok"]:
+        waits = told["asks"] and f"; asks for permission: {told['asks']['index']}. {told['asks']['do']}"
+        print(f"{told['state']} in {told['situation']} at {told['sim_time_s']:.1f} s{waits or ''}")
+    else:
+        print(told["error"], file=sys.stderr)
+    if not told["ok"]:
+        sys.exit(2)
+
+
+def _wait_for_end(run: Path) -> None:
+    import time
+
+    from networks.control import NotAlive, ask
+
+    end = time.monotonic() + SOON
+    while time.monotonic() < end:
+        try:
+            ask(run, {"do": "status"}, 1.0)
+        except NotAlive:
+            return
+        time.sleep(0.05)
+    print(f"the run in {run} was told to stop, and is not over yet", file=sys.stderr)
+    sys.exit(5)
