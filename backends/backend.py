@@ -36,6 +36,8 @@ class Backend(ABC):
     """How `--backend` calls it."""
     period: float
     """The control period, in [s]."""
+    simulated: bool = True
+    """Whether the world behind it is made anew by `build`; a real one stands as it was left."""
 
     @classmethod
     @abstractmethod
@@ -77,6 +79,17 @@ class Backend(ABC):
     @abstractmethod
     def close(self) -> None:
         """Let go of everything. A second call does nothing."""
+
+    def state(self) -> object | None:
+        """Where a simulated world stands, for a checkpoint: values that `saved_state.pack` takes.
+
+        None where the world is no simulation, or can't be kept.
+        """
+        return None
+
+    def set_state(self, state: object) -> None:
+        """Put a world, built anew from the same files and seed, where `state` was taken."""
+        raise NotImplementedError(f"the backend {self.name!r} keeps no state")
 
     def view(self) -> NDArray[np.uint8] | None:
         """Robot and surroundings as somebody beside them sees them, for videos: RGB (height, width, 3).

@@ -45,7 +45,9 @@ def checked_joints(model: ArmModel, joints: Vector, last: Vector, most: Vector) 
         raise CommandError(f"joint angles {wanted.tolist()}; allowed: {model.dof} finite numbers")
     if (wanted < model.lower - _ROUNDING).any() or (wanted > model.upper + _ROUNDING).any():
         allowed = f"{model.lower.round(4).tolist()} to {model.upper.round(4).tolist()}"
-        raise CommandError(f"joint angles {wanted.round(4).tolist()} rad; allowed: {allowed}")
+        raise CommandError(
+            f"joint angles {', '.join(f'{each:.5g}' for each in wanted)} rad; allowed: {allowed}"
+        )
     step = np.abs(wanted - last)
     if (step > most * (1.0 + 1e-6) + _ROUNDING).any():
         told = f"joint steps of {step.round(5).tolist()} rad in a period"

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Generator
+import math
+from collections.abc import Callable, Generator, Mapping
 from functools import cached_property
-from typing import TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,14 +25,19 @@ from .base import Base
 from .camera import Camera
 from .capability import Capability
 from .gripper import Gripper
+from .noted_base import NotedBase
 from .range_sensor import RangeSensor
 from .robot_file import RobotFile
+from .saved_state import attributes, set_attributes
 
 T = TypeVar("T")
 C = TypeVar("C", bound=Capability)
 
 STILL_SCANS = 20  # periods at rest after which further scans tell nothing new
+LOOK_AGAIN = 10  # periods at rest between scans that tell whether somebody moved the base
+STALE = 1e-3  # [m], [rad] of motion in which scan or picture can't stay the same to the last bit
 SCAN_SIGMA = (0.004, 0.0015)  # [m], [rad]: spread of scan matches about one place
+_STATE = ("time", "pushes", "_travel", "_still", "_ranges", "_seen_at")
 START_SIGMA = np.diag([0.05**2, 0.05**2, 0.035**2])  # [m², rad²] of where a task says the robot starts
 
 
@@ -43,6 +49,10 @@ class MissingCapability(HandcartError, ValueError):
     def __init__(self, kind: type[Capability], robot: Backend) -> None:
         have = ", ".join(sorted(_name(type(each)) for each in robot.capabilities()))
         super().__init__(f"the robot has no {kind.__name__}; it has: {have}")
+
+
+class StaleReading(HandcartError, RuntimeError):
+    """A sensor gives an old reading for a new one."""
 
 
 def _name(kind: type) -> str:
@@ -69,9 +79,16 @@ class Robot:
         self.spec = spec
         self.period = backend.period
         self.time = 0.0
+        self._wheels = NotedBase(self.get(Base))  # type: ignore[type-abstract]
+        self.driven = (0.0, 0.0)
+        """Speed in [m/s] and turn rate in [rad/s] that the base was commanded in the last period."""
         self._localizer = self._make_localizer(start, grid)
+        self.pushes = 0
+        """How often the base was found elsewhere than it stood."""
         self._travel = self.base.wheel_travel()
         self._still = 0
+        self._ranges, self._seen_at = np.empty(0), self._travel
+        self._picture, self._pictured_at = np.empty((0, 0), np.uint8), np.empty(0)
 
     def _make_localizer(self, start: Pose2, grid: GridMap | None) -> Localizer:
         tread = self.spec.drive.tread_m
@@ -93,7 +110,7 @@ class Robot:
     @property
     def base(self) -> Base:
         """The wheels."""
-        return self.get(Base)  # type: ignore[type-abstract]
+        return self._wheels
 
     @property
     def arm(self) -> Arm:
@@ -150,8 +167,10 @@ class Robot:
         """How well two poses that are both measured like this one can be compared: one sigma, [m] and [rad].
 
         Where scans are matched with the map, the map's own error is the same in both; by wheels alone it is
-        all that has been added up since the surroundings were last seen.
+        all that has been added up since the surroundings were last seen. A lost robot knows nothing.
         """
+        if self.lost:
+            return math.inf, math.inf
         if isinstance(self._localizer, ScanLocalizer) and self._localizer.sure:
             return SCAN_SIGMA
         sigma = np.sqrt(np.diag(self.pose_covariance))
@@ -162,6 +181,12 @@ class Robot:
         """Whether the scans no longer fit the map anywhere near."""
         return isinstance(self._localizer, ScanLocalizer) and self._localizer.lost
 
+    @property
+    def explained(self) -> float:
+        """Share of the last scan's points that the map explains; NaN where no scan is compared with it."""
+        match = self._localizer.last_match if isinstance(self._localizer, ScanLocalizer) else None
+        return match.inliers if match is not None else np.nan
+
     def base_T(self, frame: str) -> Transform:
         """Pose of a frame of the arm in the base frame by the measured joints, (4, 4)."""
         return self.arm_model.forward(self.arm.joints(), frame)
@@ -170,18 +195,68 @@ class Robot:
 
     def step(self, paused: bool = False) -> None:
         """Let one period pass and bring the estimates up to date; in a pause `time` stands still."""
+        self.driven = self._wheels.taken()
         self.backend.step()
         self.time += 0.0 if paused else self.period
         travel = self.base.wheel_travel()
+        if not np.isfinite(travel).all():
+            travel = self._travel  # the next sound reading has it all
         left, right = travel.left - self._travel.left, travel.right - self._travel.right
         self._travel = travel
         self._still = self._still + 1 if left == right == 0.0 else 0
         self._localizer.predict(left, right)
-        if self._still <= STILL_SCANS and self.backend.get(RangeSensor) is not None:  # type: ignore[type-abstract]
-            self._localizer.correct(self.range_sensor.scan().points())
+        if self.backend.get(RangeSensor) is None:  # type: ignore[type-abstract]
+            return
+        if self._still <= STILL_SCANS:
+            self._localizer.correct(self._fresh_points())
+        elif self._still % LOOK_AGAIN == 0:
+            self.look_again()
+
+    def look_again(self) -> None:
+        """At rest, see whether the base still stands where it stood; if not, find where."""
+        if self._still <= STILL_SCANS or self.backend.get(RangeSensor) is None:  # type: ignore[type-abstract]
+            return
+        if self._localizer.find_again(self._fresh_points()):
+            self.pushes += 1
+            self._still = 0
+
+    def _fresh_points(self) -> NDArray[np.float64]:
+        """(n, 2) in [m] of this period's scan; none if it is stale: the same although the wheels rolled."""
+        scan = self.range_sensor.scan()
+        if not np.array_equal(scan.ranges, self._ranges):
+            self._ranges, self._seen_at = scan.ranges.copy(), self._travel
+        rolled = np.abs(np.subtract(self._travel, self._seen_at)).max()
+        return np.empty((0, 2)) if rolled > STALE else scan.points()
+
+    def picture(self) -> NDArray[np.uint8]:
+        """The camera's picture, (height, width) grey.
+
+        Raises:
+            StaleReading: it is the last one to the last bit, although arm or wheels have moved since.
+        """
+        arm = self.backend.get(Arm)  # type: ignore[type-abstract]
+        here = np.concatenate([self._travel, arm.command() if arm else np.empty(0)])
+        image = self.camera.image()
+        if np.array_equal(image, self._picture) and np.abs(here - self._pictured_at).max() > STALE:
+            raise StaleReading("the camera gives its last picture again, although it has moved")
+        self._picture, self._pictured_at = image, here
+        return image
+
+    def state(self) -> dict[str, Any]:
+        """What was estimated so far, for a checkpoint."""
+        localizer = attributes(self._localizer, self._localizer.STATE)
+        odometry = attributes(self._localizer.odometry, self._localizer.odometry.STATE)
+        return {"robot": attributes(self, _STATE), "localizer": localizer, "odometry": odometry}
+
+    def set_state(self, state: Mapping[str, Any]) -> None:
+        """Take over what `state` gave, on a backend that stands as it did then."""
+        set_attributes(self, state["robot"])
+        set_attributes(self._localizer, state["localizer"])
+        set_attributes(self._localizer.odometry, state["odometry"])
 
     def stop(self) -> None:
         """Stop all motion."""
+        self._wheels.taken()
         self.backend.stop()
 
     def compute(self, work: Callable[..., T], *args: object, takes: float = 0.2) -> Generator[None, None, T]:

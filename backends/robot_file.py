@@ -3,8 +3,12 @@
 from __future__ import annotations
 
 import math
+import shutil
+import tempfile
+import weakref
+from functools import cached_property
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Literal
 
 from pydantic import Field, PrivateAttr
 
@@ -16,6 +20,12 @@ from files.yaml_document import read_document
 
 from .can_spec import CanSpec
 from .robot_findings import robot_findings
+from .robot_parts import PartSpec, assembled
+
+if TYPE_CHECKING:
+    from robotics.kinematics.arm_model import ArmModel
+
+    from .robot_shape import FingerShape, TrayShape
 
 Positive = Annotated[float, Field(gt=0.0)]
 NotNegative = Annotated[float, Field(ge=0.0)]
@@ -111,6 +121,8 @@ class RobotFile(FileModel):
 
     format: Literal["handcart-robot/1"]
     urdf: FilePath
+    parts: tuple[PartSpec, ...] = ()
+    """Further URDFs, as they are, each fixed onto a link of those before it."""
     period_s: Positive
     """The control period."""
     footprint_radius_m: Positive
@@ -126,14 +138,54 @@ class RobotFile(FileModel):
     errors: Errors = Errors()
     tolerance: Tolerance
     _folder: Path = PrivateAttr(default=ROBOTS)
+    _text: str | None = PrivateAttr(default=None)
+    _path: Path | None = PrivateAttr(default=None)
 
     def urdf_path(self) -> Path:
-        """Where the URDF lies, beside the file."""
-        return resolve_inside(self._folder, self.urdf)
+        """A file with the URDF of the whole robot: that beside the robot's file, or a temporary one."""
+        if self._path is None:
+            own = resolve_inside(self._folder, self.urdf)
+            self._path = own if own.read_text(encoding="utf-8") == self.urdf_text() else self._written()
+        return self._path
 
     def urdf_text(self) -> str:
-        """What stands in the URDF."""
-        return self.urdf_path().read_text(encoding="utf-8")
+        """The URDF of the whole robot: its parts put together, meshes named by absolute paths.
+
+        Raises:
+            UrdfError: of a part that is missing, or can't be put there.
+        """
+        if self._text is None:
+            self._text = assembled(self.urdf, self.parts, self._folder)
+        return self._text
+
+    def arm_model(self) -> ArmModel:
+        """Kinematics of the arm, a new object; raises ValueError where the robot has none."""
+        from robotics.kinematics.arm_model import ArmModel
+
+        if self.arm is None:
+            raise ValueError("the robot has no arm")
+        return ArmModel(self.urdf_text(), self.arm.joints)
+
+    @cached_property
+    def tray_shape(self) -> TrayShape:
+        """Its tray, by the URDF."""
+        from .robot_shape import tray_shape
+
+        return tray_shape(self.arm_model())
+
+    @cached_property
+    def finger_shape(self) -> FingerShape:
+        """Its fingers, by the URDF."""
+        from .robot_shape import finger_shape
+
+        return finger_shape(self.arm_model())
+
+    def _written(self) -> Path:
+        folder = Path(tempfile.mkdtemp(prefix="handcart-"))
+        weakref.finalize(self, shutil.rmtree, folder, ignore_errors=True)
+        path = folder / "robot.urdf"
+        path.write_text(self.urdf_text(), encoding="utf-8")
+        return path
 
     def posture(self, name: str) -> tuple[float, ...]:
         """A named posture, in [rad]."""

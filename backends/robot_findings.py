@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from .robot_parts import UrdfError
+
 if TYPE_CHECKING:
     from files.errors import Finding
     from files.yaml_document import Document
@@ -16,9 +18,9 @@ def robot_findings(robot: RobotFile, document: Document) -> list[Finding]:
     """Everything wrong with the URDF, the joints' names and the postures, each at its place in the file."""
     try:
         urdf = robot.urdf_text()
-    except (OSError, UnicodeDecodeError):
-        wrong = f"there is no text file {robot.urdf!r}; allowed: a URDF beside the robot's file"
-        return [document.finding(("urdf",), wrong)]
+    except UrdfError as error:
+        key = ("urdf",) if error.part is None else ("parts", error.part)
+        return [document.finding(key, str(error))]
     return _arm_findings(robot.arm, urdf, document) if robot.arm else []
 
 

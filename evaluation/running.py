@@ -2,19 +2,43 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping
 from contextlib import ExitStack
 from pathlib import Path
-from typing import Any
+from typing import Any, Protocol
 
 import orjson
 
-from networks.events import Observer
+from backends.robot import Robot
+from files.errors import InputError
+from networks.events import Event, Observer
 from networks.permits import Permits
 from networks.preparing import Prepared, prepare
+from networks.resuming import Past, read_past, task_of
+from networks.retracing import NeedsOperator
 from networks.run import Onlooker, execute
 
 from .judge import Judge
+
+
+class NothingToResume(InputError):
+    """A run came to its end."""
+
+
+class Teller(Protocol):
+    """Tells a person, or a program, how a run gets on."""
+
+    def say(self, words: str) -> None:
+        """Something that should be known before anything moves."""
+
+    def begin(self, prepared: Prepared, folder: Path) -> None:
+        """What is about to start, and the run's folder."""
+
+    def look(self, robot: Robot) -> None:
+        """A period has passed."""
+
+    def __call__(self, event: Event) -> None:
+        """Something has happened."""
 
 
 def run_task(
@@ -23,12 +47,11 @@ def run_task(
     backend: str | None,
     settings: Mapping[str, str],
     seed: int,
-    observers: Sequence[Observer] = (),
+    told: Teller | None = None,
     draw: bool = False,
-    begin: Callable[[Prepared, Path], None] | None = None,
+    checkpoints: bool = False,
     permits: Permits | None = None,
     situation: str | None = None,
-    onlookers: Sequence[Onlooker] = (),
     video: Path | None = None,
     window: bool = False,
 ) -> tuple[dict[str, Any], int]:
@@ -40,12 +63,11 @@ def run_task(
         backend: another one than the task names.
         settings: parameters of the task, values unparsed.
         seed: of the simulated errors.
-        observers: told of all that happens.
+        told: hears of all that happens.
         draw: whether `overview.svg` is drawn.
-        begin: called with what is about to start, and the run's folder.
+        checkpoints: whether `handcart resume` can go on with it in a simulated world.
         permits: who permits actions that need it; left out: all are permitted.
         situation: where the run begins, instead of the task's start.
-        onlookers: called after each period.
         video: where the run is recorded, as MP4.
         window: whether robot and world are shown.
 
@@ -56,6 +78,8 @@ def run_task(
         FileError: something in the task or a file that it names is wrong; nothing has moved.
         NoWindow, NoVideo: the run can't be shown or recorded; nothing has moved.
     """
+    observers: list[Observer] = [] if told is None else [told]
+    onlookers: list[Onlooker] = [] if told is None else [told.look]
     with ExitStack() as stack:
         prepared = stack.enter_context(
             prepare(task, backend, settings, seed, window=window, situation=situation)
@@ -64,11 +88,12 @@ def run_task(
             from .video import Video
 
             film = stack.enter_context(Video(video, prepared.robot))
-            observers, onlookers = [*observers, film.note], [*onlookers, film.look]
+            observers.append(film.note)
+            onlookers.append(film.look)
         folder = new_folder(runs, f"{task.resolve().parent.name}-{seed}")
         judge = Judge(prepared)
-        if begin is not None:
-            begin(prepared, folder)
+        if told is not None:
+            told.begin(prepared, folder)
         end = execute(
             prepared,
             folder,
@@ -76,6 +101,7 @@ def run_task(
             metrics=judge.metrics,
             permits=permits or Permits("always"),
             onlookers=onlookers,
+            checkpoints=checkpoints,
         )
         if draw:
             from .overview import draw_overview
@@ -83,6 +109,65 @@ def run_task(
             model, radius = prepared.model, prepared.robot.spec.footprint_radius_m
             draw_overview(folder, model.map, model.places, radius)
     return orjson.loads((folder / "summary.json").read_bytes()), end.exit_status
+
+
+def resume_task(
+    folder: Path, confirm: int | None, told: Teller, permits: Permits | None = None
+) -> tuple[dict[str, Any], int]:
+    """Go on with a run that broke off; a simulated world is put back to its last checkpoint.
+
+    Args:
+        folder: the run's.
+        confirm: the journal's last record, as a person has seen it; needed where a real robot moves.
+        told: hears what is known, and what happens.
+        permits: who permits actions that need it; left out: all are permitted.
+
+    Returns:
+        The summary that also stands in the run's folder, and the exit status.
+
+    Raises:
+        JournalError: the journal can't be read, or is damaged inside.
+        NothingToResume: the run came to its end.
+        NeedsOperator: a person has to decide something first.
+        FileError: the task or a file that it names is wrong by now.
+    """
+    header = task_of(folder)
+    made = prepare(Path(header["task_path"]), header["backend"], header["settings"], header["seed"])
+    with made as prepared:
+        past = read_past(folder, prepared.task.network)
+        for words in past.words():
+            told.say(words)
+        over = past.standing.over
+        if over is not None and over["outcome"] in ("Success", "Fail"):
+            words = f"the run in {folder} is over: {over['outcome']} in situation {over['situation']}"
+            raise NothingToResume(f"{words}; allowed: one that broke off, was stopped or gave up")
+        _check_world(past, prepared, confirm)
+        judge = Judge(prepared)
+        if past.checkpoint is not None:
+            past.checkpoint.put_back(prepared)
+        told.begin(prepared, folder)
+        end = execute(
+            prepared,
+            folder,
+            [told, judge],
+            metrics=judge.metrics,
+            permits=permits or Permits("always"),
+            onlookers=[told.look],
+            checkpoints=True,
+            past=past,
+        )
+    return orjson.loads((folder / "summary.json").read_bytes()), end.exit_status
+
+
+def _check_world(past: Past, prepared: Prepared, confirm: int | None) -> None:
+    """Whether the world stands where the run may go on from (rules of the journal, R10)."""
+    if not prepared.backend.simulated:
+        if confirm != past.last:
+            how = f"handcart resume {past.folder} --confirm {past.last}"
+            raise NeedsOperator(f"a real robot moves only after a look at it: {how}")
+        return
+    if past.standing.done and past.checkpoint is None:
+        raise NeedsOperator(f"{past.folder} holds no checkpoint of the simulated world")
 
 
 def new_folder(runs: Path, name: str) -> Path:

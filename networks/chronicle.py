@@ -9,6 +9,8 @@ import orjson
 
 from backends.robot import Robot
 from primitives.action_primitive import ActionPrimitive
+from primitives.cause import Cause
+from primitives.evidence import Evidence
 from primitives.outcome import Fail, GiveUp, Outcome, Success
 from primitives.world_model import WorldModel
 
@@ -16,19 +18,30 @@ from .events import Ended, Event, LeftOut, NotStarted, Observer, Planned, Restor
 from .journal import Journal
 from .network import Action
 from .planner import NoWay, Plan
+from .retracing import Standing
 from .run_end import RunEnd
+
+Keep = Callable[[Mapping[str, Any]], None]
+"""Keeps a checkpoint; called with an action's result before the journal has it."""
 
 
 class Chronicle:
     """Counts what happens in a run, journals it and tells the observers."""
 
     def __init__(
-        self, robot: Robot, model: WorldModel, journal: Journal | None, observers: Sequence[Observer]
+        self,
+        robot: Robot,
+        model: WorldModel,
+        journal: Journal | None,
+        observers: Sequence[Observer],
+        standing: Standing | None = None,
+        keep: Keep | None = None,
     ) -> None:
-        self.started = 0
-        self.fails = 0
-        self.plans = 0
-        self.skipped: list[str] = []
+        self.started = standing.started if standing else 0
+        self.fails = standing.fails if standing else 0
+        self.plans = standing.plans if standing else 0
+        self.skipped: list[str] = list(standing.skipped) if standing else []
+        self._keep = keep
         self._robot = robot
         self._model = model
         self._journal = journal
@@ -64,6 +77,10 @@ class Chronicle:
         fields = {"n": self.started, **outcome_fields(outcome)}
         if changes:
             fields["learned"] = changes
+        if not isinstance(outcome, Success):
+            fields |= cause_fields(primitive.evidence)
+        if self._keep is not None:
+            self._keep(fields)
         self._write("RESULT", fields)
         self._tell(lambda: Ended(self._robot.time, self.started, action, primitive, outcome, changes))
 
@@ -120,3 +137,28 @@ def outcome_fields(outcome: Outcome) -> dict[str, Any]:
             return {"outcome": "Fail", **told}
         case GiveUp(reason, residuals):
             return {"outcome": "GiveUp", "reason": reason, "residuals": residuals}
+
+
+def cause_fields(evidence: Evidence) -> dict[str, Any]:
+    """What the journal holds of why an attempt didn't succeed."""
+    fields: dict[str, Any] = {}
+    if evidence.causes:
+        fields["cause"] = [_cause(each) for each in evidence.causes]
+    if evidence.limits:
+        fields["tolerance"] = evidence.limits
+    if evidence.decisive:
+        fields["picture"] = evidence.decisive
+    if evidence.facts:
+        fields["evidence"] = evidence.facts
+    return fields
+
+
+def _cause(cause: Cause) -> dict[str, Any]:
+    told: dict[str, Any] = {"reason": cause.reason, "check": cause.check, "calls": cause.calls}
+    if cause.measured is not None:
+        told["measured"] = cause.measured._asdict()
+    if cause.fault:
+        told["fault"] = cause.fault
+    if cause.restoring:
+        told["restoring"] = True
+    return told

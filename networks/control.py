@@ -38,7 +38,7 @@ class Control:
         """Listen; `answer` is called with each message, and gives what is sent back.
 
         Raises:
-            InputError: the folder can't hold a socket, or has one already.
+            InputError: the folder can't hold a socket.
         """
         self._path, self._answer = folder / NAME, answer
         self._waiting: dict[socket.socket, bytes] = {}
@@ -47,6 +47,7 @@ class Control:
         self._listening.setblocking(False)
         before = os.umask(0o177)
         try:
+            self._path.unlink(missing_ok=True)  # of a run that was killed: its journal is ours now
             with _short(self._path) as path:
                 self._listening.bind(path)
         except OSError as error:

@@ -11,11 +11,12 @@ from primitives.outcome import GiveUp, Outcome, Success
 from primitives.world_model import WorldModel
 
 from .binding import NotBound
-from .chronicle import Chronicle
+from .chronicle import Chronicle, Keep
 from .events import NotStarted, Observer
 from .journal import Journal
 from .network import Action, ActionNetwork
 from .planner import NoWay, Planner
+from .retracing import Standing
 from .route import Route
 from .run_end import RunEnd, RunOutcome
 from .run_life import RunLife
@@ -41,6 +42,8 @@ class Coordinator:
         journal: Journal | None = None,
         observers: Sequence[Observer] = (),
         permission: Permission | None = None,
+        standing: Standing | None = None,
+        keep: Keep | None = None,
     ) -> None:
         """Nothing is planned or moved before `run` is iterated.
 
@@ -51,15 +54,18 @@ class Coordinator:
             journal: what is decided is written there; None: nowhere.
             observers: called with each event, in order.
             permission: asked before each action; None: those that need the operator's permission don't start.
+            standing: where a run that goes on stands; None: it begins.
+            keep: keeps a checkpoint after each action; None: nobody does.
         """
         self.network = network
-        self._route = Route(network)
+        self._left = "" if standing is None else standing.left
+        self._route = Route(network) if standing is None else standing.route
         self.life = RunLife()
         self.asks: Action | None = None
         """The action that waits for permission."""
         self._robot = robot
         self._model = model
-        self._chronicle = Chronicle(robot, model, journal, observers)
+        self._chronicle = Chronicle(robot, model, journal, observers, standing, keep)
         self._supervision = Supervision(robot, self.life)
         self._permission = permission
 
@@ -93,6 +99,8 @@ class Coordinator:
         return end
 
     def _pursue(self) -> Generator[None, None, RunEnd]:
+        if self._left:
+            self._forget(self._left)
         while not self._route.arrived:
             if not self._route.planned:
                 self.life.plan()

@@ -9,11 +9,17 @@ import cv2
 import numpy as np
 
 from primitives.evidence import Evidence
-from primitives.outcome import Success
+from primitives.outcome import Outcome, Success
 
 from .events import Ended, Event
 
 FOLDER = "evidence"
+
+
+def stem(number: int, do: str, outcome: Outcome) -> str:
+    """How the names of the files begin that an action leaves: `003_SEARCH_Fail`."""
+    ended = "" if isinstance(outcome, Success) else f"_{type(outcome).__name__}"
+    return f"{number:03d}_{do}{ended}"
 
 
 class EvidenceFiles:
@@ -30,9 +36,8 @@ class EvidenceFiles:
     def __call__(self, event: Event) -> None:
         """Write what an action that has ended leaves."""
         if isinstance(event, Ended):
-            outcome = "" if isinstance(event.outcome, Success) else f"_{type(event.outcome).__name__}"
             try:
-                self._write(f"{event.number:03d}_{event.action.do}{outcome}", event.primitive.evidence)
+                self._write(stem(event.number, event.action.do, event.outcome), event.primitive.evidence)
             except OSError as error:
                 self.lost = error.strerror
 

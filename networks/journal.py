@@ -13,7 +13,7 @@ from typing import Any, Literal
 import orjson
 from pydantic import BaseModel
 
-from .journal_record import FIRST, JournalError, seal
+from .journal_record import FIRST, JournalContents, JournalError, seal
 
 SCHEMA = "handcart-journal/1"
 
@@ -21,6 +21,7 @@ Sync = Literal["never", "always"]
 """Whether each record waits until it is on the disk. Not needed to survive a killed process."""
 
 _FLAGS = os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_APPEND | os.O_CLOEXEC | os.O_NOFOLLOW
+_AGAIN = os.O_WRONLY | os.O_APPEND | os.O_CLOEXEC | os.O_NOFOLLOW
 _OPTIONS = orjson.OPT_SERIALIZE_NUMPY
 
 
@@ -52,6 +53,50 @@ class Journal:
         except OSError as error:
             raise JournalError(path, f"can't be created: {error.strerror}") from None
         self._size = 0
+
+    @classmethod
+    def go_on(
+        cls,
+        path: Path,
+        contents: JournalContents,
+        sync: Sync = "never",
+        clock: Callable[[], float] = time.time,
+    ) -> Journal:
+        """Open a journal that was read, to append to it; a torn tail is moved into `PATH.torn-OFFSET`.
+
+        Raises:
+            JournalError: it can't be opened, is written by somebody else, or has changed since it was read.
+        """
+        self = cls.__new__(cls)
+        self.path, self._sync, self._clock, self._poisoned = path, sync, clock, None
+        self._next = len(contents.records)
+        self._last = contents.records[-1]["h"] if contents.records else FIRST
+        try:
+            self._file = os.open(path, _AGAIN)
+        except OSError as error:
+            raise JournalError(path, f"can't be opened: {error.strerror}") from None
+        try:
+            fcntl.flock(self._file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            self._identity = _identity(os.fstat(self._file))
+            if os.fstat(self._file).st_size != contents.size:
+                raise JournalError(path, "has changed since it was read")
+            if contents.torn_at is not None:
+                self._quarantine(contents.torn_at)
+        except OSError as error:
+            os.close(self._file)
+            raise JournalError(path, f"can't be gone on with: {error.strerror}") from None
+        except JournalError:
+            os.close(self._file)
+            raise
+        self._size = os.fstat(self._file).st_size
+        return self
+
+    def _quarantine(self, offset: int) -> None:
+        """Keep what a crash left half written, beside the journal, and cut it off."""
+        torn = self.path.with_name(f"{self.path.name}.torn-{offset}")
+        torn.write_bytes(self.path.read_bytes()[offset:])
+        os.ftruncate(self._file, offset)
+        os.fsync(self._file)
 
     def append(self, kind: str, time_s: float, fields: Mapping[str, Any]) -> int:
         """Write one record; it is the operating system's when this returns, on the disk with `sync`.

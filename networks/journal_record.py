@@ -33,6 +33,8 @@ class JournalContents:
     records: tuple[dict[str, Any], ...]
     torn_at: int | None
     """Offset in [bytes] from which on the tail is no whole record (a crash while writing); None: no such."""
+    size: int
+    """Of the file, in [bytes]."""
 
 
 def seal(body: bytes, wall_s: float) -> tuple[bytes, str]:
@@ -60,9 +62,10 @@ def read_journal(path: Path) -> JournalContents:
             is what a crash leaves, and only reported.
     """
     try:
-        lines = path.read_bytes().splitlines(keepends=True)
+        content = path.read_bytes()
     except OSError as error:
         raise JournalError(path, f"can't be read: {error.strerror}") from None
+    lines = content.splitlines(keepends=True)
     records: list[dict[str, Any]] = []
     offset, last = 0, FIRST
     for number, line in enumerate(lines):
@@ -70,10 +73,10 @@ def read_journal(path: Path) -> JournalContents:
         if record is None or record["q"] != number or record["p"] != last:
             if any(_follows(later, number) for later in lines[number + 1 :]):
                 raise JournalError(path, f"record {number} at byte {offset} isn't what was written")
-            return JournalContents(tuple(records), offset)
+            return JournalContents(tuple(records), offset, len(content))
         records.append(record)
         offset, last = offset + len(line), record["h"]
-    return JournalContents(tuple(records), None)
+    return JournalContents(tuple(records), None, len(content))
 
 
 def _follows(line: bytes, number: int) -> bool:

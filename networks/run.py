@@ -19,15 +19,19 @@ import orjson
 from backends.robot import Robot
 from files.errors import HandcartError
 
+from .checkpoint import CheckpointKeeper
 from .coordinator import Coordinator
 from .events import Observer
 from .evidence_files import EvidenceFiles
+from .flight_recorder import FlightRecorder
 from .journal import SCHEMA, Journal, Sync
 from .journal_record import JournalError
+from .journaled_network import network_fields
 from .operation import Operation
 from .permits import Permits
 from .preparing import Prepared
 from .preparing import prepare as prepare
+from .resuming import Past
 from .run_end import RunEnd
 from .run_life import RunState
 from .supervision import Request
@@ -57,12 +61,17 @@ def execute(
     metrics: Metrics | None = None,
     permits: Permits | None = None,
     onlookers: Sequence[Onlooker] = (),
+    checkpoints: bool = False,
+    past: Past | None = None,
     sync: Sync = "never",
     clock: Callable[[], float] = time.monotonic,
 ) -> RunEnd:
     """Step the robot until the run ends; an interrupt (Ctrl-C) stops it where it is, and it holds.
 
     While it goes on, the operator is heard over the socket `control` in `run_dir`.
+
+    With `checkpoints` a simulated world is kept after each action, so that `resume` can go on from there;
+    `past` is a run to go on with.
 
     Writes `journal.jsonl`, `telemetry.npz`, `summary.json` and the evidence into `run_dir`; after a fault in
     our own code also `error.txt`.
@@ -73,18 +82,26 @@ def execute(
     began = clock()
     run_dir.mkdir(parents=True, exist_ok=True)
     telemetry = Telemetry()
-    with Journal(run_dir / "journal.jsonl", sync) as journal:
-        journal.append("RUN", prepared.robot.time, _header(prepared))
-        looking_on: list[Observer] = [*observers, EvidenceFiles(run_dir)]
+    with _journal(prepared, run_dir, past, sync) as journal:
+        recorder = FlightRecorder(run_dir, prepared.robot)
+        looking_on: list[Observer] = [*observers, EvidenceFiles(run_dir), recorder]
         permits = permits or Permits()
         coordinator = Coordinator(
-            prepared.task.network, prepared.robot, prepared.model, journal, looking_on, permits
+            prepared.task.network,
+            prepared.robot,
+            prepared.model,
+            journal,
+            looking_on,
+            permits,
+            standing=past.standing if past else None,
+            keep=CheckpointKeeper(run_dir, prepared).keep if checkpoints else None,
         )
         with (
             _interrupts_stop(coordinator),
             Operation(run_dir, coordinator, permits, prepared.robot) as operation,
+            recorder,
         ):
-            watching = [*onlookers, lambda _: operation.look()]
+            watching = [recorder.look, *onlookers, lambda _: operation.look()]
             end = _guarded(coordinator, prepared.robot, telemetry, run_dir, watching)
     figures = dict(metrics(prepared, end, telemetry)) if metrics else {}
     try:
@@ -93,6 +110,19 @@ def execute(
     except OSError as error:
         raise NotKept(run_dir, end, error) from None
     return end
+
+
+def _journal(prepared: Prepared, run_dir: Path, past: Past | None, sync: Sync) -> Journal:
+    """A new journal with its header, or the past one with what is known of the crash."""
+    path = run_dir / "journal.jsonl"
+    if past is None:
+        journal = Journal(path, sync)
+        journal.append("RUN", prepared.robot.time, _header(prepared))
+        return journal
+    journal = Journal.go_on(path, past.contents, sync)
+    for kind, fields in past.to_tell:
+        journal.append(kind, prepared.robot.time, fields)
+    return journal
 
 
 def step_until_end(
@@ -142,10 +172,12 @@ def _header(prepared: Prepared) -> dict[str, Any]:
         "schema": SCHEMA,
         "handcart": version("handcart"),
         "task": task.file.title,
+        "task_path": str(Path(task.document.file).resolve()),
         "task_sha256": task.document.sha256,
         "task_text": task.document.content.decode(),
         "settings": dict(prepared.settings),
         "network": task.network.fingerprint(),
+        "plan_on": network_fields(task.network),
         "bound": task.network.bound(),
         "robot": task.file.robot,
         "backend": prepared.backend_name,

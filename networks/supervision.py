@@ -37,6 +37,10 @@ class Request(Enum):
 _ENDING = {Request.STOP: "stopped by request", Request.CANCEL: "cancelled by request"}
 
 
+CHECK = "supervision"
+"""Who finds what is asked from outside, in the journal."""
+
+
 class Interrupted(Exception):
     """The run is to end, because somebody asked for it."""
 
@@ -130,6 +134,7 @@ class Supervision:
 
 
 def _call_back(attempt: Attempt, discrepancy: Discrepancy) -> Periods:
+    discrepancy.check = CHECK
     try:
         attempt.throw(discrepancy)
     except StopIteration as end:

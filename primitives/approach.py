@@ -19,8 +19,8 @@ from robotics.perception.spines import Gap
 
 from .action_primitive import ActionPrimitive, Periods
 from .arm_motion import held_box, move_straight, move_to_pose, shelf_boxes
-from .discrepancy import Discrepancy
-from .grip import GRIP_HEIGHT, HAND_TO_SPINE, holds
+from .discrepancy import Discrepancy, Measured
+from .grip import GRIP_HEIGHT, hand_to_spine, holds, opening
 from .hand_view import look
 from .knowledge import Book
 from .place_name import PlaceName
@@ -59,14 +59,14 @@ class Approach(ActionPrimitive):
     def motion(self, robot: Robot, model: ModelView) -> Periods:
         book, slot = model.book, model.slot
         if book is None or not holds(robot, book):
-            raise Discrepancy("the hand doesn't hold the book")
+            raise Discrepancy("the hand doesn't hold the book", measured=opening(robot, book))
         if slot is None or slot.shelf != self.shelf:
             raise Discrepancy(f"no slot is known on {self.shelf}", permanent=True)
         place = model.places[self.shelf]
         base_T_shelf = yield from measure_shelf(robot, place)
         assert place.shelf is not None  # it was measured
-        self._held, self._around = held_box(book), shelf_boxes(base_T_shelf, place.shelf)
-        goal = _before(book, (slot.left + slot.right) / 2)
+        self._held, self._around = held_box(robot, book), shelf_boxes(base_T_shelf, place.shelf)
+        goal = _before(robot, book, (slot.left + slot.right) / 2)
         yield from move_to_pose(robot, base_T_shelf @ goal, self._held, self._around)
         if self.correct:
             model.slot = yield from self._centre(robot, base_T_shelf, goal, slot)
@@ -86,7 +86,10 @@ class Approach(ActionPrimitive):
                 return slot
             goal[1, 3] += off
             yield from move_straight(robot, base_T_shelf @ goal, self._held, self._around)
-        raise Discrepancy(f"the hand doesn't come before the slot: {1e3 * off:.1f} mm are left")
+        left = Measured("Camera", "the hand off its slot's middle", 1e3 * abs(off), 1e3 * GOOD, "mm")
+        raise Discrepancy(
+            f"the hand doesn't come before the slot: {1e3 * off:.1f} mm are left", measured=left
+        )
 
     def _measured(self, robot: Robot, base_T_shelf: Transform, slot: Slot) -> Generator[None, None, Slot]:
         """The slot moved to where its left side is seen now."""
@@ -102,13 +105,16 @@ class Approach(ActionPrimitive):
             camera_T_shelf=view.camera_T_shelf,
         )
         if left is None:
-            raise Discrepancy(f"the slot's side is not seen where SEARCH saw it: {_beside(slot)}")
+            unseen = Measured("Camera", "an edge near where the slot's side was", None, 1e3 * within, "mm")
+            raise Discrepancy(
+                f"the slot's side is not seen where SEARCH saw it: {_beside(slot)}", measured=unseen
+            )
         return moved
 
 
-def _before(book: Book, lateral: float) -> Transform:
+def _before(robot: Robot, book: Book, lateral: float) -> Transform:
     """shelf_T_hand (4, 4) with the book straight before the shelf at y `lateral` in [m]."""
-    away = BEFORE + book.depth_mm / 1e3 + HAND_TO_SPINE
+    away = BEFORE + book.depth_mm / 1e3 + hand_to_spine(robot)
     return transform((-away, lateral, CLEAR + GRIP_HEIGHT))
 
 

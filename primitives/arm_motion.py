@@ -15,8 +15,8 @@ from robotics.manipulation.motion_planner import plan_motion, plan_straight
 from robotics.manipulation.trajectory import time_path
 
 from .action_primitive import Periods
-from .discrepancy import Discrepancy
-from .grip import GRIP_HEIGHT, HAND_TO_SPINE
+from .discrepancy import Discrepancy, Measured
+from .grip import GRIP_HEIGHT, hand_to_spine
 from .knowledge import Book, Shelf
 
 MARGIN = 0.005  # [m] between the arm and anything
@@ -25,7 +25,7 @@ LAGS = 0.15  # [rad] behind the command at which something stops the arm: two pe
 PROUD = 0.004  # [m] that spines stand before a shelf's front
 ABOVE = 0.35  # [m] above its board that a shelf may be filled, or closed
 PANEL = 0.03  # [m] at most, of its sides
-ON_TRAY = (0.085, 0.15, 0.10, 0.26)  # [m] from where, how deep, wide and high a book may stand on the tray
+ON_TRAY = (0.005, 0.15, 0.10, 0.26)  # [m] from its rear, how deep, wide and high a book may stand there
 INSIDE = 0.25  # [m] of its depth that counts
 
 Vector = NDArray[np.float64]
@@ -104,8 +104,10 @@ def follow(robot: Robot, path: NDArray[np.float64]) -> Periods:
     for joints in time_path(path, speed, np.full(len(speed), hard), robot.period)[1:]:
         robot.arm.move(joints)
         yield
-        if float(np.abs(robot.arm.joints() - joints).max()) > LAGS:
-            raise Discrepancy("something stops the arm")
+        behind = float(np.abs(robot.arm.joints() - joints).max())
+        if behind > LAGS:
+            lag = Measured("Arm", "a joint behind its command", behind, LAGS, "rad")
+            raise Discrepancy("something stops the arm", measured=lag)
 
 
 def shelf_boxes(base_T_shelf: Transform, shelf: Shelf) -> tuple[Box, ...]:
@@ -123,16 +125,16 @@ def shelf_boxes(base_T_shelf: Transform, shelf: Shelf) -> tuple[Box, ...]:
 
 def tray_box(robot: Robot) -> Box:
     """Where some book may stand on the tray, in the base frame."""
-    nearest, *size = ON_TRAY
-    tray = float(robot.base_T("tray")[2, 3])
-    middle = transform((nearest + size[0] / 2, 0.0, tray + size[2] / 2))
+    rear, *size = ON_TRAY
+    tray = robot.spec.tray_shape
+    middle = transform((tray.rear + rear + size[0] / 2, tray.middle[1], tray.top + size[2] / 2))
     return Box(middle, (size[0], size[1], size[2]), "book on the tray")
 
 
-def held_box(book: Book) -> Box:
+def held_box(robot: Robot, book: Book) -> Box:
     """A book as PICK_UP grips it, posed in the hand frame."""
     depth, thickness, height = (1e-3 * size for size in (book.depth_mm, book.thickness_mm, book.height_mm))
-    middle = transform((HAND_TO_SPINE + depth / 2, 0.0, height / 2 - GRIP_HEIGHT))
+    middle = transform((hand_to_spine(robot) + depth / 2, 0.0, height / 2 - GRIP_HEIGHT))
     return Box(middle, (depth, thickness, height), HELD)
 
 

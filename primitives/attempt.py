@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import traceback
 from collections.abc import Callable, Generator
+from contextlib import suppress
 from dataclasses import replace
 from typing import TypeVar
 
 from backends.robot import Robot
 
 from .action_primitive import ActionPrimitive, Periods
+from .cause import Cause
 from .discrepancy import Discrepancy, NeedsPerson
+from .following import Following
 from .outcome import Fail, GiveUp, Outcome, Success, fail_if_restored
 from .retrace import reach_pose, retrace
 from .snapshot import Seen, Snapshot, limits, residuals, settle, take_snapshot
@@ -21,6 +24,7 @@ T = TypeVar("T")
 
 RESTORES = 2  # times that restoring is tried before a person is called
 LONGEST_RESTORE = 600.0  # [s]
+PUSHED = "the base was moved while it stood"
 
 
 def attempt(
@@ -48,25 +52,33 @@ def attempt(
         start = take_snapshot(robot, {})
     except Exception as early:  # nothing was commanded yet
         robot.stop()
+        primitive.evidence.blame(early)
         return fail_if_restored(_words(early), isinstance(early, Discrepancy) and early.permanent, {}, {})
     if not rests:
         robot.stop()
+        primitive.evidence.causes.append(Cause("the robot doesn't come to rest before the start", "rest"))
         return GiveUp("the robot doesn't come to rest before the start")
-    trace = Trace(robot)
+    trace, pushes = Trace(robot), robot.pushes
     try:
         start = replace(start, seen=(yield from _recorded(primitive.observe(robot, view), trace)))
         yield from _watched(primitive, primitive.motion(robot, view), robot, view, trace)
         if not (yield from settle(robot)):
-            raise Discrepancy("the robot doesn't come to rest")
+            raise Discrepancy("the robot doesn't come to rest", check="rest")
         if not (yield from _recorded(primitive.effect(robot, view), trace)):
-            raise Discrepancy("what was to be achieved is not seen")
+            raise Discrepancy("what was to be achieved is not seen", check="effect")
+        robot.look_again()
+        if robot.pushes > pushes:
+            raise NeedsPerson(PUSHED, check="push")
         return Success(dict(primitive.facts))
     except NeedsPerson as need:
-        robot.stop()
+        primitive.evidence.blame(need)
+        yield from _halt(robot)
         return GiveUp(need.reason)
     except Discrepancy as discrepancy:
+        primitive.evidence.blame(discrepancy)
         reason, permanent = discrepancy.reason, discrepancy.permanent
     except Exception as error:  # a fault of the primitive's own code is restored from like any other
+        primitive.evidence.blame(error)
         reason, permanent = _words(error), False
         primitive.found(traceback=traceback.format_exc())
     robot.stop()
@@ -82,12 +94,22 @@ def _think(primitive: ActionPrimitive, robot: Robot, view: ModelView) -> Generat
         yield from primitive.motion(robot, view)
         return Success(dict(primitive.facts))
     except NeedsPerson as need:
+        primitive.evidence.blame(need)
         return GiveUp(need.reason)
     except Discrepancy as discrepancy:
+        primitive.evidence.blame(discrepancy)
         return fail_if_restored(discrepancy.reason, discrepancy.permanent, {}, {})
     except Exception as error:  # a fault of the primitive's own code
+        primitive.evidence.blame(error)
         primitive.found(traceback=traceback.format_exc())
         return fail_if_restored(_words(error), False, {}, {})
+
+
+def _halt(robot: Robot) -> Periods:
+    """Stop, and wait until nothing moves any more; where that can't be read, there is nothing to wait for."""
+    robot.stop()
+    with suppress(Exception):
+        yield from settle(robot)
 
 
 def _recorded(periods: Generator[None, None, T], trace: Trace) -> Generator[None, None, T]:
@@ -108,10 +130,14 @@ def _watched(
 ) -> Periods:
     """The motion, watched every period; taken down for the way back up to the point of no return."""
     trace.record()
+    following, pushes = Following(robot), robot.pushes
     for _ in periods:
         yield
         if primitive._no_return is None:
             trace.record()
+        following.check()
+        if robot.pushes > pushes:
+            raise NeedsPerson(PUSHED, check="push")
         primitive.watch(robot, view)
 
 
@@ -122,8 +148,9 @@ def _finish(
     try:
         yield from primitive.finish(robot, view)
     except Exception as error:
+        primitive.evidence.blame(error, restoring=True)
         reason = f"{reason}; and withdrawing: {_words(error)}"
-    robot.stop()
+    yield from _halt(robot)
     return GiveUp(f"{reason}; after a point of no return ({primitive._no_return})")
 
 
@@ -146,10 +173,12 @@ def _restore(
             seen = (yield from _look_again(primitive, robot, view, start)) if start.seen else {}
             now = take_snapshot(robot, seen)
         except Exception as error:  # no second restore on top of a fault in restoring
-            robot.stop()
+            primitive.evidence.blame(error, restoring=True)
+            yield from _halt(robot)
             return GiveUp(f"{reason}; and restoring failed: {_words(error)}")
         found = residuals(start, now)
-        verdict = fail_if_restored(reason, permanent, found, limits(robot, found))
+        primitive.evidence.limits = limits(robot, found)
+        verdict = fail_if_restored(reason, permanent, found, primitive.evidence.limits)
         if isinstance(verdict, Fail):
             break
     robot.stop()
@@ -168,12 +197,15 @@ def _look_again(
 
 
 def _within_time(way_back: Periods, robot: Robot, primitive: ActionPrimitive, view: ModelView) -> Periods:
-    end = robot.time + LONGEST_RESTORE
+    end, following, pushes = robot.time + LONGEST_RESTORE, Following(robot), robot.pushes
     for _ in way_back:
         yield
+        following.check()
+        if robot.pushes > pushes:
+            raise NeedsPerson(PUSHED, check="push")
         primitive.watch(robot, view)
         if robot.time > end:
-            raise Discrepancy("restoring takes too long")
+            raise Discrepancy("restoring takes too long", check="time")
 
 
 def _words(error: Exception) -> str:

@@ -7,6 +7,8 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from .cause import Cause, cause_of
+
 
 @dataclass
 class Evidence:
@@ -18,3 +20,13 @@ class Evidence:
     """Grey (h, w) or BGR (h, w, 3), what was found drawn in; name to picture."""
     points: dict[str, NDArray[np.float64]] = field(default_factory=dict)
     """(n, 2) on the map in [m]; name to points."""
+    decisive: str = ""
+    """Which picture decided how the attempt ended; empty for the last one."""
+    causes: list[Cause] = field(default_factory=list)
+    """What ended the motion; behind it what ended the way back, where that failed too."""
+    limits: dict[str, float] = field(default_factory=dict)
+    """What was allowed of each residual that was measured."""
+
+    def blame(self, error: Exception, restoring: bool = False) -> None:
+        """Note what an exception that left the primitive says of why."""
+        self.causes.append(cause_of(error, restoring))

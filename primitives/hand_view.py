@@ -48,13 +48,13 @@ def look(robot: Robot, base_T_shelf: Transform, held: Box | None) -> Generator[N
     yield from settle(robot)
     base_T_camera = robot.base_T("hand") @ robot.camera.hand_T_camera
     mask = _free(robot, held)
-    return HandView(robot.camera.image(), robot.camera.model, inverse(base_T_camera) @ base_T_shelf, mask)
+    return HandView(robot.picture(), robot.camera.model, inverse(base_T_camera) @ base_T_shelf, mask)
 
 
 def held_book(robot: Robot, book: Book) -> Box | None:
     """The book in the hand, posed in the hand frame; None where the hand doesn't hold it."""
     gripper = robot.backend.get(Gripper)  # type: ignore[type-abstract]
-    return held_box(book) if gripper is not None and holds(robot, book) else None
+    return held_box(robot, book) if gripper is not None and holds(robot, book) else None
 
 
 def _free(robot: Robot, held: Box | None) -> NDArray[np.bool_]:

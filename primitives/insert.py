@@ -17,8 +17,8 @@ from robotics.geometry.transform import Transform, inverse, transform
 
 from .action_primitive import ActionPrimitive, Periods
 from .arm_motion import held_box, move_straight, move_to_joints
-from .discrepancy import Discrepancy, NeedsPerson
-from .grip import HAND_TO_SPINE, HAND_TO_TIPS, holds
+from .discrepancy import Discrepancy, Measured, NeedsPerson
+from .grip import hand_to_spine, hand_to_tips, holds, opening
 from .place_name import PlaceName
 from .pushing import Pushed, push, relax
 from .retrace import retrace
@@ -62,10 +62,10 @@ class Insert(ActionPrimitive):
 
     def motion(self, robot: Robot, model: ModelView) -> Periods:
         if model.book is None or not holds(robot, model.book):
-            raise Discrepancy("the hand doesn't hold the book")
+            raise Discrepancy("the hand doesn't hold the book", measured=opening(robot, model.book))
         end = yield from self._end(robot, model)
         start = robot.arm_model.forward(robot.arm.command())
-        edge, held = HAND_TO_SPINE + model.book.depth_mm / 1e3, held_box(model.book)
+        edge, held = hand_to_spine(robot) + model.book.depth_mm / 1e3, held_box(robot, model.book)
         ways = WIGGLES if self.wiggle and self.method == "planned" else WIGGLES[:1]
         for number, (aside, turn) in enumerate(ways, start=1):
             yield from move_straight(robot, start @ _about(edge, aside, turn), held)
@@ -75,13 +75,16 @@ class Insert(ActionPrimitive):
                 return
             yield from relax(robot)
             yield from move_straight(robot, start, held)
-        raise Discrepancy(f"the book jams: it resists with {pushed.force:.0f} N")
+        raise Discrepancy(
+            f"the book jams: it resists with {pushed.force:.0f} N",
+            measured=Measured("Arm", "force that resists the push", pushed.force, JAM, "N"),
+        )
 
     def _end(self, robot: Robot, model: ModelView) -> Generator[None, None, Transform]:
         """base_T_hand (4, 4) where the push ends; taught, the hand goes to the posture before it."""
         if self.method == "planned":
             base_T_shelf = yield from measure_shelf(robot, model.places[self.shelf])
-            return _before_spines(base_T_shelf, robot.arm_model.forward(robot.arm.command()))
+            return _before_spines(robot, base_T_shelf, robot.arm_model.forward(robot.arm.command()))
         *way, last = taught_postures(robot, "insert", 1)
         for posture in way:
             yield from move_to_joints(robot, posture)
@@ -105,7 +108,7 @@ class Insert(ActionPrimitive):
     def watch(self, robot: Robot, model: ModelView) -> None:
         """A book that slips out of the hand."""
         if self._base_T_end is not None and not robot.gripper.closed_on_something():
-            raise Discrepancy("the book slipped out of the hand")
+            raise Discrepancy("the book slipped out of the hand", measured=opening(robot, model.book))
 
     def effect(self, robot: Robot, model: ModelView) -> Generator[None, None, bool]:
         """The book is still held, and the hand stands where it was to go."""
@@ -113,22 +116,36 @@ class Insert(ActionPrimitive):
             return False
         off = float(np.linalg.norm(robot.base_T("hand")[:3, 3] - self._base_T_end[:3, 3]))
         self.found(off_mm=round(1e3 * off, 1))
-        return off < REACHED and holds(robot, model.book)
+        if off >= REACHED:
+            left = Measured("Arm", "left to where the push ends", 1e3 * off, 1e3 * REACHED, "mm")
+            raise Discrepancy("the hand doesn't reach where the push ends", measured=left)
+        return holds(robot, model.book)
         yield
 
     def restore(self, robot: Robot, model: ModelView, start: Snapshot, trace: Trace) -> Periods:
         """Pull straight back."""
         yield from retrace(robot, start, trace)
         if self._strongest > PUSHES_BACK:
-            raise NeedsPerson(f"{self._strongest:.0f} N may have pushed a neighbour back")
+            raise NeedsPerson(
+                f"{self._strongest:.0f} N may have pushed a neighbour back",
+                Measured("Arm", "strongest force of the push", self._strongest, PUSHES_BACK, "N"),
+            )
 
 
-def _before_spines(base_T_shelf: Transform, base_T_hand: Transform) -> Transform:
+def _before_spines(robot: Robot, base_T_shelf: Transform, base_T_hand: Transform) -> Transform:
     """The pose of the hand (4, 4) further along the shelf's x, its tips just before the spines."""
     shelf_T_hand = inverse(base_T_shelf) @ base_T_hand
-    if shelf_T_hand[0, 3] > -TIPS_BEFORE - HAND_TO_TIPS:
-        raise Discrepancy("the hand stands too close to the shelf to push a book in")
-    shelf_T_hand[0, 3] = -TIPS_BEFORE - HAND_TO_TIPS
+    away = TIPS_BEFORE + hand_to_tips(robot)
+    if shelf_T_hand[0, 3] > -away:
+        ahead = Measured(
+            "RangeSensor",
+            "the hand before the shelf's front",
+            -1e3 * float(shelf_T_hand[0, 3]),
+            1e3 * away,
+            "mm",
+        )
+        raise Discrepancy("the hand stands too close to the shelf to push a book in", measured=ahead)
+    shelf_T_hand[0, 3] = -away
     return base_T_shelf @ shelf_T_hand
 
 

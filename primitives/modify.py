@@ -8,7 +8,7 @@ from backends.range_sensor import RangeSensor
 from backends.robot import Robot
 
 from .action_primitive import ActionPrimitive, Periods
-from .discrepancy import Discrepancy
+from .discrepancy import Discrepancy, Measured
 from .driving import goal_pose, plan_drive
 from .place_name import PlaceName
 from .world_model import Detour, ModelView
@@ -32,7 +32,8 @@ class Modify(ActionPrimitive):
         goal = goal_pose(model, self.place)
         route = yield from robot.compute(plan_drive, robot, model.map, model.obstacles, goal)
         if route is None:
-            raise Discrepancy(self._no_way(model), permanent=True)
+            sensed = Measured("RangeSensor", "points sensed that are not on the map", len(model.obstacles))
+            raise Discrepancy(self._no_way(model), permanent=True, measured=sensed)
         self.evidence.points["planned"] = route.points
         self.found(detour_m=round(route.length, 3))
         model.detour = Detour(self.place, route.points)

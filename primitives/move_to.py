@@ -14,15 +14,16 @@ from backends.range_sensor import RangeSensor
 from backends.robot import Robot
 from robotics.geometry.pose2 import Pose2
 from robotics.navigation.front_line import fit_front, pose_from_front
+from robotics.navigation.localizer import LEAST_INLIERS
 from robotics.navigation.path_tracking import PathTracker
 from robotics.navigation.pose_regulator import PoseTolerance
 
 from .action_primitive import ActionPrimitive, Periods
-from .discrepancy import Discrepancy, NeedsPerson
-from .driving import Lookout, goal_pose, plan_drive
+from .discrepancy import Discrepancy, Measured, NeedsPerson
+from .driving import HORIZON, Lookout, goal_pose, plan_drive
 from .knowledge import Place
 from .place_name import PlaceName
-from .retrace import reach_pose, retrace
+from .retrace import LONGEST_REACH, reach_pose, retrace
 from .snapshot import Snapshot, settle
 from .trace import Trace
 from .world_model import ModelView
@@ -32,6 +33,7 @@ DOCKED = PoseTolerance(position=0.004, heading=0.003)
 DOCKINGS = 4  # times that the front is measured and the pose corrected
 FRONT_SCANS = 20  # scans stacked for one measurement of the front
 STUCK = 6.0  # [s] without getting on, though nothing is seen in the way
+NEAR = 0.05  # [m] before the goal, where it turns and comes to stand
 
 
 class MoveTo(ActionPrimitive):
@@ -86,10 +88,14 @@ class MoveTo(ActionPrimitive):
             waits = self._blocked_since is not None
             drive = tracker.hold(robot.period) if waits else tracker.command(robot.pose, robot.period)
             robot.base.drive(*drive)
-            if tracker.progress > progress + 0.01 or waits or tracker.remaining < 0.05:
+            if tracker.progress > progress + 0.01 or waits:
                 progress, since = tracker.progress, robot.time
-            if robot.time > since + STUCK:
-                raise Discrepancy("the base doesn't get on: it touches something that the scan doesn't show")
+            if robot.time > since + (STUCK if tracker.remaining > NEAR else LONGEST_REACH):
+                stood = Measured("Base", "time without getting on", robot.time - since, STUCK, "s")
+                raise Discrepancy(
+                    "the base doesn't get on: it touches something that the scan doesn't show",
+                    measured=stood,
+                )
             yield
             driven += robot.pose.distance(last)
             last = robot.pose
@@ -98,7 +104,12 @@ class MoveTo(ActionPrimitive):
     def watch(self, robot: Robot, model: ModelView) -> None:
         """Something unexpected in the way: hold, and after `wait_s` it is a Discrepancy."""
         if robot.lost:
-            raise NeedsPerson("the robot doesn't know where it is: its scans fit the map nowhere near")
+            raise NeedsPerson(
+                "the robot doesn't know where it is: its scans fit the map nowhere near",
+                Measured(
+                    "RangeSensor", "share of the scan that the map explains", robot.explained, LEAST_INLIERS
+                ),
+            )
         if self._lookout is None or len(self._ahead) < 2:
             return
         sensed = self._lookout.unexpected(robot)
@@ -111,7 +122,10 @@ class MoveTo(ActionPrimitive):
             model.obstacles = np.vstack([model.obstacles, sensed])
             self.evidence.points |= {"sensed": sensed, "in the way": found[1][None], "ahead": self._ahead}
             x, y = found[1]
-            raise Discrepancy(f"an obstacle stands on the path to {self.place}, at ({x:.2f}, {y:.2f}) m")
+            raise Discrepancy(
+                f"an obstacle stands on the path to {self.place}, at ({x:.2f}, {y:.2f}) m",
+                measured=Measured("RangeSensor", "free way ahead", found[0], HORIZON, "m"),
+            )
 
     def restore(self, robot: Robot, model: ModelView, start: Snapshot, trace: Trace) -> Periods:
         """Drive back the way it came; what stands there now is waited for."""
@@ -136,10 +150,14 @@ class MoveTo(ActionPrimitive):
             expected = robot.pose.inverse().apply(place.front)
             front = fit_front(np.vstack(scans), expected, gate=0.15)
             if front is None:
-                raise Discrepancy(f"the front of the shelf at {self.place} is not seen")
+                unseen = Measured("RangeSensor", "a straight front where the map has the shelf")
+                raise Discrepancy(f"the front of the shelf at {self.place} is not seen", measured=unseen)
             seen = pose_from_front(robot.pose, front, place.front)
             self.found(dock_mm=round(1e3 * seen.distance(place.pose), 1))
             if seen.distance(place.pose) < DOCKED.position and seen.turn(place.pose) < DOCKED.heading:
                 return
             yield from reach_pose(robot, robot.pose.compose(place.pose.relative_to(seen)), DOCKED)
-        raise Discrepancy(f"the base doesn't come to stand square before {self.place}")
+        off = Measured(
+            "RangeSensor", "off its place", 1e3 * seen.distance(place.pose), 1e3 * DOCKED.position, "mm"
+        )
+        raise Discrepancy(f"the base doesn't come to stand square before {self.place}", measured=off)

@@ -17,8 +17,8 @@ from robotics.perception.tag_reader import read_tags, tag_pose
 
 from .action_primitive import ActionPrimitive, Periods
 from .arm_motion import held_box, move_straight, move_to_joints, move_to_pose, move_to_posture
-from .discrepancy import Discrepancy
-from .grip import GRIP_HEIGHT, HAND_TO_SPINE, close_on, holds, open_to
+from .discrepancy import Discrepancy, Measured
+from .grip import GRIP_HEIGHT, close_on, hand_to_spine, holds, open_to, opening
 from .knowledge import Book
 from .pushing import push
 from .retrace import retrace
@@ -60,7 +60,7 @@ class PickUp(ActionPrimitive):
         yield from settle(robot)
         for _ in range(LOOKS):
             yield
-            for tag in read_tags(robot.camera.image()):
+            for tag in read_tags(robot.picture()):
                 if tag.id == model.book.accession:
                     camera_T_tag = tag_pose(tag, robot.camera.model, TAG_SIDE)
                     place = robot.base_T("hand") @ robot.camera.hand_T_camera @ camera_T_tag[:, 3]
@@ -71,25 +71,28 @@ class PickUp(ActionPrimitive):
     def motion(self, robot: Robot, model: ModelView) -> Periods:
         book, pose = model.book, model.book_pose
         if book is None or pose is None or not self._stands:
-            raise Discrepancy("the book isn't seen on the tray")
+            unseen = Measured("Camera", "pictures in which the book's tag was read", 0, 1)
+            raise Discrepancy("the book isn't seen on the tray", measured=unseen)
         yield from open_to(robot, None)
         if self.method == "taught":
             yield from self._taught(robot, book)
         else:
-            base_T_grip = pose.lift(_tray(robot)) @ transform((-HAND_TO_SPINE, 0.0, GRIP_HEIGHT))
+            base_T_grip = pose.lift(_tray(robot)) @ transform((-hand_to_spine(robot), 0.0, GRIP_HEIGHT))
             before = base_T_grip @ transform((-BEFORE, 0.0, 0.0))
             yield from move_to_pose(robot, before, around=_standing(robot, model))
             yield from self._planned(robot, book, base_T_grip)
         self.found(width_mm=round(1e3 * robot.gripper.width(), 1))
 
     def _planned(self, robot: Robot, book: Book, base_T_grip: Transform) -> Periods:
-        if (yield from push(robot, base_T_grip, SPEED, TOUCH)).met:
-            raise Discrepancy("a finger runs into the book: it stands crooked on the tray")
+        pushed = yield from push(robot, base_T_grip, SPEED, TOUCH)
+        if pushed.met:
+            felt = Measured("Arm", "force that resists the hand", pushed.force, TOUCH, "N")
+            raise Discrepancy("a finger runs into the book: it stands crooked on the tray", measured=felt)
         yield from self._close(robot, book)
         lifted = base_T_grip.copy()
         lifted[2, 3] += LIFT
-        yield from move_straight(robot, lifted, held_box(book))
-        yield from move_to_posture(robot, "carry", held=held_box(book))
+        yield from move_straight(robot, lifted, held_box(robot, book))
+        yield from move_to_posture(robot, "carry", held=held_box(robot, book))
 
     def _taught(self, robot: Robot, book: Book) -> Periods:
         before, grip, *lifted = taught_postures(robot, "pick_up", 3)
@@ -97,7 +100,7 @@ class PickUp(ActionPrimitive):
         yield from move_to_joints(robot, grip)
         yield from self._close(robot, book)
         for posture in lifted:
-            yield from move_to_joints(robot, posture, held=held_box(book))
+            yield from move_to_joints(robot, posture, held=held_box(robot, book))
 
     def _close(self, robot: Robot, book: Book) -> Periods:
         yield from close_on(robot, book)
@@ -106,7 +109,7 @@ class PickUp(ActionPrimitive):
     def watch(self, robot: Robot, model: ModelView) -> None:
         """A book that slips out of the hand."""
         if self._held and not robot.gripper.closed_on_something():
-            raise Discrepancy("the book slipped out of the hand")
+            raise Discrepancy("the book slipped out of the hand", measured=opening(robot, model.book))
 
     def effect(self, robot: Robot, model: ModelView) -> Generator[None, None, bool]:
         """The fingers press on something as thick as the book."""
@@ -121,7 +124,7 @@ class PickUp(ActionPrimitive):
 
 def _tray(robot: Robot) -> float:
     """Height of the tray's top in the base frame, in [m]."""
-    return float(robot.base_T("tray")[2, 3])
+    return robot.spec.tray_shape.top
 
 
 def _standing(robot: Robot, model: ModelView) -> tuple[Box, ...]:

@@ -20,7 +20,7 @@ from robotics.perception.tag_reader import Tag, read_tags, tag_pose
 
 from .action_primitive import ActionPrimitive, Periods
 from .arm_motion import move_straight, move_to_posture, tray_box
-from .discrepancy import Discrepancy
+from .discrepancy import Discrepancy, Measured
 from .snapshot import settle
 from .world_model import ModelView
 
@@ -31,7 +31,8 @@ PICTURES = 2  # from each view, until the tag is read
 Vector = NDArray[np.float64]
 
 TAG_SIDE = 0.010  # [m] of the tag's black square
-TRAY = ((0.04, 0.22), (-0.10, 0.10))  # x and y in the base frame where a spine can stand, in [m]
+REARMOST, FOREMOST = -0.04, 0.14  # [m] from the tray's rear: where a spine can stand
+ASIDE_ON_TRAY = 0.10  # [m] from the tray's middle, likewise
 DEPTH_WEIGHT = 5e-4  # of a distance along a line of sight: 1 % of 0.2 m, against 0.05 mm across
 
 
@@ -56,6 +57,7 @@ class Recognize(ActionPrimitive):
     writes: ClassVar = ("book", "book_pose")
 
     _seen: list[_Sighting] = PrivateAttr(default_factory=list)
+    _looks: int = PrivateAttr(default=0)
 
     def motion(self, robot: Robot, model: ModelView) -> Periods:
         around = (tray_box(robot),)
@@ -75,10 +77,11 @@ class Recognize(ActionPrimitive):
         base_T_camera = robot.base_T("hand") @ robot.camera.hand_T_camera
         for _ in range(PICTURES):
             yield
-            image = robot.camera.image()
+            image = robot.picture()
+            self._looks += 1
             tags = read_tags(image)
             found = [(tag, _sighting(tag, robot.camera.model, base_T_camera)) for tag in tags]
-            found = [(tag, sighting) for tag, sighting in found if _on_tray(sighting.place)]
+            found = [(tag, sighting) for tag, sighting in found if _on_tray(robot, sighting.place)]
             self._show(image, [tag for tag, _ in found])
             if found:
                 self._seen += [sighting for _, sighting in found]
@@ -90,13 +93,19 @@ class Recognize(ActionPrimitive):
 
     def _conclude(self, model: ModelView) -> None:
         if not self._seen:
-            raise Discrepancy("no tag can be read on the tray")
+            unread = Measured("Camera", f"of {self._looks} pictures those in which a tag was read", 0, 1)
+            raise Discrepancy("no tag can be read on the tray", measured=unread)
         numbers = sorted({sighting.number for sighting in self._seen})
         if len(numbers) > 1:
-            raise Discrepancy(f"there are several tags on the tray: {', '.join(map(str, numbers))}")
+            raise Discrepancy(
+                f"there are several tags on the tray: {', '.join(map(str, numbers))}",
+                measured=Measured("Camera", "different tags read", len(numbers), 1),
+            )
         book = model.catalogue.by_accession.get(numbers[0])
         if book is None:
-            raise Discrepancy(f"the book with the tag {numbers[0]} is not in the catalogue", permanent=True)
+            read = Measured("Camera", "number of the tag that was read", numbers[0])
+            unknown = f"the book with the tag {numbers[0]} is not in the catalogue"
+            raise Discrepancy(unknown, permanent=True, measured=read)
         x, y, _ = _place(self._seen)
         model.book = book
         model.book_pose = Pose2(float(x), float(y), 0.0)
@@ -128,5 +137,7 @@ def _place(seen: Sequence[_Sighting]) -> Vector:
     return np.asarray(np.linalg.solve(normal, right))
 
 
-def _on_tray(place: Vector) -> bool:
-    return all(low < at < high for at, (low, high) in zip(place, TRAY, strict=False))
+def _on_tray(robot: Robot, place: Vector) -> bool:
+    tray = robot.spec.tray_shape
+    ahead, aside = place[0] - tray.rear, place[1] - tray.middle[1]
+    return bool(REARMOST < ahead < FOREMOST and abs(aside) < ASIDE_ON_TRAY)

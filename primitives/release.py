@@ -23,8 +23,8 @@ from robotics.perception.overlay import draw_overlay
 
 from .action_primitive import Periods
 from .arm_motion import move_straight, move_to_posture, shelf_boxes
-from .discrepancy import Discrepancy
-from .grip import GRIP_HEIGHT, HAND_TO_TIPS, close, holds, open_to
+from .discrepancy import Discrepancy, Measured
+from .grip import GRIP_HEIGHT, close, hand_to_tips, holds, open_to, opening
 from .place_name import PlaceName
 from .pushing import push, relax
 from .shelf_front import measure_shelf
@@ -84,7 +84,7 @@ class Release(TreePrimitive):
 
     def _measure(self, robot: Robot, model: ModelView) -> Periods:
         if model.book is None or not holds(robot, model.book):
-            raise Discrepancy("the hand doesn't hold the book")
+            raise Discrepancy("the hand doesn't hold the book", measured=opening(robot, model.book))
         self._base_T_shelf = yield from measure_shelf(robot, model.places[self.shelf])
         self._lateral = float(self._hand(robot)[1, 3])
 
@@ -92,8 +92,10 @@ class Release(TreePrimitive):
         foot = float(self._hand(robot)[2, 3]) - GRIP_HEIGHT
         goal = robot.arm_model.forward(robot.arm.command())
         goal[2, 3] -= max(0.002, foot + TOO_LOW)
-        if not (yield from push(robot, goal, LOWER_SPEED, STANDS)).met:
-            raise Discrepancy("there is no board below the book")
+        pushed = yield from push(robot, goal, LOWER_SPEED, STANDS)
+        if not pushed.met:
+            felt = Measured("Arm", "force from below", pushed.force, STANDS, "N")
+            raise Discrepancy("there is no board below the book", measured=felt)
         self.found(lowered_mm=round(1e3 * (foot + GRIP_HEIGHT - float(self._hand(robot)[2, 3])), 1))
         yield from relax(robot)
 
@@ -104,15 +106,19 @@ class Release(TreePrimitive):
         self._open_to = None
 
     def _push_home(self, robot: Robot) -> Periods:
-        tips = float(self._hand(robot)[0, 3]) + HAND_TO_TIPS
+        tips = float(self._hand(robot)[0, 3]) + hand_to_tips(robot)
         goal = self._in_shelf(robot, FLUSH + BEYOND - tips)
         pushed = yield from push(robot, goal, HOME_SPEED, HOME, lambda: self._tips(robot) >= FLUSH)
         proud = -self._tips(robot)
         self.found(proud_mm=round(1e3 * proud, 1), push_n=round(pushed.force, 1))
         if proud > PROUD:
-            raise Discrepancy(f"the book doesn't go home: it stands {1e3 * proud:.0f} mm proud")
+            raise Discrepancy(
+                f"the book doesn't go home: it stands {1e3 * proud:.0f} mm proud",
+                measured=Measured("Arm", "the finger tips before flush", 1e3 * proud, 1e3 * PROUD, "mm"),
+            )
         if pushed.force < FELT:
-            raise Discrepancy("the fingers don't meet the book: it may stand proud")
+            felt = Measured("Arm", "force of the push", pushed.force, FELT, "N")
+            raise Discrepancy("the fingers don't meet the book: it may stand proud", measured=felt)
 
     def _withdraw(self, robot: Robot) -> Periods:
         yield from self._move_in_shelf(robot, -AWAY - self._tips(robot))
@@ -130,7 +136,7 @@ class Release(TreePrimitive):
         if model.book is None:
             return False
         yield
-        image = robot.camera.image()
+        image = robot.picture()
         camera_T_shelf = inverse(robot.base_T("hand") @ robot.camera.hand_T_camera) @ self._shelf
         reader = OcrLabelReader()
         labels = yield from robot.compute(reader.read, image, robot.camera.model, camera_T_shelf)
@@ -179,7 +185,7 @@ class Release(TreePrimitive):
 
     def _tips(self, robot: Robot) -> float:
         """x of the finger tips in the shelf frame, by the measured joints, in [m]."""
-        return float((self._hand(robot) @ np.array([HAND_TO_TIPS, 0.0, 0.0, 1.0]))[0])
+        return float((self._hand(robot) @ np.array([hand_to_tips(robot), 0.0, 0.0, 1.0]))[0])
 
     def _hand(self, robot: Robot) -> Transform:
         """shelf_T_hand (4, 4) by the measured joints."""

@@ -7,6 +7,7 @@ from collections.abc import Generator, Sequence
 from itertools import pairwise
 
 import numpy as np
+from numpy.typing import NDArray
 
 from backends.arm import Arm
 from backends.gripper import Gripper
@@ -15,7 +16,7 @@ from robotics.geometry.pose2 import Pose2
 from robotics.navigation.path_tracking import PathTracker
 from robotics.navigation.pose_regulator import PoseRegulator, PoseTolerance
 
-from .discrepancy import Discrepancy
+from .discrepancy import Discrepancy, Measured
 from .snapshot import Snapshot
 from .trace import Moment, Trace
 
@@ -23,6 +24,7 @@ TOLERANCE = PoseTolerance(position=0.006, heading=0.004)
 FINE = PoseTolerance(position=0.003, heading=0.002)
 NUDGE = 10  # periods for what is left then
 LOOK = 0.5  # [s] at rest for the estimate of the pose to be its best
+COARSE = 0.02  # [m] between points of the way back
 SHORT = 0.05  # [m]: less travel than this is regulated, not tracked
 GRIP_PAUSE = 0.6  # [s] that fingers get before anything else moves
 LONGEST_REACH = 60.0  # [s] that the base gets to a pose near by
@@ -72,7 +74,9 @@ def reach_pose(
     end = robot.time + LONGEST_REACH
     while not regulator.finished(robot.pose):
         if robot.time > end:
-            raise Discrepancy("the base doesn't come to stand where it is to")
+            off = robot.pose.distance(goal)
+            away = Measured("Base", "off where it is to stand", off, tolerance.position, "m")
+            raise Discrepancy("the base doesn't come to stand where it is to", measured=away)
         robot.base.drive(*regulator.command(robot.pose, robot.period))
         yield
 
@@ -97,8 +101,7 @@ def _travelled(stretch: Sequence[Moment]) -> bool:
 
 def _drive_back(robot: Robot, stretch: Sequence[Moment]) -> Generator[None, None, None]:
     goal, left = stretch[0].pose, list(stretch)
-    points = np.array([[each.pose.x, each.pose.y] for each in reversed(stretch)])
-    way = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(points, axis=0).T))])[::-1]
+    points, way = _way_back(stretch)
     if way[0] < SHORT:
         yield from reach_pose(robot, goal)
     else:
@@ -109,6 +112,22 @@ def _drive_back(robot: Robot, stretch: Sequence[Moment]) -> Generator[None, None
                 _renew_arm(robot, left.pop())
             yield
     yield from _play_back(robot, left)
+
+
+def _way_back(stretch: Sequence[Moment]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Points (n, 2) from the end to the start, and for each moment how far along them it is, in [m].
+
+    Estimated poses tremble: points nearer to each other than `COARSE` would tell a wrong direction.
+    """
+    ends = np.array([[each.pose.x, each.pose.y] for each in reversed(stretch)])
+    kept, along = [ends[0]], [0.0]
+    for point in ends[1:]:
+        step = float(np.hypot(*(point - kept[-1])))
+        along.append(along[-1] + (step if step >= COARSE else 0.0))
+        if step >= COARSE:
+            kept.append(point)
+    kept[1:] = [*kept[1:-1], ends[-1]]
+    return np.array(kept), np.array(along)[::-1]
 
 
 def _only_arm(robot: Robot, moment: Moment) -> bool:

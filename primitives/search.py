@@ -27,8 +27,8 @@ from robotics.perception.template_label_reader import TemplateLabelReader
 
 from .action_primitive import ActionPrimitive, Periods
 from .arm_motion import move_straight, move_to_pose, shelf_boxes, tray_box
-from .discrepancy import Discrepancy
-from .grip import HAND_TO_SPINE
+from .discrepancy import Discrepancy, Measured
+from .grip import hand_to_spine
 from .hand_view import HandView, held_book, look
 from .knowledge import Book, Shelf
 from .label_templates import PX_PER_M, label_templates
@@ -119,13 +119,13 @@ class Search(ActionPrimitive):
         """From the camera to the spines, in [m]."""
         if self._held is None:
             return AWAY
-        return max(AWAY, HAND_TO_SPINE + self._held.size[0] + ROOM - float(robot.camera.hand_T_camera[0, 3]))
+        return max(AWAY, hand_to_spine(robot) + self._held.size[0] + ROOM - float(robot.camera.hand_T_camera[0, 3]))
 
     def _past(self, robot: Robot) -> float:
         """How far to the right of the camera the spines are seen past the held book, in [m]."""
         assert self._held is not None
         eye = robot.camera.hand_T_camera[:3, 3]
-        ahead = HAND_TO_SPINE + self._held.size[0] - float(eye[0])
+        ahead = hand_to_spine(robot) + self._held.size[0] - float(eye[0])
         return (float(eye[1]) - 0.5 * self._held.size[1]) * self._away(robot) / ahead - 0.003
 
     def _look_from(self, robot: Robot, reader: LabelReader, stops: Sequence[float]) -> Periods:
@@ -179,11 +179,20 @@ class Search(ActionPrimitive):
 
     def _conclude(self, model: ModelView, found: GapFound | NoGap) -> None:
         if isinstance(found, NoGap):
-            raise Discrepancy(found.reason, permanent=True)
+            self._decided_by(found)
+            read = Measured("Camera", found.what, found.value, found.limit, found.unit)
+            raise Discrepancy(found.reason, permanent=True, measured=read)
         after, before = (str(number) if number is not None else "" for number in (found.before, found.after))
         self.found(gap_mm=round(1e3 * found.width, 1), gap_at_mm=round(1e3 * found.centre, 1))
         self.found(after=after, before=before, misplaced=", ".join(map(str, found.misplaced)))
         model.slot = Slot(self.shelf, found.left, found.right, SIGMA, after, before)
+
+
+    def _decided_by(self, found: NoGap) -> None:
+        """The view that shows most nearly in its middle where the book belongs decided."""
+        if found.at is not None:
+            middles = [abs((view.left + view.right) / 2 - found.at) for view in self._views]
+            self.evidence.decisive = f"view_{1 + int(np.argmin(middles))}"
 
 
 def _wanted(model: ModelView) -> tuple[Book, CallNumber]:

@@ -10,7 +10,7 @@ from backends.robot import Robot
 from robotics.geometry.transform import Transform, inverse
 from robotics.navigation.front_line import fit_front, pose_from_front
 
-from .discrepancy import Discrepancy
+from .discrepancy import Discrepancy, Measured
 from .knowledge import Place
 
 SCANS = 20  # stacked for one measurement: 10 mm of noise become 0.5 mm of distance
@@ -33,6 +33,7 @@ def measure_shelf(robot: Robot, place: Place) -> Generator[None, None, Transform
         scans.append(robot.range_sensor.scan().points())
     front = fit_front(np.vstack(scans), robot.pose.inverse().apply(place.front), gate=GATE)
     if front is None:
-        raise Discrepancy("the front of the shelf is not seen where it should be")
+        unseen = Measured("RangeSensor", "a straight front where the shelf should be", None, GATE, "m")
+        raise Discrepancy("the front of the shelf is not seen where it should be", measured=unseen)
     map_T_base = pose_from_front(robot.pose, front, place.front)
     return inverse(map_T_base.lift()) @ place.map_T_shelf

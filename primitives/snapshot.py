@@ -16,6 +16,7 @@ from robotics.geometry.pose2 import Pose2
 
 STILL = 5  # periods without any motion that count as rest
 PATIENCE = 5.0  # [s]
+KNOWN_AGAIN = 20  # more of them until the pose of a base that was pushed is known again
 JOINT_NOISE = 2e-4  # [rad] between two readings of a joint that stands
 
 Seen = Mapping[str, tuple[float, ...]]
@@ -45,14 +46,18 @@ class Snapshot:
 
 
 def settle(robot: Robot) -> Generator[None, None, bool]:
-    """Wait until nothing moves any more; whether it came to rest in time."""
-    still, end = 0, robot.time + PATIENCE
+    """Wait until nothing moves, and where the base stands is known; whether it came to rest in time."""
+    still, end, pushes = 0, robot.time + PATIENCE, robot.pushes
     before = _readings(robot)
     while still < STILL and robot.time < end:
         yield
         now = _readings(robot)
         still = still + 1 if np.all(np.abs(now - before) <= JOINT_NOISE) else 0
         before = now
+        if still == STILL:
+            robot.look_again()
+        if robot.pushes > pushes:
+            pushes, still = robot.pushes, -KNOWN_AGAIN
     return still >= STILL
 
 

@@ -74,6 +74,7 @@ class WorldModel:
     detour: Detour | None = None
 
     ELEMENT: typing.ClassVar = ("book", "book_pose", "slot", "detour")
+    LEARNED: typing.ClassVar = ("obstacles", *ELEMENT)
 
     def __post_init__(self) -> None:
         self._told = self._state()
@@ -116,6 +117,16 @@ class WorldModel:
             options = [each for each in typing.get_args(kind) if each is not type(None)]
             kind = options[0] if type(None) in typing.get_args(kind) else kind
         return kind
+
+    def state(self) -> dict[str, Any]:
+        """What was learned so far, for a checkpoint."""
+        return {name: getattr(self, name) for name in self.LEARNED}
+
+    def set_state(self, state: Mapping[str, Any]) -> None:
+        """Take over what `state` gave."""
+        for name in self.LEARNED:
+            setattr(self, name, state[name])
+        self._told = self._state()
 
     def taken_changes(self) -> dict[str, Any]:
         """What was learned or forgotten since the last call, ready for JSON."""

@@ -31,7 +31,7 @@ def test_tasks_in_documents_are_right(tmp_path: Path, document: str) -> None:
     from networks.run import prepare
 
     text = (ROOT / document).read_text(encoding="utf-8")
-    blocks = [each for each in re.findall(r"```yaml\n(.*?)```", text, re.S) if each.startswith("format:")]
+    blocks = [each for each in re.findall(r"```yaml\n(.*?)```", text, re.S) if "handcart-task/" in each]
     for source in (ROOT / "tasks" / "return_book").iterdir():
         if source.is_file():
             (tmp_path / source.name).write_bytes(source.read_bytes())

@@ -13,6 +13,8 @@ COMMANDS = {
     "run": ("tools.run_task", "run", "Run a task."),
     "do": ("tools.do_primitive", "do", "Run one primitive alone."),
     "check": ("tools.check_file", "check", "Tell what is wrong with a file, without moving."),
+    "resume": ("tools.resume", "resume", "Go on with a run that broke off."),
+    "ack": ("tools.resume", "ack", "Acknowledge a GiveUp."),
     "status": ("tools.operate", "status", "Tell what a run is doing."),
     "pause": ("tools.operate", "pause", "Hold a run where it is."),
     "continue": ("tools.operate", "go_on", "Go on after a pause."),

@@ -66,6 +66,10 @@ class Progress:
             self._next = robot.time + 0.5
             self._status.update(f"[dim]{robot.time:8.1f} s[/dim]  {self._now}")
 
+    def say(self, words: str) -> None:
+        """Tell something that should be known before anything moves."""
+        self._console.print(escape(words))
+
     def begin(self, prepared: Prepared, folder: Path) -> None:
         """Tell what the user should know before the run starts."""
         for words in prepared.warnings:

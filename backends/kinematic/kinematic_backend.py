@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 from backends.backend import Backend
 from backends.capability import Capability
 from backends.robot_file import RobotFile
+from backends.saved_state import attributes, set_attributes
 from backends.scene.base_contact import move_base
 from backends.scene.hand import Hand
 from backends.scene.load_world import load_world
@@ -21,6 +23,44 @@ from .kinematic_base import KinematicBase
 from .kinematic_camera import KinematicCamera
 from .kinematic_gripper import KinematicGripper
 from .kinematic_range_sensor import KinematicRangeSensor
+
+_STATE = {
+    "backend": ("_periods",),
+    "scene": (
+        "base",
+        "joints",
+        "width",
+        "time",
+        "books",
+        "held",
+        "hand_T_book",
+        "base_T_tray_book",
+        "hand_force",
+        "contacts",
+        "touching",
+        "to_come",
+        "changes",
+    ),
+    "base": ("_command", "_travel"),
+    "arm": (
+        "_command",
+        "_reached",
+        "_motions",
+        "_moving",
+        "_settled",
+        "swung",
+        "_offset",
+        "_touching",
+        "_now",
+        "_readings",
+    ),
+    "gripper": ("_command", "_now", "_pressing"),
+    "camera": ("_now",),
+    "range": ("_now",),
+    "hand": ("entry", "entries", "strain"),
+    "person": ("_given", "_stood", "_since"),
+}
+"""Attributes that a checkpoint keeps, by part; what follows from them isn't kept."""
 
 
 class KinematicBackend(Backend):
@@ -110,6 +150,33 @@ class KinematicBackend(Backend):
         if self._hand is not None:
             self._hand.follow_base()
         return touching
+
+    def state(self) -> dict[str, Any]:
+        """See `Backend`."""
+        return {name: attributes(part, _STATE[name]) for name, part in self._parts().items()}
+
+    def set_state(self, state: object) -> None:
+        """See `Backend`."""
+        kept: dict[str, Any] = state  # type: ignore[assignment]
+        for name, part in self._parts().items():
+            set_attributes(part, kept[name])
+        if self._hand is not None:
+            self._hand.forget_derived()
+
+    def _parts(self) -> dict[str, object]:
+        """What changes in a run, by the names of `_STATE`."""
+        named = {
+            "backend": self,
+            "scene": self.scene,
+            "base": self._base,
+            "arm": self._arm,
+            "gripper": self._gripper,
+            "camera": self._camera,
+            "range": self._range,
+            "hand": self._hand,
+            "person": self._person,
+        }
+        return {name: part for name, part in named.items() if part is not None}
 
     def stop(self) -> None:
         """See `Backend`."""

@@ -12,14 +12,14 @@ from numpy.typing import NDArray
 from robotics.geometry.pose2 import Pose2
 from robotics.geometry.transform import Transform
 from robotics.kinematics.arm_model import ArmModel
-from robotics.kinematics.shapes import Box, Cylinder, Shape
+from robotics.kinematics.coal_bodies import coal_body
+from robotics.kinematics.shapes import Box, Shape, radius_about
 
 from .book import Rest
 from .scene import Scene
 
 HELD = "held book"
 FINGERS = ("left_finger", "right_finger")
-_OWN = ("tray", "column")
 _HANDS = (HELD, *FINGERS, "hand", "camera_body")
 _GIVE = 0.0005  # bodies that only touch count as free [m]
 
@@ -44,18 +44,18 @@ class ArmContact:
     """Overlaps of the moved links, fingers and held book with the world's solids and the books in it.
 
     The arm against itself and its own base is not checked (a planner's task), the hand and the held book
-    against tray and column are. Spheres about the bodies sort out what is far; coal measures the rest.
+    against all that the arm doesn't move (base, tray, column) are. Spheres about the bodies sort out what is far; coal measures the rest.
     """
 
     def __init__(self, scene: Scene, arm: ArmModel) -> None:
         self._scene, self._arm = scene, arm
         shapes = arm.link_shapes(scene.joints)
-        moved = [s.name not in _still(arm, shapes) for s in shapes]
-        self._links = [i for i, moves in enumerate(moved) if moves]
-        self._own = [i for i, s in enumerate(shapes) if s.name in _OWN]
+        still = _still(arm, shapes)
+        self._links = [i for i, s in enumerate(shapes) if s.name not in still]
+        self._own = [i for i, s in enumerate(shapes) if s.name in still]
         self._names = [shape.name for shape in shapes]
-        self._geometry = [_geometry(shape) for shape in shapes]
-        self._radius = np.array([_radius(shape) for shape in shapes])
+        self._geometry = [coal_body(shape) for shape in shapes]
+        self._radius = np.array([radius_about(shape) for shape in shapes])
         self._fixed = [solid.box for solid in scene.solids]
         self._boxes: list[Box] = []
         self._changes = -1
@@ -184,7 +184,7 @@ class ArmContact:
 
 
 def _still(arm: ArmModel, shapes: Collection[Shape]) -> set[str]:
-    """Names of the links that no joint of the arm moves, and of the first, which only turns in place."""
+    """Names of the links that no joint of the arm moves."""
     here = {s.name: s.pose for s in arm.link_shapes(0.5 * (arm.lower + arm.upper))}
     there = {s.name: s.pose for s in arm.link_shapes(0.5 * (arm.lower + arm.upper) + 0.1)}
     return {name for name, pose in here.items() if np.allclose(pose, there[name])}
@@ -200,23 +200,3 @@ def _overlap(one: object, pose: Transform, other: object, other_pose: Transform)
 
 def _placed(pose: Transform) -> object:
     return pin.coal.Transform3s(pose[:3, :3], pose[:3, 3])
-
-
-def _geometry(shape: Shape) -> object:
-    match shape:
-        case Box():
-            return pin.coal.Box(*shape.size)
-        case Cylinder():
-            return pin.coal.Cylinder(shape.radius, shape.length)
-        case _:
-            return pin.coal.Sphere(shape.radius)
-
-
-def _radius(shape: Shape) -> float:
-    match shape:
-        case Box():
-            return float(np.linalg.norm(shape.size)) / 2
-        case Cylinder():
-            return float(np.hypot(shape.radius, shape.length / 2))
-        case _:
-            return shape.radius

@@ -7,13 +7,13 @@ import numpy as np
 from robotics.geometry.transform import inverse, transform
 
 from .book import Book, Rest
-from .hand import FINGER_TIP, HALF_PAD, PLATE, Hand
+from .hand import Hand
 from .insertion import Entry
 from .putting_down import put_down
 from .row import Slot, members
 from .shelf import Shelf
 
-PAD_REAR = 0.10  # x of the pads' rear end in the hand frame [m]
+PAD = 0.05  # of the fingers' length that is padded, up to the tips [m]
 _BITE = 0.005  # a book must reach this deep between the pads to be held
 _LETS_GO = 0.001  # opening beyond the book's thickness at which it is free
 
@@ -27,6 +27,7 @@ class Fingers:
 
     def __init__(self, hand: Hand) -> None:
         self._hand, self._scene = hand, hand.scene
+        self._shape = hand.scene.robot.finger_shape
 
     def set_width(self, width: float) -> None:
         """Bring the finger pads to that opening in [m]; what stands between them stops and holds it."""
@@ -45,16 +46,16 @@ class Fingers:
 
     def _between(self) -> Book | None:
         """The book that closing fingers meet."""
-        scene = self._scene
+        scene, shape = self._scene, self._shape
         hand_T_world = inverse(scene.world_T("hand"))
         for book in scene.books.values():
             if book.rest is Rest.FLOOR:
                 continue
             pose = hand_T_world @ book.pose
             x, y, z = pose[:3, 3]
-            inside = x < FINGER_TIP - _BITE and x + book.depth > PAD_REAR and pose[0, 0] > 0.9
-            level = z < HALF_PAD and z + book.height > -HALF_PAD
-            if inside and level and abs(y) + book.thickness / 2 < scene.width / 2 + PLATE:
+            inside = x < shape.tip - _BITE and x + book.depth > shape.tip - PAD and pose[0, 0] > 0.9
+            level = z < shape.height / 2 and z + book.height > -shape.height / 2
+            if inside and level and abs(y) + book.thickness / 2 < scene.width / 2 + shape.thickness:
                 return book
         return None
 
@@ -93,9 +94,9 @@ class Fingers:
         front = self._hand.front(self._scene.joints)
         if front is None:
             return np.inf
-        tip = front.S_T_hand @ np.array([FINGER_TIP, 0.0, 0.0, 1.0])
+        tip = front.S_T_hand @ np.array([self._shape.tip, 0.0, 0.0, 1.0])
         half = self._scene.width / 2
         sides = [m for m in front.row if m.front < tip[0] - 0.001 and tip[2] < m.top]
         left = min((m.right - tip[1] for m in sides if m.right >= tip[1] + half - 0.001), default=np.inf)
         right = min((tip[1] - m.left for m in sides if m.left <= tip[1] - half + 0.001), default=np.inf)
-        return float(max(0.0, 2 * (min(left, right) - PLATE)))
+        return float(max(0.0, 2 * (min(left, right) - self._shape.thickness)))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -18,9 +19,6 @@ from .row import FORCE_CAP, JAM_FRICTION, PUSH_FRICTION, STIFFNESS, Member, Push
 from .scene import Scene
 from .shelf import Shelf
 
-FINGER_TIP = 0.15  # x of the finger tips in the hand frame [m]
-PLATE = 0.0015  # thickness of a finger
-HALF_PAD = 0.02  # the pads reach this far above and below the hand's x axis
 SLOT_FRICTION = 2.0  # of a book that slides in its slot [N]
 _WRENCH = np.radians(10.0)  # turned further than this against its slot, a book stops the arm
 _FACING = np.cos(np.radians(30.0))
@@ -52,6 +50,21 @@ class Hand:
         self.strain = 0.0
         """How far a hand wrenches the book in its slot, as a share of what stops the arm."""
         self._entrance = Entrance(seed)
+
+    @property
+    def entries(self) -> int:
+        """How often a book entered a slot so far: each has its own luck."""
+        return self._entrance.count
+
+    @entries.setter
+    def entries(self, count: int) -> None:
+        self._entrance.count = count
+
+    def forget_derived(self) -> None:
+        """The scene was put elsewhere: forget what was derived from it."""
+        self.contact = ArmContact(self.scene, self.arm)
+        if self.entry is not None:
+            self.entry = replace(self.entry, shelf=self.scene.shelves[self.entry.shelf.name])
 
     # Motion
 
@@ -163,15 +176,18 @@ class Hand:
         return start + share * (target - start), force, frozenset(met)
 
     def _pushers(self, S_T_hand: Transform) -> list[tuple[str, Pusher]]:
-        scene, z = self.scene, float(S_T_hand[2, 3])
-        inner, outer = scene.width / 2, scene.width / 2 + PLATE
-        spans = [(-outer, outer)] if scene.width < 2 * PLATE else [(-outer, -inner), (inner, outer)]
+        scene, z, finger = self.scene, float(S_T_hand[2, 3]), self.scene.robot.finger_shape
+        inner, outer = scene.width / 2, scene.width / 2 + finger.thickness
+        spans = [(-outer, -inner), (inner, outer)]
+        if scene.width < 2 * finger.thickness:
+            spans = [(-outer, outer)]
+        low, high = z - finger.height / 2, z + finger.height / 2
         found = []
         for right, left in spans:
-            ends = [S_T_hand @ np.array([FINGER_TIP, y, 0.0, 1.0]) for y in (right, left)]
+            ends = [S_T_hand @ np.array([finger.tip, y, 0.0, 1.0]) for y in (right, left)]
             lead = float(max(ends[0][0], ends[1][0]))
             span = (float(ends[0][1]), float(ends[1][1]))
-            found.append(("fingers", Pusher(lead, *span, z - HALF_PAD, z + HALF_PAD, PUSH_FRICTION)))
+            found.append(("fingers", Pusher(lead, *span, low, high, PUSH_FRICTION)))
         if scene.held is not None and self.entry is not None and not self.entry.admitted:
             found.append((HELD, self._jammed(S_T_hand, scene.held)))
         return found

@@ -8,13 +8,11 @@ from robotics.geometry.transform import inverse, transform
 
 from .book import Book, Rest
 from .row import Slot, members, slots
-from .scene import TRAY_TOP, Scene
+from .scene import Scene
 from .shelf import DEPTH, Shelf
 
 HIGHEST_DROP = 0.020  # onto a support; from higher up a book falls over and off [m]
 _BELOW = 0.003
-_TRAY_MIDDLE = (0.19, 0.0)  # of the tray in the base frame [m], and half its sides
-_TRAY_HALF = (0.11, 0.14)
 
 
 def put_down(scene: Scene, book: Book, slot: Slot | None) -> None:
@@ -33,7 +31,7 @@ def put_down(scene: Scene, book: Book, slot: Slot | None) -> None:
         base_T_book = inverse(scene.world_T_base) @ book.pose
         yaw = float(np.arctan2(base_T_book[1, 0], base_T_book[0, 0]))
         x, y = base_T_book[:2, 3]
-        scene.base_T_tray_book = transform((float(x), float(y), TRAY_TOP), (0.0, 0.0, yaw))
+        scene.base_T_tray_book = transform((float(x), float(y), scene.robot.tray_shape.top), (0.0, 0.0, yaw))
         book.pose, book.rest = scene.world_T_base @ scene.base_T_tray_book, Rest.TRAY
     else:
         _fall(scene, book)
@@ -53,10 +51,11 @@ def _carries(scene: Scene, shelf: Shelf, book: Book, slot: Slot | None) -> bool:
 def _on_tray(scene: Scene, book: Book) -> bool:
     if scene.tray_book() is not None:
         return False
+    tray = scene.robot.tray_shape
     foot = inverse(scene.world_T_base) @ book.pose
     middle = foot @ np.array([book.depth / 2, 0.0, 0.0, 1.0])
-    near = all(abs(middle[i] - _TRAY_MIDDLE[i]) < _TRAY_HALF[i] for i in range(2))
-    return near and -_BELOW < middle[2] - TRAY_TOP < HIGHEST_DROP and foot[2, 2] > 0.98
+    near = all(abs(middle[i] - tray.middle[i]) < tray.size[i] / 2 for i in range(2))
+    return near and -_BELOW < middle[2] - tray.top < HIGHEST_DROP and foot[2, 2] > 0.98
 
 
 def _fall(scene: Scene, book: Book) -> None:

@@ -16,7 +16,7 @@ from robotics.perception.camera_model import CameraModel
 from .book import Book
 from .canvas import Canvas
 from .lens import Lens
-from .scene import TRAY_TOP, Scene
+from .scene import Scene
 from .shelf import DEPTH, Shelf
 from .textures import PX_PER_MM, draw_spine
 from .world_file import BookSpec
@@ -189,19 +189,22 @@ def _part(canvas: Canvas, book: Book, span: tuple[float, float], cover: int, hea
 
 def _robot(canvas: Canvas, scene: Scene) -> None:
     """Tray and what stands on it, then the hand's load and fingers: nothing comes before them."""
-    tray = transform((0.19, 0.0, TRAY_TOP - 0.006))
-    _box(canvas, Box(scene.world_T_base @ tray, (0.22, 0.28, 0.012)), _TRAY)
+    if scene.arm is None:
+        return
+    tray = scene.robot.tray_shape
+    middle = scene.world_T_base @ transform((*tray.middle, tray.top - tray.size[2] / 2))
+    _box(canvas, Box(middle, tray.size), _TRAY)
     standing = scene.tray_book()
     if standing is not None:
         _book(canvas, standing, None)
     if scene.held is not None and not any(_held_inside(scene, s) for s in scene.shelves.values()):
         _book(canvas, scene.held, None)
-    if scene.arm is None:
-        return
-    hand = scene.world_T("hand")
+    hand, finger = scene.world_T("hand"), scene.robot.finger_shape
     for side in (-1.0, 1.0):
-        plate = transform((0.095, side * (scene.width / 2 + 0.00075), 0.0))
-        _box(canvas, Box(hand @ plate, (0.11, 0.0015, 0.04)), _METAL)
+        middle = hand @ transform(
+            (finger.tip - finger.length / 2, side * (scene.width + finger.thickness) / 2, 0.0)
+        )
+        _box(canvas, Box(middle, (finger.length, finger.thickness, finger.height)), _METAL)
 
 
 @lru_cache(maxsize=512)

@@ -19,8 +19,7 @@ from .shelf import Shelf
 from .solids import FloorPlan, Solid, of_furniture, of_wall
 from .world_file import BookSpec, WorldFile
 
-TRAY_SPINE_X = 0.10  # of the book's spine in the base frame, as a person sets it down [m]
-TRAY_TOP = 0.62
+SPINE_ON_TRAY = 0.02  # from the tray's rear to the book's spine, as a person sets it down [m]
 PROTRUSION = 0.003  # spines stand this much before or behind the board's front edge at most [m]
 BODY_HEIGHT = 0.55  # of the base [m]
 
@@ -176,7 +175,9 @@ def set_on_tray(scene: Scene, spec: BookSpec, seed: int, number: int = 0) -> Non
     dx, dy, turn = keyed(seed, f"tray {number}" if number else "tray").standard_normal(3)
     place = scene.robot.errors.book_place_mm / 1e3
     yaw = np.radians(scene.robot.errors.book_turn_deg * turn)
-    scene.base_T_tray_book = transform((TRAY_SPINE_X + place * dx, place * dy, TRAY_TOP), (0.0, 0.0, yaw))
+    tray = scene.robot.tray_shape
+    spine = (tray.rear + SPINE_ON_TRAY + place * dx, tray.middle[1] + place * dy, tray.top)
+    scene.base_T_tray_book = transform(spine, (0.0, 0.0, yaw))
     pose = scene.world_T_base @ scene.base_T_tray_book
     scene.books[spec.accession] = Book(spec, pose, Rest.TRAY)
     scene.changes += 1

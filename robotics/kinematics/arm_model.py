@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 
 import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
 from robotics.geometry.transform import Transform
-from robotics.kinematics.shapes import Box, Cylinder, Shape, Sphere
+from robotics.kinematics.coal_bodies import hull_of_mesh, shape_of
+from robotics.kinematics.shapes import Shape
 from robotics.kinematics.urdf_tree import urdf_of_arm
 
 Vector = NDArray[np.float64]
@@ -21,12 +21,13 @@ class ArmModel:
 
     All other joints (wheels, fingers) stand still: at `others[name]` in [rad] or [m], else at zero.
     A continuous joint counts as one limited to a turn, -pi to pi. Poses are given in `base`.
+    A link's mesh counts as its convex hull; its file is named by an absolute path.
     An object holds work space: use it from one thread at a time.
 
     Attributes:
         lower, upper: joint limits (n,), in [rad]; velocity: joint speed limits (n,), in [rad/s].
     Raises:
-        ValueError: a joint or link is not in the URDF, or `base` itself is moved by the arm.
+        ValueError: a joint or link is not in the URDF, a mesh can't be read, or the arm moves `base` itself.
     """
 
     def __init__(
@@ -44,7 +45,12 @@ class ArmModel:
         self._others = dict(others or {})
         reduced = urdf_of_arm(urdf_text, self.joint_names, self._others)
         self._model = pin.buildModelFromXML(reduced)
-        self._geometry = pin.buildGeomFromUrdfString(self._model, reduced, pin.GeometryType.COLLISION)
+        self._geometry = pin.buildGeomFromUrdfString(
+            self._model, reduced, pin.GeometryType.COLLISION, None, [], _MESHES
+        )
+        for body in self._geometry.geometryObjects:
+            if isinstance(body.geometry, pin.coal.BVHModelBase):
+                body.geometry = hull_of_mesh(body.geometry, self._model.frames[body.parentFrame].name)
         self._order = np.array([self._model.idx_qs[self._model.getJointId(name)] for name in joint_names])
         self.lower: Vector = self._model.lowerPositionLimit[self._order]
         self.upper: Vector = self._model.upperPositionLimit[self._order]
@@ -126,7 +132,7 @@ class ArmModel:
         """All collision bodies of the robot, posed in `base`, each named after its link."""
         names = [self._model.frames[body.parentFrame].name for body in self._geometry.geometryObjects]
         bodies = zip(self._geometry.geometryObjects, names, self.link_poses(q), strict=True)
-        return [replace(_shape(body.geometry), pose=pose, name=name) for body, name, pose in bodies]
+        return [shape_of(body.geometry, pose, name) for body, name, pose in bodies]
 
     def for_collision(self) -> tuple[pin.Model, pin.GeometryModel, pin.SE3]:
         """For a collision checker: Pinocchio's model, its own copy of the bodies, and root_T_base."""
@@ -170,7 +176,10 @@ class ArmModel:
             H = J.T @ J
             H.flat[:: self.dof + 1] += 0.05 * squared + _DAMPING
             step = np.linalg.solve(H, np.where(stuck, 0.0, g))
-            q = np.clip(q + step * min(1.0, _LONGEST_STEP / float(np.abs(step).max())), lower, upper)
+            longest = float(np.abs(step).max())
+            if longest == 0.0:
+                return None
+            q = np.clip(q + step * min(1.0, _LONGEST_STEP / longest), lower, upper)
         return None
 
     def _starts(self, root_T_target: pin.SE3, count: int, rng: np.random.Generator) -> list[Vector]:
@@ -196,18 +205,4 @@ _DRAWN = 8
 _LONGEST_STEP = 0.5  # [rad]
 _TOLERANCE = 1e-8  # [m] and [rad]
 _DAMPING = 1e-7
-
-
-def _shape(geometry: object) -> Shape:
-    match geometry:
-        case pin.coal.Box():
-            x, y, z = (2.0 * float(half) for half in geometry.halfSide)
-            return Box(np.eye(4), (x, y, z))
-        case pin.coal.Cylinder():
-            return Cylinder(np.eye(4), float(geometry.radius), 2.0 * float(geometry.halfLength))
-        case pin.coal.Sphere():
-            return Sphere(np.eye(4), float(geometry.radius))
-        case _:
-            raise ValueError(
-                f"a link's collision body is a {type(geometry).__name__}; use box, cylinder, sphere"
-            )
+_MESHES = pin.coal.CachedMeshLoader()  # a mesh is read once, however many models have it

@@ -4,6 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import numpy as np
+from numpy.typing import NDArray
+
 from robotics.geometry.transform import Transform
 
 
@@ -35,4 +38,26 @@ class Sphere:
     name: str = "sphere"
 
 
-Shape = Box | Cylinder | Sphere
+@dataclass(frozen=True, eq=False)
+class Hull:
+    """The convex hull of points: `pose` (4, 4) of the frame that the `points` (n, 3) are given in, in [m]."""
+
+    pose: Transform
+    points: NDArray[np.float64]
+    name: str = "hull"
+
+
+Shape = Box | Cylinder | Sphere | Hull
+
+
+def radius_about(shape: Shape) -> float:
+    """Radius in [m] of the ball about the origin of a body's own frame that holds it."""
+    match shape:
+        case Box():
+            return float(np.linalg.norm(shape.size)) / 2
+        case Cylinder():
+            return float(np.hypot(shape.radius, shape.length / 2))
+        case Sphere():
+            return shape.radius
+        case Hull():
+            return float(np.linalg.norm(shape.points, axis=1).max())

@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 
 from robotics.geometry.transform import Transform
 from robotics.kinematics.arm_model import ArmModel
-from robotics.kinematics.shapes import Box, Cylinder, Shape
+from robotics.kinematics.coal_bodies import coal_body
+from robotics.kinematics.shapes import Shape
 
 Vector = NDArray[np.float64]
 HELD = "held"
@@ -21,7 +22,7 @@ _TOUCH = 1e-6  # coal calls overlapping bodies free at margin 0: its GJK stops a
 class CollisionModel:
     """What the arm must not touch, seen from one stand of the base.
 
-    Bodies are convex primitives, checked by coal (the successor of FCL that comes with Pinocchio: all pairs
+    Bodies are convex (a mesh counts as its hull), checked by coal (the successor of FCL that comes with Pinocchio: all pairs
     in one call, signed distances). Checked are links against links (except a link and its neighbour along
     the chain, and links that can't move against each other), links against obstacles, and the held body
     against both (except the hand that holds it). What the arm doesn't move (the base) isn't checked
@@ -118,7 +119,7 @@ class CollisionModel:
     def _add(self, body: Shape, name: str, joint: int, joint_T_frame: pin.SE3) -> None:
         unique = f"{name}#{len(self._names)}"
         placement = joint_T_frame * pin.SE3(body.pose)
-        self._bodies.addGeometryObject(pin.GeometryObject(unique, joint, placement, _geometry(body)))
+        self._bodies.addGeometryObject(pin.GeometryObject(unique, joint, placement, coal_body(body)))
         self._names.append(name)
 
     def _pair(self) -> None:
@@ -143,13 +144,3 @@ def _coarse_first(count: int) -> NDArray[np.int64]:
     """0 to count-1 in an order that visits far-apart ones first: a collision is found sooner."""
     strides = [np.arange(offset, count, 8) for offset in (3, 7, 1, 5, 0, 2, 4, 6)]
     return np.concatenate(strides)
-
-
-def _geometry(body: Shape) -> object:
-    match body:
-        case Box():
-            return pin.coal.Box(*body.size)
-        case Cylinder():
-            return pin.coal.Cylinder(body.radius, body.length)
-        case _:
-            return pin.coal.Sphere(body.radius)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,10 +13,17 @@ from robotics.navigation.odometry import Odometry, OdometryErrors
 from robotics.navigation.scan_matching import LikelihoodField, ScanMatch, match_scan
 
 FEWEST_POINTS = 20
+LEAST_INLIERS = 0.4  # share of a scan's points that the map must explain for a match to be believed
+ROUGH = np.diag([0.3, 0.3, 0.17]) ** 2  # [m², rad²] of a pose that is looked for
+LESS = 0.9  # share of the points explained so far; fewer, and the pose is looked for farther away
+DISPLACED = (0.010, 0.010)  # [m], [rad] by which scans of one place never differ: eight times their spread
 
 
 class Localizer(ABC):
     """Estimates map_T_base from wheel travel and range scans."""
+
+    STATE: ClassVar[tuple[str, ...]] = ()
+    """Attributes that change, besides the odometry's."""
 
     def __init__(
         self,
@@ -26,6 +34,11 @@ class Localizer(ABC):
     ) -> None:
         """Start at a pose, certain or with a covariance (3, 3); `tread` of the wheels in [m]."""
         self._odometry = Odometry(start, tread, errors, covariance)
+
+    @property
+    def odometry(self) -> Odometry:
+        """What the wheels say, corrected."""
+        return self._odometry
 
     @property
     def pose(self) -> Pose2:
@@ -40,6 +53,10 @@ class Localizer(ABC):
     def predict(self, left: float, right: float) -> None:
         """The wheels travelled this far, in [m]."""
         self._odometry.predict(left, right)
+
+    def find_again(self, points: NDArray[np.float64]) -> bool:
+        """Take over another pose if a scan's end points (n, 2), in [m], clearly fit there; whether so."""
+        return False
 
     @abstractmethod
     def correct(self, points: NDArray[np.float64]) -> bool:
@@ -61,6 +78,8 @@ class ScanLocalizer(Localizer):
         last_match: what the latest scan gave, taken over or not; None before the first.
     """
 
+    STATE = ("last_match", "_poor")
+
     def __init__(
         self,
         field: LikelihoodField,
@@ -69,7 +88,7 @@ class ScanLocalizer(Localizer):
         errors: OdometryErrors = OdometryErrors(),
         covariance: NDArray[np.float64] | None = None,
         sigma: float = 0.01,
-        least_inliers: float = 0.4,
+        least_inliers: float = LEAST_INLIERS,
         patience: int = 10,
     ) -> None:
         """Start at a pose on a map.
@@ -116,10 +135,22 @@ class ScanLocalizer(Localizer):
         self._odometry.correct(match.pose, match.covariance)
         return True
 
+    def find_again(self, points: NDArray[np.float64]) -> bool:
+        """See `Localizer`; up to about 0.3 m and 10 degrees away."""
+        if len(points) < FEWEST_POINTS:
+            return False
+        match = match_scan(self._field, points, self.pose, self.covariance, self._sigma)
+        if self.last_match is None or match.inliers < LESS * self.last_match.inliers:
+            match = match_scan(self._field, points, self.pose, ROUGH, self._sigma, anneal=True)
+        away = self.pose.distance(match.pose) > DISPLACED[0] or self.pose.turn(match.pose) > DISPLACED[1]
+        if not away or match.inliers < self._least_inliers:
+            return False
+        self.relocalize(self.pose, points)
+        return True
+
     def relocalize(self, near: Pose2, points: NDArray[np.float64]) -> ScanMatch:
         """Start again from a rough pose, up to about 0.3 m and 10 degrees off, by a scan (n, 2)."""
-        rough = np.diag([0.3, 0.3, 0.17]) ** 2
-        match = match_scan(self._field, points, near, rough, self._sigma, anneal=True)
+        match = match_scan(self._field, points, near, ROUGH, self._sigma, anneal=True)
         self._odometry.reset(match.pose, match.covariance)
         self.last_match, self._poor = match, 0
         return match

@@ -32,6 +32,9 @@ class Odometry:
     otherwise (`correct`) also teaches them: the wheels are calibrated while driving.
     """
 
+    STATE = ("pose", "_scales", "_state")
+    """Attributes that change."""
+
     def __init__(
         self,
         pose: Pose2,

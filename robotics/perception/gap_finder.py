@@ -33,9 +33,17 @@ class GapFound(NamedTuple):
 
 
 class NoGap(NamedTuple):
-    """There is no slot for the book, and why."""
+    """There is no slot for the book, and why: in words, and as a number of what against its limit.
+
+    `at` is y in the shelf frame in [m] where the book belongs, None where that isn't known.
+    """
 
     reason: str
+    what: str
+    value: float
+    limit: float
+    unit: str = ""
+    at: float | None = None
 
 
 def find_gap(
@@ -54,26 +62,29 @@ def find_gap(
     """
     numbers = [book.call_number for book in reading.books]
     if all(number is None for number in numbers):
-        return NoGap("no call number could be read on the shelf")
+        return NoGap("no call number could be read on the shelf", "call numbers read", 0, 1)
     places = _best_places(numbers, call_number) if misplacement else _naive_places(numbers, call_number)
     if not places:
-        return NoGap(f"no two neighbours on the shelf enclose {call_number}")
+        return NoGap(f"no two neighbours on the shelf enclose {call_number}", "places for it", 0, 1)
     slots = [gap for gap in reading.gaps if _index(reading, gap) in places]
     before, after = _neighbours(numbers, call_number, places)
     where = _where(before, after)
     if not slots:
-        return NoGap(f"{call_number} belongs {where}, and there is no free slot")
+        reason = f"{call_number} belongs {where}, and there is no free slot"
+        return NoGap(reason, "slots seen there", 0, 1, at=_at(reading, places[0]))
     fitting = [gap for gap in slots if _LEAST_EXTRA <= gap.width - thickness <= max_extra]
     if not fitting:
-        widest = max(gap.width for gap in slots) * 1e3
-        trouble = (
-            "too narrow"
-            if widest < (thickness + _LEAST_EXTRA) * 1e3
-            else "so wide that the book would fall over"
-        )
+        slot = max(slots, key=lambda gap: gap.width)
+        widest, least = slot.width * 1e3, (thickness + _LEAST_EXTRA) * 1e3
+        trouble = "too narrow" if widest < least else "so wide that the book would fall over"
         return NoGap(
             f"{call_number} belongs {where}; the slot there is {widest:.0f} mm wide, {trouble} "
-            f"for a book of {thickness * 1e3:.0f} mm"
+            f"for a book of {thickness * 1e3:.0f} mm",
+            "width of the slot",
+            widest,
+            least if widest < least else (thickness + max_extra) * 1e3,
+            "mm",
+            (slot.left + slot.right) / 2,
         )
     chosen = min(fitting, key=lambda gap: gap.width)
     place = _index(reading, chosen)
@@ -84,6 +95,14 @@ def find_gap(
 def _index(reading: ShelfReading, gap: Gap) -> int:
     """How many books stand to the left of a gap."""
     return sum(book.centre > (gap.left + gap.right) / 2 for book in reading.books)
+
+
+def _at(reading: ShelfReading, place: int) -> float | None:
+    """y where a book put in at that place would stand between its neighbours, in [m]."""
+    sides = [book.right for book in reading.books[:place][-1:]] + [
+        book.left for book in reading.books[place : place + 1]
+    ]
+    return sum(sides) / len(sides) if sides else None
 
 
 def _best_places(numbers: Sequence[CallNumber | None], wanted: CallNumber) -> list[int]:

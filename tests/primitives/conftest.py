@@ -152,7 +152,7 @@ def at_slot(make_rig: Callable[..., Rig], monkeypatch: pytest.MonkeyPatch) -> Ca
         assert isinstance(rig.run(PickUp()), Success)
         base_T_shelf = inverse(rig.scene.world_T_base) @ rig.scene.shelves["shelf_1"].pose
         before = transform((-0.05 - 0.12 - 0.15, GAP_MIDDLE + aside, 0.125))
-        rig.drive(move_to_pose(rig.robot, base_T_shelf @ before, held_box(TRAY_BOOK)))
+        rig.drive(move_to_pose(rig.robot, base_T_shelf @ before, held_box(rig.robot, TRAY_BOOK)))
         half = GAP_MM / 2e3
         rig.model.slot = Slot(
             "shelf_1", GAP_MIDDLE + half, GAP_MIDDLE - half, 0.001, "510.7 ABE", "512.8 ABE"

@@ -1,0 +1,101 @@
+"""Kill return_book at random instants and resume it: `python -m benchmarks.crashes 100`.
+
+Each run is killed (SIGKILL) at an instant drawn from its whole duration, and resumed. Counted are: outcomes
+of the journal that are lost, finished actions that are done again, and ends that differ from those of a run
+that nobody killed (outcome, situation, simulated time).
+"""
+
+from __future__ import annotations
+
+import json
+import random
+import subprocess
+import sys
+import tempfile
+import time
+from collections import Counter
+from pathlib import Path
+from typing import Any
+
+from networks.journal_record import read_journal
+
+TASK = Path(__file__).resolve().parents[1] / "tasks" / "return_book" / "task.yaml"
+ROOT = TASK.parents[2]
+
+
+def command(*words: object) -> list[str]:
+    """A command line of handcart in this Python."""
+    return [sys.executable, "-m", "tools.handcart", *map(str, words)]
+
+
+def run_and_kill(runs: Path, seconds: float) -> Path:
+    """The folder of a run that was killed so long after it listened to its operator."""
+    process = subprocess.Popen(
+        command("run", TASK, "--runs", runs), cwd=ROOT, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
+    )
+    folder = runs / "return_book-0"
+    while not (folder / "control").exists() and process.poll() is None:
+        time.sleep(0.005)
+    time.sleep(seconds)
+    process.kill()
+    process.wait()
+    return folder
+
+
+def results(folder: Path) -> list[tuple[int, str]]:
+    """Action of the network and outcome, for each RESULT in the journal."""
+    index: dict[int, int] = {}
+    found = []
+    for record in read_journal(folder / "journal.jsonl").records:
+        if record["kind"] == "START":
+            index[record["n"]] = record["action"]["index"]
+        elif record["kind"] == "RESULT":
+            found.append((index[record["n"]], record["outcome"]))
+    return found
+
+
+def last_json(text: str) -> dict[str, Any]:
+    """The summary on the last line."""
+    summary: dict[str, Any] = json.loads(text.splitlines()[-1])
+    return summary
+
+
+def main() -> None:
+    """Print what was lost, repeated, or ended otherwise."""
+    trials = int(sys.argv[1]) if len(sys.argv) > 1 else 100
+    rng, count = random.Random(0), Counter[str]()
+    with tempfile.TemporaryDirectory() as folder:
+        began = time.monotonic()
+        said = subprocess.run(
+            command("run", TASK, "--runs", Path(folder) / "whole", "--json"),
+            cwd=ROOT,
+            capture_output=True,
+            text=True,
+        )
+        whole = last_json(said.stdout)
+        lasts = max(0.5, time.monotonic() - began - 1.0)
+        for number in range(trials):
+            run = run_and_kill(Path(folder) / str(number), rng.uniform(0.0, lasts))
+            before = results(run)
+            said = subprocess.run(command("resume", run, "--json"), cwd=ROOT, capture_output=True, text=True)
+            if said.returncode == 2 and "is over" in said.stderr:
+                count["killed after its end"] += 1
+                continue
+            count["resumed"] += 1
+            after = results(run)
+            count["outcomes lost"] += after[: len(before)] != before
+            done = Counter(action for action, outcome in after if outcome == "Success")
+            count["actions repeated"] += any(times > 1 for times in done.values())
+            if said.returncode != 0:
+                count["ended otherwise"] += 1
+                print(said.stderr[-400:])
+                continue
+            end = last_json(said.stdout)
+            keys = ("outcome", "situation", "sim_time_s", "fails")
+            count["ended otherwise"] += any(end[key] != whole[key] for key in keys)
+            print(f"\r{number + 1} of {trials}: {dict(count)}", end="", flush=True)
+    print()
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,140 @@
+"""The last seconds of readings and commands, kept where something went wrong."""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from types import TracebackType
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from backends.arm import Arm
+from backends.base import Base
+from backends.gripper import Gripper
+from backends.range_sensor import RangeSensor
+from backends.robot import Robot
+from primitives.outcome import Success
+
+from .events import Ended, Event, Restoring, Started
+from .evidence_files import FOLDER, stem
+
+SECONDS = 10.0  # of the robot's time
+END = "end"
+"""The stem of the file with the run's last seconds."""
+SUFFIX = "_readings.npz"
+
+Row = dict[str, Any]
+Readings = Mapping[str, NDArray[Any]]
+"""Columns by name, `time_s` and so on: (n,) or (n, m). Beside them what stays the same: `footprint_m` (), and
+for the range sensor `angles_rad` (m,) of its beams and `base_T_sensor` (3,) in [m, m, rad]."""
+
+
+class FlightRecorder:
+    """An onlooker and an observer of a run: reads everything but the camera once a period.
+
+    For each Fail and GiveUp it writes `evidence/003_MOVE_TO_Fail_readings.npz`: the seconds before the motion
+    was broken off, and the last ones of the way back. At the end of the run (leaving it as a context manager)
+    it writes `evidence/end_readings.npz`, unless nothing has happened since. A reading is the same however often it is taken, so the run isn't
+    changed. Names end in the unit.
+    """
+
+    def __init__(self, run_dir: Path, robot: Robot, seconds: float = SECONDS) -> None:
+        """Nothing is read yet; the last `seconds` of the robot's time are kept."""
+        self._folder = run_dir / FOLDER
+        self._rows: deque[Row] = deque(maxlen=max(1, round(seconds / robot.period)))
+        self._decided: list[Row] = []
+        self._same: Row = {"footprint_m": robot.spec.footprint_radius_m}
+        self._time = self._kept = -1.0
+        self._action, self._restoring = 0, False
+        backend = robot.backend
+        self._arm, self._gripper = backend.get(Arm), backend.get(Gripper)  # type: ignore[type-abstract]
+        self._base, self._range = backend.get(Base), backend.get(RangeSensor)  # type: ignore[type-abstract]
+        self.lost: str | None = None
+        """Why nothing more is kept, where the disk took no more; the run goes on without."""
+
+    def look(self, robot: Robot) -> None:
+        """Take a period down; while the robot's time stands still there is nothing new."""
+        if robot.time <= self._time:
+            return
+        self._time = robot.time
+        pose, sigma = robot.pose, robot.pose_sigma
+        row: Row = {
+            "time_s": robot.time,
+            "action": self._action,
+            "restoring": self._restoring,
+            "x_m": pose.x,
+            "y_m": pose.y,
+            "heading_rad": pose.theta,
+            "position_sigma_m": sigma[0],
+            "heading_sigma_rad": sigma[1],
+            "scan_explained": robot.explained,
+        }
+        if self._base is not None:
+            row["wheel_left_m"], row["wheel_right_m"] = self._base.wheel_travel()
+            row["speed_command_m_s"], row["turn_command_rad_s"] = robot.driven
+        if self._arm is not None:
+            row["joints_rad"], row["joints_command_rad"] = self._arm.joints(), self._arm.command()
+            row["hand_force_n"] = self._arm.hand_force()
+        if self._gripper is not None:
+            row["grip_width_m"], row["grip_command_m"] = self._gripper.width(), self._gripper.command()
+            row["grip_presses"] = self._gripper.closed_on_something()
+        if self._range is not None:
+            scan = self._range.scan()
+            self._same["angles_rad"], self._same["base_T_sensor"] = scan.angles, scan.base_T_sensor
+            row["ranges_m"] = scan.ranges.round(3).astype(np.float32)
+        self._rows.append(row)
+
+    def __call__(self, event: Event) -> None:
+        """Keep what an event makes worth keeping."""
+        match event:
+            case Started(number=number):
+                self._action, self._restoring, self._decided = number, False, []
+            case Restoring():
+                self._restoring, self._decided = True, list(self._rows)
+            case Ended(number=number, action=action, outcome=outcome):
+                self._restoring = False
+                if not isinstance(outcome, Success):
+                    self._keep(stem(number, action.do, outcome))
+            case _:
+                pass
+
+    def __enter__(self) -> FlightRecorder:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self._decided = []
+        if self._time > self._kept:
+            self._keep(END)
+
+    def _keep(self, name: str) -> None:
+        after = self._decided[-1]["time_s"] if self._decided else -1.0
+        rows = [*self._decided, *(row for row in self._rows if row["time_s"] > after)]
+        if not rows or self.lost is not None:
+            return
+        try:
+            self._folder.mkdir(exist_ok=True)
+            np.savez_compressed(self._folder / f"{name}{SUFFIX}", **_columns(rows), **self._same)
+            self._kept = self._time
+        except OSError as error:
+            self.lost = error.strerror
+
+
+def _columns(rows: Sequence[Row]) -> dict[str, Any]:
+    return {name: np.array([row[name] for row in rows]) for name in rows[0]}
+
+
+def load_readings(path: Path) -> Readings:
+    """What the recorder wrote.
+
+    Raises:
+        OSError, ValueError, KeyError, zipfile.BadZipFile: it is no such file, or damaged.
+    """
+    with np.load(path) as arrays:
+        columns = {name: arrays[name] for name in arrays.files}
+    columns["time_s"].astype(np.float64)
+    return columns

@@ -1,0 +1,144 @@
+"""A run that is over (or broke off), read back from its folder."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from files.errors import InputError
+from files.printable import printable
+
+from .journal import SCHEMA
+from .journal_record import JournalError, read_journal
+from .journaled_network import JournaledNetwork, network_of
+
+JOURNAL = "journal.jsonl"
+Record = Mapping[str, Any]
+
+
+class NoRun(InputError):
+    """A folder holds no run that can be read; nothing of it was changed."""
+
+    def __init__(self, folder: Path, wrong: str) -> None:
+        super().__init__(
+            printable(f"{folder}: {wrong}; allowed: the folder of a run, such as runs/return_book-0")
+        )
+
+
+@dataclass(frozen=True)
+class PastAction:
+    """An action that was started."""
+
+    number: int
+    """Which one of the run, from 1."""
+    index: int
+    """In the network."""
+    do: str
+    source: str
+    target: str
+    parameters: Mapping[str, Any]
+    start: float
+    """[s] of the robot's time, as are the others."""
+    end: float
+    """Where it has none in the journal, the last that is known."""
+    broken_off: float | None
+    """When the motion was broken off and restoring began."""
+    outcome: str
+    """Success, Fail or GiveUp; empty where the journal doesn't tell."""
+    result: Record = field(default_factory=dict)
+    """The journal's record of how it ended."""
+
+    @property
+    def reason(self) -> str:
+        """Why it didn't succeed."""
+        return str(self.result.get("reason", ""))
+
+    @property
+    def fails(self) -> bool:
+        """Whether it ended in Fail or GiveUp."""
+        return self.outcome in ("Fail", "GiveUp")
+
+
+@dataclass(frozen=True)
+class PastRun:
+    """What a run's journal tells."""
+
+    folder: Path
+    header: Record
+    records: Sequence[Record]
+    actions: tuple[PastAction, ...]
+    network: JournaledNetwork | None
+    """None in the journals of older versions."""
+    torn_at: int | None
+    """Offset in [bytes] from which on the journal's tail is no whole record."""
+
+    @property
+    def end(self) -> Record | None:
+        """The record of the run's end; None where it was killed, or still goes on."""
+        last = self.records[-1]
+        return last if last["kind"] == "END" else None
+
+    @property
+    def last_fail(self) -> PastAction | None:
+        """The last action that ended in Fail or GiveUp."""
+        return next((each for each in reversed(self.actions) if each.fails), None)
+
+    def before(self, action: PastAction) -> Iterator[Record]:
+        """The records up to the action's START, that excluded."""
+        for record in self.records:
+            if record["kind"] == "START" and record["n"] == action.number:
+                return
+            yield record
+
+
+def read_run(folder: Path) -> PastRun:
+    """Read a run's journal.
+
+    Raises:
+        NoRun: there is no journal that says what was run.
+        JournalError: it is damaged inside, or what it says makes no sense.
+    """
+    path = folder / JOURNAL
+    if not path.is_file():
+        raise NoRun(folder, f"there is no {JOURNAL} in it" if folder.is_dir() else "there is no such folder")
+    contents = read_journal(path)
+    if not contents.records:
+        raise NoRun(folder, f"{JOURNAL} holds no whole record")
+    header = contents.records[0]
+    if header["kind"] != "RUN" or header.get("schema") != SCHEMA:
+        said = header.get("schema", header["kind"])
+        raise NoRun(folder, f"{JOURNAL} is no journal of the format {SCHEMA}, but {said!r}")
+    record: Record = header
+    try:
+        kept = header.get("plan_on")
+        network = None if kept is None else network_of(kept)
+        actions = []
+        for record in contents.records:
+            if record["kind"] == "START":
+                actions.append(_action(record, contents.records))
+    except (LookupError, TypeError, ValueError, AttributeError) as error:
+        wrong = f"record {record['q']} ({record['kind']}) makes no sense: {type(error).__name__}: {error}"
+        raise JournalError(path, wrong) from None
+    return PastRun(folder, header, contents.records, tuple(actions), network, contents.torn_at)
+
+
+def _action(start: Record, records: Sequence[Record]) -> PastAction:
+    number, words = int(start["n"]), start["action"]
+    ends = [record for record in records if record.get("n") == number]
+    result = next((record for record in ends if record["kind"] == "RESULT"), {})
+    restore = next((record for record in ends if record["kind"] == "RESTORE"), None)
+    return PastAction(
+        number,
+        int(words["index"]),
+        str(words["do"]),
+        str(words["from"]),
+        str(words["to"]),
+        words["with"],
+        float(start["t"]),
+        float(result.get("t", records[-1]["t"])),
+        None if restore is None else float(restore["t"]),
+        str(result.get("outcome", "")),
+        result,
+    )

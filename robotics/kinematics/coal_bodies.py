@@ -1,0 +1,69 @@
+"""Convex bodies as coal, the collision checker that comes with Pinocchio, has them, and back."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import NDArray
+
+from robotics.geometry.transform import Transform
+from robotics.kinematics.shapes import Box, Cylinder, Hull, Shape, Sphere
+
+_LEAST = 4  # corners of a body
+
+
+def coal_body(shape: Shape) -> object:
+    """A shape as coal's geometry, about the origin of its frame."""
+    match shape:
+        case Box():
+            return pin.coal.Box(*shape.size)
+        case Cylinder():
+            return pin.coal.Cylinder(shape.radius, shape.length)
+        case Sphere():
+            return pin.coal.Sphere(shape.radius)
+        case Hull():
+            return _convex(shape.points.tobytes(), len(shape.points))
+
+
+def shape_of(geometry: object, pose: Transform, name: str) -> Shape:
+    """A geometry of coal as a shape; a mesh as its convex hull.
+
+    Raises:
+        ValueError: it is something else, or a mesh without volume.
+    """
+    match geometry:
+        case pin.coal.Box():
+            x, y, z = (2.0 * float(half) for half in geometry.halfSide)
+            return Box(pose, (x, y, z), name)
+        case pin.coal.Cylinder():
+            return Cylinder(pose, float(geometry.radius), 2.0 * float(geometry.halfLength), name)
+        case pin.coal.Sphere():
+            return Sphere(pose, float(geometry.radius), name)
+        case pin.coal.ConvexBase():
+            return Hull(pose, np.array(geometry.points()), name)
+    kind = type(geometry).__name__
+    raise ValueError(f"a collision body of link {name!r} is a {kind}; allowed: box, cylinder, sphere, mesh")
+
+
+def hull_of_mesh(mesh: object, name: str) -> object:
+    """The convex hull of coal's mesh.
+
+    Raises:
+        ValueError: its vertices (fewer than four, or all in a plane) enclose nothing.
+    """
+    points = np.array(mesh.vertices())  # type: ignore[attr-defined]
+    points = points - 0.0  # a copy of our own
+    if len(points) < _LEAST or np.linalg.matrix_rank(points - points.mean(axis=0), tol=1e-7) < 3:
+        raise ValueError(f"a mesh of link {name!r} encloses nothing; allowed: a closed surface")
+    return _convex(points.tobytes(), len(points))
+
+
+@lru_cache(maxsize=256)
+def _convex(points: bytes, count: int) -> object:
+    listed = pin.coal.StdVec_Vec3s()
+    corners: NDArray[np.float64] = np.frombuffer(points).reshape(count, 3)
+    for corner in corners:
+        listed.append(corner)
+    return pin.coal.Convex.convexHull(listed, True, "Qt")

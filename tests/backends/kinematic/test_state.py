@@ -1,0 +1,59 @@
+"""A world put back where it stood goes on as if nothing had happened."""
+
+from __future__ import annotations
+
+import pickle
+
+import numpy as np
+import pytest
+
+from backends.saved_state import NotAState, pack, unpack
+
+
+def readings(puppet):
+    backend = puppet.backend
+    base, arm, gripper, camera, ranges = backend.capabilities()
+    return np.concatenate(
+        [
+            base.wheel_travel(),
+            arm.joints(),
+            arm.hand_force(),
+            [gripper.width(), gripper.closed_on_something()],
+            ranges.scan().ranges,
+            camera.image().ravel()[::97],
+            *(book.pose.ravel() for book in backend.scene.books.values()),
+        ]
+    )
+
+
+@pytest.mark.parametrize("stage", ["at first", "in the hand", "in the slot"])
+def test_a_restored_world_goes_on_like_the_one_that_was_kept(puppet, make, stage):
+    if stage == "in the hand":
+        puppet.take_book()
+    if stage == "in the slot":
+        puppet.insert()
+    kept = pack(puppet.backend.state())
+    again = type(puppet)(make())
+    again.backend.set_state(unpack(kept))
+    for each in (puppet, again):
+        each.backend._base.drive(0.0, 0.1)
+        each.backend.step()
+    assert np.array_equal(readings(puppet), readings(again), equal_nan=True)
+    for each in (puppet, again):
+        each.fingers(0.07)
+        here = each.scene.arm.forward(each.arm.command())[:3, 3]
+        each.to(here[0] - 0.05, here[1], here[2])
+    assert np.array_equal(readings(puppet), readings(again), equal_nan=True)
+    assert puppet.scene.contacts == again.scene.contacts
+
+
+class Evil:
+    def __reduce__(self):
+        return print, ("ran",)
+
+
+@pytest.mark.parametrize("content", [pickle.dumps(Evil()), b"", b"nonsense", pickle.dumps(np.load)])
+def test_what_is_no_state_is_refused_and_runs_nothing(content, capsys):
+    with pytest.raises(NotAState, match="no saved state"):
+        unpack(content)
+    assert capsys.readouterr().out == ""

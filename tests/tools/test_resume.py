@@ -1,0 +1,173 @@
+"""A run that broke off goes on (rows K1, K2, D1, D2, D12, N13, U12)."""
+
+from __future__ import annotations
+
+import json
+import random
+import subprocess
+import sys
+import time
+from collections import Counter
+from pathlib import Path
+
+import pytest
+
+from networks.acknowledging import NothingToAcknowledge, acknowledge
+from networks.journal import Journal
+from networks.journal_record import read_journal
+
+ROOT = Path(__file__).resolve().parents[2]
+TASK = ROOT / "tasks" / "return_book" / "task.yaml"
+
+
+def killed(runs: Path, seconds: float) -> Path:
+    """The folder of a run of return_book that was killed so long after it began to move."""
+    command = [sys.executable, "-m", "tools.handcart", "run", str(TASK), "--runs", str(runs)]
+    process = subprocess.Popen(command, cwd=ROOT, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    folder = runs / "return_book-0"
+    while not (folder / "control").exists():
+        assert process.poll() is None
+        time.sleep(0.01)
+    time.sleep(seconds)
+    process.kill()
+    process.wait()
+    return folder
+
+
+def finished(folder: Path) -> Counter[int]:
+    """How often each action of the network ended in Success."""
+    started, done = {}, Counter[int]()
+    for record in read_journal(folder / "journal.jsonl").records:
+        if record["kind"] == "START":
+            started[record["n"]] = record["action"]["index"]
+        if record["kind"] == "RESULT" and record["outcome"] == "Success":
+            done[started[record["n"]]] += 1
+    return done
+
+
+@pytest.fixture
+def whole(handcart, tmp_path):
+    """A run that came to its end, and what it said."""
+    said = handcart("run", TASK, "--runs", tmp_path / "whole", "--json")
+    return tmp_path / "whole" / "return_book-0", json.loads(said.out.splitlines()[-1])
+
+
+def cut(folder: Path, kind: str, number: int) -> None:
+    """Cut a journal off before its `number`-th record of a kind."""
+    path = folder / "journal.jsonl"
+    lines = path.read_bytes().splitlines(keepends=True)
+    places = [i for i, line in enumerate(lines) if f'"kind":"{kind}"'.encode() in line]
+    path.write_bytes(b"".join(lines[: places[number]]))
+
+
+def test_killed_at_any_instant_it_ends_as_it_would_have(handcart, tmp_path):
+    """K1, K2: no finished action is repeated; killed again while it resumes, too."""
+    rng = random.Random(3)
+    for trial in range(2):
+        folder = killed(tmp_path / str(trial), rng.uniform(0.2, 3.0))
+        before = finished(folder)
+        said = handcart("resume", folder, "--json")
+        if "is over" in said.err:
+            continue
+        assert said.status == 0
+        end = json.loads(said.out.splitlines()[-1])
+        assert (end["outcome"], end["situation"], end["metrics"]["untrue"]) == ("Success", "returned", [])
+        assert set(finished(folder).values()) == {1}
+        assert before <= finished(folder)
+
+
+def test_killed_before_its_end_was_noted_nothing_is_done_again(handcart, whole):
+    folder, end = whole
+    cut(folder, "END", 0)
+    said = handcart("resume", folder, "--json")
+    assert said.status == 0
+    again = json.loads(said.out.splitlines()[-1])
+    assert (again["outcome"], again["situation"]) == (end["outcome"], end["situation"])
+    assert again["sim_time_s"] == end["sim_time_s"]
+
+
+def test_a_result_that_only_the_checkpoint_has_is_recovered(handcart, whole):
+    folder, _ = whole
+    cut(folder, "RESULT", -1)
+    said = handcart("resume", folder, "--json")
+    assert said.status == 0
+    assert "recovered: action 8 had ended with Success" in said.err
+    assert set(finished(folder).values()) == {1}
+
+
+def test_a_torn_tail_is_set_aside_and_told(handcart, whole):
+    """D1"""
+    folder, _ = whole
+    path = folder / "journal.jsonl"
+    cut(folder, "END", 0)
+    path.write_bytes(path.read_bytes()[:-7])
+    said = handcart("resume", folder)
+    assert said.status == 0
+    assert "torn: the journal's tail from byte" in said.err
+    assert len(list(folder.glob("journal.jsonl.torn-*"))) == 1
+    assert read_journal(path).torn_at is None
+
+
+def test_damage_inside_is_refused_with_its_place(handcart, whole):
+    """D2"""
+    folder, _ = whole
+    path = folder / "journal.jsonl"
+    content = bytearray(path.read_bytes())
+    content[len(content) // 2] ^= 4
+    path.write_bytes(bytes(content))
+    said = handcart("resume", folder)
+    assert said.status == 5
+    assert "isn't what was written" in said.err
+    assert path.read_bytes() == bytes(content)
+
+
+def test_a_run_that_came_to_its_end_is_not_resumed(handcart, whole):
+    folder, _ = whole
+    said = handcart("resume", folder)
+    assert said.status == 2
+    assert "is over: Success" in said.err
+
+
+def test_a_real_robot_moves_only_when_a_person_has_looked(handcart, whole, monkeypatch):
+    from backends.kinematic.kinematic_backend import KinematicBackend
+
+    folder, _ = whole
+    cut(folder, "END", 0)
+    last = len(read_journal(folder / "journal.jsonl").records) - 1
+    monkeypatch.setattr(KinematicBackend, "simulated", False)
+    said = handcart("resume", folder)
+    assert said.status == 6
+    assert f"--confirm {last}" in said.err
+    assert handcart("resume", folder, "--confirm", last - 1).status == 6
+    assert handcart("resume", folder, "--confirm", last).status == 0
+
+
+def test_another_task_is_not_gone_on_with(handcart, tour, tmp_path):
+    """D12"""
+    handcart("run", tour, "--runs", tmp_path / "runs")
+    folder = tmp_path / "runs" / f"{tour.parent.name}-0"
+    cut(folder, "END", 0)
+    tour.write_text(tour.read_text().replace("cost_s: 30", "cost_s: 31"))
+    said = handcart("resume", folder)
+    assert said.status == 6
+    assert "its network is another one" in said.err
+
+
+def test_a_give_up_is_latched_until_a_person_acknowledges_that_record(handcart, whole):
+    """N13, U12"""
+    folder, _ = whole
+    cut(folder, "RESULT", 6)
+    path = folder / "journal.jsonl"
+    (folder / "checkpoint").unlink()
+    with Journal.go_on(path, read_journal(path)) as journal:
+        fields = {"n": 7, "outcome": "GiveUp", "reason": "the book fell", "residuals": {}}
+        number = journal.append("RESULT", 80.0, fields)
+        journal.append("END", 80.0, {"outcome": "GiveUp", "situation": "in_slot", "reason": "the book fell"})
+    said = handcart("resume", folder)
+    assert said.status == 6
+    assert f"handcart ack {folder} {number}" in said.err
+    assert handcart("ack", folder, number - 1).status == 2
+    assert handcart("ack", folder, number).status == 0
+    with pytest.raises(NothingToAcknowledge):
+        acknowledge(folder, number)
+    assert "holds no checkpoint" in handcart("resume", folder).err
