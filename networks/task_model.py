@@ -39,6 +39,10 @@ class ActionEntry(FileModel):
     """What it is expected to take; each Fail doubles its weight in planning."""
     attempts: Annotated[int, Field(ge=1, le=MAX_ATTEMPTS)] = 3
     """After that many Fails it is out."""
+    p: Annotated[float, Field(gt=0.0, le=1.0)] | None = None
+    """Probability that an attempt ends in Success; for `handcart check`, which then tells how runs end."""
+    p_give_up: Annotated[float, Field(ge=0.0, lt=1.0)] = 0.0
+    """Probability that it ends in GiveUp; what is left is that of Fail."""
     permit: Literal["operator"] | None = None
     """`operator`: it starts only when the operator permits it, each time."""
     time_out_s: Annotated[float, Field(gt=0.0, le=MAX_COST_S)] | None = None

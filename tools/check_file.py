@@ -10,6 +10,7 @@ import typer
 
 if TYPE_CHECKING:
     from files.errors import InputError
+    from networks.task_file import Task
 
 
 def check(
@@ -33,11 +34,16 @@ def check(
         print(orjson.dumps({"ok": False, "findings": _findings(error)}).decode())
         sys.exit(error.exit_status)
     if as_json:
+        told.pop("lines", None)
         print(orjson.dumps({"ok": True, **told}).decode())
         return
-    print(f"{file}: no fault found")
-    for warning in told.pop("warnings", ()):
+    warnings = told.pop("warnings", ())
+    print(f"{file}: no fault found{f', {len(warnings)} warnings' if warnings else ''}")
+    for warning in warnings:
         print(f"  warning: {warning}")
+    for line in told.pop("lines", ()):
+        print(f"  {line}")
+    told.pop("figures", None)
     for name, value in told.items():
         print(f"  {name}: {value}")
 
@@ -73,6 +79,8 @@ def _facts(file: Path, settings: dict[str, str]) -> dict[str, Any]:
         raise FileError([document.finding(("format",) if "format" in data else (), wrong)])
     if kind == "task":
         return _task_facts(file, settings)
+    if kind == "table":
+        return _table_facts(file)
     if kind == "robot":
         from backends.robot_file import load_robot
 
@@ -98,6 +106,7 @@ def _map_facts(file: Path) -> dict[str, Any]:
 
 
 def _task_facts(file: Path, settings: dict[str, str]) -> dict[str, Any]:
+    from networks.analysis.task_findings import task_findings
     from networks.run import prepare
 
     with prepare(file, settings=settings) as prepared:
@@ -107,5 +116,53 @@ def _task_facts(file: Path, settings: dict[str, str]) -> dict[str, Any]:
             "situations": len(network.situations),
             "actions": len(network.actions),
             "longest run": f"at most {network.bound()} actions",
-            "warnings": list(prepared.warnings),
+            "warnings": [*prepared.warnings, *map(str, task_findings(prepared.task))],
+            **_task_figures(prepared.task),
         }
+
+
+def _task_figures(task: Task) -> dict[str, Any]:
+    """How runs end, where the file gives all probabilities."""
+    from networks.analysis.figures import ASSUMPTION, figures, missing_chances
+    from networks.analysis.forecast import TooLarge
+
+    missing = missing_chances(task)
+    if len(missing) == len(task.file.actions):
+        return {}
+    if missing:
+        which = ", ".join(f"{number} ({task.file.actions[number].do})" for number in missing)
+        return {"how runs end": f"not known: `p` is missing in the actions {which}"}
+    try:
+        found = figures(task)
+    except TooLarge:
+        return {"how runs end": "not known: there are too many states for exact figures"}
+    now = found.forecast
+    lines = [
+        f"how runs end, if {ASSUMPTION}:",
+        f"  P(goal) {now.goal:.5f}, no way left {now.no_way:.5f}, a person is needed {now.give_up:.5f}",
+        f"  expected cost {now.cost_s:.1f} s, standard deviation {now.cost_sigma_s:.1f} s",
+        "  P(goal) by P(Success) of an action, and what one more attempt of it would give:",
+    ]
+    lines += [
+        f"    {each.words}: {each.slope:.4f}; {each.one_more.goal:.5f} at {each.one_more.cost_s:.1f} s"
+        for each in found.influences
+    ]
+    return {"lines": lines, "figures": found.for_programs()}
+
+
+def _table_facts(file: Path) -> dict[str, Any]:
+    from files.loading import load_document
+    from files.yaml_document import read_document
+    from networks.analysis.action_table import ActionTable, table_absorption, table_findings
+
+    loaded = load_document(read_document(file), ActionTable)
+    lines, figures = [], {}
+    for p in (0.8, 0.9, 0.99):
+        ends, steps, sigma = table_absorption(loaded.value, p)
+        shares = ", ".join(f"{name} {share:.5f}" for name, share in sorted(ends.items()))
+        lines.append(
+            f"if each succeeds with {p}, independently: {shares}; {steps:.4f} ± {sigma:.4f} primitives"
+        )
+        figures[str(p)] = {"ends": ends, "steps": steps, "steps_sigma": sigma}
+    warnings = [str(each) for each in table_findings(loaded)]
+    return {"title": loaded.value.title, "warnings": warnings, "lines": lines, "figures": figures}

@@ -9,6 +9,7 @@ KINDS = {
     "task": "networks.task_model:TaskFile",
     "robot": "backends.robot_file:RobotFile",
     "world": "backends.scene.world_file:WorldFile",
+    "table": "networks.analysis.action_table:ActionTable",
     "places": "primitives.knowledge:Places",
     "catalogue": "primitives.knowledge:Catalogue",
 }

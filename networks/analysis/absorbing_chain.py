@@ -1,0 +1,46 @@
+"""An absorbing Markov chain, by its fundamental matrix."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import NamedTuple
+
+import numpy as np
+
+
+class Absorption(NamedTuple):
+    """Where a chain ends, and after how many steps."""
+
+    ends: dict[str, float]
+    """Probability of each absorbing state."""
+    steps: float
+    """Expected number of steps."""
+    steps_sigma: float
+    """Standard deviation of their number."""
+
+
+def absorption(rows: Mapping[str, Mapping[str, float]], start: str) -> Absorption:
+    """Where the chain ends that begins in `start`.
+
+    Kemeny and Snell, Finite Markov Chains (1960), chapter 3: with Q the transitions among transient states
+    and R those into absorbing ones, N = (I - Q)^-1, the ends are N R, the steps t = N 1, their variance
+    (2 N - I) t - t².
+
+    Args:
+        rows: of each transient state, the probability of each state that follows; what has no row absorbs.
+        start: a transient state.
+    """
+    transient = list(rows)
+    absorbing = sorted({to for row in rows.values() for to in row} - set(transient))
+    place = {name: number for number, name in enumerate([*transient, *absorbing])}
+    matrix = np.zeros((len(transient), len(place)))
+    for name, row in rows.items():
+        for to, p in row.items():
+            matrix[place[name], place[to]] += p
+    count = len(transient)
+    fundamental = np.linalg.inv(np.eye(count) - matrix[:, :count])
+    ends, steps = fundamental @ matrix[:, count:], fundamental.sum(axis=1)
+    variance = (2.0 * fundamental - np.eye(count)) @ steps - steps**2
+    at = place[start]
+    shares = {name: float(p) for name, p in zip(absorbing, ends[at], strict=True)}
+    return Absorption(shares, float(steps[at]), float(np.sqrt(max(0.0, variance[at]))))

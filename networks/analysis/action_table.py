@@ -1,0 +1,106 @@
+"""An action network written as a table of primitives with a next one for OK and for Fail, as in paper 003."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Annotated, Literal
+
+import networkx as nx
+from pydantic import Field
+
+from files.errors import Finding
+from files.loading import Loaded
+from files.model import FileModel
+
+from .absorbing_chain import Absorption, absorption
+
+Fact = str | bool | int | float
+
+
+class TableRow(FileModel):
+    """One row: a primitive and what follows."""
+
+    do: str
+    ok: int
+    """Row that follows Success."""
+    fail: int
+    """Row that follows Fail."""
+    facts: Annotated[dict[str, Fact], Field(default_factory=dict)]
+    """What physically holds where the row begins, as far as it is known."""
+
+
+class ActionTable(FileModel):
+    """A table. Rows that only name an end are in `ends`."""
+
+    format: Literal["handcart-table/1"]
+    title: str
+    start: int
+    rows: dict[int, TableRow]
+    ends: dict[int, str]
+    """Rows in which a run ends: GOAL, GIVEUP."""
+    requires: Annotated[list[str], Field(default_factory=list)]
+    """Primitives that the task needs."""
+
+
+def table_findings(loaded: Loaded[ActionTable]) -> list[Finding]:
+    """What is wrong with a table: each finding with its place."""
+    table = loaded.value
+    findings = []
+    for number, row in table.rows.items():
+        for key, to in (("ok", row.ok), ("fail", row.fail)):
+            if to not in table.rows and to not in table.ends:
+                words = f"row {number} leads to row {to}, which isn't there; needed: a row {to}"
+                findings.append(loaded.finding(("rows", str(number), key), words))
+        wrong = _wrong_fail(table, number, row)
+        if wrong:
+            findings.append(loaded.finding(("rows", str(number), "fail"), wrong))
+    missing = sorted(set(table.requires) - {row.do for row in table.rows.values()})
+    findings += [
+        loaded.finding(("requires",), f"{name} is required and has no row; needed: a row that does {name}")
+        for name in missing
+    ]
+    for loop in _loops(table):
+        way = " to ".join(map(str, [*loop, loop[0]]))
+        words = f"a loop without a bound: {way}; needed: attempts that are limited"
+        findings.append(loaded.finding(("rows", str(loop[0])), words))
+    return findings
+
+
+def _wrong_fail(table: ActionTable, number: int, row: TableRow) -> str:
+    end = table.ends.get(row.fail, "")
+    if end.upper().replace("_", "") == "GIVEUP":
+        said = f"Fail of row {number} leads to {end}, but after a Fail everything is as it was"
+        return f"{said}; needed: a third outcome for giving up"
+    after = table.rows.get(row.fail)
+    if after is None:
+        return ""
+    both = row.facts.keys() & after.facts.keys()
+    other = [name for name in sorted(both) if row.facts[name] != after.facts[name]]
+    if not other:
+        return ""
+    told = ", ".join(f"{name}: {row.facts[name]}, there {after.facts[name]}" for name in other)
+    said = f"Fail of row {number} leads to row {row.fail}, where other facts hold ({told})"
+    return f"{said}; needed: a row with the same facts, for a Fail changes none"
+
+
+def _loops(table: ActionTable) -> list[list[int]]:
+    graph: nx.DiGraph[int] = nx.DiGraph()
+    for number, row in table.rows.items():
+        graph.add_edges_from((number, to) for to in (row.ok, row.fail) if to in table.rows)
+    loops = []
+    for loop in nx.simple_cycles(graph):
+        first = loop.index(min(loop))
+        loops.append([*loop[first:], *loop[:first]])
+    return sorted(loops)
+
+
+def table_absorption(table: ActionTable, p: float) -> Absorption:
+    """Where runs end if each primitive succeeds with probability `p`, and how many primitives they take."""
+    rows: dict[str, Mapping[str, float]] = {}
+    for number, row in table.rows.items():
+        chances: dict[str, float] = {}
+        for to, share in ((row.ok, p), (row.fail, 1.0 - p)):
+            name = table.ends.get(to, f"row {to}")
+            chances[name] = chances.get(name, 0.0) + share
+        rows[f"row {number}"] = chances
+    return absorption(rows, f"row {table.start}")

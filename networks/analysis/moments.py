@@ -1,0 +1,45 @@
+"""How likely an end is, and what it costs, so that parts of a run can be put one after the other."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import NamedTuple
+
+
+class Moments(NamedTuple):
+    """Of a cost C over the runs that take one way out of a part: probability, E[C; way], E[C²; way]."""
+
+    p: float
+    first: float = 0.0
+    second: float = 0.0
+
+    def __add__(self, other: object) -> Moments:
+        """Either of two ways that exclude each other."""
+        assert isinstance(other, Moments)
+        return Moments(self.p + other.p, self.first + other.first, self.second + other.second)
+
+    def then(self, other: Moments) -> Moments:
+        """One after the other, independent."""
+        return Moments(
+            self.p * other.p,
+            self.first * other.p + self.p * other.first,
+            self.second * other.p + 2.0 * self.first * other.first + self.p * other.second,
+        )
+
+
+def certain(p: float, cost: float) -> Moments:
+    """A step with probability `p` that costs this much."""
+    return Moments(p, p * cost, p * cost * cost)
+
+
+Ends = Mapping[str, Moments]
+"""By the name of the end."""
+
+
+def merged(*shares: Ends) -> dict[str, Moments]:
+    """Ends of parts that exclude each other."""
+    found: dict[str, Moments] = {}
+    for ends in shares:
+        for name, moments in ends.items():
+            found[name] = found[name] + moments if name in found else moments
+    return found
