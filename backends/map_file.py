@@ -45,7 +45,8 @@ def load_map(path: Path) -> tuple[GridMap, str | None]:
     """
     loaded = load_document(read_document(path), MapFile)
     spec = loaded.value
-    image = cv2.imread(str(path.parent / spec.image), cv2.IMREAD_GRAYSCALE)
+    picture = path.parent / spec.image
+    image = cv2.imread(str(picture), cv2.IMREAD_GRAYSCALE) if picture.is_file() else None
     if image is None:
         raise FileError([loaded.finding(("image",), f"no picture can be read from {spec.image!r}")])
     if spec.origin[2] != 0.0:

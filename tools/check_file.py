@@ -48,6 +48,11 @@ def check(
         print(f"  {name}: {value}")
 
 
+def check_quietly(file: Path) -> dict[str, Any]:
+    """What `check` would print about a file; raises what it would tell."""
+    return _facts(file, {})
+
+
 def _findings(error: InputError) -> list[dict[str, Any]]:
     from files.errors import FileError
 

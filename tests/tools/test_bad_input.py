@@ -220,5 +220,23 @@ def test_a_broken_urdf_is_told_with_its_place(
     words = ("MOVE_TO", "place=shelf_3", "--robot", path.parent / "mine.yaml") if command == "do" else (path,)
     said = handcart(command, *words)
     assert said.status == 2
-    assert "mine.yaml:17:" in said.err
+    assert "mine.yaml:3:7: the URDF is not well-formed" in said.err
     assert "Traceback" not in said.err
+
+
+@pytest.mark.parametrize("version", ["handcart-task/2", "handcart-task", "task/1", "7"])
+def test_another_version_is_told_with_what_is_allowed(
+    handcart: Callable[..., Any], broken: Callable[..., Path], version: str
+) -> None:
+    """T15"""
+    said = handcart("check", broken(("handcart-task/1", version)))
+    assert said.status == 2
+    assert "task.yaml:1:9: " in said.err
+    assert "handcart-task/1" in said.err
+
+
+def test_a_missing_version_is_told(handcart: Callable[..., Any], broken: Callable[..., Path]) -> None:
+    """T15"""
+    said = handcart("check", broken(("format: handcart-task/1\n", "")))
+    assert said.status == 2
+    assert "the key 'format'" in said.err
