@@ -32,9 +32,8 @@ def main() -> None:
             except FileError as error:
                 told = str(error).splitlines()[0]
             spent.append(time.perf_counter() - began)
-        print(
-            f"{path.stat().st_size} bytes, refused in {1e3 * spent[0]:.1f} ms, then at most {1e3 * max(spent[1:]):.1f} ms"
-        )
+        first, most = 1e3 * spent[0], 1e3 * max(spent[1:])
+        print(f"{path.stat().st_size} bytes, refused in {first:.1f} ms, then at most {most:.1f} ms")
         print(told.replace(folder, ""))
 
 
