@@ -10,6 +10,7 @@ from files.errors import UnsafePath
 from files.printable import printable
 
 _LONGEST = 1024
+_LONGEST_NAME = 255  # bytes that a file system takes
 _REFUSED = (
     (re.compile(r"\s*"), "is empty"),
     (re.compile(r".*\\.*", re.DOTALL), "has a backslash"),
@@ -31,6 +32,8 @@ def portable(path: str) -> str:
         raise UnsafePath(path[:_LONGEST], "has control characters")
     if len(path) > _LONGEST:
         raise UnsafePath(f"{path[:40]}...", f"has more than {_LONGEST} characters")
+    if any(len(part.encode()) > _LONGEST_NAME for part in path.split("/")):
+        raise UnsafePath(f"{path[:40]}...", f"has a name of more than {_LONGEST_NAME} bytes")
     return path
 
 

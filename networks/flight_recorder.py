@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from pathlib import Path
 from types import TracebackType
 from typing import Any
@@ -37,8 +38,8 @@ class FlightRecorder:
 
     For each Fail and GiveUp it writes `evidence/003_MOVE_TO_Fail_readings.npz`: the seconds before the motion
     was broken off, and the last ones of the way back. At the end of the run (leaving it as a context manager)
-    it writes `evidence/end_readings.npz`, unless nothing has happened since. A reading is the same however often it is taken, so the run isn't
-    changed. Names end in the unit.
+    it writes `evidence/end_readings.npz`, unless nothing has happened since. A reading is the same however
+    often it is taken, so the run isn't changed. Names end in the unit.
     """
 
     def __init__(self, run_dir: Path, robot: Robot, seconds: float = SECONDS) -> None:
@@ -60,6 +61,11 @@ class FlightRecorder:
         if robot.time <= self._time:
             return
         self._time = robot.time
+        # What a sensor's fault means is for those to say who need the reading.
+        with suppress(Exception):
+            self._rows.append(self._read(robot))
+
+    def _read(self, robot: Robot) -> Row:
         pose, sigma = robot.pose, robot.pose_sigma
         row: Row = {
             "time_s": robot.time,
@@ -85,7 +91,7 @@ class FlightRecorder:
             scan = self._range.scan()
             self._same["angles_rad"], self._same["base_T_sensor"] = scan.angles, scan.base_T_sensor
             row["ranges_m"] = scan.ranges.round(3).astype(np.float32)
-        self._rows.append(row)
+        return row
 
     def __call__(self, event: Event) -> None:
         """Keep what an event makes worth keeping."""
@@ -132,9 +138,11 @@ def load_readings(path: Path) -> Readings:
     """What the recorder wrote.
 
     Raises:
-        OSError, ValueError, KeyError, zipfile.BadZipFile: it is no such file, or damaged.
+        OSError, ValueError, zipfile.BadZipFile: it is no such file, or damaged.
     """
-    with np.load(path) as arrays:
+    # NumPy leaves a file open that it opened itself and finds damaged.
+    with path.open("rb") as file, np.load(file) as arrays:
         columns = {name: arrays[name] for name in arrays.files}
-    columns["time_s"].astype(np.float64)
+    if "time_s" not in columns:
+        raise ValueError("there is no column time_s")
     return columns

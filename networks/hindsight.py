@@ -46,7 +46,8 @@ class Choice:
     next_best: Way | None
     """The cheapest other way, which may part from the plan later on; None where there was none."""
     after_fail: Way | None
-    """Where a Fail leads to another situation, the cheapest way from there; the planner doesn't reckon with it."""
+    """Where a Fail leads to another situation, the cheapest way from there; planning doesn't
+    reckon with it."""
 
 
 def choice_of(run: PastRun, action: PastAction) -> Choice | None:
@@ -119,11 +120,16 @@ class _Then:
 def _fails(run: PastRun, action: PastAction) -> Iterator[tuple[int, bool]]:
     """Each counted Fail before an action: the index of what failed, and whether for good."""
     indices = {each.number: each.index for each in run.actions}
+    gave_up: dict[int, int] = {}
     for record in run.before(action):
         if record["kind"] == "RESULT" and record["outcome"] == "Fail":
             yield indices[record["n"]], bool(record["permanent"])
+        elif record["kind"] == "RESULT" and record["outcome"] == "GiveUp":
+            gave_up[record["q"]] = indices[record["n"]]
         elif record["kind"] == "NOT_STARTED":
             yield int(record["action"]), False
+        elif record["kind"] == "ACK":  # from there on it counts as a Fail
+            yield gave_up[record["record"]], False
 
 
 def _cost(option: Option) -> float:

@@ -29,8 +29,8 @@ class NamedBinding(Binding):
 
 
 def network_fields(network: ActionNetwork) -> dict[str, Any]:
-    """A network, ready for JSON: `keys` names the columns of `actions`; `uses` is what a primitive may know by;
-    a skip does nothing."""
+    """A network, ready for JSON: `keys` names the columns of `actions`, `uses` among them: the entries of
+    the world model that a primitive may read. A skip has no `do`."""
     rows = [
         (a.binding and a.do, a.source, a.target, a.on_fail, a.cost_s, a.attempts, _uses(a))
         for a in network.actions

@@ -42,7 +42,7 @@ class PastAction:
     start: float
     """[s] of the robot's time, as are the others."""
     end: float
-    """Where it has none in the journal, the last that is known."""
+    """Where it has none in the journal, when the run broke off."""
     broken_off: float | None
     """When the motion was broken off and restoring began."""
     outcome: str
@@ -77,7 +77,7 @@ class PastRun:
     @property
     def end(self) -> Record | None:
         """The record of the run's end; None where it was killed, or still goes on."""
-        last = self.records[-1]
+        last = next(record for record in reversed(self.records) if record["kind"] in ("END", "EPOCH", "RUN"))
         return last if last["kind"] == "END" else None
 
     @property
@@ -129,6 +129,8 @@ def _action(start: Record, records: Sequence[Record]) -> PastAction:
     ends = [record for record in records if record.get("n") == number]
     result = next((record for record in ends if record["kind"] == "RESULT"), {})
     restore = next((record for record in ends if record["kind"] == "RESTORE"), None)
+    after = [record for record in records if record["kind"] == "EPOCH" and record["q"] > start["q"]]
+    last = after[0] if after else records[-1]
     return PastAction(
         number,
         int(words["index"]),
@@ -137,7 +139,7 @@ def _action(start: Record, records: Sequence[Record]) -> PastAction:
         str(words["to"]),
         words["with"],
         float(start["t"]),
-        float(result.get("t", records[-1]["t"])),
+        float(result.get("t", last["t"])),
         None if restore is None else float(restore["t"]),
         str(result.get("outcome", "")),
         result,

@@ -10,12 +10,12 @@ from typing import Any
 import networkx as nx
 
 from backends.backend import Backend
-from backends.robot_file import ROBOTS
+from backends.robot_file import ROBOTS, robot_names
 from files.errors import FileError, UnsafePath
 from files.findings import Findings
 from files.inside import resolve_inside
 from files.loading import load, load_document, load_part
-from files.settings import with_settings
+from files.settings import SECTION, setting_value, with_settings
 from files.suggest import suggest
 from files.yaml_document import Document, read_document
 from files.yaml_node import KeyPath
@@ -74,13 +74,13 @@ def load_task(
 
     Args:
         path: the file.
-        settings: what `--set KEY=VALUE` gave, VALUE unparsed.
+        settings: what `--set KEY=VALUE` gave, VALUE unparsed; `robot` may be set in any task.
         primitives: the class of a primitive by its name; raises KeyError, saying what there is.
 
     Raises:
         FileError: with every finding.
     """
-    return _Reader(with_settings(read_document(path), settings or {}), primitives).task()
+    return _Reader(_set(read_document(path), dict(settings or {})), primitives).task()
 
 
 class _Reader:
@@ -104,6 +104,7 @@ class _Reader:
         copies = repeated(situations, entries, start, part) if part else once(situations, entries, start)
         actions = self._actions(copies, entries, part)
         self._check_files()
+        self._check_robot()
         if self._findings or file is None:
             self._findings.raise_all()
         assert file is not None
@@ -236,8 +237,22 @@ class _Reader:
     def _check_start_place(self, names: list[str] | None) -> None:
         node, there = self._document.root.deepest(("knowledge", "start"))
         name = node.content
-        if there and names is not None and isinstance(name, str) and name not in names:
+        if there and not self._document.root.deepest(("knowledge", "places"))[1]:
+            self._add(("knowledge", "start"), "names a place; needed: the key `places`, a file with places")
+        elif there and names is not None and isinstance(name, str) and name not in names:
             self._add(("knowledge", "start"), f"unknown place {name!r}{suggest(name, names)}")
+
+    def _check_robot(self) -> None:
+        node, there = self._document.root.deepest(("robot",))
+        name = node.content
+        if (
+            there
+            and isinstance(name, str)
+            and not name.endswith((".yaml", ".yml"))
+            and name not in robot_names()
+        ):
+            allowed = suggest(name, robot_names())
+            self._add(("robot",), f"unknown robot {name!r}{allowed}, or the path of a robot's YAML file")
 
     def _check_files(self) -> None:
         for key in (("world",), ("knowledge", "map"), ("knowledge", "places"), ("knowledge", "catalogue")):
@@ -281,6 +296,13 @@ def _resolved(document: Document, key: KeyPath) -> Path | None:
     folder = document.folder.resolve()
     # Neighbouring tasks may share a world.
     return resolve_inside(folder.parent, node.content, start=folder)
+
+
+def _set(document: Document, settings: dict[str, str]) -> Document:
+    declared = document.root.deepest((*SECTION, "robot"))[1]
+    if "robot" in settings and not declared and document.root.child("robot"):
+        document = document.with_value(("robot",), setting_value("robot", settings.pop("robot")))
+    return with_settings(document, settings)
 
 
 def _robot(document: Document, name: str) -> str:

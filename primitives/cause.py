@@ -39,23 +39,19 @@ def cause_of(error: Exception, restoring: bool = False) -> Cause:
         error: caught, its traceback complete.
         restoring: whether the way back, or withdrawing, raised it.
     """
-    calls = _calls(error)
+    frames = [frame for frame, _ in walk_tb(error.__traceback__)]
+    calls = [frame.f_code.co_qualname for frame in frames if not _is_framework(frame)]
+    found_by = next((f.f_code.co_name for f in frames if f.f_code.co_name in CHECKS), "")
     known = error if isinstance(error, Discrepancy | NeedsPerson) else None
-    check = getattr(error, "check", "") or next((name for _, name in calls[:1] if name in CHECKS), "")
+    check = getattr(error, "check", "") or found_by
     return Cause(
         known.reason if known else str(error),
         check or ("restore" if restoring else "framework"),
-        tuple(qualified for qualified, _ in calls)[:DEEPEST],
+        tuple(calls[:DEEPEST]),
         known.measured if known else None,
         "" if known else type(error).__name__,
         restoring,
     )
-
-
-def _calls(error: Exception) -> list[tuple[str, str]]:
-    """Qualified and plain names of the functions that the exception passed, outermost first."""
-    frames = (frame for frame, _ in walk_tb(error.__traceback__))
-    return [(f.f_code.co_qualname, f.f_code.co_name) for f in frames if not _is_framework(f)]
 
 
 def _is_framework(frame: FrameType) -> bool:

@@ -119,7 +119,9 @@ class Search(ActionPrimitive):
         """From the camera to the spines, in [m]."""
         if self._held is None:
             return AWAY
-        return max(AWAY, hand_to_spine(robot) + self._held.size[0] + ROOM - float(robot.camera.hand_T_camera[0, 3]))
+        return max(
+            AWAY, hand_to_spine(robot) + self._held.size[0] + ROOM - float(robot.camera.hand_T_camera[0, 3])
+        )
 
     def _past(self, robot: Robot) -> float:
         """How far to the right of the camera the spines are seen past the held book, in [m]."""
@@ -186,7 +188,6 @@ class Search(ActionPrimitive):
         self.found(gap_mm=round(1e3 * found.width, 1), gap_at_mm=round(1e3 * found.centre, 1))
         self.found(after=after, before=before, misplaced=", ".join(map(str, found.misplaced)))
         model.slot = Slot(self.shelf, found.left, found.right, SIGMA, after, before)
-
 
     def _decided_by(self, found: NoGap) -> None:
         """The view that shows most nearly in its middle where the book belongs decided."""

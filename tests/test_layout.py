@@ -18,7 +18,9 @@ def test_each_package_is_this_checkouts(name: str) -> None:
     assert Path(str(importlib.import_module(name).__file__)).parent == ROOT / name
 
 
-@pytest.mark.parametrize("document", ["README.md", "docs/tasks.md", "docs/primitives.md", "docs/backends.md"])
+@pytest.mark.parametrize(
+    "document", ["README.md", "docs/tasks.md", "docs/primitives.md", "docs/backends.md", "docs/explain.md"]
+)
 def test_links_lead_somewhere(document: str) -> None:
     path = ROOT / document
     links = re.findall(r"\]\(([^)#]+)\)", path.read_text(encoding="utf-8"))
@@ -42,7 +44,9 @@ def test_tasks_in_documents_are_right(tmp_path: Path, document: str) -> None:
     assert len(blocks) == 1
 
 
-@pytest.mark.parametrize("document", ["README.md", "docs/tasks.md", "docs/primitives.md", "docs/backends.md"])
+@pytest.mark.parametrize(
+    "document", ["README.md", "docs/tasks.md", "docs/primitives.md", "docs/backends.md", "docs/explain.md"]
+)
 def test_commands_in_documents_exist(document: str) -> None:
     from tools.handcart import COMMANDS
 

@@ -18,6 +18,9 @@ def campaign(
     first: Annotated[int, typer.Option(help="the first trial's seed")] = 0,
     jobs: Annotated[int, typer.Option(min=1, help="processes side by side")] = 2,
     backend: Annotated[str | None, typer.Option(help="another backend than the task names")] = None,
+    robot: Annotated[
+        str | None, typer.Option(help="another robot than the task names, or the path of its file")
+    ] = None,
     settings: Annotated[
         list[str] | None, typer.Option("--set", help="KEY=VALUE: a parameter that the task declares")
     ] = None,
@@ -34,7 +37,8 @@ def campaign(
     from evaluation.campaign import Report, Setting, run_campaign
     from files.settings import split_setting
 
-    chosen = dict(split_setting(each) for each in settings or [])
+    settings = [*(settings or []), *([f"robot={robot}"] if robot else [])]
+    chosen = dict(split_setting(each) for each in settings)
     options = _options([split_setting(each) for each in library or []]) if library else None
     setting = Setting(task, backend, chosen, options, runs)
     running = run_campaign(setting, range(first, first + trials), jobs)

@@ -158,12 +158,17 @@ def _task_figures(task: Task) -> dict[str, Any]:
 def _table_facts(file: Path) -> dict[str, Any]:
     from files.loading import load_document
     from files.yaml_document import read_document
+    from networks.analysis.absorbing_chain import NeverEnds
     from networks.analysis.action_table import ActionTable, table_absorption, table_findings
 
     loaded = load_document(read_document(file), ActionTable)
     lines, figures = [], {}
     for p in (0.8, 0.9, 0.99):
-        ends, steps, sigma = table_absorption(loaded.value, p)
+        try:
+            ends, steps, sigma = table_absorption(loaded.value, p)
+        except NeverEnds:
+            lines = ["how runs end: some never do"]
+            break
         shares = ", ".join(f"{name} {share:.5f}" for name, share in sorted(ends.items()))
         lines.append(
             f"if each succeeds with {p}, independently: {shares}; {steps:.4f} ± {sigma:.4f} primitives"

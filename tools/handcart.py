@@ -25,10 +25,12 @@ COMMANDS = {
     "draw": ("tools.draw_network", "draw", "Draw a task's action network."),
     "list": ("tools.list_names", "list_names", "List primitives, backends, robots or tasks."),
     "describe": ("tools.describe", "describe", "Tell what a primitive takes, needs and does."),
+    "explain": ("tools.explain", "explain", "Tell why a run went as it did, from its folder."),
     "schema": ("tools.schema", "schema", "Print the JSON Schema of a kind of file."),
     "teach": ("tools.teach", "teach", "Record a posture into a robot's file."),
     "make-library": ("tools.make_library", "make_library", "Write a library: world, map, places, catalogue."),
     "campaign": ("tools.campaign", "campaign", "Run a task many times, with seeds, and count."),
+    "conformance": ("tools.conformance", "conformance", "Try whether a backend keeps what it promises."),
 }
 """Name to module, function and what help says of it."""
 

@@ -1,13 +1,14 @@
-"""A pytest plugin: fixtures that run single primitives in a user's own tests."""
+"""A pytest plugin: fixtures that run single primitives, and the conformance kit, in a user's own tests."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from typing import TYPE_CHECKING, Any
 
 import pytest
 
 if TYPE_CHECKING:
+    from evaluation.conformance.report import Report
     from evaluation.stage import Stage, StageFiles
     from primitives.action_primitive import ActionPrimitive
     from primitives.outcome import Outcome
@@ -55,3 +56,29 @@ def do_primitive(set_stage: Callable[..., Stage]) -> Callable[..., Outcome]:
         return set_stage(robot=robot, backend=backend, seed=seed, **given).do(primitive)
 
     return do
+
+
+@pytest.fixture
+def conformance() -> Callable[..., Report]:
+    """Tries a backend by its name, as `handcart conformance` does, and asserts that all holds.
+
+    def test_my_backend(conformance):
+        conformance("my_backend", robot="my_robot/robot.yaml", quick=True)
+    """
+    from evaluation.conformance.kit import PARTS, Setting, run_kit
+
+    def check(
+        backend: str,
+        *,
+        robot: str = "librarian",
+        quick: bool = True,
+        parts: Sequence[str] = PARTS,
+        primitives: Sequence[str] = (),
+        instants: int | None = None,
+        processes: int = 2,
+    ) -> Report:
+        report = run_kit(Setting(backend, robot, quick, parts, primitives, instants), processes)
+        assert report.ok, "\n".join(report.lines())
+        return report
+
+    return check

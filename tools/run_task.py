@@ -14,6 +14,9 @@ Permit = Literal["ask", "always", "never"]
 def run(
     task: Annotated[Path, typer.Argument(help="the task's file")],
     backend: Annotated[str | None, typer.Option(help="another backend than the task names")] = None,
+    robot: Annotated[
+        str | None, typer.Option(help="another robot than the task names, or the path of its file")
+    ] = None,
     seed: Annotated[int, typer.Option(help="of the simulated errors")] = 0,
     settings: Annotated[
         list[str] | None, typer.Option("--set", help="KEY=VALUE: a parameter that the task declares")
@@ -36,10 +39,11 @@ def run(
     runs: Annotated[Path, typer.Option(help="where the run's folder is made")] = Path("runs"),
 ) -> None:
     """Check a task with all its files, run it, and tell how it ended."""
+    settings = [*(settings or []), *([f"robot={robot}"] if robot else [])]
     if dry_run or script is not None:
         from .dry_run import dry_run as imagine
 
-        sys.exit(imagine(task, backend, settings or [], seed, situation, script, as_json))
+        sys.exit(imagine(task, backend, settings, seed, situation, script, as_json))
     import orjson
 
     from evaluation.running import run_task
@@ -50,7 +54,7 @@ def run(
     from .writing import check_folder
 
     check_folder(runs)
-    chosen = dict(split_setting(each) for each in settings or [])
+    chosen = dict(split_setting(each) for each in settings)
     permits = Permits(permit, step, breaks or ())
     with Progress() as progress:
         permits.asking, permits.typed = progress.ask, progress.typed

@@ -8,6 +8,10 @@ from typing import NamedTuple
 import numpy as np
 
 
+class NeverEnds(Exception):
+    """A chain goes on for ever."""
+
+
 class Absorption(NamedTuple):
     """Where a chain ends, and after how many steps."""
 
@@ -29,7 +33,11 @@ def absorption(rows: Mapping[str, Mapping[str, float]], start: str) -> Absorptio
     Args:
         rows: of each transient state, the probability of each state that follows; what has no row absorbs.
         start: a transient state.
+
+    Raises:
+        NeverEnds: from a state that can be reached no absorbing one can be.
     """
+    rows = {name: rows[name] for name in _reached(rows, start)}
     transient = list(rows)
     absorbing = sorted({to for row in rows.values() for to in row} - set(transient))
     place = {name: number for number, name in enumerate([*transient, *absorbing])}
@@ -38,9 +46,21 @@ def absorption(rows: Mapping[str, Mapping[str, float]], start: str) -> Absorptio
         for to, p in row.items():
             matrix[place[name], place[to]] += p
     count = len(transient)
-    fundamental = np.linalg.inv(np.eye(count) - matrix[:, :count])
+    try:
+        fundamental = np.linalg.inv(np.eye(count) - matrix[:, :count])
+    except np.linalg.LinAlgError:
+        raise NeverEnds from None
     ends, steps = fundamental @ matrix[:, count:], fundamental.sum(axis=1)
     variance = (2.0 * fundamental - np.eye(count)) @ steps - steps**2
     at = place[start]
     shares = {name: float(p) for name, p in zip(absorbing, ends[at], strict=True)}
     return Absorption(shares, float(steps[at]), float(np.sqrt(max(0.0, variance[at]))))
+
+
+def _reached(rows: Mapping[str, Mapping[str, float]], start: str) -> list[str]:
+    """The transient states that `start` can lead to, in the order of the rows."""
+    found, new = {start}, [start]
+    while new:
+        new = [to for name in new for to in rows[name] if to in rows and to not in found]
+        found.update(new)
+    return [name for name in rows if name in found]

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Annotated, Literal
+from typing import Annotated, Literal, Self
 
 import networkx as nx
-from pydantic import Field
+from pydantic import Field, model_validator
 
 from files.errors import Finding
 from files.loading import Loaded
@@ -40,6 +40,13 @@ class ActionTable(FileModel):
     """Rows in which a run ends: GOAL, GIVEUP."""
     requires: Annotated[list[str], Field(default_factory=list)]
     """Primitives that the task needs."""
+
+    @model_validator(mode="after")
+    def _starts(self) -> Self:
+        if self.start not in self.rows:
+            allowed = ", ".join(map(str, self.rows))
+            raise ValueError(f"the start {self.start} is no row; allowed: {allowed}")
+        return self
 
 
 def table_findings(loaded: Loaded[ActionTable]) -> list[Finding]:

@@ -95,3 +95,26 @@ def test_headings_near_half_a_turn_are_no_special_case(theta, library_field, lib
     localizer = ScanLocalizer(library_field, start, TREAD, covariance=np.diag([0.02, 0.02, 0.03]) ** 2)
     localizer.correct(scan(library_boxes, truth, np.random.default_rng(0)))
     assert localizer.pose.turn(truth) < 0.005
+
+
+@pytest.mark.parametrize("moved", [(0.05, 0.0, 0.0), (0.0, -0.05, 0.0), (0.0, 0.0, 0.06), (0.0, 0.0, -0.06)])
+def test_a_push_is_found_and_taken_over(moved, library_field, library_boxes, scan):
+    truth, rng = Pose2(3.0, 3.5, 1.0), np.random.default_rng(0)
+    localizer = ScanLocalizer(library_field, truth, TREAD)
+    for _ in range(20):
+        localizer.correct(scan(library_boxes, truth, rng))
+    assert not any(localizer.find_again(scan(library_boxes, truth, rng)) for _ in range(50))
+    pushed = truth.compose(Pose2(*moved))
+    assert localizer.find_again(scan(library_boxes, pushed, rng))
+    assert localizer.pose.distance(pushed) < 0.02
+    assert localizer.pose.turn(pushed) < 0.01
+    assert not localizer.find_again(scan(library_boxes, pushed, rng))
+
+
+def test_what_fits_nowhere_is_no_push(library_field, library_boxes, scan):
+    truth, rng = Pose2(3.0, 3.5, 1.0), np.random.default_rng(0)
+    localizer = ScanLocalizer(library_field, truth, TREAD)
+    localizer.correct(scan(library_boxes, truth, rng))
+    before = localizer.pose
+    assert not localizer.find_again(rng.uniform(-3, 3, (300, 2)))
+    assert localizer.pose == before

@@ -1,0 +1,151 @@
+"""Whether what a primitive claims to have done is done, by the ground truth."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from typing import Any
+
+from backends.backend import Backend
+from evaluation.judge import BASE_SIGMA_DEG, BASE_SIGMA_MM, SIGMAS
+from evaluation.shelving import MOST_PUSHED_MM, Shelving, longest_rising
+from primitives.action_primitive import ActionPrimitive
+from primitives.world_model import WorldModel
+from robotics.geometry.transform import inverse
+from robotics.perception.call_number import parse
+
+from .ground_truth import GroundTruth, disturbed, ground_truth, scene_of
+
+SEEN_MM = 8.0  # that a book may be seen away from where it stands
+SLOT_MM = 15.0  # the same of a slot's middle, along the shelf
+EDGE_MM = 8.0  # that a leading edge may be beside the middle of its slot: further out it jams
+ARRIVED_MM, ARRIVED_DEG = 25.0 + SIGMAS * BASE_SIGMA_MM, 1.5 + SIGMAS * BASE_SIGMA_DEG
+
+Effect = Callable[[Any, Any, WorldModel], list[str]]
+
+
+def false_effect(
+    primitive: ActionPrimitive, backend: Backend, model: WorldModel, before: GroundTruth
+) -> list[str]:
+    """What of a Success isn't so; of primitives that the kit doesn't know, only what they disturbed."""
+    after = ground_truth(backend)
+    if after is None:
+        return []
+    own = f"book {model.book.accession}" if model.book else ""
+    wrong = [
+        f"it moved {each} mm (at most {MOST_PUSHED_MM:.0f})"
+        for each in disturbed(before, after, MOST_PUSHED_MM, own)
+    ]
+    own_word = getattr(primitive, "false_effect", None)
+    if own_word is not None:
+        return wrong + list(own_word(scene_of(backend), before))
+    promised = EFFECTS.get(primitive.label())
+    return wrong + (promised(scene_of(backend), primitive, model) if promised else [])
+
+
+def _recognize(scene: Any, _: Any, model: WorldModel) -> list[str]:
+    book = scene.tray_book()
+    if book is None or model.book is None or model.book_pose is None:
+        return ["no book stands on the tray, or none is known"]
+    if book.accession != model.book.accession:
+        return [f"book {book.accession} stands on the tray, not {model.book.accession}"]
+    place = (inverse(scene.world_T_base) @ book.pose)[:2, 3]
+    off = 1e3 * math.dist(place, model.book_pose[:2])
+    return _most("the book is {:.1f} mm from where it was seen", off, SEEN_MM)
+
+
+def _pick_up(scene: Any, _: Any, model: WorldModel) -> list[str]:
+    held = scene.held.accession if scene.held else None
+    wanted = model.book.accession if model.book else None
+    return [] if held is not None and held == wanted else [f"the hand holds {held}, not {wanted}"]
+
+
+def _move_to(scene: Any, primitive: Any, model: WorldModel) -> list[str]:
+    goal = model.places[primitive.place].pose
+    return [
+        *_most("the base is {:.1f} mm from its place", 1e3 * goal.distance(scene.base), ARRIVED_MM),
+        *_most("the base is {:.2f} deg off", math.degrees(goal.turn(scene.base)), ARRIVED_DEG),
+    ]
+
+
+def _search(scene: Any, primitive: Any, model: WorldModel) -> list[str]:
+    slot = model.slot
+    if slot is None or model.book is None:
+        return ["no slot is known"]
+    row = scene.shelf_books(slot.shelf)
+    middle = 0.5 * (slot.left + slot.right)
+    sides = _gap_at(scene, slot.shelf, middle)
+    wrong = _most("the slot's middle is {:.1f} mm off", 1e3 * abs(middle - 0.5 * sum(sides)), SLOT_MM)
+    at = sum(each.lateral > middle for each in row)
+    calls = [each.book.spec.call for each in row]
+    fits = _in_order(calls[:at], calls[at:], model.book.call)
+    return wrong if fits else [*wrong, "the slot is not where the book belongs"]
+
+
+def _approach(scene: Any, primitive: Any, model: WorldModel) -> list[str]:
+    if scene.held is None:
+        return ["the hand holds nothing"]
+    pose = inverse(scene.shelves[primitive.shelf].pose) @ scene.held.pose
+    edge = float(pose[1, 3] + pose[1, 0] * scene.held.depth)
+    middle = 0.5 * sum(_gap_at(scene, primitive.shelf, edge))
+    return _most("the leading edge is {:.1f} mm beside its slot's middle", 1e3 * abs(edge - middle), EDGE_MM)
+
+
+def _insert(scene: Any, primitive: Any, model: WorldModel) -> list[str]:
+    if scene.held is None:
+        return ["the hand holds nothing"]
+    pose = inverse(scene.shelves[primitive.shelf].pose) @ scene.held.pose
+    left, right = _gap_at(scene, primitive.shelf, float(pose[1, 3]))
+    half = scene.held.thickness / 2
+    inside = right - 1e-3 <= pose[1, 3] - half and pose[1, 3] + half <= left + 1e-3
+    wrong = [] if inside else ["the book isn't between the sides of a slot"]
+    return wrong + _most("the spine stands {:.1f} mm before the shelf", -1e3 * float(pose[0, 3]), 60.0)
+
+
+def _release(scene: Any, _: Any, model: WorldModel) -> list[str]:
+    stands = Shelving((model.book.accession,) if model.book else (), {}).judge(scene)
+    return [] if stands.right else [f"the book doesn't stand in its place: {stands}"]
+
+
+def _modify(_: Any, primitive: Any, model: WorldModel) -> list[str]:
+    known = model.detour is not None and model.detour.goal == primitive.place
+    return [] if known else ["no other way is known"]
+
+
+def _in_order(left: list[str], right: list[str], own: str) -> bool:
+    """Whether a call number fits between those left and those right of it that stand in order themselves."""
+    numbers = [(parse(call), at < len(left)) for at, call in enumerate(left + right)]
+    known = [(number, is_left) for number, is_left in numbers if number is not None]
+    row = [known[i] for i in longest_rising([number for number, _ in known])]
+    wanted = parse(own)
+    return wanted is not None and all((number < wanted) == is_left for number, is_left in row)
+
+
+def _gap_at(scene: Any, shelf: str, y: float) -> tuple[float, float]:
+    """Left and right side, y in S in [m], of the gap between the books' middles about `y`."""
+    half = scene.shelves[shelf].half_width
+    sides = [(right, left) for right, left, _ in scene.shelves[shelf].fixed_intervals()]
+    row = [each for each in scene.shelf_books(shelf) if each.book is not scene.held]
+    half_books = [(each.lateral, each.book.thickness / 2) for each in row]
+    sides += [(middle - half, middle + half) for middle, half in half_books]
+    left = min((right for right, left in sides if 0.5 * (right + left) > y), default=half)
+    right = max((left for right, left in sides if 0.5 * (right + left) <= y), default=-half)
+    return left, right
+
+
+def _most(words: str, size: float, most: float) -> list[str]:
+    return [] if size <= most else [f"{words.format(size)} (at most {most:.1f})"]
+
+
+EFFECTS: Mapping[str, Effect] = {
+    "RECOGNIZE": _recognize,
+    "PICK_UP": _pick_up,
+    "MOVE_TO": _move_to,
+    "MODIFY": _modify,
+    "SEARCH": _search,
+    "APPROACH": _approach,
+    "INSERT": _insert,
+    "RELEASE": _release,
+}
+"""By the primitive's name. Somebody else's primitive may have a method `false_effect(scene, before)` instead,
+which says in words what its Success promises and isn't so."""

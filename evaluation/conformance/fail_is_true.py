@@ -1,0 +1,99 @@
+"""Whether outcomes are true, whatever goes wrong at whatever instant."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from typing import NamedTuple
+
+import numpy as np
+
+from .fault import NOTHING, SENSORS, Fault, FaultKind, variant
+from .forked import Died, Hung, forkable, forked
+from .rehearsal import Rehearsal, Solo
+from .underway import Ending, Underway
+
+
+class Trial(NamedTuple):
+    """One fault at one instant of one primitive's run."""
+
+    primitive: str
+    action: int
+    """Number of the rehearsed action, from 1; 0: a primitive alone."""
+    period: int
+    """How many periods of the attempt were over."""
+    fault: str
+    kind: str
+    ending: Ending
+
+    def __str__(self) -> str:
+        told = f"{self.title}, period {self.period}, {self.fault}: {self.ending.outcome}"
+        return f"{told}: {'; '.join(self.ending.wrong)} ({self.ending.reason})"
+
+    @property
+    def title(self) -> str:
+        """The action's number and name."""
+        return f"{self.action}. {self.primitive}" if self.action else self.primitive
+
+
+@dataclass(frozen=True)
+class Batch:
+    """Faults in some instants of one action: what one process does at a time."""
+
+    rehearsal: Rehearsal | Solo
+    action: int
+    instants: int
+    """Over the whole run of the action."""
+    part: int = 0
+    parts: int = 1
+    kinds: tuple[FaultKind, ...] = tuple(FaultKind)
+    seconds: float = 120.0
+    """Of wall-clock time that a trial gets: longer means that it hangs."""
+
+    def __str__(self) -> str:
+        return f"faults in action {self.action}, part {self.part + 1} of {self.parts}"
+
+    def __call__(self) -> list[Trial]:
+        """All trials."""
+        return list(self.trials())
+
+    def trials(self) -> Iterator[Trial]:
+        """Bring the robot to each instant, and try each fault there in a copy of the process."""
+        with forkable():
+            for number, name, underway in self.rehearsal.attempts():
+                if number == self.action:
+                    yield from self._trials(name, underway)
+                    return
+        raise ValueError(f"there is no action {self.action}")
+
+    def _trials(self, name: str, underway: Underway) -> Iterator[Trial]:
+        nominal = self._tried(underway, None)
+        if nominal.outcome != "Success" or nominal.wrong:
+            told = nominal.wrong or ("nothing is broken, yet it doesn't succeed",)
+            yield Trial(name, self.action, 0, NOTHING, NOTHING, replace(nominal, wrong=told))
+            return
+        period = 0
+        for number, instant in enumerate(spread(self.instants, nominal.periods)):
+            if number % self.parts != self.part:
+                continue
+            while period < instant:
+                underway.advance()
+                period += 1
+            for at, kind in enumerate(self.kinds):
+                fault = variant(kind, number + at + self.action, nominal.sensors or SENSORS)
+                ending = self._tried(underway, fault)
+                yield Trial(name, self.action, period, str(fault), kind.value, ending)
+
+    def _tried(self, underway: Underway, fault: Fault | None) -> Ending:
+        try:
+            return forked(lambda: underway.finish(fault), self.seconds)
+        except Hung:
+            return Ending("none", "", 0, wrong=("it hangs",))
+        except Died as died:
+            return Ending("none", str(died), 0, wrong=("the process died",))
+
+
+def spread(count: int, periods: int) -> Sequence[int]:
+    """At most `count` instants, evenly over a run of that many periods; before 1 nothing has begun."""
+    instants = np.linspace(1, max(2, periods), count, endpoint=False)
+    return sorted({int(each) for each in instants})

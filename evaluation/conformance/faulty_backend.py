@@ -1,0 +1,230 @@
+"""Any backend, with faults on purpose."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from backends.arm import Arm
+from backends.backend import Backend, CommandError
+from backends.base import Base, WheelTravel
+from backends.camera import Camera
+from backends.capability import Capability
+from backends.gripper import Gripper
+from backends.range_sensor import RangeSensor, Scan
+
+from .fault import SENSORS, Fault, FaultKind
+from .layered_backend import LayeredBackend
+from .parts import parts_of
+
+SLIPS = 0.5  # share of the wheels' roll that is lost
+T = TypeVar("T")
+Vector = NDArray[np.float64]
+
+
+class InjectedError(RuntimeError):
+    """What a backend raises that was told to."""
+
+
+class FaultyBackend(LayeredBackend):
+    """Passes everything on, until `inject` is called: from then on the fault is there for its periods.
+
+    A stuck joint that comes free catches up, 0.05 rad a period.
+
+    Attributes:
+        bitten: how often the fault changed something; 0: nobody would know that it was there.
+        asked: whether a primitive is asking. Exceptions hit nobody else.
+    """
+
+    def __init__(self, inner: Backend) -> None:
+        super().__init__(inner)
+        self.bitten, self.asked = 0, True
+        self._fault: Fault | None = None
+        self._left = 0
+        self._stuck: Capability | None = None
+        self._last: dict[str, Any] = {}
+        self._joints: Vector | None = None
+        self._width: float | None = None
+        self._hidden = np.zeros(2)
+        self._driven = False
+
+    def inject(self, fault: Fault) -> None:
+        """From now on the fault is there."""
+        self._fault, self._left = fault, fault.periods
+
+    @property
+    def sensors_read(self) -> tuple[str, ...]:
+        """Names of the sensors that were read so far."""
+        return tuple(name for name in SENSORS if name in self._last)
+
+    def stay(self) -> bool:
+        """From now on the fault itself moves nothing, what is stuck stays so; whether the base still slid."""
+        slid = self._is(FaultKind.SLIP)
+        self._left = 0 if slid else self._left
+        self._joints = self._width = None
+        return slid
+
+    def step(self) -> None:
+        """See `Backend`."""
+        slips = self._is(FaultKind.SLIP)
+        base = parts_of(self.inner).base if slips else None
+        before = base.wheel_travel() if base else WheelTravel(0.0, 0.0)
+        if slips and base and not self._driven and self._fault:
+            base.drive(self._fault.speed, self._fault.turn_rate)
+        self._catch_up()
+        self.inner.step()
+        if base:
+            went = np.subtract(base.wheel_travel(), before)
+            shown = went / (1.0 - SLIPS) if self._driven else 0.0
+            self._hidden += shown - went
+            self.bitten += bool(went.any())
+        self._driven = False
+        self._left -= 1
+
+    def stop(self) -> None:
+        """See `Backend`; what is stuck forgets where it was to go."""
+        self.inner.stop()
+        self._joints = self._width = None
+        self._driven = False
+
+    # Commands
+
+    def drive(self, base: Base, speed: float, turn_rate: float) -> None:
+        """See `Base`."""
+        self._call("")
+        self._driven = True
+        if self._sticks(base):
+            base.drive(0.0, 0.0)
+        elif self._is(FaultKind.SLIP):
+            base.drive((1.0 - SLIPS) * speed, (1.0 - SLIPS) * turn_rate)
+        else:
+            base.drive(speed, turn_rate)
+
+    def move_arm(self, arm: Arm, joints: Vector) -> None:
+        """See `Arm`."""
+        self._call("")
+        if self._sticks(arm) or self._joints is not None:
+            self._joints = np.array(joints, dtype=np.float64)
+        else:
+            arm.move(joints)
+            self._joints = None
+
+    def arm_command(self, arm: Arm) -> Vector:
+        """See `Arm`."""
+        return arm.command() if self._joints is None else self._joints.copy()
+
+    def move_gripper(self, gripper: Gripper, width: float) -> None:
+        """See `Gripper`."""
+        self._call("")
+        if self._sticks(gripper):
+            self._width = float(width)
+        else:
+            gripper.move(width)
+            self._width = None
+
+    def gripper_command(self, gripper: Gripper) -> float:
+        """See `Gripper`."""
+        return gripper.command() if self._width is None else self._width
+
+    def _sticks(self, part: Capability) -> bool:
+        if not self._is(FaultKind.STUCK):
+            return False
+        self._stuck = self._stuck or part
+        if self._stuck is not part:
+            return False
+        self.bitten += 1
+        return True
+
+    def _catch_up(self) -> None:
+        """What was stuck and no longer is goes where it was last told to."""
+        if self._is(FaultKind.STUCK):
+            return
+        gripper = parts_of(self.inner).gripper
+        if self._width is not None and gripper:
+            gripper.move(self._width)
+            self._width = None
+        arm = parts_of(self.inner).arm
+        if self._joints is not None and arm:
+            way = self._joints - arm.command()
+            arm.move(arm.command() + np.clip(way, -_STEP, _STEP))
+            if np.abs(way).max() <= _STEP:
+                self._joints = None
+
+    # Readings
+
+    def wheel_travel(self, base: Base) -> WheelTravel:
+        """See `Base`."""
+        return self._read("wheels", lambda: WheelTravel(*np.add(base.wheel_travel(), self._hidden)))
+
+    def joints(self, arm: Arm) -> Vector:
+        """See `Arm`."""
+        return self._read("joints", arm.joints)
+
+    def hand_force(self, arm: Arm) -> Vector:
+        """See `Arm`."""
+        return self._read("force", arm.hand_force)
+
+    def width(self, gripper: Gripper) -> float:
+        """See `Gripper`."""
+        return self._read("width", gripper.width)
+
+    def closed(self, gripper: Gripper) -> bool:
+        """See `Gripper`."""
+        return self._read("width", gripper.closed_on_something, "closed")
+
+    def image(self, camera: Camera) -> NDArray[np.uint8]:
+        """See `Camera`."""
+        return self._read("camera", camera.image)
+
+    def scan(self, sensor: RangeSensor) -> Scan:
+        """See `RangeSensor`."""
+        return self._read("range", sensor.scan)
+
+    def _read(self, sensor: str, take: Callable[[], T], name: str = "") -> T:
+        self._call(sensor)
+        name = name or sensor
+        concerned = self._fault is not None and self._fault.sensor == sensor
+        if concerned and self._is(FaultKind.STALE) and name in self._last:
+            self.bitten += 1
+            stale: T = self._last[name]
+            return stale
+        value = self._last[name] = take()
+        if concerned and self._is(FaultKind.NAN):
+            self.bitten += 1
+            broken: T = _broken(value)
+            return broken
+        return value
+
+    def _call(self, sensor: str) -> None:
+        """Raise what the fault raises when the primitive reads that sensor; empty: commands something."""
+        if not self.asked or self.bitten or self._fault is None:
+            return
+        if self._is(FaultKind.EXCEPTION) and self._fault.sensor == sensor:
+            self.bitten += 1
+            raise InjectedError("the backend broke")
+        if self._is(FaultKind.REFUSED) and not sensor:
+            self.bitten += 1
+            raise CommandError("refused on purpose; allowed: nothing")
+
+    def _is(self, kind: FaultKind) -> bool:
+        return self._fault is not None and self._fault.kind is kind and self._left > 0
+
+
+_STEP = 0.05  # [rad] a period that a joint catches up with
+
+
+def _broken(value: Any) -> Any:
+    """NaN in place of numbers, black in place of a picture."""
+    match value:
+        case WheelTravel():
+            return WheelTravel(np.nan, np.nan)
+        case Scan():
+            return value._replace(ranges=np.full_like(value.ranges, np.nan))
+        case bool():
+            return value
+        case float():
+            return np.nan
+    return np.zeros_like(value) if value.dtype == np.uint8 else np.full_like(value, np.nan)

@@ -1,0 +1,102 @@
+"""Trying something in a copy of this process, which stays as it was."""
+
+from __future__ import annotations
+
+import os
+import pickle
+import select
+import signal
+import sys
+import time
+import traceback
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import TypeVar
+
+T = TypeVar("T")
+EGL = "eglRenderer"
+
+
+class Hung(Exception):
+    """The copy didn't come to an end."""
+
+
+class Died(Exception):
+    """The copy came to an end that it shouldn't; the message is its traceback."""
+
+
+def forked(work: Callable[[], T], seconds: float) -> T:
+    """What `work` returns in a copy of this process; nothing that it does is seen here.
+
+    The process must have no other threads.
+
+    Args:
+        work: its value must be one that can be pickled.
+        seconds: of wall-clock time that it gets.
+
+    Raises:
+        Hung: it takes longer; it has been ended.
+        Died: it raised, or ended the process.
+    """
+    ours, theirs = os.pipe()
+    child = os.fork()
+    if child == 0:
+        os.close(ours)
+        _tell(theirs, work)
+    os.close(theirs)
+    try:
+        told = _listen(ours, time.monotonic() + seconds)
+    except Hung:
+        os.kill(child, signal.SIGKILL)
+        raise
+    finally:
+        os.close(ours)
+        _, status = os.waitpid(child, 0)
+    if not told:
+        raise Died(f"the process ended with status {status}")
+    ok, value = pickle.loads(told)
+    if not ok:
+        raise Died(value)
+    result: T = value
+    return result
+
+
+@contextmanager
+def forkable() -> Iterator[None]:
+    """What is built in here has no threads, which a copy of the process would lack.
+
+    Bullet's EGL renderer has some: hidden, Bullet takes its own renderer, which has none.
+    """
+    hidden = sys.modules.pop(EGL, None)
+    sys.modules[EGL] = None  # type: ignore[assignment]
+    try:
+        yield
+    finally:
+        del sys.modules[EGL]
+        if hidden is not None:
+            sys.modules[EGL] = hidden
+
+
+def _tell(pipe: int, work: Callable[[], object]) -> None:
+    """In the copy: work, send what comes of it, end at once."""
+    try:
+        try:
+            told = pickle.dumps((True, work()))
+        except BaseException:
+            told = pickle.dumps((False, traceback.format_exc()))
+        with os.fdopen(pipe, "wb") as stream:
+            stream.write(told)
+    finally:
+        os._exit(0)
+
+
+def _listen(pipe: int, end: float) -> bytes:
+    told = b""
+    while True:
+        ready, _, _ = select.select([pipe], [], [], max(0.0, end - time.monotonic()))
+        if not ready:
+            raise Hung
+        piece = os.read(pipe, 1 << 16)
+        if not piece:
+            return told
+        told += piece

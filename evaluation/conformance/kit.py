@@ -1,0 +1,175 @@
+"""The conformance kit as a whole: what is tried, and in how many processes."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import Future, ProcessPoolExecutor, as_completed
+from dataclasses import dataclass
+from multiprocessing import get_context
+from pathlib import Path
+
+from backends.robot_file import load_robot
+
+from .all_checks import CHECKS
+from .bench import Bench
+from .check import Finding
+from .fail_is_true import Batch
+from .forked import Died, Hung, forked
+from .mutants import MUTANTS, Caught, try_mutant
+from .reach import Reach
+from .rehearsal import DRIVE_MAP, RETURN_BOOK, Rehearsal, Solo
+from .report import Broken, Report, Result
+
+PARTS = ("checks", "faults", "mutants")
+INSTANTS = {"kinematic": (40, 3)}
+OTHER_INSTANTS = (10, 1)
+"""Of each primitive's run in which faults are injected: in full, and quick."""
+SHARE = 10  # instants of an action that one process sees to at a time, at most
+LONGEST = 600.0  # [s] of wall-clock time that a check or a liar gets
+
+
+@dataclass(frozen=True)
+class Setting:
+    """What is tried."""
+
+    backend: str
+    robot: str = "librarian"
+    quick: bool = False
+    parts: Sequence[str] = PARTS
+    primitives: Sequence[str] = ()
+    """Faults go into these alone; none: into all."""
+    instants: int | None = None
+    """Of each primitive's run in which faults are injected; None: as many as the mode says."""
+
+    @property
+    def bench(self) -> Bench:
+        """Where checks are made."""
+        return Bench(self.backend, self.robot, quick=self.quick)
+
+    def batches(self) -> list[Batch]:
+        """Faults in each primitive of a shipped task that the robot can do, and in REACH."""
+        full, quick = INSTANTS.get(self.backend, OTHER_INSTANTS)
+        count = self.instants or (quick if self.quick else full)
+        shares = math.ceil(count / SHARE)
+        return [
+            Batch(source, number, count, part, shares)
+            for source, number, name in reversed(self._actions())  # the last takes longest to come to
+            for part in range(shares)
+            if name in self.primitives or not self.primitives
+        ]
+
+    def tried(self) -> list[str]:
+        """Names of the primitives in which faults can be injected."""
+        return sorted({name for _, _, name in self._actions()})
+
+    def _actions(self) -> list[tuple[Rehearsal | Solo, int, str]]:
+        result: list[tuple[Rehearsal | Solo, int, str]] = [(Solo(self.bench, Reach()), 0, Reach.label())]
+        rehearsal = self.rehearsal()
+        if rehearsal is not None:
+            result += [(rehearsal, at, action.do) for at, action in enumerate(rehearsal.actions(), start=1)]
+        return result
+
+    def rehearsal(self) -> Rehearsal | None:
+        """The shipped task with the most primitives that the robot can do."""
+        spec = load_robot(self.robot)
+        by_path = self.robot.endswith((".yaml", ".yml"))
+        chosen = {"robot": str(Path(self.robot).resolve()) if by_path else self.robot}
+        if spec.arm and spec.gripper and spec.camera and spec.range_sensor:
+            return Rehearsal(RETURN_BOOK, self.backend, settings=chosen)
+        return Rehearsal(DRIVE_MAP, self.backend, settings=chosen) if spec.range_sensor else None
+
+
+@dataclass(frozen=True)
+class OneCheck:
+    """A check by its name."""
+
+    name: str
+    bench: Bench
+
+    def __str__(self) -> str:
+        return f"check {self.name}"
+
+    def __call__(self) -> Finding:
+        """Make it in a copy of the process: one that hangs or dies is a finding too."""
+        check = CHECKS[self.name]
+        try:
+            return forked(lambda: check(self.bench), LONGEST)
+        except Hung:
+            return Finding(self.name, check.holds, [f"no end after {LONGEST:.0f} s"])
+        except Died as died:
+            return Finding(self.name, check.holds, [f"the process died: {died}"])
+
+
+@dataclass(frozen=True)
+class OneMutant:
+    """A liar by its name."""
+
+    name: str
+    bench: Bench
+
+    def __str__(self) -> str:
+        return f"liar {self.name}"
+
+    def __call__(self) -> Caught:
+        """Plant it and look, in a copy of the process."""
+        return forked(lambda: try_mutant(self.name, self.bench), LONGEST)
+
+
+Job = OneCheck | OneMutant | Batch
+
+
+def jobs_of(setting: Setting) -> list[Job]:
+    """All that is to be done, in an order in which processes side by side end together."""
+    jobs: list[Job] = list(setting.batches()) if "faults" in setting.parts else []
+    if "mutants" in setting.parts:
+        jobs += [OneMutant(name, setting.bench) for name in MUTANTS]
+    if "checks" in setting.parts:
+        jobs += [OneCheck(name, setting.bench) for name in CHECKS]
+    return jobs
+
+
+def run_kit(
+    setting: Setting, processes: int = 2, tell: Callable[[int, int], None] = lambda done, count: None
+) -> Report:
+    """Try everything, in a pool of processes.
+
+    Args:
+        setting: what is tried.
+        processes: side by side.
+        tell: told after each job how many are done, of how many.
+    """
+    jobs = jobs_of(setting)
+    results: dict[int, Result] = {}
+    for done, (number, result) in enumerate(_in_processes(jobs, processes), start=1):
+        results[number] = result
+        tell(done, len(jobs))
+    in_order = [results[number] for number in sorted(results)]
+    return Report.of(setting.backend, setting.robot, setting.quick, in_order)
+
+
+def _in_processes(jobs: Sequence[Job], processes: int) -> Iterator[tuple[int, Result]]:
+    """Each job's number and result, in the order in which they end."""
+    with ProcessPoolExecutor(processes, get_context("spawn"), _one_thread) as pool:
+        running = {pool.submit(_done, job): number for number, job in enumerate(jobs)}
+        try:
+            for each in as_completed(running):
+                yield running[each], _result(jobs[running[each]], each)
+        finally:
+            for each in running:
+                each.cancel()
+
+
+def _done(job: Job) -> Result:
+    return job()
+
+
+def _result(job: Job, ended: Future[Result]) -> Result:
+    error = ended.exception()
+    return ended.result() if error is None else Broken(str(job), f"{type(error).__name__}: {error}")
+
+
+def _one_thread() -> None:
+    import cv2
+
+    cv2.setNumThreads(1)

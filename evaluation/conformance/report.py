@@ -1,0 +1,177 @@
+"""What the kit found, for people and for programs."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import asdict, dataclass
+from typing import Any
+
+from .check import Finding
+from .fail_is_true import Trial
+from .fault import NOTHING
+from .mutants import Caught
+
+OUTCOMES = ("Success", "Fail", "GiveUp")
+
+
+@dataclass(frozen=True)
+class Broken:
+    """A part of the kit that could not be run."""
+
+    name: str
+    reason: str
+
+
+Result = Finding | Caught | Broken | list[Trial]
+
+
+@dataclass(frozen=True)
+class Report:
+    """All that was found on one backend."""
+
+    backend: str
+    robot: str
+    quick: bool
+    checks: tuple[Finding, ...]
+    trials: tuple[Trial, ...]
+    mutants: tuple[Caught, ...]
+    broken: tuple[Broken, ...]
+
+    @classmethod
+    def of(cls, backend: str, robot: str, quick: bool, results: Sequence[Result]) -> Report:
+        """Sort results, in whatever order they came."""
+        trials = (trial for each in results if isinstance(each, list) for trial in each)
+        return cls(
+            backend,
+            robot,
+            quick,
+            tuple(each for each in results if isinstance(each, Finding)),
+            tuple(sorted(trials, key=lambda each: (each.action, each.primitive, each.period))),
+            tuple(sorted((each for each in results if isinstance(each, Caught)), key=lambda each: each.name)),
+            tuple(each for each in results if isinstance(each, Broken)),
+        )
+
+    @property
+    def injected(self) -> int:
+        """Faults that were injected."""
+        return sum(trial.kind != NOTHING for trial in self.trials)
+
+    @property
+    def bitten(self) -> int:
+        """Those that changed anything."""
+        return sum(trial.kind != NOTHING and trial.ending.bitten for trial in self.trials)
+
+    @property
+    def violations(self) -> list[Trial]:
+        """Trials after which something wasn't true."""
+        return [trial for trial in self.trials if trial.ending.wrong]
+
+    @property
+    def planted(self) -> list[Caught]:
+        """Liars that could be planted on this robot."""
+        return [each for each in self.mutants if not each.skipped]
+
+    @property
+    def missed(self) -> list[Caught]:
+        """Liars that weren't found."""
+        return [each for each in self.planted if not each.by]
+
+    @property
+    def ok(self) -> bool:
+        """Whether all holds."""
+        return not (self.violations or self.missed or self.broken) and all(each.ok for each in self.checks)
+
+    def as_dict(self) -> dict[str, Any]:
+        """For JSON."""
+        return {
+            "ok": self.ok,
+            "backend": self.backend,
+            "robot": self.robot,
+            "quick": self.quick,
+            "checks": [asdict(each) | {"ok": each.ok} for each in self.checks],
+            "faults": {
+                "injected": self.injected,
+                "bitten": self.bitten,
+                "outcomes": self._outcomes(),
+                "violations": [_violation(each) for each in self.violations],
+            },
+            "mutants": {
+                "planted": len(self.planted),
+                "caught": len(self.planted) - len(self.missed),
+                "each": [asdict(each) for each in self.mutants],
+            },
+            "broken": [asdict(each) for each in self.broken],
+        }
+
+    def _outcomes(self) -> dict[str, Mapping[str, int]]:
+        """How trials ended, by action and by kind of fault."""
+        found: dict[str, Counter[str]] = {}
+        for trial in self.trials:
+            for key in (trial.title, trial.kind):
+                found.setdefault(key, Counter())[trial.ending.outcome] += 1
+        return {key: dict(count) for key, count in found.items()}
+
+    def lines(self) -> Iterator[str]:
+        """The table, line by line."""
+        if self.checks:
+            yield f"checks of {self.backend} with {self.robot}"
+            for each in self.checks:
+                yield from _check_lines(each)
+        if self.trials:
+            yield from self._fault_lines()
+        if self.mutants:
+            yield from self._mutant_lines()
+        for broken in self.broken:
+            yield f"BROKEN  {broken.name}: {broken.reason}"
+        yield ""
+        yield self.summary
+
+    @property
+    def summary(self) -> str:
+        """All in one line."""
+        wrong = sum(not each.ok for each in self.checks)
+        told = [f"{len(self.checks)} checks, {wrong} wrong"] if self.checks else []
+        if self.trials:
+            told.append(f"{self.injected} faults, {len(self.violations)} violations")
+        if self.mutants:
+            told.append(f"{len(self.planted) - len(self.missed)} of {len(self.planted)} liars caught")
+        if self.broken:
+            told.append(f"{len(self.broken)} parts broken")
+        return "; ".join(told)
+
+    def _fault_lines(self) -> Iterator[str]:
+        yield ""
+        yield f"{'faults injected':<20}{'tried':>8}{'felt':>8}" + "".join(f"{each:>9}" for each in OUTCOMES)
+        groups: dict[str, list[Trial]] = {}
+        for trial in self.trials:
+            if trial.kind != NOTHING:
+                groups.setdefault(trial.title, []).append(trial)
+        for trial in self.trials:
+            if trial.kind != NOTHING:
+                groups.setdefault(trial.kind, []).append(trial)
+        for title, trials in groups.items():
+            ended = Counter(trial.ending.outcome for trial in trials)
+            felt = sum(trial.ending.bitten for trial in trials)
+            row = "".join(f"{ended[each]:>9}" for each in OUTCOMES)
+            yield f"  {title:<18}{len(trials):>8}{felt:>8}{row}"
+        for trial in self.violations:
+            yield f"  VIOLATION  {trial}"
+
+    def _mutant_lines(self) -> Iterator[str]:
+        yield ""
+        yield f"liars caught: {len(self.planted) - len(self.missed)} of {len(self.planted)}"
+        for each in self.mutants:
+            word = "-" if each.skipped else "caught" if each.by else "MISSED"
+            yield f"  {word:<8}{each.name:<20}{each.lie}: {each.skipped or each.by or 'nothing is found'}"
+
+
+def _check_lines(each: Finding) -> Iterator[str]:
+    word = "-" if each.skipped else "ok" if each.ok else "WRONG"
+    yield f"  {word:<6}{each.name:<14}{each.skipped or each.holds}"
+    for wrong in each.wrong:
+        yield f"        {wrong}"
+
+
+def _violation(trial: Trial) -> dict[str, Any]:
+    return trial._asdict() | {"ending": asdict(trial.ending), "told": str(trial)}

@@ -1,0 +1,217 @@
+"""Why a run went as it did, from its folder alone: no simulator, no robot."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from files.errors import InputError
+from networks.evidence_files import FOLDER
+from networks.flight_recorder import END, SUFFIX
+from networks.hindsight import Choice, Option, Way, choice_of
+from networks.past_run import PastAction, PastRun
+
+
+class NoSuchAction(InputError):
+    """The run has no action of that number."""
+
+    def __init__(self, run: PastRun, number: int) -> None:
+        last = len(run.actions)
+        allowed = f"1 to {last}" if last else "none: no action was started"
+        super().__init__(f"{run.folder} has no action {number}; allowed: {allowed}")
+
+
+@dataclass(frozen=True)
+class Residual:
+    """How far something was from where it stood at the start, after restoring."""
+
+    name: str
+    """With its unit."""
+    size: float
+    limit: float | None
+    """The robot file's tolerance; None in the journals of older versions."""
+
+    @property
+    def within(self) -> bool:
+        """Whether it is within its tolerance."""
+        return self.limit is None or self.size <= self.limit
+
+
+@dataclass(frozen=True)
+class Explanation:
+    """What can be told about one action of a run, or about its end."""
+
+    run: PastRun
+    action: PastAction | None
+    """None: the run as a whole."""
+    choice: Choice | None
+    """Why it was chosen; None where the journal doesn't keep the network."""
+    relied_on: tuple[tuple[str, PastAction], ...]
+    """What the primitive may have known from earlier actions: name in the world model, and who learned it."""
+    residuals: tuple[Residual, ...]
+    picture: Path | None
+    """The picture that decided, with what was seen drawn into it."""
+    points: Path | None
+    """Points on the map that decided, as .npz; or those that an earlier action left, which this one used."""
+    readings: Path | None
+    """The last seconds of readings and commands."""
+
+    @property
+    def causes(self) -> Sequence[Mapping[str, Any]]:
+        """The links of the chain, as the journal holds them: why the motion ended, then why the way back."""
+        return tuple(self.action.result.get("cause", ())) if self.action else ()
+
+
+def explain(run: PastRun, number: int | None = None) -> Explanation:
+    """Explain an action.
+
+    Args:
+        run: read back.
+        number: of the action, from 1; None: the last that ended in Fail or GiveUp, else the whole run.
+
+    Raises:
+        NoSuchAction: there is none of that number.
+    """
+    action = run.last_fail if number is None else _numbered(run, number)
+    if action is None:
+        return Explanation(run, None, None, (), (), None, None, _kept(run, f"{END}{SUFFIX}"))
+    relied_on = tuple(_relied_on(run, action))
+    points = [_kept(run, f"{_stem(each)}.npz") for each in (action, *(who for _, who in relied_on[::-1]))]
+    return Explanation(
+        run,
+        action,
+        choice_of(run, action),
+        relied_on,
+        _residuals(action),
+        _picture(run, action),
+        next((path for path in points if path is not None), None),
+        _kept(run, f"{_stem(action)}{SUFFIX}") or _at_the_end(run, action),
+    )
+
+
+def _numbered(run: PastRun, number: int) -> PastAction:
+    found = next((each for each in run.actions if each.number == number), None)
+    if found is None:
+        raise NoSuchAction(run, number)
+    return found
+
+
+def _relied_on(run: PastRun, action: PastAction) -> list[tuple[str, PastAction]]:
+    """By entry of the world model the last action before this one that learned it."""
+    uses = run.network.uses[action.index] if run.network else ()
+    learned: dict[str, PastAction] = {}
+    for each in run.actions[: run.actions.index(action)]:
+        for name, value in each.result.get("learned", {}).items():
+            if value is None:
+                learned.pop(name, None)
+            else:
+                learned[name] = each
+    return [(name, learned[name]) for name in uses if name in learned]
+
+
+def _residuals(action: PastAction) -> tuple[Residual, ...]:
+    limits = action.result.get("tolerance", {})
+    sizes = action.result.get("residuals", {})
+    return tuple(
+        # JSON has no infinity: what is no longer there is infinitely far.
+        Residual(name, math.inf if size is None else float(size), limits.get(name))
+        for name, size in sizes.items()
+    )
+
+
+def _stem(action: PastAction) -> str:
+    ended = "" if action.outcome in ("Success", "") else f"_{action.outcome}"
+    return f"{action.number:03d}_{action.do}{ended}"
+
+
+def _picture(run: PastRun, action: PastAction) -> Path | None:
+    """The one that the primitive named, else the one that was written last."""
+    named = action.result.get("picture")
+    if named:
+        return _kept(run, f"{_stem(action)}_{named}.png")
+    pictures = list((run.folder / FOLDER).glob(f"{action.number:03d}_*.png"))
+    return max(pictures, key=lambda path: (path.stat().st_mtime_ns, path.name), default=None)
+
+
+def _at_the_end(run: PastRun, action: PastAction) -> Path | None:
+    """The run's last readings, where the action is the one that was broken off there."""
+    return _kept(run, f"{END}{SUFFIX}") if action is run.actions[-1] and not action.outcome else None
+
+
+def _kept(run: PastRun, name: str) -> Path | None:
+    path = run.folder / FOLDER / name
+    return path if path.is_file() else None
+
+
+def as_json(told: Explanation, chart: Path | None) -> dict[str, Any]:
+    """All of it for programs."""
+    run, header = told.run, told.run.header
+    end = run.end
+    return {
+        "run_dir": str(run.folder),
+        **{key: header.get(key) for key in ("task", "robot", "backend", "seed", "handcart")},
+        "outcome": end["outcome"] if end else None,
+        "situation": end["situation"] if end else None,
+        "reason": end["reason"] if end else None,
+        "torn_at": run.torn_at,
+        "actions": [_action_json(each) for each in run.actions],
+        "action": told.action.number if told.action else None,
+        "choice": _choice_json(told.choice) if told.choice else None,
+        "relied_on": {name: who.number for name, who in told.relied_on},
+        "cause": list(told.causes),
+        "residuals": [
+            {"name": r.name, "size": _finite(r.size), "limit": r.limit, "within": r.within}
+            for r in told.residuals
+        ],
+        "picture": told.picture and str(told.picture),
+        "points": told.points and str(told.points),
+        "readings": told.readings and str(told.readings),
+        "chart": chart and str(chart),
+    }
+
+
+def _action_json(action: PastAction) -> dict[str, Any]:
+    return {
+        "n": action.number,
+        "do": action.do,
+        "from": action.source,
+        "to": action.target,
+        "with": action.parameters,
+        "start_s": action.start,
+        "broken_off_s": action.broken_off,
+        "end_s": action.end,
+        "outcome": action.outcome or None,
+        "reason": action.reason,
+    }
+
+
+def _choice_json(choice: Choice) -> dict[str, Any]:
+    return {
+        "way": _way_json(choice.way),
+        "options": [_option_json(each) for each in choice.options],
+        "next_best": choice.next_best and _way_json(choice.next_best),
+        "after_fail": choice.after_fail and _way_json(choice.after_fail),
+    }
+
+
+def _option_json(option: Option) -> dict[str, Any]:
+    return {
+        "index": option.action.index,
+        "do": option.action.do,
+        "to": option.action.target,
+        "weight_s": option.weight,
+        "fails": option.fails,
+        "way": option.way and _way_json(option.way),
+        "out": option.out,
+    }
+
+
+def _way_json(way: Way) -> dict[str, Any]:
+    return {"actions": [each.index for each in way.actions], "cost_s": way.cost}
+
+
+def _finite(size: float) -> float | None:
+    return size if math.isfinite(size) else None

@@ -1,0 +1,209 @@
+"""An explanation in words, for people."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from networks.hindsight import Choice, Option, Way
+from networks.past_run import PastAction, PastRun
+from networks.planner import SKIP_WEIGHT
+
+from .explanation import Explanation, Residual
+
+CHECKS = {
+    "observe": "while looking at what it will touch",
+    "motion": "in its motion",
+    "watch": "by its watch, asked every period",
+    "effect": "by its look at the effect, at rest at the end",
+    "restore": "on the way back",
+    "finish": "while withdrawing",
+    "rest": "while waiting for rest",
+    "push": "by looking where the base stands",
+    "following": "by comparing the arm's readings with its commands",
+    "time": "by the clock",
+    "supervision": "from outside",
+    "framework": "by the framework",
+}
+"""Who found it, as the journal has it."""
+LONGEST = 6  # actions of a way that are named
+
+
+def in_words(told: Explanation, chart: Path | None) -> str:
+    """The run in one line per action, then the action that is explained."""
+    parts = [_head(told.run), _time_line(told.run, told.action)]
+    if told.action is not None:
+        parts += [_about(told.action), _chosen(told), _happened(told), _restored(told)]
+    parts.append(_files(told, chart))
+    return "\n\n".join(part for part in parts if part)
+
+
+def _head(run: PastRun) -> str:
+    header, end = run.header, run.end
+    told = [f"{run.folder}: {header['task']} (backend {header['backend']}, seed {header['seed']})"]
+    if end is None:
+        told.append("no end in the journal: it was killed, or still goes on")
+    else:
+        reason = f": {end['reason']}" if end["reason"] else ""
+        told.append(f"{end['outcome']} in situation {end['situation']}{reason}")
+    return "\n".join(told)
+
+
+def _time_line(run: PastRun, chosen: PastAction | None) -> str:
+    if not run.actions:
+        return "No action was started."
+    do = max(len(each.do) for each in run.actions)
+    way = max(len(f"{each.source} to {each.target}") for each in run.actions)
+    return "\n".join(_line(each, each is chosen, do, way) for each in run.actions)
+
+
+def _line(each: PastAction, chosen: bool, do: int, way: int) -> str:
+    mark = ">" if chosen else " "
+    leads = f"{each.source} to {each.target}"
+    ended = each.outcome or "no end"
+    reason = f": {each.reason}" if each.reason else ""
+    return f"{mark}{each.number:4d}  {each.start:8.1f} s  {each.do:<{do}}  {leads:<{way}}  {ended}{reason}"
+
+
+def _about(action: PastAction) -> str:
+    given = ", ".join(f"{name}={value}" for name, value in action.parameters.items())
+    return f"Action {action.number}: {action.do}{f' with {given}' if given else ''}"
+
+
+def _chosen(told: Explanation) -> str:
+    lines = ["Why it was chosen"]
+    if told.choice is None:
+        return "\n".join(
+            [*lines, "  the journal doesn't keep the network, so what else there was isn't known"]
+        )
+    lines += [f"  {line}" for line in _choice(told.choice)]
+    known = ", ".join(f"{name} (action {who.number}, {who.do})" for name, who in told.relied_on)
+    return "\n".join([*lines, *([f"  what it could use: {known}"] if known else [])])
+
+
+def _choice(choice: Choice) -> Iterator[str]:
+    chosen, *others = choice.options
+    fails = f", failed {_times(chosen.fails)} before" if chosen.fails else ""
+    yield f"cheapest way to the goal, {_cost(choice.way)}: {_steps(choice.way)}"
+    yield f"{chosen.action.do} counted {_seconds(chosen.weight)} of it{fails}"
+    if not others:
+        yield f"nothing else leads out of {choice.chosen.source}"
+    for each in others:
+        yield f"instead {each.action}: {_instead(each)}"
+    later = choice.next_best
+    if later is not None and later.actions[0] is choice.chosen:
+        yield f"the next best way parts from it later, {_cost(later)}: {_steps(later)}"
+    if later is None:
+        yield "no other way led to the goal"
+    if choice.after_fail is not None:
+        told = f"{_cost(choice.after_fail)} from the goal: {_steps(choice.after_fail)}"
+        yield f"a Fail leads to {choice.chosen.on_fail}, then {told}"
+
+
+def _instead(option: Option) -> str:
+    fails = f", failed {_times(option.fails)} before" if option.fails else ""
+    if option.way is None:
+        return option.out
+    return f"{_cost(option.way)}{fails}: {_steps(option.way)}"
+
+
+def _steps(way: Way) -> str:
+    names = [each.do for each in way.actions]
+    return ", ".join([*names[:LONGEST], *(["..."] if len(names) > LONGEST else [])])
+
+
+def _cost(way: Way) -> str:
+    return _seconds(way.cost)
+
+
+def _seconds(cost: float) -> str:
+    """A cost, and beside it what is left undone."""
+    skipped, rest = divmod(cost, SKIP_WEIGHT)
+    undone = f" and {skipped:.0f} left undone" if skipped else ""
+    return f"{rest:g} s{undone}"
+
+
+def _times(count: int) -> str:
+    return "once" if count == 1 else f"{count} times"
+
+
+def _happened(told: Explanation) -> str:
+    action = told.action
+    assert action is not None
+    if action.outcome in ("Success", ""):
+        lines = ["What happened", f"  {action.start:.1f} to {action.end:.1f} s: {action.outcome or 'no end'}"]
+        return "\n".join([*lines, *(f"  {line}" for line in _facts(action))])
+    lines = [f"Why it ended in {action.outcome}"]
+    lines += [f"  {line}" for cause in told.causes for line in cause_words(action, cause)]
+    if not told.causes:
+        lines.append(f"  {action.reason} (the journal keeps no more)")
+    return "\n".join([*lines, *(f"  {line}" for line in _facts(action))])
+
+
+def cause_words(action: PastAction, cause: Mapping[str, Any]) -> Iterator[str]:
+    """A line for each link of the chain: primitive, check, functions, sensor."""
+    when = action.end if action.broken_off is None or cause.get("restoring") else action.broken_off
+    yield f"{when:.1f} s: {cause['reason']}"
+    chain = [action.do, f"found {CHECKS.get(cause['check'], cause['check'])}"]
+    if cause["calls"]:
+        chain.append(" > ".join(cause["calls"]))
+    if cause.get("fault"):
+        chain.append(f"{cause['fault']}: a fault in the code, not in the world")
+    if cause.get("measured"):
+        chain.append(measured_words(cause["measured"]))
+    for depth, link in enumerate(chain):
+        yield f"  {'   ' * (depth - 1)}{'└─ ' if depth else ''}{link}"
+
+
+def measured_words(measured: Mapping[str, Any]) -> str:
+    """`Arm: force that resists 8.1 N, at most 7 N`."""
+    told = f"{measured['sensor']}: {measured['what']}"
+    value, limit = measured["value"], measured["limit"]
+    unit = f" {measured['unit']}" if measured["unit"] else ""
+    if value is None:
+        return f"{told}: not seen{'' if limit is None else f' within {limit:.3g}{unit}'}"
+    if limit is None:
+        return f"{told} {value:.3g}{unit}"
+    return f"{told} {value:.3g}{unit}, needed: at {'least' if value < limit else 'most'} {limit:.3g}{unit}"
+
+
+def _facts(action: PastAction) -> Iterator[str]:
+    """What the primitive noted."""
+    found: Mapping[str, float | str] = action.result.get("evidence", {})
+    if found:
+        yield "it noted:"
+    for name, value in found.items():
+        said = f"{value:g}" if isinstance(value, float | int) else str(value).strip().replace("\n", "\n    ")
+        yield f"  {name} {said}"
+
+
+def _restored(told: Explanation) -> str:
+    action = told.action
+    assert action is not None
+    if not action.fails:
+        return ""
+    if not told.residuals:
+        said = "nothing had moved" if action.outcome == "Fail" else "it was not measured"
+        return f"What was restored\n  nothing to compare: {said}"
+    lasted = "" if action.broken_off is None else f", {action.broken_off:.1f} to {action.end:.1f} s"
+    return "\n".join([f"What was restored{lasted}", *_table(told.residuals)])
+
+
+def _table(residuals: Sequence[Residual]) -> Iterator[str]:
+    width = max(len(each.name) for each in residuals)
+    for each in residuals:
+        size = f"{each.size:9.3f}" if math.isfinite(each.size) else "     gone"
+        limit = "" if each.limit is None else f"  at most {each.limit:g}"
+        yield f"  {each.name:<{width}}  {size}{limit}{'' if each.within else '   <- beyond it'}"
+
+
+def _files(told: Explanation, chart: Path | None) -> str:
+    named = {
+        "what was seen": told.picture,
+        "points on the map": told.points,
+        "last readings and commands": told.readings,
+        "drawn": chart,
+    }
+    return "\n".join(f"{what}: {path}" for what, path in named.items() if path is not None)

@@ -1,0 +1,145 @@
+"""The conformance kit: an honest backend passes, and the kit catches liars."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+
+from evaluation.conformance.all_checks import CHECKS
+from evaluation.conformance.bench import Bench
+from evaluation.conformance.check import Finding
+from evaluation.conformance.fail_is_true import Batch, Trial
+from evaluation.conformance.fault import Fault, FaultKind, variant
+from evaluation.conformance.forked import Died, Hung, forked
+from evaluation.conformance.kit import Setting, jobs_of, run_kit
+from evaluation.conformance.mutants import MUTANTS, try_mutant
+from evaluation.conformance.reach import Reach
+from evaluation.conformance.rehearsal import DRIVE_MAP, RETURN_BOOK, Rehearsal, Solo
+from evaluation.conformance.report import Report
+from evaluation.conformance.underway import Ending
+from networks.task_file import load_task
+
+BENCH = Bench("kinematic")
+SAMPLE = (
+    "EchoesCommands",
+    "EditsSnapshot",
+    "QueuesCommands",
+    "RaisesTolerance",
+    "SwallowsFault",
+    "WrongUnits",
+)
+"""Liars that are caught quickly; `handcart conformance --part mutants` plants all."""
+
+
+@pytest.mark.parametrize("name", ["capabilities", "limits", "stop", "rates", "landmark", "frames"])
+def test_the_kinematic_backend_passes(name: str) -> None:
+    finding = CHECKS[name](BENCH)
+    assert finding.ok, finding.wrong
+    assert not finding.skipped
+
+
+def test_what_a_robot_lacks_is_left_out_with_the_reason() -> None:
+    finding = CHECKS["joints"](Bench("kinematic", robot="cart"))
+    assert finding.skipped == "the robot has no arm"
+
+
+@pytest.mark.parametrize("name", SAMPLE)
+def test_a_liar_is_caught(name: str) -> None:
+    caught = try_mutant(name, BENCH)
+    assert caught.by
+    assert not caught.skipped
+
+
+def test_there_are_twenty_liars_and_each_tells_its_lie() -> None:
+    assert len(MUTANTS) == 20
+    assert len({mutant.lie for mutant in MUTANTS.values()}) == 20
+
+
+def test_an_honest_primitive_is_true_whatever_goes_wrong() -> None:
+    trials = Batch(Solo(BENCH, Reach()), 0, 2)()
+    assert len(trials) == 2 * len(FaultKind)
+    assert [str(each) for each in trials if each.ending.wrong] == []
+    assert {each.ending.outcome for each in trials} >= {"Success", "Fail"}
+
+
+def test_a_rehearsal_has_every_primitive_of_the_task() -> None:
+    rehearsal = Rehearsal(RETURN_BOOK, "kinematic")
+    assert {each.do for each in rehearsal.actions()} == {
+        each.do for each in load_task(RETURN_BOOK).network.actions
+    }
+
+
+def test_what_is_tried_depends_on_what_the_robot_can_do() -> None:
+    with_arm, without = Setting("kinematic"), Setting("kinematic", robot="cart")
+    assert {"REACH", "MOVE_TO", "RELEASE"} <= set(with_arm.tried())
+    assert without.tried() == ["MODIFY", "MOVE_TO", "REACH"]
+    found = without.rehearsal()
+    assert found is not None
+    assert found.task == DRIVE_MAP
+
+
+def test_full_mode_injects_more_than_2500_faults_on_the_kinematic_backend() -> None:
+    batches = Setting("kinematic").batches()
+    assert {each.instants for each in batches} == {40}
+    moving = {each.action for each in batches} - {3, 9}  # MODIFY takes a few periods
+    assert len(moving) * 40 * len(FaultKind) >= 2500
+
+
+def test_each_kind_of_fault_goes_through_its_ways() -> None:
+    assert {variant(FaultKind.STALE, number).sensor for number in range(6)} == {
+        "wheels",
+        "range",
+        "joints",
+        "camera",
+        "width",
+        "force",
+    }
+    assert len({variant(FaultKind.SLIP, number) for number in range(8)}) == 4
+    assert str(Fault(FaultKind.NAN, "joints", 10)) == "NaN joints for 10 periods"
+
+
+def test_a_copy_of_the_process_may_hang_or_die() -> None:
+    assert forked(lambda: 3, 10.0) == 3
+    with pytest.raises(Died, match="ZeroDivisionError"):
+        forked(lambda: 1 // 0, 10.0)
+
+    def hang() -> None:
+        while True:
+            pass
+
+    with pytest.raises(Hung):
+        forked(hang, 0.3)
+
+
+def test_a_report_tells_what_is_wrong() -> None:
+    wrong = Finding("limits", "what is beyond is refused", ["drive(nan, 0) is taken"])
+    untrue = Ending("Fail", "it was only to be tried", 9, wrong=("Fail, but base mm 60.00 (at most 45.00)",))
+    trial = Trial("REACH", 0, 7, "cancel", "cancel", untrue)
+    report = Report.of("mine", "librarian", True, [wrong, [trial]])
+    told = "\n".join(report.lines())
+    assert not report.ok
+    assert "WRONG limits" in told
+    assert "drive(nan, 0) is taken" in told
+    assert "VIOLATION  REACH, period 7, cancel: Fail: Fail, but base mm 60.00" in told
+    assert "1 checks, 1 wrong; 1 faults, 1 violations" in told
+    assert report.as_dict()["faults"]["violations"][0]["period"] == 7
+
+
+def test_a_primitive_of_somebody_else_is_found_by_its_name() -> None:
+    jobs = jobs_of(Setting("kinematic", quick=True, parts=("faults",), primitives=("REACH",)))
+    assert len(jobs) == 1
+
+
+def test_the_fixture_tries_a_backend(conformance: Any) -> None:
+    report = conformance("kinematic", robot="cart", parts=("faults",), primitives=("REACH",), instants=1)
+    assert report.ok
+    assert report.injected == len(FaultKind)
+
+
+def test_a_backend_that_cannot_be_built_is_told() -> None:
+    report = run_kit(Setting("kinematic", "/nowhere/robot.yaml", True, ("mutants",)), 1)
+    assert not report.ok
+    assert len(report.broken) == 20
+    assert report.broken[0].name == "liar NotRestored"
+    assert "nowhere" in report.broken[0].reason

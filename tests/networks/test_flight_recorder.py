@@ -1,0 +1,83 @@
+"""The last seconds of readings and commands."""
+
+import numpy as np
+import pytest
+
+from networks.coordinator import Coordinator
+from networks.flight_recorder import FlightRecorder, load_readings
+from networks.network import Action, ActionNetwork, Situation
+from primitives.discrepancy import Discrepancy
+
+PERIOD = 0.05
+
+
+@pytest.fixture
+def drive(stand, tmp_path):
+    """Drives until `fails` periods have passed, then ends as told; what the recorder wrote, by file name."""
+
+    def driven(fails, error=None, seconds=10.0, pauses=0):
+        class Drive(stand.Drive):
+            def motion(self, robot, model):
+                for _ in range(fails):
+                    robot.base.drive(0.2, 0.0)
+                    yield
+                if error is not None:
+                    raise error
+
+        from networks.binding import Binding
+
+        network = ActionNetwork.build(
+            [Situation("a"), Situation("z")], [Action("a", "z", Binding.of(Drive()), attempts=1)], "a", "z"
+        )
+        recorder = FlightRecorder(tmp_path, stand.robot, seconds)
+        coordinator = Coordinator(network, stand.robot, stand.model, observers=[recorder])
+        with recorder:
+            run = coordinator.run()
+            for _ in range(10_000):
+                try:
+                    next(run)
+                except StopIteration:
+                    break
+                stand.robot.step(paused=pauses > 0)
+                pauses -= 1
+                recorder.look(stand.robot)
+        return {path.name: load_readings(path) for path in sorted((tmp_path / "evidence").iterdir())}
+
+    return driven
+
+
+def test_a_fail_keeps_what_came_before_it_and_the_way_back(drive):
+    kept = drive(120, Discrepancy("enough"), seconds=2.0)
+    assert list(kept) == ["001_DRIVE_Fail_readings.npz"]  # nothing has happened since
+    readings = kept["001_DRIVE_Fail_readings.npz"]
+    times, restoring = readings["time_s"], readings["restoring"]
+    decided = times[~restoring][-1]
+    assert decided - times[0] == pytest.approx(2.0 - PERIOD)
+    assert np.all(np.diff(times) > 0.0)
+    assert np.allclose(readings["speed_command_m_s"][~restoring][:-1], 0.2)
+    assert readings["speed_command_m_s"][restoring].min() < 0.0
+    assert readings["x_m"][~restoring][-1] == pytest.approx(1.2, abs=0.02)
+    assert set(readings["action"].tolist()) == {1}
+
+
+def test_a_success_leaves_the_end_of_the_run_alone(drive):
+    kept = drive(30)
+    assert list(kept) == ["end_readings.npz"]
+    assert len(kept["end_readings.npz"]["time_s"]) < 60
+
+
+def test_no_more_than_the_last_seconds_are_held(drive):
+    assert len(drive(100, seconds=1.0)["end_readings.npz"]["time_s"]) == 20
+
+
+def test_a_pause_is_not_recorded(drive):
+    times = drive(30, pauses=10)["end_readings.npz"]["time_s"]
+    assert np.allclose(np.diff(times), PERIOD)
+
+
+def test_a_full_disk_ends_the_evidence_not_the_run(stand, tmp_path):
+    (tmp_path / "evidence").write_text("a file where a folder is to be")
+    with FlightRecorder(tmp_path, stand.robot) as recorder:
+        stand.robot.step()
+        recorder.look(stand.robot)
+    assert recorder.lost is not None

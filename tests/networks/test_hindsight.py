@@ -1,0 +1,122 @@
+"""What else could have been done, told from the journal alone."""
+
+import shutil
+from collections import deque
+
+import pytest
+
+from networks.hindsight import choice_of
+from networks.journaled_network import network_fields, network_of
+from networks.past_run import read_run
+from networks.planner import SKIP_WEIGHT
+from networks.preparing import Prepared
+from networks.run import execute
+from networks.task_file import load_task
+
+TASK = """\
+format: handcart-task/1
+title: Two ways
+robot: librarian
+start: a
+goal: z
+situations: {a: {}, b: {}, c: {}, z: {}}
+actions:
+  - {do: THINK, from: a, to: b, cost_s: 2, attempts: 2, on_fail: c, with: {name: near}}
+  - {do: THINK, from: b, to: z, cost_s: 1, with: {name: ahead}}
+  - {do: THINK, from: a, to: z, cost_s: 6, with: {name: far}}
+  - {do: THINK, from: c, to: a, cost_s: 1, with: {name: back}}
+"""
+REPEAT = """\
+format: handcart-task/1
+title: Three times
+robot: librarian
+start: a
+goal: z
+situations: {a: {}, b: {}, z: {}}
+actions:
+  - {do: THINK, from: a, to: b, cost_s: 2, attempts: 1, with: {name: {each: one}}}
+  - {do: THINK, from: b, to: z, cost_s: 1, with: {name: home}}
+repeat: {over: [x, y, w], as: one, start: a, goal: b, unfinished: skip}
+"""
+
+
+@pytest.fixture
+def run(tmp_path, new_stand, primitives):
+    """Runs a task with scripted ends; the folder is then all that is left."""
+
+    def done(text, **script):
+        stand = new_stand()
+        for name, ends in script.items():
+            stand.script[name] = deque(ends)
+        path = tmp_path / "task" / "task.yaml"
+        path.parent.mkdir(exist_ok=True)
+        path.write_text(text)
+        task = load_task(path, {}, lambda name: getattr(primitives, name))
+        execute(
+            Prepared(task, "two_wheels", stand.backend, stand.robot, stand.model, 7, {}, ()), tmp_path / "run"
+        )
+        shutil.rmtree(path.parent)
+        return read_run(tmp_path / "run"), task.network
+
+    return done
+
+
+def test_the_other_ways_cost_what_they_cost_then(run):
+    past, _ = run(TASK, near="F")
+    first, _, second, third = past.actions
+    choice = choice_of(past, first)
+    assert choice.way.cost == 3.0
+    assert [(each.weight, each.way.cost) for each in choice.options] == [(2.0, 3.0), (6.0, 6.0)]
+    assert choice.next_best.cost == 6.0
+    assert [each.index for each in choice.after_fail.actions] == [3, 0, 1]
+    again = choice_of(past, second)
+    assert (again.chosen.index, again.way.cost) == (0, 5.0)
+    assert [(each.weight, each.fails) for each in again.options] == [(4.0, 1), (6.0, 0)]
+    assert third.index == 1
+
+
+def test_what_was_used_up_is_told(run):
+    past, _ = run(TASK, near="FF")
+    choice = choice_of(past, past.actions[-1])
+    assert choice.chosen.index == 2
+    assert choice.options[1].out == "used up: failed 2 of 2 times"
+    assert choice.next_best is None
+
+
+def test_what_failed_for_good_is_told(run):
+    past, _ = run(TASK, near="P")
+    assert choice_of(past, past.actions[-1]).options[1].out == "used up: failed for good"
+
+
+def test_plans_are_those_of_the_run(run):
+    for script in ({"near": "F"}, {"near": "FF", "far": "FF"}, {"ahead": "FF"}):
+        past, _ = run(TASK, **script)
+        costs = [record["cost"] for record in past.records if record["kind"] == "PLAN" and "cost" in record]
+        planned = {}
+        for record in past.records:
+            if record["kind"] == "PLAN" and "cost" in record:
+                planned["next"] = record
+            if record["kind"] == "START" and "next" in planned:
+                plan, action = planned.pop("next"), past.actions[record["n"] - 1]
+                choice = choice_of(past, action)
+                assert choice.way.cost == plan["cost"]
+                assert [each.index for each in choice.way.actions] == plan["way"]
+        assert costs
+        shutil.rmtree(past.folder)
+
+
+def test_leaving_an_element_undone_is_an_option(run):
+    past, network = run(REPEAT, x="F")
+    choice = choice_of(past, past.actions[0])
+    skip = next(each for each in choice.options if each.action.binding is None)
+    assert skip.weight == SKIP_WEIGHT
+    kept = network_of(network_fields(network))
+    assert [str(each) for each in kept.network.actions] == [str(each) for each in network.actions]
+
+
+def test_a_person_is_needed(run):
+    past, _ = run(TASK, ahead="G")
+    assert past.end["outcome"] == "GiveUp"
+    assert past.last_fail.result["cause"] == [
+        {"reason": "ahead needs help", "check": "motion", "calls": ["Think.motion"]}
+    ]

@@ -1,0 +1,89 @@
+"""`handcart conformance`: whether a backend, a robot and the primitives on it keep what they promise."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+if TYPE_CHECKING:
+    from evaluation.conformance.kit import Setting
+
+BROKEN_PROMISE = 5
+LINES = 10  # parts between two lines of progress
+
+
+def conformance(
+    backend: Annotated[str, typer.Option(help="its name")] = "kinematic",
+    robot: Annotated[str, typer.Option(help="a shipped robot, or the path of a robot's file")] = "librarian",
+    quick: Annotated[bool, typer.Option("--quick/--full", help="few faults, for each change")] = False,
+    parts: Annotated[
+        list[str] | None, typer.Option("--part", help="checks, faults or mutants; default: all")
+    ] = None,
+    primitives: Annotated[
+        list[str] | None, typer.Option("--primitive", help="faults in this one alone, such as MOVE_TO")
+    ] = None,
+    instants: Annotated[
+        int | None, typer.Option(min=1, help="of each primitive's run in which faults are injected")
+    ] = None,
+    jobs: Annotated[int, typer.Option(min=1, help="processes side by side")] = 2,
+    as_json: Annotated[bool, typer.Option("--json", help="end with one JSON object on stdout")] = False,
+) -> None:
+    """Check what the backend declares, break it at many instants, and plant liars; status 0 if all holds."""
+    from evaluation.conformance.kit import Setting, run_kit
+
+    setting = Setting(backend, robot, quick, *_chosen(parts or [], primitives or []), instants)
+    _check(setting)
+    with _progress() as tell:
+        report = run_kit(setting, jobs, tell)
+    if as_json:
+        import orjson
+
+        print(orjson.dumps(report.as_dict(), option=orjson.OPT_SERIALIZE_NUMPY).decode())
+    else:
+        for line in report.lines():
+            print(line)
+    sys.exit(0 if report.ok else BROKEN_PROMISE)
+
+
+@contextmanager
+def _progress() -> Iterator[Callable[[int, int], None]]:
+    """Tells how many of how many parts are done: in a bar, or off a terminal in a line now and then."""
+    from rich.console import Console
+    from rich.progress import Progress, TimeElapsedColumn
+
+    console = Console(stderr=True)
+    if not console.is_terminal:
+        yield lambda done, count: console.print(f"{done} of {count}") if done % LINES == 0 else None
+        return
+    with Progress(*Progress.get_default_columns(), TimeElapsedColumn(), console=console) as progress:
+        task = progress.add_task("conformance", total=None)
+        yield lambda done, count: progress.update(task, completed=done, total=count)
+
+
+def _chosen(parts: list[str], primitives: list[str]) -> tuple[tuple[str, ...], tuple[str, ...]]:
+    """Both lists, checked; raises `typer.BadParameter`."""
+    from evaluation.conformance.kit import PARTS
+    from files.suggest import suggest
+
+    for part in parts:
+        if part not in PARTS:
+            raise typer.BadParameter(f"unknown part {part!r}{suggest(part, PARTS)}")
+    if primitives and not parts:
+        parts = ["faults"]
+    return tuple(parts) or PARTS, tuple(primitives)
+
+
+def _check(setting: Setting) -> None:
+    """Refuse what can't be tried, before anything is."""
+    from backends.registry import backend_class
+    from files.suggest import suggest
+
+    backend_class(setting.backend)
+    tried = setting.tried()
+    for name in setting.primitives:
+        if name not in tried:
+            raise typer.BadParameter(f"no fault can be tried in {name!r}{suggest(name, tried)}")

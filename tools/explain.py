@@ -1,0 +1,82 @@
+"""`handcart explain`: why a run went as it did."""
+
+from __future__ import annotations
+
+import os
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+if TYPE_CHECKING:
+    from evaluation.explanation import Explanation
+
+
+def explain(
+    run: Annotated[Path, typer.Argument(help="the run's folder")],
+    action: Annotated[
+        int | None, typer.Option(help="number of the action; left out: the last that failed, else the run")
+    ] = None,
+    picture: Annotated[
+        Path | None, typer.Option(help="where the chart is drawn; left out: in the run's folder")
+    ] = None,
+    as_json: Annotated[bool, typer.Option("--json", help="one JSON object on stdout")] = False,
+) -> None:
+    """Tell why an action was chosen, why it failed and how well it was restored, from the run's folder."""
+    import orjson
+
+    from evaluation.explanation import as_json as json_of
+    from evaluation.explanation import explain as explained
+    from evaluation.explanation_chart import UnreadableEvidence
+    from evaluation.explanation_words import in_words
+    from files.printable import printable
+    from networks.past_run import read_run
+
+    past = read_run(run)
+    if past.torn_at is not None:
+        _warn(f"the journal's tail is torn at byte {past.torn_at}: what came after isn't known")
+    told = explained(past, action)
+    chart, damaged = None, None
+    try:
+        chart = _drawn(told, picture)
+    except UnreadableEvidence as error:
+        damaged = error
+    if as_json:
+        print(orjson.dumps(json_of(told, chart), option=orjson.OPT_INDENT_2).decode())
+    else:
+        print("\n".join(printable(line) for line in in_words(told, chart).splitlines()))
+    if damaged is not None:
+        raise damaged
+
+
+def _drawn(told: Explanation, picture: Path | None) -> Path | None:
+    """Where the chart was drawn; None where there is nothing to draw, or no room beside the run's files."""
+    from evaluation.explanation_chart import draw_chart
+
+    from .writing import NotWritable
+
+    if not (told.readings or told.picture or told.points):
+        if picture is not None:
+            _warn("no readings or pictures were kept of this: nothing is drawn")
+        return None
+    name = f"explained_{told.action.number:03d}.svg" if told.action else "explained.svg"
+    path = picture or told.run.folder / name
+    if path.suffix not in (".svg", ".png", ".pdf"):
+        raise NotWritable(path, f"no picture has the suffix {path.suffix!r}", "*.svg, *.png or *.pdf")
+    new = path.with_name(f".new.{path.name}")
+    try:
+        draw_chart(told, new)
+        os.replace(new, path)
+    except OSError as error:
+        if picture is not None:
+            raise NotWritable(path, error.strerror) from None
+        _warn(f"{path} can't be written: {error.strerror}; allowed: another place, --picture FILE.svg")
+        return None
+    finally:
+        new.unlink(missing_ok=True)
+    return path
+
+
+def _warn(words: str) -> None:
+    print(f"warning: {words}", file=sys.stderr)
