@@ -12,11 +12,13 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 from pydantic import Field, PrivateAttr
 
-from files.errors import FileError
+from files.errors import FileError, Finding, InputError
 from files.inside import FilePath, resolve_inside
 from files.loading import load_document
 from files.model import FileModel
+from files.suggest import suggest
 from files.yaml_document import read_document
+from robotics.kinematics.urdf_assembly import link_names
 
 from .can_spec import CanSpec
 from .robot_findings import robot_findings
@@ -116,6 +118,10 @@ class Tolerance(FileModel):
     object_mm: Positive
 
 
+class UnknownPosture(InputError):
+    """A robot's file doesn't have the posture that is asked for."""
+
+
 class RobotFile(FileModel):
     """A robot: drive, arm, sensors, limits, tolerances, postures, and how its simulation errs."""
 
@@ -167,15 +173,20 @@ class RobotFile(FileModel):
         return ArmModel(self.urdf_text(), self.arm.joints)
 
     @cached_property
+    def has_tray(self) -> bool:
+        """Whether it can carry a book on a tray."""
+        return self.arm is not None and "tray" in link_names(self.urdf_text())
+
+    @cached_property
     def tray_shape(self) -> TrayShape:
-        """Its tray, by the URDF."""
+        """Its tray, by the URDF; raises `MissingShape` where there is none."""
         from .robot_shape import tray_shape
 
         return tray_shape(self.arm_model())
 
     @cached_property
     def finger_shape(self) -> FingerShape:
-        """Its fingers, by the URDF."""
+        """Its fingers, by the URDF; raises `MissingShape` where there are none."""
         from .robot_shape import finger_shape
 
         return finger_shape(self.arm_model())
@@ -188,10 +199,10 @@ class RobotFile(FileModel):
         return path
 
     def posture(self, name: str) -> tuple[float, ...]:
-        """A named posture, in [rad]."""
+        """A named posture, in [rad]; raises `UnknownPosture`."""
         if self.arm is None or name not in self.arm.postures:
             known = ", ".join(self.arm.postures) if self.arm else "none: the robot has no arm"
-            raise KeyError(f"no posture {name!r}; allowed: {known}")
+            raise UnknownPosture(f"the robot's file has no posture {name!r}; allowed: {known}")
         return tuple(math.radians(angle) for angle in self.arm.postures[name])
 
 
@@ -201,7 +212,11 @@ def load_robot(name: str) -> RobotFile:
     Raises:
         FileError: the file or its URDF is missing, or something in them is wrong.
     """
-    path = Path(name) if name.endswith((".yaml", ".yml")) else ROBOTS / name / "robot.yaml"
+    by_path = name.endswith((".yaml", ".yml"))
+    if not by_path and name not in robot_names():
+        wrong = f"unknown robot{suggest(name, robot_names())}, or the path of a robot's YAML file"
+        raise FileError([Finding(name, 0, 0, wrong)])
+    path = Path(name) if by_path else ROBOTS / name / "robot.yaml"
     loaded = load_document(read_document(path), RobotFile)
     robot = loaded.value
     robot._folder = path.parent

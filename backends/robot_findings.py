@@ -4,6 +4,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from files.suggest import suggest
+from robotics.kinematics.urdf_assembly import link_names
+
 from .robot_parts import UrdfError
 
 if TYPE_CHECKING:
@@ -13,6 +16,9 @@ if TYPE_CHECKING:
 
     from .robot_file import ArmSpec, RobotFile
 
+FINGERS = ("left_finger", "right_finger")
+UNREADABLE = "Could not load resource"  # coal's words about a mesh
+
 
 def robot_findings(robot: RobotFile, document: Document) -> list[Finding]:
     """Everything wrong with the URDF, the joints' names and the postures, each at its place in the file."""
@@ -21,7 +27,36 @@ def robot_findings(robot: RobotFile, document: Document) -> list[Finding]:
     except UrdfError as error:
         key = ("urdf",) if error.part is None else ("parts", error.part)
         return [document.finding(key, str(error))]
-    return _arm_findings(robot.arm, urdf, document) if robot.arm else []
+    arm = _arm_findings(robot.arm, urdf, document) if robot.arm else []
+    return arm or [*_frame_findings(robot, urdf, document), *_box_findings(robot, document)]
+
+
+def _frame_findings(robot: RobotFile, urdf: str, document: Document) -> list[Finding]:
+    """Links and joints that our names are expected of."""
+    links = link_names(urdf)
+    needed = {("urdf",): "base" if "base" not in links else None}
+    for key in ("range_sensor", "camera"):
+        missing = getattr(robot, key) is not None and key not in links
+        needed[(key,)] = key if missing else None
+    return [
+        document.finding(key, f"the URDF has no link {link!r}{suggest(link, links)}")
+        for key, link in needed.items()
+        if link is not None
+    ]
+
+
+def _box_findings(robot: RobotFile, document: Document) -> list[Finding]:
+    """Fingers, and a tray if there is one, must tell their size."""
+    found = []
+    try:
+        if robot.gripper is not None and robot.arm is not None:
+            robot.arm_model().with_others(dict.fromkeys(FINGERS, 0.0))
+            _ = robot.finger_shape
+        if robot.has_tray:
+            _ = robot.tray_shape
+    except ValueError as error:
+        found.append(document.finding(("gripper",) if robot.gripper else ("urdf",), str(error)))
+    return found
 
 
 def _arm_findings(arm: ArmSpec, urdf: str, document: Document) -> list[Finding]:
@@ -30,6 +65,10 @@ def _arm_findings(arm: ArmSpec, urdf: str, document: Document) -> list[Finding]:
     try:
         model = ArmModel(urdf, arm.joints)
     except ValueError as error:
+        if UNREADABLE in str(error):
+            lines = str(error).partition(UNREADABLE)[2].strip().splitlines()
+            wrong = f"a mesh can't be read: {', '.join(lines[:2])}; allowed: STL, OBJ or DAE files"
+            return [document.finding(("urdf",), wrong)]
         return [document.finding(("arm", "joints"), f"{error}; allowed: joints of the file's urdf")]
     return [
         document.finding(("arm", "postures", name), wrong)

@@ -14,6 +14,7 @@ from pydantic import AfterValidator
 from files.errors import UnsafePath
 from files.inside import portable, resolve_inside
 from files.model import FileModel
+from files.suggest import listed
 from robotics.kinematics.urdf_assembly import Part, read_urdf, with_mesh_files, with_part
 
 PACKAGE = "package://"
@@ -70,13 +71,15 @@ def assembled(urdf: str, parts: Sequence[PartSpec], folder: Path) -> str:
     Raises:
         UrdfError: one of them is missing, or can't be put there.
     """
-    number: int | None = None
     try:
         text = read_part(urdf, folder)
-        for number, each in enumerate(parts):
-            text = with_part(text, each.part(folder))
     except ValueError as error:
-        raise UrdfError(str(error), number) from error
+        raise UrdfError(str(error)) from error
+    for number, each in enumerate(parts):
+        try:
+            text = with_part(text, each.part(folder))
+        except ValueError as error:
+            raise UrdfError(str(error), number) from error
     return text
 
 
@@ -88,15 +91,20 @@ def read_part(urdf: str, folder: Path) -> str:
         folder: where that lies.
 
     Raises:
-        ValueError: it isn't there, or is no URDF.
+        ValueError: it isn't there, or is no URDF, or a link's collision mesh isn't there.
     """
     path = _found(urdf, folder)
     try:
         text = path.read_text(encoding="utf-8")
     except (OSError, UnicodeDecodeError):
         raise ValueError(f"there is no text file {urdf!r}; allowed: a URDF") from None
-    if read_urdf(text).find(".//mesh") is None:
+    robot = read_urdf(text)
+    if robot.find(".//mesh") is None:
         return text
+    solid = [each.get("filename", "") for each in robot.iterfind(".//collision//mesh")]
+    if missing := sorted({name for name in solid if not mesh_file(name, path).is_file()}):
+        where = f"looked for in {path.parent} and above"
+        raise ValueError(f"{urdf!r} names meshes that aren't there: {listed(missing)}; {where}")
     return with_mesh_files(text, lambda name: str(mesh_file(name, path)))
 
 

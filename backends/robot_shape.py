@@ -7,6 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from files.errors import InputError
 from robotics.geometry.transform import Transform, inverse
 from robotics.kinematics.arm_model import ArmModel
 from robotics.kinematics.shapes import Box, Shape
@@ -14,6 +15,10 @@ from robotics.kinematics.shapes import Box, Shape
 FINGER = "left_finger"
 TRAY = "tray"
 _LEVEL = 1e-6
+
+
+class MissingShape(InputError):
+    """The URDF doesn't tell what tray or fingers are like."""
 
 
 class TrayShape(NamedTuple):
@@ -49,11 +54,13 @@ def tray_shape(arm: ArmModel) -> TrayShape:
     """The largest box of the link `tray`; a book stands on its upper side.
 
     Raises:
-        ValueError: there is none, or it isn't level.
+        MissingShape: there is none, or it isn't level.
     """
     box = _box(arm.link_shapes(0.5 * (arm.lower + arm.upper)), TRAY)
     if not _along(box.pose):
-        raise ValueError(f"the link {TRAY!r} isn't level and straight; allowed: a box along the frame `base`")
+        raise MissingShape(
+            f"the link {TRAY!r} isn't level and straight; allowed: a box along the frame `base`"
+        )
     x, y, z = (float(number) for number in box.pose[:3, 3])
     return TrayShape((x, y), box.size, z + box.size[2] / 2)
 
@@ -62,13 +69,13 @@ def finger_shape(arm: ArmModel) -> FingerShape:
     """The largest box of the link `left_finger`.
 
     Raises:
-        ValueError: there is none, or it doesn't lie along the frame `hand`.
+        MissingShape: there is none, or it doesn't lie along the frame `hand`.
     """
     joints = 0.5 * (arm.lower + arm.upper)
     box = _box(arm.link_shapes(joints), FINGER)
     hand_T_box = inverse(arm.forward(joints)) @ box.pose
     if not _along(hand_T_box):
-        raise ValueError(f"the link {FINGER!r} isn't straight; allowed: a box along the frame `hand`")
+        raise MissingShape(f"the link {FINGER!r} isn't straight; allowed: a box along the frame `hand`")
     tip = float(hand_T_box[0, 3]) + box.size[0] / 2
     return FingerShape(tip, *box.size)
 
@@ -76,7 +83,7 @@ def finger_shape(arm: ArmModel) -> FingerShape:
 def _box(shapes: Sequence[Shape], link: str) -> Box:
     boxes = [each for each in shapes if isinstance(each, Box) and each.name == link]
     if not boxes:
-        raise ValueError(f"the link {link!r} has no collision box; needed: one that tells its size")
+        raise MissingShape(f"the link {link!r} has no collision box; needed: one that tells its size")
     return max(boxes, key=lambda each: float(np.prod(each.size)))
 
 

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from networks.evidence_files import FOLDER
+from networks.flight_recorder import SUFFIX
 from networks.journal_record import read_journal
 from networks.telemetry import Track, load_track
 from primitives.knowledge import Place
@@ -179,6 +180,8 @@ def _named(run_dir: Path, name: str) -> list[NDArray[np.float64]]:
 def _points(run_dir: Path) -> dict[str, dict[str, NDArray[np.float64]]]:
     found = {}
     for path in sorted((run_dir / FOLDER).glob("*.npz")):
+        if path.name.endswith(SUFFIX):
+            continue
         with np.load(path) as arrays:
             found[path.stem] = dict(arrays)
     return found

@@ -64,16 +64,6 @@ class Planner:
         self._weights[index] = math.ldexp(action.cost_s, self._fails[index])
         self._out[index] = permanent or self._fails[index] >= action.attempts
 
-    def set_fails(self, fails: Iterable[int]) -> None:
-        """As if actions, by their number, had failed so often."""
-        for action, count in zip(self.network.actions, fails, strict=False):
-            for _ in range(count - self._fails[action.index]):
-                self.failed(action, "imagined")
-
-    def set_weight(self, index: int, weight: float) -> None:
-        """Give an action another weight than that of its cost, in [s]."""
-        self._weights[index] = weight
-
     def plan(self, situation: str) -> Plan | NoWay:
         """The cheapest way from `situation` to the goal."""
         try:

@@ -158,6 +158,10 @@ class _Reader:
         plain = Action(entry.source, entry.target, None, entry.cost_s, entry.attempts, entry.on_fail)
         for key, fault in faults_of(plain, known):
             self._add(("actions", number, key), fault)
+        left = 1.0 - (entry.p or 0.0)
+        if entry.p_give_up > left + 1e-12:
+            wrong = f"p_give_up is {entry.p_give_up:g}; allowed: at most {left:g}, what p leaves of 1"
+            self._add(("actions", number, "p_give_up"), wrong)
 
     def _part(
         self,

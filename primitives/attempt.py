@@ -47,6 +47,7 @@ def attempt(
     view = model.view(primitive)
     if primitive.only_knowledge:
         return (yield from _think(primitive, robot, view))
+    pushes = robot.pushes
     try:
         rests = yield from settle(robot)
         start = take_snapshot(robot, {})
@@ -58,7 +59,11 @@ def attempt(
         robot.stop()
         primitive.evidence.causes.append(Cause("the robot doesn't come to rest before the start", "rest"))
         return GiveUp("the robot doesn't come to rest before the start")
-    trace, pushes = Trace(robot), robot.pushes
+    if robot.pushes > pushes:
+        robot.stop()
+        primitive.evidence.causes.append(Cause(PUSHED, "push"))
+        return GiveUp(PUSHED)
+    trace = Trace(robot)
     try:
         start = replace(start, seen=(yield from _recorded(primitive.observe(robot, view), trace)))
         yield from _watched(primitive, primitive.motion(robot, view), robot, view, trace)

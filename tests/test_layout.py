@@ -19,7 +19,16 @@ def test_each_package_is_this_checkouts(name: str) -> None:
 
 
 @pytest.mark.parametrize(
-    "document", ["README.md", "docs/tasks.md", "docs/primitives.md", "docs/backends.md", "docs/explain.md"]
+    "document",
+    [
+        "README.md",
+        "docs/tasks.md",
+        "docs/primitives.md",
+        "docs/backends.md",
+        "docs/explain.md",
+        "docs/conformance.md",
+        "docs/robots.md",
+    ],
 )
 def test_links_lead_somewhere(document: str) -> None:
     path = ROOT / document
@@ -45,7 +54,16 @@ def test_tasks_in_documents_are_right(tmp_path: Path, document: str) -> None:
 
 
 @pytest.mark.parametrize(
-    "document", ["README.md", "docs/tasks.md", "docs/primitives.md", "docs/backends.md", "docs/explain.md"]
+    "document",
+    [
+        "README.md",
+        "docs/tasks.md",
+        "docs/primitives.md",
+        "docs/backends.md",
+        "docs/explain.md",
+        "docs/conformance.md",
+        "docs/robots.md",
+    ],
 )
 def test_commands_in_documents_exist(document: str) -> None:
     from tools.handcart import COMMANDS

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 if TYPE_CHECKING:
+    from evaluation.action_shares import ActionShare
     from evaluation.campaign import Report, Setting
 
 
@@ -67,9 +68,20 @@ def _print_table(report: Report, setting: Setting) -> None:
         print(
             f"{name:<16}{each.count:>8}{each.least:>11.2f}{each.median:>11.2f}{each.most_95:>11.2f}{each.most:>11.2f}"
         )
+    print(f"\n{'action':<56}{'attempts':>9}{'p':>7}{'95 %':>15}{'p_give_up':>11}")
+    for share in _shares(report):
+        low, high = share.wilson
+        ends = f"{share.p:>7.3f}{f'{low:.3f} to {high:.3f}':>17}{share.give_up / share.attempts:>9.3f}"
+        print(f"{share.action:<56}{share.attempts:>9}{ends}")
     for trial in report.worst():
         print(f"\nseed {trial.seed}: {'; '.join(trial.untrue) or trial.summary['reason'] or 'with Fails'}")
         print(f"  {_rerun(setting, trial.seed)}")
+
+
+def _shares(report: Report) -> list[ActionShare]:
+    from evaluation.action_shares import action_shares
+
+    return action_shares(Path(trial.summary["run_dir"]) for trial in report.trials)
 
 
 def _rerun(setting: Setting, seed: int) -> str:
@@ -91,5 +103,15 @@ def _print_json(report: Report) -> None:
         "untrue": {trial.seed: list(trial.untrue) for trial in report.untrue},
         "outcomes": dict(report.outcomes),
         "metrics": report.spreads(),
+        "actions": [
+            {
+                "action": each.action,
+                "attempts": each.attempts,
+                "p": each.p,
+                "p_wilson": each.wilson,
+                "p_give_up": each.give_up / each.attempts,
+            }
+            for each in _shares(report)
+        ],
     }
     print(orjson.dumps(told, option=orjson.OPT_NON_STR_KEYS).decode())

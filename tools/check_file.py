@@ -10,7 +10,6 @@ import typer
 
 if TYPE_CHECKING:
     from files.errors import InputError
-    from networks.task_file import Task
 
 
 def check(
@@ -18,6 +17,9 @@ def check(
     as_json: Annotated[bool, typer.Option("--json", help="one JSON object on stdout")] = False,
     settings: Annotated[
         list[str] | None, typer.Option("--set", help="KEY=VALUE: a parameter that the task declares")
+    ] = None,
+    picture: Annotated[
+        Path | None, typer.Option(help="draw a robot, from the side and from above, into this file")
     ] = None,
 ) -> None:
     """Read a file with all that it names, and tell what is wrong with it: each finding with its place."""
@@ -27,7 +29,7 @@ def check(
     from files.settings import split_setting
 
     try:
-        told = _facts(file, dict(split_setting(each) for each in settings or []))
+        told = _facts(file, dict(split_setting(each) for each in settings or []), picture)
     except InputError as error:
         if not as_json:
             raise
@@ -43,14 +45,15 @@ def check(
         print(f"  warning: {warning}")
     for line in told.pop("lines", ()):
         print(f"  {line}")
-    told.pop("figures", None)
+    for key in ("figures", "robot", "short"):
+        told.pop(key, None)
     for name, value in told.items():
         print(f"  {name}: {value}")
 
 
 def check_quietly(file: Path) -> dict[str, Any]:
     """What `check` would print about a file; raises what it would tell."""
-    return _facts(file, {})
+    return _facts(file, {}, quick=True)
 
 
 def _findings(error: InputError) -> list[dict[str, Any]]:
@@ -64,7 +67,9 @@ def _findings(error: InputError) -> list[dict[str, Any]]:
     ]
 
 
-def _facts(file: Path, settings: dict[str, str]) -> dict[str, Any]:
+def _facts(
+    file: Path, settings: dict[str, str], picture: Path | None = None, quick: bool = False
+) -> dict[str, Any]:
     from backends.map_file import is_map
     from files.errors import FileError
     from files.loading import load
@@ -87,10 +92,9 @@ def _facts(file: Path, settings: dict[str, str]) -> dict[str, Any]:
     if kind == "table":
         return _table_facts(file)
     if kind == "robot":
-        from backends.robot_file import load_robot
+        from .check_robot import robot_facts
 
-        robot = load_robot(str(file))
-        return {"format": data["format"], "joints": len(robot.arm.joints) if robot.arm else 0}
+        return robot_facts(file, picture, quick)
     if kind == "world":
         from backends.scene.load_world import load_world
 
@@ -111,48 +115,13 @@ def _map_facts(file: Path) -> dict[str, Any]:
 
 
 def _task_facts(file: Path, settings: dict[str, str]) -> dict[str, Any]:
-    from networks.analysis.task_findings import task_findings
     from networks.run import prepare
 
+    from .check_task import task_facts
+
     with prepare(file, settings=settings) as prepared:
-        network = prepared.task.network
-        return {
-            "title": prepared.task.file.title,
-            "situations": len(network.situations),
-            "actions": len(network.actions),
-            "longest run": f"at most {network.bound()} actions",
-            "warnings": [*prepared.warnings, *map(str, task_findings(prepared.task))],
-            **_task_figures(prepared.task),
-        }
-
-
-def _task_figures(task: Task) -> dict[str, Any]:
-    """How runs end, where the file gives all probabilities."""
-    from networks.analysis.figures import ASSUMPTION, figures, missing_chances
-    from networks.analysis.forecast import TooLarge
-
-    missing = missing_chances(task)
-    if len(missing) == len(task.file.actions):
-        return {}
-    if missing:
-        which = ", ".join(f"{number} ({task.file.actions[number].do})" for number in missing)
-        return {"how runs end": f"not known: `p` is missing in the actions {which}"}
-    try:
-        found = figures(task)
-    except TooLarge:
-        return {"how runs end": "not known: there are too many states for exact figures"}
-    now = found.forecast
-    lines = [
-        f"how runs end, if {ASSUMPTION}:",
-        f"  P(goal) {now.goal:.5f}, no way left {now.no_way:.5f}, a person is needed {now.give_up:.5f}",
-        f"  expected cost {now.cost_s:.1f} s, standard deviation {now.cost_sigma_s:.1f} s",
-        "  P(goal) by P(Success) of an action, and what one more attempt of it would give:",
-    ]
-    lines += [
-        f"    {each.words}: {each.slope:.4f}; {each.one_more.goal:.5f} at {each.one_more.cost_s:.1f} s"
-        for each in found.influences
-    ]
-    return {"lines": lines, "figures": found.for_programs()}
+        told = task_facts(prepared.task)
+        return {**told, "warnings": [*prepared.warnings, *told["warnings"]]}
 
 
 def _table_facts(file: Path) -> dict[str, Any]:

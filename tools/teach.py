@@ -22,6 +22,9 @@ def teach(
     ],
     robot: Annotated[str, typer.Option(help="the robot's YAML file, or a shipped robot")],
     joints: Annotated[str | None, typer.Option(help="joint angles in degrees: 10,20.5,-30,...")] = None,
+    hand: Annotated[
+        str | None, typer.Option(help="X,Y,Z in metres: where the hand is to be, upright and pointing ahead")
+    ] = None,
     from_posture: Annotated[str | None, typer.Option(help="a posture in the file, to copy")] = None,
     dry_run: Annotated[bool, typer.Option("--dry-run", help="only show what would change")] = False,
 ) -> None:
@@ -38,7 +41,7 @@ def teach(
         raise typer.BadParameter(
             f"{name!r} is no name; allowed: small letters, digits and _, such as pick_up_1"
         )
-    angles = _angles(spec.arm, joints, from_posture)
+    angles = _found(spec, hand, joints, from_posture) if hand else _angles(spec.arm, joints, from_posture)
     _check_posture(angles, spec, spec.arm)
     before = file.read_text(encoding="utf-8")
     after = _with_posture(before, name, angles)
@@ -49,9 +52,25 @@ def teach(
     print(f"{name} {'would be' if dry_run else 'is'} recorded in {file}")
 
 
+def _found(spec: RobotFile, hand: str, joints: str | None, from_posture: str | None) -> list[float]:
+    from evaluation.robot_report.postures import posture_at
+
+    if joints is not None or from_posture is not None:
+        raise typer.BadParameter("what is the posture? allowed: either --joints, --hand or --from-posture")
+    try:
+        x, y, z = (float(each) for each in hand.split(","))
+    except ValueError:
+        raise typer.BadParameter(f"{hand!r} is no place; allowed: X,Y,Z in metres") from None
+    angles = posture_at(spec, (x, y, z))
+    if angles is None:
+        wrong = f"no posture has the hand at {hand} m, free of the robot itself"
+        raise typer.BadParameter(f"{wrong}; allowed: what `handcart check` tells of its reach")
+    return angles
+
+
 def _angles(arm: ArmSpec, joints: str | None, from_posture: str | None) -> list[float]:
     if (joints is None) == (from_posture is None):
-        raise typer.BadParameter("what is the posture? allowed: either --joints or --from-posture")
+        raise typer.BadParameter("what is the posture? allowed: either --joints, --hand or --from-posture")
     if from_posture is not None:
         return _copied(arm, from_posture)
     assert joints is not None

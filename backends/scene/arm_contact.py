@@ -44,7 +44,8 @@ class ArmContact:
     """Overlaps of the moved links, fingers and held book with the world's solids and the books in it.
 
     The arm against itself and its own base is not checked (a planner's task), the hand and the held book
-    against all that the arm doesn't move (base, tray, column) are. Spheres about the bodies sort out what is far; coal measures the rest.
+    against all that the arm doesn't move (base, tray, column) are. Spheres about the bodies sort out what is
+    far; coal measures the rest.
     """
 
     def __init__(self, scene: Scene, arm: ArmModel) -> None:

@@ -176,6 +176,8 @@ class Hand:
         return start + share * (target - start), force, frozenset(met)
 
     def _pushers(self, S_T_hand: Transform) -> list[tuple[str, Pusher]]:
+        if self.scene.robot.gripper is None:
+            return []
         scene, z, finger = self.scene, float(S_T_hand[2, 3]), self.scene.robot.finger_shape
         inner, outer = scene.width / 2, scene.width / 2 + finger.thickness
         spans = [(-outer, -inner), (inner, outer)]

@@ -26,7 +26,7 @@ class Person:
     def step(self) -> None:
         """One period passes."""
         scene = self._scene
-        if not scene.to_come:
+        if not scene.to_come or not scene.robot.has_tray:
             return
         idle = scene.held is None and scene.tray_book() is None
         stands = scene.base.distance(self._stood) < STILL and scene.base.turn(self._stood) < STILL

@@ -49,7 +49,7 @@ def _carries(scene: Scene, shelf: Shelf, book: Book, slot: Slot | None) -> bool:
 
 
 def _on_tray(scene: Scene, book: Book) -> bool:
-    if scene.tray_book() is not None:
+    if scene.tray_book() is not None or not scene.robot.has_tray:
         return False
     tray = scene.robot.tray_shape
     foot = inverse(scene.world_T_base) @ book.pose

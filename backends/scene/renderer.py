@@ -191,14 +191,17 @@ def _robot(canvas: Canvas, scene: Scene) -> None:
     """Tray and what stands on it, then the hand's load and fingers: nothing comes before them."""
     if scene.arm is None:
         return
-    tray = scene.robot.tray_shape
-    middle = scene.world_T_base @ transform((*tray.middle, tray.top - tray.size[2] / 2))
-    _box(canvas, Box(middle, tray.size), _TRAY)
+    if scene.robot.has_tray:
+        tray = scene.robot.tray_shape
+        middle = scene.world_T_base @ transform((*tray.middle, tray.top - tray.size[2] / 2))
+        _box(canvas, Box(middle, tray.size), _TRAY)
     standing = scene.tray_book()
     if standing is not None:
         _book(canvas, standing, None)
     if scene.held is not None and not any(_held_inside(scene, s) for s in scene.shelves.values()):
         _book(canvas, scene.held, None)
+    if scene.robot.gripper is None:
+        return
     hand, finger = scene.world_T("hand"), scene.robot.finger_shape
     for side in (-1.0, 1.0):
         middle = hand @ transform(

@@ -143,7 +143,7 @@ def build_scene(robot: RobotFile, world: WorldFile, seed: int) -> Scene:
     joints = np.zeros(0) if robot.arm is None else np.array(robot.posture("home"))
     width = 0.0 if robot.gripper is None else robot.gripper.opening_mm / 1e3
     scene = Scene(robot, arm, shelves, tuple(solids), books, _start(robot, world, seed), joints, width)
-    if world.tray is not None:
+    if world.tray is not None and robot.has_tray:
         set_on_tray(scene, world.tray, seed)
     scene.to_come += world.handed_over
     return scene

@@ -1,31 +1,39 @@
-"""How runs of a task end, on which action most depends, and what one more attempt would buy."""
+"""How runs of a task end, on which action most depends, and what more tries would buy."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
 from typing import Any
 
-from networks.network import MAX_ATTEMPTS, ActionNetwork
 from networks.task_file import Task
+from networks.task_model import ActionEntry
 
-from .forecast import Chance, Forecast, forecast
+from .chance import Chance
+from .forecast import Forecast, Forecaster
+from .stage import Stage
 
 ASSUMPTION = "attempts are independent of each other, and no Fail is for good"
-_STEP = 1e-4
 
 
 @dataclass(frozen=True)
 class Influence:
-    """What an action of the file means for the whole."""
+    """What an action of the file means for the whole; in a repeat, that of all elements together."""
 
     entry: int
     """Its number in the file."""
     words: str
+    line: int
+    """Where it stands in the file."""
+    chance: Chance
+    starts: float
+    """How often a run starts it, on average."""
     slope: float
-    """By how much P(goal) grows with its probability of Success."""
+    """By how much P(goal) grows with its probability of Success, where that of Fail shrinks: a derivative."""
     one_more: Forecast
-    """What one more attempt of it would give."""
+    """What one more attempt of it would give; nothing new where it has as many as an action may have."""
+    alternative: Forecast
+    """What a second action beside it would give, with the same cost, attempts and probabilities."""
 
 
 @dataclass(frozen=True)
@@ -38,24 +46,8 @@ class Figures:
 
     def for_programs(self) -> dict[str, Any]:
         """What `handcart check --json` gives."""
-        now = self.forecast
-        return {
-            "p_goal": now.goal,
-            "p_no_way": now.no_way,
-            "p_give_up": now.give_up,
-            "cost_s": now.cost_s,
-            "cost_sigma_s": now.cost_sigma_s,
-            "assumption": ASSUMPTION,
-            "actions": [
-                {
-                    "action": each.words,
-                    "slope": each.slope,
-                    "one_more_p_goal": each.one_more.goal,
-                    "one_more_cost_s": each.one_more.cost_s,
-                }
-                for each in self.influences
-            ],
-        }
+        told = {"assumption": ASSUMPTION, **_named(self.forecast)}
+        return {**told, "actions": [_row(each) for each in self.influences]}
 
 
 def missing_chances(task: Task) -> list[int]:
@@ -67,37 +59,52 @@ def figures(task: Task) -> Figures:
     """The figures of a task whose actions all have a probability `p`.
 
     Raises:
-        TooLarge: its network has too many states for exact figures.
+        TooLarge: a part of its network has too many states for exact figures.
     """
     known = {number: Chance(each.p or 0.0, each.p_give_up) for number, each in enumerate(task.file.actions)}
-    now = forecast(task.network, _chances(task, known))
-    influences = []
-    for number in known:
-        part = next((a for a, e in zip(task.network.actions, task.entries, strict=True) if e == number), None)
-        if part is None:
-            continue
-        slope = (_with(task, known, number, _STEP) - _with(task, known, number, -_STEP)) / (2.0 * _STEP)
-        more = forecast(_one_more(task, number), _chances(task, known))
-        influences.append(Influence(number, str(part), slope, more))
+    chances = [None if entry is None else known[entry] for entry in task.entries]
+    forecaster = Forecaster(task.network, chances)
+    starts, slopes = forecaster.starts(), forecaster.slopes()
+    copies: dict[int, list[int]] = {number: [] for number in known}
+    for number, entry in enumerate(task.entries):
+        if entry is not None:
+            copies[entry].append(number)
+    influences = [
+        Influence(
+            entry,
+            _words(task.file.actions[entry]),
+            task.document.position(("actions", entry))[0],
+            known[entry],
+            sum(starts[number] for number in numbers),
+            sum(slopes[number] for number in numbers),
+            forecaster.forecast(Stage.with_one_more, frozenset(numbers)),
+            forecaster.forecast(Stage.with_alternatives, frozenset(numbers)),
+        )
+        for entry, numbers in copies.items()
+    ]
     influences.sort(key=lambda each: -each.slope)
-    return Figures(now, tuple(influences))
+    return Figures(forecaster.forecast(), tuple(influences))
 
 
-def _with(task: Task, known: dict[int, Chance], number: int, step: float) -> float:
-    """P(goal) with another probability of one action; the model is smooth beyond 1, too."""
-    chance = known[number]
-    moved = Chance(chance.success + step, chance.give_up)
-    return forecast(task.network, _chances(task, {**known, number: moved})).goal
+def _words(entry: ActionEntry) -> str:
+    return f"{entry.do} ({entry.source} to {entry.target})"
 
 
-def _chances(task: Task, known: dict[int, Chance]) -> Sequence[Chance | None]:
-    return [None if entry is None else known[entry] for entry in task.entries]
+def _row(each: Influence) -> Mapping[str, Any]:
+    more, other = _named(each.one_more), _named(each.alternative)
+    return {
+        "action": each.words,
+        "line": each.line,
+        "p": each.chance.success,
+        "p_give_up": each.chance.give_up,
+        "starts": each.starts,
+        "slope": each.slope,
+        "one_more_p_goal": more["p_goal"],
+        "one_more_cost_s": more["cost_s"],
+        "alternative_p_goal": other["p_goal"],
+        "alternative_cost_s": other["cost_s"],
+    }
 
 
-def _one_more(task: Task, number: int) -> ActionNetwork:
-    network = task.network
-    actions = tuple(
-        replace(action, attempts=min(MAX_ATTEMPTS, action.attempts + 1)) if entry == number else action
-        for action, entry in zip(network.actions, task.entries, strict=True)
-    )
-    return replace(network, actions=actions)
+def _named(forecast: Forecast) -> dict[str, float]:
+    return {name if "cost" in name else f"p_{name}": value for name, value in asdict(forecast).items()}

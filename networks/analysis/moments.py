@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from typing import NamedTuple
 
 
@@ -30,16 +29,3 @@ class Moments(NamedTuple):
 def certain(p: float, cost: float) -> Moments:
     """A step with probability `p` that costs this much."""
     return Moments(p, p * cost, p * cost * cost)
-
-
-Ends = Mapping[str, Moments]
-"""By the name of the end."""
-
-
-def merged(*shares: Ends) -> dict[str, Moments]:
-    """Ends of parts that exclude each other."""
-    found: dict[str, Moments] = {}
-    for ends in shares:
-        for name, moments in ends.items():
-            found[name] = found[name] + moments if name in found else moments
-    return found

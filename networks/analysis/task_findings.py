@@ -4,20 +4,16 @@ from __future__ import annotations
 
 import networkx as nx
 
-from backends.arm import Arm
-from backends.base import Base
-from backends.gripper import Gripper
 from files.errors import Finding
-from networks.network import Action
 from networks.task_file import Task
 
-_MOVED_BY = {"base": (Base,), "hand": (Arm, Gripper)}
-"""Facts that only some capabilities can change, by the names that tasks use for them."""
+from .fact_findings import fact_findings
+from .worst_cases import WorstCases
 
 
 def task_findings(task: Task) -> list[Finding]:
     """Situations that no run comes to, situations from which nothing leads on, facts that can't change so."""
-    return [*_unreached(task), *_dead_ends(task), *_facts(task)]
+    return [*_unreached(task), *_dead_ends(task), *fact_findings(task)]
 
 
 def _with_fails(task: Task) -> nx.DiGraph[str]:
@@ -47,36 +43,53 @@ def _dead_ends(task: Task) -> list[Finding]:
     network, graph = task.network, _with_fails(task)
     leads_on = nx.ancestors(network.graph, network.goal) | {network.goal}
     reached = nx.descendants(graph, network.start) | {network.start}
-    found = []
+    failed_into = {action.on_fail for action in network.actions if action.source in reached & leads_on}
+    found: dict[str, Finding] = {}
     for name in network.situations:
-        if name in reached and name not in leads_on and network.situations[name].element is None:
-            way = " to ".join(nx.shortest_path(graph, network.start, name))
-            words = (
-                f"from {name!r} nothing leads to the goal: a run that comes there ({way}) ends with status 3"
-            )
-            found.append(task.document.finding(("situations", name), f"{words}; allowed, if that is meant"))
-    return found
-
-
-def _facts(task: Task) -> list[Finding]:
-    found = []
-    told = set()
-    for action, entry in zip(task.network.actions, task.entries, strict=True):
-        if action.binding is None or entry is None or entry in told:
+        if name not in reached or name in leads_on:
             continue
-        for name, parts in _MOVED_BY.items():
-            change = _change(task, action, name)
-            if change and not set(parts) & set(action.binding.kind.needs):
-                told.add(entry)
-                able = " or ".join(each.__name__ for each in parts)
-                words = f"{action.do} moves no {able}, but {name!r} goes from {change[0]} to {change[1]}"
-                place = ("actions", entry, "to")
-                found.append(task.document.finding(place, f"{words}; allowed: situations that agree in it"))
+        way = " to ".join(nx.shortest_path(graph, network.start, name))
+        if name in failed_into:
+            words = f"a run that comes there ({way}) ends with status 3; allowed, if that is meant"
+        else:
+            words = f"no plan leads there ({way}); needed: an action that leads on from it, or leave it out"
+        plain = plain_name(task, name)
+        message = f"from {plain!r} nothing leads to the goal: {words}"
+        found.setdefault(plain, task.document.finding(("situations", plain), message))
+    return list(found.values())
+
+
+def unused_findings(task: Task, cases: WorstCases) -> list[Finding]:
+    """Actions that no run ever plans, though their situation is reached and they lead on to the goal."""
+    network, graph = task.network, _with_fails(task)
+    leads_on = nx.ancestors(network.graph, network.goal) | {network.goal}
+    reached = nx.descendants(graph, network.start) | {network.start}
+    unused = {action.index for action in cases.unused}
+    found = []
+    for number, entry in enumerate(task.file.actions):
+        copies = [a for a, e in zip(network.actions, task.entries, strict=True) if e == number]
+        asked = [a for a in copies if a.source in reached and a.target in leads_on]
+        if asked and all(action.index in unused for action in copies):
+            words = f"no run ever does {entry.do} from {entry.source!r}, whatever fails"
+            allowed = "needed: an action that is cheaper than what is done instead, or leave it out"
+            found.append(task.document.finding(("actions", number), f"{words}; {allowed}"))
     return found
 
 
-def _change(task: Task, action: Action, fact: str) -> tuple[object, object] | None:
-    facts = [task.network.situations[name].facts for name in (action.source, action.target)]
-    if all(fact in each for each in facts) and facts[0][fact] != facts[1][fact]:
-        return facts[0][fact], facts[1][fact]
-    return None
+def short_findings(task: Task, cases: WorstCases) -> list[Finding]:
+    """Where runs can end short of the goal, with the fewest Fails that do it, where the last one fails."""
+    found: dict[str, Finding] = {}
+    for each in cases.short:
+        situation = plain_name(task, each.situation)
+        last = next((action.index for action, failed in reversed(each.path) if failed), None)
+        entry = None if last is None else task.entries[last]
+        key = ("situations", situation) if entry is None else ("actions", entry)
+        path = each.words(lambda name: plain_name(task, name)) or "none leads there from the start"
+        message = f"in {situation!r} no way may be left: {path}"
+        found.setdefault(situation, task.document.finding(key, message))
+    return list(found.values())
+
+
+def plain_name(task: Task, name: str) -> str:
+    """A situation's name as it stands in the file, without the number of its copy."""
+    return name if task.network.situations[name].element is None else name.rpartition("[")[0]

@@ -38,6 +38,11 @@ def read_urdf(text: str) -> ElementTree.Element:
     return robot
 
 
+def link_names(urdf_text: str) -> list[str]:
+    """The names of all links; raises ValueError where the text is no URDF."""
+    return _names(read_urdf(urdf_text), "link")
+
+
 def with_part(urdf_text: str, part: Part) -> str:
     """A URDF with another one fixed onto a link of it. Only links, joints and materials are taken over.
 

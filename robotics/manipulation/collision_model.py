@@ -22,11 +22,12 @@ _TOUCH = 1e-6  # coal calls overlapping bodies free at margin 0: its GJK stops a
 class CollisionModel:
     """What the arm must not touch, seen from one stand of the base.
 
-    Bodies are convex (a mesh counts as its hull), checked by coal (the successor of FCL that comes with Pinocchio: all pairs
-    in one call, signed distances). Checked are links against links (except a link and its neighbour along
-    the chain, and links that can't move against each other), links against obstacles, and the held body
-    against both (except the hand that holds it). What the arm doesn't move (the base) isn't checked
-    against the obstacles. An object doesn't change; build another when the hand takes something.
+    Bodies are convex (a mesh counts as its hull), checked by coal (the successor of FCL that comes with
+    Pinocchio: all pairs in one call, signed distances). Checked are links against links (except a link and
+    its neighbour along the chain, and links that can't move against each other), links against obstacles,
+    and the held body against both (except the hand that holds it). What the arm doesn't move (the base)
+    isn't checked against the obstacles. An object doesn't change; build another when the hand takes
+    something.
 
     Args:
         arm: the arm; fingers stand as in it (`ArmModel.with_others`).

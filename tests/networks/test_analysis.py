@@ -14,7 +14,8 @@ from files.loading import load_document
 from files.yaml_document import read_document
 from networks.analysis.absorbing_chain import absorption
 from networks.analysis.action_table import ActionTable, table_absorption, table_findings
-from networks.analysis.forecast import Chance, forecast
+from networks.analysis.chance import Chance
+from networks.analysis.forecast import forecast
 from networks.binding import Binding
 from networks.network import Action, ActionNetwork, Situation
 from networks.planner import NoWay

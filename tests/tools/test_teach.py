@@ -58,8 +58,8 @@ def test_a_dry_run_writes_nothing(handcart: Callable[..., Any], robot: Path) -> 
         (("wave", "--joints", "0,0,0"), "allowed: 6"),
         (("wave", "--joints", "a,b"), "are no angles"),
         (("wave", "--from-posture", "cary"), "did you mean 'carry'"),
-        (("wave",), "either --joints or --from-posture"),
-        (("wave", "--joints", "0,0,0,0,0,0", "--from-posture", "home"), "either --joints or --from-posture"),
+        (("wave",), "either --joints, --hand or --from-posture"),
+        (("wave", "--joints", "0,0,0,0,0,0", "--from-posture", "home"), "--joints, --hand or --from-posture"),
         (("Wave: 1", "--from-posture", "home"), "is no name"),
     ],
 )

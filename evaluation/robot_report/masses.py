@@ -1,0 +1,82 @@
+"""Whether the masses in a URDF can be those of the links."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from robotics.kinematics.coal_bodies import coal_body
+from robotics.kinematics.shapes import Box, Cylinder, Hull, Shape, Sphere
+from robotics.kinematics.urdf_contents import LinkFacts
+
+LIGHT, HEAVY = 50.0, 12000.0  # of a link, mass by volume of its bodies [kg/m³]: foam to lead
+OUTSIDE = 0.03  # [m] beside its bodies that a middle of mass may lie
+ROUNDED = 1.02  # moments of inertia in a file are rounded
+
+
+def mass_faults(link: LinkFacts, bodies: Sequence[Shape]) -> list[str]:
+    """What is implausible about a link's mass and inertia, in words.
+
+    Args:
+        link: as its URDF has it.
+        bodies: its collision bodies, in its frame.
+    """
+    if link.mass is None:
+        return ["no mass: an engine takes it as nearly weightless"] if bodies else []
+    if link.mass <= 0.0:
+        return [f"a mass of {link.mass:g} kg"]
+    return [*_inertia_faults(link), *(_body_faults(link, link.mass, bodies) if bodies else [])]
+
+
+def _inertia_faults(link: LinkFacts) -> list[str]:
+    small, middle, large = np.linalg.eigvalsh(link.inertia)
+    if small <= 0.0:
+        return ["its inertia isn't that of a body: not positive"]
+    if large > ROUNDED * (small + middle):
+        return [f"its inertia isn't that of a body: {large:.3g} > {small:.3g} + {middle:.3g} kg m²"]
+    return []
+
+
+def _body_faults(link: LinkFacts, mass: float, bodies: Sequence[Shape]) -> list[str]:
+    corners = np.vstack([corners_of(each) for each in bodies])
+    low, high = corners.min(axis=0), corners.max(axis=0)
+    faults = []
+    beside = float(np.linalg.norm(np.maximum(0.0, np.maximum(low - link.middle, link.middle - high))))
+    if beside > OUTSIDE:
+        faults.append(f"its middle of mass lies {1e3 * beside:.0f} mm outside its bodies")
+    widest = float(np.linalg.norm(np.maximum(high - link.middle, link.middle - low)))
+    gyration = float(np.sqrt(np.linalg.eigvalsh(link.inertia)[-1] / mass))
+    if gyration > widest:
+        faults.append(f"its inertia is that of {1e3 * gyration:.0f} mm radius; it is {1e3 * widest:.0f} mm")
+    density = mass / sum(volume_of(each) for each in bodies)
+    if not LIGHT < density < HEAVY:
+        faults.append(f"{mass:g} kg in its bodies make {density:.0f} kg/m³")
+    return faults
+
+
+def corners_of(shape: Shape) -> np.ndarray[tuple[int, int], np.dtype[np.float64]]:
+    """Points (n, 3) whose convex hull holds a body (a round one to 2 %), in the frame of its pose."""
+    match shape:
+        case Hull():
+            points = shape.points
+        case Box():
+            points = _SIGNS * np.array(shape.size) / 2
+        case Cylinder():
+            ends = [np.c_[shape.radius * _CIRCLE, np.full(len(_CIRCLE), z)] for z in (-0.5, 0.5)]
+            points = np.vstack(ends) * (1.0, 1.0, shape.length)
+        case Sphere():
+            tilted = [np.c_[_CIRCLE * c, np.full(len(_CIRCLE), s)] for c, s in _LATITUDES]
+            points = shape.radius * np.vstack(tilted)
+    return np.asarray(points @ shape.pose[:3, :3].T + shape.pose[:3, 3])
+
+
+def volume_of(shape: Shape) -> float:
+    """[m³]."""
+    return float(coal_body(shape).computeVolume())  # type: ignore[attr-defined]
+
+
+_SIGNS = np.array([(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], dtype=np.float64)
+_ANGLES = np.linspace(0.0, 2.0 * np.pi, 17)[:-1]
+_CIRCLE = np.c_[np.cos(_ANGLES), np.sin(_ANGLES)]
+_LATITUDES = [(float(np.cos(a)), float(np.sin(a))) for a in np.linspace(-0.5 * np.pi, 0.5 * np.pi, 9)]

@@ -1,0 +1,52 @@
+"""Whether the meshes that a URDF names are there, and how much of their convex hull they fill."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import pinocchio as pin
+
+from robotics.kinematics.coal_bodies import hull_of_mesh
+from robotics.kinematics.urdf_contents import MeshUse
+
+CONVEX = 0.9  # share of its hull that a mesh fills that counts as convex
+
+
+@dataclass(frozen=True)
+class MeshRow:
+    """One mesh."""
+
+    link: str
+    kind: str
+    """collision or visual."""
+    file: str
+    found: bool
+    corners: int = 0
+    filled: float | None = None
+    """Share of its convex hull that it fills; of collision meshes, where they are closed."""
+
+    @property
+    def fault(self) -> str | None:
+        """What is wrong with it, in words."""
+        if not self.found:
+            return "missing"
+        if self.filled is None or self.filled >= CONVEX:
+            return None
+        return f"concave: fills {100 * self.filled:.0f} % of its hull; the hull counts"
+
+
+def mesh_row(use: MeshUse) -> MeshRow:
+    """Look at a mesh; visual ones are only looked for."""
+    path, name = Path(use.file), Path(use.file).name
+    if not path.is_file():
+        return MeshRow(use.link, use.kind, name, found=False)
+    if use.kind == "visual":
+        return MeshRow(use.link, use.kind, name, found=True)
+    mesh = pin.coal.MeshLoader().load(str(path), np.ones(3))
+    hull = hull_of_mesh(mesh, use.link)
+    filled = mesh.computeVolume() / hull.computeVolume()  # type: ignore[attr-defined]
+    closed = 0.0 < filled <= 1.0 + 1e-6
+    corners = int(mesh.num_vertices)
+    return MeshRow(use.link, use.kind, name, True, corners, min(1.0, filled) if closed else None)

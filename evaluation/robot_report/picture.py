@@ -1,0 +1,120 @@
+"""A robot from the side and from above, in its postures, with what its hand reaches."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import ConvexHull
+
+from backends.robot_file import RobotFile
+from robotics.kinematics.shapes import Shape
+from robotics.kinematics.urdf_contents import bodies_of
+
+from .masses import corners_of
+from .reach import Reach
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+MOST = 6  # postures that are drawn
+STILL, MOVED, FRONT, REACHED, EDGE = "#9aa3ad", "#4a78b5", "#c8382e", "#e8f1e4", "#3a3f45"
+CELL = 0.06  # of the reach that is drawn [m]
+VIEWS = {"from the side": (0, 2), "from above": (0, 1)}
+
+
+def draw_robot(path: Path, robot: RobotFile, reach: Reach | None) -> None:
+    """Draw it into a file; its ending (svg, png, pdf) says how.
+
+    Args:
+        path: the file.
+        robot: as its file has it.
+        reach: of its arm.
+
+    Raises:
+        OSError: the file can't be written.
+        ValueError: no picture ends like that.
+    """
+    import matplotlib
+    from matplotlib.figure import Figure
+
+    columns, still = _columns(robot), _still(robot)
+    figure = Figure(figsize=(1.0 + 3.1 * len(columns), 6.4), layout="constrained")
+    axes = figure.subplots(len(VIEWS), len(columns), squeeze=False, sharex=True, sharey="row")
+    for row, (view, (across, up)) in zip(axes, VIEWS.items(), strict=True):
+        for each, (name, bodies) in zip(row, columns.items(), strict=True):
+            _draw(each, bodies, still, (across, up), reach, robot.footprint_radius_m)
+            each.set_title(f"{name}, {view}" if name else view, fontsize=8)
+        row[0].set_ylabel("z [m]" if up == 2 else "y [m], left up", fontsize=8)
+    for each in axes[-1]:
+        each.set_xlabel("x [m], ahead", fontsize=8)
+    with matplotlib.rc_context({"svg.hashsalt": "handcart", "svg.fonttype": "none"}):
+        figure.savefig(path, metadata={"Date": None} if path.suffix == ".svg" else None)
+
+
+def _columns(robot: RobotFile) -> dict[str, Sequence[Shape]]:
+    """The bodies in the base frame, by posture; each different one once."""
+    if robot.arm is None:
+        return {"": bodies_of(robot.urdf_text())}
+    arm = robot.arm_model()
+    named: dict[tuple[float, ...], list[str]] = {}
+    for name in robot.arm.postures:
+        named.setdefault(robot.posture(name), []).append(name)
+    chosen = list(named.items())[:MOST] or [(tuple(np.zeros(arm.dof)), ["all joints at zero"])]
+    return {", ".join(names): arm.link_shapes(np.array(angles)) for angles, names in chosen}
+
+
+def _still(robot: RobotFile) -> set[str]:
+    """Names of the links that the arm doesn't move."""
+    if robot.arm is None:
+        return {each.name for each in bodies_of(robot.urdf_text())}
+    arm = robot.arm_model()
+    middle = 0.5 * (arm.lower + arm.upper)
+    both = zip(arm.link_shapes(middle), arm.link_shapes(middle + 0.1), strict=True)
+    return {here.name for here, there in both if np.allclose(here.pose, there.pose)}
+
+
+def _draw(
+    axes: Axes,
+    bodies: Sequence[Shape],
+    still: set[str],
+    view: tuple[int, int],
+    reach: Reach | None,
+    radius: float,
+) -> None:
+    from matplotlib.patches import Circle, Polygon
+
+    across, up = view
+    if reach is not None:
+        _shade(axes, reach.points[:, [across, up]])
+    for body in sorted(bodies, key=lambda each: float(each.pose[3 - across - up, 3])):
+        outline = _outline(corners_of(body)[:, [across, up]])
+        colour = FRONT if "finger" in body.name or "camera" in body.name else MOVED
+        face = STILL if body.name in still else colour
+        axes.add_patch(Polygon(outline, facecolor=face, edgecolor=EDGE, linewidth=0.5, alpha=0.75))
+    if up == 2:
+        axes.axhline(0.0, color=EDGE, linewidth=0.8)
+    else:
+        axes.add_patch(Circle((0.0, 0.0), radius, fill=False, edgecolor=FRONT, linewidth=0.9, linestyle="--"))
+    axes.set_aspect("equal")
+    axes.autoscale_view()
+    axes.tick_params(labelsize=7)
+    axes.grid(linewidth=0.3, alpha=0.6)
+    axes.set_axisbelow(True)
+
+
+def _shade(axes: Axes, points: NDArray[np.float64]) -> None:
+    """Cells in which the hand was, seen from one side."""
+    low = np.floor(points.min(axis=0) / CELL).astype(int) - 1
+    cells = np.floor(points / CELL).astype(int) - low
+    counts = np.zeros(cells.max(axis=0) + 2)
+    np.add.at(counts, (cells[:, 0], cells[:, 1]), 1.0)
+    x, y = ((low[axis] + np.arange(counts.shape[axis]) + 0.5) * CELL for axis in (0, 1))
+    axes.contourf(x, y, counts.T, levels=[0.5, np.inf], colors=[REACHED])
+
+
+def _outline(points: NDArray[np.float64]) -> NDArray[np.float64]:
+    return np.asarray(points[ConvexHull(points).vertices])

@@ -1,0 +1,18 @@
+"""How an attempt ends."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Chance:
+    """Probabilities of one attempt of an action; the rest is Fail."""
+
+    success: float
+    give_up: float = 0.0
+
+    @property
+    def fail(self) -> float:
+        """Probability of Fail."""
+        return 1.0 - self.success - self.give_up

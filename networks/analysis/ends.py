@@ -1,0 +1,46 @@
+"""How a part of a run ends."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from .moments import Moments, certain
+
+NEVER = Moments(0.0)
+
+
+class Ends(NamedTuple):
+    """Ends that exclude each other: each with its probability and what it costs to come to it."""
+
+    goal: Moments = NEVER
+    skipped: Moments = NEVER
+    """The goal is reached, but elements of a repeat were left undone."""
+    no_way: Moments = NEVER
+    """Nothing is left to try."""
+    give_up: Moments = NEVER
+    """A person is needed."""
+
+    def after(self, step: Moments) -> Ends:
+        """What comes of a step that is followed by this."""
+        return Ends(*(step.then(each) for each in self))
+
+    def plus(self, other: Ends) -> Ends:
+        """Either of two that exclude each other."""
+        return Ends(*(a + b for a, b in zip(self, other, strict=True)))
+
+    def then(self, rest: Ends) -> Ends:
+        """This part, and on from its goal the rest."""
+        short = Ends(no_way=self.no_way, give_up=self.give_up)
+        return short.plus(rest.after(self.goal)).plus(rest.with_a_skip().after(self.skipped))
+
+    def with_a_skip(self) -> Ends:
+        """The same, after an element was left undone."""
+        return Ends(NEVER, self.goal + self.skipped, self.no_way, self.give_up)
+
+    def total(self) -> Moments:
+        """All of them together: the cost of a run, whatever its end."""
+        return self.goal + self.skipped + self.no_way + self.give_up
+
+
+AT_GOAL = Ends(goal=certain(1.0, 0.0))
+NOTHING_LEFT = Ends(no_way=certain(1.0, 0.0))

@@ -1,0 +1,75 @@
+"""Whether the facts of a task's situations fit its actions: each finding with its place."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from backends.arm import Arm
+from backends.base import Base
+from backends.gripper import Gripper
+from files.errors import Finding
+from networks.task_file import Task
+
+_MOVED_BY = {"base": (Base,), "hand": (Arm, Gripper)}
+"""Facts that only some capabilities can change, by the names that tasks use for them."""
+
+Changes = Mapping[str, tuple[object, object]]
+"""What an action changes: by the fact's name, before and after."""
+
+
+def fact_findings(task: Task) -> list[Finding]:
+    """Facts that an action's primitive can't change, or changes nowhere else.
+
+    A Fail that would change some is refused when the file is read.
+    """
+    actions = dict(reversed([(e, a) for a, e in zip(task.network.actions, task.entries, strict=True)]))
+    found = []
+    for entry in range(len(task.file.actions)):
+        binding = actions[entry].binding if entry in actions else None
+        if binding is None:
+            continue
+        changes = _changes(task, entry)
+        unable = {
+            name: " or ".join(each.__name__ for each in parts)
+            for name, parts in _MOVED_BY.items()
+            if name in changes and not set(parts) & set(binding.kind.needs)
+        }
+        for name, (before, after) in changes.items():
+            if name in unable:
+                words = f"{binding.label} moves no {unable[name]}, but {name!r} goes from {before} to {after}"
+            elif binding.kind.only_knowledge:
+                words = (
+                    f"{binding.label} only changes what is known, but {name!r} goes from {before} to {after}"
+                )
+            else:
+                continue
+            allowed = "allowed: situations that agree in it"
+            found.append(task.document.finding(("actions", entry, "to"), f"{words}; {allowed}"))
+    return [*found, *_more_than_elsewhere(task)]
+
+
+def _more_than_elsewhere(task: Task) -> list[Finding]:
+    """A primitive that changes the same facts as elsewhere, and one more: what does that one is missing."""
+    entries = list(enumerate(task.file.actions))
+    found = []
+    for number, entry in entries:
+        here = _changes(task, number)
+        for other, alike in entries:
+            there = _changes(task, other)
+            if alike.do != entry.do or not there or not there.keys() < here.keys():
+                continue
+            more = ", ".join(repr(name) for name in here if name not in there)
+            line = task.document.position(("actions", other))[0]
+            words = f"{entry.do} also changes {more} here, which it doesn't in line {line}"
+            needed = "needed: an action that does it, between them or in place of this one"
+            found.append(task.document.finding(("actions", number, "to"), f"{words}; {needed}"))
+            break
+    return found
+
+
+def _changes(task: Task, number: int) -> Changes:
+    """What an action of the file changes, of the facts that both of its situations tell."""
+    entry, situations = task.file.actions[number], task.file.situations
+    before, after = situations.get(entry.source) or {}, situations.get(entry.target) or {}
+    both = (name for name in before if name in after)
+    return {name: (before[name], after[name]) for name in both if before[name] != after[name]}

@@ -1,0 +1,41 @@
+"""The longest run that a policy allows."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+from .policy import Policy
+
+
+class Longest(NamedTuple):
+    """The most actions that a run through a part can start, [-inf] where no run ends so."""
+
+    through: float
+    """Of runs that come to the part's goal."""
+    ended: float
+    """Of runs that end in it."""
+
+    def then(self, rest: Longest) -> Longest:
+        """One part after the other."""
+        return Longest(self.through + rest.through, max(self.ended, self.through + rest.ended))
+
+
+def longest_run(policy: Policy) -> Longest:
+    """By going back through the policy from its ends; it should know of Fails for good."""
+    goal = policy.network.goal
+    known: dict[object, Longest] = {}
+    for state, step in policy.steps.items():
+        through, ended = -math.inf, -math.inf if step.plan else 0.0
+        count = 0
+        for number, action in enumerate(step.plan):
+            if action.binding is None:
+                continue
+            count += 1
+            ended = max(ended, count)  # a GiveUp
+            for after in {step.after_fail[number], step.for_good[number] if step.for_good else None} - {None}:
+                assert after is not None
+                rest = Longest(0.0, -math.inf) if after.situation == goal else known[after]
+                through, ended = max(through, count + rest.through), max(ended, count + rest.ended)
+        known[state] = Longest(max(through, count) if step.plan else through, ended)
+    return known.get(policy.start, Longest(0.0, -math.inf))

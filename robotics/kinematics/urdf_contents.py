@@ -1,0 +1,132 @@
+"""What stands in a URDF: joints with limits, links with masses, bodies, meshes."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+from xml.etree import ElementTree
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+from robotics.kinematics.coal_bodies import hull_of_mesh, shape_of
+from robotics.kinematics.shapes import Shape
+from robotics.kinematics.urdf_assembly import read_urdf
+
+_MOVABLE = ("revolute", "continuous", "prismatic")
+
+
+class JointFacts(NamedTuple):
+    """A joint that moves."""
+
+    name: str
+    kind: str
+    """revolute, continuous or prismatic."""
+    child: str
+    """The link that it moves."""
+    lower: float | None
+    """[rad] or [m]; None: no limit."""
+    upper: float | None
+    velocity: float
+    """[rad/s] or [m/s]."""
+    effort: float
+    """[Nm] or [N]."""
+
+
+class LinkFacts(NamedTuple):
+    """A link and its mass."""
+
+    name: str
+    mass: float | None
+    """[kg]; None: the URDF doesn't say."""
+    middle: NDArray[np.float64]
+    """Its middle of mass in the link's frame, (3,) in [m]."""
+    inertia: NDArray[np.float64]
+    """About that, (3, 3) in [kg m²]."""
+
+
+class MeshUse(NamedTuple):
+    """A mesh that a link names."""
+
+    link: str
+    kind: str
+    """collision or visual."""
+    file: str
+
+
+def joints_of(urdf_text: str) -> list[JointFacts]:
+    """The joints that move, in the file's order; raises ValueError where the text is no URDF."""
+    moving = [each for each in read_urdf(urdf_text).findall("joint") if each.get("type") in _MOVABLE]
+    return [_joint(each) for each in moving]
+
+
+def links_of(urdf_text: str) -> list[LinkFacts]:
+    """The links, in the file's order; raises ValueError where the text is no URDF."""
+    return [_link(each) for each in read_urdf(urdf_text).findall("link")]
+
+
+def meshes_of(urdf_text: str) -> list[MeshUse]:
+    """The meshes, in the file's order; raises ValueError where the text is no URDF."""
+    return [
+        MeshUse(link.get("name", ""), kind, mesh.get("filename", ""))
+        for link in read_urdf(urdf_text).findall("link")
+        for kind in ("collision", "visual")
+        for mesh in link.iterfind(f"{kind}//mesh")
+    ]
+
+
+def bodies_of(urdf_text: str) -> list[Shape]:
+    """The collision bodies, each named after its link and posed in that link's frame.
+
+    Raises:
+        ValueError: a mesh can't be read, or encloses nothing.
+    """
+    model = pin.buildModelFromXML(urdf_text)
+    geometry = pin.buildGeomFromUrdfString(model, urdf_text, pin.GeometryType.COLLISION)
+    return [_body(model, each) for each in geometry.geometryObjects]
+
+
+def _body(model: pin.Model, body: pin.GeometryObject) -> Shape:
+    frame = model.frames[body.parentFrame]
+    pose = (frame.placement.inverse() * body.placement).homogeneous
+    solid = body.geometry
+    if isinstance(solid, pin.coal.BVHModelBase):
+        solid = hull_of_mesh(solid, frame.name)
+    return shape_of(solid, pose, frame.name)
+
+
+def _joint(joint: ElementTree.Element) -> JointFacts:
+    limit, child = joint.find("limit"), joint.find("child")
+    kind = joint.get("type", "")
+    bounded = limit is not None and kind != "continuous"
+    return JointFacts(
+        joint.get("name", ""),
+        kind,
+        "" if child is None else child.get("link", ""),
+        _number(limit, "lower") if bounded else None,
+        _number(limit, "upper") if bounded else None,
+        _number(limit, "velocity"),
+        _number(limit, "effort"),
+    )
+
+
+def _link(link: ElementTree.Element) -> LinkFacts:
+    inertial = link.find("inertial")
+    if inertial is None:
+        return LinkFacts(link.get("name", ""), None, np.zeros(3), np.zeros((3, 3)))
+    origin, inertia = inertial.find("origin"), inertial.find("inertia")
+    xx, xy, xz, yy, yz, zz = (_number(inertia, f"i{axes}") for axes in ("xx", "xy", "xz", "yy", "yz", "zz"))
+    turn = Rotation.from_euler("xyz", _triple(origin, "rpy")).as_matrix()
+    own = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+    mass = _number(inertial.find("mass"), "value")
+    return LinkFacts(link.get("name", ""), mass, _triple(origin, "xyz"), turn @ own @ turn.T)
+
+
+def _number(element: ElementTree.Element | None, key: str) -> float:
+    return 0.0 if element is None else float(element.get(key, "0"))
+
+
+def _triple(element: ElementTree.Element | None, key: str) -> NDArray[np.float64]:
+    words = "0 0 0" if element is None else element.get(key, "0 0 0")
+    return np.array([float(word) for word in words.split()])

@@ -1,0 +1,151 @@
+"""What `handcart check` tells about a robot."""
+
+from __future__ import annotations
+
+import io
+import math
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from files.errors import FileError, InputError
+from files.yaml_document import read_document
+
+from .writing import NotWritable
+
+if TYPE_CHECKING:
+    from rich.console import Group
+    from rich.table import Table
+
+    from evaluation.robot_report.reach import Reach
+    from evaluation.robot_report.report import RobotReport
+
+WIDTH = 110
+PICTURES = (".svg", ".png", ".pdf")
+
+
+class NoSuchPicture(InputError):
+    """A picture of that kind can't be drawn."""
+
+
+def robot_facts(file: Path, picture: Path | None, quick: bool = False) -> dict[str, Any]:
+    """Look at a robot, and draw it where a picture is wanted; `quick` doesn't try its reach.
+
+    Raises:
+        FileError: something in its files is wrong.
+        NoSuchPicture: the picture's ending is unknown.
+        NotWritable: it can't be written there.
+    """
+    from backends.robot_file import load_robot
+    from evaluation.robot_report.picture import draw_robot
+    from evaluation.robot_report.report import report_of
+
+    if picture is not None and picture.suffix not in PICTURES:
+        raise NoSuchPicture(f"{picture}: no picture ends like that; allowed: {', '.join(PICTURES)}")
+    robot = load_robot(str(file))
+    try:
+        report = report_of(robot, not quick)
+    except ValueError as error:
+        raise FileError([read_document(file).finding(("urdf",), f"{error}; allowed: a sound URDF")]) from None
+    if picture is not None:
+        try:
+            draw_robot(picture, robot, report.reach)
+        except OSError as error:
+            raise NotWritable(picture, error.strerror) from None
+    return {
+        "format": robot.format,
+        "warnings": list(report.warnings),
+        "lines": _lines(report),
+        "robot": report.figures(),
+        **({"picture": str(picture)} if picture is not None else {}),
+    }
+
+
+def _lines(report: RobotReport) -> list[str]:
+    """The report as tables."""
+    from rich.console import Console
+
+    console = Console(file=io.StringIO(), width=WIDTH, color_system=None)
+    for table in _tables(report):
+        console.print(table, "")
+    if report.reach is not None:
+        console.print(_reach(report.reach), "")
+    if report.camera is not None:
+        camera = report.camera
+        console.print(
+            f"camera: sees {camera.across_deg:.0f} by {camera.upright_deg:.0f} deg; "
+            f"{camera.px_per_mm:.1f} px a mm at 0.3 m"
+        )
+    text = console.file.getvalue()  # type: ignore[attr-defined]
+    return [line.rstrip() for line in text.splitlines()]
+
+
+def _tables(report: RobotReport) -> list[Table]:
+    tables = [
+        _table(
+            "joint", "kind", "from", "to", "speed", "effort", rows=[_joint(each) for each in report.joints]
+        ),
+        _table(
+            "link",
+            "mass",
+            "remark",
+            rows=[
+                (
+                    each.name,
+                    "frame only" if each.mass_kg is None else f"{each.mass_kg:.3g} kg",
+                    "; ".join(each.faults),
+                )
+                for each in report.links
+            ],
+        ),
+    ]
+    if report.meshes:
+        rows = [(each.link, each.kind, each.file, each.fault or "") for each in report.meshes]
+        tables.append(_table("mesh of", "kind", "file", "remark", rows=rows))
+    return tables
+
+
+def _joint(joint: Any) -> tuple[str, ...]:
+    turns = joint.kind != "prismatic"
+    scale, unit, force = (math.degrees(1.0), "deg", "Nm") if turns else (1e3, "mm", "N")
+    limits = ("-" if end is None else f"{scale * end:.0f} {unit}" for end in (joint.lower, joint.upper))
+    return (
+        joint.name,
+        joint.kind,
+        *limits,
+        f"{scale * joint.velocity:.0f} {unit}/s",
+        f"{joint.effort:.3g} {force}",
+    )
+
+
+def _reach(reach: Reach) -> Group:
+    from rich.console import Group
+
+    from evaluation.robot_report.reach import BEFORE_SHELF
+
+    (near, far), (low, high) = reach.radii, reach.heights
+    rows = [
+        (f"{row.board_m:.2f} m", f"{_span(row.ahead_m)}, y = {row.line_m:.2f}", _span(row.aside_m))
+        for row in reach.grasps
+    ]
+    return Group(
+        f"reach: the hand gets {near:.2f} to {far:.2f} m from the base's axis, {low:.2f} to {high:.2f} m up;",
+        "upright, pointing ahead and holding a book on a board, its finger tips get to",
+        _table("board at", "x, straight ahead", f"y, {BEFORE_SHELF} m ahead", rows=rows),
+    )
+
+
+def _span(span: tuple[float, float] | None) -> str:
+    return "nowhere" if span is None else f"{span[0]:.2f} to {span[1]:.2f} m"
+
+
+def _table(*columns: str, rows: Sequence[Sequence[str]]) -> Table:
+    from rich import box
+    from rich.table import Table
+
+    table = Table(box=box.SIMPLE_HEAD, pad_edge=False, show_edge=False)
+    for column in columns:
+        table.add_column(column, overflow="fold")
+    for row in rows:
+        table.add_row(*row)
+    return table
