@@ -8,13 +8,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from backends.robot_file import GripperSpec
+from backends.robot_shape import FingerShape
 from robotics.geometry.transform import inverse
 
 from .physics import Physics, Pinned, Point
 from .robot_body import FRICTION_SHARE, PAD_FRICTION, RobotBody
 from .world_bodies import BOOK_FRICTION
 
-PADS = ((0.11, 0.015), (0.11, -0.015), (0.14, 0.015), (0.14, -0.015))  # x and z in the frame `hand` [m]
+BEHIND_TIP = (0.01, 0.04)  # of the points along a finger [m]
+ACROSS = 0.375  # of a finger's height, above and below its middle
 SLIPS = 0.0005  # [m] by which a point that slips runs ahead of the pads
 FIRM = 500.0  # with which a constraint holds at each point [N]
 
@@ -27,13 +29,14 @@ class Grip:
     beyond it. Contacts alone would let what they hold creep. With `constraint` nothing slips.
     """
 
-    def __init__(self, spec: GripperSpec, physics: Physics, body: RobotBody) -> None:
+    def __init__(self, spec: GripperSpec, finger: FingerShape, physics: Physics, body: RobotBody) -> None:
         self._physics, self._body = physics, body
         self._hand = body.link_index["hand"]
         self._kind: Literal["friction", "constraint"] = spec.grasp
         coulomb = (1.0 - FRICTION_SHARE) * PAD_FRICTION * BOOK_FRICTION * 2 * spec.force_n
-        self._force = coulomb / len(PADS) if spec.grasp == "friction" else FIRM
-        hand = np.array([(x, 0.0, z, 1.0) for x, z in PADS])
+        up = ACROSS * finger.height
+        hand = np.array([(finger.tip - back, 0.0, z, 1.0) for back in BEHIND_TIP for z in (up, -up)])
+        self._force = coulomb / len(hand) if spec.grasp == "friction" else FIRM
         middle_T_hand = inverse(body.middle_of_mass("hand")) @ body.link_pose("hand")
         self._points = (hand @ middle_T_hand.T)[:, :3]
 

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from backends.backend import Backend, NoWindow
 from backends.capability import Capability
 from backends.robot_file import RobotFile
+from backends.robot_shape import finger_shape
 from backends.scene.book import Book
 from backends.scene.load_world import load_world
 from backends.scene.mounts import base_T_frame
@@ -97,7 +98,9 @@ class PyBulletBackend(Backend):
             mount = base_T_frame(robot.urdf_text(), "range_sensor")
             self._range = BulletRangeSensor(robot.range_sensor, mount, self._body, physics, seed)
         self._held: Book | None = None
-        self._grip = None if robot.gripper is None else Grip(robot.gripper, physics, self._body)
+        self._grip: Grip | None = None
+        if robot.gripper is not None and model is not None:
+            self._grip = Grip(robot.gripper, finger_shape(model), physics, self._body)
         self._person = Person(self.scene, seed)
         for _ in range(round(SETTLES / self.period)):
             self._run_period()
