@@ -38,6 +38,8 @@ class Backend(ABC):
     """The control period, in [s]."""
     simulated: bool = True
     """Whether the world behind it is made anew by `build`; a real one stands as it was left."""
+    address: str = ""
+    """Which robot it is, where several of its kind are in reach of this machine, such as `socketcan can0`."""
 
     @classmethod
     @abstractmethod

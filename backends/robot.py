@@ -14,6 +14,7 @@ from files.errors import HandcartError
 from robotics.geometry.pose2 import Pose2
 from robotics.geometry.transform import Transform
 from robotics.kinematics.arm_model import ArmModel
+from robotics.navigation.attitude import Attitude
 from robotics.navigation.drive_limits import DriveLimits
 from robotics.navigation.grid_map import GridMap
 from robotics.navigation.localizer import Localizer, OdometryLocalizer, ScanLocalizer
@@ -22,9 +23,11 @@ from robotics.navigation.scan_matching import LikelihoodField
 from .arm import Arm
 from .backend import Backend
 from .base import Base
+from .beside import beside
 from .camera import Camera
 from .capability import Capability
 from .gripper import Gripper
+from .imu import Imu
 from .noted_base import NotedBase
 from .range_sensor import RangeSensor
 from .robot_file import RobotFile
@@ -87,8 +90,14 @@ class Robot:
         """How often the base was found elsewhere than it stood."""
         self._travel = self.base.wheel_travel()
         self._still = 0
+        self.attitude = Attitude()
+        """Turn and tilt by the inertial sensors; without them it stays as it is."""
+        self._imu = backend.get(Imu)  # type: ignore[type-abstract]
+        self._arm_told = np.empty(0)
         self._ranges, self._seen_at = np.empty(0), self._travel
         self._picture, self._pictured_at = np.empty((0, 0), np.uint8), np.empty(0)
+        self._movers: set[int] = set()
+        self._moved: set[int] = set()
 
     def _make_localizer(self, start: Pose2, grid: GridMap | None) -> Localizer:
         tread = self.spec.drive.tread_m
@@ -195,6 +204,7 @@ class Robot:
 
     def step(self, paused: bool = False) -> None:
         """Let one period pass and bring the estimates up to date; in a pause `time` stands still."""
+        self._moved, self._movers = self._movers, set()
         self.driven = self._wheels.taken()
         self.backend.step()
         self.time += 0.0 if paused else self.period
@@ -205,12 +215,23 @@ class Robot:
         self._travel = travel
         self._still = self._still + 1 if left == right == 0.0 else 0
         self._localizer.predict(left, right)
+        self._feel()
         if self.backend.get(RangeSensor) is None:  # type: ignore[type-abstract]
             return
         if self._still <= STILL_SCANS:
             self._localizer.correct(self._fresh_points())
         elif self._still % LOOK_AGAIN == 0:
             self.look_again()
+
+    def _feel(self) -> None:
+        """Take in what the inertial sensors read."""
+        if self._imu is None:
+            return
+        arm = self.backend.get(Arm)  # type: ignore[type-abstract]
+        told = arm.command() if arm else np.empty(0)
+        at_rest = self._still > 0 and np.array_equal(told, self._arm_told)
+        self._arm_told = told
+        self.attitude.update(self._imu.rates(), self._imu.accelerations(), self.period, at_rest)
 
     def look_again(self) -> None:
         """At rest, see whether the base still stands where it stood; if not, find where."""
@@ -227,6 +248,16 @@ class Robot:
             self._ranges, self._seen_at = scan.ranges.copy(), self._travel
         rolled = np.abs(np.subtract(self._travel, self._seen_at)).max()
         return np.empty((0, 2)) if rolled > STALE else scan.points()
+
+    def found_at(self, pose: Pose2, sigma: tuple[float, float]) -> None:
+        """The base was measured to stand at map_T_base, with that sigma in [m] and in [rad]."""
+        variance = np.diag([sigma[0], sigma[0], sigma[1]]) ** 2
+        self._localizer.odometry.correct(pose, variance)
+
+    @property
+    def dead_reckoned(self) -> bool:
+        """Whether nothing but the wheels tells how the base moves."""
+        return isinstance(self._localizer, OdometryLocalizer)
 
     def picture(self) -> NDArray[np.uint8]:
         """The camera's picture, (height, width) grey.
@@ -246,13 +277,21 @@ class Robot:
         """What was estimated so far, for a checkpoint."""
         localizer = attributes(self._localizer, self._localizer.STATE)
         odometry = attributes(self._localizer.odometry, self._localizer.odometry.STATE)
-        return {"robot": attributes(self, _STATE), "localizer": localizer, "odometry": odometry}
+        attitude = attributes(self.attitude, self.attitude.STATE)
+        robot = attributes(self, _STATE)
+        return {"robot": robot, "localizer": localizer, "odometry": odometry, "attitude": attitude}
 
     def set_state(self, state: Mapping[str, Any]) -> None:
         """Take over what `state` gave, on a backend that stands as it did then."""
         set_attributes(self, state["robot"])
         set_attributes(self._localizer, state["localizer"])
         set_attributes(self._localizer.odometry, state["odometry"])
+        set_attributes(self.attitude, state["attitude"])
+
+    def moved_by(self, who: object) -> bool:
+        """Note who moves the robot in this period; whether nobody else does, nor did in the last one."""
+        self._movers.add(id(who))
+        return len(self._movers) == 1 and len(self._moved) <= 1
 
     def stop(self) -> None:
         """Stop all motion."""
@@ -260,7 +299,12 @@ class Robot:
         self.backend.stop()
 
     def compute(self, work: Callable[..., T], *args: object, takes: float = 0.2) -> Generator[None, None, T]:
-        """Long computing: the robot holds, and time passes for it: `takes` in [s] in simulation."""
+        """Long computing: the robot holds meanwhile, and its time passes.
+
+        In simulation that takes `takes` in [s]; a real robot has it done beside the control loop.
+        """
+        if not self.backend.simulated:
+            return (yield from beside(work, *args))
         result = work(*args)
         yield from self.wait(takes)
         return result

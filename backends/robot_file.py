@@ -54,6 +54,8 @@ class ArmSpec(FileModel):
     """Names in the URDF, from the shoulder to the hand."""
     top_speed_deg_s: Positive
     acceleration_deg_s2: Positive
+    accuracy_mm: Positive = 0.5
+    """How far off the hand may be from where the joints say it is, sigma along each axis."""
     postures: dict[str, tuple[float, ...]]
     """Joint angles in [deg], in the order of `joints`. `handcart teach` adds to them."""
 
@@ -86,6 +88,30 @@ class RangeSpec(FileModel):
     sigma_mm: NotNegative
 
 
+class ImuSpec(FileModel):
+    """Gyros and accelerometers, their axes along those of the base."""
+
+    angle_random_walk_deg_rt_s: NotNegative
+    """White noise of the gyros, in degrees after a second; it grows with the square root of time."""
+    gyro_bias_deg_s: NotNegative = 0.0
+    """Sigma of what they read at rest."""
+    accelerometer_sigma_m_s2: NotNegative
+    """Of a reading."""
+
+
+class SuspensionSpec(FileModel):
+    """How the base gives when the arm moves: identified (`tasks/calibrate_suspension`), not simulated."""
+
+    swing_yaw_mrad: float = 0.0
+    """By which it turns with each swing of the loaded arm."""
+    swing_yaw_sigma_mrad: NotNegative = 0.0
+    """Spread of that."""
+    lean_mrad_per_m: NotNegative = 0.0
+    """By which it leans to where the hand is, for each metre that this is off the base's centre."""
+    pivot_m: NotNegative = 0.0
+    """Height of the point about which it leans."""
+
+
 class Errors(FileModel):
     """How a simulated backend errs: sigmas; of the systematic ones, sigmas of what a seed draws once."""
 
@@ -103,9 +129,26 @@ class Errors(FileModel):
     """How a person sets a book onto the tray."""
     book_turn_deg: NotNegative = 1.0
     hand_force_n: NotNegative = 0.3
+    block_place_mm: NotNegative = 0.0
+    """How a person sets down a block."""
+    block_turn_deg: NotNegative = 0.0
+    hand_systematic_mm: NotNegative = 0.0
+    """How far off the hand is at most, smoothly from place to place; drawn once."""
+    hand_systematic_wave_m: Positive = 1.0
+    """From crest to crest of it: about the arm's reach."""
+    hand_repeat_mm: NotNegative = 0.0
+    """How far off it is from motion to motion, along each axis: sigma."""
+    hand_uniform_mm: NotNegative = 0.0
+    """The same, spread evenly up to that."""
     swing_yaw_mrad: float = 0.0
     """By which the standing base is turned each time that the arm has swung: casters and tyres give."""
     swing_yaw_sigma_mrad: NotNegative = 0.0
+    swing_from_mm: NotNegative = 0.0
+    """0: any motion is a swing. Else one that carries something at least that far across the floor."""
+    lean_mrad_per_m: NotNegative = 0.0
+    """By which the base leans to where the hand is, for each metre that this is off the base's centre."""
+    lean_pivot_m: NotNegative = 0.0
+    """Height of the point about which it leans."""
 
 
 class Tolerance(FileModel):
@@ -141,6 +184,9 @@ class RobotFile(FileModel):
     gripper: GripperSpec | None = None
     camera: CameraSpec | None = None
     range_sensor: RangeSpec | None = None
+    imu: ImuSpec | None = None
+    suspension: SuspensionSpec = SuspensionSpec()
+    """What the robot knows of how its base gives."""
     errors: Errors = Errors()
     tolerance: Tolerance
     _folder: Path = PrivateAttr(default=ROBOTS)
@@ -176,6 +222,13 @@ class RobotFile(FileModel):
     def has_tray(self) -> bool:
         """Whether it can carry a book on a tray."""
         return self.arm is not None and "tray" in link_names(self.urdf_text())
+
+    @cached_property
+    def body_height(self) -> float:
+        """How high the base itself reaches, by the URDF, in [m]."""
+        from .robot_shape import body_height
+
+        return body_height(self.urdf_text())
 
     @cached_property
     def tray_shape(self) -> TrayShape:
@@ -216,7 +269,7 @@ def load_robot(name: str) -> RobotFile:
     if not by_path and name not in robot_names():
         wrong = f"unknown robot{suggest(name, robot_names())}, or the path of a robot's YAML file"
         raise FileError([Finding(name, 0, 0, wrong)])
-    path = Path(name) if by_path else ROBOTS / name / "robot.yaml"
+    path = Path(name) if by_path else shipped_path(name)
     loaded = load_document(read_document(path), RobotFile)
     robot = loaded.value
     robot._folder = path.parent
@@ -227,5 +280,16 @@ def load_robot(name: str) -> RobotFile:
 
 
 def robot_names() -> list[str]:
-    """The robots that are shipped."""
-    return sorted(path.parent.name for path in ROBOTS.glob("*/robot.yaml"))
+    """The robots that are shipped; a variant of one is called ROBOT/VARIANT."""
+    return sorted(_name(path) for path in ROBOTS.glob("*/*.yaml"))
+
+
+def _name(path: Path) -> str:
+    folder = path.parent.name
+    return folder if path.stem == "robot" else f"{folder}/{path.stem}"
+
+
+def shipped_path(name: str) -> Path:
+    """The file of a shipped robot."""
+    folder, _, variant = name.partition("/")
+    return ROBOTS / folder / f"{variant or 'robot'}.yaml"

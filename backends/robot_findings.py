@@ -35,7 +35,7 @@ def _frame_findings(robot: RobotFile, urdf: str, document: Document) -> list[Fin
     """Links and joints that our names are expected of."""
     links = link_names(urdf)
     needed = {("urdf",): "base" if "base" not in links else None}
-    for key in ("range_sensor", "camera"):
+    for key in ("range_sensor", "camera", "imu"):
         missing = getattr(robot, key) is not None and key not in links
         needed[(key,)] = key if missing else None
     return [

@@ -10,7 +10,7 @@ import numpy as np
 from files.errors import InputError
 from robotics.geometry.transform import Transform, inverse
 from robotics.kinematics.arm_model import ArmModel
-from robotics.kinematics.shapes import Box, Shape
+from robotics.kinematics.shapes import Box, Shape, top
 
 FINGER = "left_finger"
 TRAY = "tray"
@@ -63,6 +63,12 @@ def tray_shape(arm: ArmModel) -> TrayShape:
         )
     x, y, z = (float(number) for number in box.pose[:3, 3])
     return TrayShape((x, y), box.size, z + box.size[2] / 2)
+
+
+def body_height(urdf_text: str) -> float:
+    """Of the link `base`, without what stands on it; [m] above the floor."""
+    shapes = ArmModel(urdf_text, (), tip="base").link_shapes(np.empty(0))
+    return max((top(each) for each in shapes if each.name == "base"), default=0.0)
 
 
 def finger_shape(arm: ArmModel) -> FingerShape:

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from backends.robot import Robot
 from backends.robot_file import RobotFile
 from networks.events import Ended, Event, Started
 from networks.preparing import Prepared
@@ -19,14 +20,18 @@ from primitives.outcome import Fail, Success
 from robotics.geometry.pose2 import Pose2
 from robotics.geometry.transform import difference
 
+from .block_survey import BlockSurvey
 from .shelving import Shelving, shelving
 from .stop_errors import stop_errors
 
 SIGMAS = 5.0
 BASE_SIGMA_MM, BASE_SIGMA_DEG = 4.0, 0.09  # of a base pose measured by matching scans with the map
 JOINT_SIGMA_DEG = 0.01  # encoders and repeatability
-RELEASE = "RELEASE"  # a task without it returns no book
+RELEASE, STACK = "RELEASE", "STACK"  # a task without them returns no book, stacks no block
 OBJECT_SIGMA_MM = 1.5  # of an object seen by the camera
+MOST_OFF_MM = (
+    8.0 + SIGMAS * 0.5
+)  # of a block that counts as put where it goes: STACK's own limit and its sensor's
 
 
 @dataclass(frozen=True)
@@ -35,18 +40,19 @@ class Truth:
 
     base: Pose2
     joints: NDArray[np.float64]
-    held: int | None
-    books: Mapping[int, NDArray[np.float64]]
-    """world_T_book by accession; of the held one, hand_T_book."""
+    held: str | None
+    things: Mapping[str, NDArray[np.float64]]
+    """world_T_thing of books and blocks by name; of the held one, hand_T_held."""
 
 
 def truth_of(scene: Any) -> Truth:
     """Read the scene of a simulated backend."""
-    held = scene.held.accession if scene.held is not None else None
-    books = {number: book.pose.copy() for number, book in scene.books.items()}
+    held = scene.held.name if scene.held is not None else None
+    every = (*scene.books.values(), *scene.blocks.values())
+    things = {thing.name: thing.pose.copy() for thing in every}
     if held is not None:
-        books[held] = scene.hand_T_book.copy()
-    return Truth(scene.base, scene.joints.copy(), held, books)
+        things[held] = scene.hand_T_held.copy()
+    return Truth(scene.base, scene.joints.copy(), held, things)
 
 
 def broken_promises(before: Truth, after: Truth, robot: RobotFile) -> list[str]:
@@ -60,11 +66,11 @@ def broken_promises(before: Truth, after: Truth, robot: RobotFile) -> list[str]:
         ("base_deg", turned, tolerance.base_deg + SIGMAS * BASE_SIGMA_DEG),
         ("joints_deg", off, tolerance.joints_deg + SIGMAS * JOINT_SIGMA_DEG),
     ]
-    # Books on the tray ride on the base, so the base's own tolerance comes on top.
+    # What stands on the robot rides on the base, so the base's own tolerance comes on top.
     room = tolerance.object_mm + SIGMAS * OBJECT_SIGMA_MM + tolerance.base_mm + SIGMAS * BASE_SIGMA_MM
-    for number, pose in before.books.items():
-        moved = 1e3 * difference(pose, after.books[number])[0]
-        checks.append((f"book {number} mm", moved, room))
+    for name, pose in before.things.items():
+        moved = 1e3 * difference(pose, after.things[name])[0]
+        checks.append((f"{name} mm", moved, room))
     wrong = [f"{name} {size:.1f} (at most {most:.1f})" for name, size, most in checks if size > most]
     if before.held != after.held:
         wrong.append(f"held {before.held}, then {after.held}")
@@ -83,12 +89,23 @@ class Judge:
         self._figures: dict[str, float] = {}
         self.untrue: list[str] = []
         """Outcomes that the ground truth contradicts, in words."""
+        self._survey: BlockSurvey | None = None
+        self._uncorrected, self._frames = True, 0
+        plan = prepared.model.building
+        stacks = any(action.do == STACK for action in prepared.task.network.actions)
+        if plan is not None and stacks and self._scene is not None:
+            self._survey = BlockSurvey(self._scene, prepared.model, plan)
         self._shelving: Shelving | None = None
         shelves = any(action.do == RELEASE for action in prepared.task.network.actions)
         if shelves and self._scene is not None and self._scene.tray_book() is not None:
             first = self._scene.tray_book().accession
             others = [each.accession for each in self._scene.to_come]
             self._shelving = shelving(self._scene, (first, *others))
+
+    def look(self, robot: Robot) -> None:
+        """A period has passed."""
+        if self._survey is not None:
+            self._survey.look()
 
     def __call__(self, event: Event) -> None:
         """Take the truth down when an action starts, compare when it has ended."""
@@ -98,6 +115,9 @@ class Judge:
             self._start = truth_of(self._scene)
         elif isinstance(event, Ended):
             self._labels += int(event.primitive.facts.get("labels_read", 0))
+            self._frames += int(event.primitive.facts.get("frames", 0))
+            if getattr(event.primitive, "onto", "") == "goal":
+                self._uncorrected &= getattr(event.primitive, "method", "") == "fix_once"
             if isinstance(event.outcome, Success):
                 self._figures |= stop_errors(self._scene, event)
             if isinstance(event.outcome, Fail) and self._start is not None:
@@ -109,6 +129,9 @@ class Judge:
         track = telemetry.track().pose
         driven = float(np.hypot(*np.diff(track[:, :2], axis=0).T).sum()) if len(track) > 1 else 0.0
         figures: dict[str, Any] = {"path_length_m": round(driven, 3), **self._figures}
+        if self._survey is not None:
+            figures |= self._survey.figures(self._uncorrected) | {"frames": self._frames}
+            self._judge_blocks(end)
         if self._shelving is not None:
             stands = self._shelving.judge(self._scene)
             figures |= stands.figures() | {"labels_read": self._labels}
@@ -116,3 +139,19 @@ class Judge:
                 self.untrue.append(f"Success: {stands}")
         figures["untrue"] = self.untrue
         return figures
+
+    def _judge_blocks(self, end: RunEnd) -> None:
+        """Success claims that every block of the plan stands about where it should."""
+        assert self._survey is not None
+        goals = len(self._survey.plan.goals)
+        errors = self._survey.errors()
+        far = [
+            f"block {error.number} is {error.size:.1f} mm off" for error in errors if error.size > MOST_OFF_MM
+        ]
+        missing = goals - len(errors)
+        if end.outcome == "Success" and (far or missing):
+            told = [
+                *far,
+                *([f"{missing} of {goals} blocks don't stand where they should"] if missing else []),
+            ]
+            self.untrue.append(f"Success: {'; '.join(told)}")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Mapping
 from contextlib import ExitStack
 from pathlib import Path
@@ -14,9 +15,13 @@ from files.errors import InputError
 from networks.events import Event, Observer
 from networks.permits import Permits
 from networks.preparing import Prepared, prepare
+from networks.recon import reconnoitre, standing_as_left
 from networks.resuming import Past, read_past, task_of
 from networks.retracing import NeedsOperator
+from networks.robot_claim import claimed
 from networks.run import Onlooker, execute
+from networks.run_header import boot_id, robot_fingerprint
+from networks.syncing import sync_for
 
 from .judge import Judge
 
@@ -54,6 +59,7 @@ def run_task(
     situation: str | None = None,
     video: Path | None = None,
     window: bool = False,
+    sync: bool | None = None,
 ) -> tuple[dict[str, Any], int]:
     """Run a task once.
 
@@ -70,6 +76,7 @@ def run_task(
         situation: where the run begins, instead of the task's start.
         video: where the run is recorded, as MP4.
         window: whether robot and world are shown.
+        sync: whether the journal is brought to the disk; None: as the backend needs it.
 
     Returns:
         The summary that also stands in the run's folder, and the exit status.
@@ -77,6 +84,8 @@ def run_task(
     Raises:
         FileError: something in the task or a file that it names is wrong; nothing has moved.
         NoWindow, NoVideo: the run can't be shown or recorded; nothing has moved.
+        NeedsOperator: a real robot's last run waits for a person.
+        RobotBusy: it is in another run.
     """
     observers: list[Observer] = [] if told is None else [told]
     onlookers: list[Onlooker] = [] if told is None else [told.look]
@@ -84,6 +93,7 @@ def run_task(
         prepared = stack.enter_context(
             prepare(task, backend, settings, seed, window=window, situation=situation)
         )
+        claim = stack.enter_context(claimed(prepared.backend))
         if video is not None:
             from .video import Video
 
@@ -94,14 +104,17 @@ def run_task(
         judge = Judge(prepared)
         if told is not None:
             told.begin(prepared, folder)
+        if claim is not None:
+            claim.begin(folder)
         end = execute(
             prepared,
             folder,
             [*observers, judge],
             metrics=judge.metrics,
             permits=permits or Permits("always"),
-            onlookers=onlookers,
+            onlookers=[*onlookers, judge.look],
             checkpoints=checkpoints,
+            sync=sync_for(prepared.backend.simulated, sync),
         )
         if draw:
             from .overview import draw_overview
@@ -112,7 +125,11 @@ def run_task(
 
 
 def resume_task(
-    folder: Path, confirm: int | None, told: Teller, permits: Permits | None = None
+    folder: Path,
+    confirm: int | None,
+    told: Teller,
+    permits: Permits | None = None,
+    sync: bool | None = None,
 ) -> tuple[dict[str, Any], int]:
     """Go on with a run that broke off; a simulated world is put back to its last checkpoint.
 
@@ -121,6 +138,7 @@ def resume_task(
         confirm: the journal's last record, as a person has seen it; needed where a real robot moves.
         told: hears what is known, and what happens.
         permits: who permits actions that need it; left out: all are permitted.
+        sync: whether the journal is brought to the disk; None: as the backend needs it.
 
     Returns:
         The summary that also stands in the run's folder, and the exit status.
@@ -133,39 +151,53 @@ def resume_task(
     """
     header = task_of(folder)
     made = prepare(Path(header["task_path"]), header["backend"], header["settings"], header["seed"])
-    with made as prepared:
+    with made as prepared, claimed(prepared.backend, folder) as claim:
         past = read_past(folder, prepared.task.network)
-        for words in past.words():
-            told.say(words)
         over = past.standing.over
         if over is not None and over["outcome"] in ("Success", "Fail"):
             words = f"the run in {folder} is over: {over['outcome']} in situation {over['situation']}"
             raise NothingToResume(f"{words}; allowed: one that broke off, was stopped or gave up")
-        _check_world(past, prepared, confirm)
-        judge = Judge(prepared)
+        if header.get("robot_sha256", robot_fingerprint(prepared.robot.spec)) != robot_fingerprint(
+            prepared.robot.spec
+        ):
+            raise NeedsOperator(
+                f"the robot is not the one that was run: the file {header['robot']} has changed"
+            )
+        for words in past.words(time.time(), boot_id()):
+            told.say(words)
         if past.checkpoint is not None:
             past.checkpoint.put_back(prepared)
+        if prepared.backend.simulated:
+            _check_world(past, told)
+        else:
+            prepared = standing_as_left(prepared, past)
+            recon = reconnoitre(prepared.robot, past)
+            for words in (*recon.words(), past.next_words()):
+                told.say(words)
+            past = past.after_look(recon, confirm)
+        judge = Judge(prepared)
         told.begin(prepared, folder)
+        if claim is not None:
+            claim.begin(folder)
         end = execute(
             prepared,
             folder,
             [told, judge],
             metrics=judge.metrics,
             permits=permits or Permits("always"),
-            onlookers=[told.look],
+            onlookers=[told.look, judge.look],
             checkpoints=True,
             past=past,
+            sync=sync_for(prepared.backend.simulated, sync),
         )
     return orjson.loads((folder / "summary.json").read_bytes()), end.exit_status
 
 
-def _check_world(past: Past, prepared: Prepared, confirm: int | None) -> None:
-    """Whether the world stands where the run may go on from (rules of the journal, R10)."""
-    if not prepared.backend.simulated:
-        if confirm != past.last:
-            how = f"handcart resume {past.folder} --confirm {past.last}"
-            raise NeedsOperator(f"a real robot moves only after a look at it: {how}")
-        return
+def _check_world(past: Past, told: Teller) -> None:
+    """Whether a simulated world could be put back to where the run may go on from (R10)."""
+    for words in past.doubts():
+        told.say(f"unknown: {words}")
+    told.say(past.next_words())
     if past.standing.done and past.checkpoint is None:
         raise NeedsOperator(f"{past.folder} holds no checkpoint of the simulated world")
 

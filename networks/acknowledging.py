@@ -1,4 +1,4 @@
-"""A person's word that a GiveUp was seen to."""
+"""A person's word that a GiveUp, or an action that was broken off, was seen to."""
 
 from __future__ import annotations
 
@@ -9,35 +9,27 @@ from files.errors import InputError
 from .journal import Journal
 from .journal_record import read_journal
 from .resuming import JOURNAL
+from .waiting import waiting
 
 
 class NothingToAcknowledge(InputError):
-    """That record is no GiveUp that waits for a person."""
+    """That record doesn't wait for a person."""
 
 
 def acknowledge(folder: Path, record: int) -> str:
-    """Note in a run's journal that a person has seen to a GiveUp; gives its reason (rows N13, U12).
+    """Note in a run's journal that a person has seen to what waits for one; gives why it waits (N13, U12).
 
     Raises:
         JournalError: the journal can't be read or written.
-        NothingToAcknowledge: that record is no GiveUp, or was acknowledged before.
+        NothingToAcknowledge: that record doesn't wait, or was acknowledged before.
     """
     contents = read_journal(folder / JOURNAL)
-    waiting = {
-        each["q"]: each
-        for each in contents.records
-        if each["kind"] == "RESULT" and each["outcome"] == "GiveUp"
-    }
-    for each in contents.records:
-        if each["kind"] == "ACK":
-            waiting.pop(each["record"], None)
-    if record not in waiting:
-        allowed = ", ".join(map(str, waiting)) or "none waits"
-        raise NothingToAcknowledge(
-            f"record {record} is no GiveUp that waits for a person; allowed: {allowed}"
-        )
-    seen = waiting[record]
+    waits = waiting(contents.records)
+    if record not in waits:
+        allowed = ", ".join(map(str, waits)) or "none waits"
+        raise NothingToAcknowledge(f"record {record} doesn't wait for a person; allowed: {allowed}")
+    seen = contents.records[record]
     with Journal.go_on(folder / JOURNAL, contents, "always") as journal:
-        fields = {"record": record, "cause": seen["h"], "reason": seen["reason"]}
+        fields = {"record": record, "of": seen["kind"], "cause": seen["h"], "reason": waits[record]}
         journal.append("ACK", contents.records[-1]["t"], fields)
-    return str(seen["reason"])
+    return waits[record]

@@ -1,4 +1,4 @@
-"""Where a simulated run stands between two actions, on disk."""
+"""Where a run stands between two actions, on disk."""
 
 from __future__ import annotations
 
@@ -18,19 +18,24 @@ _FORMAT = "handcart-checkpoint/1"
 
 @dataclass(frozen=True)
 class Checkpoint:
-    """World, estimates and knowledge after an action, and its result as the journal is to hold it."""
+    """World, estimates and knowledge after an action, and its result as the journal is to hold it.
+
+    A real robot's holds what is known, and no world.
+    """
 
     result: Mapping[str, Any]
     time_s: float
     """The robot's, in [s]."""
     backend: object
+    """None of a real robot, whose world stands by itself."""
     robot: Mapping[str, Any]
     model: Mapping[str, Any]
 
     def put_back(self, prepared: Prepared) -> None:
-        """Put a run, prepared anew from the same files and seed, where it stood."""
-        prepared.backend.set_state(self.backend)
-        prepared.robot.set_state(self.robot)
+        """Put a run, prepared anew from the same files and seed, where it stood; a real robot only learns."""
+        if self.backend is not None:
+            prepared.backend.set_state(self.backend)
+            prepared.robot.set_state(self.robot)
         prepared.model.set_state(self.model)
 
 
@@ -44,9 +49,9 @@ class CheckpointKeeper:
         self._path, self._prepared = folder / NAME, prepared
 
     def keep(self, result: Mapping[str, Any]) -> None:
-        """Replace the checkpoint in one step; does nothing where the world can't be kept."""
+        """Replace the checkpoint in one step; does nothing where a simulated world can't be kept."""
         backend = self._prepared.backend.state()
-        if backend is None or result["outcome"] == "GiveUp":
+        if (backend is None and self._prepared.backend.simulated) or result["outcome"] == "GiveUp":
             return
         robot, model = self._prepared.robot, self._prepared.model
         content = {

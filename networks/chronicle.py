@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import traceback
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
@@ -11,11 +12,14 @@ from backends.robot import Robot
 from primitives.action_primitive import ActionPrimitive
 from primitives.cause import Cause
 from primitives.evidence import Evidence
+from primitives.intents import Intents
 from primitives.outcome import Fail, GiveUp, Outcome, Success
+from primitives.snapshot import Snapshot
 from primitives.world_model import WorldModel
 
 from .events import Ended, Event, LeftOut, NotStarted, Observer, Planned, Restoring, RunEnded, Started
 from .journal import Journal
+from .measured import measured_fields
 from .network import Action
 from .planner import NoWay, Plan
 from .retracing import Standing
@@ -25,7 +29,7 @@ Keep = Callable[[Mapping[str, Any]], None]
 """Keeps a checkpoint; called with an action's result before the journal has it."""
 
 
-class Chronicle:
+class Chronicle(Intents):
     """Counts what happens in a run, journals it and tells the observers."""
 
     def __init__(
@@ -41,12 +45,15 @@ class Chronicle:
         self.fails = standing.fails if standing else 0
         self.plans = standing.plans if standing else 0
         self.skipped: list[str] = list(standing.skipped) if standing else []
+        self.open = False
+        """Whether an action has started whose outcome isn't in the journal for good."""
         self._keep = keep
         self._robot = robot
         self._model = model
         self._journal = journal
         self._observers = observers
         self._said: dict[int, orjson.Fragment] = {}
+        self._changes: Mapping[str, Any] = {}
 
     def planned(self, situation: str, plan: Plan | NoWay) -> None:
         """A plan was made, or there is none."""
@@ -59,33 +66,75 @@ class Chronicle:
         self._write("PLAN", {"situation": situation, **way, "excluded": [each.index for each in excluded]})
         self._tell(lambda: Planned(self._robot.time, situation, plan))
 
-    def start(self, action: Action, primitive: ActionPrimitive, fails: int) -> None:
-        """An action is about to start."""
+    def not_planned(self, situation: str, error: Exception) -> None:
+        """A plan could not be made, because of a fault."""
+        told = "".join(traceback.format_exception(error))
+        self._write("PLAN", {"situation": situation, "error": told})
+
+    def start(
+        self, action: Action, primitive: ActionPrimitive, fails: int, at: Snapshot | None = None
+    ) -> None:
+        """An action is about to start; `at` is how the robot stands, where that was measured."""
         self.started += 1
+        self.open = True
         if self._journal is not None:
-            self._write("START", {"n": self.started, "action": self._words(action, primitive)})
+            fields = {"n": self.started, "action": self._words(action, primitive)}
+            self._write("START", fields | _at(at))
         self._tell(lambda: Started(self._robot.time, self.started, action, primitive, fails))
+
+    def intends(self, effect: str) -> None:
+        """The running action is about to do what can't simply be done once more."""
+        self._write("INTENT", {"n": self.started, "effect": effect})
+
+    def passed(self, what: str) -> None:
+        """The running action passes a point of no return."""
+        self._write("PNR", {"n": self.started, "what": what})
+
+    @property
+    def kept(self) -> bool:
+        """Whether all that was written is as safe as the journal promises; raises `JournalError`."""
+        return self._journal is None or self._journal.durable
 
     def restoring(self, action: Action, reason: str) -> None:
         """The running action restores."""
         self._write("RESTORE", {"n": self.started, "reason": reason})
         self._tell(lambda: Restoring(self._robot.time, action, reason))
 
-    def result(self, action: Action, primitive: ActionPrimitive, outcome: Outcome) -> None:
-        """An action has ended."""
-        changes = self._model.taken_changes()
+    def result(self, primitive: ActionPrimitive, outcome: Outcome, at: Snapshot | None = None) -> None:
+        """An action has ended; nobody is told yet. `at` is how the robot stands then."""
+        self._changes = changes = self._model.taken_changes()
         fields = {"n": self.started, **outcome_fields(outcome)}
         if changes:
             fields["learned"] = changes
         if not isinstance(outcome, Success):
             fields |= cause_fields(primitive.evidence)
+        fields |= _at(at)
         if self._keep is not None:
             self._keep(fields)
         self._write("RESULT", fields)
+
+    def result_kept(self, action: Action, primitive: ActionPrimitive, outcome: Outcome) -> None:
+        """Its result is in the journal for good: now the observers hear of it."""
+        self.open, changes = False, self._changes
         self._tell(lambda: Ended(self._robot.time, self.started, action, primitive, outcome, changes))
+
+    def stopped(self, cause: str, asked: float) -> None:
+        """The robot was told to stop just now, as was asked for at that time, in [s]."""
+        self._write(
+            "STOP", {"cause": cause, "asked_s": round(asked, 6), "sent_s": round(self._robot.time, 6)}
+        )
+
+    def world_changed(
+        self, action: Action, stood: Snapshot, now: Snapshot, situation: str | None, reason: str
+    ) -> None:
+        """Somebody changed the world between two actions: the one that was next is not started."""
+        told = {"action": action.index, "reason": reason, "situation": situation}
+        self._write("RECON", told | {"expected": measured_fields(stood)} | _at(now))
+        self._tell(lambda: LeftOut(self._robot.time, action, reason))
 
     def not_started(self, action: Action, reason: str) -> NotStarted:
         """An action could not be started."""
+        self.open = False
         self._write("NOT_STARTED", {"action": action.index, "reason": reason})
         self._tell(lambda: LeftOut(self._robot.time, action, reason))
         return NotStarted(reason)
@@ -96,9 +145,10 @@ class Chronicle:
         self._write("SKIP", {"action": action.index, "element": element})
         self._tell(lambda: LeftOut(self._robot.time, action, f"{element} is left undone"))
 
-    def ended(self, end: RunEnd) -> None:
-        """The run has ended."""
-        self._write("END", {"outcome": end.outcome, "situation": end.situation, "reason": end.reason})
+    def ended(self, end: RunEnd, at: Snapshot | None = None) -> None:
+        """The run has ended; `at` is how the robot stands."""
+        fields = {"outcome": end.outcome, "situation": end.situation, "reason": end.reason}
+        self._write("END", fields | _at(at))
         self._tell(lambda: RunEnded(self._robot.time, end))
 
     def _words(self, action: Action, primitive: ActionPrimitive) -> object:
@@ -125,6 +175,10 @@ class Chronicle:
             made = event()
             for observer in self._observers:
                 observer(made)
+
+
+def _at(at: Snapshot | None) -> dict[str, Any]:
+    return {} if at is None else {"at": measured_fields(at)}
 
 
 def outcome_fields(outcome: Outcome) -> dict[str, Any]:

@@ -3,24 +3,28 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Generator, Sequence
+from contextlib import suppress
 
 from backends.robot import Robot
 from primitives.action_primitive import ActionPrimitive
 from primitives.attempt import attempt
 from primitives.outcome import GiveUp, Outcome, Success
+from primitives.snapshot import Snapshot
 from primitives.world_model import WorldModel
 
 from .binding import NotBound
 from .chronicle import Chronicle, Keep
-from .events import NotStarted, Observer
+from .events import Elsewhere, NotStarted, Observer
 from .journal import Journal
+from .measured import in_words, measure, moved
 from .network import Action, ActionNetwork
-from .planner import NoWay, Planner
+from .planner import NoWay, Plan, Planner
 from .retracing import Standing
 from .route import Route
 from .run_end import RunEnd, RunOutcome
 from .run_life import RunLife
 from .supervision import Interrupted, Request, Supervision
+from .world_watch import WorldWatch
 
 Permission = Callable[[Action], bool | None]
 """Asked once a period before an action starts: yes, no, or None while nobody has answered."""
@@ -66,12 +70,13 @@ class Coordinator:
         self._robot = robot
         self._model = model
         self._chronicle = Chronicle(robot, model, journal, observers, standing, keep)
-        self._supervision = Supervision(robot, self.life)
+        self._supervision = Supervision(robot, self.life, self._chronicle.stopped)
+        self._watch = WorldWatch(robot, network, standing.seen if standing else {})
         self._permission = permission
 
     def request(self, what: Request) -> None:
         """Ask for a pause, a stop and so on; honoured at the next period. Safe in a signal handler."""
-        self._supervision.requests.append(what)
+        self._supervision.ask(what)
 
     @property
     def situation(self) -> str:
@@ -95,7 +100,9 @@ class Coordinator:
         except Interrupted as interrupted:
             end = self._end("Cancelled", interrupted.reason)
         self.life.end()
-        self._chronicle.ended(end)
+        self._chronicle.ended(end, measure(self._robot))
+        while not self._chronicle.kept:
+            yield
         return end
 
     def _pursue(self) -> Generator[None, None, RunEnd]:
@@ -103,9 +110,9 @@ class Coordinator:
             self._forget(self._left)
         while not self._route.arrived:
             if not self._route.planned:
-                self.life.plan()
-                plan = self._route.plan()
-                self._chronicle.planned(self.situation, plan)
+                plan = self._plan()
+                if isinstance(plan, GiveUp):
+                    return self._end("GiveUp", plan.reason)
                 if isinstance(plan, NoWay):
                     return self._end("Fail", plan.explanation)
             action, left = self._route.next, self.situation
@@ -115,12 +122,24 @@ class Coordinator:
             if not isinstance(outcome, Success):
                 self._chronicle.fails += 1
             self._route.took(outcome)
+            self._watch.arrived(self.situation)
             self._forget(left)
             self._supervision.between_actions()
         skipped = self._chronicle.skipped
         if skipped:
             return self._end("Fail", f"left undone: {', '.join(skipped)}")
         return self._end("Success", "")
+
+    def _plan(self) -> Plan | NoWay | GiveUp:
+        self.life.plan()
+        try:
+            plan = self._route.plan()
+        except Exception as error:  # a fault in planning: nobody knows what is next (row N10)
+            self._robot.stop()
+            self._chronicle.not_planned(self.situation, error)
+            return GiveUp(f"planning failed: {type(error).__name__}: {error}")
+        self._chronicle.planned(self.situation, plan)
+        return plan
 
     def _forget(self, left: str) -> None:
         """What was learned for an element of a repeat, once it is left."""
@@ -154,22 +173,62 @@ class Coordinator:
         return answer
 
     def _act(self, action: Action, primitive: ActionPrimitive) -> Generator[None, None, Outcome | NotStarted]:
+        told, moves = self._chronicle, not primitive.only_knowledge
+        at = measure(self._robot) if moves else None
+        if at is not None and (stood := self._watch.changed(at)):
+            return self._world_changed(action, stood, at)
+        if hindrance := self._hindrance(primitive):
+            return told.not_started(action, hindrance)
+        self._watch.begins(self.situation, at)
         self.life.act()
-        self._chronicle.start(action, primitive, self.planner.fails(action))
-        periods = attempt(primitive, self._robot, self._model, lambda why: self._restore(action, why))
+        told.start(action, primitive, self.planner.fails(action), at)
+        periods = attempt(
+            primitive, self._robot, self._model, lambda why: self._restore(action, why), intents=told
+        )
         outcome = yield from self._supervision.to_its_end(periods, action.time_out_s)
         if isinstance(outcome, NotStarted):
-            return self._chronicle.not_started(action, outcome.reason)
-        self._chronicle.result(action, primitive, outcome)
+            return told.not_started(action, outcome.reason)
+        if moves:
+            at = measure(self._robot)
+            self._watch.stands(at)
+        told.result(primitive, outcome, at)
+        while not told.kept:
+            yield
+            self._supervision.between_actions()
+        told.result_kept(action, primitive, outcome)
         return outcome
+
+    def _hindrance(self, primitive: ActionPrimitive) -> str:
+        """What stands in the way of its start, where it can tell (row N7)."""
+        try:
+            return primitive.hindrance(self._robot, self._model.view(primitive))
+        except Exception as error:  # a fault of the primitive's own code
+            return f"{type(error).__name__}: {error}"
+
+    def _world_changed(self, action: Action, stood: Snapshot, now: Snapshot) -> GiveUp | Elsewhere:
+        """Nothing has started; go on from the situation that is found, or ask for a person (row N9)."""
+        reason = f"somebody changed the world: {in_words(moved(self._robot, stood, now))}"
+        situation = self._watch.situation(self.situation, stood, now)
+        self._chronicle.world_changed(action, stood, now, situation, reason)
+        if situation is None:
+            self._robot.stop()
+            return GiveUp(reason)
+        self._watch.stands(now)
+        return Elsewhere(reason, situation)
 
     def _restore(self, action: Action, reason: str) -> None:
         self.life.restore()
         self._chronicle.restoring(action, reason)
 
     def broken_off(self, reason: str) -> RunEnd:
-        """The end of a run that a fault in our own code or the journal broke off."""
-        return self._end("Error", reason)
+        """The end of a run that a fault of ours or of the journal broke off; the robot has been stopped."""
+        if self._chronicle.open:
+            reason = f"{reason}; how action {self.running} ended is not in the journal for good"
+        end = self._end("Error", reason)
+        with suppress(Exception):  # what broke the run off may break this off, too
+            self._chronicle.stopped(reason, self._robot.time)
+            self._chronicle.ended(end, measure(self._robot))
+        return end
 
     def _end(self, outcome: RunOutcome, reason: str) -> RunEnd:
         told = self._chronicle

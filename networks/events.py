@@ -22,6 +22,13 @@ class NotStarted:
 
 
 @dataclass(frozen=True)
+class Elsewhere(NotStarted):
+    """An action that was not started, because somebody changed the world: another situation holds."""
+
+    situation: str
+
+
+@dataclass(frozen=True)
 class Planned:
     """A plan was made, or there is none."""
 

@@ -120,16 +120,16 @@ class _Then:
 def _fails(run: PastRun, action: PastAction) -> Iterator[tuple[int, bool]]:
     """Each counted Fail before an action: the index of what failed, and whether for good."""
     indices = {each.number: each.index for each in run.actions}
-    gave_up: dict[int, int] = {}
+    started: dict[int, int] = {}
     for record in run.before(action):
         if record["kind"] == "RESULT" and record["outcome"] == "Fail":
             yield indices[record["n"]], bool(record["permanent"])
-        elif record["kind"] == "RESULT" and record["outcome"] == "GiveUp":
-            gave_up[record["q"]] = indices[record["n"]]
-        elif record["kind"] == "NOT_STARTED":
+        elif record["kind"] in ("START", "RESULT"):
+            started[record["q"]] = indices[record["n"]]
+        elif record["kind"] == "NOT_STARTED" or (record["kind"] == "RECON" and record["situation"]):
             yield int(record["action"]), False
-        elif record["kind"] == "ACK":  # from there on it counts as a Fail
-            yield gave_up[record["record"]], False
+        elif record["kind"] == "ACK" and record["record"] in started:  # from there on it counts as a Fail
+            yield started[record["record"]], False
 
 
 def _cost(option: Option) -> float:

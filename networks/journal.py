@@ -8,21 +8,20 @@ import os
 import time
 from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any
 
 import orjson
 from pydantic import BaseModel
 
 from .journal_record import FIRST, JournalContents, JournalError, seal
+from .syncing import DiskSync, Sync
 
 SCHEMA = "handcart-journal/1"
-
-Sync = Literal["never", "always"]
-"""Whether each record waits until it is on the disk. Not needed to survive a killed process."""
 
 _FLAGS = os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_APPEND | os.O_CLOEXEC | os.O_NOFOLLOW
 _AGAIN = os.O_WRONLY | os.O_APPEND | os.O_CLOEXEC | os.O_NOFOLLOW
 _OPTIONS = orjson.OPT_SERIALIZE_NUMPY
+_NOTHING: Mapping[str, Any] = {}
 
 
 class Journal:
@@ -40,7 +39,6 @@ class Journal:
             JournalError: it can't be created, or is locked by somebody else.
         """
         self.path = path
-        self._sync = sync
         self._clock = clock
         self._next = 0
         self._last = FIRST
@@ -53,6 +51,7 @@ class Journal:
         except OSError as error:
             raise JournalError(path, f"can't be created: {error.strerror}") from None
         self._size = 0
+        self._disk = DiskSync(self._file, sync)
 
     @classmethod
     def go_on(
@@ -68,7 +67,7 @@ class Journal:
             JournalError: it can't be opened, is written by somebody else, or has changed since it was read.
         """
         self = cls.__new__(cls)
-        self.path, self._sync, self._clock, self._poisoned = path, sync, clock, None
+        self.path, self._clock, self._poisoned = path, clock, None
         self._next = len(contents.records)
         self._last = contents.records[-1]["h"] if contents.records else FIRST
         try:
@@ -89,6 +88,7 @@ class Journal:
             os.close(self._file)
             raise
         self._size = os.fstat(self._file).st_size
+        self._disk = DiskSync(self._file, sync)
         return self
 
     def _quarantine(self, offset: int) -> None:
@@ -98,13 +98,16 @@ class Journal:
         os.ftruncate(self._file, offset)
         os.fsync(self._file)
 
-    def append(self, kind: str, time_s: float, fields: Mapping[str, Any]) -> int:
-        """Write one record; it is the operating system's when this returns, on the disk with `sync`.
+    def append(
+        self, kind: str, time_s: float, fields: Mapping[str, Any], wall: Mapping[str, Any] = _NOTHING
+    ) -> int:
+        """Write one record; the system has it when this returns, the disk when `durable` says so.
 
         Args:
             kind: RUN, PLAN, START, RESULT and so on.
             time_s: the robot's time, in [s].
             fields: the rest; whatever JSON holds, numpy arrays, paths and models.
+            wall: more that differs from run to run of one seed; stands outside the chain.
 
         Returns:
             The record's number, from 0.
@@ -121,14 +124,27 @@ class Journal:
             )
         except TypeError as error:
             raise self._poison(f"record {number} ({kind}) is no JSON: {error}") from None
-        line, checksum = seal(body, self._clock())
+        line, checksum = seal(body, {"unix_s": round(self._clock(), 6), **wall})
         self._write(line)
         self._next, self._last = number + 1, checksum
         return number
 
+    @property
+    def durable(self) -> bool:
+        """Whether all records are as safe as `sync` promises: with `beside` that takes a moment.
+
+        Raises:
+            JournalError: they can't be brought to the disk; the journal is poisoned.
+        """
+        try:
+            return self._disk.done
+        except OSError as error:
+            raise self._poison(f"can't be written: {error.strerror}") from None
+
     def close(self) -> None:
         """Let go of the file; a second call does nothing."""
         if self._file >= 0:
+            self._disk.close()
             os.close(self._file)
             self._file = -1
 
@@ -145,8 +161,7 @@ class Journal:
             if _identity(os.stat(self.path)) != self._identity:
                 raise self._poison("was replaced while it was written")
             self._write_whole(line)
-            if self._sync == "always":
-                os.fdatasync(self._file)  # never tried again: after a failure pages count as clean
+            self._disk.ask()
         except OSError as error:
             raise self._poison(f"can't be written: {error.strerror}") from None
         self._size += len(line)

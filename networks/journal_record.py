@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import zlib
+from collections.abc import Mapping
 from dataclasses import dataclass
 from hashlib import blake2b
 from pathlib import Path
@@ -37,15 +38,16 @@ class JournalContents:
     """Of the file, in [bytes]."""
 
 
-def seal(body: bytes, wall_s: float) -> tuple[bytes, str]:
+def seal(body: bytes, wall: Mapping[str, Any]) -> tuple[bytes, str]:
     """The line for a record, and its checksum.
 
     Args:
         body: a JSON object as orjson writes it, checksum of the record before it included.
-        wall_s: the wall clock, in [s] since 1970; sealed by a checksum of its own, outside the chain.
+        wall: what differs between two runs of one seed: `unix_s`, in [s] since 1970, and maybe more; sealed
+            by a checksum of its own, outside the chain.
     """
     checksum = blake2b(body, digest_size=12).hexdigest()
-    head = b'%b,"h":"%b","wall":{"unix_s":%.6f' % (body[:-1], checksum.encode(), wall_s)
+    head = b'%b,"h":"%b","wall":%b' % (body[:-1], checksum.encode(), orjson.dumps(wall)[:-1])
     return b'%b,"crc":"%08x"}}\n' % (head, zlib.crc32(head)), checksum
 
 
@@ -89,7 +91,8 @@ def _checked(line: bytes) -> dict[str, Any] | None:
     try:
         record: dict[str, Any] = orjson.loads(line)
         body = {key: value for key, value in record.items() if key not in ("h", "wall")}
-        again, checksum = seal(orjson.dumps(body), record["wall"]["unix_s"])
+        wall = {key: value for key, value in record["wall"].items() if key != "crc"}
+        again, checksum = seal(orjson.dumps(body), wall)
     except (orjson.JSONDecodeError, KeyError, TypeError, AttributeError):
         return None
     whole = again == line and checksum == record["h"] and {"q", "p", "t", "kind"} <= body.keys()

@@ -23,6 +23,10 @@ MAX_ATTEMPTS = 20
 """The most attempts of an action. With `MAX_COST_S` it keeps doubled weights below `SKIP_WEIGHT`."""
 
 
+MAX_ACTIONS = 200_000
+"""The most actions: a plan over half as many takes 0.13 s, so none ever takes 2 s (rows N10, N14)."""
+
+
 class NetworkError(InputError):
     """Situations and actions that make no sound network; the message says what is wrong."""
 
@@ -92,6 +96,8 @@ class ActionNetwork:
         every = list(situations)
         known = {each.name: each for each in every}
         numbered = tuple(replace(action, index=number) for number, action in enumerate(actions))
+        if len(numbered) > MAX_ACTIONS:
+            raise NetworkError(f"the network has {len(numbered)} actions; allowed: at most {MAX_ACTIONS}")
         wrong = [f"the situation {name!r} is there twice" for name in _doubled(each.name for each in every)]
         for role, name in (("start", start), ("goal", goal)):
             if name not in known:

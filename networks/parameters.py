@@ -12,7 +12,7 @@ from files.yaml_document import Document
 from files.yaml_node import Node
 
 SECTION = "parameters"
-OVER = ("repeat", "over")
+REPEAT = "repeat"
 
 
 def reference(node: Node, kind: str) -> str | None:
@@ -55,12 +55,24 @@ def _put_in(node: Node, declared: dict[str, Node], findings: Findings) -> Node:
     return node
 
 
-def with_all_places(document: Document, names: Sequence[str]) -> Document:
-    """The document with the names of the places where its repeat goes over `{all: places}`."""
-    node, there = document.root.deepest(OVER)
-    if not there or reference(node, "all") != "places":
+def with_listed_repeats(document: Document) -> Document:
+    """The document with its repeats as a list, also where there is only one."""
+    node = document.root.child(REPEAT)
+    if node is None or not isinstance(node.content, dict):
         return document
-    return document.with_value(OVER, replace(node, content=[replace(node, content=name) for name in names]))
+    return document.with_value((REPEAT,), replace(node, content=[node]))
+
+
+def with_all_places(document: Document, names: Sequence[str]) -> Document:
+    """The document with the names of the places where one of its repeats goes over `{all: places}`."""
+    listed = document.root.child(REPEAT)
+    count = len(listed.content) if listed and isinstance(listed.content, list) else 0
+    for over in ((REPEAT, number, "over") for number in range(count)):
+        node, there = document.root.deepest(over)
+        if there and reference(node, "all") == "places":
+            places = [replace(node, content=name) for name in names]
+            document = document.with_value(over, replace(node, content=places))
+    return document
 
 
 def with_element(node: Node, name: str | None, element: Node | None, findings: Findings) -> Node:

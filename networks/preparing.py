@@ -18,6 +18,7 @@ from files.findings import Findings
 from files.loading import load, load_document
 from files.suggest import suggest
 from files.yaml_document import read_document
+from primitives.building import Building
 from primitives.knowledge import Catalogue, Places, load_map
 from primitives.registry import primitive_class
 from primitives.world_model import WorldModel
@@ -137,13 +138,16 @@ def load_model(task: Task) -> tuple[WorldModel, tuple[str, ...]]:
     told = _collected(findings, lambda: load_map(chart)) if chart else (_nowhere(), None)
     named = _collected(findings, lambda: load_document(read_document(places), Places)) if places else None
     books = _collected(findings, lambda: load(catalogue, Catalogue)) if catalogue else None
+    plan = task.path("knowledge", "building")
+    building = _collected(findings, lambda: load(plan, Building)) if plan else None
     if chart and told and named:
         findings.add(*place_findings(named, told[0], chart))
     findings.raise_all()
     assert told is not None
     grid, warning = told
     known = books or Catalogue(format="handcart-catalogue/1", books=())
-    model = WorldModel(grid, named.value.places if named else {}, known, np.empty((0, 2)))
+    told_places = named.value.places if named else {}
+    model = WorldModel(grid, told_places, known, np.empty((0, 2)), building=building)
     return model, (warning,) if warning else ()
 
 

@@ -24,28 +24,25 @@ from primitives.world_model import UnknownFact, WorldModel
 
 from .binding import Binding
 from .parameters import reference, with_element
+from .repetition import Element
 
 
 class ParameterReader:
     """Makes bindings out of the `with` of a file's actions."""
 
-    def __init__(
-        self, document: Document, findings: Findings, places: Sequence[str] | None, element: str | None
-    ) -> None:
+    def __init__(self, document: Document, findings: Findings, places: Sequence[str] | None) -> None:
         """What all actions share.
 
         Args:
             document: the task file.
             findings: what is wrong is added here.
             places: the names of places; None where no file tells them.
-            element: what the element of a repeat is called.
         """
         self._document = document
         self._findings = findings
         self._places = places
-        self._element = element
 
-    def binding(self, kind: type[ActionPrimitive], number: int, element: int | None) -> Binding | None:
+    def binding(self, kind: type[ActionPrimitive], number: int, element: Element | None) -> Binding | None:
         """The primitive of action `number` of the file, for an element of a repeat or none.
 
         None if something is wrong with its parameters.
@@ -57,14 +54,11 @@ class ParameterReader:
         fixed = self._fixed(kind, number, given, late)
         return Binding(kind, fixed, late) if len(self._findings) == before else None
 
-    def _given(self, number: int, element: int | None) -> Node:
+    def _given(self, number: int, element: Element | None) -> Node:
         action, _ = self._document.root.deepest(("actions", number))
         written = action.child("with") or replace(action, content={})
-        node = None
-        if element is not None:
-            node, _ = self._document.root.deepest(("repeat", "over", element))
-        name = self._element if element is not None else None
-        return with_element(written, name, node, self._findings)
+        node = self._document.root.deepest(element.path)[0] if element else None
+        return with_element(written, element.name if element else None, node, self._findings)
 
     def _late(self, kind: type[ActionPrimitive], given: Node) -> dict[str, str]:
         content = given.content if isinstance(given.content, dict) else {}

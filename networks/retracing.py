@@ -8,7 +8,10 @@ from typing import Any
 
 from files.errors import HandcartError
 from primitives.outcome import Success
+from primitives.snapshot import Snapshot
 
+from .events import Elsewhere
+from .measured import snapshot_of
 from .network import ActionNetwork
 from .route import Route
 
@@ -33,13 +36,27 @@ class Standing:
     in_doubt: Record | None = None
     """The START of an action of which nobody knows how far it came."""
     gave_up: Record | None = None
-    """The RESULT of a GiveUp that nobody has acknowledged."""
+    """The record of a GiveUp that nobody has acknowledged: a RESULT, or an END between actions."""
     over: Record | None = None
     """The END of a run that came to its end."""
     done: int = 0
     """Number of the last action with a RESULT."""
     left: str = ""
     """The situation in which that action began."""
+    at: Snapshot | None = None
+    """How the robot stood when the run last knew where it is."""
+    seen: dict[str, Snapshot] = field(default_factory=dict)
+    """How it stood in situations that the run was in, the last one at the end."""
+
+    def followed(self, records: Sequence[Record]) -> Standing:
+        """Itself, after these records too; raises `NeedsOperator` for one that doesn't fit."""
+        for record in records:
+            try:
+                _follow(self, record)
+            except (KeyError, IndexError, TypeError) as error:
+                words = f"record {record['q']} ({record['kind']}) doesn't fit the task's network"
+                raise NeedsOperator(f"{words}: {error!r}") from None
+        return self
 
 
 def standing(network: ActionNetwork, records: Sequence[Record]) -> Standing:
@@ -50,14 +67,7 @@ def standing(network: ActionNetwork, records: Sequence[Record]) -> Standing:
     """
     if not records or records[0].get("network") != network.fingerprint():
         raise NeedsOperator("the task is not the one that was run: its network is another one")
-    found = Standing(Route(network))
-    for record in records[1:]:
-        try:
-            _follow(found, record)
-        except (KeyError, IndexError) as error:
-            words = f"record {record['q']} ({record['kind']}) doesn't fit the task's network"
-            raise NeedsOperator(f"{words}: {error!r}") from None
-    return found
+    return Standing(Route(network)).followed(records[1:])
 
 
 def _follow(found: Standing, record: Record) -> None:
@@ -67,30 +77,57 @@ def _follow(found: Standing, record: Record) -> None:
         route.plan()
     elif kind == "START":
         found.started, found.in_doubt = record["n"], record
+        if found.at is None:
+            _stands(found, record)
     elif kind == "RESULT":
         found.in_doubt, found.done, found.left = None, record["n"], route.situation
         _take(found, record)
     elif kind == "NOT_STARTED":
-        found.fails += 1
+        found.fails, found.in_doubt = found.fails + 1, None
         route.failed(record["reason"])
+    elif kind == "RECON":
+        _look(found, record)
     elif kind == "SKIP":
         found.skipped.append(record["element"])
         route.took(Success({}))
     elif kind == "END":
         found.over = record
+        found.gave_up = found.gave_up or (record if record["outcome"] == "GiveUp" else None)
     elif kind == "ACK":
-        found.gave_up, found.over = None, None
-        found.fails += 1
-        route.failed(record["reason"])
+        _acknowledge(found, record)
     elif kind == "EPOCH":
         found.in_doubt, found.over = None, None
+    if found.at is not None and kind != "END":
+        found.seen.pop(route.situation, None)
+        found.seen[route.situation] = found.at
 
 
 def _take(found: Standing, record: Record) -> None:
+    if record["outcome"] == "GiveUp":
+        found.gave_up = record
+        return
+    _stands(found, record)
     if record["outcome"] == "Success":
         found.route.took(Success({}))
-    elif record["outcome"] == "Fail":
+    else:
         found.fails += 1
         found.route.failed(record["reason"], record["permanent"])
-    else:
-        found.gave_up = record
+
+
+def _look(found: Standing, record: Record) -> None:
+    if record["situation"] is not None:
+        found.fails += 1
+        found.route.took(Elsewhere(record["reason"], record["situation"]))
+        _stands(found, record)
+
+
+def _acknowledge(found: Standing, record: Record) -> None:
+    found.gave_up, found.over, found.in_doubt = None, None, None
+    if record.get("of") != "END":
+        found.fails += 1
+        found.route.failed(record["reason"])
+
+
+def _stands(found: Standing, record: Record) -> None:
+    if "at" in record:
+        found.at = snapshot_of(record["at"])

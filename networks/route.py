@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from primitives.outcome import Fail, Outcome, Success
 
-from .events import NotStarted
+from .events import Elsewhere, NotStarted
 from .network import Action, ActionNetwork
 from .planner import NoWay, Plan, Planner
 
@@ -51,6 +51,9 @@ class Route:
                 self.situation = self._ahead.pop().target
             case Fail(reason, permanent):
                 self.failed(reason, permanent)
+            case Elsewhere(reason, situation):
+                self.failed(reason)
+                self.situation = situation
             case NotStarted(reason):
                 self.failed(reason)
 

@@ -9,7 +9,6 @@ import time
 import traceback
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from importlib.metadata import version
 from pathlib import Path
 from types import FrameType
 from typing import Any
@@ -24,17 +23,18 @@ from .coordinator import Coordinator
 from .events import Observer
 from .evidence_files import EvidenceFiles
 from .flight_recorder import FlightRecorder
-from .journal import SCHEMA, Journal, Sync
+from .journal import Journal
 from .journal_record import JournalError
-from .journaled_network import network_fields
 from .operation import Operation
 from .permits import Permits
 from .preparing import Prepared
 from .preparing import prepare as prepare
 from .resuming import Past
 from .run_end import RunEnd
+from .run_header import header, process_facts
 from .run_life import RunState
 from .supervision import Request
+from .syncing import Sync, sync_for
 from .telemetry import Telemetry
 
 Metrics = Callable[[Prepared, RunEnd, Telemetry], Mapping[str, Any]]
@@ -63,7 +63,7 @@ def execute(
     onlookers: Sequence[Onlooker] = (),
     checkpoints: bool = False,
     past: Past | None = None,
-    sync: Sync = "never",
+    sync: Sync | None = None,
     clock: Callable[[], float] = time.monotonic,
 ) -> RunEnd:
     """Step the robot until the run ends; an interrupt (Ctrl-C) stops it where it is, and it holds.
@@ -71,7 +71,7 @@ def execute(
     While it goes on, the operator is heard over the socket `control` in `run_dir`.
 
     With `checkpoints` a simulated world is kept after each action, so that `resume` can go on from there;
-    `past` is a run to go on with.
+    `past` is a run to go on with. `sync` is how the journal comes to the disk; None: as the backend needs it.
 
     Writes `journal.jsonl`, `telemetry.npz`, `summary.json` and the evidence into `run_dir`; after a fault in
     our own code also `error.txt`.
@@ -82,6 +82,7 @@ def execute(
     began = clock()
     run_dir.mkdir(parents=True, exist_ok=True)
     telemetry = Telemetry()
+    sync = sync or sync_for(prepared.backend.simulated)
     with _journal(prepared, run_dir, past, sync) as journal:
         recorder = FlightRecorder(run_dir, prepared.robot)
         looking_on: list[Observer] = [*observers, EvidenceFiles(run_dir), recorder]
@@ -117,11 +118,11 @@ def _journal(prepared: Prepared, run_dir: Path, past: Past | None, sync: Sync) -
     path = run_dir / "journal.jsonl"
     if past is None:
         journal = Journal(path, sync)
-        journal.append("RUN", prepared.robot.time, _header(prepared))
+        journal.append("RUN", prepared.robot.time, header(prepared), process_facts())
         return journal
     journal = Journal.go_on(path, past.contents, sync)
     for kind, fields in past.to_tell:
-        journal.append(kind, prepared.robot.time, fields)
+        journal.append(kind, prepared.robot.time, fields, process_facts() if kind == "EPOCH" else {})
     return journal
 
 
@@ -163,25 +164,6 @@ def summary(
         "backend": prepared.backend_name,
         "run_dir": str(run_dir),
         "metrics": dict(metrics),
-    }
-
-
-def _header(prepared: Prepared) -> dict[str, Any]:
-    task = prepared.task
-    return {
-        "schema": SCHEMA,
-        "handcart": version("handcart"),
-        "task": task.file.title,
-        "task_path": str(Path(task.document.file).resolve()),
-        "task_sha256": task.document.sha256,
-        "task_text": task.document.content.decode(),
-        "settings": dict(prepared.settings),
-        "network": task.network.fingerprint(),
-        "plan_on": network_fields(task.network),
-        "bound": task.network.bound(),
-        "robot": task.file.robot,
-        "backend": prepared.backend_name,
-        "seed": prepared.seed,
     }
 
 

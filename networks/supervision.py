@@ -4,16 +4,17 @@ from __future__ import annotations
 
 import math
 from collections import deque
-from collections.abc import Generator
-from dataclasses import replace
+from collections.abc import Callable, Generator
+from contextlib import suppress
 from enum import Enum
 
 from backends.robot import Robot
 from primitives.discrepancy import Discrepancy
 from primitives.outcome import Outcome
-from primitives.snapshot import Snapshot, limits, residuals, settle, take_snapshot
+from primitives.snapshot import settle, take_snapshot
 
 from .events import NotStarted
+from .measured import in_words, moved
 from .run_life import RunLife, RunState
 
 Attempt = Generator[None, None, Outcome]
@@ -52,11 +53,19 @@ class Interrupted(Exception):
 class Supervision:
     """Honours requests at each period of an attempt."""
 
-    def __init__(self, robot: Robot, life: RunLife) -> None:
-        self.requests: deque[Request] = deque()
+    def __init__(
+        self, robot: Robot, life: RunLife, on_stop: Callable[[str, float], None] = lambda cause, asked: None
+    ) -> None:
+        """Nothing is asked for yet; `on_stop` hears of each stop: why, and when it was asked for, in [s]."""
+        self._requests: deque[tuple[Request, float]] = deque()
         self._robot = robot
         self._life = life
+        self._on_stop = on_stop
         self._after_restoring: Request | None = None
+
+    def ask(self, request: Request) -> None:
+        """Somebody asks for something; honoured at the next period. Safe in a signal handler."""
+        self._requests.append((request, self._robot.time))
 
     def to_its_end(
         self, attempt: Attempt, time_out: float | None = None
@@ -75,8 +84,8 @@ class Supervision:
             next(attempt)
             while True:
                 yield
-                while self.requests:
-                    outcome = yield from self._honour(self.requests.popleft(), attempt)
+                while self._requests:
+                    outcome = yield from self._honour(*self._requests.popleft(), attempt)
                     if outcome is not None:
                         return outcome
                 if self._robot.time > latest and self._life.state is RunState.ACTING:
@@ -99,15 +108,19 @@ class Supervision:
         """
         if self._after_restoring is not None:
             raise Interrupted(_ENDING[self._after_restoring])
-        for request in self.requests:
+        for request, asked in self._requests:
             if request in _ENDING:
                 self._robot.stop()
+                self._on_stop(_ENDING[request], asked)
                 raise Interrupted(_ENDING[request])
 
-    def _honour(self, request: Request, attempt: Attempt) -> Periods:
+    def _honour(self, request: Request, asked: float, attempt: Attempt) -> Periods:
         if request is Request.STOP:
+            self._robot.stop()  # before all else; closing the attempt may take its time
             attempt.close()
             self._robot.stop()
+            self._on_stop(_ENDING[request], asked)
+            yield from come_to_rest(self._robot)
             raise Interrupted(_ENDING[request])
         if request is Request.PAUSE:
             return (yield from self._pause(attempt))
@@ -121,16 +134,33 @@ class Supervision:
         """Hold until something else is asked for; moved by hand meanwhile is a discrepancy."""
         self._life.pause()
         self._robot.stop()
-        yield from settle(self._robot)
-        stood = take_snapshot(self._robot, {})
-        while not self.requests or self.requests[0] is Request.PAUSE:
-            self.requests.clear()
+        rest = settle(self._robot)
+        stood = None
+        while not self._called():
+            if stood is None:
+                try:
+                    next(rest)
+                except StopIteration:
+                    stood = take_snapshot(self._robot, {})
+                    continue
             yield
         self._life.resume()
-        off = _moved(self._robot, stood)
+        off = {} if stood is None else moved(self._robot, stood, take_snapshot(self._robot, {}))
         if off and self._life.state is RunState.ACTING:
-            return (yield from _call_back(attempt, Discrepancy(f"moved during a pause: {off}")))
+            return (yield from _call_back(attempt, Discrepancy(f"moved during a pause: {in_words(off)}")))
         return None
+
+    def _called(self) -> bool:
+        """Whether something is asked for but one more pause."""
+        while self._requests and self._requests[0][0] is Request.PAUSE:
+            self._requests.popleft()
+        return bool(self._requests)
+
+
+def come_to_rest(robot: Robot) -> Generator[None, None, None]:
+    """Wait until nothing moves any more; where that can't be read, there is nothing to wait for."""
+    with suppress(Exception):
+        yield from settle(robot)
 
 
 def _call_back(attempt: Attempt, discrepancy: Discrepancy) -> Periods:
@@ -144,11 +174,3 @@ def _call_back(attempt: Attempt, discrepancy: Discrepancy) -> Periods:
         return NotStarted(discrepancy.reason)
     yield
     return None
-
-
-def _moved(robot: Robot, stood: Snapshot) -> str:
-    """What stands elsewhere than before, in words; empty if nothing does."""
-    now = replace(take_snapshot(robot, {}), pose_sigma=(0.0, 0.0))
-    found = residuals(stood, now)
-    allowed = limits(robot, found)
-    return ", ".join(f"{name} {size:.3g}" for name, size in found.items() if size > allowed[name])

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import networkx as nx
 
@@ -15,6 +15,7 @@ from files.errors import FileError, UnsafePath
 from files.findings import Findings
 from files.inside import resolve_inside
 from files.loading import load, load_document, load_part
+from files.model import FileModel
 from files.settings import SECTION, setting_value, with_settings
 from files.suggest import suggest
 from files.yaml_document import Document, read_document
@@ -25,11 +26,14 @@ from primitives.registry import primitive_class
 
 from .binding import Binding
 from .network import Action, ActionNetwork, Fact, Situation, faults_of
-from .parameters import with_all_places, with_parameters
+from .parameters import with_all_places, with_listed_repeats, with_parameters
 from .primitive_parameters import ParameterReader
-from .repeating import Copied, Copies, Repetition, entered_elsewhere, once, repeated
+from .repeat_faults import Situations, repeat_faults
+from .repeating import Copied, Copies, repeated
+from .repetition import Repetition, repetitions
 from .task_model import ActionEntry, Repeat, TaskFile
 
+M = TypeVar("M", bound=FileModel)
 Primitives = Callable[[str], type[ActionPrimitive]]
 
 
@@ -88,27 +92,26 @@ class _Reader:
 
     def __init__(self, document: Document, primitives: Primitives) -> None:
         self._findings = Findings()
-        self._document = with_parameters(document, self._findings)
+        self._document = with_listed_repeats(with_parameters(document, self._findings))
         self._primitives = primitives
         self._places = self._place_names()
         self._document = with_all_places(self._document, self._places or ())
 
     def task(self) -> Task:
         file = self._whole()
-        situations, entries, repeat = self._situations(), self._entries(), self._repeat()
+        situations, entries = self._situations(), self._listed("actions", ActionEntry)
         for number, entry in entries.items():
             self._check_entry(number, entry, situations)
-        part = self._part(situations, entries, repeat)
         start = self._named("start", situations)
         goal = self._named("goal", situations)
-        copies = repeated(situations, entries, start, part) if part else once(situations, entries, start)
-        actions = self._actions(copies, entries, part)
         self._check_files()
         self._check_robot()
+        copies = repeated(situations, entries, start, self._parts(situations, entries, start, goal))
+        actions = self._actions(copies, entries)
         if self._findings or file is None:
             self._findings.raise_all()
         assert file is not None
-        return self._built(file, copies, actions, part, goal)
+        return self._built(file, copies, actions, goal)
 
     # Parts, each None or left out where the file is wrong: `_whole` tells that
 
@@ -123,15 +126,11 @@ class _Reader:
         found = self._silently(("situations",), dict[str, dict[str, Fact] | None])
         return {name: facts or {} for name, facts in (found or {}).items()}
 
-    def _entries(self) -> dict[int, ActionEntry]:
-        listed = self._document.root.child("actions")
+    def _listed(self, key: str, kind: type[M]) -> dict[int, M]:
+        listed = self._document.root.child(key)
         count = len(listed.content) if listed and isinstance(listed.content, list) else 0
-        found = ((number, self._silently(("actions", number), ActionEntry)) for number in range(count))
+        found = ((number, self._silently((key, number), kind)) for number in range(count))
         return {number: entry for number, entry in found if entry is not None}
-
-    def _repeat(self) -> Repeat | None:
-        repeat: Repeat | None = self._silently(("repeat",), Repeat)
-        return repeat
 
     def _silently(self, path: KeyPath, kind: Any) -> Any:
         try:
@@ -163,36 +162,21 @@ class _Reader:
             wrong = f"p_give_up is {entry.p_give_up:g}; allowed: at most {left:g}, what p leaves of 1"
             self._add(("actions", number, "p_give_up"), wrong)
 
-    def _part(
-        self,
-        situations: Mapping[str, object],
-        entries: Mapping[int, ActionEntry],
-        repeat: Repeat | None,
-    ) -> Repetition | None:
-        if repeat is None:
-            return None
-        for key, name in (("start", repeat.start), ("goal", repeat.goal)):
-            if name not in situations:
-                self._add(("repeat", key), f"unknown situation {name!r}{suggest(name, situations)}")
-        part = Repetition(repeat, entries)
-        for number, key in entered_elsewhere(entries, part):
-            allowed = f"allowed: {repeat.start}, where the part begins"
-            self._add(("actions", number, key), f"leads into the middle of the repeated part; {allowed}")
-        begins = self._document.root.child("start")
-        ends = self._document.root.child("goal")
-        inside = part.inner - {repeat.start}
-        if begins and begins.content in inside:
-            self._add(("start",), f"is inside the repeated part; allowed there: {repeat.start}")
-        if ends and ends.content in part.inner - {repeat.goal}:
-            self._add(("goal",), "is inside the repeated part; allowed: its goal, or what lies behind it")
-        return part
+    def _parts(
+        self, situations: Situations, entries: Mapping[int, ActionEntry], start: str, goal: str
+    ) -> list[Repetition]:
+        parts = repetitions(self._listed("repeat", Repeat), entries.values())
+        faults = list(repeat_faults(parts, situations, entries, start, goal))
+        for path, fault in faults:
+            self._add(path, fault)
+        if faults:  # which element an action belongs to can't be told
+            self._findings.raise_all()
+        return parts
 
-    def _actions(
-        self, copies: Copies, entries: Mapping[int, ActionEntry], part: Repetition | None
-    ) -> list[Action | None]:
+    def _actions(self, copies: Copies, entries: Mapping[int, ActionEntry]) -> list[Action | None]:
         names = self._places
         self._check_start_place(names)
-        reader = ParameterReader(self._document, self._findings, names, part.repeat.name if part else None)
+        reader = ParameterReader(self._document, self._findings, names)
         kinds = {number: self._kind(number, entry.do) for number, entry in entries.items()}
         return [self._action(copied, entries, kinds, reader) for copied in copies.actions]
 
@@ -259,7 +243,8 @@ class _Reader:
             self._add(("robot",), f"unknown robot {name!r}{allowed}, or the path of a robot's YAML file")
 
     def _check_files(self) -> None:
-        for key in (("world",), ("knowledge", "map"), ("knowledge", "places"), ("knowledge", "catalogue")):
+        told = [("knowledge", name) for name in ("map", "places", "catalogue", "building")]
+        for key in (("world",), *told):
             try:
                 path = _resolved(self._document, key)
             except UnsafePath as unsafe:
@@ -268,16 +253,9 @@ class _Reader:
             if path is not None and not path.is_file():
                 self._add(key, f"there is no file {path.name!r}; allowed: a file, from the task's folder")
 
-    def _built(
-        self,
-        file: TaskFile,
-        copies: Copies,
-        actions: list[Action | None],
-        part: Repetition | None,
-        goal: str,
-    ) -> Task:
+    def _built(self, file: TaskFile, copies: Copies, actions: list[Action | None], goal: str) -> Task:
         situations = [
-            Situation(each, facts, part.name(element) if part and element is not None else None)
+            Situation(each, facts, element.words if element else None)
             for each, (facts, element) in copies.situations.items()
         ]
         every = [action for action in actions if action is not None]

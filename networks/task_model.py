@@ -20,6 +20,8 @@ class KnowledgeFiles(FileModel):
     """The map's named places."""
     catalogue: str | None = None
     """The books of a library."""
+    building: str | None = None
+    """A building plan, for robots that stack blocks."""
     start: str | None = None
     """The place where the robot stands at first; left out: the map's origin."""
 
@@ -91,4 +93,5 @@ class TaskFile(FileModel):
     situations: dict[str, dict[str, Fact] | None]
     """By name, each with the physical facts that hold in it."""
     actions: list[ActionEntry]
-    repeat: Repeat | None = None
+    repeat: Annotated[list[Repeat], Field(min_length=1)] | Repeat | None = None
+    """What is repeated: one part, or a list of parts without a common situation."""

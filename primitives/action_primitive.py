@@ -14,6 +14,7 @@ from backends.robot import Robot
 from files.model import FileModel
 
 from .evidence import Evidence
+from .intents import UNKEPT, Intents
 from .retrace import retrace
 from .snapshot import Seen, Snapshot
 from .trace import Trace
@@ -43,11 +44,20 @@ class ActionPrimitive(FileModel, ABC):
 
     _evidence: Evidence = PrivateAttr(default_factory=Evidence)
     _no_return: str | None = PrivateAttr(default=None)
+    _intents: Intents = PrivateAttr(default=UNKEPT)
 
     @classmethod
     def label(cls) -> str:
         """How task files call it: `MoveTo` is MOVE_TO."""
         return re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", cls.__name__).upper()
+
+    def hindrance(self, robot: Robot, model: ModelView) -> str:
+        """Asked at rest before it starts: what stands in its way, in words; empty if nothing does.
+
+        For what the sensors tell at once, such as a hand that should hold something and is empty: the action
+        isn't started, which counts as its Fail, and the run is planned anew.
+        """
+        return ""
 
     @abstractmethod
     def motion(self, robot: Robot, model: ModelView) -> Periods:
@@ -76,9 +86,20 @@ class ActionPrimitive(FileModel, ABC):
         return
         yield
 
+    def intend(self, effect: str) -> Periods:
+        """Say what is about to be done, and wait until that is safely noted; the robot holds meanwhile.
+
+        For effects of which a crash would leave unknown whether they happened: fingers that close on
+        something or let go, a tool that is changed.
+        """
+        self._intents.intends(effect)
+        while not self._intents.kept:
+            yield
+
     def point_of_no_return(self, what: str) -> None:
         """Declare that what happens from here on can't be undone; only Success or GiveUp is left."""
         self._no_return = what
+        self._intents.passed(what)
 
     def found(self, **what: float | str) -> None:
         """Note what was found, for the journal and the summary."""

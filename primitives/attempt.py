@@ -14,6 +14,7 @@ from .action_primitive import ActionPrimitive, Periods
 from .cause import Cause
 from .discrepancy import Discrepancy, NeedsPerson
 from .following import Following
+from .intents import UNKEPT, Intents
 from .outcome import Fail, GiveUp, Outcome, Success, fail_if_restored
 from .retrace import reach_pose, retrace
 from .snapshot import Seen, Snapshot, limits, residuals, settle, take_snapshot
@@ -25,6 +26,7 @@ T = TypeVar("T")
 RESTORES = 2  # times that restoring is tried before a person is called
 LONGEST_RESTORE = 600.0  # [s]
 PUSHED = "the base was moved while it stood"
+NOT_ALONE = "another primitive moves the robot at the same time"
 
 
 def attempt(
@@ -32,6 +34,7 @@ def attempt(
     robot: Robot,
     model: WorldModel,
     on_restore: Callable[[str], None] = lambda reason: None,
+    intents: Intents = UNKEPT,
 ) -> Generator[None, None, Outcome]:
     """Run a primitive to its outcome. One `yield` is one period; who iterates steps the robot after each.
 
@@ -43,12 +46,16 @@ def attempt(
         robot: at rest.
         model: what the robot knows; the primitive sees what it declared.
         on_restore: told the reason when restoring begins.
+        intents: hears what the primitive intends; nothing is commanded before what it heard is kept.
     """
     view = model.view(primitive)
     if primitive.only_knowledge:
         return (yield from _think(primitive, robot, view))
+    primitive._intents = intents
     pushes = robot.pushes
     try:
+        while not intents.kept:
+            yield
         rests = yield from settle(robot)
         start = take_snapshot(robot, {})
     except Exception as early:  # nothing was commanded yet
@@ -70,7 +77,7 @@ def attempt(
         if not (yield from settle(robot)):
             raise Discrepancy("the robot doesn't come to rest", check="rest")
         if not (yield from _recorded(primitive.effect(robot, view), trace)):
-            raise Discrepancy("what was to be achieved is not seen", check="effect")
+            raise Discrepancy("success is not confirmed: what was to be achieved is not seen", check="effect")
         robot.look_again()
         if robot.pushes > pushes:
             raise NeedsPerson(PUSHED, check="push")
@@ -137,6 +144,7 @@ def _watched(
     trace.record()
     following, pushes = Following(robot), robot.pushes
     for _ in periods:
+        _alone(robot, primitive)
         yield
         if primitive._no_return is None:
             trace.record()
@@ -204,6 +212,7 @@ def _look_again(
 def _within_time(way_back: Periods, robot: Robot, primitive: ActionPrimitive, view: ModelView) -> Periods:
     end, following, pushes = robot.time + LONGEST_RESTORE, Following(robot), robot.pushes
     for _ in way_back:
+        _alone(robot, primitive)
         yield
         following.check()
         if robot.pushes > pushes:
@@ -211,6 +220,12 @@ def _within_time(way_back: Periods, robot: Robot, primitive: ActionPrimitive, vi
         primitive.watch(robot, view)
         if robot.time > end:
             raise Discrepancy("restoring takes too long", check="time")
+
+
+def _alone(robot: Robot, primitive: ActionPrimitive) -> None:
+    """Once a period; both of two that move the robot at the same time stop and give up (row N12)."""
+    if not robot.moved_by(primitive):
+        raise NeedsPerson(NOT_ALONE, check="robot")
 
 
 def _words(error: Exception) -> str:

@@ -60,6 +60,10 @@ class Insert(ActionPrimitive):
     _base_T_end: Transform | None = PrivateAttr(default=None)
     _strongest: float = PrivateAttr(default=0.0)
 
+    def hindrance(self, robot: Robot, model: ModelView) -> str:
+        """A hand that doesn't hold the book."""
+        return "" if model.book and holds(robot, model.book) else "the hand doesn't hold the book"
+
     def motion(self, robot: Robot, model: ModelView) -> Periods:
         if model.book is None or not holds(robot, model.book):
             raise Discrepancy("the hand doesn't hold the book", measured=opening(robot, model.book))
@@ -67,6 +71,7 @@ class Insert(ActionPrimitive):
         start = robot.arm_model.forward(robot.arm.command())
         edge, held = hand_to_spine(robot) + model.book.depth_mm / 1e3, held_box(robot, model.book)
         ways = WIGGLES if self.wiggle and self.method == "planned" else WIGGLES[:1]
+        yield from self.intend("the book is pushed between its neighbours")
         for number, (aside, turn) in enumerate(ways, start=1):
             yield from move_straight(robot, start @ _about(edge, aside, turn), held)
             pushed = yield from self._try(robot, end)

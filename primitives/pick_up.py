@@ -103,6 +103,7 @@ class PickUp(ActionPrimitive):
             yield from move_to_joints(robot, posture, held=held_box(robot, book))
 
     def _close(self, robot: Robot, book: Book) -> Periods:
+        yield from self.intend("the fingers close on the book")
         yield from close_on(robot, book)
         self._held = True
 

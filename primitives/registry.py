@@ -19,6 +19,9 @@ TABLE = {
     "INSERT": "primitives.insert:Insert",
     "RELEASE": "primitives.release:Release",
     "MODIFY": "primitives.modify:Modify",
+    "FIXATE": "primitives.fixate:Fixate",
+    "PICK_UP_BLOCK": "primitives.pick_up_block:PickUpBlock",
+    "STACK": "primitives.stack:Stack",
 }
 """Name to import path; other packages add theirs by an entry point of the group `handcart.primitives`."""
 

@@ -67,6 +67,10 @@ class Release(TreePrimitive):
     _open_to: float | None = PrivateAttr(default=None)
     """How far the fingers are to open, in [m], while they do."""
 
+    def hindrance(self, robot: Robot, model: ModelView) -> str:
+        """A hand that doesn't hold the book."""
+        return "" if model.book and holds(robot, model.book) else "the hand doesn't hold the book"
+
     def tree(self, robot: Robot, model: ModelView) -> Behaviour:
         """The steps, one after the other."""
         steps = {
@@ -100,6 +104,7 @@ class Release(TreePrimitive):
         yield from relax(robot)
 
     def _open(self, robot: Robot, model: ModelView) -> Periods:
+        yield from self.intend("the fingers let the book go")
         self._open_to = ROOM + (model.book.thickness_mm / 1e3 if model.book else 0.0)
         self.point_of_no_return("the fingers let the book go")
         yield from open_to(robot, self._open_to)

@@ -43,6 +43,8 @@ class Snapshot:
     """Whether the fingers press on something that keeps them apart."""
     seen: Seen
     """The objects that the primitive can touch."""
+    dead_reckoned: bool = False
+    """Whether nothing but the wheels told how the base moves."""
 
 
 def settle(robot: Robot) -> Generator[None, None, bool]:
@@ -74,6 +76,7 @@ def take_snapshot(robot: Robot, seen: Seen) -> Snapshot:
         gripper_width=width,
         holding=bool(gripper and gripper.closed_on_something() and width > 0.002),
         seen=dict(seen),
+        dead_reckoned=robot.dead_reckoned,
     )
 
 
@@ -86,8 +89,8 @@ def residuals(start: Snapshot, now: Snapshot) -> dict[str, float]:
     result = {
         "base_mm": 1e3 * now.pose.distance(start.pose),
         "base_deg": math.degrees(now.pose.turn(start.pose)),
-        "base_unsure_mm": 3e3 * now.pose_sigma[0],
-        "base_unsure_deg": math.degrees(3.0 * now.pose_sigma[1]),
+        "base_unsure_mm": 3e3 * _unsure(start, now, 0),
+        "base_unsure_deg": math.degrees(3.0 * _unsure(start, now, 1)),
         "gripper_mm": 1e3 * abs(now.gripper_width - start.gripper_width),
         "held": math.inf if start.holding != now.holding else 0.0,
     }
@@ -97,6 +100,13 @@ def residuals(start: Snapshot, now: Snapshot) -> dict[str, float]:
         away = math.dist(place, now.seen[name]) if name in now.seen else math.inf
         result[f"object {name} mm"] = 1e3 * away
     return result
+
+
+def _unsure(start: Snapshot, now: Snapshot, which: int) -> float:
+    """Sigma of how far apart two poses are; by wheels alone it is what was added on the way between them."""
+    if not now.dead_reckoned:
+        return now.pose_sigma[which]
+    return math.sqrt(max(0.0, now.pose_sigma[which] ** 2 - start.pose_sigma[which] ** 2))
 
 
 def limits(robot: Robot, names: Mapping[str, float]) -> dict[str, float]:

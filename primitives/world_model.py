@@ -15,6 +15,7 @@ from files.suggest import suggest
 from robotics.geometry.pose2 import Pose2
 from robotics.navigation.grid_map import GridMap
 
+from .building import Building
 from .knowledge import Book, Catalogue, Place
 
 if TYPE_CHECKING:
@@ -46,6 +47,34 @@ class Slot(NamedTuple):
     """Call number of the right neighbour."""
 
 
+class Fixed(NamedTuple):
+    """Where the base stands, by a landmark."""
+
+    landmark: str
+    pose: Pose2
+    """map_T_base, with the hand where it was then."""
+    sigma: tuple[float, float]
+    """Of its position in [m] and its heading in [rad]."""
+    reach: tuple[float, float]
+    """Where the hand was, in the base frame, in [m]: the base leans after it."""
+    attitude: tuple[float, float, float]
+    """Roll, pitch and yaw by the inertial sensors then, in [rad]."""
+    travel: tuple[float, float]
+    """What the wheels had rolled then, in [m]: once they roll on, this pose is over."""
+    swings: int = 0
+    """Of the loaded arm since then."""
+
+
+class Placed(NamedTuple):
+    """A block that was put where it goes."""
+
+    number: int
+    pose: Pose2
+    """On the map."""
+    height: float
+    """Of its foot, in [m]."""
+
+
 class Detour(NamedTuple):
     """A route that was planned around what was sensed."""
 
@@ -72,9 +101,16 @@ class WorldModel:
     """base_T_book while it stands on the tray: middle of its spine, x along its depth."""
     slot: Slot | None = None
     detour: Detour | None = None
+    # For who stacks blocks
+    building: Building | None = None
+    """The building plan; told beforehand."""
+    fixed: Fixed | None = None
+    """Where the base stands by the landmark that was seen last; kept for the run."""
+    placed: tuple[Placed, ...] = ()
+    """The blocks that stand where they go; kept for the run."""
 
     ELEMENT: typing.ClassVar = ("book", "book_pose", "slot", "detour")
-    LEARNED: typing.ClassVar = ("obstacles", *ELEMENT)
+    LEARNED: typing.ClassVar = ("obstacles", "fixed", "placed", *ELEMENT)
 
     def __post_init__(self) -> None:
         self._told = self._state()
@@ -142,6 +178,8 @@ class WorldModel:
             "book_pose": list(self.book_pose) if self.book_pose else None,
             "slot": list(self.slot) if self.slot else None,
             "detour": self.detour.points.round(4).tolist() if self.detour else None,
+            "fixed": list(self.fixed) if self.fixed else None,
+            "placed": [list(each) for each in self.placed],
         }
 
 
@@ -157,6 +195,9 @@ class ModelView:
         book_pose: Pose2 | None
         slot: Slot | None
         detour: Detour | None
+        building: Building | None
+        fixed: Fixed | None
+        placed: tuple[Placed, ...]
 
     def __init__(self, model: WorldModel, primitive: ActionPrimitive) -> None:
         object.__setattr__(self, "_model", model)

@@ -9,7 +9,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 if TYPE_CHECKING:
-    from files.errors import InputError
+    from collections.abc import Iterable
+
+    from files.errors import Finding, InputError
 
 
 def check(
@@ -35,12 +37,17 @@ def check(
             raise
         print(orjson.dumps({"ok": False, "findings": _findings(error)}).decode())
         sys.exit(error.exit_status)
+    errors = told.pop("errors", [])
     if as_json:
         told.pop("lines", None)
-        print(orjson.dumps({"ok": True, **told}).decode())
-        return
+        found = {"findings": _places(errors)} if errors else {}
+        print(orjson.dumps({"ok": not errors, **found, **told}).decode())
+        sys.exit(InputError.exit_status if errors else 0)
     warnings = told.pop("warnings", ())
-    print(f"{file}: no fault found{f', {len(warnings)} warnings' if warnings else ''}")
+    for error in errors:
+        print(error, file=sys.stderr)
+    faults = f"{len(errors)} faults" if errors else "no fault found"
+    print(f"{file}: {faults}{f', {len(warnings)} warnings' if warnings else ''}")
     for warning in warnings:
         print(f"  warning: {warning}")
     for line in told.pop("lines", ()):
@@ -49,6 +56,7 @@ def check(
         told.pop(key, None)
     for name, value in told.items():
         print(f"  {name}: {value}")
+    sys.exit(InputError.exit_status if errors else 0)
 
 
 def check_quietly(file: Path) -> dict[str, Any]:
@@ -61,9 +69,13 @@ def _findings(error: InputError) -> list[dict[str, Any]]:
 
     if not isinstance(error, FileError):  # a name that no file's line is known for
         return [{"file": None, "line": 0, "column": 0, "message": str(error)}]
+    return _places(error.findings)
+
+
+def _places(findings: Iterable[Finding]) -> list[dict[str, Any]]:
     return [
         {"file": each.file, "line": each.line, "column": each.column, "message": each.message}
-        for each in error.findings
+        for each in findings
     ]
 
 
@@ -128,7 +140,7 @@ def _table_facts(file: Path) -> dict[str, Any]:
     from files.loading import load_document
     from files.yaml_document import read_document
     from networks.analysis.absorbing_chain import NeverEnds
-    from networks.analysis.action_table import ActionTable, table_absorption, table_findings
+    from networks.analysis.action_table import ActionTable, table_absorption, table_errors, table_warnings
 
     loaded = load_document(read_document(file), ActionTable)
     lines, figures = [], {}
@@ -143,5 +155,6 @@ def _table_facts(file: Path) -> dict[str, Any]:
             f"if each succeeds with {p}, independently: {shares}; {steps:.4f} ± {sigma:.4f} primitives"
         )
         figures[str(p)] = {"ends": ends, "steps": steps, "steps_sigma": sigma}
-    warnings = [str(each) for each in table_findings(loaded)]
-    return {"title": loaded.value.title, "warnings": warnings, "lines": lines, "figures": figures}
+    warnings = [str(each) for each in table_warnings(loaded)]
+    told = {"title": loaded.value.title, "warnings": warnings, "errors": table_errors(loaded)}
+    return {**told, "lines": lines, "figures": figures}

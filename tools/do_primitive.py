@@ -28,12 +28,13 @@ def do(
 ) -> None:
     """Run one primitive alone, and tell its outcome."""
     from evaluation.stage import StageFiles, set_stage
+    from networks.robot_claim import claimed
     from primitives.outcome import Success
 
     made = _made(primitive, parameters or [])
     given = {"world": world, "map": map, "places": places, "catalogue": catalogue, "start": start}
     files = StageFiles(**{name: value for name, value in given.items() if value is not None})  # type: ignore[arg-type]
-    with set_stage(files, robot, backend, seed) as stage:
+    with set_stage(files, robot, backend, seed) as stage, claimed(stage.backend):
         _check_places(made, stage.model.places)
         outcome = stage.do(made)
     word = type(outcome).__name__

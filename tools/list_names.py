@@ -55,9 +55,9 @@ def _backends() -> list[tuple[str, str]]:
 
 
 def _robots() -> list[tuple[str, str]]:
-    from backends.robot_file import ROBOTS, robot_names
+    from backends.robot_file import robot_names, shipped_path
 
-    return [(name, _first_comment(ROBOTS / name / "robot.yaml")) for name in robot_names()]
+    return [(name, _first_comment(shipped_path(name))) for name in robot_names()]
 
 
 def _first_comment(file: Path) -> str:

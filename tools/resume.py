@@ -19,6 +19,12 @@ def resume(
         typer.Option(help="RECORD: the last one that you have seen; needed where a real robot moves"),
     ] = None,
     permit: Annotated[Permit, typer.Option(help="actions with `permit: operator`")] = "ask",
+    sync: Annotated[
+        bool | None,
+        typer.Option(
+            "--sync/--no-sync", help="whether the journal waits for the disk; a real robot's does by default"
+        ),
+    ] = None,
     as_json: Annotated[bool, typer.Option("--json", help="end with one JSON object on stdout")] = False,
 ) -> None:
     """Tell what is known, expected and unknown of a run that broke off, then go on with it."""
@@ -32,7 +38,7 @@ def resume(
     permits = Permits(permit)
     with Progress() as progress:
         permits.asking, permits.typed = progress.ask, progress.typed
-        summary, status = resume_task(run, confirm, progress, permits)
+        summary, status = resume_task(run, confirm, progress, permits, sync)
     if as_json:
         print(orjson.dumps(summary).decode())
     else:
@@ -43,10 +49,13 @@ def resume(
 
 def ack(
     run: RunFolder,
-    record: Annotated[int, typer.Argument(help="the record of the GiveUp, as `resume` tells it")],
+    record: Annotated[int, typer.Argument(help="what waits, as `run` or `resume` tells it")],
 ) -> None:
-    """Acknowledge a GiveUp: everything is as it was before that action, and the run may go on."""
+    """Acknowledge a GiveUp, or a real robot's action that was broken off: all is as it was before it.
+
+    Then the run may go on, and the robot into another one.
+    """
     from networks.acknowledging import acknowledge
 
     reason = acknowledge(run, record)
-    print(f"acknowledged: {reason}; handcart resume {run} goes on")
+    print(f"acknowledged: {reason}; handcart resume {run} goes on with it")

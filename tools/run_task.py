@@ -36,6 +36,12 @@ def run(
         Path | None, typer.Option(help="outcomes from a file instead of a robot's: try the network alone")
     ] = None,
     gui: Annotated[bool, typer.Option("--gui", help="show robot and world in a window")] = False,
+    sync: Annotated[
+        bool | None,
+        typer.Option(
+            "--sync/--no-sync", help="whether the journal waits for the disk; a real robot's does by default"
+        ),
+    ] = None,
     runs: Annotated[Path, typer.Option(help="where the run's folder is made")] = Path("runs"),
 ) -> None:
     """Check a task with all its files, run it, and tell how it ended."""
@@ -71,6 +77,7 @@ def run(
             situation=situation,
             video=video,
             window=gui,
+            sync=sync,
         )
     if as_json:
         print(orjson.dumps(summary).decode())

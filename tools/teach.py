@@ -29,12 +29,12 @@ def teach(
     dry_run: Annotated[bool, typer.Option("--dry-run", help="only show what would change")] = False,
 ) -> None:
     """Record a posture into a robot's file, comments and order kept; shows the change."""
-    from backends.robot_file import ROBOTS, load_robot
+    from backends.robot_file import load_robot, shipped_path
 
     from .writing import write_text
 
     spec = load_robot(robot)
-    file = Path(robot) if robot.endswith((".yaml", ".yml")) else ROBOTS / robot / "robot.yaml"
+    file = Path(robot) if robot.endswith((".yaml", ".yml")) else shipped_path(robot)
     if spec.arm is None:
         raise typer.BadParameter(f"the robot of {file} has no arm")
     if not re.fullmatch(r"[a-z][a-z0-9_]*", name):

@@ -55,11 +55,14 @@ class CanBackend(Backend):
         if robot.can is None:
             raise NoDrives()
         self.period = robot.period_s
+        virtual = robot.can.interface == VIRTUAL
+        self.simulated = virtual
+        self.address = f"{robot.can.interface} {robot.can.channel}"
         self._periods, self._closed = 0, False
         self._fault: CanFault | None = None
         self._wheels = DrivePair(robot, robot.can)
         self._base = CanBase(robot.drive, self._wheels)
-        self.bench = Bench(robot, robot.can, world, seed) if robot.can.interface == VIRTUAL else None
+        self.bench = Bench(robot, robot.can, world, seed) if virtual else None
         """What is simulated; None with real drives."""
         self._line, pace = self._open(robot.can)
         try:
@@ -79,8 +82,8 @@ class CanBackend(Backend):
     @classmethod
     def build(cls, robot: RobotFile, world: Path | None, seed: int) -> CanBackend:
         """See `Backend`; the world is read for simulated drives alone."""
-        simulated = robot.can is not None and robot.can.interface == VIRTUAL
-        return cls(robot, load_world(world) if simulated and world is not None else None, seed)
+        virtual = robot.can is not None and robot.can.interface == VIRTUAL
+        return cls(robot, load_world(world) if virtual and world is not None else None, seed)
 
     @property
     def scene(self) -> Scene | None:

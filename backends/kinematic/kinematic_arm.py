@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from backends.arm import Arm
 from backends.limits import checked_joints
 from backends.robot_file import RobotFile
+from backends.scene.arm_error import ArmError
 from backends.scene.hand import Hand
 from backends.scene.keyed_noise import keyed
 
@@ -31,9 +32,12 @@ class KinematicArm(Arm):
         self._command = hand.scene.joints.copy()
         self._reached = self._command.copy()
         self._motions, self._moving, self._settled = 0, False, False
+        self._set_out = self._hand_on_floor()
+        """Where the hand was when the arm last set out."""
         self.swung = False
         """Whether the arm came to rest in this period."""
-        self._offset = self._draw_offset()
+        self._error = ArmError(robot.errors, hand.arm, seed)
+        self._offset = self._error.offset(self._command, 0)
         hand.scene.joints = self._command + self._offset
         self._touching: frozenset[tuple[str, str]] = frozenset()
         self._now, self._readings = 0, dict[str, tuple[int, Vector]]()
@@ -66,8 +70,10 @@ class KinematicArm(Arm):
         changed = bool((self._command != self._reached).any())
         if changed and not self._moving:
             self._motions += 1
-            self._offset = self._draw_offset()
-        self.swung = self._moving and not changed
+            self._set_out = self._hand_on_floor()
+        if changed:
+            self._offset = self._error.offset(self._command, self._motions)
+        self.swung = self._moving and not changed and self._is_swing()
         self._moving = changed
         self._reached = self._command.copy()
         if not changed and not disturbed and self._settled:
@@ -81,10 +87,16 @@ class KinematicArm(Arm):
         spread = keyed(self._seed, "swing yaw", self._motions).standard_normal()
         return float(self._errors.swing_yaw_mrad + self._errors.swing_yaw_sigma_mrad * spread) / 1e3
 
-    def _draw_offset(self) -> Vector:
-        sigma = self._errors.joint_repeatability_mrad / 1e3
-        rng = keyed(self._seed, "joint repeatability", self._motions)
-        return sigma * rng.standard_normal(len(self._reached))
+    def _is_swing(self) -> bool:
+        least = self._errors.swing_from_mm / 1e3
+        if least == 0.0:
+            return True
+        across = float(np.linalg.norm(self._hand_on_floor() - self._set_out))
+        return self._hand.scene.held is not None and across >= least
+
+    def _hand_on_floor(self) -> Vector:
+        """x and y (2,) of the hand in the base frame, in [m]."""
+        return self._hand.arm.forward(self._reached)[:2, 3].copy()
 
     def _read(self, sensor: str, truth: Vector, sigma: float) -> Vector:
         last = self._readings.get(sensor)

@@ -15,6 +15,7 @@ from backends.scene.load_world import load_world
 from backends.scene.mounts import base_T_frame
 from backends.scene.person import Person
 from backends.scene.scene import build_scene
+from backends.scene.suspension import lean_of
 from backends.scene.world_file import MissingWorld, WorldFile
 from robotics.geometry.pose2 import Pose2
 
@@ -22,6 +23,7 @@ from .kinematic_arm import KinematicArm
 from .kinematic_base import KinematicBase
 from .kinematic_camera import KinematicCamera
 from .kinematic_gripper import KinematicGripper
+from .kinematic_imu import KinematicImu
 from .kinematic_range_sensor import KinematicRangeSensor
 
 _STATE = {
@@ -33,7 +35,9 @@ _STATE = {
         "time",
         "books",
         "held",
-        "hand_T_book",
+        "hand_T_held",
+        "blocks",
+        "lean",
         "base_T_tray_book",
         "hand_force",
         "contacts",
@@ -49,6 +53,7 @@ _STATE = {
         "_moving",
         "_settled",
         "swung",
+        "_set_out",
         "_offset",
         "_touching",
         "_now",
@@ -57,6 +62,7 @@ _STATE = {
     "gripper": ("_command", "_now", "_pressing"),
     "camera": ("_now",),
     "range": ("_now",),
+    "imu": ("_turn", "_turned", "_now"),
     "hand": ("entry", "entries", "strain"),
     "person": ("_given", "_stood", "_since"),
 }
@@ -112,6 +118,9 @@ class KinematicBackend(Backend):
         if robot.range_sensor is not None:
             mount = base_T_frame(robot.urdf_text(), "range_sensor")
             self._range = KinematicRangeSensor(robot.range_sensor, mount, self.scene, seed)
+        self._imu: KinematicImu | None = None
+        if robot.imu is not None:
+            self._imu = KinematicImu(robot.imu, self.scene, self.period, seed)
         self._person = Person(self.scene, seed)
 
     @classmethod
@@ -123,7 +132,7 @@ class KinematicBackend(Backend):
 
     def capabilities(self) -> tuple[Capability, ...]:
         """See `Backend`."""
-        parts = (self._base, self._arm, self._gripper, self._camera, self._range)
+        parts = (self._base, self._arm, self._gripper, self._camera, self._range, self._imu)
         return tuple(part for part in parts if part is not None)
 
     def step(self) -> None:
@@ -136,9 +145,10 @@ class KinematicBackend(Backend):
         fingers = self._gripper is not None and self._gripper.advance(self._periods)
         if self._arm is not None:
             touching |= self._arm.advance(self._periods, disturbed=fingers)
+            self._lean()
             if self._arm.swung:
                 self._move_base(Pose2(0.0, 0.0, self._arm.swing_yaw()))
-        for sensor in (self._camera, self._range):
+        for sensor in (self._camera, self._range, self._imu):
             if sensor is not None:
                 sensor.advance(self._periods)
         self.scene.touch(touching)
@@ -150,6 +160,15 @@ class KinematicBackend(Backend):
         if self._hand is not None:
             self._hand.follow_base()
         return touching
+
+    def _lean(self) -> None:
+        """The base leans to where the arm reaches."""
+        rate = self.scene.robot.errors.lean_mrad_per_m
+        if rate == 0.0 or self.scene.arm is None or self._hand is None:
+            return
+        x, y = self.scene.arm.forward(self.scene.joints)[:2, 3]
+        self.scene.lean_to(lean_of((float(x), float(y)), rate))
+        self._hand.follow_base()
 
     def state(self) -> dict[str, Any]:
         """See `Backend`."""
@@ -173,6 +192,7 @@ class KinematicBackend(Backend):
             "gripper": self._gripper,
             "camera": self._camera,
             "range": self._range,
+            "imu": self._imu,
             "hand": self._hand,
             "person": self._person,
         }

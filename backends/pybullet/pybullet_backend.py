@@ -204,7 +204,7 @@ class PyBulletBackend(Backend):
     def _load(self) -> tuple[float, np.ndarray]:
         if self._held is None:
             return 0.0, np.zeros(3)
-        middle = self._held.pose @ self._held.book_T_middle
+        middle = self._held.pose @ self._held.thing_T_middle
         return self._world.mass(self._held), (inverse(self._body.base_pose()) @ middle)[:3, 3]
 
     def _touching(self) -> Pairs:

@@ -47,7 +47,7 @@ class SceneSync:
             book.rest, book.shelf = (Rest.HAND, None) if book is held else self._rest(book)
         scene.held = held
         if held is not None:
-            scene.hand_T_book = inverse(world_T_hand) @ held.pose
+            scene.hand_T_held = inverse(world_T_hand) @ held.pose
         tray = scene.tray_book()
         if tray is not None:
             scene.base_T_tray_book = inverse(self._body.base_pose()) @ tray.pose
@@ -68,6 +68,6 @@ class SceneSync:
     def _on_tray(self, book: Book) -> bool:
         if "tray" not in self._body.link_index:
             return False
-        place: Transform = inverse(self._body.link_pose("tray")) @ book.pose @ book.book_T_middle
+        place: Transform = inverse(self._body.link_pose("tray")) @ book.pose @ book.thing_T_middle
         x, y, z = place[:3, 3]
         return bool(abs(x) < 0.12 and abs(y) < 0.15 and abs(z - book.height / 2) < _ON)

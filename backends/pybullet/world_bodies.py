@@ -51,7 +51,7 @@ class WorldBodies:
         else:
             shape = rounded_book(self._physics, book.size)
         printed = PrintedBook(self._physics, book)
-        pose = book.pose @ book.book_T_middle
+        pose = book.pose @ book.thing_T_middle
         mass = float(PAPER * np.prod(book.size))
         body = int(p.createMultiBody(mass, shape, printed.visual, *placed(pose), physicsClientId=client))
         state = p.ACTIVATION_STATE_ENABLE_SLEEPING
@@ -70,7 +70,7 @@ class WorldBodies:
 
     def book_pose(self, book: Book) -> Transform:
         """world_T_book (4, 4), as it truly is."""
-        return self._physics.pose(self.books[book.accession]) @ inverse(book.book_T_middle)
+        return self._physics.pose(self.books[book.accession]) @ inverse(book.thing_T_middle)
 
     def keep_time(self) -> None:
         """Put surprises where they are at the scene's time."""

@@ -15,8 +15,8 @@ from robotics.kinematics.arm_model import ArmModel
 from robotics.kinematics.coal_bodies import coal_body
 from robotics.kinematics.shapes import Box, Shape, radius_about
 
-from .book import Rest
 from .scene import Scene
+from .thing import Rest
 
 HELD = "held book"
 FINGERS = ("left_finger", "right_finger")
@@ -67,7 +67,7 @@ class ArmContact:
         """The deepest overlap with the base and the joints there; `skip(body, other)` leaves pairs out."""
         scene = self._scene
         far = scene.full_plan.clearance(base.x, base.y, scene.time)[0] > self._extent(joints)
-        return FREE if far else self._check(base.lift(), joints, skip)
+        return FREE if far else self._check(scene.leaning_at(base), joints, skip)
 
     def deepest_of_arm(self, joints: NDArray[np.float64], skip: Skip | None = None) -> Touch:
         """The same where the base is, the robot's own tray and what stands on it included."""
@@ -92,7 +92,7 @@ class ArmContact:
             reach = float(out.max()) + 0.04
             if self._scene.held is not None:
                 hand = self._arm.forward(joints)
-                middle = hand @ self._scene.hand_T_book @ self._scene.held.book_T_middle
+                middle = hand @ self._scene.hand_T_held @ self._scene.held.thing_T_middle
                 reach = max(reach, float(np.hypot(*middle[:2, 3]) + np.hypot(*self._scene.held.size[:2]) / 2))
             self._reach = (key, reach)
         return self._reach[1]
@@ -124,11 +124,11 @@ class ArmContact:
         return self._last_poses[1]
 
     def _held(self, world_T_base: Transform, joints: NDArray[np.float64]) -> Body | None:
-        book = self._scene.held
-        if book is None:
+        thing = self._scene.held
+        if thing is None:
             return None
-        pose = world_T_base @ self._arm.forward(joints) @ self._scene.hand_T_book @ book.book_T_middle
-        size = np.array(book.size) - 2 * _GIVE
+        pose = world_T_base @ self._arm.forward(joints) @ self._scene.hand_T_held @ thing.thing_T_middle
+        size = np.array(thing.size) - 2 * _GIVE
         return HELD, pin.coal.Box(*size), pose, float(np.linalg.norm(size)) / 2
 
     def _against_world(self, bodies: list[Body], skip: Skip | None) -> Touch:
@@ -167,12 +167,13 @@ class ArmContact:
         return np.flatnonzero(close)
 
     def _refresh(self) -> None:
-        """Take the books from where they are now."""
+        """Take books and blocks from where they are now."""
         key = self._scene.changes
         if key == self._changes:
             return
         self._changes = key
-        standing = [b.box() for b in self._scene.books.values() if b.rest in (Rest.SHELF, Rest.TRAY)]
+        things = (*self._scene.books.values(), *self._scene.blocks.values())
+        standing = [thing.box() for thing in things if thing.rest not in (Rest.HAND, Rest.FLOOR)]
         self._boxes = [*self._fixed, *standing]
         self._solids = [pin.coal.Box(*(np.array(box.size) - _GIVE)) for box in self._boxes]
         poses = np.array([box.pose for box in self._boxes]).reshape(-1, 4, 4)

@@ -3,26 +3,31 @@
 from __future__ import annotations
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
 from robotics.geometry.transform import inverse, transform
 
+from .block import Block
+from .block_support import put_down_block
 from .book import Book, Rest
 from .hand import Hand
 from .insertion import Entry
 from .putting_down import put_down
 from .row import Slot, members
 from .shelf import Shelf
+from .thing import Thing
 
 PAD = 0.05  # of the fingers' length that is padded, up to the tips [m]
 _BITE = 0.005  # a book must reach this deep between the pads to be held
-_LETS_GO = 0.001  # opening beyond the book's thickness at which it is free
+_LETS_GO = 0.001  # opening beyond a thing's thickness at which it is free
+_SQUARE = np.cos(np.radians(15.0))  # turned further than this against the pads, a block isn't gripped
 
 
 class Fingers:
-    """Open and close about books.
+    """Open and close about books and blocks.
 
-    A book between closing pads stops and aligns with them, centred; its depth and height in the hand stay.
-    Opened 1 mm wider than the book, they let it go. Between neighbours in a row they have no room to open.
+    What stands between closing pads stops and aligns with them, centred; along the pads it stays where it is.
+    Opened 1 mm wider, they let it go. Between neighbours in a row they have no room to open.
     """
 
     def __init__(self, hand: Hand) -> None:
@@ -33,19 +38,51 @@ class Fingers:
         """Bring the finger pads to that opening in [m]; what stands between them stops and holds it."""
         scene = self._scene
         if scene.held is None and width < scene.width:
-            book = self._between()
-            if book is not None and width <= book.thickness:
-                self._grip(book)
+            thing = self._between()
+            if thing is not None and width <= self._thickness(thing):
+                self._grip(thing)
                 return
         if scene.held is not None:
-            if width <= scene.held.thickness + _LETS_GO:
-                scene.width = max(width, scene.held.thickness)
+            thick = self._thickness(scene.held)
+            if width <= thick + _LETS_GO:
+                scene.width = max(width, thick)
                 return
             self._let_go(scene.held)
         scene.width = min(width, max(scene.width, self._room()))
 
-    def _between(self) -> Book | None:
-        """The book that closing fingers meet."""
+    def _thickness(self, thing: Thing) -> float:
+        """Between the pads, in [m]."""
+        if isinstance(thing, Book):
+            return thing.thickness
+        return thing.size[self._across(thing)]
+
+    def _across(self, thing: Thing) -> int:
+        """Which axis of a thing lies most along the closing direction."""
+        closing = self._scene.world_T("hand")[:3, 1]
+        return int(np.argmax(np.abs(thing.pose[:3, :3].T @ closing)))
+
+    def _between(self) -> Thing | None:
+        """What closing fingers meet."""
+        return self._book_between() or self._block_between()
+
+    def _block_between(self) -> Block | None:
+        scene, shape = self._scene, self._shape
+        hand_T_world = inverse(scene.world_T("hand"))
+        reach = np.array([PAD / 2, scene.width / 2 + shape.thickness, shape.height / 2])
+        for block in scene.blocks.values():
+            if block.rest is Rest.FLOOR:
+                continue
+            middle = hand_T_world @ block.pose @ block.thing_T_middle
+            axis = self._across(block)
+            turned = abs(float(middle[1, axis]))
+            half = np.abs(middle[:3, :3]) @ np.array(block.size) / 2
+            near = np.abs(middle[:3, 3] - (shape.tip - PAD / 2, 0.0, 0.0)) < reach + half - _BITE
+            inside = abs(middle[1, 3]) + block.size[axis] / 2 < scene.width / 2 + shape.thickness
+            if turned > _SQUARE and near[0] and near[2] and inside:
+                return block
+        return None
+
+    def _book_between(self) -> Book | None:
         scene, shape = self._scene, self._shape
         hand_T_world = inverse(scene.world_T("hand"))
         for book in scene.books.values():
@@ -59,19 +96,40 @@ class Fingers:
                 return book
         return None
 
-    def _grip(self, book: Book) -> None:
+    def _grip(self, thing: Thing) -> None:
+        if isinstance(thing, Book):
+            self._grip_book(thing)
+        elif isinstance(thing, Block):
+            self._grip_block(thing)
+        self._scene.changes += 1
+        self._hand.carry(self._scene.joints)
+
+    def _grip_block(self, block: Block) -> None:
+        """Its sides align with the pads, and it slides between their middle; along the pads it stays."""
+        scene = self._scene
+        world_T_hand = scene.world_T("hand")
+        axis = self._across(block)
+        scene.width = block.size[axis]
+        hand_T_middle = inverse(world_T_hand) @ block.pose @ block.thing_T_middle
+        side = hand_T_middle[:3, axis]
+        pads = np.array([0.0, np.sign(side[1]), 0.0])
+        turn = Rotation.align_vectors(pads[None], side[None])[0].as_matrix()
+        hand_T_middle[:3, :3] = turn @ hand_T_middle[:3, :3]
+        hand_T_middle[1, 3] = 0.0
+        scene.hand_T_held = hand_T_middle @ inverse(block.thing_T_middle)
+        block.rest, scene.held = Rest.HAND, block
+
+    def _grip_book(self, book: Book) -> None:
         """Covers align with the pads: centred, turned to the hand; depth and height stay."""
         scene = self._scene
         scene.width = book.thickness
         world_T_hand = scene.world_T("hand")
         before = inverse(world_T_hand) @ book.pose
         pitch = float(np.arctan2(-before[2, 0], before[0, 0]))
-        scene.hand_T_book = transform((before[0, 3], 0.0, before[2, 3]), (0.0, pitch, 0.0))
+        scene.hand_T_held = transform((before[0, 3], 0.0, before[2, 3]), (0.0, pitch, 0.0))
         if book.rest is Rest.SHELF and book.shelf is not None:
             self._hand.entry = self._slot_of(book, scene.shelves[book.shelf])
         book.rest, book.shelf, scene.held = Rest.HAND, None, book
-        scene.changes += 1
-        self._hand.carry(scene.joints)
 
     def _slot_of(self, book: Book, shelf: Shelf) -> Entry | None:
         """A book gripped in its slot is in it still."""
@@ -84,10 +142,13 @@ class Fingers:
         front = min(right.front, left.front)
         return Entry(shelf, Slot(right.left, left.right, front), True) if edge > front else None
 
-    def _let_go(self, book: Book) -> None:
+    def _let_go(self, thing: Thing) -> None:
         slot = self._hand.entry.slot if self._hand.entry is not None and self._hand.entry.admitted else None
         self._scene.held, self._hand.entry = None, None
-        put_down(self._scene, book, slot)
+        if isinstance(thing, Book):
+            put_down(self._scene, thing, slot)
+        elif isinstance(thing, Block):
+            put_down_block(self._scene, thing)
 
     def _room(self) -> float:
         """How far the fingers can open: neighbours in the row stop them once the tips are between them."""

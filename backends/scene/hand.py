@@ -119,10 +119,10 @@ class Hand:
 
     def _follow_entry(self, front: Front | None) -> None:
         book = self.scene.held
-        if book is None or front is None:
+        if not isinstance(book, Book) or front is None:
             self.entry = None
             return
-        edge = _leading_edge(front, book, self.scene.hand_T_book)
+        edge = _leading_edge(front, book, self.scene.hand_T_held)
         self.entry = self._entrance.follow(self.entry, front.shelf, front.row, edge, book.thickness)
 
     def _stop_at_solids(self, start: Vector, target: Vector) -> tuple[Vector, frozenset[tuple[str, str]]]:
@@ -190,12 +190,12 @@ class Hand:
             lead = float(max(ends[0][0], ends[1][0]))
             span = (float(ends[0][1]), float(ends[1][1]))
             found.append(("fingers", Pusher(lead, *span, low, high, PUSH_FRICTION)))
-        if scene.held is not None and self.entry is not None and not self.entry.admitted:
+        if isinstance(scene.held, Book) and self.entry is not None and not self.entry.admitted:
             found.append((HELD, self._jammed(S_T_hand, scene.held)))
         return found
 
     def _jammed(self, S_T_hand: Transform, book: Book) -> Pusher:
-        pose = S_T_hand @ self.scene.hand_T_book
+        pose = S_T_hand @ self.scene.hand_T_held
         edge = pose @ np.array([book.depth, 0.0, 0.0, 1.0])
         half, entry = book.thickness / 2, self.entry
         right, left = float(edge[1]) - half, float(edge[1]) + half
@@ -220,13 +220,13 @@ class Hand:
         return np.asarray(force * min(1.0, FORCE_CAP / size) if size > 0.0 else force)
 
     def carry(self, start: Vector) -> Vector:
-        """Place the held book with the hand; in its slot it aligns. Gives the slot's force on the hand."""
+        """Place what is held with the hand; a book in its slot aligns. Gives the slot's force on the hand."""
         scene, book = self.scene, self.scene.held
         assert book is not None
         world_T_hand = scene.world_T_base @ self.arm.forward(scene.joints)
-        book.pose = world_T_hand @ scene.hand_T_book
+        book.pose = world_T_hand @ scene.hand_T_held
         self.strain = 0.0
-        if self.entry is None or not self.entry.admitted:
+        if self.entry is None or not self.entry.admitted or not isinstance(book, Book):
             return np.zeros(3)
         shelf, slot = self.entry.shelf, self.entry.slot
         rigid = shelf.inverse_pose @ book.pose

@@ -19,6 +19,7 @@ from .lens import Lens
 from .scene import Scene
 from .shelf import DEPTH, Shelf
 from .textures import PX_PER_MM, draw_spine
+from .thing import Rest
 from .world_file import BookSpec
 
 GreyImage = NDArray[np.uint8]
@@ -44,8 +45,8 @@ _SHADE = (1.0, 0.6, 0.8, 0.85, 0.4, 1.1)  # light comes from above and from befo
 class Renderer:
     """Paints a scene for one camera: far things first, convex bodies face by face.
 
-    Spines are printed; all else is flat shades. What stands deep in a shelf is dark. Not shown: the arm
-    beyond its fingers, the base, fallen books.
+    Spines and marks are printed; all else is flat shades. What stands deep in a shelf is dark. Not shown:
+    the arm beyond its fingers, the base, fallen books.
     """
 
     def __init__(self, camera: CameraModel, errors: Errors, seed: int) -> None:
@@ -59,6 +60,10 @@ class Renderer:
         """The same without lens, light and noise; larger."""
         canvas = Canvas(self._lens.K, self._lens.size, world_T_camera, _BACKGROUND)
         _room(canvas, scene)
+        for mark in scene.marks:
+            if canvas.seen_from_front(mark.pose[:3, 3], mark.pose[:3, 2]):
+                canvas.texture(mark.levels(), mark.face())
+        _blocks(canvas, scene, {Rest.TABLE, Rest.FLOOR})
         shelves = sorted(
             scene.shelves.values(), key=lambda s: -float(np.linalg.norm(s.pose[:3, 3] - canvas.eye))
         )
@@ -78,6 +83,14 @@ def _room(canvas: Canvas, scene: Scene) -> None:
     there.sort(key=lambda box: (box.size[2] < 2.0, -float(np.linalg.norm(box.pose[:2, 3] - canvas.eye[:2]))))
     for box in there:
         _box(canvas, box, _WALL if box.name.startswith("wall") else _FURNITURE)
+
+
+def _blocks(canvas: Canvas, scene: Scene, resting: set[Rest]) -> None:
+    """The blocks that rest so, the nearest one last."""
+    there = [block for block in scene.blocks.values() if block.rest in resting]
+    there.sort(key=lambda block: -float(np.linalg.norm(block.box().pose[:3, 3] - canvas.eye)))
+    for block in there:
+        _box(canvas, block.box(), block.spec.grey)
 
 
 def _box(canvas: Canvas, box: Box, grey: int, faces: tuple[int, ...] = (0, 1, 2, 3, 4, 5)) -> None:
@@ -126,11 +139,12 @@ def _to_row(lateral: float, thickness: float, eye: float) -> float:
 
 def _held_inside(scene: Scene, shelf: Shelf) -> Book | None:
     """The held book, if it reaches into the shelf: its neighbours may hide it."""
-    if scene.held is None:
+    held = scene.held
+    if not isinstance(held, Book):
         return None
-    fore = shelf.inverse_pose @ scene.held.pose @ np.array([scene.held.depth, 0.0, 0.0, 1.0])
+    fore = shelf.inverse_pose @ held.pose @ np.array([held.depth, 0.0, 0.0, 1.0])
     inside = 0.0 < fore[0] < DEPTH and abs(fore[1]) < shelf.half_width and -0.1 < fore[2] < 0.3
-    return scene.held if inside else None
+    return held if inside else None
 
 
 def _inside(canvas: Canvas, shelf: Shelf) -> None:
@@ -198,8 +212,11 @@ def _robot(canvas: Canvas, scene: Scene) -> None:
     standing = scene.tray_book()
     if standing is not None:
         _book(canvas, standing, None)
-    if scene.held is not None and not any(_held_inside(scene, s) for s in scene.shelves.values()):
-        _book(canvas, scene.held, None)
+    _blocks(canvas, scene, {Rest.TRAY})
+    held = scene.held
+    if isinstance(held, Book) and not any(_held_inside(scene, s) for s in scene.shelves.values()):
+        _book(canvas, held, None)
+    _blocks(canvas, scene, {Rest.HAND})
     if scene.robot.gripper is None:
         return
     hand, finger = scene.world_T("hand"), scene.robot.finger_shape

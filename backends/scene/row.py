@@ -10,6 +10,7 @@ from typing import NamedTuple
 from .book import Book
 from .scene import Scene
 from .shelf import DEPTH, Shelf
+from .thing import Thing
 
 STIFFNESS = 2000.0  # of the arm under position control [N/m]
 FORCE_CAP = 60.0  # what the hand can press with before its drives give way [N]
@@ -68,7 +69,7 @@ class Push(NamedTuple):
     met: tuple[str, ...]
 
 
-def members(scene: Scene, shelf: Shelf, without: Book | None) -> list[Member]:
+def members(scene: Scene, shelf: Shelf, without: Thing | None) -> list[Member]:
     """The row from right to left, the fixed parts included, `without` the book that the hand holds."""
     row = [Member(right, left, front, 0.35, None) for right, left, front in shelf.fixed_intervals()]
     for each in scene.shelf_books(shelf.name):

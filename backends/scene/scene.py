@@ -13,15 +13,18 @@ from robotics.geometry.pose2 import Pose2
 from robotics.geometry.transform import Transform, transform
 from robotics.kinematics.arm_model import ArmModel
 
+from .block import Block
 from .book import Book, Rest
 from .keyed_noise import keyed
+from .mark import Mark
 from .shelf import Shelf
-from .solids import FloorPlan, Solid, of_furniture, of_wall
+from .solids import FloorPlan, Solid, of_furniture, of_table, of_wall
+from .suspension import leaning
+from .thing import Thing
 from .world_file import BookSpec, WorldFile
 
 SPINE_ON_TRAY = 0.02  # from the tray's rear to the book's spine, as a person sets it down [m]
 PROTRUSION = 0.003  # spines stand this much before or behind the board's front edge at most [m]
-BODY_HEIGHT = 0.55  # of the base [m]
 
 
 class Contact(NamedTuple):
@@ -65,9 +68,13 @@ class Scene:
     base: Pose2
     joints: NDArray[np.float64]
     width: float
+    blocks: dict[str, Block] = field(default_factory=dict)
+    marks: tuple[Mark, ...] = ()
     time: float = 0.0
-    held: Book | None = None
-    hand_T_book: Transform = field(default_factory=lambda: np.eye(4))
+    lean: tuple[float, float] = (0.0, 0.0)
+    """Roll and pitch of the base on its suspension, in [rad]."""
+    held: Thing | None = None
+    hand_T_held: Transform = field(default_factory=lambda: np.eye(4))
     base_T_tray_book: Transform = field(default_factory=lambda: np.eye(4))
     hand_force: NDArray[np.float64] = field(default_factory=lambda: np.zeros(3))
     contacts: list[Contact] = field(default_factory=list)
@@ -79,7 +86,7 @@ class Scene:
     """Counts the times that a book was moved: what is derived from their poses asks it."""
 
     def __post_init__(self) -> None:
-        self.body_plan = FloorPlan(self.solids, 0.02, BODY_HEIGHT)
+        self.body_plan = FloorPlan(self.solids, 0.02, self.robot.body_height)
         self.full_plan = FloorPlan(self.solids, 0.02, 2.0)
 
     # Where things are
@@ -87,7 +94,12 @@ class Scene:
     @property
     def world_T_base(self) -> Transform:
         """(4, 4)."""
-        return self.base.lift()
+        return self.leaning_at(self.base)
+
+    def leaning_at(self, base: Pose2) -> Transform:
+        """world_T_base (4, 4) of a base elsewhere that leans as it does now, on its suspension."""
+        pose = base.lift()
+        return pose if self.lean == (0.0, 0.0) else pose @ leaning(self.lean, self.robot.errors.lean_pivot_m)
 
     def world_T(self, frame: str) -> Transform:
         """True pose (4, 4) of a frame of the robot."""
@@ -117,12 +129,25 @@ class Scene:
     # What changes it
 
     def move_base(self, base: Pose2) -> None:
-        """Put the base elsewhere, with what stands on its tray; the held book is the hand's."""
+        """Put the base elsewhere, with what stands on its tray; what is held is the hand's."""
         self.base = base
+        self._carry_along()
+
+    def lean_to(self, lean: tuple[float, float]) -> None:
+        """Let the base lean otherwise: roll and pitch in [rad]."""
+        if lean != self.lean:
+            self.lean = lean
+            self._carry_along()
+
+    def _carry_along(self) -> None:
         book = self.tray_book()
         if book is not None:
             book.pose = self.world_T_base @ self.base_T_tray_book
             self.changes += 1
+        for block in self.blocks.values():
+            if block.rest is Rest.TRAY:
+                block.pose = self.world_T_base @ block.base_T_block
+                self.changes += 1
 
     def touch(self, pairs: frozenset[tuple[str, str]]) -> None:
         """Note what touches in this period; what didn't before is a new contact."""
@@ -137,6 +162,7 @@ def build_scene(robot: RobotFile, world: WorldFile, seed: int) -> Scene:
     shelves = {spec.name: Shelf(spec) for spec in world.shelves}
     solids = [of_wall(wall, i) for i, wall in enumerate(world.walls)]
     solids += [of_furniture(piece) for piece in (*world.furniture, *world.surprises)]
+    solids += [part for table in world.tables for part in of_table(table)]
     solids += [Solid(part) for shelf in shelves.values() for part in shelf.parts().values()]
     books = {book.accession: book for shelf in shelves.values() for book in _standing(shelf, seed)}
     arm = None if robot.arm is None else ArmModel(robot.urdf_text(), robot.arm.joints)
@@ -146,6 +172,8 @@ def build_scene(robot: RobotFile, world: WorldFile, seed: int) -> Scene:
     if world.tray is not None and robot.has_tray:
         set_on_tray(scene, world.tray, seed)
     scene.to_come += world.handed_over
+    scene.marks = tuple(Mark(spec) for spec in world.marks)
+    set_blocks(scene, world, seed)
     return scene
 
 
@@ -161,9 +189,9 @@ def _standing(shelf: Shelf, seed: int) -> list[Book]:
     rng = keyed(seed, f"row of {shelf.name}")
     return [
         Book(
-            spec,
             shelf.pose @ transform((rng.uniform(-PROTRUSION, PROTRUSION), y, 0.0)),
             Rest.SHELF,
+            spec,
             shelf.name,
         )
         for spec, y in shelf.standing()
@@ -179,5 +207,21 @@ def set_on_tray(scene: Scene, spec: BookSpec, seed: int, number: int = 0) -> Non
     spine = (tray.rear + SPINE_ON_TRAY + place * dx, tray.middle[1] + place * dy, tray.top)
     scene.base_T_tray_book = transform(spine, (0.0, 0.0, yaw))
     pose = scene.world_T_base @ scene.base_T_tray_book
-    scene.books[spec.accession] = Book(spec, pose, Rest.TRAY)
+    scene.books[spec.accession] = Book(pose, Rest.TRAY, spec)
+    scene.changes += 1
+
+
+def set_blocks(scene: Scene, world: WorldFile, seed: int) -> None:
+    """A person sets the blocks down, on tables and on the robot's own, not quite in their places."""
+    errors = scene.robot.errors
+    for spec in world.blocks:
+        dx, dy, turn = keyed(seed, f"block {spec.name}").standard_normal(3)
+        place = errors.block_place_mm / 1e3
+        yaw = np.radians(spec.heading_deg + errors.block_turn_deg * turn)
+        stands = transform((spec.x_m + place * dx, spec.y_m + place * dy, spec.height_m), (0.0, 0.0, yaw))
+        if spec.on == "robot":
+            pose = scene.world_T_base @ stands
+            scene.blocks[spec.name] = Block(pose, Rest.TRAY, spec, stands)
+        else:
+            scene.blocks[spec.name] = Block(stands, Rest.TABLE, spec)
     scene.changes += 1

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from robotics.geometry.pose2 import Pose2
 from robotics.kinematics.shapes import Box
 
-from .world_file import Furniture, Surprise, Wall
+from .world_file import Furniture, Surprise, TableSpec, Wall
 
 WALL_HEIGHT = 2.0
 _FOREVER = math.inf
@@ -43,6 +43,16 @@ def of_furniture(piece: Furniture) -> Solid:
         return Solid(box)
     leaves = _FOREVER if piece.leaves_s is None else piece.leaves_s
     return Solid(box, piece.appears_s or 0.0, leaves)
+
+
+def of_table(table: TableSpec) -> tuple[Solid, Solid]:
+    """A table's pedestal and slab."""
+    pose = Pose2(table.x_m, table.y_m, math.radians(table.heading_deg))
+    length, width, top = table.size_m
+    under = top - table.slab_m
+    foot = Box(pose.lift(under / 2), (*table.foot_m, under), f"foot of {table.name}")
+    slab = Box(pose.lift(top - table.slab_m / 2), (length, width, table.slab_m), table.name)
+    return Solid(foot), Solid(slab)
 
 
 class FloorPlan:

@@ -19,6 +19,7 @@ class MissingWorld(InputError):
 Coordinate = Annotated[float, Field(ge=-1000.0, le=1000.0)]
 Degrees = Annotated[float, Field(ge=-360.0, le=360.0)]
 Length = Annotated[float, Field(gt=0.0, le=100.0)]
+Millimetres = Annotated[float, Field(gt=0.0, le=1000.0)]
 Seconds = Annotated[float, Field(ge=0.0)]
 Name = Annotated[str, Field(min_length=1, max_length=60)]
 
@@ -65,6 +66,47 @@ class Surprise(Furniture):
         if self.leaves_s is not None and self.leaves_s <= (self.appears_s or 0.0):
             raise ValueError("it leaves before it appears; allowed: leaves_s later than appears_s")
         return self
+
+
+class TableSpec(Place):
+    """A table: a slab on a pedestal in its middle. Its pose is that of the slab's middle on the floor."""
+
+    name: Name
+    size_m: tuple[Length, Length, Length]
+    """Of the slab along its own x and y, and the height of its top."""
+    slab_m: Length = 0.04
+    """Its thickness."""
+    foot_m: tuple[Length, Length]
+    """Of the pedestal along x and y."""
+
+    @model_validator(mode="after")
+    def _stands(self) -> Self:
+        if self.slab_m >= self.size_m[2]:
+            raise ValueError("the slab is thicker than the table is high; allowed: a thinner one")
+        return self
+
+
+class MarkSpec(Place):
+    """Something painted on a level surface; its pose is that of its middle."""
+
+    kind: Literal["landmark", "square", "disc", "frame"] = "landmark"
+    """A landmark, or what might be taken for one."""
+    height_m: Annotated[float, Field(ge=0.0, le=3.0)]
+    """Of the surface."""
+    size_mm: Annotated[float, Field(gt=0.0, le=500.0)] = 60.0
+
+
+class BlockSpec(Place):
+    """A block, and where a person sets it down: the middle of its foot."""
+
+    name: Name
+    on: Literal["world", "robot"] = "world"
+    """Whose frame its place is in: the world's, or that of the robot's base, on its own table."""
+    height_m: Annotated[float, Field(ge=0.0, le=3.0)]
+    """Of its foot."""
+    size_mm: tuple[Millimetres, Millimetres, Millimetres] = (25.0, 80.0, 40.0)
+    """Length, width, height: along its x, y and z."""
+    grey: Annotated[int, Field(ge=0, le=255)] = 190
 
 
 class BookSpec(FileModel):
@@ -118,6 +160,9 @@ class WorldFile(FileModel):
     walls: tuple[Wall, ...] = ()
     furniture: tuple[Furniture, ...] = ()
     surprises: tuple[Surprise, ...] = ()
+    tables: tuple[TableSpec, ...] = ()
+    marks: tuple[MarkSpec, ...] = ()
+    blocks: tuple[BlockSpec, ...] = ()
     shelves: tuple[ShelfSpec, ...] = ()
     tray: BookSpec | None = None
     """The book on the robot's tray."""
@@ -131,7 +176,8 @@ class WorldFile(FileModel):
             books.append(self.tray.accession)
         books += [each.accession for each in self.handed_over]
         shelves = [shelf.name for shelf in self.shelves]
-        for what, names in (("accession", list(map(str, books))), ("shelf", shelves)):
+        blocks = [block.name for block in self.blocks]
+        for what, names in (("accession", list(map(str, books))), ("shelf", shelves), ("block", blocks)):
             twice = sorted(name for name, times in Counter(names).items() if times > 1)
             if twice:
                 raise ValueError(f"{what} {', '.join(twice)} is there twice; allowed: each once")

@@ -49,8 +49,8 @@ class ActionTable(FileModel):
         return self
 
 
-def table_findings(loaded: Loaded[ActionTable]) -> list[Finding]:
-    """What is wrong with a table: each finding with its place."""
+def table_errors(loaded: Loaded[ActionTable]) -> list[Finding]:
+    """What a network would be refused for: rows that aren't there, and a Fail that changes facts."""
     table = loaded.value
     findings = []
     for number, row in table.rows.items():
@@ -58,9 +58,22 @@ def table_findings(loaded: Loaded[ActionTable]) -> list[Finding]:
             if to not in table.rows and to not in table.ends:
                 words = f"row {number} leads to row {to}, which isn't there; needed: a row {to}"
                 findings.append(loaded.finding(("rows", str(number), key), words))
-        wrong = _wrong_fail(table, number, row)
+        wrong = _other_facts(table, number, row)
         if wrong:
             findings.append(loaded.finding(("rows", str(number), "fail"), wrong))
+    return findings
+
+
+def table_warnings(loaded: Loaded[ActionTable]) -> list[Finding]:
+    """What is doubtful: giving up told as Fail, primitives that are missing, loops without a bound."""
+    table = loaded.value
+    findings = []
+    for number, row in table.rows.items():
+        end = table.ends.get(row.fail, "")
+        if end.upper().replace("_", "") == "GIVEUP":
+            said = f"Fail of row {number} leads to {end}, but after a Fail everything is as it was"
+            words = f"{said}; needed: a third outcome for giving up"
+            findings.append(loaded.finding(("rows", str(number), "fail"), words))
     missing = sorted(set(table.requires) - {row.do for row in table.rows.values()})
     findings += [
         loaded.finding(("requires",), f"{name} is required and has no row; needed: a row that does {name}")
@@ -73,11 +86,7 @@ def table_findings(loaded: Loaded[ActionTable]) -> list[Finding]:
     return findings
 
 
-def _wrong_fail(table: ActionTable, number: int, row: TableRow) -> str:
-    end = table.ends.get(row.fail, "")
-    if end.upper().replace("_", "") == "GIVEUP":
-        said = f"Fail of row {number} leads to {end}, but after a Fail everything is as it was"
-        return f"{said}; needed: a third outcome for giving up"
+def _other_facts(table: ActionTable, number: int, row: TableRow) -> str:
     after = table.rows.get(row.fail)
     if after is None:
         return ""

@@ -51,7 +51,8 @@ class ArmModel:
         for body in self._geometry.geometryObjects:
             if isinstance(body.geometry, pin.coal.BVHModelBase):
                 body.geometry = hull_of_mesh(body.geometry, self._model.frames[body.parentFrame].name)
-        self._order = np.array([self._model.idx_qs[self._model.getJointId(name)] for name in joint_names])
+        indices = [self._model.idx_qs[self._model.getJointId(name)] for name in joint_names]
+        self._order = np.array(indices, dtype=np.intp)
         self.lower: Vector = self._model.lowerPositionLimit[self._order]
         self.upper: Vector = self._model.upperPositionLimit[self._order]
         self.velocity: Vector = self._model.velocityLimit[self._order]

@@ -61,3 +61,18 @@ def radius_about(shape: Shape) -> float:
             return shape.radius
         case Hull():
             return float(np.linalg.norm(shape.points, axis=1).max())
+
+
+def top(shape: Shape) -> float:
+    """Height in [m] of the highest point of a body, along z of the frame that it is posed in."""
+    z = shape.pose[2, :3]
+    match shape:
+        case Box():
+            above = float(np.abs(z) @ np.array(shape.size)) / 2
+        case Cylinder():
+            above = shape.radius * float(np.hypot(z[0], z[1])) + shape.length / 2 * abs(float(z[2]))
+        case Sphere():
+            above = shape.radius
+        case Hull():
+            above = float((shape.points @ z).max())
+    return float(shape.pose[2, 3]) + above

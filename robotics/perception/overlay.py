@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from robotics.perception.camera_model import CameraModel, Floats, GreyImage
 from robotics.perception.label_reader import Label
+from robotics.perception.landmark import Landmark
 from robotics.perception.spines import Gap, Spine
 from robotics.perception.tag_reader import Tag
 
@@ -25,10 +26,13 @@ def draw_overlay(
     gaps: Sequence[Gap] = (),
     camera: CameraModel | None = None,
     camera_T_shelf: Floats | None = None,
+    landmarks: Sequence[Landmark] = (),
+    outlines: Sequence[Floats] = (),
 ) -> NDArray[np.uint8]:
-    """A BGR copy (h, w, 3) with tags, labels and their texts, and the sides of spines and gaps.
+    """A BGR copy (h, w, 3) with tags, labels and their texts, landmarks, and the sides of spines and gaps.
 
-    Spines and gaps are in the shelf frame: they are drawn where camera and `camera_T_shelf` are given.
+    `outlines` (n, 2) in [px] are drawn closed. Spines and gaps are in the shelf frame: they are drawn where
+    camera and `camera_T_shelf` are given.
     """
     picture = np.asarray(cv2.cvtColor(image, cv2.COLOR_GRAY2BGR), dtype=np.uint8)
     for tag in tags:
@@ -39,6 +43,11 @@ def draw_overlay(
         _outline(picture, label.corners, colour)
         text = str(label.call_number) if label.call_number is not None else label.text or "?"
         _write(picture, text, label.corners.min(axis=0) - (12, 6), colour)
+    for landmark in landmarks:
+        _outline(picture, landmark.corners, _TAG)
+        _outline(picture, np.vstack([landmark.corners[0], landmark.centre]), _TAG, closed=False)
+    for outline in outlines:
+        _outline(picture, outline, _READ)
     if camera is not None and camera_T_shelf is not None:
         for things, colour in ((spines, _SPINE), (gaps, _GAP)):
             for thing in things:

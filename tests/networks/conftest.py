@@ -19,6 +19,7 @@ from networks.binding import Binding
 from networks.coordinator import Coordinator
 from networks.network import Action, ActionNetwork, Situation
 from networks.run_end import RunEnd
+from networks.task_file import Task, load_task
 from primitives.action_primitive import ActionPrimitive, Periods
 from primitives.discrepancy import Discrepancy, NeedsPerson
 from primitives.knowledge import Catalogue
@@ -192,3 +193,22 @@ def new_stand() -> Callable[[], Stand]:
 @pytest.fixture
 def primitives() -> SimpleNamespace:
     return SimpleNamespace(THINK=Think, DRIVE=Drive)
+
+
+@pytest.fixture
+def load(tmp_path: Path, primitives: SimpleNamespace) -> Callable[..., Task]:
+    """Reads the text of a task file, with settings."""
+
+    def primitive(name: str) -> type[ActionPrimitive]:
+        if not hasattr(primitives, name):
+            raise KeyError(f"unknown primitive {name!r}; allowed: THINK, DRIVE")
+        kind: type[ActionPrimitive] = getattr(primitives, name)
+        return kind
+
+    def loaded(text: str, **settings: str) -> Task:
+        path = tmp_path / "lib" / "task.yaml"
+        path.parent.mkdir(exist_ok=True)
+        path.write_text(text)
+        return load_task(path, settings, primitive)
+
+    return loaded

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from files.loading import load_document
 from files.yaml_document import read_document
 from networks.analysis.absorbing_chain import absorption
-from networks.analysis.action_table import ActionTable, table_absorption, table_findings
+from networks.analysis.action_table import ActionTable, table_absorption, table_errors, table_warnings
 from networks.analysis.chance import Chance
 from networks.analysis.forecast import forecast
 from networks.binding import Binding
@@ -47,7 +47,8 @@ def test_table_1_of_the_paper_has_its_known_answers(p, goal, give_up, row_13):
 
 def test_all_defects_of_table_1_are_named_with_their_places():
     loaded = load_document(read_document(TABLE), ActionTable)
-    found = {(each.line, each.message.split(";")[0]) for each in table_findings(loaded)}
+    findings = [*table_errors(loaded), *table_warnings(loaded)]
+    found = {(each.line, each.message.split(";")[0]) for each in findings}
     lines = {number: 7 + count for count, number in enumerate(loaded.value.rows, start=1)}
     named = {
         (lines[1], "Fail of row 1 leads to GIVEUP"),

@@ -6,6 +6,8 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
+from backends.base import WheelTravel
+from networks.analysis.worst_cases import worst_cases
 from networks.binding import Binding
 from networks.coordinator import Coordinator
 from networks.events import Ended, LeftOut, Planned, Started
@@ -143,6 +145,7 @@ def test_every_run_ends_within_its_bound(new_stand, rows, outcomes):
     events = []
     end = stand.finish(coordinator(stand, network, observers=[events.append]))
     assert end.actions <= network.bound()
+    assert end.actions <= worst_cases(network).longest  # what `handcart check` states
     assert end.fails <= sum(action.attempts for action in network.actions)
     assert end.outcome == ("Success" if end.situation == "5" else "Fail")
     failed = [
@@ -226,6 +229,25 @@ def test_cancel_while_paused(stand):
     at = {30: lambda: run.request(Request.PAUSE), 50: lambda: run.request(Request.CANCEL)}
     assert stand.finish(run, at).outcome == "Cancelled"
     assert abs(stand.robot.pose.x) < 0.02
+
+
+def test_a_stop_does_not_wait_until_a_paused_robot_rests(stand):
+    """A robot that trembles never rests; requests are heard all the same."""
+    run, tremble = coordinator(stand, driving(stand)), []
+
+    def travel():
+        tremble.append(0.01)
+        return WheelTravel(sum(tremble), 0.0)
+
+    def pause():
+        stand.backend.wheels.wheel_travel = travel
+        run.request(Request.PAUSE)
+
+    stops = []
+    at = {20: pause, 40: lambda: run.request(Request.STOP), 43: lambda: stops.append(stand.backend.stops)}
+    end = stand.finish(run, at)
+    assert end.outcome == "Cancelled"
+    assert stops == [3]  # the pause's, then before and after the attempt is closed
 
 
 def test_called_back_before_it_began(stand):

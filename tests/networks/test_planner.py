@@ -7,7 +7,7 @@ import sys
 import pytest
 
 from networks.binding import Binding
-from networks.network import Action, ActionNetwork, Situation
+from networks.network import Action, ActionNetwork, NetworkError, Situation
 from networks.planner import NoWay, Planner
 
 SCRIPT = """
@@ -90,3 +90,11 @@ def test_a_hundred_thousand_actions(stand):
     planner = Planner(ActionNetwork.build(map(Situation, names), actions, names[0], names[-1]))
     plan = planner.plan(names[0])
     assert plan.cost == len(plan.actions) == 30_000 // 113 + 54 // 7 + 54 % 7
+
+
+def test_more_actions_than_can_be_planned_over_are_refused(stand, monkeypatch):
+    """N14, N10: so that no plan takes longer than the robot may be left without one."""
+    monkeypatch.setattr("networks.network.MAX_ACTIONS", 2)
+    stand.network("a b one 1", "b z two 1")
+    with pytest.raises(NetworkError, match="the network has 3 actions; allowed: at most 2"):
+        stand.network("a b one 1", "b z two 1", "a z three 1")

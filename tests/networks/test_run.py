@@ -87,7 +87,10 @@ def test_interrupt_stops_and_holds(prepare, tmp_path):
     before = signal.getsignal(signal.SIGINT)
     end = execute(prepared, tmp_path / "run")
     assert (end.outcome, end.exit_status) == ("Cancelled", 130)
-    assert stand.robot.time < 1.2
+    stop, end = read_journal(tmp_path / "run" / "journal.jsonl").records[-2:]
+    assert (stop["kind"], stop["cause"], end["kind"]) == ("STOP", "stopped by request", "END")
+    assert 0.95 < stop["asked_s"] <= stop["sent_s"] < stop["asked_s"] + 3 * 0.05 + 1e-6
+    assert end["t"] - stop["sent_s"] < 0.5
     assert stand.backend.stops
     assert signal.getsignal(signal.SIGINT) is before
 

@@ -9,7 +9,6 @@ import pytest
 from files.errors import FileError
 from networks.coordinator import Coordinator
 from networks.events import Started
-from networks.task_file import load_task
 from primitives.action_primitive import ActionPrimitive
 from primitives.place_name import PlaceName
 
@@ -36,22 +35,6 @@ repeat:
   goal: z
   unfinished: skip
 """
-
-
-@pytest.fixture
-def load(tmp_path, primitives):
-    def primitive(name):
-        if not hasattr(primitives, name):
-            raise KeyError(f"unknown primitive {name!r}; allowed: THINK, DRIVE")
-        return getattr(primitives, name)
-
-    def loaded(text, **settings):
-        path = tmp_path / "lib" / "task.yaml"
-        path.parent.mkdir(exist_ok=True)
-        path.write_text(text)
-        return load_task(path, settings, primitive)
-
-    return loaded
 
 
 def findings(load, text, **settings):

@@ -31,7 +31,7 @@ def test_it_takes_the_book_by_the_rear_of_its_covers(with_book: Callable[..., An
     assert isinstance(outcome, Success)
     assert outcome.evidence["width_mm"] == pytest.approx(25.0, abs=0.3)
     assert rig.scene.held.accession == 117
-    assert rig.scene.hand_T_book[:3, 3] == pytest.approx((0.12, 0.0, -0.12), abs=0.002)
+    assert rig.scene.hand_T_held[:3, 3] == pytest.approx((0.12, 0.0, -0.12), abs=0.002)
     assert np.allclose(rig.robot.arm.command(), rig.robot.spec.posture("carry"))
     assert rig.scene.contacts == []
 

@@ -170,3 +170,60 @@ class Bookshelf:
 @pytest.fixture(scope="session")
 def bookshelf() -> Bookshelf:
     return Bookshelf()
+
+
+class Tabletop:
+    """A table from above; its frame: origin in the middle of the picture, x right, y up, z out."""
+
+    camera = CAMERA
+    m_per_px = 1.25e-4
+    _fine = 2  # rays across a pixel
+
+    def __init__(self) -> None:
+        u, v = ((np.arange(n * self._fine) + 0.5) / self._fine - 0.5 for n in (640, 480))
+        rays = CAMERA.undistort(np.stack(np.meshgrid(u, v), axis=-1).reshape(-1, 2))
+        self._rays = np.column_stack([rays, np.ones(len(rays))])
+
+    def table(self, grey: float = 150.0, seed: int | None = None) -> Any:
+        """A bare table (2400, 2400), 300 mm across; with a seed it is of wood."""
+        if seed is None:
+            return np.full((2400, 2400), grey, dtype=np.uint8)
+        rng = np.random.default_rng(seed)
+        grain = rng.normal(0.0, 25.0, (600, 12)).astype(np.float32)
+        wood = grey + cv2.resize(grain, (2400, 2400), interpolation=cv2.INTER_CUBIC)
+        return np.clip(wood, 0, 255).astype(np.uint8)
+
+    def put(self, table: Any, picture: Any, x: float, y: float) -> None:
+        """Lays a picture down with its middle at (x, y) in [m]."""
+        height, width = picture.shape
+        left = round(1200 + x / self.m_per_px - width / 2)
+        top = round(1200 - y / self.m_per_px - height / 2)
+        table[top : top + height, left : left + width] = picture
+
+    def photograph(
+        self, table: Any, camera_T_table: Any, seed: int, noise: float = 3.0, blur: float = 0.7
+    ) -> NDArray[np.uint8]:
+        """The image (480, 640) through the lens: blur in [px], noise in grey levels, uneven light."""
+        plane = np.column_stack([camera_T_table[:3, 0], camera_T_table[:3, 1], camera_T_table[:3, 3]])
+        points = self._rays @ np.linalg.inv(plane).T
+        grid = (480 * self._fine, 640 * self._fine)
+        column = 1199.5 + points[:, 0] / points[:, 2] / self.m_per_px
+        row = 1199.5 - points[:, 1] / points[:, 2] / self.m_per_px
+        maps = [each.astype(np.float32).reshape(grid) for each in (column, row)]
+        # What lies between two rays is averaged beforehand.
+        seen = cv2.remap(
+            cv2.blur(table, (3, 3)), maps[0], maps[1], cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE
+        )
+        small = cv2.resize(seen.astype(np.float32), (640, 480), interpolation=cv2.INTER_AREA)
+        image = cv2.GaussianBlur(small, (0, 0), blur)
+        rng = np.random.default_rng(seed)
+        angle, depth = rng.uniform(0, 2 * np.pi), rng.uniform(0.05, 0.2)
+        down, across = np.mgrid[-1:1:480j, -1:1:640j]
+        image = image * (0.92 + depth * (np.cos(angle) * across + np.sin(angle) * down))
+        image = image + rng.normal(0.0, noise, image.shape)
+        return np.clip(np.rint(image), 0, 255).astype(np.uint8)
+
+
+@pytest.fixture(scope="session")
+def tabletop() -> Tabletop:
+    return Tabletop()

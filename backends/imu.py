@@ -1,0 +1,22 @@
+"""The inertial measurement unit."""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .capability import Capability
+
+
+class Imu(Capability):
+    """Three gyros and three accelerometers, their axes along those of the base: x forward, y left, z up."""
+
+    @abstractmethod
+    def rates(self) -> NDArray[np.float64]:
+        """Turn rates (3,) about the axes in [rad/s], mean over this period, with the gyros' bias."""
+
+    @abstractmethod
+    def accelerations(self) -> NDArray[np.float64]:
+        """What the accelerometers feel (3,) in [m/s²]: standing level, gravity's +9.81 along z."""

@@ -1,0 +1,44 @@
+"""The inertial measurement unit of the kinematic robot."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+from backends.imu import Imu
+from backends.robot_file import ImuSpec
+from backends.scene.keyed_noise import keyed
+from backends.scene.scene import Scene
+
+GRAVITY = 9.81  # [m/s²]
+
+Vector = NDArray[np.float64]
+
+
+class KinematicImu(Imu):
+    """Gyros with white noise and a constant bias; accelerometers that feel nothing but gravity, and noise."""
+
+    def __init__(self, spec: ImuSpec, scene: Scene, period: float, seed: int) -> None:
+        self._scene, self._period, self._seed = scene, period, seed
+        self._rate_sigma = np.radians(spec.angle_random_walk_deg_rt_s) / np.sqrt(period)
+        self._bias = np.radians(spec.gyro_bias_deg_s) * keyed(seed, "gyro bias").standard_normal(3)
+        self._felt_sigma = spec.accelerometer_sigma_m_s2
+        self._turn = scene.world_T_base[:3, :3]
+        self._turned, self._now = np.zeros(3), 0
+
+    def rates(self) -> Vector:
+        """See `Imu`."""
+        noise = self._rate_sigma * keyed(self._seed, "gyros", self._now).standard_normal(3)
+        return np.asarray(self._turned / self._period + self._bias + noise)
+
+    def accelerations(self) -> Vector:
+        """See `Imu`."""
+        noise = self._felt_sigma * keyed(self._seed, "accelerometers", self._now).standard_normal(3)
+        return np.asarray(self._turn.T @ np.array([0.0, 0.0, GRAVITY]) + noise)
+
+    def advance(self, period: int) -> None:
+        """A period has passed."""
+        turn = self._scene.world_T_base[:3, :3]
+        self._turned = Rotation.from_matrix(self._turn.T @ turn).as_rotvec()
+        self._turn, self._now = turn, period

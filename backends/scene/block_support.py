@@ -1,0 +1,89 @@
+"""What carries a block that the hand lets go."""
+
+from __future__ import annotations
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from robotics.geometry.pose2 import Pose2
+from robotics.geometry.transform import Transform, inverse
+from robotics.kinematics.shapes import Box
+
+from .block import Block
+from .scene import Scene
+from .thing import Rest
+
+HIGHEST_DROP = 0.01  # onto a support; from higher up a block topples [m]
+BELOW = 0.003  # by which arm and suspension may have pressed it into its support [m]
+LEVEL = 0.001  # supports at most this much apart in height carry together [m]
+UPRIGHT = np.cos(np.radians(10.0))
+TRAY = "tray"
+
+Points = NDArray[np.float64]
+
+
+def put_down_block(scene: Scene, block: Block) -> None:
+    """Let a block drop from where it is.
+
+    It stands where it is let go, flat on tables, the robot's own table or other blocks, if these are at most
+    10 mm below its foot and its middle lies within the hull of where it rests on them: so a block may bridge
+    a gap. Else it falls to the floor and is lost to the robot.
+    """
+    scene.changes += 1
+    block.rest = Rest.FLOOR
+    supports = _supports(scene, block)
+    top = max((height for height, _, _ in supports), default=-np.inf)
+    carrying = [(area, own) for height, area, own in supports if height > top - LEVEL]
+    if block.pose[2, 2] < UPRIGHT or not _within(block.pose[:2, 3], [area for area, _ in carrying]):
+        block.pose = _upright(block.pose, 0.0)
+        return
+    block.pose = _upright(block.pose, top)
+    if any(own for _, own in carrying):
+        block.rest = Rest.TRAY
+        block.base_T_block = inverse(scene.world_T_base) @ block.pose
+    else:
+        block.rest = Rest.TABLE
+
+
+def _supports(scene: Scene, block: Block) -> list[tuple[float, Points, bool]]:
+    """Level tops right below: height in [m], outline (n, 2) of where the block rests, whether the robot's."""
+    foot = float(block.pose[2, 3])
+    outline = _outline(Box(block.pose, block.size))
+    boxes = [(solid.box, False) for solid in scene.solids]
+    boxes += [
+        (each.box(), each.rest is Rest.TRAY)
+        for each in scene.blocks.values()
+        if each is not block and each.rest in (Rest.TABLE, Rest.TRAY)
+    ]
+    if scene.robot.has_tray:
+        tray = scene.robot.tray_shape
+        pose = scene.base.compose(Pose2(*tray.middle, 0.0)).lift(tray.top - tray.size[2] / 2)
+        boxes.append((Box(pose, tray.size, TRAY), True))
+    found = []
+    for box, own in boxes:
+        top = float(box.pose[2, 3]) + box.size[2] / 2
+        if -HIGHEST_DROP <= top - foot <= BELOW:
+            area = cv2.intersectConvexConvex(outline.astype(np.float32), _outline(box).astype(np.float32))[1]
+            if area is not None and len(area) >= 3:
+                found.append((top, area.reshape(-1, 2).astype(np.float64), own))
+    return found
+
+
+def _outline(box: Box) -> Points:
+    """(4, 2) corners of an upright box on the floor."""
+    half = np.array([[1, 1], [-1, 1], [-1, -1], [1, -1]]) * np.array(box.size[:2]) / 2
+    return np.asarray(half @ box.pose[:2, :2].T + box.pose[:2, 3])
+
+
+def _within(middle: Points, areas: list[Points]) -> bool:
+    if not areas:
+        return False
+    # Metres about the middle, for single precision.
+    corners = (np.vstack(areas) - middle).astype(np.float32)
+    return cv2.pointPolygonTest(cv2.convexHull(corners), (0.0, 0.0), measureDist=False) > 0
+
+
+def _upright(pose: Transform, height: float) -> Transform:
+    yaw = float(np.arctan2(pose[1, 0], pose[0, 0]))
+    return Pose2(float(pose[0, 3]), float(pose[1, 3]), yaw).lift(height)

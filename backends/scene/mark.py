@@ -1,0 +1,63 @@
+"""What is painted on a level surface: a landmark, or what might be taken for one."""
+
+from __future__ import annotations
+
+import math
+from functools import lru_cache
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from robotics.geometry.pose2 import Pose2
+from robotics.geometry.transform import Transform, transform
+from robotics.perception.landmark import INK, PAPER, draw_landmark
+
+from .world_file import MarkSpec
+
+MARGIN = 0.01  # of paper about what is painted [m]
+M_PER_PX = 1.25e-4
+
+GreyImage = NDArray[np.uint8]
+
+
+class Mark:
+    """A sheet of paper. Its frame: origin in the middle, x to the right of the picture, y up, z upwards."""
+
+    def __init__(self, spec: MarkSpec) -> None:
+        self.spec = spec
+        heading = math.radians(spec.heading_deg)
+        self.pose: Transform = Pose2(spec.x_m, spec.y_m, heading).lift(spec.height_m)
+        """world_T_mark (4, 4)."""
+
+    def levels(self) -> list[tuple[GreyImage, float]]:
+        """The picture in falling resolution, each with its metres a pixel."""
+        return _levels(self.spec.kind, self.spec.size_mm)
+
+    def face(self) -> Transform:
+        """Of the picture (4, 4): origin in its upper left corner, x along its rows, y down its columns."""
+        picture, metres = self.levels()[0]
+        half = picture.shape[0] * metres / 2
+        return np.asarray(self.pose @ transform((-half, half, 0.0), (math.pi, 0.0, 0.0)))
+
+
+@lru_cache(maxsize=64)
+def _levels(kind: str, size_mm: float) -> list[tuple[GreyImage, float]]:
+    picture = draw_landmark(size_mm / 1e3, MARGIN, M_PER_PX) if kind == "landmark" else _other(kind, size_mm)
+    half = cv2.resize(picture, None, fx=0.5, fy=0.5, interpolation=cv2.INTER_AREA).astype(np.uint8)
+    quarter = cv2.resize(half, None, fx=0.5, fy=0.5, interpolation=cv2.INTER_AREA).astype(np.uint8)
+    return [(picture, M_PER_PX), (half, 2 * M_PER_PX), (quarter, 4 * M_PER_PX)]
+
+
+def _other(kind: str, size_mm: float) -> GreyImage:
+    """A full square, a disc, or a square's outline."""
+    margin = round(MARGIN / M_PER_PX)
+    side = round(size_mm / 1e3 / M_PER_PX)
+    ink: GreyImage = np.full((side, side), INK, dtype=np.uint8)
+    if kind == "disc":
+        ink[:] = PAPER
+        cv2.circle(ink, (side // 2, side // 2), side // 2, (INK,), cv2.FILLED)
+    elif kind == "frame":
+        eighth = side // 8
+        ink[eighth:-eighth, eighth:-eighth] = PAPER
+    return np.pad(ink, margin, constant_values=PAPER)

@@ -1,0 +1,155 @@
+"""Where blocks come to stand, measured by the ground truth: the errors of Hatano et al. (2000), section 5."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from backends.scene.suspension import leaning
+from primitives.building import Building, Slot
+from primitives.world_model import Fixed, WorldModel
+from robotics.geometry.pose2 import Pose2
+from robotics.geometry.transform import inverse, transform
+
+SCALE_MM = 0.5  # of the paper's readings
+FALLEN_MM = 30.0  # further away from its goal a block counts as not placed
+
+Vector = NDArray[np.float64]
+
+
+class Attitude(NamedTuple):
+    """How the base truly is turned and leans."""
+
+    heading: float
+    lean: tuple[float, float]
+
+
+class BlockError(NamedTuple):
+    """Of one block, in the frame of its goal (eq. 14: goal minus actual), in [mm]."""
+
+    number: int
+    x: float
+    y: float
+    z: float
+    turn_mrad: float
+    processed_x: float
+    """Without the effects of the base's turning and leaning since the fixation (eq. 12)."""
+    processed_y: float
+    read_x: float
+    """On the paper's scale of 0.5 mm."""
+    read_y: float
+
+    @property
+    def size(self) -> float:
+        """Of x and y together."""
+        return math.hypot(self.x, self.y)
+
+    @property
+    def processed(self) -> float:
+        """The same, processed."""
+        return math.hypot(self.processed_x, self.processed_y)
+
+
+@dataclass
+class BlockSurvey:
+    """Looks at a scene once a period, and notes how the base stood when blocks were gripped and let go."""
+
+    scene: Any
+    model: WorldModel
+    plan: Building
+    _fixed: Fixed | None = None
+    _reference: Attitude | None = None
+    _held: Any = None
+    _rested: dict[str, str] = field(default_factory=dict)
+    _gripped: dict[str, Vector] = field(default_factory=dict)
+    """By block: the shift (3,) with which it was gripped off a table, in the base frame, in [m]."""
+    _released: dict[str, Vector] = field(default_factory=dict)
+
+    def look(self) -> None:
+        """A period has passed."""
+        if self.model.fixed is not None and not _same_fix(self.model.fixed, self._fixed):
+            self._reference = self._attitude()
+        self._fixed = self.model.fixed
+        held = self.scene.held
+        if held is not self._held:
+            if held is not None and self._rested.get(held.name) == "table":
+                self._gripped[held.name] = self._shift(held)
+            if self._held is not None and self._held.rest.value == "table":
+                self._released[self._held.name] = self._shift(self._held)
+            self._held = held
+        self._rested = {block.name: block.rest.value for block in self.scene.blocks.values()}
+
+    def errors(self) -> list[BlockError]:
+        """Of all blocks that stand about where they should."""
+        found = []
+        for number, goal in enumerate(self.plan.goals, start=1):
+            block = self.scene.blocks.get(str(number))
+            if block is not None and block.rest.value == "table":
+                error = self._error(number, goal, block)
+                if error.size < FALLEN_MM:
+                    found.append(error)
+        return found
+
+    def figures(self, processed: bool) -> dict[str, Any]:
+        """For a run's metrics; `processed`: whether the method leaves the base's motion uncorrected."""
+        errors = self.errors()
+        sizes = [error.size for error in errors]
+        result: dict[str, Any] = {"blocks_placed": len(errors)}
+        if errors:
+            result["raw_error_mm_mean"] = round(float(np.mean(sizes)), 3)
+            result["raw_error_mm_max"] = round(max(sizes), 3)
+            if processed:
+                result["processed_error_mm_max"] = round(max(error.processed for error in errors), 3)
+        result["blocks"] = [
+            {name: round(float(value), 3) for name, value in error._asdict().items()} for error in errors
+        ]
+        return result
+
+    def _attitude(self) -> Attitude:
+        return Attitude(self.scene.base.theta, tuple(self.scene.lean))
+
+    def _shift(self, block: Any) -> Vector:
+        """By how much turning and leaning since the fixation moved the block's place, in the base frame."""
+        if self._reference is None:
+            return np.zeros(3)
+        now, pivot = self._attitude(), self.scene.robot.errors.lean_pivot_m
+        before = leaning(self._reference.lean, pivot)
+        turned = transform(rpy=(0.0, 0.0, now.heading - self._reference.heading))
+        after = turned @ leaning(now.lean, pivot)
+        place = inverse(self.scene.world_T_base) @ block.pose[:, 3]
+        return np.asarray(((after - before) @ place)[:3])
+
+    def _error(self, number: int, goal: Slot, block: Any) -> BlockError:
+        actual = inverse(goal.pose) @ block.pose
+        x, y, z = (-1e3 * float(value) for value in actual[:3, 3])
+        turn = math.atan2(actual[1, 0], actual[0, 0])
+        turn = (turn + math.pi / 2) % math.pi - math.pi / 2
+        # The planned base heading is that of its place: shifts are small, so it serves for both.
+        heading = self.scene.base.theta
+        shift = self._released.get(block.name, np.zeros(3)).copy()
+        # Along the closing axis the fingers centred the block, so only the other component was carried here.
+        shift[1] -= self._gripped.get(block.name, np.zeros(3))[1]
+        in_goal = Pose2(0.0, 0.0, heading - goal.floor.theta).apply(shift[None, :2])[0] * 1e3
+        return BlockError(
+            number,
+            x,
+            y,
+            z,
+            1e3 * turn,
+            x + float(in_goal[0]),
+            y + float(in_goal[1]),
+            _on_scale(x),
+            _on_scale(y),
+        )
+
+
+def _same_fix(fixed: Fixed, other: Fixed | None) -> bool:
+    return other is not None and fixed._replace(swings=0) == other._replace(swings=0)
+
+
+def _on_scale(value: float) -> float:
+    return SCALE_MM * round(value / SCALE_MM)

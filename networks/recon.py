@@ -1,0 +1,92 @@
+"""A real robot's run that broke off: what was expected, what is measured, what nobody can tell."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Any
+
+from backends.robot import Robot
+from primitives.snapshot import Snapshot, limits, residuals, settle, take_snapshot
+
+from .measured import measured_fields
+from .preparing import Prepared
+from .resuming import Past
+
+LOOK = 40  # periods at rest in which a base that was pushed is found again
+_BY_SCANS = ("base_mm", "base_deg", "base_unsure_mm", "base_unsure_deg")
+
+
+@dataclass(frozen=True)
+class Recon:
+    """How a robot stands, read after the resume began, beside how its journal left it."""
+
+    expected: Snapshot | None
+    """None where the journal doesn't tell."""
+    measured: Snapshot
+    residuals: Mapping[str, float]
+    limits: Mapping[str, float]
+    unknown: tuple[str, ...]
+    """What no sensor tells, in words."""
+    sure: bool
+    """Whether all that was expected could be compared."""
+
+    @property
+    def off(self) -> dict[str, float]:
+        """What is not as it was left, beyond the robot's tolerance."""
+        return {name: size for name, size in self.residuals.items() if not size <= self.limits[name]}
+
+    def words(self) -> list[str]:
+        """Expected, measured and unknown, a line each."""
+        found = [
+            f"{name} {size:.3g} (at most {self.limits[name]:.3g})" for name, size in self.residuals.items()
+        ]
+        lines = [] if self.expected is None else [f"expected: {_stands(self.expected)}"]
+        lines.append(f"measured: {_stands(self.measured)}; off by {', '.join(found) or 'nothing known'}")
+        return [*lines, *(f"unknown: {each}" for each in self.unknown)]
+
+    def fields(self) -> dict[str, Any]:
+        """For the journal's RECON; `situation` is that of the run, so none is named."""
+        expected = None if self.expected is None else measured_fields(self.expected)
+        told = {"expected": expected, "at": measured_fields(self.measured), "residuals": self.residuals}
+        return {"situation": None, **told, "unknown": self.unknown}
+
+
+def standing_as_left(prepared: Prepared, past: Past) -> Prepared:
+    """The same run, its robot's estimate begun where the journal left it."""
+    old, at = prepared.robot, past.standing.at
+    grid = prepared.model.map if prepared.task.file.knowledge else None
+    robot = Robot(prepared.backend, old.spec, old.pose if at is None else at.pose, grid)
+    robot.time = past.time_s
+    return replace(prepared, robot=robot)
+
+
+def reconnoitre(robot: Robot, past: Past) -> Recon:
+    """Hold still, read everything anew and compare; nothing is commanded."""
+    for _ in range(LOOK):
+        robot.step()
+    for _ in settle(robot):
+        robot.step()
+    now, expected = take_snapshot(robot, {}), past.standing.at
+    unknown = list(past.doubts())
+    if expected is None:
+        return Recon(None, now, {}, {}, (*unknown, "how the robot stood: the journal doesn't tell"), False)
+    found = residuals(expected, now)
+    if robot.dead_reckoned:
+        found = {name: size for name, size in found.items() if name not in _BY_SCANS}
+        unknown.append("where the base stands: only its wheels tell, and they were not heard meanwhile")
+    elif robot.lost:
+        unknown.append("where the base stands: what it scans doesn't fit the map near where it was left")
+    unknown.append("what stands around it that no sensor reads now")
+    return Recon(expected, now, found, limits(robot, found), tuple(unknown), not robot.dead_reckoned)
+
+
+def _stands(at: Snapshot) -> str:
+    x, y, heading = at.pose
+    words = f"base at ({x:.2f}, {y:.2f}) m, heading {heading:.2f} rad"
+    if at.joints.size:
+        words += f"; joints {', '.join(f'{each:.2f}' for each in at.joints)} rad"
+    if at.gripper_width or at.gripper_command:
+        held = "something" if at.holding else "nothing"
+        words += f"; fingers {1e3 * at.gripper_width:.1f} mm apart, holding {held}"
+    return words

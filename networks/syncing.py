@@ -1,0 +1,66 @@
+"""Bringing a file to the disk, at once or beside what else is done."""
+
+from __future__ import annotations
+
+import os
+from concurrent.futures import Future, ThreadPoolExecutor
+from typing import Literal
+
+Sync = Literal["never", "always", "beside"]
+"""How records come to the disk. A killed process loses none of them, a power cut does.
+
+`never`: when the system likes, for simulated runs. `always`: each waits until it is there. `beside`: a thread
+brings them there, and who must not go on before asks whether they are: the control loop never waits.
+"""
+
+
+def sync_for(simulated: bool, wanted: bool | None = None) -> Sync:
+    """What a run gets: None stands for what its backend needs, a real robot's journal on the disk."""
+    if wanted is None:
+        wanted = not simulated
+    if not wanted:
+        return "never"
+    return "always" if simulated else "beside"
+
+
+class DiskSync:
+    """Brings a file's content to the disk; after a failure never tries again (row D8)."""
+
+    def __init__(self, file: int, sync: Sync) -> None:
+        """Do it for an open file."""
+        self._file, self._sync = file, sync
+        self._pool = ThreadPoolExecutor(1, "journal") if sync == "beside" else None
+        self._latest: Future[None] | None = None
+        self._failed = False
+
+    def ask(self) -> None:
+        """Something was written; raises `OSError` if it, or something before, can't be brought there."""
+        if self._pool is not None:
+            self.done  # noqa: B018  raises what went wrong before
+            self._latest = self._pool.submit(self._flush)
+        elif self._sync == "always":
+            self._flush()
+
+    @property
+    def done(self) -> bool:
+        """Whether all that was asked for is there; raises `OSError` if it can't be."""
+        if self._latest is None:
+            return True
+        if not self._latest.done():
+            return False
+        self._latest.result()
+        return True
+
+    def close(self) -> None:
+        """Wait for what is under way; tells no more of what goes wrong. A second call does nothing."""
+        if self._pool is not None:
+            self._pool.shutdown()
+
+    def _flush(self) -> None:
+        if self._failed:  # pages count as clean after a failure, so a second try would succeed falsely
+            raise OSError(5, os.strerror(5))
+        try:
+            os.fdatasync(self._file)
+        except OSError:
+            self._failed = True
+            raise

@@ -1,0 +1,88 @@
+"""What a robot that stacks blocks is told beforehand: where they wait, where they go, and by what it sees."""
+
+from __future__ import annotations
+
+import math
+from typing import Annotated, Literal
+
+from pydantic import Field
+
+from files.model import FileModel
+from robotics.geometry.pose2 import Pose2
+from robotics.geometry.transform import Transform, transform
+from robotics.kinematics.shapes import Box
+
+Positive = Annotated[float, Field(gt=0.0)]
+
+
+class Standing(FileModel):
+    """A pose on something level: on the map, or on the robot's own table."""
+
+    x_m: float
+    y_m: float
+    height_m: Annotated[float, Field(ge=0.0, le=3.0)]
+    """Of the surface."""
+    heading_deg: float = 0.0
+
+    @property
+    def floor(self) -> Pose2:
+        """The same without its height."""
+        return Pose2(self.x_m, self.y_m, math.radians(self.heading_deg))
+
+    @property
+    def pose(self) -> Transform:
+        """(4, 4)."""
+        return self.floor.lift(self.height_m)
+
+
+class LandmarkPlan(Standing):
+    """A landmark, on the map."""
+
+    side_mm: Positive = 60.0
+    place: str
+    """From which place of the base it is looked at."""
+
+
+class Slot(Standing):
+    """Where a block goes, on the map."""
+
+    landmark: str | None = None
+    """One that stands beside it, if any."""
+
+
+class Table(Standing):
+    """A table, on the map; its height is that of its top."""
+
+    size_m: tuple[Positive, Positive]
+    thickness_m: Positive = 0.04
+
+    @property
+    def box(self) -> Box:
+        """Its slab, posed on the map."""
+        return Box(self.pose @ transform((0.0, 0.0, -self.thickness_m / 2)), (*self.size_m, self.thickness_m))
+
+
+class Building(FileModel):
+    """A building plan."""
+
+    format: Literal["handcart-building/1"]
+    block_mm: tuple[Positive, Positive, Positive]
+    """Length (along which the fingers close), width, height of all blocks."""
+    landmarks: dict[str, LandmarkPlan]
+    tables: dict[str, Table]
+    supply: tuple[Standing, ...] = ()
+    """Where the blocks wait, on the map; the first one is block 1."""
+    carried: tuple[Standing, ...] = ()
+    """Where they stand on the robot's own table, in the base frame, in the same order, again and again."""
+    goals: tuple[Slot, ...] = ()
+    """Where they go."""
+
+    @property
+    def block(self) -> tuple[float, float, float]:
+        """Length, width, height in [m]."""
+        length, width, height = (each / 1e3 for each in self.block_mm)
+        return length, width, height
+
+    def seat(self, number: int) -> Standing:
+        """Where block `number`, from 1, stands on the robot's own table."""
+        return self.carried[(number - 1) % len(self.carried)]

@@ -1,0 +1,69 @@
+"""FIXATE: find out by a landmark where the base stands."""
+
+from __future__ import annotations
+
+from typing import Annotated, ClassVar
+
+from pydantic import Field
+
+from backends.arm import Arm
+from backends.camera import Camera
+from backends.robot import Robot
+from files.suggest import suggest
+
+from .action_primitive import ActionPrimitive, Periods
+from .building import LandmarkPlan
+from .discrepancy import Discrepancy
+from .fixating import Rule, fixate, fixed_by, planned_view
+from .hand_down import building, surroundings
+from .world_model import ModelView
+
+
+class Fixate(ActionPrimitive):
+    """Turn the hand until the landmark stands in the middle of the picture; that tells the travelling error.
+
+    Hatano et al. (2000), section 2.2, with the equations put right. The middle of the picture is where the
+    lens distorts least, and a closed loop forgives errors of the arm. A landmark out of view is searched for.
+    """
+
+    landmark: Annotated[str, Field(min_length=1)]
+    """Its name in the building plan."""
+    rule: Rule = "residual"
+    """When the hand is close enough, and what of the rest counts: `residual` stops within 0.5 mm and 3.5 mrad
+    and takes the rest in; `paper` stops within 0.5 mm and 0.2 rad, and forgets it."""
+    looks: Annotated[int, Field(ge=1, le=10)] = 4
+    """How often the hand comes to stand over it at least: the error is the mean of what is then seen."""
+    search: bool = True
+    """Whether a landmark out of view is searched for."""
+
+    needs: ClassVar = (Arm, Camera)
+    reads: ClassVar = ("places", "building", "placed")
+    writes: ClassVar = ("fixed",)
+
+    def motion(self, robot: Robot, model: ModelView) -> Periods:
+        mark = landmark_of(model, self.landmark)
+        planned = model.places[mark.place].pose
+        view = planned_view(robot, mark, planned)
+        around = surroundings(robot, model)
+        side = mark.side_mm / 1e3
+        found = yield from fixate(
+            robot, view, side, self.rule, self.evidence, None, around, self.search, self.looks
+        )
+        x, y, turn = found.planned_T_base
+        self.found(
+            error_x_mm=round(1e3 * x, 2),
+            error_y_mm=round(1e3 * y, 2),
+            error_mrad=round(1e3 * turn, 2),
+            frames=found.frames,
+            moves=found.moves,
+        )
+        model.fixed = fixed_by(robot, self.landmark, planned, found)
+        robot.found_at(model.fixed.pose, model.fixed.sigma)
+
+
+def landmark_of(model: ModelView, name: str) -> LandmarkPlan:
+    """A landmark of the building plan; raises `Discrepancy` where it has none of that name."""
+    marks = building(model).landmarks
+    if name not in marks:
+        raise Discrepancy(f"the building plan has no landmark {name!r}{suggest(name, marks)}", permanent=True)
+    return marks[name]

@@ -1,0 +1,25 @@
+"""What an attempt says before it does it, because nobody could tell afterwards whether it did."""
+
+from __future__ import annotations
+
+
+class Intents:
+    """Hears of effects that can't simply be done once more; this one keeps nothing.
+
+    A run's journal keeps them, so that after a crash it is known what may have happened.
+    """
+
+    def intends(self, effect: str) -> None:
+        """An effect is about to begin, such as the fingers closing on something."""
+
+    def passed(self, what: str) -> None:
+        """A point of no return is passed."""
+
+    @property
+    def kept(self) -> bool:
+        """Whether all that was said would outlast a crash."""
+        return True
+
+
+UNKEPT = Intents()
+"""For attempts without a journal."""

@@ -1,0 +1,121 @@
+"""PICK_UP_BLOCK: take a block from where it is known to stand."""
+
+from __future__ import annotations
+
+from collections.abc import Generator
+from typing import Annotated, ClassVar, Literal
+
+import numpy as np
+from pydantic import Field, PrivateAttr
+
+from backends.arm import Arm
+from backends.camera import Camera
+from backends.gripper import Gripper
+from backends.robot import Robot
+from robotics.geometry.transform import Transform, inverse
+
+from .action_primitive import ActionPrimitive, Periods
+from .arm_motion import move_straight, move_to_pose
+from .block_view import see_block
+from .building import Building
+from .discrepancy import Discrepancy, Measured, NeedsPerson
+from .grip import close, open_to
+from .hand_down import building, gripping, held_block, on_level, standing, surroundings
+from .pushing import push
+from .retrace import retrace
+from .snapshot import Snapshot
+from .trace import Trace
+from .world_model import ModelView
+
+ABOVE = 0.06  # [m] over the grip, where the hand waits before it goes straight down and after it came up
+OPEN = 0.020  # [m] wider than the block
+SPEED = 0.10  # [m/s]
+TOUCH = 6.0  # [N]: more means that a finger stands on the block
+THICKNESS_ERROR = 0.002  # [m]
+
+
+class PickUpBlock(ActionPrimitive):
+    """Take a block from above: at the supply, where the landmark says it is, or off the robot's own table.
+
+    Closing, the fingers centre it between them: whatever it was off in that direction is gone. Along the
+    fingers it stays as it was (Hatano et al. 2000, sections 5.4 and 5.5).
+    """
+
+    number: Annotated[int, Field(ge=1)]
+    """Of the block, by the building plan."""
+    at: Literal["supply", "robot"]
+    """Where it stands: at the supply, or on the robot's own table."""
+
+    needs: ClassVar = (Arm, Gripper, Camera)
+    reads: ClassVar = ("building", "fixed", "placed")
+
+    _held: bool = PrivateAttr(default=False)
+    _touched: bool = PrivateAttr(default=False)
+
+    def motion(self, robot: Robot, model: ModelView) -> Periods:
+        plan = building(model)
+        base_T_grip = gripping(robot, plan, self._stands(robot, model, plan))
+        above = base_T_grip.copy()
+        above[2, 3] += ABOVE
+        yield from move_to_pose(robot, above, around=surroundings(robot, model))
+        yield from open_to(robot, plan.block[0] + OPEN)
+        pushed = yield from push(robot, base_T_grip, SPEED, TOUCH)
+        if pushed.met:
+            felt = Measured("Arm", "force that resists the hand", pushed.force, TOUCH, "N")
+            raise Discrepancy("a finger stands on the block", measured=felt)
+        yield from self.intend("the fingers close on the block")
+        self._touched = True
+        yield from close(robot)
+        if not _grips(robot, plan):
+            raise Discrepancy("the fingers don't hold a block", measured=_opening(robot, plan))
+        self._held = True
+        yield from move_straight(robot, above, held_block(robot, plan))
+        self.found(width_mm=round(1e3 * robot.gripper.width(), 2))
+
+    def watch(self, robot: Robot, model: ModelView) -> None:
+        """A block that slips out of the hand."""
+        if self._held and not robot.gripper.closed_on_something():
+            raise Discrepancy("the block slipped out of the hand", measured=_opening(robot, building(model)))
+
+    def effect(self, robot: Robot, model: ModelView) -> Generator[None, None, bool]:
+        """The fingers press on something as long as a block."""
+        return _grips(robot, building(model))
+        yield
+
+    def restore(self, robot: Robot, model: ModelView, start: Snapshot, trace: Trace) -> Periods:
+        """Played backwards, the block stands where it stood; then a picture tells whether it does."""
+        self._held = False
+        yield from retrace(robot, start, trace)
+        if not self._touched:
+            return
+        plan = building(model)
+        stands = self._stands(robot, model, plan)
+        seen = yield from see_block(robot, plan, stands, self.evidence, surroundings(robot, model))
+        if seen is None:
+            raise NeedsPerson(f"block {self.number} isn't seen where it stood")
+        off = 1e3 * seen.distance(on_level(stands))
+        most = robot.spec.tolerance.object_mm
+        if off > most:
+            moved = Measured("Camera", "block off its place", off, most, "mm")
+            raise NeedsPerson(f"block {self.number} doesn't stand where it stood", moved)
+        yield from retrace(robot, start, trace)
+
+    def _stands(self, robot: Robot, model: ModelView, plan: Building) -> Transform:
+        """base_T_block (4, 4) by the plan and where the base stands."""
+        if self.at == "robot":
+            return plan.seat(self.number).pose
+        if self.number > len(plan.supply):
+            raise Discrepancy(
+                f"the supply has {len(plan.supply)} blocks, no block {self.number}", permanent=True
+            )
+        return np.asarray(inverse(standing(robot, model).lift()) @ plan.supply[self.number - 1].pose)
+
+
+def _grips(robot: Robot, plan: Building) -> bool:
+    off = abs(robot.gripper.width() - plan.block[0])
+    return robot.gripper.closed_on_something() and off < THICKNESS_ERROR
+
+
+def _opening(robot: Robot, plan: Building) -> Measured:
+    off = 1e3 * abs(robot.gripper.width() - plan.block[0])
+    return Measured("Gripper", "opening off the block's length", off, 1e3 * THICKNESS_ERROR, "mm")

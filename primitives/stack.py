@@ -1,0 +1,252 @@
+"""STACK: put the held block down where it goes."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Generator
+from typing import Annotated, ClassVar, Literal
+
+import numpy as np
+from pydantic import Field, PrivateAttr
+
+from backends.arm import Arm
+from backends.camera import Camera
+from backends.gripper import Gripper
+from backends.robot import Robot
+from robotics.geometry.pose2 import Pose2, wrap
+from robotics.geometry.transform import Transform, inverse, transform
+from robotics.manipulation.fixation import placing_posture, split_goal
+
+from .action_primitive import ActionPrimitive, Periods
+from .arm_motion import move_straight, move_to_pose
+from .block_view import see_block
+from .building import Building, Standing
+from .discrepancy import Discrepancy, Measured
+from .fixate import landmark_of
+from .fixating import Rule, fixate, fixed_by, planned_view
+from .grip import open_to
+from .hand_down import building, gripping, held_block, on_level, pointing_down, standing, surroundings
+from .pick_up_block import ABOVE, OPEN
+from .pushing import push, relax
+from .snapshot import settle
+from .world_model import Fixed, ModelView, Placed
+
+NEAR = 0.010  # [m] above the expected contact, where the guarded descent begins
+PAST = 0.012  # [m] below it, where there should have been contact
+FAST, SLOW = 0.10, 0.02  # [m/s]
+CONTACT = 4.0  # [N]
+UNEXPECTED = 12.0  # [N] on the way down
+MOST_OFF = 0.008  # [m] from its goal at which a block still counts as put there
+
+Method = Literal["fix_once", "model", "imu", "fix_again", "fix_again_model", "servo"]
+
+
+class Stack(ActionPrimitive):
+    """Move the held block over its goal, lower it until it touches down, let go, withdraw, and look at it.
+
+    The goal is split into where the base should stand and the arm's posture from there; the posture is
+    corrected for where the base does stand (Hatano et al. 2000, eq. 7). That is known from the last fixation.
+    Since then the base turned and leans otherwise; what of that is corrected is the method. `fix_once`:
+    nothing, as in the paper. `model`: what the suspension's model says (eq. 12). `imu`: what the inertial
+    sensors felt. `fix_again`: the landmark is looked at once more, with the block in hand. `fix_again_model`:
+    that, and the model from there on, and what was found before. `servo`: a landmark beside the goal is
+    looked at.
+    """
+
+    number: Annotated[int, Field(ge=1)]
+    """Of the block, by the building plan."""
+    onto: Literal["goal", "robot"]
+    """Where to: its goal, or its seat on the robot's own table."""
+    method: Method = "fix_again_model"
+    """What is done about the base's turning and leaning."""
+    rule: Rule = "residual"
+    """When a fixation is close enough; see FIXATE."""
+
+    needs: ClassVar = (Arm, Gripper, Camera)
+    reads: ClassVar = ("places", "building")
+    writes: ClassVar = ("fixed", "placed")
+
+    _placed: Placed | None = PrivateAttr(default=None)
+
+    def motion(self, robot: Robot, model: ModelView) -> Periods:
+        plan = building(model)
+        if not robot.gripper.closed_on_something():
+            raise Discrepancy("the hand holds no block", permanent=True)
+        held = held_block(robot, plan)
+        goal = self._goal(plan)
+        around = surroundings(robot, model)
+        if self.onto == "goal" and self.method in ("fix_again", "fix_again_model"):
+            yield from self._fix_again(robot, model)
+        grip = yield from self._over(robot, model, plan, goal, around)
+        yield from move_straight(robot, _raised(grip, ABOVE), held)
+        if self.onto == "goal" and self.method == "imu":
+            yield from settle(robot)
+            grip = gripping(robot, plan, self._corrected(robot, model, plan, goal))
+        yield from self._lower(robot, grip)
+        yield from self.intend("the fingers let the block go")
+        yield from open_to(robot, plan.block[0] + OPEN)
+        yield from move_straight(robot, _raised(robot.arm_model.forward(robot.arm.command()), ABOVE))
+        if self.onto == "goal":
+            yield from self._check(robot, model, plan, goal)
+
+    def _goal(self, plan: Building) -> Standing:
+        if self.onto == "robot":
+            return plan.seat(self.number)
+        if self.number > len(plan.goals):
+            raise Discrepancy(
+                f"the plan has {len(plan.goals)} goals, none for block {self.number}", permanent=True
+            )
+        return plan.goals[self.number - 1]
+
+    def _over(
+        self, robot: Robot, model: ModelView, plan: Building, goal: Standing, around: tuple[object, ...]
+    ) -> Generator[None, None, Transform]:
+        """Bring the block over its goal; gives base_T_hand (4, 4) where it will touch down."""
+        held = held_block(robot, plan)
+        if self.onto == "goal" and self.method == "servo":
+            return (yield from self._servo(robot, model, plan))
+        grip = gripping(robot, plan, self._corrected(robot, model, plan, goal, moving=True))
+        yield from move_to_pose(robot, _raised(grip, ABOVE), held, around)  # type: ignore[arg-type]
+        if self.onto == "goal" and model.fixed is not None:
+            model.fixed = model.fixed._replace(swings=model.fixed.swings + 1)
+        return grip
+
+    def _corrected(
+        self, robot: Robot, model: ModelView, plan: Building, goal: Standing, moving: bool = False
+    ) -> Transform:
+        """base_T_block (4, 4) at the goal; `moving`: the swing that leads there is still to come."""
+        if self.onto == "robot":
+            return goal.pose
+        base_T_block = np.asarray(inverse(standing(robot, model).lift()) @ goal.pose)
+        fixed = model.fixed
+        if fixed is None:
+            raise Discrepancy("no landmark was seen from here", permanent=True)
+        if self.method in ("model", "fix_again_model"):
+            reach = gripping(robot, plan, base_T_block)[:2, 3]
+            return inverse(_given(robot, fixed, reach, int(moving))) @ base_T_block
+        if self.method == "imu" and not moving:
+            return inverse(_felt(robot, fixed)) @ base_T_block
+        return base_T_block
+
+    def _fix_again(self, robot: Robot, model: ModelView) -> Periods:
+        if model.fixed is None:
+            raise Discrepancy("no landmark was seen from here", permanent=True)
+        name = model.fixed.landmark
+        yield from self._fix(robot, model, name, None)
+
+    def _servo(self, robot: Robot, model: ModelView, plan: Building) -> Generator[None, None, Transform]:
+        goal = plan.goals[self.number - 1]
+        if goal.landmark is None:
+            raise Discrepancy(
+                f"the plan has no landmark beside the goal of block {self.number}", permanent=True
+            )
+        mark = landmark_of(model, goal.landmark)
+        planned = model.places[mark.place].pose
+        planned_T_block = split_goal(goal.pose, planned.lift())
+        hover = gripping(robot, plan, planned_T_block)
+        hover[2, 3] = self._view_height(robot, mark.height_m)
+        error = yield from self._fix(robot, model, goal.landmark, hover)
+        return gripping(robot, plan, placing_posture(error, planned_T_block))
+
+    def _view_height(self, robot: Robot, surface: float) -> float:
+        """Of the hand, from which the camera looks down on a surface as in a fixation."""
+        from .hand_down import VIEW
+
+        level = pointing_down(Pose2(0.0, 0.0, 0.0), 0.0)
+        return surface + VIEW - float((level @ robot.camera.hand_T_camera)[2, 3])
+
+    def _fix(
+        self, robot: Robot, model: ModelView, name: str, hand: Transform | None
+    ) -> Generator[None, None, Transform]:
+        plan, mark = building(model), landmark_of(model, name)
+        planned = model.places[mark.place].pose
+        view = planned_view(robot, mark, planned, hand)
+        held, around = held_block(robot, plan), surroundings(robot, model)
+        found = yield from fixate(robot, view, mark.side_mm / 1e3, self.rule, self.evidence, held, around)
+        self.found(frames=found.frames)
+        before = model.fixed
+        model.fixed = fixed_by(robot, name, planned, found)
+        if self.method == "fix_again_model" and before is not None:
+            model.fixed = fused(robot, before, model.fixed)
+        return found.planned_T_base.lift()
+
+    def _lower(self, robot: Robot, grip: Transform) -> Periods:
+        """Down until the block touches."""
+        pushed = yield from push(robot, _raised(grip, NEAR), FAST, UNEXPECTED)
+        if pushed.met:
+            felt = Measured("Arm", "force that resists the hand", pushed.force, UNEXPECTED, "N")
+            raise Discrepancy("something stands where the block goes", measured=felt)
+        pushed = yield from push(robot, _raised(grip, -PAST), SLOW, CONTACT)
+        if not pushed.met:
+            felt = Measured("Arm", "force that resists the hand", pushed.force, CONTACT, "N")
+            raise Discrepancy("the block doesn't touch down where its support should be", measured=felt)
+        touched = float(robot.base_T("hand")[2, 3] - grip[2, 3])
+        yield from relax(robot)
+        self.found(touched_mm=round(1e3 * touched, 2))
+
+    def _check(self, robot: Robot, model: ModelView, plan: Building, goal: Standing) -> Periods:
+        """Look where the block stands."""
+        expected = self._corrected(robot, model, plan, goal)
+        seen = yield from see_block(robot, plan, expected, self.evidence, surroundings(robot, model))
+        if seen is None:
+            raise Discrepancy(f"block {self.number} isn't seen where it was put")
+        off = seen.relative_to(on_level(expected))
+        self.found(seen_x_mm=round(1e3 * off.x, 2), seen_y_mm=round(1e3 * off.y, 2))
+        far = float(np.hypot(off.x, off.y))
+        if far > MOST_OFF:
+            apart = Measured("Camera", "block off its goal", 1e3 * far, 1e3 * MOST_OFF, "mm")
+            raise Discrepancy(f"block {self.number} stands beside its goal", measured=apart)
+        self._placed = Placed(self.number, goal.floor, goal.height_m)
+        model.placed = (*model.placed, self._placed)
+
+
+def fused(robot: Robot, before: Fixed, now: Fixed) -> Fixed:
+    """What was found now, with what was found before and has been driven by the model since.
+
+    The base turned with each swing, by what the model says and its spread; where it stands it kept. Both
+    weigh by their variance (a Kalman filter's update of states that are measured one by one).
+    """
+    known = robot.spec.suspension
+    yaw = known.swing_yaw_mrad / 1e3 * before.swings
+    spread = math.hypot(before.sigma[1], known.swing_yaw_sigma_mrad / 1e3 * math.sqrt(before.swings))
+    place = (before.sigma[0] ** 2, now.sigma[0] ** 2)
+    turn = (spread**2, now.sigma[1] ** 2)
+    share, share_of_turn = place[0] / sum(place), turn[0] / sum(turn)
+    old = before.pose.compose(Pose2(0.0, 0.0, yaw))
+    pose = Pose2(
+        old.x + share * (now.pose.x - old.x),
+        old.y + share * (now.pose.y - old.y),
+        old.theta + share_of_turn * wrap(now.pose.theta - old.theta),
+    )
+    sigma = (math.sqrt(place[0] * place[1] / sum(place)), math.sqrt(turn[0] * turn[1] / sum(turn)))
+    return now._replace(pose=pose, sigma=sigma)
+
+
+def _raised(base_T_hand: Transform, by: float) -> Transform:
+    result = base_T_hand.copy()
+    result[2, 3] += by
+    return result
+
+
+def _given(
+    robot: Robot, fixed: Fixed, reach: np.ndarray[tuple[int], np.dtype[np.float64]], more: int
+) -> Transform:
+    """fixed_T_base by the model: how the base turned and leans against how it stood when it was fixed."""
+    known = robot.spec.suspension
+    rate = known.lean_mrad_per_m / 1e3
+    x, y = float(reach[0]) - fixed.reach[0], float(reach[1]) - fixed.reach[1]
+    yaw = known.swing_yaw_mrad / 1e3 * (fixed.swings + more)
+    return _about_pivot(-rate * y, rate * x, yaw, known.pivot_m)
+
+
+def _felt(robot: Robot, fixed: Fixed) -> Transform:
+    """The same by the inertial sensors."""
+    roll, pitch = robot.attitude.tilt
+    before = fixed.attitude
+    turned = (roll - before[0], pitch - before[1], robot.attitude.yaw - before[2])
+    return _about_pivot(*turned, robot.spec.suspension.pivot_m)
+
+
+def _about_pivot(roll: float, pitch: float, yaw: float, pivot: float) -> Transform:
+    up, down = transform((0.0, 0.0, pivot)), transform((0.0, 0.0, -pivot))
+    return np.asarray(up @ transform(rpy=(roll, pitch, yaw)) @ down)

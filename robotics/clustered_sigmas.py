@@ -1,0 +1,42 @@
+"""How well least squares know their result where measurements are wrong in groups."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+
+_WORST_CONDITION = 1e12
+_POSE = 6  # numbers that a group can tell at most: it is wrong as a pose is
+
+
+def clustered_sigmas(
+    jacobian: Floats, residuals: Floats, groups: NDArray[np.integer], best: float = 0.0
+) -> Floats:
+    """Standard deviations (k,) of parameters found by least squares; infinite where nothing tells them.
+
+    What was measured from one posture is off alike by the arm's error. So residuals of a group count
+    together: the clustered "sandwich" estimate (Liang and Zeger, 1986), and a group for no more than a pose's
+    six numbers.
+
+    Args:
+        jacobian: (n, k) at the result.
+        residuals: (n,).
+        groups: (n,) numbers from 0.
+        best: no residual is believed to be smaller than this (rms).
+    """
+    parameters = jacobian.shape[1]
+    scales = np.linalg.norm(jacobian, axis=0)
+    told = float(np.minimum(np.bincount(groups), _POSE).sum())
+    if (scales == 0.0).any() or told <= parameters:
+        return np.where((scales == 0.0) | (told <= parameters), np.inf, 0.0)
+    scaled = jacobian / scales
+    normal = scaled.T @ scaled
+    if np.linalg.cond(normal) > _WORST_CONDITION:
+        return np.full(parameters, np.inf)
+    scores = np.zeros((int(groups.max()) + 1, parameters))
+    np.add.at(scores, groups, scaled * residuals[:, None])
+    middle = scores.T @ scores * told / (told - parameters) + best**2 * normal
+    outer = np.linalg.inv(normal)
+    return np.asarray(np.sqrt(np.diag(outer @ middle @ outer)) / scales)

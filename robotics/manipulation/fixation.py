@@ -1,0 +1,106 @@
+"""Fixation: turning the hand until the landmark is seen as planned, and what that tells of the base.
+
+Hatano et al., "Construction robot systems using mobile manipulators" (2000), sections 2 and 5.2, with the
+errors in its equations put right. The paper's frames here: M0 and M are the base as `planned` and as it
+stands, 6 the hand, C the camera, P0 the landmark, B0 the block's goal.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+from robotics.geometry.pose2 import Pose2
+from robotics.geometry.transform import Transform, inverse
+
+
+class StopRule(NamedTuple):
+    """When the landmark is seen as planned (eq. 13)."""
+
+    position: float = 0.0005
+    """eps1, of x and of y in the camera frame, in [m]."""
+    angle: float = 0.0035
+    """eps2, about the camera's z, in [rad]."""
+
+    def met(self, planned: Transform, seen: Transform) -> bool:
+        """Whether camera_T_landmark as `seen` is near enough to the `planned` one."""
+        x, y = (seen[:2, 3] - planned[:2, 3]).tolist()
+        return (
+            abs(x) <= self.position and abs(y) <= self.position and self.turned(planned, seen) <= self.angle
+        )
+
+    def turned(self, planned: Transform, seen: Transform) -> float:
+        """Size of the turn about the camera's z from the `planned` to the `seen` landmark, in [rad]."""
+        turn = seen[:3, :3] @ planned[:3, :3].T
+        return abs(math.atan2(turn[1, 0] - turn[0, 1], turn[0, 0] + turn[1, 1]))
+
+
+PAPER_RULE = StopRule(0.0005, 0.2)
+"""The paper's. With it the turn that is left must not be forgotten: see `PlannedView.travelling_error`."""
+
+
+class PlannedView(NamedTuple):
+    """How the landmark is to be seen from a base that stands where it should: relation A of the paper.
+
+    Its corrected equations, none of which needs to know where in the world all this is:
+
+        (4)   dT_C = C0_T_P0 · C_T_P0⁻¹                                     `camera_error`
+        (9)   W_T_M0 · M0_T_60 · 60_T_C0 · dT_C = W_T_M · M_T_60 · 60_T_C0  follows from (1), (2) and (4)
+        (11)  dT_M = M0_T_60 · M~_T_60⁻¹                                    `travelling_error`
+    """
+
+    base_T_hand: Transform
+    """M0_T_60, (4, 4)."""
+    hand_T_camera: Transform
+    """60_T_C0, (4, 4), by hand-eye calibration."""
+    camera_T_landmark: Transform
+    """C0_T_P0, (4, 4)."""
+
+    def camera_error(self, camera_T_landmark: Transform) -> Transform:
+        """dT_C, planned_T_camera: where the camera is, seen from where it should be (eq. 4)."""
+        return self.camera_T_landmark @ inverse(camera_T_landmark)
+
+    def next_hand(self, base_T_hand: Transform, camera_T_landmark: Transform) -> Transform:
+        """base_T_hand of the next move: M_T_6^(k+1) = M_T_6^k · 60_T_C0 · (dT_C^k)⁻¹ · 60_T_C0⁻¹.
+
+        Without errors the landmark is then seen as planned. `base_T_hand` is where the hand is now, and
+        `camera_T_landmark` what is seen from there.
+        """
+        back = inverse(self.camera_error(camera_T_landmark))
+        return base_T_hand @ self.hand_T_camera @ back @ inverse(self.hand_T_camera)
+
+    def travelling_error(self, base_T_hand: Transform, camera_T_landmark: Transform) -> Transform:
+        """dT_M, planned_T_base: where the base stands, seen from where it should.
+
+        Eq. 11 with the posture that the next move would give: what was left when fixation stopped is thus
+        taken in. At the planned posture this is eq. 5.
+        """
+        return self.travelling_error_by_posture(self.next_hand(base_T_hand, camera_T_landmark))
+
+    def travelling_error_by_posture(self, base_T_hand: Transform) -> Transform:
+        """dT_M as the paper takes it (eq. 11): by the final posture, as if nothing were left.
+
+        A turn of the base by up to the rule's angle is lost: 0.1 rad displace a block by 20 mm.
+        """
+        return self.base_T_hand @ inverse(base_T_hand)
+
+
+def placing_posture(planned_T_base: Transform, planned_T_goal: Transform) -> Transform:
+    """base_T_goal: what the arm must reach from where the base stands (eq. 7, and eq. 6 for the hand).
+
+    `planned_T_base` is dT_M, `planned_T_goal` is M0_T_B0, the posture from where the base should stand.
+    """
+    return inverse(planned_T_base) @ planned_T_goal
+
+
+def split_goal(world_T_goal: Transform, world_T_base: Transform) -> Transform:
+    """M0_T_B0, base_T_goal: the arm's part of a goal, where `world_T_base` is the base's (section 3)."""
+    return inverse(world_T_base) @ world_T_goal
+
+
+def on_floor(planned_T_base: Transform) -> Pose2:
+    """The same error of a base that can but drive: x, y in [m] and heading in [rad]; tilt and height fall
+    away."""
+    turn = planned_T_base[:3, :3]
+    heading = math.atan2(turn[1, 0] - turn[0, 1], turn[0, 0] + turn[1, 1])
+    return Pose2(float(planned_T_base[0, 3]), float(planned_T_base[1, 3]), heading)

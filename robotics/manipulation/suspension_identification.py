@@ -1,0 +1,147 @@
+"""Identifying the base's yaw and lean from what was measured in a calibration run."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import least_squares
+
+from robotics.clustered_sigmas import clustered_sigmas
+from robotics.geometry.pose2 import Pose2
+from robotics.geometry.transform import Transform, apply, inverse
+from robotics.manipulation.suspension_model import SuspensionModel
+
+Floats = NDArray[np.float64]
+
+LARGEST_SIGMAS = SuspensionModel(0.5e-3, 2e-3, 2e-3, 0.2)
+"""A parameter that is known less well than this was not measured."""
+_START = SuspensionModel(0.0, -5e-3, 5e-3, 0.0)
+_STEPS = np.array([1e-3, 1e-2, 1e-2, 0.1])
+_BEST = 1e-5  # no measurement is believed to be better [m], [rad]
+
+
+class Swing(NamedTuple):
+    """One move of the arm: where it took the hand, counted from the reference posture."""
+
+    base_T_hand: Transform
+    """By the joints, (4, 4)."""
+    reference: Transform
+    """base_T_hand at the reference posture, (4, 4)."""
+    swings: float
+    """Moves out and back since the reference posture."""
+
+
+class Sighting(NamedTuple):
+    """A landmark seen after a swing."""
+
+    swing: Swing
+    corners: Floats
+    """Where its corners are printed on the sheet, (4, 3) in [m]."""
+    rays: Floats
+    """Where they are seen, (4, 2), as `Landmark.rays`."""
+
+
+class SuspensionFit(NamedTuple):
+    """An identified model."""
+
+    model: SuspensionModel
+    sigmas: SuspensionModel
+    """Standard deviation of each parameter; 0 for those that were given."""
+    rms: float
+    """Of what the model leaves unexplained, in [m] or (rays) [rad]."""
+
+
+def fit_displacements(
+    swings: Sequence[Swing], displacements: Floats, known: Mapping[str, float] | None = None
+) -> SuspensionFit:
+    """The model from displacements (n, 3) of the hand in [m], in the base as it stood at the reference.
+
+    `known` gives parameters that aren't to be found. Raises ValueError where the swings can't tell one of the
+    others.
+    """
+
+    def residuals(model: SuspensionModel, _: Floats) -> Floats:
+        moved = [model.displaced(*swing)[:3, 3] - swing.base_T_hand[:3, 3] for swing in swings]
+        return np.ravel(np.array(moved) - displacements)
+
+    return _fit(residuals, len(swings), np.empty(0), known or {})
+
+
+def fit_sightings(
+    sightings: Sequence[Sighting],
+    hand_T_camera: Transform,
+    base_T_sheet: Transform,
+    known: Mapping[str, float] | None = None,
+) -> SuspensionFit:
+    """The model from landmarks of one sheet, seen from many postures.
+
+    Where the sheet lies is found as well: `base_T_sheet` (4, 4) need be good to a few centimetres only, but
+    for its height and its level. Raises ValueError where the sightings can't tell a parameter.
+    """
+    seen = np.array([each.rays for each in sightings])
+
+    def residuals(model: SuspensionModel, placed: Floats) -> Floats:
+        sheet = base_T_sheet @ Pose2(*placed.tolist()).lift()
+        rays = [
+            _rays(model.displaced(*each.swing) @ hand_T_camera, apply(sheet, each.corners))
+            for each in sightings
+        ]
+        return np.ravel(np.array(rays) - seen)
+
+    return _fit(residuals, len(sightings), np.zeros(3), known or {})
+
+
+def _rays(base_T_camera: Transform, points: Floats) -> Floats:
+    """(n, 2) x/z, y/z of points (n, 3) of the base."""
+    inside = apply(inverse(base_T_camera), points)
+    return np.asarray(inside[:, :2] / inside[:, 2:3])
+
+
+def _fit(
+    residuals: Callable[[SuspensionModel, Floats], Floats],
+    count: int,
+    others: Floats,
+    known: Mapping[str, float],
+) -> SuspensionFit:
+    """Least squares over what isn't known of the model, and some `others`; `count` swings were measured."""
+    free = [i for i, name in enumerate(SuspensionModel._fields) if name not in known]
+    fixed = np.array(_START._replace(**known))
+
+    def model_of(values: Floats) -> SuspensionModel:
+        full = fixed.copy()
+        full[free] = values[: len(free)] * _STEPS[free]
+        return SuspensionModel(*full.tolist())
+
+    start = np.concatenate([fixed[free] / _STEPS[free], others])
+    if count == 0:
+        raise ValueError("there are no measurements")
+    found = least_squares(
+        lambda values: residuals(model_of(values), values[len(free) :]),
+        start,
+        x_scale="jac",
+        xtol=1e-12,
+        ftol=1e-12,
+        gtol=1e-14,
+    )
+    sigmas = np.zeros(4)
+    groups = np.repeat(np.arange(count), len(found.fun) // count)
+    sigmas[free] = clustered_sigmas(found.jac, found.fun, groups, _BEST)[: len(free)] * _STEPS[free]
+    _check(sigmas)
+    rms = float(np.sqrt(np.mean(found.fun**2)))
+    return SuspensionFit(model_of(found.x), SuspensionModel(*sigmas.tolist()), rms)
+
+
+def _check(sigmas: Floats) -> None:
+    vague = [
+        name
+        for name, sigma, largest in zip(SuspensionModel._fields, sigmas, LARGEST_SIGMAS, strict=True)
+        if not sigma <= largest
+    ]
+    if vague:
+        raise ValueError(
+            f"the measurements can't tell {', '.join(vague)}: reach further out, in x and in y, at several "
+            "heights and after several swings, or give what is known"
+        )

@@ -1,0 +1,85 @@
+"""How the base yaws and leans when the arm moves, and where hand and block then are.
+
+Hatano et al., "Construction robot systems using mobile manipulators" (2000), section 4. The paper's pitch is
+about the base's x axis (its blocks stand in a row along y); here that is roll, as in URDF.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robotics.geometry.transform import Transform, inverse, transform
+
+Floats = NDArray[np.float64]
+
+
+def base_motion(yaw: float, roll: float = 0.0, pitch: float = 0.0, pivot: float = 0.0) -> Transform:
+    """The base as it has turned, in the base as it was: dPsi · dPhi of eq. 12, in [rad].
+
+    It leans about a point of its z axis at the height `pivot` in [m], which the paper leaves out.
+    """
+    lean = transform((0.0, 0.0, pivot)) @ transform(rpy=(roll, pitch, 0.0)) @ transform((0.0, 0.0, -pivot))
+    return np.asarray(transform(rpy=(0.0, 0.0, yaw)) @ lean)
+
+
+class SuspensionModel(NamedTuple):
+    """A base that turns by the same angle each time the arm swings out, and sinks on the arm's side.
+
+    The lean is in proportion to the hand's distance from the base's z axis: the centre of gravity moves with
+    the arm, and the springs are linear.
+    """
+
+    yaw_per_swing: float
+    """In [rad]."""
+    roll_per_m: float
+    """For each metre that the hand is to the left (+y); negative where the left side sinks. In [rad/m]."""
+    pitch_per_m: float
+    """For each metre that the hand is in front (+x); positive where the front sinks. In [rad/m]."""
+    pivot: float
+    """Height of the axes of lean above the base frame's origin, in [m]."""
+
+    def motion(self, base_T_hand: Transform, reference: Transform, swings: float) -> Transform:
+        """reference_T_base: how the base has moved since the hand stood at `reference` (base_T_hand).
+
+        `swings` were made in between. That is dPsi · dPhi of eq. 12.
+        """
+        lean = self._lean(base_T_hand) @ inverse(self._lean(reference))
+        return np.asarray(base_motion(self.yaw_per_swing * swings) @ lean)
+
+    def displaced(self, base_T_hand: Transform, reference: Transform, swings: float) -> Transform:
+        """Where the hand truly is, in the base as it stood at `reference` (eq. 12)."""
+        return self.motion(base_T_hand, reference, swings) @ base_T_hand
+
+    def corrected(self, base_T_goal: Transform, reference: Transform, swings: float) -> Transform:
+        """base_T_hand to command, for the hand to come to `base_T_goal` (in the base as at `reference`)."""
+        command = base_T_goal
+        for _ in range(_REFINEMENTS):
+            command = inverse(self.motion(command, reference, swings)) @ base_T_goal
+        return command
+
+    def _lean(self, base_T_hand: Transform) -> Transform:
+        x, y = base_T_hand[:2, 3].tolist()
+        return base_motion(0.0, self.roll_per_m * y, self.pitch_per_m * x, self.pivot)
+
+
+_REFINEMENTS = 3  # each makes the error a hundred times smaller
+
+
+def stacking_error(world_T_goal: Transform, world_T_block: Transform) -> Floats:
+    """E_x, E_y (2,) in [m] along the goal's axes: the goal less where the block is (eq. 14)."""
+    return -(inverse(world_T_goal) @ world_T_block)[:2, 3]
+
+
+def processed_error(
+    world_T_goal: Transform, world_T_block: Transform, world_T_base: Transform, motion: Transform
+) -> Floats:
+    """E_x, E_y (2,) in [m] without what the base's `motion` did: the paper's processed error (section 5.4).
+
+    `world_T_base` is the base as it stood at the reference posture, `motion` is `base_motion` with the
+    angles measured for this block.
+    """
+    undone = world_T_base @ inverse(motion) @ inverse(world_T_base) @ world_T_block
+    return stacking_error(world_T_goal, undone)

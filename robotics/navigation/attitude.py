@@ -1,0 +1,54 @@
+"""How a base is turned and tilted, by its inertial sensors."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robotics.geometry.pose2 import wrap
+
+BIAS_TIME = 5.0  # over which a gyro's bias is averaged at rest [s]
+TILT_TIME = 0.5  # over which the direction of gravity is averaged [s]
+TURNING = 0.002  # [rad/s] beside its bias: more is no rest
+
+Vector = NDArray[np.float64]
+
+
+class Attitude:
+    """Yaw by integrating the gyro, its bias learned at rest; roll and pitch by where gravity is felt.
+
+    Yaw counts from where it was at first and isn't wrapped away: differences are what it is for. Tilt is
+    small, and right only where the base isn't accelerated.
+    """
+
+    STATE = ("yaw", "_bias", "_known", "_felt")
+
+    def __init__(self) -> None:
+        self.yaw = 0.0
+        """[rad], counted from the start."""
+        self._bias = 0.0
+        self._known = 0.0
+        self._felt = np.array([0.0, 0.0, 1.0])
+
+    def update(self, rates: Vector, accelerations: Vector, period: float, at_rest: bool) -> None:
+        """Take in a period's readings.
+
+        Args:
+            rates: (3,) in [rad/s]; accelerations: (3,) in [m/s²]; period: in [s].
+            at_rest: neither wheels nor arm were commanded to move.
+        """
+        rate = float(rates[2])
+        steady = at_rest and abs(rate - self._bias) < max(TURNING, 1.0 if self._known == 0.0 else 0.0)
+        if steady:
+            self._known = min(self._known + period, BIAS_TIME)
+            self._bias += period / self._known * (rate - self._bias)
+        self.yaw = self.yaw + (0.0 if steady else (rate - self._bias) * period)
+        self._felt = self._felt + min(1.0, period / TILT_TIME) * (accelerations - self._felt)
+
+    @property
+    def tilt(self) -> tuple[float, float]:
+        """Roll and pitch in [rad]."""
+        x, y, z = self._felt
+        return math.atan2(y, z), wrap(math.atan2(-x, math.hypot(y, z)))

@@ -1,0 +1,41 @@
+"""OpenCV's closed forms of hand-eye calibration, in this project's names."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import cv2
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from robotics.geometry.transform import Transform
+
+METHODS = {
+    "Park": cv2.CALIB_HAND_EYE_PARK,
+    "Horaud": cv2.CALIB_HAND_EYE_HORAUD,
+    "Daniilidis": cv2.CALIB_HAND_EYE_DANIILIDIS,
+    "Tsai": cv2.CALIB_HAND_EYE_TSAI,
+    "Andreff": cv2.CALIB_HAND_EYE_ANDREFF,
+}
+
+
+def closed_form(
+    base_T_hand: Sequence[Transform], camera_T_board: Sequence[Transform], method: str
+) -> Transform | None:
+    """hand_T_camera (4, 4) by one of OpenCV's `METHODS`; None where it breaks down.
+
+    What OpenCV calls gripper2base is base_T_hand, target2cam is camera_T_board, cam2gripper hand_T_camera.
+    """
+    turn, origin = cv2.calibrateHandEye(
+        [hand[:3, :3] for hand in base_T_hand],
+        [hand[:3, 3] for hand in base_T_hand],
+        [board[:3, :3] for board in camera_T_board],
+        [board[:3, 3] for board in camera_T_board],
+        method=METHODS[method],
+    )
+    if not (np.isfinite(turn).all() and np.isfinite(origin).all() and np.linalg.det(turn) > 0.5):
+        return None
+    pose = np.eye(4)
+    # Not all methods give a rotation exactly.
+    pose[:3, :3], pose[:3, 3] = Rotation.from_matrix(turn).as_matrix(), origin.ravel()
+    return pose

@@ -1,0 +1,50 @@
+"""An image as a picture of a plane."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import cv2
+import numpy as np
+
+from robotics.geometry.pose2 import Pose2
+from robotics.geometry.transform import Transform
+from robotics.perception.camera_model import CameraModel, Floats, GreyImage
+
+
+class PlaneView(NamedTuple):
+    """An image (h, w) of the plane z = 0 of a frame whose `camera_T_plane` (4, 4) is known.
+
+    Points are given in the frame of a pose in that plane, in [m].
+    """
+
+    image: GreyImage
+    camera: CameraModel
+    camera_T_plane: Transform
+
+    def eye(self, pose: Pose2) -> Floats:
+        """(3,) where the camera is, in the pose's frame: z above the plane."""
+        camera_T_pose = self.camera_T_plane @ pose.lift()
+        return np.asarray(-camera_T_pose[:3, :3].T @ camera_T_pose[:3, 3])
+
+    def pixels(self, pose: Pose2, points: Floats) -> Floats:
+        """(..., 2) of points (..., 2)."""
+        camera_T_pose = self.camera_T_plane @ pose.lift()
+        space = points.reshape(-1, 2) @ camera_T_pose[:3, :2].T + camera_T_pose[:3, 3]
+        return self.camera.project(space).reshape(points.shape)
+
+    def profiles(self, pose: Pose2, first: Floats, last: Floats, count: int) -> Floats | None:
+        """Greys (..., count) along short lines from `first` (..., 2) to `last`; None if one leaves the image.
+
+        Only the ends go through the lens: between them a line of a few millimetres is straight.
+        """
+        start, end = self.pixels(pose, np.stack([first, last]))
+        height, width = self.image.shape
+        low, high = np.minimum(start, end), np.maximum(start, end)
+        inside = (low >= 1.0).all() and (high[..., 0] <= width - 2).all() and (high[..., 1] <= height - 2).all()
+        if not inside:
+            return None
+        share = np.linspace(0.0, 1.0, count)
+        along = start[..., None, :] + (end - start)[..., None, :] * share[:, None]
+        at = along.reshape(-1, count, 2).astype(np.float32)
+        return cv2.remap(self.image, at, None, cv2.INTER_LINEAR).astype(np.float64).reshape(along.shape[:-1])

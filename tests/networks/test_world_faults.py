@@ -1,0 +1,200 @@
+"""What the world and others do to a run (rows N7 to N10, N12)."""
+
+from __future__ import annotations
+
+from typing import ClassVar
+
+import pytest
+
+from backends.base import Base
+from networks.binding import Binding
+from networks.coordinator import Coordinator
+from networks.events import Ended, LeftOut, Started
+from networks.journal import Journal
+from networks.journal_record import read_journal
+from networks.network import Action, ActionNetwork, Situation
+from networks.planner import Planner
+from networks.retracing import standing
+from primitives.action_primitive import ActionPrimitive
+from primitives.attempt import NOT_ALONE, attempt
+from primitives.outcome import Fail, GiveUp
+
+HOME, FAR = {"base": "home", "book": "in hand"}, {"base": "far", "book": "in hand"}
+
+
+class Go(ActionPrimitive):
+    """Drives on for two seconds; what it says of its start and its end the test decides."""
+
+    needs: ClassVar = (Base,)
+    hindrances: ClassVar[list[str]] = []
+    seen: ClassVar[bool] = True
+    no_return: ClassVar[bool] = False
+
+    def hindrance(self, robot, model):
+        return self.hindrances.pop() if self.hindrances else ""
+
+    def motion(self, robot, model):
+        for _ in range(40):
+            robot.base.drive(0.5, 0.0)
+            yield
+        if self.no_return:
+            yield from self.intend("the lamp goes out")
+            self.point_of_no_return("the lamp is out")
+
+    def effect(self, robot, model):
+        return self.seen
+        yield
+
+
+@pytest.fixture
+def go(monkeypatch):
+    monkeypatch.setattr(Go, "hindrances", [])
+    return Go
+
+
+def line(go, facts=(HOME, FAR, FAR), permit=False):
+    """From a to b to c; both drive."""
+    names = [Situation(name, each) for name, each in zip("abc", facts, strict=True)]
+    bound = Binding.of(go())
+    actions = [Action("a", "b", bound, 1.0), Action("b", "c", bound, 1.0, permit=permit)]
+    return ActionNetwork.build(names, actions, "a", "c")
+
+
+def push(stand, metres):
+    """Somebody rolls the robot, and its wheels turn."""
+    travel = stand.backend.wheels.travel
+    stand.backend.wheels.travel = type(travel)(travel.left + metres, travel.right + metres)
+
+
+def test_a_precondition_that_is_false_is_not_dispatched(stand, go, tmp_path):
+    """N7: not started, counted, planned again."""
+    go.hindrances[:] = ["the hand is empty"]
+    network, events = line(go), []
+    with Journal(tmp_path / "j") as journal:
+        end = stand.finish(Coordinator(network, stand.robot, stand.model, journal, observers=[events.append]))
+    assert (end.outcome, end.actions, end.fails) == ("Success", 2, 1)
+    assert [type(each) for each in events if isinstance(each, LeftOut | Started)] == [
+        LeftOut,
+        Started,
+        Started,
+    ]
+    kinds = [each["kind"] for each in read_journal(tmp_path / "j").records]
+    assert kinds[:4] == ["PLAN", "NOT_STARTED", "PLAN", "START"]
+
+
+def test_a_success_that_is_not_seen_is_none(stand, go, monkeypatch):
+    """N8: restored and measured it is a Fail."""
+    monkeypatch.setattr(go, "seen", False)
+    events = []
+    end = stand.finish(Coordinator(line(go), stand.robot, stand.model, observers=[events.append]))
+    outcomes = [each.outcome for each in events if isinstance(each, Ended)]
+    assert all(isinstance(each, Fail) and "success is not confirmed" in each.reason for each in outcomes)
+    assert end.outcome == "Fail"
+    assert abs(stand.robot.pose.x) < 0.02
+
+
+def test_a_success_that_is_not_seen_and_cannot_be_undone_is_for_a_person(stand, go, monkeypatch):
+    """N8: after a point of no return it is a GiveUp."""
+    monkeypatch.setattr(go, "seen", False)
+    monkeypatch.setattr(go, "no_return", True)
+    end = stand.finish(Coordinator(line(go), stand.robot, stand.model))
+    assert end.outcome == "GiveUp"
+    assert "success is not confirmed" in end.reason
+
+
+def pushed_while_asked(stand, network, metres, tmp_path):
+    """A run in which somebody pushes the robot while its second action waits for permission."""
+    asked = []
+
+    def permission(action):
+        if action.source == "b":
+            asked.append(action)
+            if len(asked) == 5:
+                push(stand, metres)
+            return True if len(asked) != 5 else None
+        return True
+
+    def answers(action):
+        answer = permission(action)
+        return None if action.source == "b" and len(asked) < 10 else answer
+
+    events = []
+    with Journal(tmp_path / "j") as journal:
+        run = Coordinator(
+            network, stand.robot, stand.model, journal, observers=[events.append], permission=answers
+        )
+        end = stand.finish(run)
+    return end, events, read_journal(tmp_path / "j").records
+
+
+def test_pushed_back_to_where_it_was_before_it_goes_on_from_there(stand, go, tmp_path):
+    """N9: RECON, and a plan from the situation that is observed."""
+    network = line(go)
+    end, events, records = pushed_while_asked(stand, network, -1.0, tmp_path)
+    assert (end.outcome, end.fails, end.actions) == ("Success", 1, 3)
+    recon = next(each for each in records if each["kind"] == "RECON")
+    assert recon["situation"] == "a"
+    assert recon["at"]["base"][0] == pytest.approx(0.0, abs=0.02)
+    assert recon["expected"]["base"][0] == pytest.approx(1.0, abs=0.02)
+    after = [each for each in records if each["q"] > recon["q"]]
+    assert (after[0]["kind"], after[0]["situation"]) == ("PLAN", "a")
+    left_out = next(each.reason for each in events if isinstance(each, LeftOut))
+    assert left_out.startswith("somebody changed the world: base_mm 1e+03")
+
+
+def test_the_journal_tells_the_same_way(stand, go, tmp_path):
+    """N9: a resume follows the RECON too."""
+    network = line(go)
+    _, _, records = pushed_while_asked(stand, network, -1.0, tmp_path)
+    header = {"kind": "RUN", "network": network.fingerprint()}
+    recon = next(each["q"] for each in records if each["kind"] == "RECON")
+    there = standing(network, [header, *records[: recon + 1]])
+    assert (there.route.situation, there.fails) == ("a", 1)
+    assert standing(network, [header, *records]).route.arrived
+
+
+def test_pushed_to_where_it_never_was_it_asks_for_a_person(stand, go, tmp_path):
+    """N9: no situation that the run was in fits."""
+    end, _, records = pushed_while_asked(stand, line(go), 0.5, tmp_path)
+    assert end.outcome == "GiveUp"
+    assert "somebody changed the world: base_mm 500" in end.reason
+    assert [each["kind"] for each in records[-2:]] == ["RECON", "END"]
+    assert records[-2]["situation"] is None
+
+
+def test_what_else_may_have_changed_nobody_knows(stand, go, tmp_path):
+    """N9: where the book is in other hands by then, being back at the start doesn't bring it back."""
+    facts = (HOME, {"base": "far", "book": "on the shelf"}, {"base": "far", "book": "on the shelf"})
+    end, _, _ = pushed_while_asked(stand, line(go, facts), -1.0, tmp_path)
+    assert end.outcome == "GiveUp"
+
+
+def test_a_fault_in_planning_stops_and_asks_for_a_person(stand, go, tmp_path, monkeypatch):
+    """N10: with its traceback in the journal."""
+
+    def broken(planner, situation):
+        raise ZeroDivisionError("oh")
+
+    monkeypatch.setattr(Planner, "plan", broken)
+    with Journal(tmp_path / "j") as journal:
+        end = stand.finish(Coordinator(line(go), stand.robot, stand.model, journal))
+    assert (end.outcome, end.reason) == ("GiveUp", "planning failed: ZeroDivisionError: oh")
+    assert stand.backend.stops
+    assert "in broken" in read_journal(tmp_path / "j").records[0]["error"]
+
+
+def test_two_primitives_at_a_time_both_stop_and_give_up(stand, go):
+    """N12"""
+    ends: list[object] = []
+    running = [attempt(go(), stand.robot, stand.model) for _ in range(2)]
+    for _ in range(200):
+        for each in list(running):
+            try:
+                next(each)
+            except StopIteration as end:
+                ends.append(end.value)
+                running.remove(each)
+        stand.robot.step()
+    assert [type(each) for each in ends] == [GiveUp, GiveUp]
+    assert all(each.reason == NOT_ALONE for each in ends)
+    assert stand.backend.wheels.command == (0.0, 0.0)

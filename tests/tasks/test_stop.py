@@ -1,0 +1,80 @@
+"""A stop in any primitive: it leaves within three control periods, and all rests within the stated ramp."""
+
+from __future__ import annotations
+
+import random
+import signal
+from pathlib import Path
+
+import numpy as np
+
+from backends.robot_file import load_robot
+from backends.stopping import LATEST, stopping_ramp
+from evaluation.running import resume_task, run_task
+from networks.events import Started
+from networks.flight_recorder import load_readings
+from networks.journal_record import read_journal
+
+TASK = Path(__file__).resolve().parents[2] / "tasks" / "return_book" / "task.yaml"
+MOTION = 1e-3  # [m], [rad]: less between two periods is noise
+PRIMITIVES = {"RECOGNIZE", "PICK_UP", "MOVE_TO", "SEARCH", "APPROACH", "INSERT", "RELEASE"}
+
+
+class Impatient:
+    """Presses Ctrl-C, again and again, some time after the `number`-th of the actions has begun.
+
+    Each of those before was stopped and began anew, so it is counted twice.
+    """
+
+    def __init__(self, after: float, number: int) -> None:
+        self.end, self.after, self.number = None, after, number
+
+    def say(self, words):
+        pass
+
+    def begin(self, prepared, folder):
+        self.robot = prepared.robot
+
+    def __call__(self, event):
+        if isinstance(event, Started) and event.number >= 2 * self.number - 1 and self.end is None:
+            self.end = event.time + self.after
+
+    def look(self, robot):
+        if self.end is not None and robot.time >= self.end:
+            signal.raise_signal(signal.SIGINT)
+
+
+def last_motion(folder: Path, since: float) -> float:
+    """When a wheel, a joint or a finger moved last, in [s] of the robot's time."""
+    readings = load_readings(folder / "evidence" / "end_readings.npz")
+    parts = ("wheel_left_m", "wheel_right_m", "joints_rad", "grip_width_m")
+    columns = np.column_stack([readings[name] for name in parts])
+    moving = np.abs(np.diff(columns, axis=0)).max(axis=1) > MOTION
+    times = readings["time_s"][1:][moving]
+    return float(times[-1]) if len(times) else since
+
+
+def test_stopped_in_every_primitive_of_return_book(tmp_path):
+    """K3: each run is stopped in its next action, and resumed."""
+    rng, period = random.Random(5), load_robot("librarian").period_s
+    folder, stopped, waits = tmp_path / "return_book-0", set(), []
+    for number in range(1, 9):
+        told = Impatient(rng.uniform(0.2, 2.5), number)
+        if number == 1:
+            _, status = run_task(TASK, tmp_path, None, {}, 0, told, checkpoints=True)
+        else:
+            _, status = resume_task(folder, None, told)
+        assert status == 130
+        ramp = stopping_ramp(told.robot)
+        *_, start, stop, end = (
+            each
+            for each in read_journal(folder / "journal.jsonl").records
+            if each["kind"] in ("START", "STOP", "END")
+        )
+        assert (stop["kind"], end["outcome"]) == ("STOP", "Cancelled")
+        stopped.add(start["action"]["do"])
+        waits.append((stop["sent_s"] - stop["asked_s"]) / period)
+        assert last_motion(folder, stop["sent_s"]) <= stop["sent_s"] + ramp + period
+    print("WAITS", waits)
+    assert stopped == PRIMITIVES
+    assert max(waits) <= LATEST + 1e-6
