@@ -8,9 +8,9 @@ import tempfile
 import weakref
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
-from pydantic import Field, PrivateAttr
+from pydantic import Field, PrivateAttr, model_validator
 
 from files.errors import FileError, Finding, InputError
 from files.inside import FilePath, resolve_inside
@@ -19,6 +19,7 @@ from files.model import FileModel
 from files.suggest import suggest
 from files.yaml_document import read_document
 from robotics.kinematics.urdf_assembly import link_names
+from robotics.manipulation.suspension_model import SuspensionModel
 
 from .can_spec import CanSpec
 from .robot_findings import robot_findings
@@ -102,23 +103,43 @@ class ImuSpec(FileModel):
 class SuspensionSpec(FileModel):
     """How the base gives when the arm moves: identified (`tasks/calibrate_suspension`), not simulated."""
 
-    swing_yaw_mrad: float = 0.0
+    yaw_mrad_per_swing: float = 0.0
     """By which it turns with each swing of the loaded arm."""
-    swing_yaw_sigma_mrad: NotNegative = 0.0
+    yaw_sigma_mrad: NotNegative = 0.0
     """Spread of that."""
-    lean_mrad_per_m: NotNegative = 0.0
-    """By which it leans to where the hand is, for each metre that this is off the base's centre."""
+    swing_from_mm: NotNegative = 0.0
+    """What counts as a swing: the load is carried that far across the floor."""
+    roll_mrad_per_m: float = 0.0
+    """By which it leans for each metre that the hand is to the left; below zero where that side sinks."""
+    pitch_mrad_per_m: float = 0.0
+    """By which it leans for each metre that the hand is in front; above zero where the front sinks."""
     pivot_m: NotNegative = 0.0
     """Height of the point about which it leans."""
+
+    @property
+    def model(self) -> SuspensionModel:
+        """The same in SI units."""
+        return SuspensionModel(
+            self.yaw_mrad_per_swing / 1e3,
+            self.roll_mrad_per_m / 1e3,
+            self.pitch_mrad_per_m / 1e3,
+            self.pivot_m,
+        )
 
 
 class Errors(FileModel):
     """How a simulated backend errs: sigmas; of the systematic ones, sigmas of what a seed draws once."""
 
+    none: bool = False
+    """Nothing errs: whatever else stands here counts as 0, and so do the errors of range sensor and IMU."""
     wheel_radius_percent: NotNegative = 0.2
     tread_percent: NotNegative = 0.5
     slip_percent: NotNegative = 1.0
     joint_repeatability_mrad: NotNegative = 0.15
+    encoder_mrad: NotNegative = 0.02
+    """Of a joint's reading."""
+    opening_mm: NotNegative = 0.05
+    """Of the reading of the fingers' opening."""
     image_noise_grey: NotNegative = 3.0
     image_blur_px: NotNegative = 0.7
     light_gradient: NotNegative = 0.25
@@ -149,6 +170,14 @@ class Errors(FileModel):
     """By which the base leans to where the hand is, for each metre that this is off the base's centre."""
     lean_pivot_m: NotNegative = 0.0
     """Height of the point about which it leans."""
+
+    @model_validator(mode="before")
+    @classmethod
+    def _none_is_none(cls, given: Any) -> Any:
+        if not (isinstance(given, dict) and given.get("none") is True):
+            return given
+        sizes = set(cls.model_fields) - {"none", "hand_systematic_wave_m"}
+        return {**given, **dict.fromkeys(sizes, 0.0)}
 
 
 class Tolerance(FileModel):
@@ -251,6 +280,17 @@ class RobotFile(FileModel):
         path.write_text(self.urdf_text(), encoding="utf-8")
         return path
 
+    def without_errors(self) -> RobotFile:
+        """The same robot, whose simulation errs nowhere: as with `errors: {none: true}` in its file."""
+        changed: dict[str, Any] = {"errors": Errors(none=True)}
+        if self.range_sensor is not None:
+            changed["range_sensor"] = self.range_sensor.model_copy(update={"sigma_mm": 0.0})
+        if self.imu is not None:
+            changed["imu"] = ImuSpec(angle_random_walk_deg_rt_s=0.0, accelerometer_sigma_m_s2=0.0)
+        ideal = self.model_copy(update=changed)
+        ideal._path = None  # a temporary file would go with this object
+        return ideal
+
     def posture(self, name: str) -> tuple[float, ...]:
         """A named posture, in [rad]; raises `UnknownPosture`."""
         if self.arm is None or name not in self.arm.postures:
@@ -276,7 +316,7 @@ def load_robot(name: str) -> RobotFile:
     findings = robot_findings(robot, loaded.document)
     if findings:
         raise FileError(findings)
-    return robot
+    return robot.without_errors() if robot.errors.none else robot
 
 
 def robot_names() -> list[str]:

@@ -60,6 +60,7 @@ def run_task(
     video: Path | None = None,
     window: bool = False,
     sync: bool | None = None,
+    errors: bool = True,
 ) -> tuple[dict[str, Any], int]:
     """Run a task once.
 
@@ -77,6 +78,7 @@ def run_task(
         video: where the run is recorded, as MP4.
         window: whether robot and world are shown.
         sync: whether the journal is brought to the disk; None: as the backend needs it.
+        errors: whether the simulated robot errs.
 
     Returns:
         The summary that also stands in the run's folder, and the exit status.
@@ -91,7 +93,7 @@ def run_task(
     onlookers: list[Onlooker] = [] if told is None else [told.look]
     with ExitStack() as stack:
         prepared = stack.enter_context(
-            prepare(task, backend, settings, seed, window=window, situation=situation)
+            prepare(task, backend, settings, seed, window=window, situation=situation, errors=errors)
         )
         claim = stack.enter_context(claimed(prepared.backend))
         if video is not None:
@@ -117,11 +119,20 @@ def run_task(
             sync=sync_for(prepared.backend.simulated, sync),
         )
         if draw:
-            from .overview import draw_overview
-
-            model, radius = prepared.model, prepared.robot.spec.footprint_radius_m
-            draw_overview(folder, model.map, model.places, radius)
+            _draw(prepared, folder, told)
     return orjson.loads((folder / "summary.json").read_bytes()), end.exit_status
+
+
+def _draw(prepared: Prepared, folder: Path, told: Teller | None) -> None:
+    """Draw the overview; a disk that takes no more doesn't change how the run ended."""
+    from .overview import draw_overview
+
+    model, radius = prepared.model, prepared.robot.spec.footprint_radius_m
+    try:
+        draw_overview(folder, model.map, model.places, radius)
+    except OSError as error:
+        if told is not None:
+            told.say(f"{folder} can't be written: {error.strerror}; there is no overview.svg")
 
 
 def resume_task(
@@ -150,7 +161,13 @@ def resume_task(
         FileError: the task or a file that it names is wrong by now.
     """
     header = task_of(folder)
-    made = prepare(Path(header["task_path"]), header["backend"], header["settings"], header["seed"])
+    made = prepare(
+        Path(header["task_path"]),
+        header["backend"],
+        header["settings"],
+        header["seed"],
+        errors=header.get("errors", True),
+    )
     with made as prepared, claimed(prepared.backend, folder) as claim:
         past = read_past(folder, prepared.task.network)
         over = past.standing.over

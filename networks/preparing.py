@@ -45,6 +45,8 @@ class Prepared:
     settings: Mapping[str, str]
     warnings: tuple[str, ...]
     """What the user should know before it starts."""
+    errors: bool = True
+    """Whether the simulated robot errs."""
 
     def __enter__(self) -> Prepared:
         return self
@@ -72,6 +74,7 @@ def prepare(
     primitives: Primitives = primitive_class,
     window: bool = False,
     situation: str | None = None,
+    errors: bool = True,
 ) -> Prepared:
     """Read and check a task with all its files, and build its robot.
 
@@ -83,6 +86,7 @@ def prepare(
         primitives: the class of a primitive by its name.
         window: whether robot and world are shown.
         situation: where the run begins, instead of the task's start.
+        errors: whether the simulated robot errs as its file says, or not at all.
 
     Raises:
         UnknownSituation: the task has no such situation.
@@ -94,6 +98,7 @@ def prepare(
         task = replace(task, network=beginning_at(task.network, situation))
     findings = Findings()
     spec = _collected(findings, lambda: load_robot(task.robot))
+    spec = spec if errors or spec is None else spec.without_errors()
     told = _collected(findings, lambda: load_model(task))
     name = backend or task.file.backend
     if backend is None and name not in backend_names():
@@ -116,7 +121,7 @@ def prepare(
     except BaseException:
         made.close()
         raise
-    return Prepared(task, name, made, robot, model, seed, dict(settings or {}), warnings)
+    return Prepared(task, name, made, robot, model, seed, dict(settings or {}), warnings, errors)
 
 
 def make_robot(task: Task, backend: Backend, spec: RobotFile, model: WorldModel) -> Robot:

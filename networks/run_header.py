@@ -38,6 +38,7 @@ def header(prepared: Prepared) -> dict[str, Any]:
         "simulated": prepared.backend.simulated,
         "address": prepared.backend.address,
         "seed": prepared.seed,
+        "errors": prepared.errors,
     }
 
 

@@ -44,7 +44,7 @@ class ActionPrimitive(FileModel, ABC):
 
     _evidence: Evidence = PrivateAttr(default_factory=Evidence)
     _no_return: str | None = PrivateAttr(default=None)
-    _intents: Intents = PrivateAttr(default=UNKEPT)
+    _intents: Intents = PrivateAttr(default_factory=lambda: UNKEPT)  # a default would be copied
 
     @classmethod
     def label(cls) -> str:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Generator
+from collections.abc import Generator, Sequence
 from typing import Annotated, ClassVar, Literal
 
 import numpy as np
@@ -15,7 +15,9 @@ from backends.gripper import Gripper
 from backends.robot import Robot
 from robotics.geometry.pose2 import Pose2, wrap
 from robotics.geometry.transform import Transform, inverse, transform
+from robotics.kinematics.shapes import Box
 from robotics.manipulation.fixation import placing_posture, split_goal
+from robotics.manipulation.suspension_model import base_motion
 
 from .action_primitive import ActionPrimitive, Periods
 from .arm_motion import move_straight, move_to_pose
@@ -99,22 +101,23 @@ class Stack(ActionPrimitive):
         return plan.goals[self.number - 1]
 
     def _over(
-        self, robot: Robot, model: ModelView, plan: Building, goal: Standing, around: tuple[object, ...]
+        self, robot: Robot, model: ModelView, plan: Building, goal: Standing, around: Sequence[Box]
     ) -> Generator[None, None, Transform]:
         """Bring the block over its goal; gives base_T_hand (4, 4) where it will touch down."""
         held = held_block(robot, plan)
         if self.onto == "goal" and self.method == "servo":
             return (yield from self._servo(robot, model, plan))
-        grip = gripping(robot, plan, self._corrected(robot, model, plan, goal, moving=True))
-        yield from move_to_pose(robot, _raised(grip, ABOVE), held, around)  # type: ignore[arg-type]
+        swing = _is_swing(robot, gripping(robot, plan, self._corrected(robot, model, plan, goal)))
+        grip = gripping(robot, plan, self._corrected(robot, model, plan, goal, swing))
+        yield from move_to_pose(robot, _raised(grip, ABOVE), held, around)
         if self.onto == "goal" and model.fixed is not None:
-            model.fixed = model.fixed._replace(swings=model.fixed.swings + 1)
+            model.fixed = model.fixed._replace(swings=model.fixed.swings + swing)
         return grip
 
     def _corrected(
-        self, robot: Robot, model: ModelView, plan: Building, goal: Standing, moving: bool = False
+        self, robot: Robot, model: ModelView, plan: Building, goal: Standing, swings_to_come: int = 0
     ) -> Transform:
-        """base_T_block (4, 4) at the goal; `moving`: the swing that leads there is still to come."""
+        """base_T_block (4, 4) at the goal; on the way there the base is still to turn by `swings_to_come`."""
         if self.onto == "robot":
             return goal.pose
         base_T_block = np.asarray(inverse(standing(robot, model).lift()) @ goal.pose)
@@ -122,9 +125,9 @@ class Stack(ActionPrimitive):
         if fixed is None:
             raise Discrepancy("no landmark was seen from here", permanent=True)
         if self.method in ("model", "fix_again_model"):
-            reach = gripping(robot, plan, base_T_block)[:2, 3]
-            return inverse(_given(robot, fixed, reach, int(moving))) @ base_T_block
-        if self.method == "imu" and not moving:
+            known, swings = robot.spec.suspension.model, fixed.swings + swings_to_come
+            return known.corrected(base_T_block, transform((*fixed.reach, 0.0)), swings)
+        if self.method == "imu" and swings_to_come == 0:
             return inverse(_felt(robot, fixed)) @ base_T_block
         return base_T_block
 
@@ -162,12 +165,13 @@ class Stack(ActionPrimitive):
         planned = model.places[mark.place].pose
         view = planned_view(robot, mark, planned, hand)
         held, around = held_block(robot, plan), surroundings(robot, model)
+        swing = _is_swing(robot, view.base_T_hand)
         found = yield from fixate(robot, view, mark.side_mm / 1e3, self.rule, self.evidence, held, around)
         self.found(frames=found.frames)
         before = model.fixed
         model.fixed = fixed_by(robot, name, planned, found)
         if self.method == "fix_again_model" and before is not None:
-            model.fixed = fused(robot, before, model.fixed)
+            model.fixed = fused(robot, before._replace(swings=before.swings + swing), model.fixed)
         return found.planned_T_base.lift()
 
     def _lower(self, robot: Robot, grip: Transform) -> Periods:
@@ -200,6 +204,13 @@ class Stack(ActionPrimitive):
         model.placed = (*model.placed, self._placed)
 
 
+def _is_swing(robot: Robot, base_T_hand: Transform) -> int:
+    """1 where carrying the load to there swings the arm so far that the base gives, else 0."""
+    here = robot.arm_model.forward(robot.arm.command())
+    across = float(np.linalg.norm(base_T_hand[:2, 3] - here[:2, 3]))
+    return int(across >= robot.spec.suspension.swing_from_mm / 1e3)
+
+
 def fused(robot: Robot, before: Fixed, now: Fixed) -> Fixed:
     """What was found now, with what was found before and has been driven by the model since.
 
@@ -207,8 +218,8 @@ def fused(robot: Robot, before: Fixed, now: Fixed) -> Fixed:
     weigh by their variance (a Kalman filter's update of states that are measured one by one).
     """
     known = robot.spec.suspension
-    yaw = known.swing_yaw_mrad / 1e3 * before.swings
-    spread = math.hypot(before.sigma[1], known.swing_yaw_sigma_mrad / 1e3 * math.sqrt(before.swings))
+    yaw = known.model.yaw_per_swing * before.swings
+    spread = math.hypot(before.sigma[1], known.yaw_sigma_mrad / 1e3 * math.sqrt(before.swings))
     place = (before.sigma[0] ** 2, now.sigma[0] ** 2)
     turn = (spread**2, now.sigma[1] ** 2)
     share, share_of_turn = place[0] / sum(place), turn[0] / sum(turn)
@@ -228,25 +239,9 @@ def _raised(base_T_hand: Transform, by: float) -> Transform:
     return result
 
 
-def _given(
-    robot: Robot, fixed: Fixed, reach: np.ndarray[tuple[int], np.dtype[np.float64]], more: int
-) -> Transform:
-    """fixed_T_base by the model: how the base turned and leans against how it stood when it was fixed."""
-    known = robot.spec.suspension
-    rate = known.lean_mrad_per_m / 1e3
-    x, y = float(reach[0]) - fixed.reach[0], float(reach[1]) - fixed.reach[1]
-    yaw = known.swing_yaw_mrad / 1e3 * (fixed.swings + more)
-    return _about_pivot(-rate * y, rate * x, yaw, known.pivot_m)
-
-
 def _felt(robot: Robot, fixed: Fixed) -> Transform:
-    """The same by the inertial sensors."""
+    """fixed_T_base by the inertial sensors: how the base turned and leans against when it was fixed."""
     roll, pitch = robot.attitude.tilt
     before = fixed.attitude
-    turned = (roll - before[0], pitch - before[1], robot.attitude.yaw - before[2])
-    return _about_pivot(*turned, robot.spec.suspension.pivot_m)
-
-
-def _about_pivot(roll: float, pitch: float, yaw: float, pivot: float) -> Transform:
-    up, down = transform((0.0, 0.0, pivot)), transform((0.0, 0.0, -pivot))
-    return np.asarray(up @ transform(rpy=(roll, pitch, yaw)) @ down)
+    yaw = robot.attitude.yaw - before[2]
+    return base_motion(yaw, roll - before[0], pitch - before[1], robot.spec.suspension.pivot_m)

@@ -27,6 +27,7 @@ def test_each_package_is_this_checkouts(name: str) -> None:
         "docs/backends.md",
         "docs/explain.md",
         "docs/conformance.md",
+        "docs/faults.md",
         "docs/robots.md",
     ],
 )
@@ -62,6 +63,7 @@ def test_tasks_in_documents_are_right(tmp_path: Path, document: str) -> None:
         "docs/backends.md",
         "docs/explain.md",
         "docs/conformance.md",
+        "docs/faults.md",
         "docs/robots.md",
     ],
 )

@@ -44,8 +44,8 @@ def check(
         print(orjson.dumps({"ok": not errors, **found, **told}).decode())
         sys.exit(InputError.exit_status if errors else 0)
     warnings = told.pop("warnings", ())
-    for error in errors:
-        print(error, file=sys.stderr)
+    for each in errors:
+        print(each, file=sys.stderr)
     faults = f"{len(errors)} faults" if errors else "no fault found"
     print(f"{file}: {faults}{f', {len(warnings)} warnings' if warnings else ''}")
     for warning in warnings:

@@ -21,7 +21,8 @@ def conformance(
     robot: Annotated[str, typer.Option(help="a shipped robot, or the path of a robot's file")] = "librarian",
     quick: Annotated[bool, typer.Option("--quick/--full", help="few faults, for each change")] = False,
     parts: Annotated[
-        list[str] | None, typer.Option("--part", help="checks, faults or mutants; default: all")
+        list[str] | None,
+        typer.Option("--part", help="checks, faults, mutants or tasks; default: all, quick without tasks"),
     ] = None,
     primitives: Annotated[
         list[str] | None, typer.Option("--primitive", help="faults in this one alone, such as MOVE_TO")
@@ -29,13 +30,14 @@ def conformance(
     instants: Annotated[
         int | None, typer.Option(min=1, help="of each primitive's run in which faults are injected")
     ] = None,
+    seeds: Annotated[int | None, typer.Option(min=1, help="with which each whole task is run")] = None,
     jobs: Annotated[int, typer.Option(min=1, help="processes side by side")] = 2,
     as_json: Annotated[bool, typer.Option("--json", help="end with one JSON object on stdout")] = False,
 ) -> None:
     """Check what the backend declares, break it at many instants, and plant liars; status 0 if all holds."""
     from evaluation.conformance.kit import Setting, run_kit
 
-    setting = Setting(backend, robot, quick, *_chosen(parts or [], primitives or []), instants)
+    setting = Setting(backend, robot, quick, *_chosen(parts or [], primitives or []), instants, seeds)
     _check(setting)
     with _progress() as tell:
         report = run_kit(setting, jobs, tell)
@@ -74,7 +76,7 @@ def _chosen(parts: list[str], primitives: list[str]) -> tuple[tuple[str, ...], t
             raise typer.BadParameter(f"unknown part {part!r}{suggest(part, PARTS)}")
     if primitives and not parts:
         parts = ["faults"]
-    return tuple(parts) or PARTS, tuple(primitives)
+    return tuple(parts), tuple(primitives)
 
 
 def _check(setting: Setting) -> None:

@@ -65,14 +65,14 @@ def conformance() -> Callable[..., Report]:
     def test_my_backend(conformance):
         conformance("my_backend", robot="my_robot/robot.yaml", quick=True)
     """
-    from evaluation.conformance.kit import PARTS, Setting, run_kit
+    from evaluation.conformance.kit import Setting, run_kit
 
     def check(
         backend: str,
         *,
         robot: str = "librarian",
         quick: bool = True,
-        parts: Sequence[str] = PARTS,
+        parts: Sequence[str] = (),
         primitives: Sequence[str] = (),
         instants: int | None = None,
         processes: int = 2,

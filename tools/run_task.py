@@ -35,6 +35,9 @@ def run(
     script: Annotated[
         Path | None, typer.Option(help="outcomes from a file instead of a robot's: try the network alone")
     ] = None,
+    no_errors: Annotated[
+        bool, typer.Option("--no-errors", help="the simulated robot errs nowhere, whatever its file says")
+    ] = False,
     gui: Annotated[bool, typer.Option("--gui", help="show robot and world in a window")] = False,
     sync: Annotated[
         bool | None,
@@ -78,6 +81,7 @@ def run(
             video=video,
             window=gui,
             sync=sync,
+            errors=not no_errors,
         )
     if as_json:
         print(orjson.dumps(summary).decode())

@@ -12,8 +12,6 @@ from backends.scene.arm_error import ArmError
 from backends.scene.hand import Hand
 from backends.scene.keyed_noise import keyed
 
-ENCODER_SIGMA = 2e-5  # [rad]
-
 Vector = NDArray[np.float64]
 
 
@@ -54,7 +52,7 @@ class KinematicArm(Arm):
     def joints(self) -> Vector:
         """See `Arm`."""
         motor = self._hand.scene.joints - self._offset
-        return self._read("joints", motor, ENCODER_SIGMA)
+        return self._read("joints", motor, self._errors.encoder_mrad / 1e3)
 
     def hand_force(self) -> Vector:
         """See `Arm`."""

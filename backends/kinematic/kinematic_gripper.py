@@ -9,7 +9,6 @@ from backends.scene.fingers import Fingers
 from backends.scene.hand import Hand
 from backends.scene.keyed_noise import keyed
 
-WIDTH_SIGMA = 5e-5  # of the measured opening [m]
 _PRESSES = 2e-4  # commanded this far beyond where they stand, the fingers press [m]
 
 
@@ -17,6 +16,7 @@ class KinematicGripper(Gripper):
     """Fingers that close at constant speed, and hold what is between them as if it were glued."""
 
     def __init__(self, spec: GripperSpec, hand: Hand, period: float, seed: int) -> None:
+        self._sigma = hand.scene.robot.errors.opening_mm / 1e3
         self._spec, self._step = spec, spec.speed_mm_s / 1e3 * period
         self._scene, self._fingers, self._seed = hand.scene, Fingers(hand), seed
         self._command = hand.scene.width
@@ -32,7 +32,7 @@ class KinematicGripper(Gripper):
 
     def width(self) -> float:
         """See `Gripper`."""
-        noise = WIDTH_SIGMA * keyed(self._seed, "width", self._now).standard_normal()
+        noise = self._sigma * keyed(self._seed, "width", self._now).standard_normal()
         return float(max(0.0, self._scene.width + noise))
 
     def closed_on_something(self) -> bool:

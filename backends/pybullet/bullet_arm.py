@@ -14,7 +14,6 @@ from robotics.kinematics.arm_model import ArmModel
 from .physics import Physics
 from .robot_body import RobotBody
 
-ENCODER_SIGMA = 2e-5  # [rad]
 GIVES = 0.03  # off its command by this, a drive gives all its torque [rad]
 DAMPING = 0.03  # a speed that is off counts as this much angle that is off [s]
 BREAKAWAY = 0.03  # share of its torque that a drive always has to give
@@ -65,7 +64,7 @@ class BulletArm(Arm):
 
     def joints(self) -> Vector:
         """See `Arm`."""
-        return self._read("joints", self.true_joints() - self._offset, ENCODER_SIGMA)
+        return self._read("joints", self.true_joints() - self._offset, self._errors.encoder_mrad / 1e3)
 
     def true_joints(self) -> Vector:
         """Where the joints are, (n,) in [rad]."""

@@ -12,9 +12,8 @@ from backends.robot_file import RobotFile
 from backends.scene.keyed_noise import keyed
 
 from .physics import Physics
-from .robot_body import WHEEL_FRICTION, RobotBody
+from .robot_body import WHEEL_FRICTION, WHEELS, RobotBody
 
-WHEELS = ("left_wheel", "right_wheel")
 COUNTS = 65536  # of an encoder, a turn
 CATCHES_UP = 0.02  # time constant of the drives' position loop [s]
 MOST_LAG = 0.05  # that a blocked wheel makes up for later [rad]

@@ -12,7 +12,6 @@ from robotics.geometry.transform import Transform, inverse
 from robotics.kinematics.arm_model import ArmModel
 from robotics.perception.camera_model import CameraModel
 
-from .engine import quiet
 from .physics import Physics
 from .robot_body import RobotBody
 from .world_bodies import WorldBodies
@@ -74,16 +73,15 @@ class BulletCamera(Camera):
     def ideal(self) -> NDArray[np.uint8]:
         """What a pinhole camera sees, larger than the picture so that the lens has all of it, grey."""
         pose = self._body.link_pose("hand") @ self._mount
-        self._print_near(pose[:3, 3])
+        self._show_books(pose[:3, 3])
         width, height = self._lens.size
         picture = render(self._physics, pose, self._lens.K, (width, height))
         return np.ascontiguousarray(picture[..., 1])
 
-    def _print_near(self, eye: NDArray[np.float64]) -> None:
+    def _show_books(self, eye: NDArray[np.float64]) -> None:
         for accession, body in self._world.books.items():
             place = self._physics.pose(body)[:3, 3]
-            if np.linalg.norm(place - eye) < _PRINTS:
-                self._world.printed[accession].print(body)
+            self._world.printed[accession].show(body, bool(np.linalg.norm(place - eye) < _PRINTS))
 
 
 def render(
@@ -97,24 +95,8 @@ def render(
         K: (3, 3) in [px]; an integer pixel is a pixel's centre.
         size: width and height in [px].
     """
-    width, height = size
     view = inverse(world_T_camera @ _TO_OPENGL)
-    with quiet():
-        image = physics.p.getCameraImage(
-            width,
-            height,
-            view.T.ravel().tolist(),
-            _projection(K, size).T.ravel().tolist(),
-            shadow=0,
-            lightAmbientCoeff=1.0,
-            lightDiffuseCoeff=0.0,
-            lightSpecularCoeff=0.0,
-            renderer=physics.renderer,
-            flags=physics.p.ER_NO_SEGMENTATION_MASK,
-            physicsClientId=physics.client,
-        )[2]
-    rgba = np.asarray(image, dtype=np.uint8).reshape(height, width, 4)
-    return rgba[..., :3]
+    return physics.picture(view, _projection(K, size), size)
 
 
 def looking(eye: NDArray[np.float64], at: NDArray[np.float64]) -> Transform:

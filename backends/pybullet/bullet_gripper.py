@@ -4,14 +4,13 @@ from __future__ import annotations
 
 from backends.gripper import Gripper
 from backends.limits import checked_width
-from backends.robot_file import GripperSpec
+from backends.robot_file import Errors, GripperSpec
 from backends.scene.keyed_noise import keyed
 
 from .physics import Physics
 from .robot_body import RobotBody
 
 FINGERS = ("left_finger", "right_finger")
-WIDTH_SIGMA = 5e-5  # of the measured opening [m]
 PRESSES = 3e-4  # commanded this far beyond where they stand, the fingers press [m]
 STANDS = 3e-4  # [m] in a period: slower fingers stand
 _GEAR_FORCE = 500.0  # with which the linkage keeps both fingers alike [N]
@@ -21,13 +20,14 @@ class BulletGripper(Gripper):
     """Two fingers with pads of rubber, one drive, and a linkage by which one mirrors the other."""
 
     def __init__(
-        self, spec: GripperSpec, body: RobotBody, physics: Physics, period: float, seed: int
+        self, spec: GripperSpec, errors: Errors, body: RobotBody, physics: Physics, period: float, seed: int
     ) -> None:
         """Take the joints `left_finger` and `right_finger` over and open them."""
         self._spec, self._body, self._physics, self._seed = spec, body, physics, seed
+        self._sigma = errors.opening_mm / 1e3
         self._joints = [body.joint_index[name] for name in FINGERS]
         self._step = spec.speed_mm_s / 1e3 * period
-        opening = spec.opening_mm / 1e3
+        opening = self._opening = spec.opening_mm / 1e3
         for name in FINGERS:
             body.reset(name, opening / 2)
         body.pad(FINGERS)
@@ -62,7 +62,7 @@ class BulletGripper(Gripper):
 
     def width(self) -> float:
         """See `Gripper`."""
-        noise = WIDTH_SIGMA * keyed(self._seed, "width", self._now).standard_normal()
+        noise = self._sigma * keyed(self._seed, "width", self._now).standard_normal()
         return float(max(0.0, self.true_width() + noise))
 
     def true_width(self) -> float:
@@ -81,7 +81,7 @@ class BulletGripper(Gripper):
     def halt(self) -> None:
         """Hold: fingers that press go on pressing, those that move stop."""
         if not self._pressing:
-            self._command = self.true_width()
+            self._command = min(max(0.0, self.true_width()), self._opening)
 
     def begin(self, period: int) -> None:
         """A period begins."""

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import tempfile
 from collections.abc import Sequence
 from dataclasses import dataclass
 from importlib.util import find_spec
+from pathlib import Path
 from typing import Any
 
+import cv2
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
@@ -23,6 +26,7 @@ ROBOT_GROUP = 64  # collision group of the robot: no beam of its range sensor me
 _ITERATIONS = 100
 _STICKS = 0.8  # of what a contact that sticks has slid is taken back in a step
 _FLOOR = 0.37  # grey
+_WARM_UP = 3  # pictures
 
 
 Point = tuple[float, float, float]
@@ -40,14 +44,6 @@ class Pinned:
     other_points: tuple[Point, ...]
     force_n: float
     """With which each point is held, at most."""
-
-
-@dataclass(frozen=True)
-class State:
-    """A kept state: Bullet's number, and what was pinned then, which Bullet doesn't keep."""
-
-    number: int
-    pinned: Pinned | None
 
 
 class Physics:
@@ -79,6 +75,7 @@ class Physics:
         """What is held together now."""
         self.renderer = self._start_renderer(window)
         """Bullet's number of the renderer: its EGL plug-in where there is one, else TinyRenderer."""
+        self._cold = _WARM_UP if self.renderer == self.p.ER_BULLET_HARDWARE_OPENGL else 0
         self.p.setGravity(0.0, 0.0, -GRAVITY, physicsClientId=self.client)
         self.p.setPhysicsEngineParameter(
             fixedTimeStep=self.chunk,
@@ -143,6 +140,13 @@ class Physics:
         self.p.changeDynamics(body, -1, lateralFriction=friction, physicsClientId=self.client)
         return int(body)
 
+    def load_texture(self, picture: NDArray[np.uint8]) -> int:
+        """Give the renderer a grey picture; its number."""
+        with tempfile.TemporaryDirectory() as folder:
+            path = str(Path(folder) / "texture.png")
+            cv2.imwrite(path, cv2.cvtColor(picture, cv2.COLOR_GRAY2BGR))
+            return int(self.p.loadTexture(path, physicsClientId=self.client))
+
     def remove(self, body: int) -> None:
         """Take a body out of the world."""
         self.p.removeBody(body, physicsClientId=self.client)
@@ -169,6 +173,38 @@ class Physics:
             start.tolist(), end.tolist(), collisionFilterMask=mask, physicsClientId=self.client
         )
         return float(hit[0][2])
+
+    # Pictures
+
+    def picture(self, view: Transform, projection: Transform, size: tuple[int, int]) -> NDArray[np.uint8]:
+        """What is seen, (height, width, 3) in RGB.
+
+        Args:
+            view: (4, 4) from the world to OpenGL's camera frame.
+            projection: (4, 4), OpenGL's.
+            size: width and height in [px].
+        """
+        width, height = size
+        with quiet():
+            for _ in range(self._cold):  # the first pictures of the EGL renderer are lit otherwise
+                self._render(view, projection, size)
+            self._cold = 0
+            image = self._render(view, projection, size)
+        return np.asarray(image, dtype=np.uint8).reshape(height, width, 4)[..., :3]
+
+    def _render(self, view: Transform, projection: Transform, size: tuple[int, int]) -> Any:
+        return self.p.getCameraImage(
+            *size,
+            view.T.ravel().tolist(),
+            projection.T.ravel().tolist(),
+            shadow=0,
+            lightAmbientCoeff=1.0,
+            lightDiffuseCoeff=0.0,
+            lightSpecularCoeff=0.0,
+            renderer=self.renderer,
+            flags=self.p.ER_NO_SEGMENTATION_MASK,
+            physicsClientId=self.client,
+        )[2]
 
     # What is held together
 
@@ -197,15 +233,28 @@ class Physics:
 
     # States
 
-    def save(self) -> State:
-        """Keep the state of all bodies in memory."""
-        return State(int(self.p.saveState(physicsClientId=self.client)), self.pinned)
+    def state(self) -> tuple[bytes, Pinned | None]:
+        """Where all bodies are, as Bullet writes it into a file, and what is held together: Bullet keeps no
+        constraints.
+        """
+        with tempfile.TemporaryDirectory() as folder, quiet():
+            path = Path(folder) / "state.bullet"
+            self.p.saveBullet(str(path), physicsClientId=self.client)
+            return path.read_bytes(), self.pinned
 
-    def restore(self, state: State) -> None:
-        """Bring a kept state back, also what was held together then. Bodies must be those of then."""
+    def set_state(self, state: tuple[bytes, Pinned | None]) -> None:
+        """Bring back what `state` gave, of this engine or of one whose bodies were made in the same order.
+
+        Where a body stands on one of several shapes, what follows may differ in the last digits: Bullet keeps
+        such contacts, but not as they were.
+        """
+        content, pinned = state
         self.pin(None)
-        self.p.restoreState(stateId=state.number, physicsClientId=self.client)
-        self.pin(state.pinned)
+        with tempfile.TemporaryDirectory() as folder, quiet():
+            path = Path(folder) / "state.bullet"
+            path.write_bytes(content)
+            self.p.restoreState(fileName=str(path), physicsClientId=self.client)
+        self.pin(pinned)
 
 
 def placed(pose: Transform) -> tuple[list[float], list[float]]:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import tempfile
 from pathlib import Path
 
-import cv2
 import numpy as np
 from numpy.typing import NDArray
 
@@ -31,12 +30,13 @@ _NORMALS = ((-1, 0, 0), (1, 0, 0), (0, -1, 0), (0, 1, 0), (0, 0, 1), (0, 0, -1))
 
 
 class PrintedBook:
-    """A box with a printed spine. Its picture is given to the renderer when a camera comes near."""
+    """A box with a printed spine: plain from afar, its picture made when a camera first comes near."""
 
-    def __init__(self, physics: Physics, book: Book) -> None:
-        """Make the visual shape of a book."""
-        self._physics, self._book = physics, book
+    def __init__(self, physics: Physics, book: Book, plain: int) -> None:
+        """Make the visual shape of a book, which will be shown with the texture `plain` at first."""
+        self._physics, self._book, self._plain = physics, book, plain
         self._texture: int | None = None
+        self._printed: bool | None = None
         self._width = self._picture_width()
         with tempfile.TemporaryDirectory() as folder:
             path = Path(folder) / "book.obj"
@@ -74,16 +74,19 @@ class PrintedBook:
         u = spine + strip * _STRIP / self._width
         return [[u, 0.25], [u, 0.25], [u, 0.75], [u, 0.75]]
 
-    def print(self, body: int) -> None:
-        """Give the renderer the picture, once."""
-        if self._texture is not None:
+    def show(self, body: int, printed: bool) -> None:
+        """Let the renderer show it printed, or plain: as near or far as it is now, whoever looked before."""
+        if printed == self._printed:
             return
-        picture = spine_levels(self._book.spec)[1][0]
-        cover = np.full((picture.shape[0], _STRIP), round(_COVER * self._book.spec.grey), np.uint8)
-        pages = np.full((picture.shape[0], _STRIP), _PAGES, np.uint8)
+        self._printed = printed
+        if printed and self._texture is None:
+            self._texture = self._physics.load_texture(self._picture())
+        texture = self._texture if printed else self._plain
         p, client = self._physics.p, self._physics.client
-        with tempfile.TemporaryDirectory() as folder:
-            path = str(Path(folder) / "spine.png")
-            cv2.imwrite(path, cv2.cvtColor(np.hstack((picture, cover, pages)), cv2.COLOR_GRAY2BGR))
-            self._texture = int(p.loadTexture(path, physicsClientId=client))
-        p.changeVisualShape(body, -1, textureUniqueId=self._texture, physicsClientId=client)
+        p.changeVisualShape(body, -1, textureUniqueId=texture, physicsClientId=client)
+
+    def _picture(self) -> NDArray[np.uint8]:
+        """The spine, then strips for cover and pages."""
+        spine = spine_levels(self._book.spec)[1][0]
+        cover = np.full((spine.shape[0], _STRIP), round(_COVER * self._book.spec.grey), np.uint8)
+        return np.hstack((spine, cover, np.full((spine.shape[0], _STRIP), _PAGES, np.uint8)))

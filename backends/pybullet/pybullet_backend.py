@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import sys
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,6 +14,7 @@ from backends.backend import Backend, NoWindow
 from backends.capability import Capability
 from backends.robot_file import RobotFile
 from backends.robot_shape import finger_shape
+from backends.saved_state import attributes, set_attributes
 from backends.scene.book import Book
 from backends.scene.load_world import load_world
 from backends.scene.mounts import base_T_frame
@@ -37,6 +39,32 @@ SETTLES = 0.3  # [s] that everything gets to come to rest before time begins
 _VIEW_SIZE = (640, 480)
 _VIEW_K = np.array([[520.0, 0.0, 319.5], [0.0, 520.0, 239.5], [0.0, 0.0, 1.0]])
 _VIEW_FROM, _VIEW_TO = np.array([-1.3, 1.3, 2.0]), np.array([0.5, -0.1, 0.6])  # in the frame `base` [m]
+_STATE = {
+    "backend": ("_periods", "_held"),
+    "scene": (
+        "base",
+        "tilted_base",
+        "joints",
+        "width",
+        "time",
+        "books",
+        "held",
+        "hand_T_held",
+        "base_T_tray_book",
+        "hand_force",
+        "contacts",
+        "touching",
+        "to_come",
+        "changes",
+    ),
+    "base": ("_command", "_speeds", "_first", "_goal", "_travel"),
+    "arm": ("_command", "_from", "_motions", "_moving", "_offset", "_readings", "_now", "force", "load"),
+    "gripper": ("_command", "_target", "_stood", "_now", "_pressing"),
+    "camera": ("_now",),
+    "range": ("_now",),
+    "person": ("_given", "_stood", "_since"),
+}
+"""Attributes that a checkpoint keeps, by part; the rest is the engine's."""
 _FELT = 4  # of a period's chunks, the last ones in which the force on the hand is measured
 
 
@@ -75,7 +103,8 @@ class PyBulletBackend(Backend):
         self._periods = 0
         self._world = WorldBodies(physics, self.scene)
         self._body = RobotBody(physics, robot, self.scene.base)
-        self._touch = Touch(physics, self._body, self._world)
+        last = robot.arm.joints[-1] if robot.arm else None
+        self._touch = Touch(physics, self._body, self._world, last)
         self._sync = SceneSync(self.scene, self._body, self._world)
         self._arm: BulletArm | None = None
         self._gripper: BulletGripper | None = None
@@ -87,7 +116,9 @@ class PyBulletBackend(Backend):
                 self._body.reset(name, float(angle))
             self._arm = BulletArm(robot, model, self._body, physics, seed)
             if robot.gripper is not None:
-                self._gripper = BulletGripper(robot.gripper, self._body, physics, self.period, seed)
+                self._gripper = BulletGripper(
+                    robot.gripper, robot.errors, self._body, physics, self.period, seed
+                )
             if robot.camera is not None:
                 self._camera = BulletCamera(
                     robot, robot.camera, model, self._body, self._world, physics, seed
@@ -135,6 +166,10 @@ class PyBulletBackend(Backend):
         free = self._physics.free_share(middle, eye)
         return looking(middle + (0.95 if free < 1.0 else 1.0) * free * (eye - middle), middle)
 
+    def link_pose(self, link: str) -> Transform:
+        """True world pose (4, 4) of a link's frame, as the engine has it."""
+        return self._body.link_pose(link)
+
     def capabilities(self) -> tuple[Capability, ...]:
         """See `Backend`."""
         parts = (self._base, self._arm, self._gripper, self._camera, self._range)
@@ -145,11 +180,15 @@ class PyBulletBackend(Backend):
         self._periods += 1
         self.scene.time = self._periods * self.period
         self._person.step()
+        self._add_books()
+        self._world.keep_time()
+        self._run_period()
+
+    def _add_books(self) -> None:
+        """Those that a person has brought."""
         for book in self.scene.books.values():
             if book.accession not in self._world.books:
                 self._world.add_book(book)
-        self._world.keep_time()
-        self._run_period()
 
     def _run_period(self) -> None:
         if self._grip is not None and self._gripper is not None and self._gripper.opening:
@@ -212,6 +251,33 @@ class PyBulletBackend(Backend):
         held = None if self._held is None else bodies[self._held.accession]
         tray = self.scene.tray_book()
         return self._touch.pairs(held, () if tray is None else (bodies[tray.accession],))
+
+    def state(self) -> dict[str, Any]:
+        """See `Backend`."""
+        kept = {name: attributes(part, _STATE[name]) for name, part in self._parts().items()}
+        return {**kept, "engine": self._physics.state()}
+
+    def set_state(self, state: object) -> None:
+        """See `Backend`."""
+        kept: dict[str, Any] = state  # type: ignore[assignment]
+        for name, part in self._parts().items():
+            set_attributes(part, kept[name])
+        self._add_books()
+        self._physics.set_state(kept["engine"])
+
+    def _parts(self) -> dict[str, object]:
+        """What changes in a run, by the names of `_STATE`."""
+        named = {
+            "backend": self,
+            "scene": self.scene,
+            "base": self._base,
+            "arm": self._arm,
+            "gripper": self._gripper,
+            "camera": self._camera,
+            "range": self._range,
+            "person": self._person,
+        }
+        return {name: part for name, part in named.items() if part is not None}
 
     def stop(self) -> None:
         """See `Backend`."""

@@ -15,9 +15,14 @@ from robotics.geometry.transform import Transform, inverse
 from .engine import quiet
 from .physics import ROBOT_GROUP, Physics, matrix
 
+WHEELS = ("left_wheel", "right_wheel")
+"""Joints, and links, of these names drive."""
 WHEEL_FRICTION = 1.0  # rubber
 PAD_FRICTION = 1.5
 FRICTION_SHARE = 0.5  # of it that the engine's contacts have; the rest is that of `Grip`
+CASTER_STIFFNESS, CASTER_DAMPING = 1e6, 2e4
+"""Of a caster on the floor, in [N/m] and [Ns/m]: it gives by 0.2 mm under 200 N. One as hard as the wheels
+might take all the weight off them, and the base would slide on."""
 PAD_STIFFNESS = 1e5  # rubber, at each corner [N/m]: rigid pads would press with one corner each
 PAD_DAMPING = 1000.0  # [Ns/m]
 _ALL = -1
@@ -45,6 +50,7 @@ class RobotBody:
         self.joint_index = {info[1].decode(): info[0] for info in infos}
         self.link_index = {info[12].decode(): info[0] for info in infos}
         self.link_names = {index: name for name, index in self.link_index.items()}
+        self._parent = {info[0]: info[16] for info in infos}
         self.effort = {info[1].decode(): float(info[10]) for info in infos}
         root = p.getBodyInfo(self.id, physicsClientId=client)[0].decode()
         self.link_index[root], self.link_names[-1] = -1, root
@@ -143,8 +149,29 @@ class RobotBody:
             )
 
     def slide(self) -> None:
-        """Let casters slide without friction: they stand for wheels that turn any way."""
-        self.rub([name for name in self.link_index if "caster" in name], 0.0)
+        """Let casters slide without friction, on springs: they stand for wheels that turn any way."""
+        for link in self.casters:
+            self._p.changeDynamics(
+                self.id,
+                self.link_index[link],
+                lateralFriction=0.0,
+                contactStiffness=CASTER_STIFFNESS,
+                contactDamping=CASTER_DAMPING,
+                physicsClientId=self._physics.client,
+            )
+
+    def links_behind(self, joint: str) -> set[int]:
+        """Bullet's numbers of the links that a joint moves."""
+        moved = {self.joint_index[joint]}
+        for link in sorted(self._parent):  # Bullet numbers a parent before its children
+            if self._parent[link] in moved:
+                moved.add(link)
+        return moved
+
+    @property
+    def casters(self) -> list[str]:
+        """Links that slide on the floor."""
+        return [name for name in self.link_index if "caster" in name]
 
 
 def _without_mass(urdf: str) -> list[str]:

@@ -8,13 +8,14 @@ from backends.scene.book import Book, Rest
 from backends.scene.scene import Scene
 from backends.scene.shelf import DEPTH
 from robotics.geometry.pose2 import Pose2
-from robotics.geometry.transform import Transform, inverse
+from robotics.geometry.transform import inverse
 
 from .robot_body import RobotBody
 from .world_bodies import WorldBodies
 
 _NEAR = 1.3  # books of shelves further from the hand than this sleep [m]
 _ON = 0.03  # [m] that a book's foot may be off the board or tray
+_BESIDE = 0.01  # [m] that its middle may be beside the tray
 _UPRIGHT = np.radians(45.0)
 _FALLEN = 0.5  # [m] above the floor
 
@@ -24,10 +25,11 @@ class SceneSync:
 
     def __init__(self, scene: Scene, body: RobotBody, world: WorldBodies) -> None:
         self._scene, self._body, self._world = scene, body, world
+        self._tray = scene.robot.tray_shape if scene.robot.has_tray else None
 
     def base(self) -> None:
-        """Where the base stands, seen from above."""
-        pose = self._body.base_pose()
+        """Where the base stands."""
+        pose = self._scene.tilted_base = self._body.base_pose()
         heading = float(np.arctan2(pose[1, 0], pose[0, 0]))
         self._scene.base = Pose2(float(pose[0, 3]), float(pose[1, 3]), heading)
 
@@ -50,7 +52,7 @@ class SceneSync:
             scene.hand_T_held = inverse(world_T_hand) @ held.pose
         tray = scene.tray_book()
         if tray is not None:
-            scene.base_T_tray_book = inverse(self._body.base_pose()) @ tray.pose
+            scene.base_T_tray_book = inverse(scene.world_T_base) @ tray.pose
         scene.changes += 1
 
     def _rest(self, book: Book) -> tuple[Rest, str | None]:
@@ -66,8 +68,9 @@ class SceneSync:
         return book.rest, None
 
     def _on_tray(self, book: Book) -> bool:
-        if "tray" not in self._body.link_index:
+        if self._tray is None:
             return False
-        place: Transform = inverse(self._body.link_pose("tray")) @ book.pose @ book.thing_T_middle
-        x, y, z = place[:3, 3]
-        return bool(abs(x) < 0.12 and abs(y) < 0.15 and abs(z - book.height / 2) < _ON)
+        x, y, z = (inverse(self._scene.world_T_base) @ book.pose @ book.thing_T_middle)[:3, 3]
+        from_middle = np.abs(np.array((x, y)) - self._tray.middle)
+        above = z - book.height / 2 - self._tray.top
+        return bool((from_middle < np.array(self._tray.size[:2]) / 2 + _BESIDE).all() and abs(above) < _ON)

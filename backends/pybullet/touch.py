@@ -9,23 +9,22 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .physics import Physics
-from .robot_body import RobotBody
+from .robot_body import WHEELS, RobotBody
 from .world_bodies import WorldBodies
 
 Pairs = frozenset[tuple[str, str]]
-ROLLING = ("left_wheel", "right_wheel", "front_caster", "rear_caster")
-HAND = ("hand", "left_finger", "right_finger", "camera_body")
 FINGERS = ("left_finger", "right_finger")
 HELD = "held book"
 _ACROSS = 0.7  # of a contact's normal; less is a push with the tips
 
 
 class Touch:
-    """Reads the engine's contact points."""
+    """Reads the engine's contact points. To the hand belongs all that the arm's last joint moves."""
 
-    def __init__(self, physics: Physics, body: RobotBody, world: WorldBodies) -> None:
+    def __init__(self, physics: Physics, body: RobotBody, world: WorldBodies, last_joint: str | None) -> None:
         self._physics, self._body, self._world = physics, body, world
-        self._links = {body.link_index[name] for name in HAND if name in body.link_index}
+        self._hand = set() if last_joint is None else body.links_behind(last_joint)
+        self._rolling = {*WHEELS, *body.casters}
         self._fingers = [body.link_index[name] for name in FINGERS if name in body.link_index]
 
     def gripped(self) -> int | None:
@@ -46,11 +45,11 @@ class Touch:
         """What the surroundings put on the hand and what it holds, (3,) in [N], in the world."""
         total = np.zeros(3)
         for point in self._points(self._body.id):
-            if point[3] in self._links and point[2] not in (held, self._body.id):
+            if point[3] in self._hand and point[2] not in (held, self._body.id):
                 total += _force(point)
         if held is not None:
             for point in self._points(held):
-                if point[2] != self._body.id or point[4] not in self._links:
+                if point[2] != self._body.id or point[4] not in self._hand:
                     total += _force(point)
         return total * self._physics.substeps
 
@@ -64,9 +63,11 @@ class Touch:
         found = set()
         for point in self._points(self._body.id):
             link, other = self._body.link_names[point[3]], point[2]
-            if other in (held, self._body.id) or (link in ROLLING and self._world.names[other] == "floor"):
+            if other in (held, self._body.id) or (
+                link in self._rolling and self._world.names[other] == "floor"
+            ):
                 continue
-            if other not in riding or link in HAND:
+            if other not in riding or point[3] in self._hand:
                 found.add((link, self._world.names[other]))
         for point in self._points(held) if held is not None else ():
             if point[2] != self._body.id:

@@ -18,6 +18,7 @@ SOLID_FRICTION = 0.65
 BOOK_FRICTION = 0.65  # squared, 0.42: paper on paper, paper on wood
 PAPER = 700.0  # of a book [kg/m³]
 _AWAY = transform((0.0, 0.0, -50.0))
+_FROM_AFAR = 110  # grey of a book
 _WALL, _FURNITURE, _WOOD, _DARK = 165, 110, 130, 16
 
 
@@ -34,6 +35,7 @@ class WorldBodies:
             self.names[body] = solid.box.name
             if solid.appears > 0.0 or np.isfinite(solid.leaves):
                 self._surprises.append((body, solid))
+        self._plain = physics.load_texture(np.full((4, 4), _FROM_AFAR, np.uint8))
         self.books: dict[int, int] = {}
         """Body of each book, by its accession."""
         self.printed: dict[int, PrintedBook] = {}
@@ -50,7 +52,7 @@ class WorldBodies:
             shape = p.createCollisionShape(p.GEOM_BOX, halfExtents=half, physicsClientId=client)
         else:
             shape = rounded_book(self._physics, book.size)
-        printed = PrintedBook(self._physics, book)
+        printed = PrintedBook(self._physics, book, self._plain)
         pose = book.pose @ book.thing_T_middle
         mass = float(PAPER * np.prod(book.size))
         body = int(p.createMultiBody(mass, shape, printed.visual, *placed(pose), physicsClientId=client))
@@ -61,6 +63,7 @@ class WorldBodies:
             body, -1, lateralFriction=BOOK_FRICTION, activationState=state, physicsClientId=client
         )
         self.books[book.accession] = body
+        printed.show(body, printed=False)
         self.printed[book.accession] = printed
         self.names[body] = f"book {book.accession}"
 

@@ -44,9 +44,16 @@ class Mark:
 @lru_cache(maxsize=64)
 def _levels(kind: str, size_mm: float) -> list[tuple[GreyImage, float]]:
     picture = draw_landmark(size_mm / 1e3, MARGIN, M_PER_PX) if kind == "landmark" else _other(kind, size_mm)
+    picture = _smooth(picture)
     half = cv2.resize(picture, None, fx=0.5, fy=0.5, interpolation=cv2.INTER_AREA).astype(np.uint8)
     quarter = cv2.resize(half, None, fx=0.5, fy=0.5, interpolation=cv2.INTER_AREA).astype(np.uint8)
-    return [(picture, M_PER_PX), (half, 2 * M_PER_PX), (quarter, 4 * M_PER_PX)]
+    levels = [(picture, M_PER_PX), (half, 2 * M_PER_PX), (quarter, 4 * M_PER_PX)]
+    return [levels[0], *((_smooth(each), metres) for each, metres in levels[1:])]
+
+
+def _smooth(picture: GreyImage) -> GreyImage:
+    """Edges a pixel wide, so that sampling between pixels doesn't displace them."""
+    return cv2.GaussianBlur(picture, (0, 0), 1.0).astype(np.uint8, copy=False)
 
 
 def _other(kind: str, size_mm: float) -> GreyImage:

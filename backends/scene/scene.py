@@ -82,6 +82,8 @@ class Scene:
     """What touches in this period: pairs as in `Contact`."""
     to_come: list[BookSpec] = field(default_factory=list)
     """Books that a person still has for the robot."""
+    tilted_base: Transform | None = None
+    """world_T_base (4, 4) where physics lets the base tilt; None: it stands level."""
     changes: int = 0
     """Counts the times that a book was moved: what is derived from their poses asks it."""
 
@@ -94,7 +96,7 @@ class Scene:
     @property
     def world_T_base(self) -> Transform:
         """(4, 4)."""
-        return self.leaning_at(self.base)
+        return self.leaning_at(self.base) if self.tilted_base is None else self.tilted_base
 
     def leaning_at(self, base: Pose2) -> Transform:
         """world_T_base (4, 4) of a base elsewhere that leans as it does now, on its suspension."""

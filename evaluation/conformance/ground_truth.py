@@ -57,17 +57,17 @@ def ground_truth(backend: Backend) -> GroundTruth | None:
     scene = scene_of(backend)
     if scene is None:
         return None
-    bodies = {f"book {number}": _body(scene, book) for number, book in scene.books.items()}
+    bodies = {each.name: _body(scene, each) for each in (*scene.books.values(), *scene.blocks.values())}
     bumps = sum(contact.body == "base" for contact in scene.contacts)
     return GroundTruth(scene.base, scene.joints.copy(), float(scene.width), bodies, bumps)
 
 
-def _body(scene: Any, book: Any) -> Body:
-    if scene.held is book:
-        return Body("hand", inverse(scene.world_T("hand")) @ book.pose)
-    if book.rest.value == "tray":
-        return Body("tray", inverse(scene.world_T_base) @ book.pose)
-    return Body(book.shelf or book.rest.value, book.pose.copy())
+def _body(scene: Any, thing: Any) -> Body:
+    if scene.held is thing:
+        return Body("hand", inverse(scene.world_T("hand")) @ thing.pose)
+    if thing.rest.value == "tray":
+        return Body("tray", inverse(scene.world_T_base) @ thing.pose)
+    return Body(getattr(thing, "shelf", None) or thing.rest.value, thing.pose.copy())
 
 
 def moved(before: GroundTruth, after: GroundTruth) -> dict[str, float]:

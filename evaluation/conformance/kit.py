@@ -18,14 +18,18 @@ from .fail_is_true import Batch
 from .forked import Died, Hung, forked
 from .mutants import MUTANTS, Caught, try_mutant
 from .reach import Reach
-from .rehearsal import DRIVE_MAP, RETURN_BOOK, Rehearsal, Solo
+from .rehearsal import DRIVE_MAP, RETURN_BOOK, RETURN_BOOKS, Rehearsal, Solo
 from .report import Broken, Report, Result
+from .task_runs import OneRun, task_runs
 
-PARTS = ("checks", "faults", "mutants")
+PARTS = ("checks", "faults", "mutants", "tasks")
+QUICK_PARTS = PARTS[:3]
 INSTANTS = {"kinematic": (40, 3)}
 OTHER_INSTANTS = (10, 1)
 """Of each primitive's run in which faults are injected: in full, and quick."""
 SHARE = 10  # instants of an action that one process sees to at a time, at most
+SEEDS, SEEDS_QUICK = 50, 2
+"""Of each shipped task with errors: in full, and quick."""
 LONGEST = 600.0  # [s] of wall-clock time that a check or a liar gets
 
 
@@ -36,11 +40,14 @@ class Setting:
     backend: str
     robot: str = "librarian"
     quick: bool = False
-    parts: Sequence[str] = PARTS
+    parts: Sequence[str] = ()
+    """Of `PARTS`; none: all, but quick without whole tasks."""
     primitives: Sequence[str] = ()
     """Faults go into these alone; none: into all."""
     instants: int | None = None
     """Of each primitive's run in which faults are injected; None: as many as the mode says."""
+    seeds: int | None = None
+    """Of each shipped task; None: as many as the mode says."""
 
     @property
     def bench(self) -> Bench:
@@ -72,12 +79,30 @@ class Setting:
 
     def rehearsal(self) -> Rehearsal | None:
         """The shipped task with the most primitives that the robot can do."""
+        tasks = self.tasks()
+        return Rehearsal(tasks[0], self.backend, settings=self._chosen) if tasks else None
+
+    def tasks(self) -> tuple[Path, ...]:
+        """The shipped tasks that the robot can do."""
         spec = load_robot(self.robot)
-        by_path = self.robot.endswith((".yaml", ".yml"))
-        chosen = {"robot": str(Path(self.robot).resolve()) if by_path else self.robot}
         if spec.arm and spec.gripper and spec.camera and spec.range_sensor:
-            return Rehearsal(RETURN_BOOK, self.backend, settings=chosen)
-        return Rehearsal(DRIVE_MAP, self.backend, settings=chosen) if spec.range_sensor else None
+            return RETURN_BOOK, RETURN_BOOKS, DRIVE_MAP
+        return (DRIVE_MAP,) if spec.range_sensor else ()
+
+    def task_runs(self) -> list[OneRun]:
+        """Each of them without errors, and with."""
+        seeds = self.seeds or (SEEDS_QUICK if self.quick else SEEDS)
+        return task_runs(self.tasks(), self.backend, seeds, self._chosen)
+
+    @property
+    def chosen_parts(self) -> Sequence[str]:
+        """What is tried."""
+        return self.parts or (QUICK_PARTS if self.quick else PARTS)
+
+    @property
+    def _chosen(self) -> dict[str, str]:
+        by_path = self.robot.endswith((".yaml", ".yml"))
+        return {"robot": str(Path(self.robot).resolve()) if by_path else self.robot}
 
 
 @dataclass(frozen=True)
@@ -116,15 +141,17 @@ class OneMutant:
         return forked(lambda: try_mutant(self.name, self.bench), LONGEST)
 
 
-Job = OneCheck | OneMutant | Batch
+Job = OneCheck | OneMutant | Batch | OneRun
 
 
 def jobs_of(setting: Setting) -> list[Job]:
     """All that is to be done, in an order in which processes side by side end together."""
-    jobs: list[Job] = list(setting.batches()) if "faults" in setting.parts else []
-    if "mutants" in setting.parts:
+    parts = setting.chosen_parts
+    jobs: list[Job] = list(setting.task_runs()) if "tasks" in parts else []
+    jobs += setting.batches() if "faults" in parts else []
+    if "mutants" in parts:
         jobs += [OneMutant(name, setting.bench) for name in MUTANTS]
-    if "checks" in setting.parts:
+    if "checks" in parts:
         jobs += [OneCheck(name, setting.bench) for name in CHECKS]
     return jobs
 

@@ -11,6 +11,7 @@ from .check import Finding
 from .fail_is_true import Trial
 from .fault import NOTHING
 from .mutants import Caught
+from .task_runs import Ran, compared
 
 OUTCOMES = ("Success", "Fail", "GiveUp")
 
@@ -23,7 +24,7 @@ class Broken:
     reason: str
 
 
-Result = Finding | Caught | Broken | list[Trial]
+Result = Finding | Caught | Broken | list[Trial] | Ran
 
 
 @dataclass(frozen=True)
@@ -37,6 +38,8 @@ class Report:
     trials: tuple[Trial, ...]
     mutants: tuple[Caught, ...]
     broken: tuple[Broken, ...]
+    tasks: tuple[Finding, ...] = ()
+    """Whole shipped tasks."""
 
     @classmethod
     def of(cls, backend: str, robot: str, quick: bool, results: Sequence[Result]) -> Report:
@@ -50,6 +53,7 @@ class Report:
             tuple(sorted(trials, key=lambda each: (each.action, each.primitive, each.period))),
             tuple(sorted((each for each in results if isinstance(each, Caught)), key=lambda each: each.name)),
             tuple(each for each in results if isinstance(each, Broken)),
+            tuple(compared([each for each in results if isinstance(each, Ran)], backend)),
         )
 
     @property
@@ -80,7 +84,8 @@ class Report:
     @property
     def ok(self) -> bool:
         """Whether all holds."""
-        return not (self.violations or self.missed or self.broken) and all(each.ok for each in self.checks)
+        looked_at = (*self.checks, *self.tasks)
+        return not (self.violations or self.missed or self.broken) and all(each.ok for each in looked_at)
 
     def as_dict(self) -> dict[str, Any]:
         """For JSON."""
@@ -101,6 +106,7 @@ class Report:
                 "caught": len(self.planted) - len(self.missed),
                 "each": [asdict(each) for each in self.mutants],
             },
+            "tasks": [asdict(each) | {"ok": each.ok} for each in self.tasks],
             "broken": [asdict(each) for each in self.broken],
         }
 
@@ -122,6 +128,12 @@ class Report:
             yield from self._fault_lines()
         if self.mutants:
             yield from self._mutant_lines()
+        if self.tasks:
+            yield ""
+            yield f"shipped tasks on {self.backend}"
+            for each in self.tasks:
+                yield from _check_lines(each)
+                yield from (f"        {told}" for told in each.measured)
         for broken in self.broken:
             yield f"BROKEN  {broken.name}: {broken.reason}"
         yield ""
@@ -136,6 +148,8 @@ class Report:
             told.append(f"{self.injected} faults, {len(self.violations)} violations")
         if self.mutants:
             told.append(f"{len(self.planted) - len(self.missed)} of {len(self.planted)} liars caught")
+        if self.tasks:
+            told.append(f"{len(self.tasks)} comparisons of tasks, {sum(not t.ok for t in self.tasks)} wrong")
         if self.broken:
             told.append(f"{len(self.broken)} parts broken")
         return "; ".join(told)

@@ -17,11 +17,11 @@ from robotics.perception.rectangle_edges import fit_rectangle
 TURN = 0.35
 """How far from the expected heading a block is looked for, in [rad]."""
 _ANGLES = np.linspace(-TURN, TURN, 11)
-_M_PER_PX = 0.00125  # of the picture of the plane in which guesses are looked for
+_M_PER_PX = 0.0016  # of the picture of the plane in which guesses are looked for
 _STRIP = 3  # breadth of what is compared on both sides of an edge [px]
 _LEAST_STEP = 5.0  # grey levels
-_GUESSES = 4
-_SAME = 0.006  # guesses nearer to each other than this are one [m]
+_GUESSES = 6
+_SAME = 0.003  # guesses nearer to each other than this are one [m]
 _NEARER = 3.0  # what a guess is worth more where it is expected than `within` from there
 
 

@@ -13,13 +13,14 @@ from robotics.perception.camera_model import Floats
 
 PLACES: Floats = np.arange(-5.0, 5.25, 0.5)
 """Where a profile is sampled, from inside to outside, in [px]."""
-_AT: Floats = np.arange(-2.5, 2.55, 0.1)
+_AT: Floats = np.arange(-2.4, 2.5, 0.2)
 _WIDTHS: Floats = np.array([1.0, 1.2, 1.4, 1.7, 2.0, 2.4, 2.8, 3.2, 3.8, 4.4, 5.0, 6.0])
 _BLURS: Floats = np.arange(0.65, 1.46, 0.05)
 _USUAL = 6  # 0.95 px: a lens of 0.7 px, the area of a pixel, sampling twice
 _BETTER, _BETTER_AWAY = 0.4, 0.25  # share of the squared residuals that a second step leaves at most
 _LEAST_GAIN = 0.5  # of their mean [squared grey levels] by which it lowers them
 _SHAPE = 0.012  # how well a step's shape is known, as a share of its height
+_LEAST_FIRST = 0.12  # of two steps: its share of their height
 _LEAST_AWAY = 1.5  # [px] from an edge to the next one that is nothing of its own
 
 Bools = NDArray[np.bool_]
@@ -66,9 +67,13 @@ def fit_steps(profiles: Floats, away: Bools, least: float) -> Steps:
     """
     levels = profiles.mean(axis=1, keepdims=True)
     centred = profiles - levels
-    blur = _blur(centred[away], least)
-    single, double = _fit(_single(blur), centred, least), _fit(_double(blur), centred, least)
     height = profiles[:, :3].mean(axis=1) - profiles[:, -3:].mean(axis=1)
+    first = np.maximum(least, _LEAST_FIRST * height)
+    left, weights = _residuals(_singles(), centred, first)
+    blur = _blur(left[:, away])
+    one = slice(blur * len(_AT), (blur + 1) * len(_AT))
+    single = _best(_single(blur), left[one], weights[one])
+    double = _best(_double(blur), *_residuals(_double(blur), centred, first))
     with np.errstate(invalid="ignore"):
         better = single.left - double.left > _LEAST_GAIN + (_SHAPE * height) ** 2
     better &= double.left < np.where(away, _BETTER_AWAY, _BETTER) * single.left
@@ -85,15 +90,14 @@ def fit_steps(profiles: Floats, away: Bools, least: float) -> Steps:
     return Steps(at, np.where(np.isfinite(left), drop, 0.0), model)
 
 
-def _blur(centred: Floats, least: float) -> int:
+def _blur(left: Floats) -> int:
     """Which of the blurs fits edges of one step best, by the mean of all."""
-    left, _ = _residuals(_singles(), centred, least)
     each = left.reshape(len(_BLURS), len(_AT), -1).min(axis=1)
     there = np.isfinite(each).all(axis=0)
     return round(float(each[:, there].argmin(axis=0).mean())) if there.any() else _USUAL
 
 
-def _residuals(models: _Models, centred: Floats, least: float) -> tuple[Floats, Floats]:
+def _residuals(models: _Models, centred: Floats, least: Floats) -> tuple[Floats, Floats]:
     """Mean squared residuals (n, k) and weights (n, 3, k) of all models."""
     shape = (-1, 3, len(centred))
     onto, weights = ((each.reshape(-1, len(PLACES)) @ centred.T).reshape(shape) for each in models[2:])
@@ -102,10 +106,9 @@ def _residuals(models: _Models, centred: Floats, least: float) -> tuple[Floats, 
     return left, weights
 
 
-def _fit(models: _Models, centred: Floats, least: float) -> _Fit:
-    left, weights = _residuals(models, centred, least)
+def _best(models: _Models, left: Floats, weights: Floats) -> _Fit:
     best = left.argmin(axis=0)
-    each = np.arange(len(centred))
+    each = np.arange(left.shape[1])
     chosen = weights[best, :, each]
     model = np.matmul(chosen[:, None], models.basis[best])[:, 0]
     return _Fit(models.at[best] + _between(left, best), models.width[best], chosen, model, left[best, each])

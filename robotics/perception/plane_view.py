@@ -38,13 +38,12 @@ class PlaneView(NamedTuple):
 
         Only the ends go through the lens: between them a line of a few millimetres is straight.
         """
-        start, end = self.pixels(pose, np.stack([first, last]))
+        ends = self.pixels(pose, np.stack([first, last]))
         height, width = self.image.shape
-        low, high = np.minimum(start, end), np.maximum(start, end)
-        inside = (low >= 1.0).all() and (high[..., 0] <= width - 2).all() and (high[..., 1] <= height - 2).all()
-        if not inside:
+        low, high = ends.reshape(-1, 2).min(axis=0), ends.reshape(-1, 2).max(axis=0)
+        if not (low.min() >= 1.0 and high[0] <= width - 2 and high[1] <= height - 2):
             return None
-        share = np.linspace(0.0, 1.0, count)
-        along = start[..., None, :] + (end - start)[..., None, :] * share[:, None]
-        at = along.reshape(-1, count, 2).astype(np.float32)
-        return cv2.remap(self.image, at, None, cv2.INTER_LINEAR).astype(np.float64).reshape(along.shape[:-1])
+        share = np.linspace(0.0, 1.0, count, dtype=np.float32)[:, None]
+        start, end = (each.reshape(-1, 1, 2).astype(np.float32) for each in ends)
+        greys = cv2.remap(self.image, start + (end - start) * share, None, cv2.INTER_LINEAR)
+        return greys.astype(np.float64).reshape(*first.shape[:-1], count)

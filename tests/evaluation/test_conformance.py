@@ -17,6 +17,7 @@ from evaluation.conformance.mutants import MUTANTS, try_mutant
 from evaluation.conformance.reach import Reach
 from evaluation.conformance.rehearsal import DRIVE_MAP, RETURN_BOOK, Rehearsal, Solo
 from evaluation.conformance.report import Report
+from evaluation.conformance.task_runs import Ran, compared
 from evaluation.conformance.underway import Ending
 from networks.task_file import load_task
 
@@ -124,6 +125,56 @@ def test_a_report_tells_what_is_wrong() -> None:
     assert "VIOLATION  REACH, period 7, cancel: Fail: Fail, but base mm 60.00" in told
     assert "1 checks, 1 wrong; 1 faults, 1 violations" in told
     assert report.as_dict()["faults"]["violations"][0]["period"] == 7
+
+
+def ran(backend: str, seed: int, outcome: str = "Success", errors: bool = True, *untrue: str) -> Ran:
+    return Ran("return_book", backend, seed, errors, outcome, "returned", "", untrue)
+
+
+def test_a_task_must_end_the_same_way_without_errors() -> None:
+    runs = [ran("mine", 0, "Fail", False), ran("kinematic", 0, "Success", False)]
+    (finding,) = compared(runs, "mine")
+    assert finding.wrong == ["mine: Fail in returned; kinematic: Success in returned"]
+    assert compared([ran("mine", 0, errors=False), runs[1]], "mine")[0].ok
+
+
+@pytest.mark.parametrize(("fails", "ok"), [(0, True), (5, True), (6, False), (50, False)])
+def test_success_rates_that_differ_beyond_chance_are_wrong(fails: int, ok: bool) -> None:
+    runs = [ran("kinematic", seed) for seed in range(50)]
+    runs += [ran("mine", seed, "Fail" if seed < fails else "Success") for seed in range(50)]
+    (finding,) = compared(runs, "mine")
+    assert finding.ok == ok
+
+
+def test_an_untrue_outcome_is_wrong_at_any_rate() -> None:
+    runs = [ran("kinematic", 0), ran("mine", 0, "Success", True, "the book lies on the floor")]
+    (finding,) = compared(runs, "mine")
+    assert finding.wrong == ["seed 0 on mine: the book lies on the floor"]
+
+
+def test_whole_tasks_are_run_on_both_backends() -> None:
+    told = [str(each) for each in Setting("pybullet", seeds=2).task_runs()]
+    assert "return_book on pybullet without errors" in told
+    assert "drive_map on kinematic with seed 1" in told
+    assert len(told) == 3 * 2 * 3
+    assert "tasks" not in Setting("pybullet", quick=True).chosen_parts
+
+
+def test_a_shipped_task_for_real() -> None:
+    report = run_kit(Setting("kinematic", "cart", parts=("tasks",), seeds=1), 1)
+    assert report.ok
+    assert [each.measured for each in report.tasks] == [
+        ["kinematic: Success in toured"],
+        ["kinematic: Success 1 of 1"],
+    ]
+
+
+def test_pybullet_passes_where_physics_matters() -> None:
+    pytest.importorskip("pybullet", reason="PyBullet has no wheel for this Python")
+    bench = Bench("pybullet")
+    for name in ("one period", "stop", "frames"):
+        finding = CHECKS[name](bench)
+        assert finding.ok, finding.wrong
 
 
 def test_a_primitive_of_somebody_else_is_found_by_its_name() -> None:

@@ -54,6 +54,7 @@ def test_good_file(load):
 
 
 def test_everything_at_once(load):
+    """T10, T12: each with the nearest that is allowed."""
     text = (
         TASK.replace("goal: z", "goal: zz")
         .replace("do: THINK, from: a", "do: THINKS, from: a")

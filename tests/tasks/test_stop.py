@@ -75,6 +75,5 @@ def test_stopped_in_every_primitive_of_return_book(tmp_path):
         stopped.add(start["action"]["do"])
         waits.append((stop["sent_s"] - stop["asked_s"]) / period)
         assert last_motion(folder, stop["sent_s"]) <= stop["sent_s"] + ramp + period
-    print("WAITS", waits)
     assert stopped == PRIMITIVES
     assert max(waits) <= LATEST + 1e-6

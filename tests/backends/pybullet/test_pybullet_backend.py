@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from backends.kinematic.kinematic_backend import KinematicBackend
+from backends.saved_state import pack, unpack
 from backends.scene.book import Rest
 
 pytest.importorskip("pybullet", reason="PyBullet has no wheel for this Python")
@@ -47,6 +48,65 @@ def test_wheels_drive_the_base_and_tell_how_far(make):
     travel = base.wheel_travel()
     assert gone == pytest.approx(0.2, abs=0.01)
     assert (travel.left + travel.right) / 2 == pytest.approx(0.2, abs=0.002)
+
+
+def test_a_base_that_is_stopped_stands(make):
+    backend = make()
+    for _ in range(10):
+        parts(backend)[0].drive(0.1, 0.1)
+        backend.step()
+    backend.stop()
+    steps(backend, 5)
+    there = backend.scene.base
+    steps(backend, 40)
+    assert there.distance(backend.scene.base) < 2e-4
+    assert there.turn(backend.scene.base) < 2e-4
+
+
+def test_fingers_that_were_stopped_can_be_told_to_stay(make):
+    backend = make()
+    gripper = parts(backend)[2]
+    steps(backend, 3)
+    backend.stop()
+    gripper.move(gripper.command())
+    assert gripper.command() <= 0.07
+
+
+def test_a_picture_shows_the_same_whoever_looked_before(make):
+    idle, busy = make(), make()
+    for number in range(30):
+        for backend in (idle, busy):
+            parts(backend)[0].drive(-0.3 if number < 15 else 0.3, 0.3)
+            backend.step()
+        if number % 5 == 0:
+            busy.view()
+            parts(busy)[3].image()
+    assert np.array_equal(parts(idle)[3].image(), parts(busy)[3].image())
+
+
+def test_the_hand_is_where_the_urdf_puts_it_also_on_a_base_that_gives(hand):
+    scene = hand.backend.scene
+    assert np.abs(scene.world_T("hand") - hand.backend.link_pose("hand")).max() < 1e-6
+
+
+@pytest.mark.parametrize("held", [False, True])
+def test_a_world_put_back_goes_on_as_the_one_that_was_kept(make, spec, hand_of, held):
+    first = hand_of(make())
+    if held:
+        first.take_book()
+    kept = pack(first.backend.state())
+    again = hand_of(make())
+    again.backend.set_state(unpack(kept))
+    assert (again.backend.scene.held is not None) == held
+    for each in (first, again):
+        here = each.model.forward(each.arm.command())[:3, 3]
+        each.line(here[0], here[1], here[2] + 0.02)
+    one, other = first.backend.scene, again.backend.scene
+    assert np.abs(one.joints - other.joints).max() < 1e-5
+    assert one.base.distance(other.base) < 1e-5
+    for number, book in one.books.items():
+        assert np.abs(book.pose - other.books[number].pose).max() < 1e-4
+        assert book.rest == other.books[number].rest
 
 
 def test_positive_turn_rate_turns_left(make):
@@ -142,18 +202,18 @@ def test_a_constraint_grasp_holds_and_a_restored_state_has_it_as_it_was(make, sp
     gripper = spec.gripper.model_copy(update={"grasp": "constraint"})
     hand = hand_of(make(robot=spec.model_copy(update={"gripper": gripper})))
     physics, book = hand.backend._physics, hand.backend.scene.books[117]
-    free = physics.save()
+    free = physics.state()
     hand.take_book()
-    held = physics.save()
+    held = physics.state()
     there = hand.backend._world.book_pose(book)
     here = hand.model.forward(hand.arm.command())[:3, 3]
     hand.line(here[0], here[1], here[2] + 0.08)
     assert hand.backend.scene.held is book
     assert (book.pose - there)[2, 3] == pytest.approx(0.08, abs=1e-3)
-    physics.restore(held)
-    assert physics.pinned == held.pinned is not None
+    physics.set_state(held)
+    assert physics.pinned == held[1] is not None
     assert np.abs(hand.backend._world.book_pose(book) - there).max() < 1e-6
-    physics.restore(free)
+    physics.set_state(free)
     assert physics.pinned is None
 
 

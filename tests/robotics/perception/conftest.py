@@ -182,7 +182,7 @@ class Tabletop:
     def __init__(self) -> None:
         u, v = ((np.arange(n * self._fine) + 0.5) / self._fine - 0.5 for n in (640, 480))
         rays = CAMERA.undistort(np.stack(np.meshgrid(u, v), axis=-1).reshape(-1, 2))
-        self._rays = np.column_stack([rays, np.ones(len(rays))])
+        self._rays = rays.astype(np.float32).reshape(480 * self._fine, 640 * self._fine, 2)
 
     def table(self, grey: float = 150.0, seed: int | None = None) -> Any:
         """A bare table (2400, 2400), 300 mm across; with a seed it is of wood."""
@@ -204,23 +204,20 @@ class Tabletop:
         self, table: Any, camera_T_table: Any, seed: int, noise: float = 3.0, blur: float = 0.7
     ) -> NDArray[np.uint8]:
         """The image (480, 640) through the lens: blur in [px], noise in grey levels, uneven light."""
-        plane = np.column_stack([camera_T_table[:3, 0], camera_T_table[:3, 1], camera_T_table[:3, 3]])
-        points = self._rays @ np.linalg.inv(plane).T
-        grid = (480 * self._fine, 640 * self._fine)
-        column = 1199.5 + points[:, 0] / points[:, 2] / self.m_per_px
-        row = 1199.5 - points[:, 1] / points[:, 2] / self.m_per_px
-        maps = [each.astype(np.float32).reshape(grid) for each in (column, row)]
+        to_rays = np.column_stack([camera_T_table[:3, 0], camera_T_table[:3, 1], camera_T_table[:3, 3]])
+        m = self.m_per_px
+        to_table = np.array([[m, 0.0, -1199.5 * m], [0.0, -m, 1199.5 * m], [0.0, 0.0, 1.0]])
+        at = cv2.perspectiveTransform(self._rays, np.linalg.inv(to_rays @ to_table))
         # What lies between two rays is averaged beforehand.
-        seen = cv2.remap(
-            cv2.blur(table, (3, 3)), maps[0], maps[1], cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE
-        )
+        seen = cv2.remap(cv2.blur(table, (3, 3)), at, None, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
         small = cv2.resize(seen.astype(np.float32), (640, 480), interpolation=cv2.INTER_AREA)
         image = cv2.GaussianBlur(small, (0, 0), blur)
         rng = np.random.default_rng(seed)
         angle, depth = rng.uniform(0, 2 * np.pi), rng.uniform(0.05, 0.2)
-        down, across = np.mgrid[-1:1:480j, -1:1:640j]
-        image = image * (0.92 + depth * (np.cos(angle) * across + np.sin(angle) * down))
-        image = image + rng.normal(0.0, noise, image.shape)
+        across = np.linspace(-1.0, 1.0, 640, dtype=np.float32) * np.float32(depth * np.cos(angle))
+        down = np.linspace(-1.0, 1.0, 480, dtype=np.float32)[:, None] * np.float32(depth * np.sin(angle))
+        image = image * (np.float32(0.92) + across + down)
+        image = image + rng.standard_normal(image.shape, dtype=np.float32) * np.float32(noise)
         return np.clip(np.rint(image), 0, 255).astype(np.uint8)
 
 

@@ -136,7 +136,7 @@ OTHERS = {
 @pytest.mark.parametrize("name", OTHERS)
 def test_another_mark_is_not_taken_for_it(tabletop, name):
     other = np.pad(OTHERS[name], 80, constant_values=PAPER)
-    for seed, turn in enumerate((0.0, 0.5, 2.0)):
+    for seed, turn in enumerate((0.1, 2.0)):
         table = tabletop.table()
         tabletop.put(table, other, -0.05, 0.0)
         camera_T_table = facing(0.4) @ Pose2(0.0, 0.0, turn).lift()

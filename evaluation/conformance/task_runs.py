@@ -1,0 +1,142 @@
+"""Whole shipped tasks: that they end on a backend as on the one that all are compared with."""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import NamedTuple
+
+from evaluation.running import run_task
+
+from .check import Finding
+
+REFERENCE = "kinematic"
+SUCCESS = "Success"
+LEVEL = 0.05  # probability by chance below which success rates count as different
+
+
+class Ran(NamedTuple):
+    """How a task ended."""
+
+    task: str
+    backend: str
+    seed: int
+    errors: bool
+    """Whether the simulated robot erred."""
+    outcome: str
+    situation: str
+    reason: str
+    untrue: tuple[str, ...]
+    """Outcomes that the ground truth contradicts, in words."""
+
+    @property
+    def ends(self) -> str:
+        """How and where, in words."""
+        why = f" ({self.reason})" if self.reason else ""
+        return f"{self.outcome} in {self.situation}{why}"
+
+
+@dataclass(frozen=True)
+class OneRun:
+    """A task to be run once."""
+
+    task: Path
+    backend: str
+    seed: int = 0
+    errors: bool = True
+    settings: Mapping[str, str] = field(default_factory=dict)
+
+    def __str__(self) -> str:
+        how = f"with seed {self.seed}" if self.errors else "without errors"
+        return f"{self.task.parent.name} on {self.backend} {how}"
+
+    def __call__(self) -> Ran:
+        """Run it."""
+        with tempfile.TemporaryDirectory() as folder:
+            summary, _ = run_task(
+                self.task, Path(folder), self.backend, self.settings, self.seed, errors=self.errors
+            )
+        return Ran(
+            self.task.parent.name,
+            self.backend,
+            self.seed,
+            self.errors,
+            summary["outcome"],
+            summary["situation"],
+            summary["reason"],
+            tuple(summary["metrics"].get("untrue", ())),
+        )
+
+
+def task_runs(tasks: Sequence[Path], backend: str, seeds: int, settings: Mapping[str, str]) -> list[OneRun]:
+    """All that is to be run: each task once without errors, and with those of so many seeds."""
+    backends = dict.fromkeys((backend, REFERENCE))
+    return [
+        OneRun(task, name, seed, errors, settings)
+        for task in tasks
+        for name in backends
+        for errors, count in ((False, 1), (True, seeds))
+        for seed in range(count)
+    ]
+
+
+def compared(runs: Sequence[Ran], backend: str) -> list[Finding]:
+    """What has come of the runs, task by task."""
+    return [
+        finding
+        for task in dict.fromkeys(run.task for run in runs)
+        for finding in _of_task([run for run in runs if run.task == task], task, backend)
+    ]
+
+
+def _of_task(runs: Sequence[Ran], task: str, backend: str) -> Iterator[Finding]:
+    ideal, erring = ([run for run in runs if run.errors is errors] for errors in (False, True))
+    if ideal:
+        yield _ideal(ideal, task, backend)
+    if erring:
+        yield _rates(erring, task, backend)
+
+
+def _ideal(runs: Sequence[Ran], task: str, backend: str) -> Finding:
+    alone = backend == REFERENCE
+    finding = Finding(task, f"without errors it {'succeeds' if alone else f'ends as on {REFERENCE}'}")
+    ends = {run.backend: run.ends for run in runs}
+    finding.measured += [f"{name}: {end}" for name, end in ends.items()]
+    if alone:
+        finding.expect(all(run.outcome == SUCCESS for run in runs), "; ".join(finding.measured))
+    else:
+        finding.expect(ends.get(backend) == ends.get(REFERENCE), "; ".join(finding.measured))
+    finding.wrong += _untrue(runs)
+    return finding
+
+
+def _rates(runs: Sequence[Ran], task: str, backend: str) -> Finding:
+    from scipy.stats import fisher_exact
+
+    alone = backend == REFERENCE
+    against = (
+        "its outcomes are true" if alone else f"it succeeds as often as on {REFERENCE}, at the 5 % level"
+    )
+    finding = Finding(task, f"with errors {against}")
+    names = tuple(dict.fromkeys((backend, REFERENCE)))
+    table = [_counted([run for run in runs if run.backend == name]) for name in names]
+    rates = [f"{name}: Success {won} of {won + lost}" for name, (won, lost) in zip(names, table, strict=True)]
+    if not alone:
+        chance = float(fisher_exact(table).pvalue)
+        rates.append(f"by chance with p = {chance:.3g} (Fisher)")
+        finding.expect(chance >= LEVEL, ", ".join(rates))
+    finding.measured += rates
+    finding.wrong += _untrue([run for run in runs if run.backend == backend])
+    return finding
+
+
+def _counted(runs: Sequence[Ran]) -> tuple[int, int]:
+    """Runs that reached the goal, and others."""
+    won = sum(run.outcome == SUCCESS for run in runs)
+    return won, len(runs) - won
+
+
+def _untrue(runs: Sequence[Ran]) -> list[str]:
+    return [f"seed {run.seed} on {run.backend}: {'; '.join(run.untrue)}" for run in runs if run.untrue]

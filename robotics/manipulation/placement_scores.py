@@ -1,0 +1,54 @@
+"""What each base placement is worth at each point of a path."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .untrackable import Untrackable
+
+
+class PlacementScores(NamedTuple):
+    """Scores of b base poses x p points of a path.
+
+    The arrays are views of (p, b) memory, in which neighbours of a column lie together.
+    """
+
+    values: NDArray[np.float32]
+    """(b, p), 0 where not usable."""
+    usable: NDArray[np.bool_]
+    """(b, p): reached, and within the limits of the measure."""
+    joined: NDArray[np.bool_] | None = None
+    """(b, p-1): whether the arm gets from a point to the next without a jump; None: it always does."""
+
+    def without(self, blocked: NDArray[np.bool_]) -> PlacementScores:
+        """The same with some placements (b,) ruled out: by an obstacle, or because no way leads there."""
+        usable = np.asfortranarray(self.usable & ~blocked[:, None])
+        return self._replace(values=np.where(usable, self.values, np.float32(0.0)), usable=usable)
+
+    def only(self, kept: NDArray[np.bool_] | NDArray[np.intp]) -> PlacementScores:
+        """Some placements alone, by mask or number."""
+        joined = None if self.joined is None else np.asfortranarray(self.joined[kept])
+        return PlacementScores(
+            np.asfortranarray(self.values[kept]), np.asfortranarray(self.usable[kept]), joined
+        )
+
+    def also(self, more: PlacementScores) -> PlacementScores:
+        """These placements and then those of `more`."""
+        joined = None
+        if self.joined is not None and more.joined is not None:
+            joined = np.asfortranarray(np.vstack((self.joined, more.joined)))
+        return PlacementScores(
+            np.asfortranarray(np.vstack((self.values, more.values))),
+            np.asfortranarray(np.vstack((self.usable, more.usable))),
+            joined,
+        )
+
+    def check(self) -> None:
+        """Raises Untrackable for the first point that no placement can use."""
+        served = self.usable.any(axis=0)
+        if not served.all():
+            index = int(np.argmin(served))
+            raise Untrackable(index, "can't be tracked from any of the placements")

@@ -1,0 +1,58 @@
+"""A serial arm as screws: what compiled loops need of an `ArmModel`."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robotics.kinematics.arm_model import ArmModel
+
+Floats = NDArray[np.float64]
+
+
+class ScrewChain(NamedTuple):
+    """Joint axes with all angles at zero, in the frame of the arm's base: product of exponentials.
+
+    Lynch and Park, Modern Robotics (2017), chapter 4. All joints are revolute.
+    """
+
+    axes: Floats
+    """(n, 3): unit vectors along the axes."""
+    points: Floats
+    """(n, 3): a point on each, in [m]."""
+    base_T_tip: Floats
+    """(4, 4): with all angles at zero."""
+    lower: Floats
+    """(n,): joint limits, in [rad]."""
+    upper: Floats
+    """(n,)."""
+
+    @classmethod
+    def of_arm(cls, arm: ArmModel) -> ScrewChain:
+        """From the Jacobian and the tip's pose at zero: its columns are the screws.
+
+        Raises:
+            ValueError: a joint of the arm slides.
+        """
+        zero = np.zeros(arm.dof)
+        jacobian, base_T_tip = arm.jacobian(zero), arm.forward(zero)
+        axes = jacobian[3:].T
+        slides = np.linalg.norm(axes, axis=1) < 0.5
+        if slides.any():
+            name = arm.joint_names[int(np.argmax(slides))]
+            raise ValueError(f"joint {name!r} slides; allowed: arms whose joints all turn")
+        points = base_T_tip[:3, 3] + np.cross(axes, jacobian[:3].T)
+        return cls(np.ascontiguousarray(axes), points, base_T_tip, arm.lower.copy(), arm.upper.copy())
+
+    @property
+    def dof(self) -> int:
+        """Number of joints n."""
+        return len(self.axes)
+
+    @property
+    def reach(self) -> float:
+        """No tip is farther from the first axis' point than this, in [m]."""
+        knots = np.vstack((self.points, self.base_T_tip[:3, 3]))
+        return float(np.linalg.norm(np.diff(knots, axis=0), axis=1).sum())

@@ -1,0 +1,27 @@
+"""Why a path can't be tracked."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+
+class Untrackable(ValueError):
+    """A path that no arm, or no set of placements, can follow.
+
+    Attributes:
+        index: number of the first bad point, from 0; a file's line follows from it.
+        why: what is wrong with it.
+        nearest: position (3,) near it, in [m], that could be tracked; None where none is known.
+    """
+
+    def __init__(self, index: int, why: str, nearest: NDArray[np.float64] | None = None) -> None:
+        self.index = index
+        self.why = why
+        self.nearest = nearest
+        proposal = "" if nearest is None else f"; nearest that can be reached: {_words(nearest)}"
+        super().__init__(f"point {index} of the path {why}{proposal}")
+
+
+def _words(point: NDArray[np.float64]) -> str:
+    return "(" + ", ".join(f"{value:.3f}" for value in point) + ") m"

@@ -1,0 +1,53 @@
+"""Rows of places at which sensors are to be laid."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+ASIDE = 0.75  # [m] from the base to the target on its right
+SPACING = 0.05  # [m] between points of a line
+
+
+class FieldCourse(NamedTuple):
+    """Targets, and the line on which the base drives past them from (0, 0), heading along x."""
+
+    targets: NDArray[np.float64]
+    """(n, 2), in [m]."""
+    line: NDArray[np.float64]
+    """(m, 2) densely, in [m]; past the last stop it goes on straight."""
+    stops: NDArray[np.int64]
+    """(n,) rows of `line` at which the base stands, its target on its right."""
+
+    @classmethod
+    def through(cls, stops: NDArray[np.float64]) -> FieldCourse:
+        """With straight legs from (0, 0) through the places (n, 2) at which the base stops, in [m]."""
+        corners = np.vstack([np.zeros((1, 2)), stops])
+        legs = np.diff(corners, axis=0)
+        along = legs / np.hypot(*legs.T)[:, None]
+        right = np.column_stack([along[:, 1], -along[:, 0]])
+        corners = np.vstack([corners, corners[-1] + 3.0 * along[-1]])
+        lengths = np.hypot(*np.diff(corners, axis=0).T)
+        counts = np.maximum(1, np.round(lengths / SPACING).astype(np.int64))
+        pieces = [
+            np.linspace(begin, end, count, endpoint=False)
+            for begin, end, count in zip(corners[:-1], corners[1:], counts, strict=True)
+        ]
+        return cls(stops + ASIDE * right, np.vstack([*pieces, corners[-1:]]), np.cumsum(counts[:-1]))
+
+
+def straight_course(count: int = 17, spacing: float = 10.0) -> FieldCourse:
+    """Targets in a straight row, `spacing` [m] apart."""
+    stops = np.zeros((count, 2))
+    stops[:, 0] = spacing * np.arange(1, count + 1)
+    return FieldCourse.through(stops)
+
+
+def zigzag_course(count: int = 7, spacing: float = 10.0, sideways: float = 5.0) -> FieldCourse:
+    """Targets in two rows by turns: `spacing` [m] forward, `sideways` [m] across."""
+    stops = np.zeros((count, 2))
+    stops[:, 0] = spacing * np.arange(1, count + 1)
+    stops[1::2, 1] = sideways
+    return FieldCourse.through(stops)

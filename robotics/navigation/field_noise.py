@@ -1,0 +1,84 @@
+"""How wrong wheels, gyros and GPS are on open ground."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+SHARPEST = 0.5  # [1/m], the curvature at which `FieldNoise.turn_slip` is stated
+
+
+class FieldNoise(NamedTuple):
+    """One-sigma errors outdoors.
+
+    The defaults are one set with which the particle filter of Ohki et al. (2012) spreads as in their field
+    test. Four figures can't identify a dozen: it is a set that reproduces, not the noise that was there.
+    """
+
+    roughness: float = math.radians(2.5)
+    """Roll and pitch of the base, in [rad]."""
+    roughness_length: float = 0.4
+    """Distance over which they change, in [m]."""
+    scale: float = 0.002 * math.sqrt(2.0)
+    """Of the wheels' travel, relative, the same all day: slip and calibration."""
+    slip: float = 0.004
+    """Of the wheels' travel, relative, new every `slip_length`."""
+    slip_length: float = 2.0
+    """In [m]."""
+    turn_slip: float = 0.12
+    """Of the wheels' travel in a curve of 0.5 / m, relative, in proportion to curvature, new on each leg."""
+    side_slip: float = math.radians(0.8)
+    """Direction of travel beside the heading, in [rad], new every `side_slip_length`."""
+    side_slip_length: float = 3.0
+    """In [m]."""
+    side_slip_turning: float = 0.02
+    """The same by curvature, in [rad m]; not an error but known."""
+    gyro_white: float = math.radians(0.02)
+    """Angle random walk, in [rad/√s]."""
+    gyro_walk: float = math.radians(0.001)
+    """Random walk of the bias, in [rad/s/√s]."""
+    gyro_bias: float = math.radians(0.3)
+    """At the start, in [rad/s]."""
+    gyro_warm_up: float = math.radians(0.1)
+    """Part of the bias that goes away with warming up, in [rad/s]."""
+    gyro_warm_up_time: float = 600.0
+    """In [s]."""
+    gyro_scale: float = 0.005
+    """Of a turn, relative."""
+    accelerometer_white: float = 0.05
+    """Of one reading at rest, in [m/s²]."""
+    accelerometer_bias: float = 0.02
+    """In [m/s²]."""
+    vibration: float = 0.4
+    """Of one reading of the accelerometer while driving, in [m/s²]."""
+    gps_period: float = 1.0
+    """Between fixes, in [s]."""
+    gps_white: float = 1.0
+    """Of each fix, an axis, in [m]."""
+    gps_drift: float = 0.0
+    """Slow error of the fixes, an axis, in [m] (Gauss-Markov)."""
+    gps_drift_time: float = 300.0
+    """Over which it changes, in [s]."""
+    multipath_every: float = math.inf
+    """Mean time from the end of one reflection to the next, in [s]."""
+    multipath_time: float = 20.0
+    """Mean duration of a reflection, in [s]."""
+    multipath: float = 8.0
+    """By which a reflection moves the fixes, an axis, in [m]."""
+    outage_every: float = math.inf
+    """Mean time from the end of one outage to the next, in [s]."""
+    outage_time: float = 60.0
+    """Mean duration of an outage, in [s]."""
+    outliers: float = 0.0
+    """Share of single fixes that are `outlier` off."""
+    outlier: float = 5.0
+    """An axis, in [m]."""
+    antenna: tuple[float, float, float] = (0.0, 0.0, 1.0)
+    """Where the antenna is in the base frame, in [m]; known, not an error."""
+    start_heading: float = math.radians(1.0)
+    """Of the heading that the robot believes to start with, in [rad]."""
+
+
+REFERENCE = FieldNoise()
+REALISTIC = FieldNoise(gps_white=0.5, gps_drift=0.5, gps_drift_time=600.0)
+RTK = FieldNoise(gps_white=0.01, gps_drift=0.01, gps_drift_time=100.0)

@@ -1,0 +1,73 @@
+"""Whether fixes agree with a filter: one alone, and many in a row."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+GATE = 25.0  # squared sigmas, two degrees of freedom: 4 in a million good ones are beyond
+BACK = 9.0  # squared sigmas of a mean that is good again
+LONGEST = 24  # fixes in a row that are tested together
+AGAIN = 5  # fixes in a row that must be good before one is believed again
+Array = NDArray[np.float64]
+
+
+class FixMonitor:
+    """Tests a filter's innovations, alone and summed over the last fixes, against what they should be.
+
+    A reflection shifts the fixes by less than one fix may be off. Each then passes, but their sum doesn't:
+    innovations of a filter that is right have no mean. From then on fixes are doubted, until some in a row
+    are where the filter, left alone, expects them.
+    """
+
+    def __init__(self) -> None:
+        """No fix yet."""
+        self._sums: list[Array] = []  # normalised innovations (2,) of believed fixes
+        self._doubted: list[Array] = []  # residuals (2,) in [m]
+        self.doubting = False
+        """Whether fixes are refused until proved right."""
+
+    def suspects(self, residual: Array, covariance: Array) -> int:
+        """How many of the latest fixes can't be believed, this one counted first; 0 if all can.
+
+        Args:
+            residual: (2,) fix less forecast, in [m].
+            covariance: (2, 2) it should have, in [m²].
+        """
+        white = np.linalg.solve(np.linalg.cholesky(covariance), residual)
+        if float(white @ white) > GATE:
+            return 1
+        self._sums.append(white)
+        del self._sums[:-LONGEST]
+        sums = np.cumsum(np.array(self._sums)[::-1], axis=0)
+        worst = (sums**2).sum(axis=1) / np.arange(1, len(sums) + 1)
+        if worst.max() <= GATE:
+            return 0
+        count = int(np.argmax(worst)) + 1
+        del self._sums[len(self._sums) - count :]
+        self.doubting = True
+        self._doubted = []
+        return count
+
+    def cleared(self, residual: Array, forecast: Array, variance: float) -> bool:
+        """Whether the doubt is over, given this fix's residual (2,) and its `variance` an axis, in [m²].
+
+        `forecast` (2, 2) is the filter's own share of the residual's covariance, the same for all of them.
+        """
+        self._doubted.append(residual)
+        del self._doubted[:-AGAIN]
+        if len(self._doubted) < AGAIN:
+            return False
+        mean = np.mean(self._doubted, axis=0)
+        whole = forecast + variance * np.eye(2)
+        singles = [float(one @ np.linalg.solve(whole, one)) for one in self._doubted]
+        together = float(mean @ np.linalg.solve(forecast + variance / AGAIN * np.eye(2), mean))
+        if max(singles) > GATE or together > BACK:
+            return False
+        self.reset()
+        return True
+
+    def reset(self) -> None:
+        """The filter starts again."""
+        self.doubting = False
+        self._sums, self._doubted = [], []

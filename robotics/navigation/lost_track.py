@@ -1,0 +1,122 @@
+"""When refused fixes are right and the filter is wrong."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robotics.geometry.pose2 import Pose2, wrap
+
+LONGEST = 300  # fixes that are looked back on
+SHORTEST = 10  # fixes to judge by
+TURNED = 6.0  # sigmas of a turn that can't be chance
+LEAST_TURN = math.radians(5.0)
+AGREE = 1.4  # root mean square of the fixes about the odometry's track, in sigmas: more is no agreement
+SLIPS = 0.02  # of the way: what odometry itself may be off
+Array = NDArray[np.float64]
+
+
+class FoundTrack(NamedTuple):
+    """Where the fixes say the robot is."""
+
+    pose: Pose2
+    covariance: Array
+    """(3, 3) in [m, m, rad]."""
+
+
+class LostTrack:
+    """Compares the shape of the odometry's track with that of the fixes refused in a row.
+
+    A wrong heading shows as soon as the robot moves: the fixes lie on the odometry's track, but turned about.
+    A shift without a turn is what a reflection looks like too: it is believed only after `patience` fixes.
+    """
+
+    def __init__(self, patience: int = 200) -> None:
+        """No fix yet; `patience` in fixes, more than a reflection lasts."""
+        self._patience = patience
+        self._tracks: list[tuple[float, ...]] = []
+
+    def take(self, reckoned: Pose2, position: Array, believed: bool) -> None:
+        """A fix of the base's `position` (2,) in [m] came in where odometry alone had `reckoned`."""
+        self._tracks.append((*reckoned, float(position[0]), float(position[1]), float(believed)))
+        del self._tracks[:-LONGEST]
+
+    def doubt(self, count: int) -> None:
+        """The last `count` believed fixes aren't any more."""
+        for k in range(len(self._tracks) - 1, -1, -1):
+            if count > 0 and self._tracks[k][5]:
+                self._tracks[k] = (*self._tracks[k][:5], 0.0)
+                count -= 1
+
+    def found(self, sigma: float, estimate: Pose2, heading_sigma: float) -> FoundTrack | None:
+        """A pose that explains the refused fixes, of `sigma` [m] an axis, better than `estimate`, or None.
+
+        `heading_sigma` of the estimate, in [rad].
+        """
+        tracks = np.array(self._tracks)
+        believed = np.flatnonzero(tracks[:, 5])
+        refused = tracks[believed[-1] + 1 :] if len(believed) else tracks
+        if len(refused) < SHORTEST:
+            return None
+        found = _turned(refused, sigma, estimate)
+        if found is None and len(refused) >= self._patience:
+            found = _shifted(refused, sigma, estimate, heading_sigma)
+        if found is not None:
+            self._tracks.clear()
+        return found
+
+
+def _turned(refused: Array, sigma: float, estimate: Pose2) -> FoundTrack | None:
+    """The fixes lie on a track that is turned about."""
+    found = _fit(refused, sigma)
+    if found is None:
+        return None
+    away = abs(wrap(found.pose.theta - estimate.theta))
+    sure = away > max(LEAST_TURN, TURNED * math.sqrt(float(found.covariance[2, 2])))
+    return found if sure else None
+
+
+def _shifted(refused: Array, sigma: float, estimate: Pose2, heading_sigma: float) -> FoundTrack | None:
+    """The fixes lie on a track beside; nothing is known of the heading beyond the estimate."""
+    last = Pose2(*refused[-1, :3].tolist())
+    moved = [estimate.compose(Pose2(*row[:3].tolist()).relative_to(last)) for row in refused]
+    away = refused[:, 3:5] - np.array(moved)[:, :2]
+    shift = np.median(away, axis=0)
+    spread = float(np.sqrt(np.mean((away - shift) ** 2)))
+    if spread > AGREE * sigma + SLIPS * _length(refused):
+        return None
+    variance = sigma**2 + spread**2
+    pose = Pose2(estimate.x + float(shift[0]), estimate.y + float(shift[1]), estimate.theta)
+    return FoundTrack(pose, np.diag([variance, variance, max(heading_sigma, math.radians(3.0)) ** 2]))
+
+
+def _length(tracks: Array) -> float:
+    """Of the odometry's track, in [m]."""
+    return float(np.hypot(*np.diff(tracks[:, :2], axis=0).T).sum())
+
+
+def _fit(tracks: Array, sigma: float) -> FoundTrack | None:
+    """The pose now by laying the odometry's track over the fixes (Umeyama, 1991), if they agree."""
+    reckoned, seen = tracks[:, :2], tracks[:, 3:5]
+    reckoned_middle, seen_middle = reckoned.mean(axis=0), seen.mean(axis=0)
+    a, b = reckoned - reckoned_middle, seen - seen_middle
+    reach = float((a**2).sum())
+    if reach < (5.0 * sigma) ** 2:
+        return None
+    turn = math.atan2(float((a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]).sum()), float((a * b).sum()))
+    cos, sin = math.cos(turn), math.sin(turn)
+    rotation = np.array([[cos, -sin], [sin, cos]])
+    residual = float(np.sqrt(np.mean((b - a @ rotation.T) ** 2)))
+    if residual > AGREE * sigma + SLIPS * _length(tracks):
+        return None
+    noise = max(sigma, residual)
+    last = rotation @ (reckoned[-1] - reckoned_middle)
+    x, y = (seen_middle + last).tolist()
+    pose = Pose2(x, y, wrap(float(tracks[-1, 2]) + turn))
+    by_turn = np.array([-last[1], last[0], 1.0])
+    heading = 4.0 * noise**2 / reach + SLIPS**2
+    place = 4.0 * noise**2 / len(tracks) + 1e-4
+    return FoundTrack(pose, heading * np.outer(by_turn, by_turn) + np.diag([place, place, 0.0]))

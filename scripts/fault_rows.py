@@ -1,0 +1,55 @@
+"""Which test covers which row of docs/faults.md: `python scripts/fault_rows.py`.
+
+A test names its rows in its docstring (`N9: ...`) or in its name (`test_t03_...`).
+"""
+
+from __future__ import annotations
+
+import ast
+import re
+from collections.abc import Iterator
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[1]
+DOCUMENT = ROOT / "docs" / "faults.md"
+_ROW = re.compile(r"\b([TNADKU][1-9]\d?)\b")
+_IN_NAME = re.compile(r"^test_([tnadku])0?([1-9]\d?)_")
+_TOLD = re.compile(r"^\| ([TNADKU][1-9]\d?) \|", re.M)
+
+
+def rows() -> list[str]:
+    """The rows that the document claims."""
+    return _TOLD.findall(DOCUMENT.read_text(encoding="utf-8"))
+
+
+def tests_by_row() -> dict[str, list[str]]:
+    """For each row the tests that name it, as pytest calls them."""
+    found: dict[str, list[str]] = {}
+    for path in sorted((ROOT / "tests").rglob("test_*.py")):
+        for test in _tests(ast.parse(path.read_text(encoding="utf-8"))):
+            for row in _named(test):
+                found.setdefault(row, []).append(f"{path.relative_to(ROOT)}::{test.name}")
+    return found
+
+
+def _tests(tree: ast.Module) -> Iterator[ast.FunctionDef]:
+    return (each for each in ast.walk(tree) if isinstance(each, ast.FunctionDef) and each.name[:5] == "test_")
+
+
+def _named(test: ast.FunctionDef) -> set[str]:
+    in_name = {f"{kind.upper()}{number}" for kind, number in _IN_NAME.findall(test.name)}
+    return in_name | set(_ROW.findall(ast.get_docstring(test) or ""))
+
+
+def main() -> None:
+    """Print the table."""
+    covered = tests_by_row()
+    for row in rows():
+        first, *more = covered.get(row, ["no test names it"])
+        print(f"{row:<4} {first}")
+        for each in more:
+            print(f"     {each}")
+
+
+if __name__ == "__main__":
+    main()

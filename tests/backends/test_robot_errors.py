@@ -1,0 +1,54 @@
+"""How a robot's file says that its simulation errs, and that it doesn't."""
+
+from __future__ import annotations
+
+import shutil
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from backends.registry import make_backend
+from backends.robot_file import ROBOTS, Errors, RobotFile, load_robot
+
+WORLD = ROBOTS.parents[1] / "tasks" / "return_book" / "world.yaml"
+
+
+@pytest.fixture
+def ideal(tmp_path: Path) -> RobotFile:
+    """The librarian, its file saying that nothing errs."""
+    folder = shutil.copytree(ROBOTS / "librarian", tmp_path / "ideal")
+    path = folder / "robot.yaml"
+    before, _, after = path.read_text(encoding="utf-8").partition("errors:")
+    rest = after[after.index("\ntolerance:") :]
+    path.write_text(f"{before}errors: {{none: true}}\n{rest}", encoding="utf-8")
+    return load_robot(str(path))
+
+
+def test_none_makes_all_errors_zero_also_that_of_the_ranges(ideal: RobotFile) -> None:
+    given = ideal.errors.model_dump()
+    assert given.pop("none") is True
+    given.pop("hand_systematic_wave_m")  # how long the waves are whose height is 0
+    assert set(given.values()) == {0.0}
+    assert ideal.range_sensor is not None
+    assert ideal.range_sensor.sigma_mm == 0.0
+
+
+def test_errors_that_stand_beside_none_count_as_zero() -> None:
+    assert Errors.model_validate({"none": True, "start_mm": 20.0}).start_mm == 0.0
+    assert Errors.model_validate({"none": False, "start_mm": 20.0}).start_mm == 20.0
+
+
+def test_a_robot_without_errors_stands_where_its_world_puts_it_and_reads_the_truth(ideal: RobotFile) -> None:
+    for robot in (ideal, load_robot("librarian").without_errors()):
+        with make_backend("kinematic", robot, WORLD, 7) as backend:
+            backend.step()
+            _, arm, gripper, *_, ranges = backend.capabilities()
+            scene = backend.scene
+            assert np.array_equal(arm.joints(), scene.joints)
+            assert gripper.width() == scene.width
+            first = ranges.scan().ranges
+            backend.step()
+            assert np.array_equal(first, ranges.scan().ranges)
+        with make_backend("kinematic", robot, WORLD, 8) as other:
+            assert other.scene.base == scene.base

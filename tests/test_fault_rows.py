@@ -1,0 +1,21 @@
+"""Every row that docs/faults.md tells has a test that names it."""
+
+from __future__ import annotations
+
+import sys
+from importlib.util import module_from_spec, spec_from_file_location
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[1]
+NAMED = [f"T{n}" for n in range(1, 19)] + [f"N{n}" for n in range(1, 15)] + [f"D{n}" for n in range(1, 13)]
+
+
+def test_every_row_is_named_by_a_test():
+    spec = spec_from_file_location("fault_rows", ROOT / "scripts" / "fault_rows.py")
+    script = module_from_spec(spec)
+    sys.modules[spec.name] = script
+    spec.loader.exec_module(script)
+    rows, covered = script.rows(), script.tests_by_row()
+    assert [row for row in rows if row not in covered] == []
+    assert len(rows) == len(set(rows))
+    assert set(NAMED) <= set(rows)

@@ -1,0 +1,67 @@
+"""A disk that takes no more: a limit on the size of files stands for it (rows D5, D6, D10)."""
+
+from __future__ import annotations
+
+import json
+import resource
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from networks.journal_record import read_journal
+
+ROOT = Path(__file__).resolve().parents[2]
+
+
+@pytest.fixture
+def run_with(handcart, tour, tmp_path):
+    """Runs the tour where no file grows beyond the journal's records up to a kind, and a little more."""
+    handcart("run", tour, "--runs", tmp_path / "whole")
+    whole = tmp_path / "whole" / f"{tour.parent.name}-0" / "journal.jsonl"
+
+    def run(kind: str):
+        lines = whole.read_bytes().splitlines(keepends=True)
+        before = [each["kind"] for each in read_journal(whole).records].index(kind)
+        most = sum(map(len, lines[:before])) + 20
+        return subprocess.run(
+            [sys.executable, "-m", "tools.handcart", "run", tour, "--runs", tmp_path / "runs", "--json"],
+            cwd=ROOT,
+            capture_output=True,
+            text=True,
+            check=False,
+            preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (most, most)),
+        )
+
+    return run
+
+
+def test_full_before_the_start_nothing_moves(run_with, tour, tmp_path):
+    """D5: what was written is whole, status 5."""
+    said = run_with("START")
+    assert said.returncode == 5
+    assert "can't be written" in said.stderr
+    assert "Traceback" not in said.stderr
+    assert json.loads(said.stdout)["outcome"] == "Error"
+    contents = read_journal(tmp_path / "runs" / f"{tour.parent.name}-0" / "journal.jsonl")
+    assert [each["kind"] for each in contents.records] == ["RUN", "PLAN"]
+    assert contents.torn_at is None
+
+
+def test_full_at_a_result_the_run_ends_and_tells_it(run_with, tour, tmp_path):
+    """D6: that the outcome is not in the journal for good."""
+    said = run_with("RESULT")
+    assert said.returncode == 5
+    assert "how action 1 ended is not in the journal for good" in said.stderr
+    contents = read_journal(tmp_path / "runs" / f"{tour.parent.name}-0" / "journal.jsonl")
+    assert [each["kind"] for each in contents.records] == ["RUN", "PLAN", "START"]
+
+
+def test_a_folder_that_takes_no_file_is_refused_before_anything_moves(handcart, tour):
+    """D10"""
+    said = handcart("run", tour, "--runs", "/proc/runs", "--json")
+    assert said.status == 5
+    assert "/proc" in said.err
+    with pytest.raises(json.JSONDecodeError):
+        json.loads(said.out)
