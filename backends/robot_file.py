@@ -71,14 +71,32 @@ class GripperSpec(FileModel):
     """What holds in a physics engine: the pads' friction, or a rigid link made when both fingers press."""
 
 
+class CalibratedCamera(FileModel):
+    """What a calibration found (`tasks/calibrate_camera`): it counts instead of what the camera should be."""
+
+    focal_px: Positive
+    cx_px: float
+    """Column of the picture's centre, where the optical axis meets it; an integer is a pixel's middle."""
+    cy_px: float
+    """Its row."""
+    k1: float = 0.0
+    k2: float = 0.0
+    xyz_mm: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    """By how much the camera sits beside the URDF's frame `camera`, along the axes of that frame."""
+    rpy_deg: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    """How it is turned in that frame: roll, pitch, yaw, as in a URDF."""
+
+
 class CameraSpec(FileModel):
-    """The camera at the URDF's frame `camera`."""
+    """The camera at the URDF's frame `camera`, as it should be; the optical axis in the picture's middle."""
 
     width_px: Annotated[int, Field(gt=0)]
     height_px: Annotated[int, Field(gt=0)]
     focal_px: Positive
     k1: float = 0.0
     k2: float = 0.0
+    calibrated: CalibratedCamera | None = None
+    """As it is, where that was measured."""
 
 
 class RangeSpec(FileModel):
@@ -142,6 +160,12 @@ class Errors(FileModel):
     """Of the reading of the fingers' opening."""
     image_noise_grey: NotNegative = 3.0
     image_blur_px: NotNegative = 0.7
+    camera_mount_mm: NotNegative = 0.0
+    """How far the camera sits from the URDF's frame `camera`, along each axis."""
+    camera_mount_mrad: NotNegative = 0.0
+    """How far it is turned, about each axis."""
+    focal_percent: NotNegative = 0.0
+    """How far its focal length is off `focal_px`; `calibrated` doesn't change what the camera is."""
     light_gradient: NotNegative = 0.25
     """Share by which the picture's light changes from one side to the other."""
     start_mm: NotNegative = 20.0

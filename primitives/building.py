@@ -50,6 +50,12 @@ class Slot(Standing):
     """One that stands beside it, if any."""
 
 
+class BoardPlan(Standing):
+    """A calibration board with 9 by 6 squares, on the map; good to a few centimetres."""
+
+    square_mm: Positive = 20.0
+
+
 class Table(Standing):
     """A table, on the map; its height is that of its top."""
 
@@ -68,8 +74,10 @@ class Building(FileModel):
     format: Literal["handcart-building/1"]
     block_mm: tuple[Positive, Positive, Positive]
     """Length (along which the fingers close), width, height of all blocks."""
-    landmarks: dict[str, LandmarkPlan]
+    landmarks: dict[str, LandmarkPlan] = {}
     tables: dict[str, Table]
+    boards: dict[str, BoardPlan] = {}
+    """To calibrate the camera with."""
     supply: tuple[Standing, ...] = ()
     """Where the blocks wait, on the map; the first one is block 1."""
     carried: tuple[Standing, ...] = ()

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from .calibrated import Calibrated
 from .cause import Cause, cause_of
 
 
@@ -22,6 +23,8 @@ class Evidence:
     """(n, 2) on the map in [m]; name to points."""
     decisive: str = ""
     """Which picture decided how the attempt ended; empty for the last one."""
+    calibrated: dict[str, Calibrated] = field(default_factory=dict)
+    """What of the robot's file should change, by key: `camera.calibrated.focal_px`."""
     causes: list[Cause] = field(default_factory=list)
     """What ended the motion; behind it what ended the way back, where that failed too."""
     limits: dict[str, float] = field(default_factory=dict)

@@ -16,6 +16,7 @@ from .building import LandmarkPlan
 from .discrepancy import Discrepancy
 from .fixating import Rule, fixate, fixed_by, planned_view
 from .hand_down import building, surroundings
+from .place_name import PlaceName
 from .world_model import ModelView
 
 
@@ -28,6 +29,8 @@ class Fixate(ActionPrimitive):
 
     landmark: Annotated[str, Field(min_length=1)]
     """Its name in the building plan."""
+    place: PlaceName | None = None
+    """Where the base should stand; left out: where the plan says that the landmark is looked at from."""
     rule: Rule = "residual"
     """When the hand is close enough, and what of the rest counts: `residual` stops within 0.5 mm and 3.5 mrad
     and takes the rest in; `paper` stops within 0.5 mm and 0.2 rad, and forgets it."""
@@ -42,7 +45,8 @@ class Fixate(ActionPrimitive):
 
     def motion(self, robot: Robot, model: ModelView) -> Periods:
         mark = landmark_of(model, self.landmark)
-        planned = model.places[mark.place].pose
+        place = self.place or mark.place
+        planned = model.places[place].pose
         view = planned_view(robot, mark, planned)
         around = surroundings(robot, model)
         side = mark.side_mm / 1e3
@@ -57,7 +61,7 @@ class Fixate(ActionPrimitive):
             frames=found.frames,
             moves=found.moves,
         )
-        model.fixed = fixed_by(robot, self.landmark, planned, found)
+        model.fixed = fixed_by(robot, self.landmark, place, planned, found)
         robot.found_at(model.fixed.pose, model.fixed.sigma)
 
 

@@ -130,14 +130,14 @@ def fixate(
     raise Discrepancy("the hand doesn't come to stand over the landmark", measured=off)
 
 
-def fixed_by(robot: Robot, name: str, planned: Pose2, found: Fixation) -> Fixed:
-    """Where the base stands, for the world model."""
+def fixed_by(robot: Robot, name: str, place: str, planned: Pose2, found: Fixation) -> Fixed:
+    """Where the base stands, for the world model; `planned` is map_T_base of the place."""
     pose = planned.compose(found.planned_T_base)
     reach = (float(found.base_T_hand[0, 3]), float(found.base_T_hand[1, 3]))
     attitude = (*robot.attitude.tilt, robot.attitude.yaw)
     left, right = robot.base.wheel_travel()
     sigma = robot.spec.arm.accuracy_mm / 1e3 / math.sqrt(found.looks) if robot.spec.arm else 0.0
-    return Fixed(name, pose, (sigma, HEADING_SIGMA), reach, attitude, (left, right))
+    return Fixed(name, place, pose, (sigma, HEADING_SIGMA), reach, attitude, (left, right))
 
 
 def _mean(poses: Sequence[Pose2]) -> Pose2:

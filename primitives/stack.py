@@ -22,7 +22,7 @@ from robotics.manipulation.suspension_model import base_motion
 from .action_primitive import ActionPrimitive, Periods
 from .arm_motion import move_straight, move_to_pose
 from .block_view import see_block
-from .building import Building, Standing
+from .building import Building, LandmarkPlan, Standing
 from .discrepancy import Discrepancy, Measured
 from .fixate import landmark_of
 from .fixating import Rule, fixate, fixed_by, planned_view
@@ -144,12 +144,16 @@ class Stack(ActionPrimitive):
                 f"the plan has no landmark beside the goal of block {self.number}", permanent=True
             )
         mark = landmark_of(model, goal.landmark)
-        planned = model.places[mark.place].pose
+        planned = model.places[self._place(model, mark)].pose
         planned_T_block = split_goal(goal.pose, planned.lift())
         hover = gripping(robot, plan, planned_T_block)
         hover[2, 3] = self._view_height(robot, mark.height_m)
         error = yield from self._fix(robot, model, goal.landmark, hover)
         return gripping(robot, plan, placing_posture(error, planned_T_block))
+
+    def _place(self, model: ModelView, mark: LandmarkPlan) -> str:
+        """Where the base should stand."""
+        return model.fixed.place if model.fixed is not None else mark.place
 
     def _view_height(self, robot: Robot, surface: float) -> float:
         """Of the hand, from which the camera looks down on a surface as in a fixation."""
@@ -162,14 +166,15 @@ class Stack(ActionPrimitive):
         self, robot: Robot, model: ModelView, name: str, hand: Transform | None
     ) -> Generator[None, None, Transform]:
         plan, mark = building(model), landmark_of(model, name)
-        planned = model.places[mark.place].pose
+        place = self._place(model, mark)
+        planned = model.places[place].pose
         view = planned_view(robot, mark, planned, hand)
         held, around = held_block(robot, plan), surroundings(robot, model)
         swing = _is_swing(robot, view.base_T_hand)
         found = yield from fixate(robot, view, mark.side_mm / 1e3, self.rule, self.evidence, held, around)
         self.found(frames=found.frames)
         before = model.fixed
-        model.fixed = fixed_by(robot, name, planned, found)
+        model.fixed = fixed_by(robot, name, place, planned, found)
         if self.method == "fix_again_model" and before is not None:
             model.fixed = fused(robot, before._replace(swings=before.swings + swing), model.fixed)
         return found.planned_T_base.lift()

@@ -51,6 +51,8 @@ class Fixed(NamedTuple):
     """Where the base stands, by a landmark."""
 
     landmark: str
+    place: str
+    """At which place of the map the base should stand."""
     pose: Pose2
     """map_T_base, with the hand where it was then."""
     sigma: tuple[float, float]

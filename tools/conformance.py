@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import math
 import sys
+import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Annotated
@@ -13,7 +15,7 @@ if TYPE_CHECKING:
     from evaluation.conformance.kit import Setting
 
 BROKEN_PROMISE = 5
-LINES = 10  # parts between two lines of progress
+SELDOM = 30.0  # [s] between two lines of progress, at least
 
 
 def conformance(
@@ -53,17 +55,31 @@ def conformance(
 
 @contextmanager
 def _progress() -> Iterator[Callable[[int, int], None]]:
-    """Tells how many of how many parts are done: in a bar, or off a terminal in a line now and then."""
+    """Tells how many of how many jobs are done: in a bar, or off a terminal in a line now and then."""
     from rich.console import Console
     from rich.progress import Progress, TimeElapsedColumn
 
     console = Console(stderr=True)
     if not console.is_terminal:
-        yield lambda done, count: console.print(f"{done} of {count}") if done % LINES == 0 else None
+        yield _seldom(lambda done, count: console.print(f"{done} of {count} jobs done"))
         return
     with Progress(*Progress.get_default_columns(), TimeElapsedColumn(), console=console) as progress:
         task = progress.add_task("conformance", total=None)
         yield lambda done, count: progress.update(task, completed=done, total=count)
+
+
+def _seldom(tell: Callable[[int, int], None], seconds: float = SELDOM) -> Callable[[int, int], None]:
+    """Tells of the first and the last, and in between at most so often."""
+    last = -math.inf
+
+    def told(done: int, count: int) -> None:
+        nonlocal last
+        now = time.monotonic()
+        if done == count or now - last >= seconds:
+            last = now
+            tell(done, count)
+
+    return told
 
 
 def _chosen(parts: list[str], primitives: list[str]) -> tuple[tuple[str, ...], tuple[str, ...]]:

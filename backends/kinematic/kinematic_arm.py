@@ -11,6 +11,7 @@ from backends.robot_file import RobotFile
 from backends.scene.arm_error import ArmError
 from backends.scene.hand import Hand
 from backends.scene.keyed_noise import keyed
+from backends.scene.swing import is_swing, swing_yaw
 
 Vector = NDArray[np.float64]
 
@@ -82,15 +83,11 @@ class KinematicArm(Arm):
 
     def swing_yaw(self) -> float:
         """By how much the swing that has ended turned the base, in [rad]."""
-        spread = keyed(self._seed, "swing yaw", self._motions).standard_normal()
-        return float(self._errors.swing_yaw_mrad + self._errors.swing_yaw_sigma_mrad * spread) / 1e3
+        return swing_yaw(self._errors, self._seed, self._motions)
 
     def _is_swing(self) -> bool:
-        least = self._errors.swing_from_mm / 1e3
-        if least == 0.0:
-            return True
-        across = float(np.linalg.norm(self._hand_on_floor() - self._set_out))
-        return self._hand.scene.held is not None and across >= least
+        loaded = self._hand.scene.held is not None
+        return is_swing(self._errors, loaded, self._set_out, self._hand_on_floor())
 
     def _hand_on_floor(self) -> Vector:
         """x and y (2,) of the hand in the base frame, in [m]."""

@@ -15,6 +15,7 @@ from backends.scene.load_world import load_world
 from backends.scene.mounts import base_T_frame
 from backends.scene.person import Person
 from backends.scene.scene import build_scene
+from backends.scene.simulated_imu import SimulatedImu
 from backends.scene.suspension import lean_of
 from backends.scene.world_file import MissingWorld, WorldFile
 from robotics.geometry.pose2 import Pose2
@@ -23,7 +24,6 @@ from .kinematic_arm import KinematicArm
 from .kinematic_base import KinematicBase
 from .kinematic_camera import KinematicCamera
 from .kinematic_gripper import KinematicGripper
-from .kinematic_imu import KinematicImu
 from .kinematic_range_sensor import KinematicRangeSensor
 
 _STATE = {
@@ -88,7 +88,7 @@ class KinematicBackend(Backend):
       straight back against 3 N (10 N where an edge jams), and nothing stops them before the shelf's back.
     - A book let go at most 20 mm above board or tray stands there upright. Else it lies on the floor, lost,
       and nothing runs into it there.
-    - Calibration is exact: the camera's model and mount are as stated, encoders have no bias.
+    - Encoders have no bias. The camera is as stated, unless `errors` has its mount or focal length off.
     - Light has no shadows; glass, mirrors and black lacquer are unknown to the range sensor.
 
     `scene` is ground truth: only evaluation may read it.
@@ -118,9 +118,9 @@ class KinematicBackend(Backend):
         if robot.range_sensor is not None:
             mount = base_T_frame(robot.urdf_text(), "range_sensor")
             self._range = KinematicRangeSensor(robot.range_sensor, mount, self.scene, seed)
-        self._imu: KinematicImu | None = None
+        self._imu: SimulatedImu | None = None
         if robot.imu is not None:
-            self._imu = KinematicImu(robot.imu, self.scene, self.period, seed)
+            self._imu = SimulatedImu(robot.imu, self.scene, self.period, seed)
         self._person = Person(self.scene, seed)
 
     @classmethod

@@ -8,7 +8,9 @@ from numpy.typing import NDArray
 from backends.arm import Arm
 from backends.limits import checked_joints
 from backends.robot_file import RobotFile
+from backends.scene.arm_error import ArmError
 from backends.scene.keyed_noise import keyed
+from backends.scene.swing import is_swing, swing_yaw
 from robotics.kinematics.arm_model import ArmModel
 
 from .physics import Physics
@@ -27,8 +29,7 @@ class BulletArm(Arm):
 
     Between two commands the set-point moves evenly. A drive is a velocity servo whose torque is limited by
     how far it is off, up to the URDF's effort: it gives like a spring where something is in its way.
-    The joints stand off what their encoders read by an offset that is drawn anew whenever the arm sets out
-    from rest: gears and links give, which no encoder sees.
+    The joints stand off what their encoders read, by `ArmError`.
     """
 
     def __init__(
@@ -42,11 +43,15 @@ class BulletArm(Arm):
         self._joints = [body.joint_index[name] for name in model.joint_names]
         self._effort = np.array([body.effort[name] for name in model.joint_names])
         self._motions, self._moving = 0, False
-        self._offset = self._draw_offset()
         self._command = body.states(self._joints)[0]
+        self._error = ArmError(robot.errors, model, seed)
+        self._offset = self._error.offset(self._command, 0)
         for name, angle in zip(model.joint_names, self._command + self._offset, strict=True):
             body.reset(name, float(angle))
         self._from = self._command.copy()
+        self._set_out = self._hand_on_floor()
+        self.swung = False
+        """Whether a swing of the arm ended in this period: `is_swing`."""
         self._readings = dict[str, tuple[int, Vector]]()
         self._now = 0
         self.force: Vector = np.zeros(3)
@@ -84,8 +89,18 @@ class BulletArm(Arm):
         changed = bool((self._command != self._from).any())
         if changed and not self._moving:
             self._motions += 1
-            self._offset = self._draw_offset()
+            self._set_out = self._hand_on_floor()
+        if changed:
+            self._offset = self._error.offset(self._command, self._motions)
+        ended = self._moving and not changed
+        self.swung = ended and is_swing(
+            self._errors, self.load[0] > 0.0, self._set_out, self._hand_on_floor()
+        )
         self._moving = changed
+
+    def swing_yaw(self) -> float:
+        """By how much the swing that has ended turned the base, in [rad]."""
+        return swing_yaw(self._errors, self._seed, self._motions)
 
     def act(self, share: float, period: float) -> None:
         """Command the drives for the next chunk, when `share` of the `period` in [s] has passed."""
@@ -122,11 +137,9 @@ class BulletArm(Arm):
         torques: list[float] = torque.tolist()
         return torques
 
-    def _draw_offset(self) -> Vector:
-        sigma = self._errors.joint_repeatability_mrad / 1e3
-        return sigma * keyed(self._seed, "joint repeatability", self._motions).standard_normal(
-            len(self._joints)
-        )
+    def _hand_on_floor(self) -> Vector:
+        """x and y (2,) of the hand in the base frame where it is commanded to, in [m]."""
+        return self._model.forward(self._from)[:2, 3].copy()
 
     def _read(self, sensor: str, truth: Vector, sigma: float) -> Vector:
         last = self._readings.get(sensor)

@@ -23,7 +23,8 @@ class BulletBase(Base):
     """Two wheels with velocity drives on a floor that they roll on, and slip on.
 
     The file's errors of radius and tread are put onto the speeds, as if the wheels and where they stand were
-    not quite as the file has them; slip is the engine's. Encoders count whole steps.
+    not quite as the file has them; slip is the engine's. Encoders count whole steps. That tyres give is
+    imposed (`give`): the engine's are rigid.
     """
 
     def __init__(self, robot: RobotFile, body: RobotBody, physics: Physics, seed: int) -> None:
@@ -39,6 +40,8 @@ class BulletBase(Base):
         self._command = (0.0, 0.0)
         self._speeds = np.zeros(2)
         self._first = self._goal = body.states(self._joints)[0]
+        self._given = np.zeros(2)
+        """By how much the wheels' rims have moved on the floor that no encoder saw, as angles, in [rad]."""
         self._travel = WheelTravel(0.0, 0.0)
 
     def drive(self, speed: float, turn_rate: float) -> None:
@@ -59,6 +62,12 @@ class BulletBase(Base):
         half = turn_rate / self._tread_scale * self._drive.tread_m / 2
         self._speeds = np.array([speed - half, speed + half]) * self._scale / self._drive.wheel_radius_m
 
+    def give(self, turn: float) -> None:
+        """Turn the standing base by an angle in [rad] on its tyres: no encoder sees it."""
+        rolled = turn * self._drive.tread_m / 2 / self._drive.wheel_radius_m * np.array([-1.0, 1.0])
+        self._given = self._given + rolled
+        self._goal = self._goal + rolled
+
     def act(self) -> None:
         """Command the drives for the next chunk of the period; they follow the angle, not only the speed."""
         p, seconds = self._physics.p, self._physics.chunk
@@ -77,12 +86,12 @@ class BulletBase(Base):
 
     def read(self) -> None:
         """Take the encoders' readings at the end of a period."""
-        turned = (self._body.states(self._joints)[0] - self._first) / self._scale
+        turned = (self._body.states(self._joints)[0] - self._given - self._first) / self._scale
         counts = np.round(turned * (COUNTS / (2 * math.pi)))
         left, right = counts * (2 * math.pi / COUNTS * self._drive.wheel_radius_m)
         self._travel = WheelTravel(float(left), float(right))
 
     def rezero(self) -> None:
         """Count from here on."""
-        self._first = self._body.states(self._joints)[0]
+        self._first = self._body.states(self._joints)[0] - self._given
         self.read()

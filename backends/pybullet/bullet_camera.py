@@ -6,8 +6,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from backends.camera import Camera
+from backends.mounted_camera import known_camera
 from backends.robot_file import CameraSpec, RobotFile
-from backends.scene.lens import Lens, camera_model
+from backends.scene.lens import Lens
+from backends.scene.true_camera import true_camera
 from robotics.geometry.transform import Transform, inverse
 from robotics.kinematics.arm_model import ArmModel
 from robotics.perception.camera_model import CameraModel
@@ -25,8 +27,8 @@ class BulletCamera(Camera):
     """Bullet's renderer as an ideal pinhole camera, then the lens, light and noise of the robot's file.
 
     Rendered on demand, once a period: by its EGL plug-in, if it has one, else by TinyRenderer. Light comes
-    from everywhere and there are no shadows; what stands in a shelf is painted dark instead. Calibration is
-    exact: model and mount are as stated.
+    from everywhere and there are no shadows; what stands in a shelf is painted dark instead. The camera is
+    as stated, unless `errors` has its mount or focal length off.
     """
 
     def __init__(
@@ -40,10 +42,9 @@ class BulletCamera(Camera):
         seed: int,
     ) -> None:
         """Mounted at the URDF's link `camera`."""
-        self._model = camera_model(spec)
-        self._lens = Lens(self._model, robot.errors, seed)
-        straight = np.zeros(arm.dof)
-        self._mount = inverse(arm.forward(straight)) @ arm.forward(straight, "camera")
+        self._known = known_camera(spec, arm)
+        self._true = true_camera(spec, arm, robot.errors, seed)
+        self._lens = Lens(self._true.model, robot.errors, seed)
         self._body, self._world, self._physics = body, world, physics
         self._now = 0
         self._last: tuple[int, NDArray[np.uint8]] | None = None
@@ -59,12 +60,12 @@ class BulletCamera(Camera):
     @property
     def model(self) -> CameraModel:
         """See `Camera`."""
-        return self._model
+        return self._known.model
 
     @property
     def hand_T_camera(self) -> Transform:
         """See `Camera`."""
-        return self._mount.copy()
+        return self._known.hand_T_camera.copy()
 
     def begin(self, period: int) -> None:
         """A new period begins."""
@@ -72,16 +73,17 @@ class BulletCamera(Camera):
 
     def ideal(self) -> NDArray[np.uint8]:
         """What a pinhole camera sees, larger than the picture so that the lens has all of it, grey."""
-        pose = self._body.link_pose("hand") @ self._mount
+        pose = self._body.link_pose("hand") @ self._true.hand_T_camera
         self._show_books(pose[:3, 3])
         width, height = self._lens.size
         picture = render(self._physics, pose, self._lens.K, (width, height))
         return np.ascontiguousarray(picture[..., 1])
 
     def _show_books(self, eye: NDArray[np.float64]) -> None:
-        for accession, body in self._world.books.items():
+        for name, printed in self._world.printed.items():
+            body = self._world.bodies[name]
             place = self._physics.pose(body)[:3, 3]
-            self._world.printed[accession].show(body, bool(np.linalg.norm(place - eye) < _PRINTS))
+            printed.show(body, bool(np.linalg.norm(place - eye) < _PRINTS))
 
 
 def render(

@@ -2,31 +2,18 @@
 
 from __future__ import annotations
 
-import tempfile
-from pathlib import Path
-
 import numpy as np
 from numpy.typing import NDArray
 
 from backends.scene.book import Book
 from backends.scene.renderer import spine_levels
 
-from .engine import quiet
+from .box_mesh import box_mesh
 from .physics import Physics
 
 _COVER = 0.2  # of the spine's grey: no light falls between the books of a row
 _STRIP = 32  # width of the plain strips beside the spine in the picture [px]
 _PAGES = 60
-_FACES = (
-    # the spine (-x), then the other five: corners counter-clockwise from outside
-    ((-1, 1, -1), (-1, -1, -1), (-1, -1, 1), (-1, 1, 1)),
-    ((1, -1, -1), (1, 1, -1), (1, 1, 1), (1, -1, 1)),
-    ((-1, -1, -1), (1, -1, -1), (1, -1, 1), (-1, -1, 1)),
-    ((1, 1, -1), (-1, 1, -1), (-1, 1, 1), (1, 1, 1)),
-    ((-1, -1, 1), (1, -1, 1), (1, 1, 1), (-1, 1, 1)),
-    ((-1, 1, -1), (1, 1, -1), (1, -1, -1), (-1, -1, -1)),
-)
-_NORMALS = ((-1, 0, 0), (1, 0, 0), (0, -1, 0), (0, 1, 0), (0, 0, 1), (0, 0, -1))
 
 
 class PrintedBook:
@@ -38,41 +25,19 @@ class PrintedBook:
         self._texture: int | None = None
         self._printed: bool | None = None
         self._width = self._picture_width()
-        with tempfile.TemporaryDirectory() as folder:
-            path = Path(folder) / "book.obj"
-            path.write_text(self._obj(np.array(book.size) / 2), encoding="utf-8")
-            with quiet():
-                self.visual = int(
-                    physics.p.createVisualShape(
-                        physics.p.GEOM_MESH,
-                        fileName=str(path),
-                        rgbaColor=(1.0, 1.0, 1.0, 1.0),
-                        specularColor=(0.0, 0.0, 0.0),
-                        physicsClientId=physics.client,
-                    )
-                )
-
-    def _obj(self, half: NDArray[np.float64]) -> str:
-        """The box as Wavefront OBJ: Bullet's EGL renderer takes meshes from files only."""
-        lines = [f"v {x} {y} {z}" for face in _FACES for x, y, z in half * np.array(face)]
-        lines += [f"vt {u} {v}" for number in range(len(_FACES)) for u, v in self._uvs(number)]
-        lines += [f"vn {x} {y} {z}" for x, y, z in _NORMALS]
-        for number in range(len(_FACES)):
-            a, b, c, d = (f"{4 * number + i}/{4 * number + i}/{number + 1}" for i in (1, 2, 3, 4))
-            lines += [f"f {a} {b} {c}", f"f {a} {c} {d}"]
-        return "\n".join(lines) + "\n"
+        self.visual = box_mesh(physics, book.size, [self._uvs(face) for face in range(6)])
 
     def _picture_width(self) -> int:
         return int(spine_levels(self._book.spec)[1][0].shape[1]) + 2 * _STRIP
 
-    def _uvs(self, face: int) -> list[list[float]]:
+    def _uvs(self, face: int) -> list[tuple[float, float]]:
         spine = (self._width - 2 * _STRIP) / self._width
         if face == 0:
             # Seen from before the spine, +y is left, and up is up; the picture's first row is the head.
-            return [[0.0, 0.0], [spine, 0.0], [spine, 1.0], [0.0, 1.0]]
+            return [(0.0, 0.0), (spine, 0.0), (spine, 1.0), (0.0, 1.0)]
         strip = 0.5 if face < 4 else 1.5
         u = spine + strip * _STRIP / self._width
-        return [[u, 0.25], [u, 0.25], [u, 0.75], [u, 0.75]]
+        return [(u, 0.25), (u, 0.25), (u, 0.75), (u, 0.75)]
 
     def show(self, body: int, printed: bool) -> None:
         """Let the renderer show it printed, or plain: as near or far as it is now, whoever looked before."""

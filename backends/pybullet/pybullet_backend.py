@@ -15,11 +15,11 @@ from backends.capability import Capability
 from backends.robot_file import RobotFile
 from backends.robot_shape import finger_shape
 from backends.saved_state import attributes, set_attributes
-from backends.scene.book import Book
 from backends.scene.load_world import load_world
 from backends.scene.mounts import base_T_frame
 from backends.scene.person import Person
 from backends.scene.scene import build_scene
+from backends.scene.thing import Rest, Thing
 from backends.scene.world_file import MissingWorld, WorldFile
 from robotics.geometry.transform import Transform, inverse
 
@@ -27,11 +27,13 @@ from .bullet_arm import BulletArm
 from .bullet_base import BulletBase
 from .bullet_camera import BulletCamera, looking, render
 from .bullet_gripper import BulletGripper
+from .bullet_imu import BulletImu
 from .bullet_range_sensor import BulletRangeSensor
 from .grip import Grip
 from .physics import Physics
 from .robot_body import RobotBody
 from .scene_sync import SceneSync
+from .suspension_springs import SuspensionSprings
 from .touch import Pairs, Touch
 from .world_bodies import WorldBodies
 
@@ -48,6 +50,8 @@ _STATE = {
         "width",
         "time",
         "books",
+        "blocks",
+        "lean",
         "held",
         "hand_T_held",
         "base_T_tray_book",
@@ -57,11 +61,24 @@ _STATE = {
         "to_come",
         "changes",
     ),
-    "base": ("_command", "_speeds", "_first", "_goal", "_travel"),
-    "arm": ("_command", "_from", "_motions", "_moving", "_offset", "_readings", "_now", "force", "load"),
+    "base": ("_command", "_speeds", "_first", "_goal", "_given", "_travel"),
+    "arm": (
+        "_command",
+        "_from",
+        "_motions",
+        "_moving",
+        "_set_out",
+        "swung",
+        "_offset",
+        "_readings",
+        "_now",
+        "force",
+        "load",
+    ),
     "gripper": ("_command", "_target", "_stood", "_now", "_pressing"),
     "camera": ("_now",),
     "range": ("_now",),
+    "imu": ("_turn", "_turned", "_now", "_place", "_speed", "_sped"),
     "person": ("_given", "_stood", "_since"),
 }
 """Attributes that a checkpoint keeps, by part; the rest is the engine's."""
@@ -73,10 +90,12 @@ class PyBulletBackend(Backend):
 
     The same robot and world files as on the kinematic backend; what is solid there is solid here. Two driven
     wheels and frictionless casters roll on a floor; joints have drives with limited torque; fingers hold by
-    friction, one the mirror of the other; books are rigid bodies that stand on boards and lean on each other.
+    friction, one the mirror of the other; books and blocks are rigid bodies that stand, lean on each other
+    and fall. A base that leans stands on springs.
 
-    How it errs, seeded: radius of each wheel, tread, joint repeatability, ranges, image noise, blur, light,
-    lens, the force reading, where a person puts robot and book. Slip, and what gives, are physics.
+    How it errs, seeded: radius of each wheel, tread, the arm's errors, ranges, image noise, blur, light,
+    lens, the force reading, where a person puts robot, book and blocks. Slip, and what gives, are physics, but
+    for what no rigid wheel does: that the base turns on its tyres when the loaded arm has swung is imposed.
 
     How it differs from metal: links are rigid, the floor is flat, friction is Coulomb's, one coefficient for
     a pair, light has no shadows and what stands inside a shelf is painted dark. Books in a row have square
@@ -111,9 +130,12 @@ class PyBulletBackend(Backend):
         self._camera: BulletCamera | None = None
         self._range: BulletRangeSensor | None = None
         model = self.scene.arm
+        self._springs: SuspensionSprings | None = None
         if model is not None:
             for name, angle in zip(model.joint_names, self.scene.joints, strict=True):
                 self._body.reset(name, float(angle))
+            if self._body.sprung:
+                self._springs = SuspensionSprings(robot, model, self._body, physics)
             self._arm = BulletArm(robot, model, self._body, physics, seed)
             if robot.gripper is not None:
                 self._gripper = BulletGripper(
@@ -128,7 +150,10 @@ class PyBulletBackend(Backend):
         if robot.range_sensor is not None:
             mount = base_T_frame(robot.urdf_text(), "range_sensor")
             self._range = BulletRangeSensor(robot.range_sensor, mount, self._body, physics, seed)
-        self._held: Book | None = None
+        self._imu: BulletImu | None = None
+        if robot.imu is not None:
+            self._imu = BulletImu(robot.imu, self.scene, self.period, seed)
+        self._held: Thing | None = None
         self._grip: Grip | None = None
         if robot.gripper is not None and model is not None:
             self._grip = Grip(robot.gripper, finger_shape(model), physics, self._body)
@@ -172,7 +197,7 @@ class PyBulletBackend(Backend):
 
     def capabilities(self) -> tuple[Capability, ...]:
         """See `Backend`."""
-        parts = (self._base, self._arm, self._gripper, self._camera, self._range)
+        parts = (self._base, self._arm, self._gripper, self._camera, self._range, self._imu)
         return tuple(part for part in parts if part is not None)
 
     def step(self) -> None:
@@ -187,8 +212,8 @@ class PyBulletBackend(Backend):
     def _add_books(self) -> None:
         """Those that a person has brought."""
         for book in self.scene.books.values():
-            if book.accession not in self._world.books:
-                self._world.add_book(book)
+            if book.name not in self._world.bodies:
+                self._world.add(book)
 
     def _run_period(self) -> None:
         if self._grip is not None and self._gripper is not None and self._gripper.opening:
@@ -197,10 +222,14 @@ class PyBulletBackend(Backend):
         for part in (self._arm, self._gripper, self._camera, self._range):
             if part is not None:
                 part.begin(self._periods)
-        held = None if self._held is None else self._world.books[self._held.accession]
+        if self._arm is not None and self._arm.swung:
+            self._base.give(self._arm.swing_yaw())
+        held = None if self._held is None else self._world.bodies[self._held.name]
         chunks, felt = self._physics.chunks, np.zeros(3)
         for chunk in range(chunks):
             self._base.act()
+            if self._springs is not None:
+                self._springs.act()
             if self._gripper is not None:
                 self._gripper.act((chunk + 1) / chunks)
             if self._arm is not None:
@@ -213,11 +242,15 @@ class PyBulletBackend(Backend):
     def _end_period(self, felt: np.ndarray) -> None:
         self._base.read()
         self._sync.base()
+        if self._springs is not None:
+            self.scene.lean = self._springs.lean
+        if self._imu is not None:
+            self._imu.advance(self._periods)
         if self._gripper is not None:
             self._gripper.end()
             self._held = self._find_held()
             self.scene.width = self._gripper.true_width()
-        self._sync.books(self._held)
+        self._sync.things(self._held)
         if self._arm is not None:
             self._arm.end()
             self.scene.joints = self._arm.true_joints()
@@ -226,8 +259,8 @@ class PyBulletBackend(Backend):
             self._arm.load = self._load()
         self.scene.touch(self._touching())
 
-    def _find_held(self) -> Book | None:
-        """The book between fingers that press."""
+    def _find_held(self) -> Thing | None:
+        """The book or block between fingers that press."""
         if self._gripper is None or self._grip is None:
             return None
         body = self._touch.gripped()
@@ -238,7 +271,7 @@ class PyBulletBackend(Backend):
         body = self._grip.holds
         if body is None:
             return None
-        return next(b for b in self.scene.books.values() if self._world.books[b.accession] == body)
+        return next(each for each in self.scene.things() if self._world.bodies[each.name] == body)
 
     def _load(self) -> tuple[float, np.ndarray]:
         if self._held is None:
@@ -247,10 +280,10 @@ class PyBulletBackend(Backend):
         return self._world.mass(self._held), (inverse(self._body.base_pose()) @ middle)[:3, 3]
 
     def _touching(self) -> Pairs:
-        bodies = self._world.books
-        held = None if self._held is None else bodies[self._held.accession]
-        tray = self.scene.tray_book()
-        return self._touch.pairs(held, () if tray is None else (bodies[tray.accession],))
+        bodies = self._world.bodies
+        held = None if self._held is None else bodies[self._held.name]
+        riding = [bodies[each.name] for each in self.scene.things() if each.rest is Rest.TRAY]
+        return self._touch.pairs(held, riding)
 
     def state(self) -> dict[str, Any]:
         """See `Backend`."""
@@ -275,6 +308,7 @@ class PyBulletBackend(Backend):
             "gripper": self._gripper,
             "camera": self._camera,
             "range": self._range,
+            "imu": self._imu,
             "person": self._person,
         }
         return {name: part for name, part in named.items() if part is not None}

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import tempfile
+from collections.abc import Iterable, Sequence
+from pathlib import Path
 from xml.etree import ElementTree
 
 import numpy as np
@@ -14,6 +16,7 @@ from robotics.geometry.transform import Transform, inverse
 
 from .engine import quiet
 from .physics import ROBOT_GROUP, Physics, matrix
+from .sprung import CHASSIS, sprung
 
 WHEELS = ("left_wheel", "right_wheel")
 """Joints, and links, of these names drive."""
@@ -32,7 +35,10 @@ Vector = NDArray[np.float64]
 
 
 class RobotBody:
-    """The URDF of a robot's file in a physics engine, standing on the floor."""
+    """The URDF of a robot's file in a physics engine, standing on the floor.
+
+    Where the file has the base lean, it stands on a chassis with a suspension; see `sprung`.
+    """
 
     def __init__(self, physics: Physics, robot: RobotFile, base: Pose2) -> None:
         """Load it with `base` as world_T_base."""
@@ -43,8 +49,15 @@ class RobotBody:
             | p.URDF_USE_IMPLICIT_CYLINDER
             | p.URDF_USE_SELF_COLLISION_EXCLUDE_ALL_PARENTS
         )
-        with quiet():
-            self.id = int(p.loadURDF(str(robot.urdf_path()), flags=flags, physicsClientId=client))
+        self.sprung = robot.errors.lean_mrad_per_m > 0.0
+        """Whether it has a suspension."""
+        urdf = _on_suspension(robot) if self.sprung else robot.urdf_text()
+        with tempfile.TemporaryDirectory() as folder, quiet():
+            path = robot.urdf_path()
+            if self.sprung:
+                path = Path(folder) / "robot.urdf"
+                path.write_text(urdf, encoding="utf-8")
+            self.id = int(p.loadURDF(str(path), flags=flags, physicsClientId=client))
         count = p.getNumJoints(self.id, physicsClientId=client)
         infos = [p.getJointInfo(self.id, i, physicsClientId=client) for i in range(count)]
         self.joint_index = {info[1].decode(): info[0] for info in infos}
@@ -56,7 +69,7 @@ class RobotBody:
         self.link_index[root], self.link_names[-1] = -1, root
         self._root_T_middle = matrix(*p.getDynamicsInfo(self.id, -1, physicsClientId=client)[3:5])
         self._middle_T_base = inverse(self._root_T_middle) @ self._root_T_base()
-        for name in _without_mass(robot.urdf_text()):
+        for name in _without_mass(urdf):
             p.changeDynamics(
                 self.id,
                 self.link_index[name],
@@ -69,6 +82,8 @@ class RobotBody:
         for info in infos:
             if info[2] in (p.JOINT_REVOLUTE, p.JOINT_PRISMATIC):
                 self.free(info[0])
+        if self.sprung:
+            self._pass_through_itself()
         self.put(base)
 
     def _root_T_base(self) -> Transform:
@@ -92,7 +107,20 @@ class RobotBody:
 
     def base_pose(self) -> Transform:
         """world_T_base (4, 4), as it truly stands."""
+        return self.link_pose("base") if self.sprung else self.standing_pose()
+
+    def standing_pose(self) -> Transform:
+        """world_T_base (4, 4) as it would be if it didn't lean on a suspension."""
         return self._physics.pose(self.id) @ self._middle_T_base
+
+    def sprung_masses(self) -> dict[str, float]:
+        """Masses in [kg] of all links that the suspension carries, by name."""
+        p, client = self._p, self._physics.client
+        return {
+            name: float(p.getDynamicsInfo(self.id, index, physicsClientId=client)[0])
+            for name, index in self.link_index.items()
+            if name not in (CHASSIS, *WHEELS, *self.casters)
+        }
 
     def link_pose(self, link: str) -> Transform:
         """World pose (4, 4) of a link's frame."""
@@ -171,7 +199,25 @@ class RobotBody:
     @property
     def casters(self) -> list[str]:
         """Links that slide on the floor."""
-        return [name for name in self.link_index if "caster" in name]
+        return _casters(self.link_index)
+
+    def _pass_through_itself(self) -> None:
+        """Let wheels and casters stand within the base, which is no longer their parent."""
+        for name in (*WHEELS, *self.casters):
+            for other in self.link_index.values():
+                self._p.setCollisionFilterPair(
+                    self.id, self.id, self.link_index[name], other, 0, physicsClientId=self._physics.client
+                )
+
+
+def _on_suspension(robot: RobotFile) -> str:
+    text = robot.urdf_text()
+    links = [link.get("name", "") for link in ElementTree.fromstring(text).findall("link")]
+    return sprung(text, robot.errors.lean_pivot_m, (*WHEELS, *_casters(links)))
+
+
+def _casters(links: Iterable[str]) -> list[str]:
+    return [name for name in links if "caster" in name]
 
 
 def _without_mass(urdf: str) -> list[str]:

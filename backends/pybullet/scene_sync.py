@@ -7,9 +7,11 @@ import numpy as np
 from backends.scene.book import Book, Rest
 from backends.scene.scene import Scene
 from backends.scene.shelf import DEPTH
+from backends.scene.thing import Thing
 from robotics.geometry.pose2 import Pose2
-from robotics.geometry.transform import inverse
+from robotics.geometry.transform import Transform, inverse
 
+from .block_rest import block_rest
 from .robot_body import RobotBody
 from .world_bodies import WorldBodies
 
@@ -28,15 +30,29 @@ class SceneSync:
         self._tray = scene.robot.tray_shape if scene.robot.has_tray else None
 
     def base(self) -> None:
-        """Where the base stands."""
-        pose = self._scene.tilted_base = self._body.base_pose()
-        heading = float(np.arctan2(pose[1, 0], pose[0, 0]))
-        self._scene.base = Pose2(float(pose[0, 3]), float(pose[1, 3]), heading)
+        """Where the base stands, and how it leans."""
+        scene = self._scene
+        scene.tilted_base = self._body.base_pose()
+        standing = self._body.standing_pose()
+        heading = float(np.arctan2(standing[1, 0], standing[0, 0]))
+        scene.base = Pose2(float(standing[0, 3]), float(standing[1, 3]), heading)
 
-    def books(self, held: Book | None) -> None:
-        """Where the books are that may have moved, and what carries them."""
+    def things(self, held: Thing | None) -> None:
+        """Where the books and blocks are that may have moved, and what carries them."""
         scene = self._scene
         world_T_hand = self._body.link_pose("hand") if "hand" in self._body.link_index else np.eye(4)
+        self._books(held, world_T_hand)
+        self._blocks(held)
+        scene.held = held
+        if held is not None:
+            scene.hand_T_held = inverse(world_T_hand) @ held.pose
+        tray = scene.tray_book()
+        if tray is not None:
+            scene.base_T_tray_book = inverse(scene.world_T_base) @ tray.pose
+        scene.changes += 1
+
+    def _books(self, held: Thing | None, world_T_hand: Transform) -> None:
+        scene = self._scene
         near = {
             name
             for name, shelf in scene.shelves.items()
@@ -45,15 +61,16 @@ class SceneSync:
         for book in scene.books.values():
             if book.rest is Rest.SHELF and book.shelf not in near:
                 continue
-            book.pose = self._world.book_pose(book)
+            book.pose = self._world.pose(book)
             book.rest, book.shelf = (Rest.HAND, None) if book is held else self._rest(book)
-        scene.held = held
-        if held is not None:
-            scene.hand_T_held = inverse(world_T_hand) @ held.pose
-        tray = scene.tray_book()
-        if tray is not None:
-            scene.base_T_tray_book = inverse(scene.world_T_base) @ tray.pose
-        scene.changes += 1
+
+    def _blocks(self, held: Thing | None) -> None:
+        scene = self._scene
+        for block in scene.blocks.values():
+            block.pose = self._world.pose(block)
+            block.rest = Rest.HAND if block is held else block_rest(scene, block)
+            if block.rest is Rest.TRAY:
+                block.base_T_block = inverse(scene.world_T_base) @ block.pose
 
     def _rest(self, book: Book) -> tuple[Rest, str | None]:
         for name, shelf in self._scene.shelves.items():

@@ -28,7 +28,7 @@ class Touch:
         self._fingers = [body.link_index[name] for name in FINGERS if name in body.link_index]
 
     def gripped(self) -> int | None:
-        """Body of the book that both fingers touch from its two sides."""
+        """Body of the book or block that both fingers touch from its two sides."""
         if not self._fingers:
             return None
         across = self._body.link_pose("hand")[:3, 1]
@@ -38,8 +38,7 @@ class Touch:
             for finger in self._fingers
         ]
         both = set.intersection(*sides)
-        books = set(self._world.books.values())
-        return min(both & books, default=None)
+        return min(both & set(self._world.bodies.values()), default=None)
 
     def force(self, held: int | None) -> NDArray[np.float64]:
         """What the surroundings put on the hand and what it holds, (3,) in [N], in the world."""

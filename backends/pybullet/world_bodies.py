@@ -4,26 +4,33 @@ from __future__ import annotations
 
 import numpy as np
 
+from backends.scene.block import Block
 from backends.scene.book import Book
 from backends.scene.scene import Scene
 from backends.scene.solids import Solid
+from backends.scene.thing import Thing
 from robotics.geometry.transform import Transform, inverse, transform
 
+from .painted import add_mark, painted_block
 from .physics import Physics, placed
 from .printed_book import PrintedBook
 from .rounded_book import rounded_book
 
 FLOOR_FRICTION = 1.0
 SOLID_FRICTION = 0.65
-BOOK_FRICTION = 0.65  # squared, 0.42: paper on paper, paper on wood
+THING_FRICTION = 0.65  # squared, 0.42: paper on paper, paper on wood, wood on wood
 PAPER = 700.0  # of a book [kg/m³]
+WOOD = 600.0  # of a block [kg/m³]
 _AWAY = transform((0.0, 0.0, -50.0))
 _FROM_AFAR = 110  # grey of a book
 _WALL, _FURNITURE, _WOOD, _DARK = 165, 110, 130, 16
 
 
 class WorldBodies:
-    """Floor, solids and books. Surprises come and go; books are rigid bodies that stand, lean and fall."""
+    """Floor, solids, marks, books and blocks.
+
+    Surprises come and go; books and blocks are rigid bodies that stand, lean and fall.
+    """
 
     def __init__(self, physics: Physics, scene: Scene) -> None:
         """Build them as the scene has them."""
@@ -35,45 +42,68 @@ class WorldBodies:
             self.names[body] = solid.box.name
             if solid.appears > 0.0 or np.isfinite(solid.leaves):
                 self._surprises.append((body, solid))
+        for mark in scene.marks:
+            add_mark(physics, mark)
         self._plain = physics.load_texture(np.full((4, 4), _FROM_AFAR, np.uint8))
-        self.books: dict[int, int] = {}
-        """Body of each book, by its accession."""
-        self.printed: dict[int, PrintedBook] = {}
-        for book in scene.books.values():
-            self.add_book(book)
+        self.bodies: dict[str, int] = {}
+        """Body of each book and block, by its name."""
+        self.printed: dict[str, PrintedBook] = {}
+        """The books' looks, by name."""
+        for thing in scene.things():
+            self.add(thing)
         self.keep_time()
 
-    def add_book(self, book: Book) -> None:
-        """A book as a body where it is: one that stands in a row as a box, one to be returned with rounded
-        edges. Asleep until something touches it."""
+    def add(self, thing: Thing) -> None:
+        """A book or block as a body where it is; asleep until something touches it."""
         p, client = self._physics.p, self._physics.client
-        if book.shelf is not None:
-            half = [size / 2 for size in book.size]
-            shape = p.createCollisionShape(p.GEOM_BOX, halfExtents=half, physicsClientId=client)
+        if isinstance(thing, Book):
+            body = self._add_book(thing)
         else:
-            shape = rounded_book(self._physics, book.size)
-        printed = PrintedBook(self._physics, book, self._plain)
-        pose = book.pose @ book.thing_T_middle
-        mass = float(PAPER * np.prod(book.size))
-        body = int(p.createMultiBody(mass, shape, printed.visual, *placed(pose), physicsClientId=client))
+            assert isinstance(thing, Block)
+            body = self._add_block(thing)
         state = p.ACTIVATION_STATE_ENABLE_SLEEPING
-        if book.shelf is not None:
+        if isinstance(thing, Book) and thing.shelf is not None:
             state |= p.ACTIVATION_STATE_SLEEP
         p.changeDynamics(
-            body, -1, lateralFriction=BOOK_FRICTION, activationState=state, physicsClientId=client
+            body, -1, lateralFriction=THING_FRICTION, activationState=state, physicsClientId=client
         )
-        self.books[book.accession] = body
+        self.bodies[thing.name] = body
+        self.names[body] = thing.name
+
+    def _add_book(self, book: Book) -> int:
+        """One that stands in a row as a box, one to be returned with rounded edges."""
+        shape = self._box(book) if book.shelf is not None else rounded_book(self._physics, book.size)
+        printed = PrintedBook(self._physics, book, self._plain)
+        body = self._make(book, shape, printed.visual)
         printed.show(body, printed=False)
-        self.printed[book.accession] = printed
-        self.names[body] = f"book {book.accession}"
+        self.printed[book.name] = printed
+        return body
 
-    def mass(self, book: Book) -> float:
+    def _add_block(self, block: Block) -> int:
+        visual, texture = painted_block(self._physics, block)
+        body = self._make(block, self._box(block), visual)
+        p, client = self._physics.p, self._physics.client
+        p.changeVisualShape(body, -1, textureUniqueId=texture, physicsClientId=client)
+        return body
+
+    def _box(self, thing: Thing) -> int:
+        p, half = self._physics.p, [size / 2 for size in thing.size]
+        shape = p.createCollisionShape(p.GEOM_BOX, halfExtents=half, physicsClientId=self._physics.client)
+        return int(shape)
+
+    def _make(self, thing: Thing, shape: int, visual: int) -> int:
+        pose = thing.pose @ thing.thing_T_middle
+        p, client = self._physics.p, self._physics.client
+        return int(p.createMultiBody(self.mass(thing), shape, visual, *placed(pose), physicsClientId=client))
+
+    def mass(self, thing: Thing) -> float:
         """In [kg]."""
-        return float(PAPER * np.prod(book.size))
+        density = PAPER if isinstance(thing, Book) else WOOD
+        return float(density * np.prod(thing.size))
 
-    def book_pose(self, book: Book) -> Transform:
-        """world_T_book (4, 4), as it truly is."""
-        return self._physics.pose(self.books[book.accession]) @ inverse(book.thing_T_middle)
+    def pose(self, thing: Thing) -> Transform:
+        """world_T_thing (4, 4), as it truly is."""
+        return self._physics.pose(self.bodies[thing.name]) @ inverse(thing.thing_T_middle)
 
     def keep_time(self) -> None:
         """Put surprises where they are at the scene's time."""

@@ -8,18 +8,10 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from backends.robot_file import CameraSpec, Errors
+from backends.robot_file import Errors
 from robotics.perception.camera_model import CameraModel
 
 from .keyed_noise import keyed
-
-
-def camera_model(spec: CameraSpec) -> CameraModel:
-    """The model of a camera with its optical axis through the middle of the picture."""
-    middle = ((spec.width_px - 1) / 2, (spec.height_px - 1) / 2)
-    K = np.array([[spec.focal_px, 0.0, middle[0]], [0.0, spec.focal_px, middle[1]], [0.0, 0.0, 1.0]])
-    return CameraModel(K, np.array([spec.k1, spec.k2, 0.0, 0.0, 0.0]), spec.width_px, spec.height_px)
-
 
 _SPARE = 256  # how much larger the tile of noise is than a picture [px]
 

@@ -1,4 +1,4 @@
-"""What is painted on a level surface: a landmark, or what might be taken for one."""
+"""What is painted on a level surface: a landmark, what might be taken for one, a calibration board."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from robotics.geometry.pose2 import Pose2
 from robotics.geometry.transform import Transform, transform
+from robotics.perception.calibration_board import calibration_board
 from robotics.perception.landmark import INK, PAPER, draw_landmark
 
 from .world_file import MarkSpec
@@ -37,8 +38,8 @@ class Mark:
     def face(self) -> Transform:
         """Of the picture (4, 4): origin in its upper left corner, x along its rows, y down its columns."""
         picture, metres = self.levels()[0]
-        half = picture.shape[0] * metres / 2
-        return np.asarray(self.pose @ transform((-half, half, 0.0), (math.pi, 0.0, 0.0)))
+        height, width = (size * metres for size in picture.shape)
+        return np.asarray(self.pose @ transform((-width / 2, height / 2, 0.0), (math.pi, 0.0, 0.0)))
 
 
 @lru_cache(maxsize=64)
@@ -57,8 +58,10 @@ def _smooth(picture: GreyImage) -> GreyImage:
 
 
 def _other(kind: str, size_mm: float) -> GreyImage:
-    """A full square, a disc, or a square's outline."""
+    """A calibration board, a full square, a disc, or a square's outline."""
     margin = round(MARGIN / M_PER_PX)
+    if kind == "board":
+        return np.pad(calibration_board(size_mm / 1e3).draw(M_PER_PX), margin, constant_values=PAPER)
     side = round(size_mm / 1e3 / M_PER_PX)
     ink: GreyImage = np.full((side, side), INK, dtype=np.uint8)
     if kind == "disc":

@@ -128,6 +128,10 @@ class Scene:
         """What stands on the tray."""
         return next((book for book in self.books.values() if book.rest is Rest.TRAY), None)
 
+    def things(self) -> list[Thing]:
+        """All books and blocks that are there."""
+        return [*self.books.values(), *self.blocks.values()]
+
     # What changes it
 
     def move_base(self, base: Pose2) -> None:

@@ -89,11 +89,12 @@ class TableSpec(Place):
 class MarkSpec(Place):
     """Something painted on a level surface; its pose is that of its middle."""
 
-    kind: Literal["landmark", "square", "disc", "frame"] = "landmark"
-    """A landmark, or what might be taken for one."""
+    kind: Literal["landmark", "square", "disc", "frame", "board"] = "landmark"
+    """A landmark, what might be taken for one, or a board to calibrate cameras with."""
     height_m: Annotated[float, Field(ge=0.0, le=3.0)]
     """Of the surface."""
     size_mm: Annotated[float, Field(gt=0.0, le=500.0)] = 60.0
+    """Its side; of a board, the side of one of its 9 by 6 squares."""
 
 
 class BlockSpec(Place):

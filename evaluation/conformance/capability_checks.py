@@ -12,8 +12,8 @@ from backends.base import Base
 from backends.camera import Camera
 from backends.capability import Capability
 from backends.gripper import Gripper
+from backends.mounted_camera import known_camera
 from backends.range_sensor import RangeSensor
-from robotics.geometry.transform import inverse
 
 from .bench import Bench
 from .check import Check, Finding
@@ -147,13 +147,13 @@ def fingers(bench: Bench, finding: Finding) -> None:
 
 
 def mounts(bench: Bench, finding: Finding) -> None:
-    """Camera and range sensor are mounted where the URDF has them."""
+    """Camera and range sensor are mounted where the URDF has them, or a calibration found them."""
     with bench.stage() as stage:
         robot = stage.robot
         if (camera := parts_of(stage.backend).camera) is not None:
-            model, joints = robot.arm_model, robot.arm.joints()
-            urdf = inverse(model.forward(joints)) @ model.forward(joints, "camera")
-            finding.at_most("camera off", float(np.abs(camera.hand_T_camera - urdf).max()), 1e-6)
+            assert robot.spec.camera is not None
+            mount = known_camera(robot.spec.camera, robot.arm_model).hand_T_camera
+            finding.at_most("camera off", float(np.abs(camera.hand_T_camera - mount).max()), 1e-6)
         if (sensor := parts_of(stage.backend).range_sensor) is not None:
             from backends.scene.mounts import base_T_frame
 

@@ -48,7 +48,7 @@ class Batch:
     parts: int = 1
     kinds: tuple[FaultKind, ...] = tuple(FaultKind)
     seconds: float = 120.0
-    """Of wall-clock time that a trial gets: longer means that it hangs."""
+    """Of CPU time that a trial gets: longer means that it hangs."""
 
     def __str__(self) -> str:
         return f"faults in action {self.action}, part {self.part + 1} of {self.parts}"

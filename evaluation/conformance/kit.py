@@ -30,7 +30,7 @@ OTHER_INSTANTS = (10, 1)
 SHARE = 10  # instants of an action that one process sees to at a time, at most
 SEEDS, SEEDS_QUICK = 50, 2
 """Of each shipped task with errors: in full, and quick."""
-LONGEST = 600.0  # [s] of wall-clock time that a check or a liar gets
+LONGEST = 600.0  # [s] of CPU time that a check or a liar gets
 
 
 @dataclass(frozen=True)
@@ -121,7 +121,7 @@ class OneCheck:
         try:
             return forked(lambda: check(self.bench), LONGEST)
         except Hung:
-            return Finding(self.name, check.holds, [f"no end after {LONGEST:.0f} s"])
+            return Finding(self.name, check.holds, [f"no end after {LONGEST:.0f} s of CPU time"])
         except Died as died:
             return Finding(self.name, check.holds, [f"the process died: {died}"])
 

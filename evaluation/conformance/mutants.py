@@ -20,7 +20,7 @@ from .reach import Reach
 from .rehearsal import RETURN_BOOK, Rehearsal, Solo
 
 INSTANTS = 10  # of a liar's run in which something goes wrong; the first that gives it away is enough
-SECONDS, HANG_SECONDS = 60.0, 15.0  # of wall-clock time that a liar gets
+SECONDS, HANG_SECONDS = 60.0, 15.0  # of CPU time that a liar gets
 PICK_UP = 2  # its number among the actions of return_book
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 import numpy as np
@@ -13,10 +14,17 @@ Transform = NDArray[np.float64]
 
 def transform(xyz: Sequence[float] = (0.0, 0.0, 0.0), rpy: Sequence[float] = (0.0, 0.0, 0.0)) -> Transform:
     """A pose from a position in [m] and roll, pitch, yaw about fixed axes in [rad] (URDF's order)."""
-    result = np.eye(4)
-    result[:3, :3] = Rotation.from_euler("xyz", rpy).as_matrix()
-    result[:3, 3] = xyz
-    return result
+    # Written out: SciPy's Rotation takes twenty times as long for a single one.
+    (sr, sp, sy), (cr, cp, cy) = (tuple(map(f, rpy)) for f in (math.sin, math.cos))
+    x, y, z = xyz
+    return np.array(
+        [
+            [cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr, x],
+            [sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr, y],
+            [-sp, cp * sr, cp * cr, z],
+            [0.0, 0.0, 0.0, 1.0],
+        ]
+    )
 
 
 def inverse(a_T_b: Transform) -> Transform:

@@ -34,20 +34,12 @@ def _within(ux: float, uz: float, vx: float, vz: float, cos: float, sin: float, 
 
 
 @compiled
-def _yaw_allowed(stand: Floats, mark: Floats, arm: Floats, x: float, y: float, distance: float) -> bool:
-    """Whether the arm may point along (x, y): its yaw limit, and the tolerance of the tool's azimuth."""
-    if stand[2] * x + stand[3] * y < arm[4] * distance:
-        return False
-    return bool(mark[6] * x + mark[7] * y >= arm[5] * distance)
-
-
-@compiled
 def pitch_arm_table(
     stands: Floats, marks: Floats, arm: Floats, measure: int, low: Floats, high: Floats
 ) -> tuple[NDArray[np.float32], NDArray[np.bool_]]:
     """Scores and usable (p, b) of `PitchArm.scores`, from rows as the class makes them."""
     height, l1, l2, l3 = arm[0], arm[1], arm[2], arm[3]
-    limits = arm[6:12]
+    cos_yaw, cos_azimuth, limits = arm[4], arm[5], arm[6:12]
     limited = np.isfinite(limits).any()
     values = np.zeros((len(marks), len(stands)), dtype=np.float32)
     usable = np.zeros((len(marks), len(stands)), dtype=np.bool_)
@@ -55,6 +47,7 @@ def pitch_arm_table(
     for j in range(len(marks)):
         mark = marks[j]
         kx, ky, kz = mark[3], mark[4], mark[5]
+        level_x, level_y = mark[6], mark[7]
         cos, sin, rate = mark[8], mark[9], mark[10]
         tip_z = mark[2] - height
         wrist_z = tip_z - l3 * sin
@@ -68,7 +61,9 @@ def pitch_arm_table(
             if squared > farthest * farthest or squared == 0.0:
                 continue
             distance = math.sqrt(squared)
-            if not _yaw_allowed(stands[b], mark, arm, x, y, distance):
+            if level_x * x + level_y * y < cos_azimuth * distance:
+                continue
+            if stands[b, 2] * x + stands[b, 3] * y < cos_yaw * distance:
                 continue
             wrist_r = distance - l3 * cos
             reached, ux, uz, vx, vz, bend = two_links(wrist_r, wrist_z, l1, l2, 1.0)
@@ -100,7 +95,8 @@ def pitch_arm_joints(stand: Floats, marks: Floats, arm: Floats) -> Floats:
         mark = marks[j]
         x, y = mark[0] - stand[0], mark[1] - stand[1]
         distance = math.hypot(x, y)
-        if distance == 0.0 or not _yaw_allowed(stand, mark, arm, x, y, distance):
+        ahead = stand[2] * x + stand[3] * y
+        if distance == 0.0 or ahead < arm[4] * distance or mark[6] * x + mark[7] * y < arm[5] * distance:
             continue
         cos, sin = mark[8], mark[9]
         wrist_r, wrist_z = distance - arm[3] * cos, mark[2] - arm[0] - arm[3] * sin

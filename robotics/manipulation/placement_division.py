@@ -64,6 +64,8 @@ def best_division(scores: PlacementScores, lengths: Floats, count: int) -> Divis
     D_k(j, b) = gain(b, j) + max(D_k(j-1, b), max over b' of D_{k-1}(j-1, b')). The integral never falls with
     more placements, so their number must be given; see `best_division_by_cost`.
 
+    Of equals the placement with the lowest number is taken: order base poses by preference.
+
     Args:
         lengths: arc length of the points (p,), in [m].
     Raises:

@@ -102,7 +102,7 @@ def _tangents(points: Floats, steps: Floats) -> Floats:
 def _check(poses: Floats, longest_step: float, longest_turn: float) -> None:
     rotations = poses[:, :3, :3]
     with np.errstate(invalid="ignore", over="ignore"):
-        finite: NDArray[np.bool_] = np.isfinite(poses).all(axis=(1, 2))
+        finite = np.asarray(np.isfinite(poses).all(axis=(1, 2)))
         strain = np.abs(rotations @ rotations.transpose(0, 2, 1) - np.eye(3)).max(axis=(1, 2))
         skewed = finite & np.logical_not((strain < _RIGID) & (np.linalg.det(rotations) > 0.0))
         steps = np.concatenate(([0.0], np.linalg.norm(np.diff(poses[:, :3, 3], axis=0), axis=1)))

@@ -42,7 +42,18 @@ class GpsFilter(FieldLocalizer):
 
     STATE: ClassVar[tuple[str, ...]] = (
         *FieldLocalizer.STATE,
-        *("_mean", "_spread", "_rested", "_still", "_lost", "_monitor", "refused", "restarts"),
+        *(
+            "_mean",
+            "_spread",
+            "_rested",
+            "_still",
+            "_lost",
+            "_monitor",
+            "_past",
+            "_record",
+            "refused",
+            "restarts",
+        ),
     )
 
     def __init__(

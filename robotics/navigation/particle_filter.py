@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import ClassVar, NamedTuple
+from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -40,7 +40,7 @@ class ParticleFilter(FieldLocalizer):
     every step. Headings are averaged on the circle.
     """
 
-    STATE: ClassVar[tuple[str, ...]] = (*FieldLocalizer.STATE, "_particles", "_mean", "_covariance", "_rng")
+    STATE: ClassVar[tuple[str, ...]] = (*FieldLocalizer.STATE, "_particles", "_mean", "_covariance", "dice")
 
     def __init__(
         self,
@@ -64,6 +64,15 @@ class ParticleFilter(FieldLocalizer):
     def covariance(self) -> Array:
         """(3, 3) of the particles."""
         return self._covariance.copy()
+
+    @property
+    def dice(self) -> dict[str, Any]:
+        """State of the random numbers."""
+        return dict(self._rng.bit_generator.state)
+
+    @dice.setter
+    def dice(self, state: dict[str, Any]) -> None:
+        self._rng.bit_generator.state = state
 
     @property
     def particles(self) -> Array:

@@ -7,6 +7,7 @@ from collections.abc import Iterator
 
 import cv2
 import numpy as np
+from numpy.typing import NDArray
 
 from robotics.geometry.pose2 import Pose2
 from robotics.geometry.transform import Transform, apply
@@ -18,6 +19,7 @@ TURN = 0.35
 """How far from the expected heading a block is looked for, in [rad]."""
 _ANGLES = np.linspace(-TURN, TURN, 11)
 _M_PER_PX = 0.0016  # of the picture of the plane in which guesses are looked for
+_LEAST_SIZE = 0.015  # [m]
 _STRIP = 3  # breadth of what is compared on both sides of an edge [px]
 _LEAST_STEP = 5.0  # grey levels
 _GUESSES = 6
@@ -42,8 +44,12 @@ def find_block(
 
     None where no such face is, or one whose size is 2 mm off. A lower block shows smaller: blocks of
     one kind in several layers are told apart. Raises ValueError where the plane doesn't lie before the
-    camera.
+    camera, and for a size of less than 15 mm.
     """
+    if min(size) < _LEAST_SIZE:
+        raise ValueError(
+            f"a face of {size[0]:g} x {size[1]:g} m is too small; allowed: {_LEAST_SIZE:g} m or more"
+        )
     view = PlaneView(image, camera, camera_T_plane)
     for guess in _guesses(view, size, expected, within):
         found = fit_rectangle(view, size, guess)
@@ -52,9 +58,7 @@ def find_block(
     return None
 
 
-def _guesses(
-    view: PlaneView, size: tuple[float, float], expected: Pose2, within: float
-) -> Iterator[Pose2]:
+def _guesses(view: PlaneView, size: tuple[float, float], expected: Pose2, within: float) -> Iterator[Pose2]:
     """Where the face may be, the best guess first, good to about a millimetre and 0.04 rad."""
     picture = _picture(view, expected, math.hypot(*size) / 2 + within)
     scores = _scores(picture, size, within)
@@ -87,7 +91,7 @@ def _picture(view: PlaneView, expected: Pose2, half: float) -> GreyImage:
 
 
 def _scores(picture: GreyImage, size: tuple[float, float], within: float) -> Floats:
-    """How much a face of that size stands out (turns, n, n) at each place: the sum of the roots of its steps."""
+    """How much a face of that size stands out at each place (turns, n, n)."""
     reach = math.ceil(within / _M_PER_PX) + 1
     half = [each / 2 / _M_PER_PX for each in size]
     # From the middle to the middles of the strips inside and outside of an edge.
@@ -96,25 +100,23 @@ def _scores(picture: GreyImage, size: tuple[float, float], within: float) -> Flo
     columns, rows = (reach + each for each in outer)
     turned = _turned(picture, columns, rows)
     long, wide = (2 * round(each) - _STRIP for each in half)
-    ends = cv2.blur(turned, (_STRIP, wide)).reshape(len(_ANGLES), -1, 2 * columns + 1)
-    sides = cv2.blur(turned, (long, _STRIP)).reshape(ends.shape)
-    steps = [
-        _cut(ends, sign * inner[0], 0, reach) - _cut(ends, sign * outer[0], 0, reach) for sign in (-1, 1)
-    ]
-    steps += [
-        _cut(sides, 0, sign * inner[1], reach) - _cut(sides, 0, sign * outer[1], reach) for sign in (-1, 1)
-    ]
+    ends, sides = (
+        np.asarray(cv2.blur(turned, window), dtype=np.float32).reshape(len(_ANGLES), -1, 2 * columns + 1)
+        for window in ((_STRIP, wide), (long, _STRIP))
+    )
+    steps = [_cut(ends, x * inner[0], 0, reach) - _cut(ends, x * outer[0], 0, reach) for x in (-1, 1)]
+    steps += [_cut(sides, 0, y * inner[1], reach) - _cut(sides, 0, y * outer[1], reach) for y in (-1, 1)]
     left, right, low, high = steps
     second = np.minimum(
         np.maximum(np.minimum(left, right), np.minimum(low, high)),
         np.minimum(np.maximum(left, right), np.maximum(low, high)),
     )
     # Steps are of many heights: by their roots all four count.
-    score = sum(np.copysign(np.sqrt(np.abs(step)), step) for step in steps)
+    score = np.sum([np.copysign(np.sqrt(np.abs(step)), step) for step in steps], axis=0)
     return np.where(second >= _LEAST_STEP, score, 0.0)
 
 
-def _turned(picture: GreyImage, columns: int, rows: int) -> Floats:
+def _turned(picture: GreyImage, columns: int, rows: int) -> NDArray[np.float32]:
     """The picture in all turns, one below the other; the middle stays in the middle."""
     middle = picture.shape[0] // 2
     width, height = 2 * columns + 1, 2 * rows + 1
@@ -130,7 +132,7 @@ def _turned(picture: GreyImage, columns: int, rows: int) -> Floats:
     return turned
 
 
-def _cut(stack: Floats, x: int, y: int, reach: int) -> Floats:
+def _cut(stack: NDArray[np.float32], x: int, y: int, reach: int) -> NDArray[np.float32]:
     """The places (turns, n, n), displaced by whole pixels."""
     _, height, width = stack.shape
     row, column = height // 2 + y, width // 2 + x

@@ -21,6 +21,11 @@ class BoardView(NamedTuple):
     """(n, 2) where they are seen, in [px]."""
 
 
+def calibration_board(square: float) -> CalibrationBoard:
+    """The usual board, 9 by 6 squares with sides of `square` [m], its tags three quarters of that."""
+    return CalibrationBoard(square=square, tag=0.75 * square)
+
+
 class CalibrationBoard:
     """A ChArUco board; `draw` it, print it, glue it on something flat.
 

@@ -35,9 +35,14 @@ class CameraCalibration(NamedTuple):
 
 
 def calibrate_camera(
-    views: Sequence[BoardView], width: int, height: int, tangential: bool = False, worst_rms: float = 0.5
+    views: Sequence[BoardView],
+    width: int,
+    height: int,
+    tangential: bool = False,
+    worst_rms: float = 0.5,
+    square_pixels: bool = False,
 ) -> CameraCalibration:
-    """Intrinsics with k1 and k2, and p1 and p2 where `tangential`; k3 is 0.
+    """Intrinsics with k1 and k2, and p1 and p2 where `tangential`; k3 is 0. One focal length: `square_pixels`.
 
     Zhang, "A flexible new technique for camera calibration" (2000). Raises ValueError where there are too few
     views, where they are too much alike (a board that is always seen straight on tells no focal length; lens
@@ -45,6 +50,7 @@ def calibrate_camera(
     """
     _check_views(views, width, height)
     flags = cv2.CALIB_FIX_K3 | (0 if tangential else cv2.CALIB_ZERO_TANGENT_DIST)
+    flags |= cv2.CALIB_FIX_ASPECT_RATIO if square_pixels else 0
     criteria = (cv2.TERM_CRITERIA_COUNT | cv2.TERM_CRITERIA_EPS, 100, 1e-12)
     rms, K, distortion, turns, origins, sigmas, _, of_views = cv2.calibrateCameraExtended(
         [view.points.astype(np.float32) for view in views],

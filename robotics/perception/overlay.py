@@ -28,10 +28,11 @@ def draw_overlay(
     camera_T_shelf: Floats | None = None,
     landmarks: Sequence[Landmark] = (),
     outlines: Sequence[Floats] = (),
+    points: Floats | None = None,
 ) -> NDArray[np.uint8]:
     """A BGR copy (h, w, 3) with tags, labels and their texts, landmarks, and the sides of spines and gaps.
 
-    `outlines` (n, 2) in [px] are drawn closed. Spines and gaps are in the shelf frame: they are drawn where
+    `outlines` (n, 2) in [px] are drawn closed, `points` (n, 2) as small circles. Spines and gaps are in the shelf frame: they are drawn where
     camera and `camera_T_shelf` are given.
     """
     picture = np.asarray(cv2.cvtColor(image, cv2.COLOR_GRAY2BGR), dtype=np.uint8)
@@ -48,6 +49,8 @@ def draw_overlay(
         _outline(picture, np.vstack([landmark.corners[0], landmark.centre]), _TAG, closed=False)
     for outline in outlines:
         _outline(picture, outline, _READ)
+    for x, y in np.rint(() if points is None else points * 16).astype(int).tolist():
+        cv2.circle(picture, (x, y), 3 * 16, _READ, 1, cv2.LINE_AA, 4)
     if camera is not None and camera_T_shelf is not None:
         for things, colour in ((spines, _SPINE), (gaps, _GAP)):
             for thing in things:

@@ -45,5 +45,7 @@ class PlaneView(NamedTuple):
             return None
         share = np.linspace(0.0, 1.0, count, dtype=np.float32)[:, None]
         start, end = (each.reshape(-1, 1, 2).astype(np.float32) for each in ends)
-        greys = cv2.remap(self.image, start + (end - start) * share, None, cv2.INTER_LINEAR)
-        return greys.astype(np.float64).reshape(*first.shape[:-1], count)
+        along = start + (end - start) * share
+        greys = cv2.remap(self.image, along[..., 0], along[..., 1], cv2.INTER_LINEAR)
+        result: Floats = greys.astype(np.float64).reshape(*first.shape[:-1], count)
+        return result

@@ -16,10 +16,10 @@ from robotics.perception.rough_rectangle import rough_rectangle
 _ROWS, _SEGMENTS = 48, 8  # profiles across an edge; they are averaged in segments
 _LEAST_DROP = 6.0  # grey levels
 _SIZE_WITHIN = 0.002
-_ROUNDS, _SETTLED = 5, 0.00025  # fits, and what the last one may still change [m]
+_ROUNDS, _SETTLED, _SETTLED_TURN = 5, 0.0002, 0.004  # fits, and what the last may still change [m, rad]
 _LEAST_LIT, _LEAST_IN_ALL = 2, 16  # of an edge's segments, and of all
 _LEAST_STRAIGHT = 0.6  # share of them
-_STRAIGHT, _OUTLIER = 0.00012, 0.0004  # rms of all segments about the rectangle, and of a single one [m]
+_STRAIGHT, _OUTLIER = 0.00008, 0.00016  # rms of all segments about the rectangle, and of a single one [m]
 _GRAZING = 0.018  # beyond an edge by so much of its height the camera sees a strip of a pixel or so
 _BEYOND = 0.0005, 0.0025  # from a corner: where an edge may go on [m]
 _INSIDE = 0.001  # of the edges the face is of one shade [m]
@@ -76,7 +76,7 @@ def _settled(view: PlaneView, wanted: Floats, last: Rectangle) -> Rectangle | No
         fine = None if edges is None else _enclosed(last, wanted, edges)
         if fine is None:
             return None
-        if fine.pose.distance(last.pose) + fine.pose.turn(last.pose) * wanted.max() < _SETTLED:
+        if fine.pose.distance(last.pose) < _SETTLED and fine.pose.turn(last.pose) < _SETTLED_TURN:
             return fine
         last = fine
     return None
@@ -131,7 +131,11 @@ def _displaced(segments: Floats, model: Floats) -> Floats:
 
 
 def _enclosed(last: Rectangle, wanted: Floats, edges: _Edges) -> Rectangle | None:
-    """Middle, turn and both sizes by least squares; where only one of two edges is sure, the wanted size."""
+    """Middle, turn and both sizes by least squares.
+
+    Where only one of two edges is sure, they are as far apart as wanted, and by as much farther as the other
+    two are: bright things look larger than they are, on all sides.
+    """
     if edges.seen.sum() < 3 or edges.lit[edges.seen].sum() < _LEAST_IN_ALL:
         return None
     rows = np.zeros((*edges.out.shape, 5))
@@ -139,10 +143,12 @@ def _enclosed(last: Rectangle, wanted: Floats, edges: _Edges) -> Rectangle | Non
     rows[..., 2] = -edges.along
     rows[[0, 2], :, 3] = rows[[1, 3], :, 4] = 1.0
     fixed = ~(edges.sure[:2] & edges.sure[2:])
-    bounds, sizes = 1e3 * np.eye(5)[3:][fixed], 1e3 * (wanted - last.half)[fixed]
+    growth = np.array([[1.0, 0.0], [0.0, 1.0]]) if fixed.all() else np.array([[1.0, -1.0], [-1.0, 1.0]])
+    bounds = 1e3 * np.column_stack([np.zeros((2, 3)), growth])[fixed]
+    sizes = 1e3 * (growth @ (wanted - last.half))[fixed]
     used = edges.lit & edges.sure[:, None]
     least = _LEAST_STRAIGHT * used.sum(axis=1)
-    for _ in range(2):  # the second time without what is far off
+    for _ in range(3):  # each time without what was far off
         A, b = np.vstack([rows[used], bounds]), np.append(edges.out[used], sizes)
         found = np.linalg.solve(A.T @ A, A.T @ b)
         rest = np.abs(edges.out - rows @ found)

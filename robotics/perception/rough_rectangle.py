@@ -20,8 +20,8 @@ def rough_rectangle(
 ) -> Rectangle | None:
     """The rectangle near a guess that is at most 2 mm and 0.04 rad off.
 
-    On each side the innermost step down of `least` grey levels is taken, all sides turned alike. None if fewer
-    than three are there, or if they are more than `within` [m] farther apart or nearer than `size` says.
+    On each side the innermost step down of `least` grey levels is taken, all sides turned alike. None if
+    fewer than three are there, or if opposite ones are not `size` apart, within `within` [m].
     """
     half, share = np.array(size) / 2, shares(_ROWS)
     reach = np.full(4, _REACH)
@@ -34,7 +34,7 @@ def rough_rectangle(
     chosen = drops[:, int(sharp.argmax())]
     inner = chosen[:, 1:-1]
     peak = (inner >= least) & (inner >= chosen[:, :-2]) & (inner > chosen[:, 2:])
-    seen = peak.any(axis=1)
+    seen: Bools = np.asarray(peak.any(axis=1))
     # Counted from the middle of the profile.
     out = (peak.argmax(axis=1) + 1 - (chosen.shape[1] - 1) / 2) * _SPACING
     return _moved(guess, half, seen, out, _top(sharp), within)

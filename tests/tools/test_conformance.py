@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import time
 from typing import Any
 
 import pytest
@@ -23,6 +24,23 @@ def test_status_0_only_if_all_holds(handcart: Any, monkeypatch: pytest.MonkeyPat
         assert said.status == (5 if wrong else 0)
         assert all(each in said.out for each in wrong)
     assert json.loads(said.out)["checks"][0]["ok"] is not bool(wrong)
+
+
+def test_off_a_terminal_progress_is_told_at_first_now_and_then_and_at_last(
+    handcart: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    now = [0.0]
+    monkeypatch.setattr(time, "monotonic", lambda: now[0])
+
+    def run(setting: kit.Setting, processes: int, tell: Any) -> Report:
+        for done in range(1, 12):
+            tell(done, 11)
+            now[0] += 8.0
+        return Report.of(setting.backend, setting.robot, setting.quick, [Finding("stop", "it stops")])
+
+    monkeypatch.setattr(kit, "run_kit", run)
+    told = handcart("conformance").err.splitlines()
+    assert told == [f"{done} of 11 jobs done" for done in (1, 5, 9, 11)]
 
 
 def test_one_primitive_for_real(handcart: Any) -> None:

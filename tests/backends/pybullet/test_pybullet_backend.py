@@ -205,14 +205,14 @@ def test_a_constraint_grasp_holds_and_a_restored_state_has_it_as_it_was(make, sp
     free = physics.state()
     hand.take_book()
     held = physics.state()
-    there = hand.backend._world.book_pose(book)
+    there = hand.backend._world.pose(book)
     here = hand.model.forward(hand.arm.command())[:3, 3]
     hand.line(here[0], here[1], here[2] + 0.08)
     assert hand.backend.scene.held is book
     assert (book.pose - there)[2, 3] == pytest.approx(0.08, abs=1e-3)
     physics.set_state(held)
     assert physics.pinned == held[1] is not None
-    assert np.abs(hand.backend._world.book_pose(book) - there).max() < 1e-6
+    assert np.abs(hand.backend._world.pose(book) - there).max() < 1e-6
     physics.set_state(free)
     assert physics.pinned is None
 

@@ -3,7 +3,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from backends.kinematic.kinematic_camera import camera_model
+from backends.mounted_camera import camera_model
 from backends.robot_file import load_robot
 from backends.scene.renderer import Renderer
 from backends.scene.scene import build_scene

@@ -1,4 +1,4 @@
-"""The inertial measurement unit of the kinematic robot."""
+"""The inertial measurement unit of a simulated robot."""
 
 from __future__ import annotations
 
@@ -8,15 +8,16 @@ from scipy.spatial.transform import Rotation
 
 from backends.imu import Imu
 from backends.robot_file import ImuSpec
-from backends.scene.keyed_noise import keyed
-from backends.scene.scene import Scene
+
+from .keyed_noise import keyed
+from .scene import Scene
 
 GRAVITY = 9.81  # [m/s²]
 
 Vector = NDArray[np.float64]
 
 
-class KinematicImu(Imu):
+class SimulatedImu(Imu):
     """Gyros with white noise and a constant bias; accelerometers that feel nothing but gravity, and noise."""
 
     def __init__(self, spec: ImuSpec, scene: Scene, period: float, seed: int) -> None:
@@ -35,10 +36,14 @@ class KinematicImu(Imu):
     def accelerations(self) -> Vector:
         """See `Imu`."""
         noise = self._felt_sigma * keyed(self._seed, "accelerometers", self._now).standard_normal(3)
-        return np.asarray(self._turn.T @ np.array([0.0, 0.0, GRAVITY]) + noise)
+        return np.asarray(self._turn.T @ self._carried() + noise)
 
     def advance(self, period: int) -> None:
         """A period has passed."""
         turn = self._scene.world_T_base[:3, :3]
         self._turned = Rotation.from_matrix(self._turn.T @ turn).as_rotvec()
         self._turn, self._now = turn, period
+
+    def _carried(self) -> Vector:
+        """The acceleration (3,) in [m/s²], in the world, with which the robot is kept from falling freely."""
+        return np.array([0.0, 0.0, GRAVITY])

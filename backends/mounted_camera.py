@@ -1,0 +1,59 @@
+"""A camera with its place on the hand: as it should be, as it was calibrated, as it truly is."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from robotics.geometry.transform import Transform, inverse, transform
+from robotics.kinematics.arm_model import ArmModel
+from robotics.perception.camera_model import CameraModel
+
+from .robot_file import CalibratedCamera, CameraSpec
+
+
+class MountedCamera(NamedTuple):
+    """A camera on the hand."""
+
+    model: CameraModel
+    hand_T_camera: Transform
+    """(4, 4) of the optical frame: z forward, x right, y down."""
+
+
+def camera_model(spec: CameraSpec) -> CameraModel:
+    """The model as stated: with its optical axis through the middle of the picture."""
+    middle = (spec.width_px - 1) / 2, (spec.height_px - 1) / 2
+    return _model(spec, spec.focal_px, middle, (spec.k1, spec.k2))
+
+
+def stated_camera(spec: CameraSpec, arm: ArmModel) -> MountedCamera:
+    """The camera as the robot's file and its URDF have it, without what a calibration found."""
+    straight = np.zeros(arm.dof)
+    hand_T_camera = inverse(arm.forward(straight)) @ arm.forward(straight, "camera")
+    return MountedCamera(camera_model(spec), hand_T_camera)
+
+
+def known_camera(spec: CameraSpec, arm: ArmModel) -> MountedCamera:
+    """The camera as the robot knows it: as it was calibrated, else as stated."""
+    stated, found = stated_camera(spec, arm), spec.calibrated
+    if found is None:
+        return stated
+    model = _model(spec, found.focal_px, (found.cx_px, found.cy_px), (found.k1, found.k2))
+    return MountedCamera(model, stated.hand_T_camera @ correction(found))
+
+
+def correction(found: CalibratedCamera) -> Transform:
+    """Pose (4, 4) of the calibrated camera in the URDF's frame `camera`."""
+    return transform(
+        [each / 1e3 for each in found.xyz_mm],
+        [math.radians(each) for each in found.rpy_deg],
+    )
+
+
+def _model(
+    spec: CameraSpec, focal: float, centre: tuple[float, float], distortion: tuple[float, float]
+) -> CameraModel:
+    K = np.array([[focal, 0.0, centre[0]], [0.0, focal, centre[1]], [0.0, 0.0, 1.0]])
+    return CameraModel(K, np.array([*distortion, 0.0, 0.0, 0.0]), spec.width_px, spec.height_px)

@@ -1,0 +1,30 @@
+"""The inertial measurement unit of the robot in physics."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from backends.robot_file import ImuSpec
+from backends.scene.scene import Scene
+from backends.scene.simulated_imu import SimulatedImu, Vector
+
+
+class BulletImu(SimulatedImu):
+    """Its accelerometers also feel how the base's motion changes, on the mean over two periods."""
+
+    def __init__(self, spec: ImuSpec, scene: Scene, period: float, seed: int) -> None:
+        super().__init__(spec, scene, period, seed)
+        self._place = self._scene.world_T_base[:3, 3].copy()
+        self._speed = np.zeros(3)
+        self._sped = np.zeros(3)
+
+    def advance(self, period: int) -> None:
+        """A period has passed."""
+        super().advance(period)
+        place = self._scene.world_T_base[:3, 3].copy()
+        speed = (place - self._place) / self._period
+        self._sped = (speed - self._speed) / self._period
+        self._place, self._speed = place, speed
+
+    def _carried(self) -> Vector:
+        return np.asarray(super()._carried() + self._sped)

@@ -1,0 +1,65 @@
+"""A robot's URDF with a suspension between its wheels and its body."""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Collection
+from xml.etree import ElementTree
+from xml.etree.ElementTree import Element, SubElement
+
+CHASSIS = "chassis"
+"""Link that wheels and casters are on."""
+PITCH, ROLL = "suspension_pitch", "suspension_roll"
+"""Joints by which the base leans on the chassis, pitch first."""
+UNSPRUNG = 0.2  # of the base's mass
+_PITCHED, _LEANING = "suspension_pitched", "suspension_leaning"
+_MASSES = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz", "value")
+
+
+def sprung(urdf: str, pivot: float, rolling: Collection[str]) -> str:
+    """The same robot whose base stands on a chassis and leans on it; mass and measures stay as they are.
+
+    Args:
+        urdf: a robot whose root is the link `base`.
+        pivot: height of the point about which it leans, in [m].
+        rolling: links right at the base that belong to the chassis.
+    """
+    robot = ElementTree.fromstring(urdf)
+    base = next(link for link in robot.findall("link") if link.get("name") == "base")
+    chassis = SubElement(robot, "link", name=CHASSIS)
+    inertial = base.find("inertial")
+    if inertial is not None:
+        chassis.append(_scaled(inertial, UNSPRUNG))
+        base.remove(inertial)
+        base.append(_scaled(inertial, 1.0 - UNSPRUNG))
+    for joint in robot.findall("joint"):
+        parent, child = joint.find("parent"), joint.find("child")
+        if parent is None or child is None or parent.get("link") != "base":
+            continue
+        if child.get("link") in rolling:
+            parent.set("link", CHASSIS)
+    for name in (_PITCHED, _LEANING):
+        SubElement(robot, "link", name=name)
+    _join(robot, PITCH, (CHASSIS, _PITCHED), pivot, "0 1 0")
+    _join(robot, ROLL, (_PITCHED, _LEANING), 0.0, "1 0 0")
+    _join(robot, "suspension_mount", (_LEANING, "base"), -pivot, None)
+    return ElementTree.tostring(robot, encoding="unicode")
+
+
+def _scaled(inertial: Element, share: float) -> Element:
+    result = copy.deepcopy(inertial)
+    for part in result:
+        for name in _MASSES:
+            if part.get(name) is not None:
+                part.set(name, repr(share * float(part.get(name, "0"))))
+    return result
+
+
+def _join(robot: Element, name: str, links: tuple[str, str], up: float, axis: str | None) -> None:
+    """Join two links, the second one `up` in [m] over the first; without an axis it is fixed there."""
+    joint = SubElement(robot, "joint", name=name, type="fixed" if axis is None else "continuous")
+    SubElement(joint, "parent", link=links[0])
+    SubElement(joint, "child", link=links[1])
+    SubElement(joint, "origin", xyz=f"0 0 {up!r}")
+    if axis is not None:
+        SubElement(joint, "axis", xyz=axis)

@@ -1,0 +1,33 @@
+"""From where a camera looks at a calibration board."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+import numpy as np
+
+from robotics.geometry.transform import Transform, inverse, transform
+from robotics.perception.landmark_pose import facing
+
+TILT = 0.45  # [rad] at most between the optical axis and the vertical
+TURNS = (0.0, 0.5, -0.5, 0.25, -0.25)  # [rad] about the optical axis
+DISTANCES = (0.24, 0.32, 0.27)  # [m]; the nearest fills the picture with a board of 180 by 120 mm
+ASIDE = 0.03  # [m] by which it looks past the board's middle, so that the picture's corners see it too
+_GOLDEN = math.pi * (3.0 - math.sqrt(5.0))
+
+
+def board_views(base_T_board: Transform, count: int) -> Iterator[Transform]:
+    """base_T_camera (4, 4) from all sides, near and far, the camera turned too.
+
+    Directions are spread evenly over a cap (a sunflower's seeds: Vogel, "A better way to construct the
+    sunflower head", 1979). The board is taken to lie level; how it is turned doesn't matter.
+    """
+    above = transform(base_T_board[:3, 3])
+    for n in range(count):
+        around, tilt = n * _GOLDEN, TILT * math.sqrt((n + 0.5) / count)
+        leaned = transform(rpy=(tilt * math.cos(around), tilt * math.sin(around), 0.0))
+        aside = transform((ASIDE * math.cos(2.0 * around), ASIDE * math.sin(2.0 * around), 0.0))
+        turned = transform(rpy=(0.0, 0.0, TURNS[n % len(TURNS)]))
+        camera_T_above = facing(DISTANCES[n % len(DISTANCES)]) @ leaned @ turned @ aside
+        yield np.asarray(above @ inverse(camera_T_above))

@@ -1,0 +1,70 @@
+"""How much of its joints' limits an arm uses while it tracks."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import NDArray
+
+from robotics.kinematics.arm_model import ArmModel
+
+Floats = NDArray[np.float64]
+
+_ROUNDING = 1e-9
+
+
+class LimitUse(NamedTuple):
+    """Speed and torque at each set-point, as shares of the limits."""
+
+    speed: Floats
+    """(k, n): 1 is the limit."""
+    torque: Floats
+    """(k, n)."""
+
+    @property
+    def violations(self) -> int:
+        """Number of set-points and joints at which a limit is broken."""
+        return int((self.speed > 1.0 + _ROUNDING).sum() + (self.torque > 1.0 + _ROUNDING).sum())
+
+
+class ArmLoad:
+    """Torques of an arm in motion, by the recursive Newton-Euler algorithm; the base stands upright.
+
+    Attributes:
+        torque: limits (n,) of the URDF, in [Nm].
+    """
+
+    def __init__(self, arm: ArmModel) -> None:
+        self._arm = arm
+        self._model = arm.for_collision()[0]
+        self._data = self._model.createData()
+        self._back = np.argsort(arm.ordered(np.arange(arm.dof, dtype=np.float64)))
+        self.torque: Floats = np.asarray(self._model.effortLimit[self._back])
+
+    def torques(self, q: Floats, speed: Floats, acceleration: Floats) -> Floats:
+        """(n,) in [Nm] at angles (n,), speeds in [rad/s] and accelerations in [rad/s²]."""
+        order = self._arm.ordered
+        found = pin.rnea(self._model, self._data, order(q), order(speed), order(acceleration))
+        return np.asarray(found[self._back])
+
+    def push(self, q: Floats, force: Floats) -> Floats:
+        """(n,) in [Nm]: for a force (3,) of the tool on its surroundings, in [N] and the base's axes."""
+        return np.asarray(self._arm.jacobian(q)[:3].T @ force)
+
+    def use(self, set_points: Floats, period: float, torque: Floats, push: Floats | None = None) -> LimitUse:
+        """What set-points (k, n), one each `period` in [s], take from rest to rest.
+
+        Args:
+            torque: limits (n,), in [Nm].
+            push: torques (k, n) that the tool's work takes, in [Nm]; they may point either way.
+        """
+        padded = np.vstack((set_points[:1], set_points, set_points[-1:]))
+        steps = np.diff(padded, axis=0) / period
+        middle = 0.5 * (steps[1:] + steps[:-1])
+        acceleration = np.diff(steps, axis=0) / period
+        loads = np.array([self.torques(*row) for row in zip(set_points, middle, acceleration, strict=True)])
+        more = np.zeros_like(loads) if push is None else np.abs(push)
+        fastest = np.maximum(np.abs(steps[1:]), np.abs(steps[:-1]))
+        return LimitUse(fastest / self._arm.velocity, (np.abs(loads) + more) / torque)

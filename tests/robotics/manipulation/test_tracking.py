@@ -1,0 +1,109 @@
+"""Following a path from a standing base: on it, within limits, and from where the base really stopped."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from robotics.geometry.pose2 import Pose2
+from robotics.geometry.transform import transform
+from robotics.kinematics.arm_model import ArmModel
+from robotics.manipulation.pitch_arm import PitchArm
+from robotics.manipulation.screw_arm import FreeTurn
+from robotics.manipulation.tool_follower import ToolFollower
+from robotics.manipulation.tool_path import ToolPath
+from robotics.manipulation.tracking_limits import ArmLoad
+from robotics.manipulation.tracking_time import TrackingLimits, time_tracking
+from robotics.manipulation.untrackable import Untrackable
+
+from .seams import arched, five_joint_urdf
+
+BASE = Pose2(0.1, -1.2, 1.3)
+PERIOD = 0.02
+LIMITS = TrackingLimits(0.1, np.full(5, 3.0), np.full(5, 60.0), 10.0)
+
+
+@pytest.fixture(scope="module")
+def five() -> ArmModel:
+    return ArmModel(five_joint_urdf(), [f"j{number}" for number in range(1, 6)])
+
+
+@pytest.fixture(scope="module")
+def follower(five: ArmModel) -> ToolFollower:
+    return ToolFollower(five, FreeTurn.VERTICAL, np.radians(60.0))
+
+
+@pytest.fixture(scope="module")
+def path() -> ToolPath:
+    return arched(60, span=1.2, rise=0.2)
+
+
+@pytest.fixture(scope="module")
+def planned(follower: ToolFollower, path: ToolPath) -> np.ndarray:
+    near = np.append(PitchArm().joints(np.array(BASE), path)[0], 0.0)
+    return follower.joints(path, BASE.lift(), near)
+
+
+def test_the_tool_is_on_the_path_and_the_arm_in_the_branch_of_the_closed_form(
+    follower: ToolFollower, path: ToolPath, planned: np.ndarray
+) -> None:
+    assert follower.tool_errors(path, BASE.lift(), planned).max() < 1e-7
+    np.testing.assert_allclose(planned[:, :4], PitchArm().joints(np.array(BASE), path), atol=1e-6)
+
+
+def test_where_the_base_really_stopped_is_taken_in(
+    follower: ToolFollower, path: ToolPath, planned: np.ndarray
+) -> None:
+    rng = np.random.default_rng(0)
+    for _ in range(20):
+        x, y, angle, roll, pitch = rng.normal(size=5) * (0.01, 0.01, 0.02, 0.005, 0.005)
+        stopped = BASE.lift() @ transform((x, y, 0.0), (roll, pitch, angle))
+        assert follower.tool_errors(path, stopped, planned).max() > 0.002
+        again = follower.joints(path, stopped, planned[0])
+        assert follower.tool_errors(path, stopped, again).max() < 1e-7
+
+
+def test_limits_are_kept_at_every_sample_and_the_tool_stays_on_the_path(
+    five: ArmModel, follower: ToolFollower, path: ToolPath, planned: np.ndarray
+) -> None:
+    timed = time_tracking(five, path, planned, LIMITS, PERIOD)
+    assert timed.use.violations == 0
+    assert ArmLoad(five).use(timed.set_points, PERIOD, LIMITS.torque).violations == 0
+    steps = np.diff(timed.lengths)
+    assert (steps >= 0.0).all()
+    assert steps.max() <= LIMITS.speed * PERIOD * (1 + 1e-9)
+    assert np.median(steps) > 0.95 * LIMITS.speed * PERIOD  # as fast as asked
+    assert timed.lengths[0] == 0.0
+    assert timed.lengths[-1] == pytest.approx(path.length)
+    truth = arched(6000, span=1.2, rise=0.2).points
+    tips = np.array([(BASE.lift() @ five.forward(q))[:3, 3] for q in timed.set_points])
+    gaps = np.linalg.norm(tips[:, None] - truth[None], axis=2).min(axis=1)
+    assert gaps.max() < 2e-4
+
+
+def test_what_is_asked_too_fast_is_slowed_down(five: ArmModel, path: ToolPath, planned: np.ndarray) -> None:
+    timed = time_tracking(five, path, planned, LIMITS._replace(speed=5.0), PERIOD)
+    assert timed.use.violations == 0
+    assert max(timed.use.speed.max(), timed.use.torque.max()) > 0.5
+    assert len(timed.set_points) * PERIOD < 0.5 * path.length / LIMITS.speed
+
+
+def test_an_arm_too_weak_to_hold_itself_is_refused(
+    five: ArmModel, path: ToolPath, planned: np.ndarray
+) -> None:
+    with pytest.raises(Untrackable, match=r"point 0 of the path takes .* Nm of 'j2'; allowed: 9\.8 Nm"):
+        time_tracking(five, path, planned, LIMITS._replace(torque=np.full(5, 10.0)), PERIOD)
+    with pytest.raises(ValueError, match="must be above zero"):
+        time_tracking(five, path, planned, LIMITS._replace(speed=0.0), PERIOD)
+
+
+def test_out_of_reach_the_first_point_and_the_nearest_are_named(
+    follower: ToolFollower, planned: np.ndarray
+) -> None:
+    longer = arched(120, span=2.4, rise=0.2)
+    first = int(np.argmin(np.linalg.norm(longer.points - (0.0, 0.0, 0.9), axis=1)))
+    with pytest.raises(Untrackable, match=r"can't be reached.*nearest that can be reached") as caught:
+        follower.joints(longer.part(first, 119), BASE.lift(), planned[30])
+    assert caught.value.nearest is not None
+    bad = longer.points[first + caught.value.index]
+    assert 0.0 < np.linalg.norm(caught.value.nearest - bad) < 0.1
