@@ -202,7 +202,7 @@ def _refined_row(
     refined = refine(lambda some, part: arm.scores(some, part, rule), path, bases, best, 0.1, 0.3)
     far = 0.5 * path.length + 0.75
     corner, size = np.array((-far, -1.95)), np.array((2.0 * far, 2.0))
-    bound = score_bound(arm, path, rule, corner, size, 0.02, len(best.segments))
+    bound = score_bound(arm, path, rule, corner, size, 0.01, len(best.segments))
     share = 100.0 * refined.division.score / bound
     return Row(f"{name}, refined", f"{words(refined.division, path)}, at least {share:.1f} % of the best")
 

@@ -42,6 +42,10 @@ class BlockError(NamedTuple):
     read_x: float
     """On the paper's scale of 0.5 mm."""
     read_y: float
+    yaw_mrad: float
+    """By which the base had turned since the fixation, when the block was let go."""
+    lean_mrad: float
+    """The same about the base's x: the paper's pitch."""
 
     @property
     def size(self) -> float:
@@ -50,8 +54,8 @@ class BlockError(NamedTuple):
 
     @property
     def processed(self) -> float:
-        """The same, processed."""
-        return math.hypot(self.processed_x, self.processed_y)
+        """The larger of the processed ones: the paper reads x and y each by itself."""
+        return max(abs(self.processed_x), abs(self.processed_y))
 
 
 @dataclass
@@ -68,6 +72,8 @@ class BlockSurvey:
     _gripped: dict[str, Vector] = field(default_factory=dict)
     """By block: the shift (3,) with which it was gripped off a table, in the base frame, in [m]."""
     _released: dict[str, Vector] = field(default_factory=dict)
+    _moved: dict[str, tuple[float, float]] = field(default_factory=dict)
+    """Turn and lean about x since the fixation when it was let go, in [rad]."""
 
     def look(self) -> None:
         """A period has passed."""
@@ -80,6 +86,7 @@ class BlockSurvey:
                 self._gripped[held.name] = self._shift(held)
             if self._held is not None and self._held.rest.value == "table":
                 self._released[self._held.name] = self._shift(self._held)
+                self._moved[self._held.name] = self._moved_since()
             self._held = held
         self._rested = {block.name: block.rest.value for block in self.scene.blocks.values()}
 
@@ -111,6 +118,12 @@ class BlockSurvey:
 
     def _attitude(self) -> Attitude:
         return Attitude(self.scene.base.theta, tuple(self.scene.lean))
+
+    def _moved_since(self) -> tuple[float, float]:
+        if self._reference is None:
+            return 0.0, 0.0
+        now = self._attitude()
+        return now.heading - self._reference.heading, now.lean[0] - self._reference.lean[0]
 
     def _shift(self, block: Any) -> Vector:
         """By how much turning and leaning since the fixation moved the block's place, in the base frame."""
@@ -144,6 +157,7 @@ class BlockSurvey:
             y + float(in_goal[1]),
             _on_scale(x),
             _on_scale(y),
+            *(1e3 * each for each in self._moved.get(block.name, (0.0, 0.0))),
         )
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from pathlib import Path
 from types import TracebackType
+from typing import Literal
 
 import numpy as np
 
@@ -17,10 +18,12 @@ from files.loading import load
 from files.suggest import suggest
 from primitives.action_primitive import ActionPrimitive
 from primitives.attempt import attempt
+from primitives.building import Building
 from primitives.knowledge import Catalogue, Places, load_map
 from primitives.outcome import Outcome
 from primitives.world_model import WorldModel
 
+NO_BOOKS: Literal["handcart-catalogue/1"] = "handcart-catalogue/1"
 LIBRARY = Path(__file__).parent.parent / "tasks" / "return_book"
 
 
@@ -35,7 +38,8 @@ class StageFiles:
     world: Path = LIBRARY / "world.yaml"
     map: Path = LIBRARY / "map.yaml"
     places: Path = LIBRARY / "places.yaml"
-    catalogue: Path = LIBRARY / "catalogue.yaml"
+    catalogue: Path | None = LIBRARY / "catalogue.yaml"
+    building: Path | None = None
     start: str = "home"
     """The place where the robot stands at first."""
 
@@ -96,7 +100,9 @@ def set_stage(
     if files.start not in places:
         raise NoSuchPlace(f"no place {files.start!r} to start at{suggest(files.start, places)}")
     grid, _ = load_map(files.map)
-    model = WorldModel(grid, places, load(files.catalogue, Catalogue), np.empty((0, 2)))
+    books = load(files.catalogue, Catalogue) if files.catalogue else Catalogue(format=NO_BOOKS, books=())
+    plan = load(files.building, Building) if files.building else None
+    model = WorldModel(grid, places, books, np.empty((0, 2)), building=plan)
     start = places[files.start].pose
     made = make_backend(backend, spec, files.world, seed, start)
     return Stage(Robot(made, spec, start, grid), model, made)

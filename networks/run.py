@@ -18,6 +18,7 @@ import orjson
 from backends.robot import Robot
 from files.errors import HandcartError
 
+from .calibration_keeper import CalibrationKeeper
 from .checkpoint import CheckpointKeeper
 from .coordinator import Coordinator
 from .events import Observer
@@ -85,7 +86,8 @@ def execute(
     sync = sync or sync_for(prepared.backend.simulated)
     with _journal(prepared, run_dir, past, sync) as journal:
         recorder = FlightRecorder(run_dir, prepared.robot)
-        looking_on: list[Observer] = [*observers, EvidenceFiles(run_dir), recorder]
+        keeper = CalibrationKeeper(run_dir, prepared)
+        looking_on: list[Observer] = [*observers, EvidenceFiles(run_dir), keeper, recorder]
         permits = permits or Permits()
         coordinator = Coordinator(
             prepared.task.network,

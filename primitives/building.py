@@ -74,9 +74,9 @@ class Building(FileModel):
     format: Literal["handcart-building/1"]
     block_mm: tuple[Positive, Positive, Positive]
     """Length (along which the fingers close), width, height of all blocks."""
-    landmarks: dict[str, LandmarkPlan] = {}
+    landmarks: Annotated[dict[str, LandmarkPlan], Field(default_factory=dict)]
     tables: dict[str, Table]
-    boards: dict[str, BoardPlan] = {}
+    boards: Annotated[dict[str, BoardPlan], Field(default_factory=dict)]
     """To calibrate the camera with."""
     supply: tuple[Standing, ...] = ()
     """Where the blocks wait, on the map; the first one is block 1."""

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Generator, Sequence
 from typing import Annotated, ClassVar, NamedTuple
 
@@ -29,7 +28,7 @@ from .action_primitive import ActionPrimitive, Periods
 from .arm_motion import move_to_pose
 from .board_views import board_views
 from .building import BoardPlan
-from .calibrated import Calibrated
+from .calibrated import Calibrated, as_facts
 from .discrepancy import Discrepancy, Measured
 from .hand_down import building, standing, surroundings
 from .snapshot import settle
@@ -129,13 +128,11 @@ class CalibrateCamera(ActionPrimitive):
             }
         )
         far, turned = difference(robot.camera.hand_T_camera, found.hand_eye.hand_T_camera)
+        self.found(**as_facts(self.evidence.calibrated))
         self.found(
-            focal_px=round(float(camera.K[0, 0]), 2),
             fit_px=round(found.camera.rms, 3),
             mount_off_mm=round(1e3 * far, 2),
             mount_off_mrad=round(1e3 * turned, 2),
-            mount_sigma_mm=round(1e3 * float(of_mount[:3].max()), 2),
-            mount_sigma_mrad=round(1e3 * float(of_mount[3:].max()), 2),
             arm_error_mm=round(1e3 * found.hand_eye.arm_error, 2),
             frames=len(found.camera.rms_of_views),
         )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import NamedTuple
 
 
@@ -11,3 +12,18 @@ class Calibrated(NamedTuple):
     value: float | tuple[float, ...]
     sigma: float | tuple[float, ...]
     """Standard deviation of each number."""
+
+
+def as_facts(found: Mapping[str, Calibrated]) -> dict[str, float | str]:
+    """For the journal: each value and its sigma, by the last part of its key."""
+    facts: dict[str, float | str] = {}
+    for key, (value, sigma) in found.items():
+        name = key.rpartition(".")[2]
+        facts |= {name: _short(value), f"{name}_sigma": _short(sigma)}
+    return facts
+
+
+def _short(value: float | tuple[float, ...]) -> float | str:
+    if isinstance(value, tuple):
+        return ", ".join(f"{each:.4g}" for each in value)
+    return float(f"{value:.5g}")

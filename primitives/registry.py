@@ -22,6 +22,7 @@ TABLE = {
     "FIXATE": "primitives.fixate:Fixate",
     "PICK_UP_BLOCK": "primitives.pick_up_block:PickUpBlock",
     "STACK": "primitives.stack:Stack",
+    "CALIBRATE_SUSPENSION": "primitives.calibrate_suspension:CalibrateSuspension",
     "CALIBRATE_CAMERA": "primitives.calibrate_camera:CalibrateCamera",
 }
 """Name to import path; other packages add theirs by an entry point of the group `handcart.primitives`."""

@@ -12,6 +12,8 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 if TYPE_CHECKING:
+    from rich.console import Console
+
     from evaluation.conformance.kit import Setting
 
 BROKEN_PROMISE = 5
@@ -61,25 +63,25 @@ def _progress() -> Iterator[Callable[[int, int], None]]:
 
     console = Console(stderr=True)
     if not console.is_terminal:
-        yield _seldom(lambda done, count: console.print(f"{done} of {count} jobs done"))
+        yield _seldom(console)
         return
     with Progress(*Progress.get_default_columns(), TimeElapsedColumn(), console=console) as progress:
         task = progress.add_task("conformance", total=None)
         yield lambda done, count: progress.update(task, completed=done, total=count)
 
 
-def _seldom(tell: Callable[[int, int], None], seconds: float = SELDOM) -> Callable[[int, int], None]:
-    """Tells of the first and the last, and in between at most so often."""
-    last = -math.inf
+def _seldom(console: Console) -> Callable[[int, int], None]:
+    """Writes a line at first and at last, and in between one now and then."""
+    start, last = time.monotonic(), -math.inf
 
-    def told(done: int, count: int) -> None:
+    def tell(done: int, count: int) -> None:
         nonlocal last
         now = time.monotonic()
-        if done == count or now - last >= seconds:
+        if done == count or now - last >= SELDOM:
             last = now
-            tell(done, count)
+            console.print(f"{done} of {count} jobs done after {now - start:.0f} s")
 
-    return told
+    return tell
 
 
 def _chosen(parts: list[str], primitives: list[str]) -> tuple[tuple[str, ...], tuple[str, ...]]:

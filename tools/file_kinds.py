@@ -12,6 +12,8 @@ KINDS = {
     "table": "networks.analysis.action_table:ActionTable",
     "places": "primitives.knowledge:Places",
     "catalogue": "primitives.knowledge:Catalogue",
+    "building": "primitives.building:Building",
+    "calibration": "networks.calibration:Calibration",
 }
 """What stands behind `handcart-` under the key `format`, and the model that reads it."""
 

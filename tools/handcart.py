@@ -28,6 +28,7 @@ COMMANDS = {
     "explain": ("tools.explain", "explain", "Tell why a run went as it did, from its folder."),
     "schema": ("tools.schema", "schema", "Print the JSON Schema of a kind of file."),
     "teach": ("tools.teach", "teach", "Record a posture into a robot's file."),
+    "adopt": ("tools.adopt", "adopt", "Take what a calibration found into a robot's file."),
     "make-library": ("tools.make_library", "make_library", "Write a library: world, map, places, catalogue."),
     "campaign": ("tools.campaign", "campaign", "Run a task many times, with seeds, and count."),
     "conformance": ("tools.conformance", "conformance", "Try whether a backend keeps what it promises."),

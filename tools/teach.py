@@ -99,27 +99,17 @@ def _check_posture(angles: list[float], spec: RobotFile, arm: ArmSpec) -> None:
 
 
 def _with_posture(text: str, name: str, angles: list[float]) -> str:
-    from io import StringIO
+    from .yaml_editing import edited, flow_list
 
-    from ruamel.yaml import YAML
-    from ruamel.yaml.comments import CommentedSeq
+    def add(data: Any) -> None:
+        postures = data["arm"]["postures"]
+        gap = "" if name in postures else _taken_gap(postures)
+        postures[name] = flow_list([round(angle, 3) for angle in angles])
+        if gap:
+            postures.yaml_add_eol_comment("#", name, column=0)
+            postures.ca.items[name][2].value = gap
 
-    yaml = YAML()
-    yaml.width = 200
-    yaml.preserve_quotes = True
-    yaml.indent(mapping=2, sequence=4, offset=2)
-    data = yaml.load(text)
-    posture = CommentedSeq([round(angle, 3) for angle in angles])
-    posture.fa.set_flow_style()
-    postures = data["arm"]["postures"]
-    gap = "" if name in postures else _taken_gap(postures)
-    postures[name] = posture
-    if gap:
-        postures.yaml_add_eol_comment("#", name, column=0)
-        postures.ca.items[name][2].value = gap
-    out = StringIO()
-    yaml.dump(data, out)
-    return out.getvalue()
+    return edited(text, add)
 
 
 def _taken_gap(postures: Any) -> str:

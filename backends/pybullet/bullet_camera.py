@@ -87,7 +87,11 @@ class BulletCamera(Camera):
 
 
 def render(
-    physics: Physics, world_T_camera: Transform, K: NDArray[np.float64], size: tuple[int, int]
+    physics: Physics,
+    world_T_camera: Transform,
+    K: NDArray[np.float64],
+    size: tuple[int, int],
+    lit: bool = False,
 ) -> NDArray[np.uint8]:
     """A pinhole camera's picture (height, width, 3) in RGB.
 
@@ -96,9 +100,10 @@ def render(
         world_T_camera: (4, 4) of the optical frame (z forward, x right, y down).
         K: (3, 3) in [px]; an integer pixel is a pixel's centre.
         size: width and height in [px].
+        lit: see `Physics.picture`.
     """
     view = inverse(world_T_camera @ _TO_OPENGL)
-    return physics.picture(view, _projection(K, size), size)
+    return physics.picture(view, _projection(K, size), size, lit)
 
 
 def looking(eye: NDArray[np.float64], at: NDArray[np.float64]) -> Transform:

@@ -27,6 +27,8 @@ _ITERATIONS = 100
 _STICKS = 0.8  # of what a contact that sticks has slid is taken back in a step
 _FLOOR = 0.37  # grey
 _WARM_UP = 3  # pictures
+_SUN = (-0.5, 0.4, 1.0)  # where light comes from in a picture for people
+_UNLIT = 0.5  # of its own brightness is what the EGL renderer shows of a face that no light falls on
 
 
 Point = tuple[float, float, float]
@@ -134,6 +136,7 @@ class Physics:
             self.p.GEOM_BOX,
             halfExtents=half,
             rgbaColor=(shade, shade, shade, 1.0),
+            specularColor=(0.0, 0.0, 0.0),
             physicsClientId=self.client,
         )
         body = self.p.createMultiBody(0.0, shape, visual, *placed(box.pose), physicsClientId=self.client)
@@ -176,27 +179,36 @@ class Physics:
 
     # Pictures
 
-    def picture(self, view: Transform, projection: Transform, size: tuple[int, int]) -> NDArray[np.uint8]:
+    def picture(
+        self, view: Transform, projection: Transform, size: tuple[int, int], lit: bool = False
+    ) -> NDArray[np.uint8]:
         """What is seen, (height, width, 3) in RGB.
 
         Args:
             view: (4, 4) from the world to OpenGL's camera frame.
             projection: (4, 4), OpenGL's.
             size: width and height in [px].
+            lit: for people, with light from above and shadows; else all is as bright as it is painted.
         """
         width, height = size
+        # The EGL renderer always has one light and shadows: from behind what is seen it falls on nothing.
+        light = _SUN if lit else tuple((-view[2, :3]).tolist())
         with quiet():
             for _ in range(self._cold):  # the first pictures of the EGL renderer are lit otherwise
-                self._render(view, projection, size)
+                self._render(view, projection, size, light)
             self._cold = 0
-            image = self._render(view, projection, size)
-        return np.asarray(image, dtype=np.uint8).reshape(height, width, 4)[..., :3]
+            image = self._render(view, projection, size, light)
+        picture = np.asarray(image, dtype=np.uint8).reshape(height, width, 4)[..., :3]
+        if lit or self.renderer != self.p.ER_BULLET_HARDWARE_OPENGL:
+            return picture
+        return cv2.convertScaleAbs(picture, alpha=1 / _UNLIT).astype(np.uint8, copy=False)
 
-    def _render(self, view: Transform, projection: Transform, size: tuple[int, int]) -> Any:
+    def _render(self, view: Transform, projection: Transform, size: tuple[int, int], light: Point) -> Any:
         return self.p.getCameraImage(
             *size,
             view.T.ravel().tolist(),
             projection.T.ravel().tolist(),
+            lightDirection=light,
             shadow=0,
             lightAmbientCoeff=1.0,
             lightDiffuseCoeff=0.0,

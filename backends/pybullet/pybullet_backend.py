@@ -94,8 +94,8 @@ class PyBulletBackend(Backend):
     and fall. A base that leans stands on springs.
 
     How it errs, seeded: radius of each wheel, tread, the arm's errors, ranges, image noise, blur, light,
-    lens, the force reading, where a person puts robot, book and blocks. Slip, and what gives, are physics, but
-    for what no rigid wheel does: that the base turns on its tyres when the loaded arm has swung is imposed.
+    lens, the force reading, where a person puts robot, book and blocks. Slip, and what gives, are physics;
+    that the base turns on its tyres when the loaded arm has swung is imposed, for rigid wheels don't.
 
     How it differs from metal: links are rigid, the floor is flat, friction is Coulomb's, one coefficient for
     a pair, light has no shadows and what stands inside a shelf is painted dark. Books in a row have square
@@ -182,7 +182,7 @@ class PyBulletBackend(Backend):
 
     def view(self) -> NDArray[np.uint8]:
         """See `Backend`."""
-        return render(self._physics, self._beside(), _VIEW_K, _VIEW_SIZE)
+        return render(self._physics, self._beside(), _VIEW_K, _VIEW_SIZE, lit=True)
 
     def _beside(self) -> Transform:
         """world_T_camera (4, 4) of somebody behind the robot, to its left, on this side of walls."""

@@ -84,6 +84,8 @@ class WorldBodies:
         body = self._make(block, self._box(block), visual)
         p, client = self._physics.p, self._physics.client
         p.changeVisualShape(body, -1, textureUniqueId=texture, physicsClientId=client)
+        # Else a block that is pressed between two others creeps away, however little pushes it.
+        p.changeDynamics(body, -1, frictionAnchor=1, physicsClientId=client)
         return body
 
     def _box(self, thing: Thing) -> int:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import Future, ProcessPoolExecutor, as_completed
+from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from dataclasses import dataclass
 from multiprocessing import get_context
 from pathlib import Path
@@ -30,6 +30,7 @@ OTHER_INSTANTS = (10, 1)
 SHARE = 10  # instants of an action that one process sees to at a time, at most
 SEEDS, SEEDS_QUICK = 50, 2
 """Of each shipped task with errors: in full, and quick."""
+NEWS = 10.0  # [s] between two words of how many jobs are done, at most
 LONGEST = 600.0  # [s] of CPU time that a check or a liar gets
 
 
@@ -164,24 +165,26 @@ def run_kit(
     Args:
         setting: what is tried.
         processes: side by side.
-        tell: told after each job how many are done, of how many.
+        tell: told after each job, and now and then, how many are done, of how many.
     """
     jobs = jobs_of(setting)
     results: dict[int, Result] = {}
-    for done, (number, result) in enumerate(_in_processes(jobs, processes), start=1):
-        results[number] = result
-        tell(done, len(jobs))
+    for ended in _in_processes(jobs, processes):
+        results.update(ended)
+        tell(len(results), len(jobs))
     in_order = [results[number] for number in sorted(results)]
     return Report.of(setting.backend, setting.robot, setting.quick, in_order)
 
 
-def _in_processes(jobs: Sequence[Job], processes: int) -> Iterator[tuple[int, Result]]:
-    """Each job's number and result, in the order in which they end."""
+def _in_processes(jobs: Sequence[Job], processes: int) -> Iterator[dict[int, Result]]:
+    """Results of the jobs that have just ended, by number; empty where for a while none has."""
     with ProcessPoolExecutor(processes, get_context("spawn"), _one_thread) as pool:
         running = {pool.submit(_done, job): number for number, job in enumerate(jobs)}
         try:
-            for each in as_completed(running):
-                yield running[each], _result(jobs[running[each]], each)
+            while running:
+                over, _ = wait(running, NEWS, FIRST_COMPLETED)
+                ended = {running.pop(each): each for each in over}
+                yield {number: _result(jobs[number], future) for number, future in ended.items()}
         finally:
             for each in running:
                 each.cancel()

@@ -148,13 +148,11 @@ def bound_table(
                 first, elbow = (0, 1) if planar else (1, 2)
                 value = min(value, min(1.0 - low[first] * upper, 1.0 - low[elbow] * bend))
                 if not planar:
-                    p0, p1 = _times(near - fore0 if gap <= 0.0 else 0.0, far, a0, a1)
-                    if gap <= 0.0:
-                        s0, s1 = 0.5 * (near - gap / near), 0.5 * (far - gap / far)
-                        least, most = min(s0, s1), max(s0, s1)
-                        if near * near < -gap < far * far:
-                            least = math.sqrt(-gap)
-                        p0, p1 = _times(least, most, a0, a1)
+                    s0, s1 = 0.5 * (near - gap / near), 0.5 * (far - gap / far)
+                    least, most = min(s0, s1), max(s0, s1)
+                    if gap < 0.0 and near * near < -gap < far * far:
+                        least = math.sqrt(-gap)
+                    p0, p1 = _times(least, most, a0, a1)
                     q0, q1 = _times(up0, up1, c0, c1)
                     if area0 > 0.0:
                         t0, t1 = _times(p0 + q0, p1 + q1, 1.0 / area1, 1.0 / area0)

@@ -42,7 +42,7 @@ class PitchArm(NamedTuple):
     def scores(self, bases: Floats, path: ToolPath, rule: ScoreRule) -> PlacementScores:
         """Of base poses (b, 3) on the floor: x and y in [m], heading in [rad]."""
         values, usable = pitch_arm_table(
-            self._stands(bases), self.marks(path), self._figures(), int(rule.measure), rule.low, rule.high
+            self._stands(bases), self.marks(path), self._figures(), int(rule.measure), rule.limits
         )
         return PlacementScores(values.T, usable.T)
 

@@ -35,12 +35,12 @@ def _within(ux: float, uz: float, vx: float, vz: float, cos: float, sin: float, 
 
 @compiled
 def pitch_arm_table(
-    stands: Floats, marks: Floats, arm: Floats, measure: int, low: Floats, high: Floats
+    stands: Floats, marks: Floats, arm: Floats, measure: int, limits: Floats
 ) -> tuple[NDArray[np.float32], NDArray[np.bool_]]:
     """Scores and usable (p, b) of `PitchArm.scores`, from rows as the class makes them."""
     height, l1, l2, l3 = arm[0], arm[1], arm[2], arm[3]
-    cos_yaw, cos_azimuth, limits = arm[4], arm[5], arm[6:12]
-    limited = np.isfinite(limits).any()
+    cos_yaw, cos_azimuth, turns = arm[4], arm[5], arm[6:12]
+    limited = np.isfinite(turns).any()
     values = np.zeros((len(marks), len(stands)), dtype=np.float32)
     usable = np.zeros((len(marks), len(stands)), dtype=np.bool_)
     elements, rates = np.empty(4), np.empty(4)
@@ -67,20 +67,20 @@ def pitch_arm_table(
                 continue
             wrist_r = distance - l3 * cos
             reached, ux, uz, vx, vz, bend = two_links(wrist_r, wrist_z, l1, l2, 1.0)
-            if not reached or (limited and not _within(ux, uz, vx, vz, cos, sin, limits)):
+            if not reached or (limited and not _within(ux, uz, vx, vz, cos, sin, turns)):
                 continue
-            kt, kr = (ky * x - kx * y) / distance, (kx * x + ky * y) / distance
+            per_distance, per_bend = 1.0 / distance, 1.0 / -max(-bend, 1e-300)  # the elbow is up
+            kt, kr = (ky * x - kx * y) * per_distance, (kx * x + ky * y) * per_distance
             elements[0] = abs(kt) * distance
             elements[1] = abs(kz * distance - kr * tip_z)
             elements[2] = abs(kz * (distance - l1 * ux) - kr * (tip_z - l1 * uz))
             elements[3] = l3 * abs(kz * cos - kr * sin)
-            bend = math.copysign(max(abs(bend), 1e-300), bend)
             wrist_kr, wrist_kz = kr + rate * l3 * sin, kz - rate * l3 * cos
-            upper = (wrist_kr * vx + wrist_kz * vz) / (l1 * bend)
-            fore = -(wrist_kr * ux + wrist_kz * uz) / (l2 * bend)
-            rates[0] = abs(kt) / distance
+            upper = (wrist_kr * vx + wrist_kz * vz) * per_bend / l1
+            fore = -(wrist_kr * ux + wrist_kz * uz) * per_bend / l2
+            rates[0] = abs(kt) * per_distance
             rates[1], rates[2], rates[3] = abs(upper), abs(fore - upper), abs(rate - fore)
-            value = worth(measure, elements, rates, distance * l1 * l2 * abs(bend), low, high)
+            value = worth(measure, elements, rates, distance * l1 * l2 * abs(bend), limits)
             if value != UNUSABLE:
                 values[j, b] = value
                 usable[j, b] = True

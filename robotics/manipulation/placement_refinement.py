@@ -14,7 +14,7 @@ from .tool_path import ToolPath
 
 Floats = NDArray[np.float64]
 Scorer = Callable[[Floats, ToolPath], PlacementScores]
-"""Scores of base poses (b, 3) along a path: an arm's `scores` with its rule, and what rules placements out."""
+"""Scores of base poses (b, 3) along a path: an arm's with its rule, less what rules placements out."""
 
 _TRIES = 48
 _SHRINK = 0.5

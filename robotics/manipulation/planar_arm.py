@@ -35,8 +35,7 @@ class PlanarArm(NamedTuple):
             path.tangents,
             np.array(self),
             int(rule.measure),
-            rule.low,
-            rule.high,
+            rule.limits,
         )
         return PlacementScores(values.T, usable.T)
 
@@ -63,7 +62,7 @@ class PlanarArm(NamedTuple):
 
 @compiled
 def _table(
-    bases: Floats, points: Floats, tangents: Floats, arm: Floats, measure: int, low: Floats, high: Floats
+    bases: Floats, points: Floats, tangents: Floats, arm: Floats, measure: int, limits: Floats
 ) -> tuple[NDArray[np.float32], NDArray[np.bool_]]:
     first, second, side = arm[0], arm[1], arm[2]
     values = np.zeros((len(points), len(bases)), dtype=np.float32)
@@ -81,7 +80,7 @@ def _table(
             area = max(first * second * abs(sin), 1e-300)  # |det J|
             rates[0] = abs(second * (kx * vx + ky * vy)) / area
             rates[1] = abs(kx * x + ky * y) / area
-            value = worth(measure, elements, rates, area, low, high)
+            value = worth(measure, elements, rates, area, limits)
             if value != UNUSABLE:
                 values[j, b] = value
                 usable[j, b] = True

@@ -41,7 +41,7 @@ class ResolvedRate:
         limits: RateLimits = RateLimits(),
         jacobian: Callable[[Array], Array] | None = None,
     ) -> None:
-        """Lead from `start` to `end` (2,) in [m], arm frame; another `jacobian` than the arm's is for tests."""
+        """Lead from `start` to `end` (2,) in [m], arm frame; another `jacobian` is for tests."""
         self._arm, self._start, self._end, self._limits = arm, np.asarray(start), np.asarray(end), limits
         self._length = float(np.hypot(*(self._end - self._start)))
         self._along = (self._end - self._start) / max(self._length, 1e-12)
@@ -67,7 +67,8 @@ class ResolvedRate:
         rates = np.linalg.solve(self._jacobian(q + 0.5 * dt * rates), velocity)
         share = min(1.0, self._limits.rate / max(1e-12, float(np.abs(rates).max())))
         self._speed = share * most
-        return share * rates
+        out: Array = np.asarray(share * rates, dtype=np.float64)
+        return out
 
     def _aside(self, tip: Array) -> Array:
         away = tip - self._start

@@ -1,7 +1,7 @@
 """A SCARA arm on a base that may stand askew: two turning joints, then a slide straight down.
 
-Ohki et al. (2012), section V, with a Jacobian that is the derivative of the tip: in the printed one, J11 has a
-cosine where a sine belongs, and J21 the second link's length where the first one's belongs.
+Ohki et al. (2012), section V, with a Jacobian that is the derivative of the tip: in the printed one, J11 has
+a cosine where a sine belongs, and J21 the second link's length where the first one's belongs.
 """
 
 from __future__ import annotations
@@ -21,8 +21,8 @@ Array = NDArray[np.float64]
 class Scara(NamedTuple):
     """Lengths, limits and postures; angles are counted anticlockwise, seen from above.
 
-    Joints are theta1 from the arm's x axis to the first link, theta2 from the first to the second, and how far
-    the slide is lowered. The elbow is bent to the right: theta2 is negative.
+    Joints are theta1 from the arm's x axis to the first link, theta2 from the first to the second, and how
+    far the slide is lowered. The elbow is bent to the right: theta2 is negative.
     """
 
     upper: float = 0.395
@@ -30,7 +30,7 @@ class Scara(NamedTuple):
     fore: float = 0.610
     """Second link, in [m]."""
     mount: tuple[float, float, float, float] = (0.0, 0.0, 0.6, -math.pi / 2.0)
-    """base_T_arm: x, y, z in [m] of the shoulder with the slide up, and yaw in [rad] (x axis to the right)."""
+    """base_T_arm: x, y, z in [m] of the shoulder, the slide up, and yaw in [rad] (x axis to the right)."""
     theta1: tuple[float, float] = (0.0, math.radians(150.0))
     """Limits on the way, in [rad]."""
     theta1_working: tuple[float, float] = (0.0, math.radians(90.0))
@@ -66,7 +66,7 @@ class Scara(NamedTuple):
         )
 
     def inverse(self, target: Array) -> Array | None:
-        """(2,) angles that hold the tip at `target` (2,) in [m], arm frame; None if out of reach or limits."""
+        """(2,) angles that hold the tip at `target` (2,) in [m], arm frame; None beyond reach or limits."""
         x, y = float(target[0]), float(target[1])
         cos = (x * x + y * y - self.upper**2 - self.fore**2) / (2.0 * self.upper * self.fore)
         if abs(cos) > 1.0:
@@ -101,7 +101,7 @@ class Scara(NamedTuple):
 
 
 def world_to_base(pose: Pose2, tilt: tuple[float, float], point: Array) -> Array:
-    """(3,) a world's point (3,) in [m] seen from a base at `pose`, on the ground, with roll and pitch in [rad].
+    """(3,) a world's point (3,) in [m] seen from a base at `pose` on the ground, roll and pitch in [rad].
 
     A slide on a base that is 2.5 degrees askew comes down 17 mm beside, 0.4 m lower: the arm has to know.
     """

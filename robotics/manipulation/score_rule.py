@@ -62,9 +62,14 @@ class ScoreRule(NamedTuple):
         """The same limits for all joints, in [m]: as in the paper."""
         return cls(measure, np.full(joints, low), np.full(joints, high))
 
+    @property
+    def limits(self) -> Floats:
+        """(3, n) for `worth`: low, high, and one over half of their distance."""
+        return np.array((self.low, self.high, 2.0 / (self.high - self.low)))
+
 
 @compiled
-def worth(measure: int, elements: Floats, rates: Floats, spread: float, low: Floats, high: Floats) -> float:
+def worth(measure: int, elements: Floats, rates: Floats, spread: float, limits: Floats) -> float:
     """Score of a reached point, or UNUSABLE where a limit is broken.
 
     Args:
@@ -72,7 +77,7 @@ def worth(measure: int, elements: Floats, rates: Floats, spread: float, low: Flo
         elements: |k^T J| (n,), in [m].
         rates: |J^-1 k| (n,), in [rad/m].
         spread: Yoshikawa's manipulability.
-        low, high: of the `ScoreRule`.
+        limits: (3, n) of the `ScoreRule`.
     """
     if measure == 0:
         return 1.0
@@ -80,13 +85,12 @@ def worth(measure: int, elements: Floats, rates: Floats, spread: float, low: Flo
         return spread
     fast, strong = -1.0, 1.0
     for i in range(len(elements)):
-        half = 0.5 * (high[i] - low[i])
-        fast = max(fast, (elements[i] - low[i]) / half)
-        strong = min(strong, (high[i] - elements[i]) / half)
+        fast = max(fast, (elements[i] - limits[0, i]) * limits[2, i])
+        strong = min(strong, (limits[1, i] - elements[i]) * limits[2, i])
     value = min(fast, strong)
     if measure == 3:
         for i in range(len(rates)):
-            value = min(value, 1.0 - low[i] * rates[i])
+            value = min(value, 1.0 - limits[0, i] * rates[i])
     if value <= 0.0:
         return UNUSABLE
     return value

@@ -88,7 +88,6 @@ class ScrewArm:
             float(np.cos(self.azimuth_tolerance)),
             self.chain.reach,
             int(rule.measure),
-            rule.low,
-            rule.high,
+            rule.limits,
             angles,
         )

@@ -165,8 +165,7 @@ def screw_table(
     cos_tolerance: float,
     reach: float,
     measure: int,
-    low: Floats,
-    high: Floats,
+    limits: Floats,
     angles: Floats,
 ) -> tuple[NDArray[np.float32], Masks, Masks]:
     """Scores and usable (p, b), joined (p-1, b); `angles` (b, p, n) is filled unless it is empty.
@@ -209,7 +208,7 @@ def screw_table(
                     continue
                 if free == 1 and not _within_azimuth(pose, target, cos_tolerance):
                     continue
-                value = _worth_here(pose, jacobian, twist, free, rates, elements, measure, low, high)
+                value = _worth_here(pose, jacobian, twist, free, rates, elements, measure, limits)
                 if value > best:
                     best = value
                     best_q[:] = q
@@ -240,8 +239,7 @@ def _worth_here(
     rates: Floats,
     elements: Floats,
     measure: int,
-    low: Floats,
-    high: Floats,
+    limits: Floats,
 ) -> float:
     spread = tool_rates(pose, jacobian, twist, free, rates)
     if measure != 0 and spread == 0.0:
@@ -249,4 +247,4 @@ def _worth_here(
     for i in range(len(rates)):
         rates[i] = abs(rates[i])
         elements[i] = abs(twist[0] * jacobian[0, i] + twist[1] * jacobian[1, i] + twist[2] * jacobian[2, i])
-    return worth(measure, elements, rates, spread, low, high)
+    return worth(measure, elements, rates, spread, limits)

@@ -10,8 +10,7 @@ from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
 from robotics.clustered_sigmas import clustered_sigmas
-from robotics.geometry.pose2 import Pose2
-from robotics.geometry.transform import Transform, apply, inverse
+from robotics.geometry.transform import Transform, apply, inverse, transform
 from robotics.manipulation.suspension_model import SuspensionModel
 
 Floats = NDArray[np.float64]
@@ -21,6 +20,8 @@ LARGEST_SIGMAS = SuspensionModel(0.5e-3, 2e-3, 2e-3, 0.2)
 _START = SuspensionModel(0.0, -5e-3, 5e-3, 0.0)
 _STEPS = np.array([1e-3, 1e-2, 1e-2, 0.1])
 _BEST = 1e-5  # no measurement is believed to be better [m], [rad]
+_BEST_SHARE = 0.1  # nor than a tenth of what is expected of it
+_RAY_NOISE = 6e-5  # [rad] of a corner: 0.05 px of a lens of 800 px
 
 
 class Swing(NamedTuple):
@@ -51,7 +52,7 @@ class SuspensionFit(NamedTuple):
     sigmas: SuspensionModel
     """Standard deviation of each parameter; 0 for those that were given."""
     rms: float
-    """Of what the model leaves unexplained, in [m] or (rays) [rad]."""
+    """Of what the model leaves unexplained: in [m]; of sightings, 1 if they are as good as was said."""
 
 
 def fit_displacements(
@@ -75,23 +76,42 @@ def fit_sightings(
     hand_T_camera: Transform,
     base_T_sheet: Transform,
     known: Mapping[str, float] | None = None,
+    arm_error: float = 3e-4,
 ) -> SuspensionFit:
     """The model from landmarks of one sheet, seen from many postures.
 
-    Where the sheet lies is found as well: `base_T_sheet` (4, 4) need be good to a few centimetres only, but
-    for its height and its level. Raises ValueError where the sightings can't tell a parameter.
+    What the arm is off by, with a standard deviation of `arm_error` [m] along each axis, moves the corners of
+    a landmark together, and sideways more than it changes their size: each sighting is weighed so, or the
+    heights, which tell the lean from the pivot, would be lost in what the arm does sideways.
+
+    Where the sheet lies is found as well, its height and its tilt too: at the reference posture the base
+    leans already, by what nobody knows yet. `base_T_sheet` (4, 4) need be good to a few centimetres only.
+    Raises ValueError where the sightings can't tell a parameter.
     """
     seen = np.array([each.rays for each in sightings])
+    weights = np.array([_weight(each, hand_T_camera, base_T_sheet, arm_error) for each in sightings])
 
     def residuals(model: SuspensionModel, placed: Floats) -> Floats:
-        sheet = base_T_sheet @ Pose2(*placed.tolist()).lift()
+        sheet = base_T_sheet @ transform(placed[:3].tolist(), placed[3:].tolist())
         rays = [
             _rays(model.displaced(*each.swing) @ hand_T_camera, apply(sheet, each.corners))
             for each in sightings
         ]
-        return np.ravel(np.array(rays) - seen)
+        return np.ravel(weights @ (np.array(rays) - seen).reshape(-1, 8, 1))
 
-    return _fit(residuals, len(sightings), np.zeros(3), known or {})
+    return _fit(residuals, len(sightings), np.zeros(6), known or {}, _BEST_SHARE)
+
+
+def _weight(
+    sighting: Sighting, hand_T_camera: Transform, base_T_sheet: Transform, arm_error: float
+) -> Floats:
+    """(8, 8) that makes what a sighting is off by uncorrelated and of unit variance."""
+    camera_T_base = inverse(sighting.swing.base_T_hand @ hand_T_camera)
+    x, y, z = apply(camera_T_base @ base_T_sheet, sighting.corners).T
+    zero = np.zeros(4)
+    by_shift = np.stack([np.stack([1 / z, zero, -x / z**2], -1), np.stack([zero, 1 / z, -y / z**2], -1)], 1)
+    J = arm_error * by_shift.reshape(8, 3)
+    return np.asarray(np.linalg.inv(np.linalg.cholesky(J @ J.T + _RAY_NOISE**2 * np.eye(8))))
 
 
 def _rays(base_T_camera: Transform, points: Floats) -> Floats:
@@ -105,8 +125,12 @@ def _fit(
     count: int,
     others: Floats,
     known: Mapping[str, float],
+    best: float = _BEST,
 ) -> SuspensionFit:
-    """Least squares over what isn't known of the model, and some `others`; `count` swings were measured."""
+    """Least squares over what isn't known of the model, and some `others`; `count` swings were measured.
+
+    No residual is believed to be smaller than `best`.
+    """
     free = [i for i, name in enumerate(SuspensionModel._fields) if name not in known]
     fixed = np.array(_START._replace(**known))
 
@@ -128,7 +152,7 @@ def _fit(
     )
     sigmas = np.zeros(4)
     groups = np.repeat(np.arange(count), len(found.fun) // count)
-    sigmas[free] = clustered_sigmas(found.jac, found.fun, groups, _BEST)[: len(free)] * _STEPS[free]
+    sigmas[free] = clustered_sigmas(found.jac, found.fun, groups, best)[: len(free)] * _STEPS[free]
     _check(sigmas)
     rms = float(np.sqrt(np.mean(found.fun**2)))
     return SuspensionFit(model_of(found.x), SuspensionModel(*sigmas.tolist()), rms)

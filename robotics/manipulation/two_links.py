@@ -22,10 +22,10 @@ def two_links(
     squared = x * x + y * y
     if squared > (first + second) ** 2 or squared < (first - second) ** 2 or squared == 0.0:
         return False, 1.0, 0.0, 1.0, 0.0, 0.0
-    distance = math.sqrt(squared)
-    cos = (squared + first * first - second * second) / (2.0 * first * distance)
+    per_distance, per_second = 1.0 / math.sqrt(squared), 1.0 / second
+    cos = (squared + first * first - second * second) * per_distance / (2.0 * first)
     sin = side * math.sqrt(max(0.0, 1.0 - cos * cos))
-    ahead_x, ahead_y = x / distance, y / distance
+    ahead_x, ahead_y = x * per_distance, y * per_distance
     first_x, first_y = cos * ahead_x - sin * ahead_y, cos * ahead_y + sin * ahead_x
-    second_x, second_y = (x - first * first_x) / second, (y - first * first_y) / second
+    second_x, second_y = (x - first * first_x) * per_second, (y - first * first_y) * per_second
     return True, first_x, first_y, second_x, second_y, first_x * second_y - first_y * second_x

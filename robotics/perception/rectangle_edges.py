@@ -19,6 +19,7 @@ _SIZE_WITHIN = 0.002
 _ROUNDS, _SETTLED, _SETTLED_TURN = 5, 0.0002, 0.004  # fits, and what the last may still change [m, rad]
 _LEAST_LIT, _LEAST_IN_ALL = 2, 16  # of an edge's segments, and of all
 _LEAST_STRAIGHT = 0.6  # share of them
+_ODD = 0.0005  # off the edge's usual profile: something else is seen there [m]
 _STRAIGHT, _OUTLIER = 0.00008, 0.00016  # rms of all segments about the rectangle, and of a single one [m]
 _GRAZING = 0.018  # beyond an edge by so much of its height the camera sees a strip of a pixel or so
 _BEYOND = 0.0005, 0.0025  # from a corner: where an edge may go on [m]
@@ -35,7 +36,7 @@ class _Edges(NamedTuple):
     out: Floats
     """(4, k) out of where the edge was taken to be, in [m]."""
     lit: Bools
-    """(4, k) whether the segment is to be seen at all."""
+    """(4, k) whether the segment is to be seen, and like the edge's others."""
     seen: Bools
     """(4,)"""
     sure: Bools
@@ -94,10 +95,12 @@ def _edges(view: PlaneView, rectangle: Rectangle) -> _Edges | None:
     segments = greys.reshape(4, _SEGMENTS, -1, len(PLACES)).mean(axis=2)
     lit = _lit(segments)
     steps = fit_steps(_usual(segments, lit), beyond < 0.0, _LEAST_DROP)
+    off = _displaced(segments, steps.model) * scale[:, None]
+    lit &= np.abs(off) < _ODD
     seen = (steps.drop > 0.0) & (lit.sum(axis=1) >= _LEAST_LIT)
     grazing = (beyond >= 0.0) & (beyond < _GRAZING)
     along = rectangle.half[OTHER, None] * share.reshape(_SEGMENTS, -1).mean(axis=1)
-    out = (steps.at[:, None] + _displaced(segments, steps.model)) * scale[:, None]
+    out = (steps.at * scale)[:, None] + off
     return _Edges(along, out, lit, seen, seen & ~(grazing & np.roll(seen, 2)))
 
 

@@ -40,7 +40,7 @@ def test_off_a_terminal_progress_is_told_at_first_now_and_then_and_at_last(
 
     monkeypatch.setattr(kit, "run_kit", run)
     told = handcart("conformance").err.splitlines()
-    assert told == [f"{done} of 11 jobs done" for done in (1, 5, 9, 11)]
+    assert told == [f"{done} of 11 jobs done after {8 * done - 8} s" for done in (1, 5, 9, 11)]
 
 
 def test_one_primitive_for_real(handcart: Any) -> None:

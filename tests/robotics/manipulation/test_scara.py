@@ -68,7 +68,7 @@ def test_the_jacobian_is_the_derivative_and_the_printed_one_is_not():
 
 
 def test_every_target_in_reach_is_reached_on_a_straight_line():
-    for target in targets(300):
+    for target in targets(100):
         q, astray = lead(MIDDLE, target)
         assert np.hypot(*(ARM.tip(q) - target)) < 1e-3
         assert astray < 0.5e-3
@@ -77,10 +77,10 @@ def test_every_target_in_reach_is_reached_on_a_straight_line():
 
 def test_the_printed_jacobian_fails_the_same():
     good = 0
-    for target in targets(60):
+    for target in targets(30):
         q, astray = lead(MIDDLE, target, printed)
         good += bool(np.hypot(*(ARM.tip(q) - target)) < 1e-3 and astray < 0.5e-3)
-    assert good < 30
+    assert good < 15
 
 
 def test_inverse_returns_the_posture_and_refuses_what_is_out_of_limits():

@@ -116,7 +116,7 @@ def sightings_of(rng: np.random.Generator, arm_error: float) -> tuple[list[Sight
         seen = apply(inverse(true @ HAND_T_CAMERA), apply(base_T_sheet, corners))
         rays = seen[:, :2] / seen[:, 2:] + rng.normal(0.0, 0.02 / 800, (4, 2))
         found.append(Sighting(swing, corners, rays))
-    guess = base_T_sheet @ transform((0.01, -0.01, 0.0), (0.0, 0.0, 0.02))
+    guess = base_T_sheet @ transform((0.01, -0.01, 0.005), (0.004, -0.003, 0.02))
     return found, guess
 
 
@@ -124,7 +124,7 @@ def sightings_of(rng: np.random.Generator, arm_error: float) -> tuple[list[Sight
 def test_identified_from_landmarks(seed):
     rng = np.random.default_rng(seed)
     sightings, guess = sightings_of(rng, 6e-5)
-    fit = fit_sightings(sightings, HAND_T_CAMERA, guess)
+    fit = fit_sightings(sightings, HAND_T_CAMERA, guess, arm_error=6e-5)
     assert (np.abs(np.subtract(fit.model, TRUE)) / np.array(fit.sigmas)).max() < 4.0
     assert fit.model.yaw_per_swing == pytest.approx(TRUE.yaw_per_swing, abs=5e-5)
     assert fit.model.roll_per_m == pytest.approx(TRUE.roll_per_m, abs=1.5e-3)

@@ -1,0 +1,58 @@
+"""By how much the base turns each time that the arm swings, from its heading between the swings."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+
+_FEWEST = 3  # of steps between stops
+
+
+class SwingYaw(NamedTuple):
+    """What the headings tell."""
+
+    yaw_per_swing: float
+    """Mean, in [rad]."""
+    sigma: float
+    """Its standard deviation."""
+    spread: float
+    """Standard deviation of a single swing's, in [rad]."""
+    spread_sigma: float
+    """How well that is known."""
+    noise: float
+    """Standard deviation of one look's heading, in [rad]."""
+
+
+def fit_swing_yaw(headings: Floats, swings: int) -> SwingYaw:
+    """The turn of each swing, taken to be independent of the others.
+
+    Args:
+        headings: (n, m) of the base in [rad], to the left: n stops at the same posture, m looks at each with
+            no swing between them.
+        swings: made between one stop and the next.
+
+    Raises:
+        ValueError: there are too few stops or looks.
+    """
+    stops, looks = headings.shape
+    if stops <= _FEWEST or looks < 2 or swings < 1:
+        raise ValueError(
+            f"{stops} stops with {looks} looks and {swings} swings between can't tell the yaw; needed: more "
+            f"than {_FEWEST} stops, 2 looks, 1 swing"
+        )
+    noise = float(np.sqrt(headings.var(axis=1, ddof=1).mean()))
+    steps = np.diff(headings.mean(axis=1))
+    # A step is what its swings did, and the noise of the stops at both its ends.
+    scatter = float(steps.var(ddof=1))
+    of_swings = max(0.0, scatter - 2.0 * noise**2 / looks)
+    count = len(steps)
+    # The steps add up to the way from first to last: the stops between don't count in the mean.
+    of_mean = of_swings / count + 2.0 * noise**2 / looks / count**2
+    spread = float(np.sqrt(of_swings / swings))
+    # Of a variance from n steps the standard deviation is its sqrt(2 / (n - 1))th part.
+    of_spread = float(np.sqrt(scatter / swings / (2.0 * (count - 1))))
+    return SwingYaw(float(steps.mean()) / swings, float(np.sqrt(of_mean)) / swings, spread, of_spread, noise)

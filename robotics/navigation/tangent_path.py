@@ -1,0 +1,275 @@
+"""Shortest ways of a car past round obstacles: arcs and the straight lines that touch them.
+
+A shortest path among discs consists of common tangents and of arcs round the discs. With circles no tighter
+than the car's turning circle, and with the two turning circles at either end, all of it can be steered
+(Dubins, 1957). Without them, from point to point, it is the detour that no vehicle can shorten.
+"""
+
+from __future__ import annotations
+
+import heapq
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robotics.geometry.pose2 import Pose2, wrap
+
+TOUCH = 1e-6  # [m] that a tangent may seem to be inside the disc it touches
+LEANS = (-1.4, -0.7, 0.0, 0.7, 1.4)  # [rad] beside straight aside: where a wide circle lies on a small disc
+BACKS = (0.0, 0.75, 1.5, 2.25, 3.0)  # [m] that may be driven backwards at either end
+LONG = 1.05  # of the detour that no vehicle can shorten: shorter, and backing isn't tried
+SPACING = 0.05  # [m] between points of a path
+Array = NDArray[np.float64]
+
+
+class CarPath(NamedTuple):
+    """A path that a car can drive forward, and how far it backs before and after."""
+
+    poses: Array
+    """(n, 3): x, y in [m], heading in [rad]."""
+    curvatures: Array
+    """(n,) in [1/m], positive to the left, of the piece that ends with the point."""
+    length: float
+    """In [m], all of it."""
+    back_before: float = 0.0
+    """Way to be driven straight backwards before it, in [m]; `poses` begin where that ends."""
+    back_after: float = 0.0
+    """The same after it, to the goal."""
+
+
+class _Circle(NamedTuple):
+    """Driven round in one sense only."""
+
+    x: float
+    y: float
+    radius: float
+    sense: float  # 1 anticlockwise, -1 clockwise
+
+
+class _Line(NamedTuple):
+    """Of two circles, touching both."""
+
+    begin: int
+    end: int
+    start: tuple[float, float]
+    heading: float
+    length: float
+
+
+def car_path(start: Pose2, goal: Pose2, discs: Array, radius: float) -> CarPath | None:
+    """The shortest path found past discs (n, 3: x, y, radius, in [m]), or None.
+
+    Where a car has to circle, or can't get through, it also looks at backing first, and at driving past the
+    goal and backing there.
+
+    Args:
+        start: where the car is.
+        goal: where it is to be, heading and all.
+        discs: obstacles, grown by what the body needs to either side.
+        radius: of the car's turning circle, in [m].
+    """
+    discs = np.asarray(discs, dtype=np.float64).reshape(-1, 3)
+    best = _forward(start, goal, discs, radius)
+    least = shortest_detour(np.array(start[:2]), np.array(goal[:2]), discs)
+    for before, after in sorted(((b, a) for b in BACKS for a in BACKS), key=sum)[1:]:
+        if math.isinf(least) or (
+            best is not None and best.length <= max(LONG * least, least + before + after)
+        ):
+            break
+        begin, end = start.compose(Pose2(-before, 0.0, 0.0)), goal.compose(Pose2(after, 0.0, 0.0))
+        straight = np.array([[*start[:2], *begin[:2]], [*goal[:2], *end[:2]]])
+        found = (
+            _forward(begin, end, discs, radius)
+            if _lines_free(straight[:, :2], straight[:, 2:], discs).all()
+            else None
+        )
+        if found is not None and (best is None or found.length + before + after < best.length):
+            best = found._replace(length=found.length + before + after, back_before=before, back_after=after)
+    return best
+
+
+def _forward(start: Pose2, goal: Pose2, discs: Array, radius: float) -> CarPath | None:
+    """As `car_path`, without backing."""
+    ends = [*_turning(start, radius), *_turning(goal, radius)]
+    aside = math.atan2(goal.y - start.y, goal.x - start.x) + math.pi / 2.0
+    circles = ends + [circle for disc in discs for circle in _round(disc, radius, aside)]
+    return _shortest(circles, (start.theta, goal.theta), discs)
+
+
+def shortest_detour(start: Array, goal: Array, discs: Array) -> float:
+    """Length in [m] of the shortest way from point to point (2,) past discs (n, 3); inf if there is none."""
+    discs = np.asarray(discs, dtype=np.float64).reshape(-1, 3)
+    ends = [_Circle(float(x), float(y), 0.0, sense) for x, y in (start, goal) for sense in (1.0, -1.0)]
+    circles = ends + [_Circle(x, y, own, sense) for x, y, own in discs.tolist() for sense in (1.0, -1.0)]
+    found = _shortest(circles, None, discs)
+    return math.inf if found is None else found.length
+
+
+def _turning(pose: Pose2, radius: float) -> list[_Circle]:
+    """The two circles that a car at a pose can drive."""
+    left = -math.sin(pose.theta), math.cos(pose.theta)
+    return [
+        _Circle(pose.x + s * radius * left[0], pose.y + s * radius * left[1], radius, s) for s in (1.0, -1.0)
+    ]
+
+
+def _round(disc: Array, radius: float, aside: float) -> list[_Circle]:
+    """Circles round a disc; round a small one wide circles that touch it on the side where it is passed."""
+    x, y, own = disc.tolist()
+    if own >= radius:
+        return [_Circle(x, y, own, sense) for sense in (1.0, -1.0)]
+    found = []
+    for sense in (1.0, -1.0):
+        for lean in LEANS:
+            away = aside + lean + (math.pi if sense > 0.0 else 0.0)
+            back = own - radius
+            found.append(_Circle(x + back * math.cos(away), y + back * math.sin(away), radius, sense))
+    return found
+
+
+def _shortest(circles: list[_Circle], headings: tuple[float, float] | None, discs: Array) -> CarPath | None:
+    """Dijkstra's search over tangents; circles 0 and 1 are the start's, 2 and 3 the goal's."""
+    lines = _free_lines(circles, discs)
+    leaving: dict[int, list[int]] = {}
+    for number, line in enumerate(lines):
+        leaving.setdefault(line.begin, []).append(number)
+    queue: list[tuple[float, int, int]] = []  # length so far, the line driven last, the circle that ends at
+    cost: dict[int, float] = {}
+    before: dict[int, int] = {}
+    done: set[int] = set()
+
+    def onward(length: float, came: int, circle: int, heading: float | None) -> None:
+        for number in leaving.get(circle, []):
+            turn = _turn(circles[circle], heading, lines[number].heading)
+            total = length + circles[circle].radius * turn + lines[number].length
+            if number in done or total >= cost.get(number, math.inf):
+                continue
+            if heading is None or _arc_free(circles[circle], heading, turn, discs):
+                cost[number], before[number] = total, came
+                heapq.heappush(queue, (total, number, came))
+
+    for circle in (0, 1):
+        onward(0.0, -1, circle, None if headings is None else headings[0])
+    best, last = math.inf, -1
+    while queue and queue[0][0] < best:
+        length, number, _ = heapq.heappop(queue)
+        if number in done:
+            continue
+        done.add(number)
+        line = lines[number]
+        if line.end in (2, 3):
+            turn = 0.0 if headings is None else _turn(circles[line.end], line.heading, headings[1])
+            whole = length + circles[line.end].radius * turn
+            if whole < best and _arc_free(circles[line.end], line.heading, turn, discs):
+                best, last = whole, number
+            continue
+        onward(length, number, line.end, line.heading)
+    if last < 0:
+        return None
+    chain = [last]
+    while before[chain[-1]] >= 0:
+        chain.append(before[chain[-1]])
+    return _drawn([lines[number] for number in reversed(chain)], circles, headings, best)
+
+
+def _turn(circle: _Circle, come: float | None, go: float) -> float:
+    """Turn in [rad], 0 to 2 pi, from one heading to another on a circle."""
+    if come is None:
+        return 0.0
+    turn = (circle.sense * (go - come)) % (2.0 * math.pi)
+    return 0.0 if turn > 2.0 * math.pi - 1e-9 else turn
+
+
+def _free_lines(circles: list[_Circle], discs: Array) -> list[_Line]:
+    """All tangents from one circle to another that meet no disc."""
+    rows = np.array(circles)
+    count = len(circles)
+    first, second = (index.ravel() for index in np.meshgrid(range(count), range(count), indexing="ij"))
+    keep = (first != second) & (second > 1) & ((first < 2) | (first > 3))
+    first, second = first[keep], second[keep]
+    signed = rows[:, 2] * rows[:, 3]
+    away = rows[second, :2] - rows[first, :2]
+    distance = np.hypot(*away.T)
+    sine = (signed[second] - signed[first]) / np.maximum(distance, 1e-12)
+    real = (np.abs(sine) <= 1.0) & (distance > 1e-9)
+    first, second, away, distance, sine = (a[real] for a in (first, second, away, distance, sine))
+    heading = np.arctan2(away[:, 1], away[:, 0]) - np.arcsin(sine)
+    left = np.column_stack([-np.sin(heading), np.cos(heading)])
+    start = rows[first, :2] - signed[first, None] * left
+    end = rows[second, :2] - signed[second, None] * left
+    free = _lines_free(start, end, discs)
+    length = np.hypot(*(end - start).T)
+    return [
+        _Line(
+            int(first[k]),
+            int(second[k]),
+            (float(start[k, 0]), float(start[k, 1])),
+            float(heading[k]),
+            float(length[k]),
+        )
+        for k in np.flatnonzero(free)
+    ]
+
+
+def _lines_free(start: Array, end: Array, discs: Array) -> NDArray[np.bool_]:
+    """(n,) which lines between points (n, 2) stay out of all discs."""
+    ray = end - start
+    square = np.maximum((ray**2).sum(axis=1), 1e-18)
+    to_disc = discs[None, :, :2] - start[:, None]
+    share = np.clip((to_disc * ray[:, None]).sum(axis=2) / square[:, None], 0.0, 1.0)
+    gap = np.hypot(*np.moveaxis(to_disc - share[..., None] * ray[:, None], -1, 0))
+    free: NDArray[np.bool_] = (gap > discs[:, 2] - TOUCH).all(axis=1)
+    return free
+
+
+def _arc_free(circle: _Circle, come: float, turn: float, discs: Array) -> bool:
+    """Whether an arc, from heading `come` on over `turn`, stays out of all discs."""
+    if turn == 0.0 or circle.radius == 0.0 or len(discs) == 0:
+        return True
+    begin = come - circle.sense * math.pi / 2.0  # direction from the middle to the car
+    away = discs[:, :2] - (circle.x, circle.y)
+    distance = np.hypot(*away.T)
+    at = (circle.sense * (np.arctan2(away[:, 1], away[:, 0]) - begin)) % (2.0 * math.pi)
+    ends = [
+        np.hypot(*(away - circle.radius * np.array([math.cos(a), math.sin(a)])).T)
+        for a in (begin, begin + circle.sense * turn)
+    ]
+    gap = np.where(at <= turn, np.abs(distance - circle.radius), np.minimum(*ends))
+    return bool((gap > discs[:, 2] - TOUCH).all())
+
+
+def _drawn(
+    chain: list[_Line], circles: list[_Circle], headings: tuple[float, float] | None, length: float
+) -> CarPath:
+    """Points along the lines of a chain and the arcs before, between and after them."""
+    pieces: list[Array] = []
+    come = chain[0].heading if headings is None else headings[0]
+    for line in chain:
+        pieces.append(_arc(circles[line.begin], come, line.heading))
+        along = _steps(line.length)
+        x = line.start[0] + along * math.cos(line.heading)
+        y = line.start[1] + along * math.sin(line.heading)
+        pieces.append(np.column_stack([x, y, np.full(len(x), line.heading), np.zeros(len(x))]))
+        come = line.heading
+    if headings is not None:
+        pieces.append(_arc(circles[chain[-1].end], come, headings[1]))
+    rows = np.vstack(pieces)
+    rows[:, 2] = [wrap(angle) for angle in rows[:, 2].tolist()]
+    return CarPath(rows[:, :3], rows[:, 3], length)
+
+
+def _arc(circle: _Circle, come: float, go: float) -> Array:
+    """(n, 4) x, y, heading, curvature of an arc, without its first point."""
+    turn = _turn(circle, come, go)
+    heading = come + circle.sense * _steps(circle.radius * turn) / max(circle.radius, 1e-12)
+    out = heading - circle.sense * math.pi / 2.0
+    x, y = circle.x + circle.radius * np.cos(out), circle.y + circle.radius * np.sin(out)
+    bend = circle.sense / circle.radius if circle.radius > 0.0 else 0.0
+    return np.column_stack([x, y, heading, np.full(len(x), bend)])
+
+
+def _steps(length: float) -> Array:
+    """Ways along a piece of this length, in [m], evenly, without 0."""
+    return np.linspace(0.0, length, math.ceil(length / SPACING - 1e-9) + 1)[1:]

@@ -1,0 +1,84 @@
+"""FIXATE: where the base stands, by a landmark."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from primitives.fixate import Fixate
+from primitives.outcome import Fail, Success
+from robotics.geometry.pose2 import Pose2
+
+from .stacking import TASK, at_the_wall, scene_of
+
+
+def moved_base(stage, x, y, turn):
+    """Put the base elsewhere than it believes to be."""
+    scene = scene_of(stage)
+    scene.move_base(scene.base.compose(Pose2(x, y, turn)))
+
+
+@pytest.mark.parametrize("seed", [0, 1, 2])
+def test_the_travelling_error_is_measured(seed):
+    with at_the_wall(seed=seed) as stage:
+        outcome = stage.do(Fixate(landmark="stacking"))
+        fixed, truth = stage.model.fixed, scene_of(stage).base
+    assert isinstance(outcome, Success)
+    # The base also leans: that displaces what is at the table's height by up to a millimetre.
+    assert fixed.pose.distance(truth) < 0.0025
+    assert fixed.pose.turn(truth) < 0.001
+
+
+def test_the_robot_then_knows_where_it_is():
+    with at_the_wall(seed=3) as stage:
+        before = stage.robot.pose.distance(scene_of(stage).base)
+        stage.do(Fixate(landmark="stacking"))
+        after = stage.robot.pose.distance(scene_of(stage).base)
+    assert before > 0.01
+    assert after < 0.0025
+
+
+@pytest.mark.parametrize(("x", "y"), [(0.11, 0.0), (-0.13, 0.06), (0.02, -0.12), (0.13, 0.09)])
+def test_a_landmark_out_of_view_is_searched_for(x, y):
+    with at_the_wall(seed=1) as stage:
+        moved_base(stage, x, y, 0.05)
+        outcome = stage.do(Fixate(landmark="stacking"))
+        assert isinstance(outcome, Success)
+        assert outcome.evidence["frames"] > 5
+        assert stage.model.fixed.pose.distance(scene_of(stage).base) < 0.003
+
+
+def world_without(path: Path, landmark: bool) -> Path:
+    """The world without its landmark, or with something else in its place."""
+    text = (TASK / "unload_world.yaml").read_text(encoding="utf-8")
+    mark = "  - {x_m: 4.180, y_m: 1.800, height_m: 0.4}\n"
+    assert mark in text
+    other = "" if landmark else mark.replace("}", ", kind: square}")
+    path.write_text(text.replace(mark, other), encoding="utf-8")
+    return path
+
+
+@pytest.mark.parametrize("landmark", [True, False], ids=["nothing there", "another mark there"])
+def test_no_landmark_is_a_fail_and_the_arm_is_back(tmp_path, landmark):
+    with at_the_wall(world_without(tmp_path / "world.yaml", landmark)) as stage:
+        joints = scene_of(stage).joints.copy()
+        outcome = stage.do(Fixate(landmark="stacking"))
+        assert isinstance(outcome, Fail)
+        assert "landmark is not found" in outcome.reason
+        assert np.abs(scene_of(stage).joints - joints).max() < 0.005
+
+
+def test_without_the_search_a_landmark_out_of_view_is_a_fail():
+    with at_the_wall(seed=1) as stage:
+        moved_base(stage, 0.11, 0.0, 0.05)
+        assert isinstance(stage.do(Fixate(landmark="stacking", search=False)), Fail)
+
+
+def test_a_landmark_that_the_plan_doesnt_have():
+    with at_the_wall() as stage:
+        outcome = stage.do(Fixate(landmark="stackin"))
+    assert isinstance(outcome, Fail)
+    assert outcome.permanent
+    assert "did you mean" in outcome.reason or "stacking" in outcome.reason
