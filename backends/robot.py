@@ -18,6 +18,7 @@ from robotics.navigation.attitude import Attitude
 from robotics.navigation.drive_limits import DriveLimits
 from robotics.navigation.grid_map import GridMap
 from robotics.navigation.localizer import Localizer, OdometryLocalizer, ScanLocalizer
+from robotics.navigation.positioning_localizer import PositioningLocalizer
 from robotics.navigation.scan_matching import LikelihoodField
 
 from .arm import Arm
@@ -29,6 +30,7 @@ from .capability import Capability
 from .gripper import Gripper
 from .imu import Imu
 from .noted_base import NotedBase
+from .positioning import Positioning
 from .range_sensor import RangeSensor
 from .robot_file import RobotFile
 from .saved_state import attributes, set_attributes
@@ -101,6 +103,10 @@ class Robot:
 
     def _make_localizer(self, start: Pose2, grid: GridMap | None) -> Localizer:
         tread = self.spec.drive.tread_m
+        told = self.spec.positioning
+        if self.spec.localiser == "positioning" and told and self.backend.get(Positioning):  # type: ignore[type-abstract]
+            sigma = told.sigma_mm / 1e3, told.heading_sigma_mrad / 1e3
+            return PositioningLocalizer(start, tread, sigma, covariance=START_SIGMA)
         if self.spec.localiser == "odometry" or grid is None or self.backend.get(RangeSensor) is None:  # type: ignore[type-abstract]
             return OdometryLocalizer(start, tread, covariance=START_SIGMA)
         localizer = ScanLocalizer(LikelihoodField(grid), start, tread, covariance=START_SIGMA)
@@ -213,15 +219,32 @@ class Robot:
             travel = self._travel  # the next sound reading has it all
         left, right = travel.left - self._travel.left, travel.right - self._travel.right
         self._travel = travel
-        self._still = self._still + 1 if left == right == 0.0 else 0
         self._localizer.predict(left, right)
         self._feel()
+        if left == right == 0.0:
+            self._still += 1
+        else:
+            self.look_again()  # a roll must not hide that the base no longer stood where it stood
+            self._still = 0
+        if isinstance(self._localizer, PositioningLocalizer):
+            self._take_reading(self._localizer)
+            return
         if self.backend.get(RangeSensor) is None:  # type: ignore[type-abstract]
             return
         if self._still <= STILL_SCANS:
             self._localizer.correct(self._fresh_points())
         elif self._still % LOOK_AGAIN == 0:
             self.look_again()
+
+    def _take_reading(self, localizer: PositioningLocalizer) -> None:
+        """Take in what the positioning system tells; a base that it finds elsewhere at rest was pushed."""
+        reading = self.get(Positioning).reading()  # type: ignore[type-abstract]
+        if reading is None:
+            return
+        periods = round(reading.age / self.period)
+        if localizer.take(reading.number, reading.pose, periods) and self._still > periods:
+            self.pushes += 1
+            self._still = 0
 
     def _feel(self) -> None:
         """Take in what the inertial sensors read."""

@@ -118,6 +118,31 @@ class ImuSpec(FileModel):
     """Of a reading."""
 
 
+class PositioningSpec(FileModel):
+    """An indoor positioning system that sees the robot."""
+
+    sigma_mm: NotNegative
+    """Of a reading, along each axis."""
+    heading_sigma_mrad: NotNegative
+    rate_hz: Positive
+    """Readings a second; not more than periods."""
+    latency_s: NotNegative = 0.0
+    """How late a reading arrives."""
+
+
+class ToolSpec(FileModel):
+    """A tool at the URDF's frame `hand`, pointing along its x: a torch, say."""
+
+    free: Literal["nothing", "azimuth", "roll"] = "roll"
+    """The turn that the work leaves free: about the vertical (for arms without wrist yaw), or about the tool."""
+    azimuth_tolerance_deg: Annotated[float, Field(gt=0.0, le=180.0)] = 60.0
+    """For `azimuth`: how far the tool may be turned."""
+    speed_m_s: Positive
+    """At which it works."""
+    force_n: Positive
+    """With which it is pushed along the path at most."""
+
+
 class SuspensionSpec(FileModel):
     """How the base gives when the arm moves: identified (`tasks/calibrate_suspension`), not simulated."""
 
@@ -229,7 +254,7 @@ class RobotFile(FileModel):
     """The control period."""
     footprint_radius_m: Positive
     """Of the circle about the base's centre that holds base, arm in its travelling posture and load."""
-    localiser: Literal["scan", "odometry"]
+    localiser: Literal["scan", "odometry", "positioning"]
     drive: Drive
     can: CanSpec | None = None
     """Where the backend `can` finds the wheels' drives."""
@@ -238,6 +263,8 @@ class RobotFile(FileModel):
     camera: CameraSpec | None = None
     range_sensor: RangeSpec | None = None
     imu: ImuSpec | None = None
+    positioning: PositioningSpec | None = None
+    tool: ToolSpec | None = None
     suspension: SuspensionSpec = SuspensionSpec()
     """What the robot knows of how its base gives."""
     errors: Errors = Errors()
@@ -311,6 +338,9 @@ class RobotFile(FileModel):
             changed["range_sensor"] = self.range_sensor.model_copy(update={"sigma_mm": 0.0})
         if self.imu is not None:
             changed["imu"] = ImuSpec(angle_random_walk_deg_rt_s=0.0, accelerometer_sigma_m_s2=0.0)
+        if self.positioning is not None:
+            exact = {"sigma_mm": 0.0, "heading_sigma_mrad": 0.0}
+            changed["positioning"] = self.positioning.model_copy(update=exact)
         ideal = self.model_copy(update=changed)
         ideal._path = None  # a temporary file would go with this object
         return ideal

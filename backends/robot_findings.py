@@ -28,7 +28,15 @@ def robot_findings(robot: RobotFile, document: Document) -> list[Finding]:
         key = ("urdf",) if error.part is None else ("parts", error.part)
         return [document.finding(key, str(error))]
     arm = _arm_findings(robot.arm, urdf, document) if robot.arm else []
-    return arm or [*_frame_findings(robot, urdf, document), *_box_findings(robot, document)]
+    frames = _frame_findings(robot, urdf, document)
+    return arm or [*frames, *_box_findings(robot, document), *_positioning_findings(robot, document)]
+
+
+def _positioning_findings(robot: RobotFile, document: Document) -> list[Finding]:
+    if robot.localiser == "positioning" and robot.positioning is None:
+        wrong = "the robot has no positioning; needed: the section `positioning`, or scan or odometry"
+        return [document.finding(("localiser",), wrong)]
+    return []
 
 
 def _frame_findings(robot: RobotFile, urdf: str, document: Document) -> list[Finding]:

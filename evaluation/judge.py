@@ -21,12 +21,15 @@ from robotics.geometry.pose2 import Pose2
 from robotics.geometry.transform import difference
 
 from .block_survey import BlockSurvey
+from .camera_survey import camera_figures
+from .laser_survey import LaserSurvey
 from .shelving import Shelving, shelving
 from .stop_errors import stop_errors
 
 SIGMAS = 5.0
 BASE_SIGMA_MM, BASE_SIGMA_DEG = 4.0, 0.09  # of a base pose measured by matching scans with the map
 JOINT_SIGMA_DEG = 0.01  # encoders and repeatability
+CALIBRATE_CAMERA, CALIBRATE_SUSPENSION = "CALIBRATE_CAMERA", "CALIBRATE_SUSPENSION"
 RELEASE, STACK = "RELEASE", "STACK"  # a task without them returns no book, stacks no block
 OBJECT_SIGMA_MM = 1.5  # of an object seen by the camera
 MOST_OFF_MM = (
@@ -95,6 +98,8 @@ class Judge:
         stacks = any(action.do == STACK for action in prepared.task.network.actions)
         if plan is not None and stacks and self._scene is not None:
             self._survey = BlockSurvey(self._scene, prepared.model, plan)
+        self._seed = prepared.seed
+        self._lasers: LaserSurvey | None = None
         self._shelving: Shelving | None = None
         shelves = any(action.do == RELEASE for action in prepared.task.network.actions)
         if shelves and self._scene is not None and self._scene.tray_book() is not None:
@@ -106,6 +111,8 @@ class Judge:
         """A period has passed."""
         if self._survey is not None:
             self._survey.look()
+        if self._lasers is not None:
+            self._lasers.look(robot)
 
     def __call__(self, event: Event) -> None:
         """Take the truth down when an action starts, compare when it has ended."""
@@ -113,16 +120,33 @@ class Judge:
             return
         if isinstance(event, Started):
             self._start = truth_of(self._scene)
+            if event.action.do == CALIBRATE_SUSPENSION:
+                self._lasers = LaserSurvey(self._scene)
         elif isinstance(event, Ended):
             self._labels += int(event.primitive.facts.get("labels_read", 0))
             self._frames += int(event.primitive.facts.get("frames", 0))
             if getattr(event.primitive, "onto", "") == "goal":
                 self._uncorrected &= getattr(event.primitive, "method", "") == "fix_once"
             if isinstance(event.outcome, Success):
-                self._figures |= stop_errors(self._scene, event)
+                self._figures |= stop_errors(self._scene, event) | self._calibrated(event)
             if isinstance(event.outcome, Fail) and self._start is not None:
                 for wrong in broken_promises(self._start, truth_of(self._scene), self._robot):
                     self.untrue.append(f"{event.number}. {event.action.do} Fail: {wrong}")
+
+    def _calibrated(self, event: Ended) -> dict[str, float]:
+        """What a calibration found, beside the truth, or beside another way of measuring it."""
+        found = event.primitive.evidence.calibrated
+        figures: dict[str, float] = {}
+        if event.action.do == CALIBRATE_CAMERA and self._robot.camera is not None:
+            camera, errors = self._robot.camera, self._robot.errors
+            figures |= camera_figures(camera, self._robot.arm_model(), errors, self._seed, found)
+        if event.action.do == CALIBRATE_SUSPENSION and self._lasers is not None:
+            for key, each in found.items():
+                if isinstance(each.value, float):
+                    figures[key.rpartition(".")[2]] = round(each.value, 4)
+            figures |= self._lasers.figures()
+            self._lasers = None
+        return figures
 
     def metrics(self, prepared: Prepared, end: RunEnd, telemetry: Telemetry) -> dict[str, Any]:
         """The figures of a run that has ended."""

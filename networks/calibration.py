@@ -16,7 +16,7 @@ from primitives.calibrated import Calibrated
 NAME = "calibration.yaml"
 _DIGITS = 3  # of a standard deviation: rounding then adds nothing to it
 _HEAD = """\
-# What a run found of the robot. `handcart adopt` shows what it would change in the robot's file, and changes it.
+# What a run found of the robot. `handcart adopt` shows what that changes in the robot's file, and writes it.
 """
 
 NotNegative = Annotated[float, Field(ge=0.0)]

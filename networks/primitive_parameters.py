@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import types
 import typing
-from collections.abc import Sequence
+from collections.abc import Collection, Mapping
 from dataclasses import replace
 from functools import cache
 from typing import Any
@@ -30,17 +30,20 @@ from .repetition import Element
 class ParameterReader:
     """Makes bindings out of the `with` of a file's actions."""
 
-    def __init__(self, document: Document, findings: Findings, places: Sequence[str] | None) -> None:
+    def __init__(
+        self, document: Document, findings: Findings, known: Mapping[str, Collection[object]]
+    ) -> None:
         """What all actions share.
 
         Args:
             document: the task file.
             findings: what is wrong is added here.
-            places: the names of places; None where no file tells them.
+            known: what can be named of each entry that parameters are marked with (`Names`), such as
+                `places`; an entry that no file tells is left out.
         """
         self._document = document
         self._findings = findings
-        self._places = places
+        self._known = known
 
     def binding(self, kind: type[ActionPrimitive], number: int, element: Element | None) -> Binding | None:
         """The primitive of action `number` of the file, for an element of a repeat or none.
@@ -50,7 +53,7 @@ class ParameterReader:
         before = len(self._findings)
         given = self._given(number, element)
         late = self._late(kind, given)
-        self._check_places(kind, given)
+        self._check_names(kind, given)
         fixed = self._fixed(kind, number, given, late)
         return Binding(kind, fixed, late) if len(self._findings) == before else None
 
@@ -96,13 +99,15 @@ class ParameterReader:
             return {}
         return {name: getattr(value, name) for name in kind.model_fields if name not in open_}
 
-    def _check_places(self, kind: type[ActionPrimitive], given: Node) -> None:
+    def _check_names(self, kind: type[ActionPrimitive], given: Node) -> None:
         for name, field in kind.model_fields.items():
-            node = given.child(name)
-            value = node.content if node else None
-            known = self._places is None or not isinstance(value, str) or value in self._places
-            if node and not known and _is_place(field):
-                self._add(node, f"{name}: unknown place {value!r}{suggest(str(value), self._places or ())}")
+            node, entry = given.child(name), _named_entry(field)
+            if node is None or entry not in self._known or not isinstance(node.content, str | int):
+                continue
+            known = self._known[entry]
+            if node.content not in known:
+                allowed = suggest(str(node.content), [str(each) for each in known])
+                self._add(node, f"{name}: unknown {entry[:-1]} {node.content!r}{allowed}")
 
     def _add(self, node: Node, message: str) -> None:
         where = Document(node.file, b"", node)
@@ -122,9 +127,16 @@ def _adapter(kind: type[ActionPrimitive], late: frozenset[str]) -> TypeAdapter[A
     return TypeAdapter(create_model(kind.__name__, __base__=kind, __module__=kind.__module__, **missing))
 
 
-def _is_place(field: FieldInfo) -> bool:
-    """Whether a parameter is the name of a place: so marked by the primitive."""
-    return any(isinstance(mark, Names) and mark.entry == "places" for mark in field.metadata)
+def _named_entry(field: FieldInfo) -> str:
+    """Of which entry a parameter is a name, as marked by the primitive; empty for others."""
+    marks = [mark for part in (field, *_options(field)) for mark in getattr(part, "metadata", ())]
+    marks += [mark for part in _options(field) for mark in getattr(part, "__metadata__", ())]
+    return next((mark.entry for mark in marks if isinstance(mark, Names)), "")
+
+
+def _options(field: FieldInfo) -> tuple[Any, ...]:
+    """What a parameter that may be left out can be, such as `PlaceName` of `PlaceName | None`."""
+    return typing.get_args(field.annotation)
 
 
 def _fits(given: Any, wanted: Any) -> bool:

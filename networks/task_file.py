@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, TypeVar
@@ -21,6 +21,7 @@ from files.suggest import suggest
 from files.yaml_document import Document, read_document
 from files.yaml_node import KeyPath
 from primitives.action_primitive import ActionPrimitive
+from primitives.building import Building
 from primitives.knowledge import Places
 from primitives.registry import primitive_class
 
@@ -176,7 +177,8 @@ class _Reader:
     def _actions(self, copies: Copies, entries: Mapping[int, ActionEntry]) -> list[Action | None]:
         names = self._places
         self._check_start_place(names)
-        reader = ParameterReader(self._document, self._findings, names)
+        known = {} if names is None else {"places": names}
+        reader = ParameterReader(self._document, self._findings, {**known, **self._building_names()})
         kinds = {number: self._kind(number, entry.do) for number, entry in entries.items()}
         return [self._action(copied, entries, kinds, reader) for copied in copies.actions]
 
@@ -221,6 +223,18 @@ class _Reader:
         except UnsafePath:
             pass  # told by `_check_files`
         return None
+
+    def _building_names(self) -> dict[str, Collection[object]]:
+        """What the building plan names; nothing where there is none."""
+        try:
+            path = _resolved(self._document, ("knowledge", "building"))
+            plan = load(path, Building) if path else None
+        except FileError as error:
+            self._findings.take(error)
+            return {}
+        except UnsafePath:
+            return {}  # told by `_check_files`
+        return {} if plan is None else {"landmarks": plan.landmarks, "blocks": plan.numbers}
 
     def _check_start_place(self, names: list[str] | None) -> None:
         node, there = self._document.root.deepest(("knowledge", "start"))

@@ -23,7 +23,7 @@ def board_views(base_T_board: Transform, count: int) -> Iterator[Transform]:
     Directions are spread evenly over a cap (a sunflower's seeds: Vogel, "A better way to construct the
     sunflower head", 1979). The board is taken to lie level; how it is turned doesn't matter.
     """
-    above = transform(base_T_board[:3, 3])
+    above = transform(base_T_board[:3, 3].tolist())
     for n in range(count):
         around, tilt = n * _GOLDEN, TILT * math.sqrt((n + 0.5) / count)
         leaned = transform(rpy=(tilt * math.cos(around), tilt * math.sin(around), 0.0))

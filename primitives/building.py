@@ -91,6 +91,11 @@ class Building(FileModel):
         length, width, height = (each / 1e3 for each in self.block_mm)
         return length, width, height
 
+    @property
+    def numbers(self) -> range:
+        """Of the blocks, from 1."""
+        return range(1, max(len(self.supply), len(self.carried), len(self.goals)) + 1)
+
     def seat(self, number: int) -> Standing:
         """Where block `number`, from 1, stands on the robot's own table."""
         return self.carried[(number - 1) % len(self.carried)]

@@ -26,6 +26,7 @@ from .calibrated import Calibrated, as_facts
 from .discrepancy import Discrepancy, Measured
 from .fixate import landmark_of
 from .hand_down import building, held_block, standing, surroundings
+from .place_name import LandmarkName
 from .sightings import above, creep, see
 from .world_model import ModelView
 
@@ -34,7 +35,7 @@ APART = 1.2  # times what counts as a swing: so far the hand must swing at least
 LOOKS = 2  # between swings; the hand is raised and lowered between them, so that the arm errs anew
 RAISED = 0.03  # [m]
 
-Names = Annotated[tuple[str, ...], Field(min_length=3)]
+Names = Annotated[tuple[LandmarkName, ...], Field(min_length=3)]
 
 
 class Scene(NamedTuple):
@@ -110,9 +111,7 @@ class CalibrateSuspension(ActionPrimitive):
                 sightings.append(Sighting(swing, printed, seen.landmark.rays))
         return sightings
 
-    def _swing(
-        self, robot: Robot, scene: Scene
-    ) -> Generator[None, None, tuple[NDArray[np.float64], int]]:
+    def _swing(self, robot: Robot, scene: Scene) -> Generator[None, None, tuple[NDArray[np.float64], int]]:
         """Headings (n, m) of the base over the first landmark, and the swings between rows."""
         mark, base_T_mark = scene.marks[0], scene.base_T_marks[0]
         here = above(robot, base_T_mark, HEIGHTS[0])

@@ -16,7 +16,7 @@ from .building import LandmarkPlan
 from .discrepancy import Discrepancy
 from .fixating import Rule, fixate, fixed_by, planned_view
 from .hand_down import building, surroundings
-from .place_name import PlaceName
+from .place_name import LandmarkName, PlaceName
 from .world_model import ModelView
 
 
@@ -27,7 +27,7 @@ class Fixate(ActionPrimitive):
     lens distorts least, and a closed loop forgives errors of the arm. A landmark out of view is searched for.
     """
 
-    landmark: Annotated[str, Field(min_length=1)]
+    landmark: LandmarkName
     """Its name in the building plan."""
     place: PlaceName | None = None
     """Where the base should stand; left out: where the plan says that the landmark is looked at from."""

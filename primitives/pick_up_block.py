@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Generator
-from typing import Annotated, ClassVar, Literal
+from typing import ClassVar, Literal
 
 import numpy as np
-from pydantic import Field, PrivateAttr
+from pydantic import PrivateAttr
 
 from backends.arm import Arm
 from backends.camera import Camera
@@ -21,6 +21,7 @@ from .building import Building
 from .discrepancy import Discrepancy, Measured, NeedsPerson
 from .grip import close, open_to
 from .hand_down import building, gripping, held_block, on_level, standing, surroundings
+from .place_name import BlockNumber
 from .pushing import push
 from .retrace import retrace
 from .snapshot import Snapshot
@@ -41,7 +42,7 @@ class PickUpBlock(ActionPrimitive):
     fingers it stays as it was (Hatano et al. 2000, sections 5.4 and 5.5).
     """
 
-    number: Annotated[int, Field(ge=1)]
+    number: BlockNumber
     """Of the block, by the building plan."""
     at: Literal["supply", "robot"]
     """Where it stands: at the supply, or on the robot's own table."""

@@ -8,10 +8,14 @@ from pydantic import Field
 
 
 class Names(NamedTuple):
-    """Marks a text parameter: it names a key of this entry of the world model, so files can be checked."""
+    """Marks a parameter: it names one of these of the world model, so files can be checked."""
 
     entry: str
 
 
 PlaceName = Annotated[str, Field(min_length=1), Names("places")]
 """The name of a place on the map."""
+LandmarkName = Annotated[str, Field(min_length=1), Names("landmarks")]
+"""The name of a landmark of the building plan."""
+BlockNumber = Annotated[int, Field(ge=1), Names("blocks")]
+"""The number of a block of the building plan, from 1."""

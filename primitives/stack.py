@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Generator, Sequence
-from typing import Annotated, ClassVar, Literal
+from typing import ClassVar, Literal
 
 import numpy as np
-from pydantic import Field, PrivateAttr
+from pydantic import PrivateAttr
 
 from backends.arm import Arm
 from backends.camera import Camera
@@ -29,6 +29,7 @@ from .fixating import Rule, fixate, fixed_by, planned_view
 from .grip import open_to
 from .hand_down import building, gripping, held_block, on_level, pointing_down, standing, surroundings
 from .pick_up_block import ABOVE, OPEN
+from .place_name import BlockNumber
 from .pushing import push, relax
 from .snapshot import settle
 from .world_model import Fixed, ModelView, Placed
@@ -55,7 +56,7 @@ class Stack(ActionPrimitive):
     looked at.
     """
 
-    number: Annotated[int, Field(ge=1)]
+    number: BlockNumber
     """Of the block, by the building plan."""
     onto: Literal["goal", "robot"]
     """Where to: its goal, or its seat on the robot's own table."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import difflib
 import re
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -99,25 +99,7 @@ def _check_posture(angles: list[float], spec: RobotFile, arm: ArmSpec) -> None:
 
 
 def _with_posture(text: str, name: str, angles: list[float]) -> str:
-    from .yaml_editing import edited, flow_list
+    from .yaml_editing import edited, flow_list, put
 
-    def add(data: Any) -> None:
-        postures = data["arm"]["postures"]
-        gap = "" if name in postures else _taken_gap(postures)
-        postures[name] = flow_list([round(angle, 3) for angle in angles])
-        if gap:
-            postures.yaml_add_eol_comment("#", name, column=0)
-            postures.ca.items[name][2].value = gap
-
-    return edited(text, add)
-
-
-def _taken_gap(postures: Any) -> str:
-    """The blank lines behind the last posture, taken from it: they belong behind the new one."""
-    last = postures.ca.items.get(next(reversed(postures), None))
-    token = last[2] if last else None
-    if token is None:
-        return ""
-    comment, end, gap = token.value.partition("\n")
-    token.value = comment + end
-    return end + gap if gap else ""
+    posture = flow_list([round(angle, 3) for angle in angles])
+    return edited(text, lambda data: put(data, f"arm.postures.{name}", posture))

@@ -31,43 +31,36 @@ def flow_list(values: Sequence[float]) -> CommentedSeq:
 
 
 def put(data: CommentedMap, key: str, value: Any) -> None:
-    """Set a value by its dotted key; the mappings on the way are made where they are missing."""
+    """Set a value by its dotted key; what is missing on the way is added behind what is there."""
     *way, last = key.split(".")
+    gap = ""
     for name in way:
         if name not in data:
-            _append(data, name, CommentedMap())
+            gap = gap or _taken_gap(data)
+            data[name] = CommentedMap()
         data = data[name]
-    if last in data:
-        data[last] = value
-    else:
-        _append(data, last, value)
-
-
-def _append(data: CommentedMap, key: str, value: Any) -> None:
-    """Add a last key; the blank lines behind the one before stay behind it."""
-    gap = _taken_gap(data)
-    data[key] = value
+    if last not in data:
+        gap = gap or _taken_gap(data)
+    data[last] = value
     if gap:
-        _leave_gap(data, key, gap)
+        data.yaml_add_eol_comment("#", last, column=0)
+        data.ca.items[last][2].value = gap
 
 
 def _taken_gap(data: CommentedMap) -> str:
-    """The blank lines and comments that ruamel has behind the last value of a mapping, taken from it."""
+    """The blank lines and whole lines of comment behind a mapping's last value, taken from it.
+
+    ruamel has them there; they belong behind what is added.
+    """
     last = next(reversed(data), None)
     if last is None:
         return ""
-    token = data.ca.items.get(last, [None, None, None])[2]
+    if isinstance(data[last], CommentedMap):
+        return _taken_gap(data[last])
+    found = data.ca.items.get(last)
+    token = found[2] if found else None
     if token is None:
         return ""
     comment, end, gap = token.value.partition("\n")
     token.value = comment + end
     return end + gap if gap else ""
-
-
-def _leave_gap(data: CommentedMap, key: str, gap: str) -> None:
-    inner = data[key]
-    if isinstance(inner, CommentedMap):
-        inner._handcart_gap = gap
-        return
-    data.yaml_add_eol_comment("#", key, column=0)
-    data.ca.items[key][2].value = gap

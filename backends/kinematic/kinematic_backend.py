@@ -16,6 +16,7 @@ from backends.scene.mounts import base_T_frame
 from backends.scene.person import Person
 from backends.scene.scene import build_scene
 from backends.scene.simulated_imu import SimulatedImu
+from backends.scene.simulated_positioning import SimulatedPositioning
 from backends.scene.suspension import lean_of
 from backends.scene.world_file import MissingWorld, WorldFile
 from robotics.geometry.pose2 import Pose2
@@ -63,6 +64,7 @@ _STATE = {
     "camera": ("_now",),
     "range": ("_now",),
     "imu": ("_turn", "_turned", "_now"),
+    "positioning": SimulatedPositioning.STATE,
     "hand": ("entry", "entries", "strain"),
     "person": ("_given", "_stood", "_since"),
 }
@@ -121,6 +123,9 @@ class KinematicBackend(Backend):
         self._imu: SimulatedImu | None = None
         if robot.imu is not None:
             self._imu = SimulatedImu(robot.imu, self.scene, self.period, seed)
+        self._positioning: SimulatedPositioning | None = None
+        if robot.positioning is not None:
+            self._positioning = SimulatedPositioning(robot.positioning, self.scene, self.period, seed)
         self._person = Person(self.scene, seed)
 
     @classmethod
@@ -132,7 +137,8 @@ class KinematicBackend(Backend):
 
     def capabilities(self) -> tuple[Capability, ...]:
         """See `Backend`."""
-        parts = (self._base, self._arm, self._gripper, self._camera, self._range, self._imu)
+        sensors = (self._camera, self._range, self._imu, self._positioning)
+        parts = (self._base, self._arm, self._gripper, *sensors)
         return tuple(part for part in parts if part is not None)
 
     def step(self) -> None:
@@ -148,7 +154,7 @@ class KinematicBackend(Backend):
             self._lean()
             if self._arm.swung:
                 self._move_base(Pose2(0.0, 0.0, self._arm.swing_yaw()))
-        for sensor in (self._camera, self._range, self._imu):
+        for sensor in (self._camera, self._range, self._imu, self._positioning):
             if sensor is not None:
                 sensor.advance(self._periods)
         self.scene.touch(touching)
@@ -193,6 +199,7 @@ class KinematicBackend(Backend):
             "camera": self._camera,
             "range": self._range,
             "imu": self._imu,
+            "positioning": self._positioning,
             "hand": self._hand,
             "person": self._person,
         }

@@ -21,6 +21,8 @@ SOLID_FRICTION = 0.65
 THING_FRICTION = 0.65  # squared, 0.42: paper on paper, paper on wood, wood on wood
 PAPER = 700.0  # of a book [kg/m³]
 WOOD = 600.0  # of a block [kg/m³]
+BLOCK_STIFFNESS, BLOCK_DAMPING = 1e6, 1e4
+"""Of each point at which a block touches something, in [N/m] and [Ns/m]."""
 _AWAY = transform((0.0, 0.0, -50.0))
 _FROM_AFAR = 110  # grey of a book
 _WALL, _FURNITURE, _WOOD, _DARK = 165, 110, 130, 16
@@ -85,7 +87,14 @@ class WorldBodies:
         p, client = self._physics.p, self._physics.client
         p.changeVisualShape(body, -1, textureUniqueId=texture, physicsClientId=client)
         # Else a block that is pressed between two others creeps away, however little pushes it.
-        p.changeDynamics(body, -1, frictionAnchor=1, physicsClientId=client)
+        p.changeDynamics(
+            body,
+            -1,
+            frictionAnchor=1,
+            contactStiffness=BLOCK_STIFFNESS,
+            contactDamping=BLOCK_DAMPING,
+            physicsClientId=client,
+        )
         return body
 
     def _box(self, thing: Thing) -> int:

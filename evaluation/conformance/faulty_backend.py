@@ -19,6 +19,7 @@ from backends.range_sensor import RangeSensor, Scan
 from .fault import SENSORS, Fault, FaultKind
 from .layered_backend import LayeredBackend
 from .parts import parts_of
+from .periods import SETTLES
 
 SLIPS = 0.5  # share of the wheels' roll that is lost
 T = TypeVar("T")
@@ -61,9 +62,9 @@ class FaultyBackend(LayeredBackend):
         return tuple(name for name in SENSORS if name in self._last)
 
     def stay(self) -> bool:
-        """From now on the fault itself moves nothing, what is stuck stays so; whether the base still slid."""
-        slid = self._is(FaultKind.SLIP)
-        self._left = 0 if slid else self._left
+        """The fault itself moves nothing from now on, what is stuck stays so; whether the base slid just now."""
+        slid = self._fault is not None and self._fault.kind is FaultKind.SLIP and self._left > -SETTLES
+        self._left = min(0, self._left) if slid else self._left
         self._joints = self._width = None
         return slid
 

@@ -11,12 +11,14 @@ from backends.robot import Robot, StaleReading
 from evaluation.conformance.bench import Bench
 from evaluation.conformance.fault import FOR_GOOD, Fault, FaultKind
 from evaluation.conformance.faulty_backend import FaultyBackend
+from evaluation.conformance.ground_truth import scene_of
 from evaluation.conformance.reach import Reach
 from evaluation.conformance.rehearsal import Solo
 from evaluation.conformance.underway import Ending, Underway
 from primitives.action_primitive import ActionPrimitive, Periods
 from primitives.move_to import MoveTo
 from primitives.world_model import ModelView
+from robotics.geometry.pose2 import Pose2
 
 BENCH = Bench("kinematic")
 
@@ -43,6 +45,19 @@ def test_a_base_that_is_moved_while_it_stands_needs_a_person(speed: float, turn_
     ending, _ = ended(Stand(), 40, slide)
     assert (ending.outcome, ending.wrong) == ("GiveUp", ())
     assert ending.reason == "the base was moved while it stood"
+
+
+@pytest.mark.parametrize(("aside_m", "pushes"), [(0.04, 1), (0.0, 0)])
+def test_a_base_whose_wheels_roll_as_it_is_pushed_is_noticed_too(aside_m: float, pushes: int) -> None:
+    with BENCH.stage() as stage:
+        robot, scene = stage.robot, scene_of(stage.backend)
+        for _ in range(25):
+            robot.step()
+        scene.base = scene.base.compose(Pose2(0.0, aside_m, 0.0))
+        for _ in range(10):
+            robot.base.drive(0.1, 0.0)
+            robot.step()
+        assert robot.pushes == pushes
 
 
 @pytest.mark.parametrize("periods", [5, 60, FOR_GOOD])

@@ -1,0 +1,28 @@
+"""The satellite receiver."""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .capability import Capability
+
+
+class Fix(NamedTuple):
+    """A position of the antenna."""
+
+    position: NDArray[np.float64]
+    """(2,) east and north of the task's origin, in [m]."""
+    sigma: float
+    """What the receiver says of it, an axis, in [m]."""
+
+
+class Gps(Capability):
+    """A satellite receiver; its antenna is the URDF's frame `gps`."""
+
+    @abstractmethod
+    def fix(self) -> Fix | None:
+        """The fix that came in during this period; None where none did."""

@@ -1,0 +1,29 @@
+"""Positioning: an indoor system that tells where the base is."""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from typing import NamedTuple
+
+from robotics.geometry.pose2 import Pose2
+
+from .capability import Capability
+
+
+class PoseReading(NamedTuple):
+    """Where the base was, as measured from outside."""
+
+    number: int
+    """Readings so far, from 1: another number is another reading."""
+    pose: Pose2
+    """map_T_base at the instant of the measurement."""
+    age: float
+    """How long ago that was, in [s]."""
+
+
+class Positioning(Capability):
+    """An indoor positioning system: laser trackers, cameras on the ceiling. It is aligned with the map."""
+
+    @abstractmethod
+    def reading(self) -> PoseReading | None:
+        """The latest reading that has arrived; None before the first."""

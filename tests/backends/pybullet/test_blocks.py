@@ -1,0 +1,158 @@
+"""Blocks, tables and marks in physics."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from backends.pybullet.pybullet_backend import PyBulletBackend
+from backends.robot_file import RobotFile, load_robot
+from backends.saved_state import pack, unpack
+from backends.scene.thing import Rest
+from backends.scene.world_file import WorldFile
+from files.loading import load
+from robotics.geometry.transform import inverse, transform
+from robotics.perception.landmark_finder import find_landmarks
+from robotics.perception.landmark_pose import facing, planar_pose
+
+pytest.importorskip("pybullet", reason="PyBullet has no wheel for this Python")
+
+WORLD = """
+format: handcart-world/1
+start: {x_m: 0.0, y_m: 0.0}
+tables:
+  - {name: table, x_m: 0.08, y_m: 0.65, size_m: [0.66, 0.76, 0.4], foot_m: [0.3, 0.2]}
+marks:
+  - {x_m: 0.0, y_m: 0.5, height_m: 0.4}
+blocks:
+"""
+ON_TRAY = '  - {name: "1", on: robot, x_m: -0.26, y_m: 0.0, height_m: 0.45}\n'
+PILE = "".join(f'  - {{name: "{n}", x_m: 0.15, y_m: 0.45, height_m: {0.32 + 0.04 * n:.2f}}}\n' for n in (2, 3, 4))
+SHIFTED = '  - {name: "5", x_m: 0.168, y_m: 0.45, height_m: 0.52}\n'
+OVER = 0.165  # [m] from the foot of a block that is gripped up to the hand
+
+Build = Callable[..., PyBulletBackend]
+
+
+@pytest.fixture
+def build(tmp_path: Path) -> Iterator[Build]:
+    """Makes a robot that doesn't err at the table, with these blocks."""
+    made: list[PyBulletBackend] = []
+
+    def make(blocks: str, robot: RobotFile | None = None) -> PyBulletBackend:
+        path = tmp_path / "world.yaml"
+        path.write_text(WORLD + blocks, encoding="utf-8")
+        robot = load_robot("toyama").without_errors() if robot is None else robot
+        made.append(PyBulletBackend(robot, load(path, WorldFile), 0))
+        return made[-1]
+
+    yield make
+    for backend in made:
+        backend.close()
+
+
+def part(backend, name):
+    return next(each for each in backend.capabilities() if type(each).__name__ == f"Bullet{name}")
+
+
+def steps(backend, count):
+    for _ in range(count):
+        backend.step()
+
+
+def go(backend, x, y, z, speed=0.1):
+    """Move the hand straight, pointing down, its fingers closing along x."""
+    arm, model = part(backend, "Arm"), backend.scene.arm
+    turn = transform(rpy=(0.0, np.pi / 2, 0.0)) @ transform(rpy=(-np.pi / 2, 0.0, 0.0))
+    start, goal = model.forward(arm.command())[:3, 3], np.array([x, y, z])
+    count = max(2, int(np.linalg.norm(goal - start) / speed / backend.period))
+    for share in np.linspace(0.0, 1.0, count + 1)[1:]:
+        joints = arm.command()
+        near = model.inverse(transform(tuple(start + share * (goal - start))) @ turn, joints)
+        while not np.allclose(joints, near):
+            joints = joints + np.clip(near - joints, -0.09, 0.09)
+            arm.move(joints)
+            backend.step()
+    steps(backend, 5)
+
+
+def grip(backend, width):
+    part(backend, "Gripper").move(width)
+    steps(backend, 24)
+
+
+def turn_of(block):
+    return float(np.arctan2(block.pose[1, 0], block.pose[0, 0]))
+
+
+def test_blocks_stand_on_tables_on_each_other_and_on_the_robot(build):
+    backend = build(ON_TRAY + PILE)
+    steps(backend, 40)
+    blocks = backend.scene.blocks
+    assert blocks["1"].rest is Rest.TRAY
+    assert np.abs(blocks["1"].base_T_block[:3, 3] - (-0.26, 0.0, 0.45)).max() < 2e-4
+    for number in (2, 3, 4):
+        block = blocks[str(number)]
+        assert block.rest is Rest.TABLE
+        assert np.abs(block.pose[:3, 3] - (0.15, 0.45, 0.32 + 0.04 * number)).max() < 2e-4
+    assert backend.scene.contacts == []
+
+
+def test_a_block_whose_middle_nothing_carries_falls_and_is_lost(build):
+    backend = build(PILE + SHIFTED)
+    steps(backend, 40)
+    assert backend.scene.blocks["5"].rest is Rest.FLOOR
+    assert backend.scene.blocks["5"].pose[2, 3] < 0.45
+
+
+def test_a_block_is_taken_carried_and_put_on_others_that_stay_where_they_are(build):
+    backend = build(ON_TRAY + PILE)
+    blocks = backend.scene.blocks
+    before = {name: block.pose.copy() for name, block in blocks.items()}
+    go(backend, -0.26, 0.0, 0.45 + OVER)
+    grip(backend, 0.0)
+    assert backend.scene.held is blocks["1"]
+    assert blocks["1"].rest is Rest.HAND
+    go(backend, -0.26, 0.0, 0.75, 0.2)
+    go(backend, 0.15, 0.45, 0.75, 0.3)
+    go(backend, 0.15, 0.45, 0.52 + OVER + 0.01)
+    while np.linalg.norm(part(backend, "Arm").hand_force()) < 4.0:
+        hand = backend.scene.arm.forward(part(backend, "Arm").command())[:3, 3]
+        go(backend, 0.15, 0.45, hand[2] - 0.001)
+    there = blocks["1"].pose.copy()
+    grip(backend, 0.045)
+    assert backend.scene.held is None
+    assert blocks["1"].rest is Rest.TABLE
+    go(backend, 0.15, 0.45, 0.75)
+    assert np.abs(blocks["1"].pose[:2, 3] - there[:2, 3]).max() < 4e-4
+    assert blocks["1"].pose[2, 3] == pytest.approx(0.52, abs=3e-4)
+    for name in ("2", "3", "4"):
+        assert np.abs(blocks[name].pose - before[name])[:2, 3].max() < 2e-4
+        assert abs(turn_of(blocks[name])) < 3e-3
+
+
+def test_the_camera_sees_a_mark_where_it_is(build):
+    backend = build(ON_TRAY)
+    go(backend, 0.08, 0.5, 0.73)
+    camera = part(backend, "Camera")
+    world_T_camera = backend.scene.world_T("hand") @ camera.hand_T_camera
+    true = inverse(world_T_camera) @ backend.scene.marks[0].pose
+    (seen,) = find_landmarks(camera.image(), camera.model, 0.06, (0.2, 0.4))
+    plane = facing(float(true[2, 3]))
+    assert np.abs((plane @ planar_pose(seen, plane).lift() - true)[:2, 3]).max() < 3e-4
+
+
+def test_a_world_put_back_has_its_blocks(build):
+    backend = build(ON_TRAY + PILE)
+    go(backend, -0.26, 0.0, 0.45 + OVER)
+    grip(backend, 0.0)
+    kept = pack(backend.state())
+    again = build(ON_TRAY + PILE)
+    again.set_state(unpack(kept))
+    steps(again, 3)
+    assert again.scene.held is again.scene.blocks["1"]
+    for name, block in backend.scene.blocks.items():
+        assert np.abs(again.scene.blocks[name].pose - block.pose).max() < 1e-4
