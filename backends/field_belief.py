@@ -16,8 +16,6 @@ from robotics.navigation.smoothing import TrackRecord
 if TYPE_CHECKING:
     from .robot_file import RobotFile
 
-OUTDOORS = ("gyro", "particle", "gps_filter")
-"""How a robot's file calls the ways of finding out where it is outdoors."""
 START = 0.05  # [m] an axis: how well a task says where the robot starts
 LEAST_GPS = 0.003  # [m]: a receiver without errors is believed no better
 LEAST_GYRO = math.radians(1e-4)  # [rad/√s]
@@ -61,7 +59,7 @@ def field_noise(robot: RobotFile, antenna: tuple[float, float, float]) -> FieldN
 
 
 def field_localizer(robot: RobotFile, start: Pose2, antenna: tuple[float, float, float]) -> FieldLocalizer:
-    """The one that the robot's file names, starting at world_T_base; one of `OUTDOORS`."""
+    """The one that the robot's file names, starting at world_T_base; see `ground_spec.OUTDOORS`."""
     noise = field_noise(robot, antenna)
     if robot.localiser == "gps_filter":
         return GpsFilter(start, noise, START, TrackRecord())

@@ -12,6 +12,9 @@ from files.model import FileModel
 Positive = Annotated[float, Field(gt=0.0)]
 NotNegative = Annotated[float, Field(ge=0.0)]
 
+OUTDOORS = ("gyro", "particle", "gps_filter")
+"""How a robot's file calls the ways of finding out where it is outdoors."""
+
 
 class GroundSpec(FileModel):
     """Rough ground: sigmas. A world's file says what it is, a robot's file what the robot takes it to be.
@@ -30,7 +33,7 @@ class GroundSpec(FileModel):
     """Of the wheels' travel, new every `slip_length_m`."""
     slip_length_m: Positive = 2.0
     turn_slip_percent: NotNegative = 12.0
-    """Of the wheels' travel in a curve of 0.5 / m, in proportion to curvature, new each time the base sets out."""
+    """Of the wheels' travel in a curve of 0.5 / m, in proportion to curvature; new when the base sets out."""
     side_slip_deg: NotNegative = 0.8
     """Direction of travel beside the heading, new every `side_slip_length_m`."""
     side_slip_length_m: Positive = 3.0

@@ -25,6 +25,12 @@ def checked_drive(drive: Drive, speed: float, turn_rate: float) -> tuple[float, 
         raise CommandError(f"a speed of {speed} m/s; allowed: -{top} to {top}")
     if not abs(turn_rate) <= top_turn + _ROUNDING:
         raise CommandError(f"a turn rate of {turn_rate} rad/s; allowed: -{top_turn:.3f} to {top_turn:.3f}")
+    sharpest = drive.sharpest_per_m * abs(speed) if drive.kind == "ackermann" else math.inf
+    if abs(turn_rate) > sharpest + _ROUNDING:
+        raise CommandError(
+            f"a turn rate of {turn_rate} rad/s at {speed} m/s; allowed: -{sharpest:.3f} to {sharpest:.3f},"
+            f" a curvature of {drive.sharpest_per_m} 1/m"
+        )
     return float(speed), float(turn_rate)
 
 

@@ -16,6 +16,8 @@ from robotics.geometry.transform import Transform
 from robotics.kinematics.arm_model import ArmModel
 from robotics.navigation.attitude import Attitude
 from robotics.navigation.drive_limits import DriveLimits
+from robotics.navigation.field_localizer import FieldLocalizer
+from robotics.navigation.gps_filter import GpsFilter
 from robotics.navigation.grid_map import GridMap
 from robotics.navigation.localizer import Localizer, OdometryLocalizer, ScanLocalizer
 from robotics.navigation.positioning_localizer import PositioningLocalizer
@@ -27,7 +29,10 @@ from .base import Base
 from .beside import beside
 from .camera import Camera
 from .capability import Capability
+from .field_belief import field_localizer
+from .gps import Gps
 from .gripper import Gripper
+from .ground_spec import OUTDOORS
 from .imu import Imu
 from .noted_base import NotedBase
 from .positioning import Positioning
@@ -88,6 +93,8 @@ class Robot:
         self.driven = (0.0, 0.0)
         """Speed in [m/s] and turn rate in [rad/s] that the base was commanded in the last period."""
         self._localizer = self._make_localizer(start, grid)
+        self.outdoors: FieldLocalizer | None = self._make_outdoors(start)
+        """What wheels, gyros and satellites say together, where the robot's file names one that asks them."""
         self.pushes = 0
         """How often the base was found elsewhere than it stood."""
         self._travel = self.base.wheel_travel()
@@ -108,10 +115,18 @@ class Robot:
             sigma = told.sigma_mm / 1e3, told.heading_sigma_mrad / 1e3
             return PositioningLocalizer(start, tread, sigma, covariance=START_SIGMA)
         if self.spec.localiser == "odometry" or grid is None or self.backend.get(RangeSensor) is None:  # type: ignore[type-abstract]
-            return OdometryLocalizer(start, tread, covariance=START_SIGMA)
+            seen = grid is not None and self.backend.get(RangeSensor) is not None  # type: ignore[type-abstract]
+            field = LikelihoodField(grid) if grid is not None and seen else None
+            return OdometryLocalizer(start, tread, covariance=START_SIGMA, field=field)
         localizer = ScanLocalizer(LikelihoodField(grid), start, tread, covariance=START_SIGMA)
         localizer.correct(self.range_sensor.scan().points())
         return localizer
+
+    def _make_outdoors(self, start: Pose2) -> FieldLocalizer | None:
+        if self.spec.localiser not in OUTDOORS:
+            return None
+        self.get(Imu)  # type: ignore[type-abstract]
+        return field_localizer(self.spec, start, self.spec.antenna)
 
     # What it can do
 
@@ -170,12 +185,22 @@ class Robot:
     @property
     def pose(self) -> Pose2:
         """map_T_base."""
-        return self._localizer.pose
+        return self._localizer.pose if self.outdoors is None else self.outdoors.pose
+
+    @property
+    def reckoned(self) -> Pose2:
+        """The base by what doesn't jump: outdoors wheels and gyros, in a frame of their own; else `pose`."""
+        return self._localizer.pose if self.outdoors is None else self.outdoors.odometry.pose
+
+    @property
+    def tilt(self) -> tuple[float, float]:
+        """Roll and pitch of the base in [rad]; zero where nothing tells."""
+        return (0.0, 0.0) if self.outdoors is None else self.outdoors.tilt
 
     @property
     def pose_covariance(self) -> NDArray[np.float64]:
         """(3, 3) of x, y in [m] and heading in [rad]."""
-        return self._localizer.covariance
+        return self._localizer.covariance if self.outdoors is None else self.outdoors.covariance
 
     @property
     def pose_sigma(self) -> tuple[float, float]:
@@ -186,7 +211,7 @@ class Robot:
         """
         if self.lost:
             return math.inf, math.inf
-        if isinstance(self._localizer, ScanLocalizer) and self._localizer.sure:
+        if self.outdoors is None and isinstance(self._localizer, ScanLocalizer) and self._localizer.sure:
             return SCAN_SIGMA
         sigma = np.sqrt(np.diag(self.pose_covariance))
         return float(np.hypot(sigma[0], sigma[1])), float(sigma[2])
@@ -221,6 +246,7 @@ class Robot:
         self._travel = travel
         self._localizer.predict(left, right)
         self._feel()
+        self._locate(left, right)
         if left == right == 0.0:
             self._still += 1
         else:
@@ -229,7 +255,7 @@ class Robot:
         if isinstance(self._localizer, PositioningLocalizer):
             self._take_reading(self._localizer)
             return
-        if self.backend.get(RangeSensor) is None:  # type: ignore[type-abstract]
+        if self.outdoors is not None or self.backend.get(RangeSensor) is None:  # type: ignore[type-abstract]
             return
         if self._still <= STILL_SCANS:
             self._localizer.correct(self._fresh_points())
@@ -256,6 +282,17 @@ class Robot:
         self._arm_told = told
         self.attitude.update(self._imu.rates(), self._imu.accelerations(), self.period, at_rest)
 
+    def _locate(self, left: float, right: float) -> None:
+        """Outdoors: take in what wheels, gyros and receiver read."""
+        if self.outdoors is None or self._imu is None:
+            return
+        rolled = np.array([left, right])
+        self.outdoors.predict(self._imu.rates(), self._imu.accelerations(), rolled, self.period)
+        gps = self.backend.get(Gps)  # type: ignore[type-abstract]
+        fix = gps.fix() if gps else None
+        if fix is not None:
+            self.outdoors.fix(fix.position)
+
     def look_again(self) -> None:
         """At rest, see whether the base still stands where it stood; if not, find where."""
         if self._still <= STILL_SCANS or self.backend.get(RangeSensor) is None:  # type: ignore[type-abstract]
@@ -277,9 +314,16 @@ class Robot:
         variance = np.diag([sigma[0], sigma[0], sigma[1]]) ** 2
         self._localizer.odometry.correct(pose, variance)
 
+    def note_place(self) -> None:
+        """Outdoors: this moment is wanted when it is told, after the run, where the robot was."""
+        if isinstance(self.outdoors, GpsFilter):
+            self.outdoors.mark()
+
     @property
     def dead_reckoned(self) -> bool:
         """Whether nothing but the wheels tells how the base moves."""
+        if self.outdoors is not None:
+            return self.spec.localiser == "gyro" or self.backend.get(Gps) is None  # type: ignore[type-abstract]
         return isinstance(self._localizer, OdometryLocalizer)
 
     def picture(self) -> NDArray[np.uint8]:
@@ -302,7 +346,11 @@ class Robot:
         odometry = attributes(self._localizer.odometry, self._localizer.odometry.STATE)
         attitude = attributes(self.attitude, self.attitude.STATE)
         robot = attributes(self, _STATE)
-        return {"robot": robot, "localizer": localizer, "odometry": odometry, "attitude": attitude}
+        state = {"robot": robot, "localizer": localizer, "odometry": odometry, "attitude": attitude}
+        if self.outdoors is not None:
+            state["outdoors"] = attributes(self.outdoors, self.outdoors.STATE)
+            state["reckoned"] = attributes(self.outdoors.odometry, self.outdoors.odometry.STATE)
+        return state
 
     def set_state(self, state: Mapping[str, Any]) -> None:
         """Take over what `state` gave, on a backend that stands as it did then."""
@@ -310,6 +358,9 @@ class Robot:
         set_attributes(self._localizer, state["localizer"])
         set_attributes(self._localizer.odometry, state["odometry"])
         set_attributes(self.attitude, state["attitude"])
+        if self.outdoors is not None:
+            set_attributes(self.outdoors, state["outdoors"])
+            set_attributes(self.outdoors.odometry, state["reckoned"])
 
     def moved_by(self, who: object) -> bool:
         """Note who moves the robot in this period; whether nobody else does, nor did in the last one."""

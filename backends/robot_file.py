@@ -10,6 +10,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
+import numpy as np
 from pydantic import Field, PrivateAttr, model_validator
 
 from files.errors import FileError, Finding, InputError
@@ -22,6 +23,7 @@ from robotics.kinematics.urdf_assembly import link_names
 from robotics.manipulation.suspension_model import SuspensionModel
 
 from .can_spec import CanSpec
+from .ground_spec import GpsSpec, GroundSpec
 from .robot_findings import robot_findings
 from .robot_parts import PartSpec, assembled
 
@@ -37,8 +39,13 @@ ROBOTS = Path(__file__).parent / "robots"
 
 
 class Drive(FileModel):
-    """Two driven wheels."""
+    """Two driven wheels; or the rear ones of a car, which steers with those in front."""
 
+    kind: Literal["differential", "ackermann"] = "differential"
+    sharpest_per_m: Positive = 0.5
+    """`ackermann`: the largest curvature that can be steered."""
+    steering_per_m_s: Positive = 0.5
+    """`ackermann`: by how much of it the steering turns in a second."""
     wheel_radius_m: Positive
     tread_m: Positive
     """Distance between the wheels."""
@@ -57,6 +64,8 @@ class ArmSpec(FileModel):
     acceleration_deg_s2: Positive
     accuracy_mm: Positive = 0.5
     """How far off the hand may be from where the joints say it is, sigma along each axis."""
+    working_deg: dict[str, tuple[float, float]] = Field(default_factory=dict)
+    """By joint, narrower limits for where the hand works; on the way there those of the URDF count."""
     postures: dict[str, tuple[float, ...]]
     """Joint angles in [deg], in the order of `joints`. `handcart teach` adds to them."""
 
@@ -114,8 +123,20 @@ class ImuSpec(FileModel):
     """White noise of the gyros, in degrees after a second; it grows with the square root of time."""
     gyro_bias_deg_s: NotNegative = 0.0
     """Sigma of what they read at rest."""
+    rate_random_walk_deg_s_rt_s: NotNegative = 0.0
+    """By which that wanders off, after a second; it grows with the square root of time."""
+    warm_up_deg_s: NotNegative = 0.0
+    """Sigma of a part of it that goes away with warming up."""
+    warm_up_s: Positive = 600.0
+    """In which it does."""
+    gyro_scale_percent: NotNegative = 0.0
+    """Sigma of a gyro's scale, relative to a turn."""
     accelerometer_sigma_m_s2: NotNegative
     """Of a reading."""
+    accelerometer_bias_m_s2: NotNegative = 0.0
+    """Sigma of what an accelerometer reads too much."""
+    vibration_m_s2: NotNegative = 0.0
+    """Of a reading while the base drives, beside."""
 
 
 class PositioningSpec(FileModel):
@@ -254,7 +275,9 @@ class RobotFile(FileModel):
     """The control period."""
     footprint_radius_m: Positive
     """Of the circle about the base's centre that holds base, arm in its travelling posture and load."""
-    localiser: Literal["scan", "odometry", "positioning"]
+    localiser: Literal["scan", "odometry", "positioning", "gyro", "particle", "gps_filter"]
+    """How it finds out where it is: ranges against the map; wheels alone; outdoors wheels and gyros alone,
+    the particle filter of Ohki et al. (2012), or a Kalman filter that knows the errors of all three."""
     drive: Drive
     can: CanSpec | None = None
     """Where the backend `can` finds the wheels' drives."""
@@ -264,9 +287,14 @@ class RobotFile(FileModel):
     range_sensor: RangeSpec | None = None
     imu: ImuSpec | None = None
     positioning: PositioningSpec | None = None
+    gps: GpsSpec | None = None
+    ground: GroundSpec = GroundSpec()
+    """What the robot takes open ground to be like."""
     tool: ToolSpec | None = None
     suspension: SuspensionSpec = SuspensionSpec()
     """What the robot knows of how its base gives."""
+    tray_grey: Annotated[int, Field(ge=0, le=255)] = 205
+    """How bright its tray is in a camera's picture."""
     errors: Errors = Errors()
     tolerance: Tolerance
     _folder: Path = PrivateAttr(default=ROBOTS)
@@ -304,6 +332,16 @@ class RobotFile(FileModel):
         return self.arm is not None and "tray" in link_names(self.urdf_text())
 
     @cached_property
+    def antenna(self) -> tuple[float, float, float]:
+        """Where the receiver's antenna is in the base frame, in [m]; the origin where there is none."""
+        if self.gps is None:
+            return (0.0, 0.0, 0.0)
+        from robotics.kinematics.arm_model import ArmModel
+
+        x, y, z = ArmModel(self.urdf_text(), (), tip="gps").forward(np.empty(0))[:3, 3].tolist()
+        return (x, y, z)
+
+    @cached_property
     def body_height(self) -> float:
         """How high the base itself reaches, by the URDF, in [m]."""
         from .robot_shape import body_height
@@ -338,6 +376,8 @@ class RobotFile(FileModel):
             changed["range_sensor"] = self.range_sensor.model_copy(update={"sigma_mm": 0.0})
         if self.imu is not None:
             changed["imu"] = ImuSpec(angle_random_walk_deg_rt_s=0.0, accelerometer_sigma_m_s2=0.0)
+        if self.gps is not None:
+            changed["gps"] = GpsSpec(period_s=self.gps.period_s, white_m=0.0)
         if self.positioning is not None:
             exact = {"sigma_mm": 0.0, "heading_sigma_mrad": 0.0}
             changed["positioning"] = self.positioning.model_copy(update=exact)

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 from files.suggest import suggest
 from robotics.kinematics.urdf_assembly import link_names
 
+from .ground_spec import OUTDOORS
 from .robot_parts import UrdfError
 
 if TYPE_CHECKING:
@@ -36,6 +37,9 @@ def _positioning_findings(robot: RobotFile, document: Document) -> list[Finding]
     if robot.localiser == "positioning" and robot.positioning is None:
         wrong = "the robot has no positioning; needed: the section `positioning`, or scan or odometry"
         return [document.finding(("localiser",), wrong)]
+    if robot.localiser in OUTDOORS and robot.imu is None:
+        wrong = f"{robot.localiser} asks the gyros; needed: the section `imu`, or scan or odometry"
+        return [document.finding(("localiser",), wrong)]
     return []
 
 
@@ -43,7 +47,7 @@ def _frame_findings(robot: RobotFile, urdf: str, document: Document) -> list[Fin
     """Links and joints that our names are expected of."""
     links = link_names(urdf)
     needed = {("urdf",): "base" if "base" not in links else None}
-    for key in ("range_sensor", "camera", "imu"):
+    for key in ("range_sensor", "camera", "imu", "gps"):
         missing = getattr(robot, key) is not None and key not in links
         needed[(key,)] = key if missing else None
     return [

@@ -22,7 +22,9 @@ from robotics.geometry.transform import difference
 
 from .block_survey import BlockSurvey
 from .camera_survey import camera_figures
+from .field_survey import FieldSurvey
 from .laser_survey import LaserSurvey
+from .seam_survey import SeamSurvey
 from .shelving import Shelving, shelving
 from .stop_errors import stop_errors
 
@@ -100,6 +102,14 @@ class Judge:
             self._survey = BlockSurvey(self._scene, prepared.model, plan)
         self._seed = prepared.seed
         self._lasers: LaserSurvey | None = None
+        self.seam: SeamSurvey | None = None
+        """What was seen of a seam that is tracked."""
+        if self._scene is not None and prepared.model.seam is not None:
+            self.seam = SeamSurvey(self._scene, prepared.model, prepared.robot)
+        self.field: FieldSurvey | None = None
+        """What was seen of sensors that are laid."""
+        if self._scene is not None and prepared.model.targets:
+            self.field = FieldSurvey(self._scene, prepared.model, prepared.seed)
         self._shelving: Shelving | None = None
         shelves = any(action.do == RELEASE for action in prepared.task.network.actions)
         if shelves and self._scene is not None and self._scene.tray_book() is not None:
@@ -111,6 +121,10 @@ class Judge:
         """A period has passed."""
         if self._survey is not None:
             self._survey.look()
+        if self.seam is not None:
+            self.seam.look()
+        if self.field is not None:
+            self.field.look(robot)
         if self._lasers is not None:
             self._lasers.look(robot)
 
@@ -120,9 +134,13 @@ class Judge:
             return
         if isinstance(event, Started):
             self._start = truth_of(self._scene)
+            if self.seam is not None:
+                self.seam.started(event.primitive)
             if event.action.do == CALIBRATE_SUSPENSION:
                 self._lasers = LaserSurvey(self._scene)
         elif isinstance(event, Ended):
+            if self.seam is not None:
+                self.seam.ended(event.outcome)
             self._labels += int(event.primitive.facts.get("labels_read", 0))
             self._frames += int(event.primitive.facts.get("frames", 0))
             if getattr(event.primitive, "onto", "") == "goal":
@@ -156,6 +174,11 @@ class Judge:
         if self._survey is not None:
             figures |= self._survey.figures(self._uncorrected) | {"frames": self._frames}
             self._judge_blocks(end)
+        if self.seam is not None:
+            figures |= self.seam.figures()
+            self._judge_seam(end, self.seam)
+        if self.field is not None:
+            figures |= self.field.figures()
         if self._shelving is not None:
             stands = self._shelving.judge(self._scene)
             figures |= stands.figures() | {"labels_read": self._labels}
@@ -163,6 +186,12 @@ class Judge:
                 self.untrue.append(f"Success: {stands}")
         figures["untrue"] = self.untrue
         return figures
+
+    def _judge_seam(self, end: RunEnd, seam: SeamSurvey) -> None:
+        """Success claims that all of the seam was tracked, nowhere farther off than TRACK allows."""
+        told = seam.faults()
+        if end.outcome == "Success" and told:
+            self.untrue.append(f"Success: {'; '.join(told)}")
 
     def _judge_blocks(self, end: RunEnd) -> None:
         """Success claims that every block of the plan stands about where it should."""

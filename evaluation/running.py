@@ -118,9 +118,26 @@ def run_task(
             checkpoints=checkpoints,
             sync=sync_for(prepared.backend.simulated, sync),
         )
+        _report(prepared, folder, judge, told)
         if draw:
             _draw(prepared, folder, told)
     return orjson.loads((folder / "summary.json").read_bytes()), end.exit_status
+
+
+def _report(prepared: Prepared, folder: Path, judge: Judge, told: Teller | None) -> None:
+    """Where sensors were laid: the as-laid report; a disk that takes no more doesn't change how it ended."""
+    if not prepared.model.laid:
+        return
+    from .as_laid_plots import draw_as_laid
+    from .as_laid_report import write_as_laid
+
+    try:
+        sensors = write_as_laid(prepared, folder)
+        if judge.field is not None:
+            draw_as_laid(folder, judge.field, sensors)
+    except OSError as error:
+        if told is not None:
+            told.say(f"{folder} can't be written: {error.strerror}; the as-laid report isn't whole")
 
 
 def _draw(prepared: Prepared, folder: Path, told: Teller | None) -> None:
@@ -207,6 +224,7 @@ def resume_task(
             past=past,
             sync=sync_for(prepared.backend.simulated, sync),
         )
+        _report(prepared, folder, judge, told)
     return orjson.loads((folder / "summary.json").read_bytes()), end.exit_status
 
 

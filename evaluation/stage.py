@@ -44,6 +44,18 @@ class StageFiles:
     """The place where the robot stands at first."""
 
 
+STACK_BLOCKS = LIBRARY.parent / "stack_blocks"
+AT_THE_WALL = StageFiles(
+    STACK_BLOCKS / "unload_world.yaml",
+    STACK_BLOCKS / "map.yaml",
+    STACK_BLOCKS / "places.yaml",
+    None,
+    STACK_BLOCKS / "building.yaml",
+    "stacking",
+)
+"""Five blocks on the robot's own table, before the stacking table of the task stack_blocks."""
+
+
 @dataclass
 class Stage:
     """A robot in a world, with what it is told beforehand; leaving it as a context closes the backend."""

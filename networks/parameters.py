@@ -63,15 +63,15 @@ def with_listed_repeats(document: Document) -> Document:
     return document.with_value((REPEAT,), replace(node, content=[node]))
 
 
-def with_all_places(document: Document, names: Sequence[str]) -> Document:
-    """The document with the names of the places where one of its repeats goes over `{all: places}`."""
-    listed = document.root.child(REPEAT)
-    count = len(listed.content) if listed and isinstance(listed.content, list) else 0
+def with_all(document: Document, entry: str, names: Sequence[str]) -> Document:
+    """The document with these names where one of its repeats goes over `{all: ENTRY}`."""
+    repeats = document.root.child(REPEAT)
+    count = len(repeats.content) if repeats and isinstance(repeats.content, list) else 0
     for over in ((REPEAT, number, "over") for number in range(count)):
         node, there = document.root.deepest(over)
-        if there and reference(node, "all") == "places":
-            places = [replace(node, content=name) for name in names]
-            document = document.with_value(over, replace(node, content=places))
+        if there and reference(node, "all") == entry:
+            listed = [replace(node, content=name) for name in names]
+            document = document.with_value(over, replace(node, content=listed))
     return document
 
 

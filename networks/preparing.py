@@ -19,14 +19,20 @@ from files.loading import load, load_document
 from files.suggest import suggest
 from files.yaml_document import read_document
 from primitives.building import Building
-from primitives.knowledge import Catalogue, Places, load_map
+from primitives.field import Field
+from primitives.knowledge import Catalogue, Place, Places, load_map
 from primitives.registry import primitive_class
+from primitives.seam_file import load_seam
+from primitives.target import Target
+from primitives.target_list import load_targets, place_of
+from primitives.work_piece import WorkPiece
 from primitives.world_model import WorldModel
 from robotics.geometry.pose2 import Pose2
 from robotics.navigation.grid_map import GridMap
 
 from .network import ActionNetwork
 from .place_findings import place_findings
+from .target_findings import target_findings
 from .task_file import Primitives, Task, load_task
 
 T = TypeVar("T")
@@ -106,6 +112,9 @@ def prepare(
     world = task.path("world")
     if world is None:
         findings.add(task.document.finding((), f"the key 'world' is missing; needed: what {name} builds"))
+    wanted = task.path("knowledge", "targets")
+    if spec is not None and told is not None and told[0].field is not None and wanted is not None:
+        findings.add(*target_findings(told[0].targets, told[0].field, spec, wanted))
     made = None
     if spec is not None and world is not None and told is not None and not findings:
         start = start_pose(task, told[0])
@@ -132,8 +141,13 @@ def make_robot(task: Task, backend: Backend, spec: RobotFile, model: WorldModel)
 
 def start_pose(task: Task, model: WorldModel) -> Pose2:
     """map_T_base at first: at the place that the task names, or at the map's origin."""
-    knowledge = task.file.knowledge
-    return model.places[knowledge.start].pose if knowledge and knowledge.start else Pose2(0.0, 0.0, 0.0)
+    return start_place(task, model.places)
+
+
+def start_place(task: Task, places: Mapping[str, Place]) -> Pose2:
+    """map_T_base at the place where the task says that it starts; the map's origin where it says nothing."""
+    named = task.file.knowledge.start if task.file.knowledge else None
+    return places[named].pose if named and named in places else Pose2(0.0, 0.0, 0.0)
 
 
 def load_model(task: Task) -> tuple[WorldModel, tuple[str, ...]]:
@@ -145,6 +159,19 @@ def load_model(task: Task) -> tuple[WorldModel, tuple[str, ...]]:
     books = _collected(findings, lambda: load(catalogue, Catalogue)) if catalogue else None
     plan = task.path("knowledge", "building")
     building = _collected(findings, lambda: load(plan, Building)) if plan else None
+    line, piece = (task.path("knowledge", key) for key in ("seam", "work_piece"))
+    seam = _collected(findings, lambda: load_seam(line)) if line else None
+    work_piece = _collected(findings, lambda: load(piece, WorkPiece)) if piece else None
+    ground, wanted = (task.path("knowledge", key) for key in ("field", "targets"))
+    field = _collected(findings, lambda: load(ground, Field)) if ground else None
+    start = start_place(task, named.value.places if named else {})
+    targets: dict[str, Target] = {}
+    if wanted and field is None and not ground:
+        findings.add(
+            task.document.finding(("knowledge", "targets"), "targets lie in a field; needed: `field`")
+        )
+    elif wanted and field is not None:
+        targets = _collected(findings, lambda: load_targets(wanted, field, start)) or {}
     if chart and told and named:
         findings.add(*place_findings(named, told[0], chart))
     findings.raise_all()
@@ -152,7 +179,18 @@ def load_model(task: Task) -> tuple[WorldModel, tuple[str, ...]]:
     grid, warning = told
     known = books or Catalogue(format="handcart-catalogue/1", books=())
     told_places = named.value.places if named else {}
-    model = WorldModel(grid, told_places, known, np.empty((0, 2)), building=building)
+    told_places = {**told_places, **{name: place_of(target) for name, target in targets.items()}}
+    model = WorldModel(
+        grid,
+        told_places,
+        known,
+        np.empty((0, 2)),
+        building=building,
+        seam=seam,
+        work_piece=work_piece,
+        field=field,
+        targets=targets,
+    )
     return model, (warning,) if warning else ()
 
 

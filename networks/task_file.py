@@ -22,12 +22,15 @@ from files.yaml_document import Document, read_document
 from files.yaml_node import KeyPath
 from primitives.action_primitive import ActionPrimitive
 from primitives.building import Building
+from primitives.field import Field
 from primitives.knowledge import Places
 from primitives.registry import primitive_class
+from primitives.target_list import load_targets
+from robotics.geometry.pose2 import Pose2
 
 from .binding import Binding
 from .network import Action, ActionNetwork, Fact, Situation, faults_of
-from .parameters import with_all_places, with_listed_repeats, with_parameters
+from .parameters import with_all, with_listed_repeats, with_parameters
 from .primitive_parameters import ParameterReader
 from .repeat_faults import Situations, repeat_faults
 from .repeating import Copied, Copies, repeated
@@ -96,7 +99,10 @@ class _Reader:
         self._document = with_listed_repeats(with_parameters(document, self._findings))
         self._primitives = primitives
         self._places = self._place_names()
-        self._document = with_all_places(self._document, self._places or ())
+        targets = self._target_names()
+        self._document = with_all(self._document, "places", self._places or ())
+        self._document = with_all(self._document, "targets", targets)
+        self._targets = targets
 
     def task(self) -> Task:
         file = self._whole()
@@ -177,7 +183,9 @@ class _Reader:
     def _actions(self, copies: Copies, entries: Mapping[int, ActionEntry]) -> list[Action | None]:
         names = self._places
         self._check_start_place(names)
-        known = {} if names is None else {"places": names}
+        known: dict[str, Collection[object]] = {"targets": self._targets} if self._targets else {}
+        if names is not None or self._targets:
+            known["places"] = [*(names or ()), *self._targets]
         reader = ParameterReader(self._document, self._findings, {**known, **self._building_names()})
         kinds = {number: self._kind(number, entry.do) for number, entry in entries.items()}
         return [self._action(copied, entries, kinds, reader) for copied in copies.actions]
@@ -224,6 +232,16 @@ class _Reader:
             pass  # told by `_check_files`
         return None
 
+    def _target_names(self) -> list[str]:
+        """The names of the targets; none where no file tells them, or something in it is wrong."""
+        try:
+            field, targets = (_resolved(self._document, ("knowledge", key)) for key in ("field", "targets"))
+            if field is None or targets is None:
+                return []
+            return list(load_targets(targets, load(field, Field), Pose2(0.0, 0.0, 0.0)))
+        except (FileError, UnsafePath):
+            return []  # told by `load_model`
+
     def _building_names(self) -> dict[str, Collection[object]]:
         """What the building plan names; nothing where there is none."""
         try:
@@ -258,6 +276,7 @@ class _Reader:
 
     def _check_files(self) -> None:
         told = [("knowledge", name) for name in ("map", "places", "catalogue", "building")]
+        told += [("knowledge", name) for name in ("seam", "work_piece", "field", "targets")]
         for key in (("world",), *told):
             try:
                 path = _resolved(self._document, key)

@@ -14,7 +14,7 @@ from .network import MAX_ATTEMPTS, MAX_COST_S, Fact
 class KnowledgeFiles(FileModel):
     """What the robot is told beforehand: files beside the task's."""
 
-    map: str
+    map: str | None = None
     """A map in ROS format."""
     places: str | None = None
     """The map's named places."""
@@ -22,6 +22,14 @@ class KnowledgeFiles(FileModel):
     """The books of a library."""
     building: str | None = None
     """A building plan, for robots that stack blocks."""
+    seam: str | None = None
+    """A seam, for robots that track one: a CSV file with a pose of the tool a line."""
+    work_piece: str | None = None
+    """What the seam is on."""
+    field: str | None = None
+    """A field, for robots that work outdoors."""
+    targets: str | None = None
+    """Where sensors go in it: CSV or GeoJSON."""
     start: str | None = None
     """The place where the robot stands at first; left out: the map's origin."""
 
@@ -58,7 +66,8 @@ class Repeat(FileModel):
     """A part of the network, copied for each element of a list, one copy after the other."""
 
     over: Annotated[list[Any], Field(min_length=1)]
-    """The elements; `{all: places}` stands for the names of the map's places, in their file's order."""
+    """The elements; `{all: places}` stands for the names of the map's places, in their file's order, and
+    `{all: targets}` for those of the targets."""
     name: Annotated[str, Field(alias="as")]
     """What `{each: NAME}` calls the element."""
     start: str

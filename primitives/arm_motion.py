@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from backends.gripper import Gripper
 from backends.robot import Robot
 from robotics.geometry.transform import Transform, transform
 from robotics.kinematics.shapes import Box, Shape
@@ -66,7 +67,7 @@ def move_to_joints(
     here = robot.arm.command()
     if np.allclose(here, joints, atol=1e-4):
         return
-    collision = _collision(robot, held, around)
+    collision = collision_model(robot, held, around)
     path = yield from robot.compute(plan_motion, collision.arm, collision, here, joints)
     if path is None:
         hits = collision.contacts(joints) or collision.contacts(here)
@@ -82,7 +83,7 @@ def move_straight(
     Raises:
         Discrepancy: the line can't be followed, or something is in its way.
     """
-    collision = _collision(robot, held, around)
+    collision = collision_model(robot, held, around)
     here = robot.arm.command()
     path = yield from robot.compute(plan_straight, collision.arm, here, base_T_hand, 0.005, collision)
     if path is None:
@@ -138,9 +139,12 @@ def held_box(robot: Robot, book: Book) -> Box:
     return Box(middle, (depth, thickness, height), HELD)
 
 
-def _collision(robot: Robot, held: Shape | None, around: Sequence[Shape]) -> CollisionModel:
-    width = max(0.0, robot.gripper.width() / 2.0)
-    arm = robot.arm_model.with_others({"left_finger": width, "right_finger": width})
+def collision_model(robot: Robot, held: Shape | None, around: Sequence[Shape] = ()) -> CollisionModel:
+    """What arm, hand and what it holds must not touch; arguments as for `move_to_joints`."""
+    gripper, arm = robot.backend.get(Gripper), robot.arm_model  # type: ignore[type-abstract]
+    if gripper is not None:
+        width = max(0.0, gripper.width() / 2.0)
+        arm = arm.with_others({"left_finger": width, "right_finger": width})
     return CollisionModel(arm, around, held, margin=MARGIN, allowed=ALLOWED)
 
 

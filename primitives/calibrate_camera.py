@@ -55,7 +55,7 @@ class CalibrateCamera(ActionPrimitive):
 
     board: Annotated[str, Field(min_length=1)]
     """Its name in the building plan."""
-    views: Annotated[int, Field(ge=10, le=100)] = 24
+    views: Annotated[int, Field(ge=10, le=100)] = 36
     """How many pictures are taken."""
 
     needs: ClassVar = (Arm, Camera)

@@ -2,14 +2,22 @@
 
 from __future__ import annotations
 
+from collections.abc import Generator
+
 import numpy as np
 from numpy.typing import NDArray
 
 from backends.robot import Robot
 from robotics.geometry.pose2 import Pose2
+from robotics.navigation.car_route import plan_car_route
+from robotics.navigation.car_tracker import CarTracker
 from robotics.navigation.grid_map import GridMap
+from robotics.navigation.path_tracking import PathTracker
+from robotics.navigation.point_discs import point_discs
+from robotics.navigation.pose_regulator import PoseTolerance
 from robotics.navigation.route import Route, plan_route
 from robotics.navigation.scan_matching import LikelihoodField
+from robotics.navigation.tangent_path import CarPath
 from robotics.navigation.unexpected import path_blocked, unexpected_points
 from robotics.navigation.voronoi_graph import voronoi_graph
 
@@ -22,6 +30,10 @@ WATCHED_ROOM = 0.015  # [m] beside the footprint that must be free while driving
 REACH = 0.15  # [m] that start or goal may lie too close to something on the map
 UNEXPLAINED = 0.12  # [m] from anything on the map: pose error, noise and half a cell together
 HORIZON = 1.0  # [m] of route that is watched ahead
+CAR_ROOM = 0.15  # [m] beside the footprint that a car's planned path keeps
+KEPT = 2.5  # [m] about what stands in a car's way, in which what was sensed is remembered
+ASTRAY = 0.4  # [m] by which a rock may stand elsewhere than a car believes, mostly by its own error
+TURNING = 1.05  # of the turning circle that the steering allows: planned with something in hand
 
 
 def plan_drive(robot: Robot, grid: GridMap, sensed: NDArray[np.float64], goal: Pose2) -> Route | None:
@@ -43,11 +55,78 @@ def plan_drive(robot: Robot, grid: GridMap, sensed: NDArray[np.float64], goal: P
     return plan_route(graph, robot.pose, goal, REACH)
 
 
+def plan_tracker(
+    robot: Robot, model: ModelView, place: str, goal: Pose2, tolerance: PoseTolerance
+) -> Generator[None, None, tuple[PathTracker | CarTracker, NDArray[np.float64]]]:
+    """What follows a route to a place, and the route's points (n, 2) in [m].
+
+    That is the detour that was planned for the place, or a new route on the map. For a car it is always a new
+    one, from where it stands, past what is known and what was sensed.
+
+    Raises:
+        Discrepancy: there is none.
+    """
+    if robot.spec.drive.kind == "ackermann":
+        way = yield from robot.compute(plan_car_drive, robot, model, goal)
+        if way is None:
+            raise Discrepancy(f"no way leads to {place} in the field", permanent=True)
+        sharpest = robot.spec.drive.sharpest_per_m
+        tracker = CarTracker.along(way, robot.pose, goal, sharpest, robot.drive_limits)
+        return tracker, way.poses[:, :2]
+    if model.detour and model.detour.goal == place:
+        points = model.detour.points
+    else:
+        route = yield from robot.compute(plan_drive, robot, model.map, model.obstacles, goal)
+        if route is None:
+            raise Discrepancy(f"no way leads to {place} on the map", permanent=True)
+        points = route.points
+    return PathTracker(points, goal.theta, robot.drive_limits, tolerance=tolerance), points
+
+
+def plan_car_drive(robot: Robot, model: ModelView, goal: Pose2) -> CarPath | None:
+    """A car's way past the rocks of the field and what was sensed, or None."""
+    rocks = np.empty((0, 3)) if model.field is None else model.field.discs
+    known = rocks + np.array([0.0, 0.0, ASTRAY]) if len(rocks) else rocks
+    discs = np.vstack([known, point_discs(model.obstacles)])
+    radius = TURNING / robot.spec.drive.sharpest_per_m
+    return plan_car_route(robot.pose, goal, discs, robot.spec.footprint_radius_m + CAR_ROOM, radius)
+
+
 def goal_pose(model: ModelView, place: str) -> Pose2:
     """map_T_base of a place; raises `Discrepancy` where the model has no such place."""
     if place not in model.places:
         raise Discrepancy(f"there is no place {place!r} on the map", permanent=True)
     return model.places[place].pose
+
+
+def make_lookout(robot: Robot, model: ModelView) -> Lookout | FieldLookout:
+    """What watches the way of this robot."""
+    radius = robot.spec.footprint_radius_m
+    if robot.spec.drive.kind == "ackermann":
+        return FieldLookout(radius)
+    return Lookout(model.map, radius)
+
+
+class FieldLookout:
+    """Watches a car's path for whatever stands there, known or not: outdoors a map isn't that exact."""
+
+    def __init__(self, radius: float) -> None:
+        """For a robot whose footprint has `radius`, in [m]."""
+        self._radius = radius + WATCHED_ROOM
+
+    def unexpected(self, robot: Robot) -> NDArray[np.float64]:
+        """(n, 2) points of this period's scan, in the field's frame, in [m]."""
+        return robot.pose.apply(robot.range_sensor.scan().points())
+
+    def kept(self, sensed: NDArray[np.float64], blocking: NDArray[np.float64]) -> NDArray[np.float64]:
+        """(m, 2) those of the points that are near the one in the way (2,)."""
+        return np.asarray(sensed[np.hypot(*(sensed - blocking).T) < KEPT])
+
+    def obstacle(
+        self, route: NDArray[np.float64], sensed: NDArray[np.float64]
+    ) -> tuple[float, NDArray[np.float64]] | None:
+        """How far the way is free, in [m], and the point (2,) in it; None if nothing is near."""
+        return path_blocked(route, sensed, self._radius, HORIZON)
 
 
 class Lookout:
@@ -62,6 +141,10 @@ class Lookout:
         """(n, 2) points of this period's scan that the map doesn't explain, on the map, in [m]."""
         points = robot.pose.apply(robot.range_sensor.scan().points())
         return unexpected_points(points, self._field, UNEXPLAINED)
+
+    def kept(self, sensed: NDArray[np.float64], blocking: NDArray[np.float64]) -> NDArray[np.float64]:
+        """(n, 2) those of the points that are remembered: all."""
+        return sensed
 
     def obstacle(
         self, route: NDArray[np.float64], sensed: NDArray[np.float64]

@@ -16,7 +16,7 @@ from robotics.kinematics.shapes import Box
 from robotics.manipulation.fixation import PAPER_RULE, PlannedView, StopRule, on_floor
 from robotics.perception.landmark import Landmark
 from robotics.perception.landmark_finder import find_landmarks
-from robotics.perception.landmark_pose import facing, planar_pose
+from robotics.perception.landmark_pose import planar_pose
 from robotics.perception.overlay import draw_overlay
 
 from .arm_motion import move_straight, move_to_pose
@@ -32,6 +32,7 @@ RULES = {"residual": StopRule(), "paper": PAPER_RULE}
 MOST_MOVES = 6  # of the hand, until the landmark stands where it should
 NEARER, FARTHER = 0.05, 0.05  # [m] by which the landmark may be off its height in a picture
 HEADING_SIGMA = 0.0004  # [rad] of a landmark's direction in a picture
+AGREE = 0.003  # [m] between errors that tell of one place of the base
 CENTRAL = 0.02  # [m] from its place in the picture, within which a landmark counts
 STEP = 0.09  # [m] between the views of a search: the picture shows 0.24 x 0.18 m
 RINGS = 2
@@ -105,7 +106,7 @@ def fixate(
     stop, frames = RULES[rule], 0
     found: list[Pose2] = []
     away = math.inf
-    for moves in range(MOST_MOVES + looks):
+    for moves in range(MOST_MOVES + 2 * looks):
         seen = yield from _look(robot, view, side, evidence)
         frames += 1
         if seen is None and search:
@@ -122,7 +123,9 @@ def fixate(
             )
         away = float(np.hypot(*(seen[:2, 3] - view.camera_T_landmark[:2, 3])))
         if away < CENTRAL:
-            found.append(on_floor(view.travelling_error(base_T_hand, seen)))
+            error = on_floor(view.travelling_error(base_T_hand, seen))
+            # Where the base was moved meanwhile, what was seen before is over.
+            found = [each for each in found if each.distance(error) < AGREE] + [error]
         if there and len(found) >= looks:
             return Fixation(_mean(found), base_T_hand, frames, moves, len(found))
         yield from move_straight(robot, _level(view.next_hand(base_T_hand, seen), view), held, around)
@@ -158,7 +161,7 @@ def _level(base_T_hand: Transform, view: PlannedView) -> Transform:
 def _look(
     robot: Robot, view: PlannedView, side: float, evidence: Evidence
 ) -> Generator[None, None, Transform | None]:
-    """camera_T_landmark (4, 4) as one picture shows it, the camera taken to face straight down."""
+    """camera_T_landmark (4, 4) as one picture shows it, the camera taken to be tilted as planned."""
     yield from settle(robot)
     yield
     image = robot.picture()
@@ -167,7 +170,7 @@ def _look(
     _show(image, found, evidence)
     if not found:
         return None
-    plane = facing(height)
+    plane = view.camera_T_landmark
     return np.asarray(plane @ planar_pose(found[0], plane).lift())
 
 

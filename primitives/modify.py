@@ -4,12 +4,15 @@ from __future__ import annotations
 
 from typing import ClassVar
 
+import numpy as np
+from numpy.typing import NDArray
+
 from backends.range_sensor import RangeSensor
 from backends.robot import Robot
 
 from .action_primitive import ActionPrimitive, Periods
 from .discrepancy import Discrepancy, Measured
-from .driving import goal_pose, plan_drive
+from .driving import goal_pose, plan_car_drive, plan_drive
 from .place_name import PlaceName
 from .world_model import Detour, ModelView
 
@@ -24,19 +27,26 @@ class Modify(ActionPrimitive):
     """Where the path leads."""
 
     needs: ClassVar = (RangeSensor,)
-    reads: ClassVar = ("map", "places", "obstacles")
+    reads: ClassVar = ("map", "places", "obstacles", "field")
     writes: ClassVar = ("detour",)
     only_knowledge: ClassVar = True
 
     def motion(self, robot: Robot, model: ModelView) -> Periods:
         goal = goal_pose(model, self.place)
+        if robot.spec.drive.kind == "ackermann":
+            way = yield from robot.compute(plan_car_drive, robot, model, goal)
+            self._take(model, None if way is None else way.poses[:, :2], way.length if way else 0.0)
+            return
         route = yield from robot.compute(plan_drive, robot, model.map, model.obstacles, goal)
-        if route is None:
+        self._take(model, None if route is None else route.points, route.length if route else 0.0)
+
+    def _take(self, model: ModelView, points: NDArray[np.float64] | None, length: float) -> None:
+        if points is None:
             sensed = Measured("RangeSensor", "points sensed that are not on the map", len(model.obstacles))
             raise Discrepancy(self._no_way(model), permanent=True, measured=sensed)
-        self.evidence.points["planned"] = route.points
-        self.found(detour_m=round(route.length, 3))
-        model.detour = Detour(self.place, route.points)
+        self.evidence.points["planned"] = points
+        self.found(detour_m=round(length, 3))
+        model.detour = Detour(self.place, points)
 
     def _no_way(self, model: ModelView) -> str:
         if not len(model.obstacles):

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Generator
 from typing import Annotated, ClassVar
 
 import numpy as np
@@ -12,7 +11,7 @@ from pydantic import Field, PrivateAttr
 from backends.base import Base
 from backends.range_sensor import RangeSensor
 from backends.robot import Robot
-from robotics.geometry.pose2 import Pose2
+from robotics.navigation.car_tracker import CarTracker
 from robotics.navigation.front_line import fit_front, pose_from_front
 from robotics.navigation.localizer import LEAST_INLIERS
 from robotics.navigation.path_tracking import PathTracker
@@ -20,7 +19,7 @@ from robotics.navigation.pose_regulator import PoseTolerance
 
 from .action_primitive import ActionPrimitive, Periods
 from .discrepancy import Discrepancy, Measured, NeedsPerson
-from .driving import HORIZON, Lookout, goal_pose, plan_drive
+from .driving import HORIZON, FieldLookout, Lookout, goal_pose, make_lookout, plan_tracker
 from .knowledge import Place
 from .place_name import PlaceName
 from .retrace import LONGEST_REACH, reach_pose, retrace
@@ -49,19 +48,18 @@ class MoveTo(ActionPrimitive):
     """How long to wait for a passer-by to leave the way."""
 
     needs: ClassVar = (Base, RangeSensor)
-    reads: ClassVar = ("map", "places")
+    reads: ClassVar = ("map", "places", "field")
     writes: ClassVar = ("obstacles", "detour")
 
-    _lookout: Lookout | None = PrivateAttr(default=None)
+    _lookout: Lookout | FieldLookout | None = PrivateAttr(default=None)
     _ahead: NDArray[np.float64] = PrivateAttr(default_factory=lambda: np.empty((0, 2)))
     _blocked_since: float | None = PrivateAttr(default=None)
 
     def motion(self, robot: Robot, model: ModelView) -> Periods:
         goal = goal_pose(model, self.place)
-        self._lookout = Lookout(model.map, robot.spec.footprint_radius_m)
-        points = yield from self._route(robot, model, goal)
+        self._lookout = make_lookout(robot, model)
+        tracker, points = yield from plan_tracker(robot, model, self.place, goal, ARRIVED)
         self.evidence.points["planned"] = points
-        tracker = PathTracker(points, goal.theta, robot.drive_limits, tolerance=ARRIVED)
         yield from self._follow(robot, tracker)
         self._ahead = np.empty((0, 2))
         if model.places[self.place].shelf is not None:
@@ -70,18 +68,7 @@ class MoveTo(ActionPrimitive):
         if model.detour and model.detour.goal == self.place:
             model.detour = None
 
-    def _route(
-        self, robot: Robot, model: ModelView, goal: Pose2
-    ) -> Generator[None, None, NDArray[np.float64]]:
-        """(n, 2) the detour that was planned for this place, or a new route on the map."""
-        if model.detour and model.detour.goal == self.place:
-            return model.detour.points
-        route = yield from robot.compute(plan_drive, robot, model.map, model.obstacles, goal)
-        if route is None:
-            raise Discrepancy(f"no way leads to {self.place} on the map", permanent=True)
-        return route.points
-
-    def _follow(self, robot: Robot, tracker: PathTracker) -> Periods:
+    def _follow(self, robot: Robot, tracker: PathTracker | CarTracker) -> Periods:
         progress, since, driven, last = 0.0, robot.time, 0.0, robot.pose
         while not tracker.finished(robot.pose):
             self._ahead = tracker.ahead
@@ -119,7 +106,7 @@ class MoveTo(ActionPrimitive):
             return
         self._blocked_since = robot.time if self._blocked_since is None else self._blocked_since
         if robot.time >= self._blocked_since + self.wait_s:
-            model.obstacles = np.vstack([model.obstacles, sensed])
+            model.obstacles = np.vstack([model.obstacles, self._lookout.kept(sensed, found[1])])
             self.evidence.points |= {"sensed": sensed, "in the way": found[1][None], "ahead": self._ahead}
             x, y = found[1]
             raise Discrepancy(

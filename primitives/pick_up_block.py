@@ -15,7 +15,7 @@ from backends.robot import Robot
 from robotics.geometry.transform import Transform, inverse
 
 from .action_primitive import ActionPrimitive, Periods
-from .arm_motion import move_straight, move_to_pose
+from .arm_motion import move_straight, move_to_joints, move_to_pose
 from .block_view import see_block
 from .building import Building
 from .discrepancy import Discrepancy, Measured, NeedsPerson
@@ -89,7 +89,7 @@ class PickUpBlock(ActionPrimitive):
         yield from retrace(robot, start, trace)
         if not self._touched:
             return
-        plan = building(model)
+        plan, back = building(model), robot.arm.command()
         stands = self._stands(robot, model, plan)
         seen = yield from see_block(robot, plan, stands, self.evidence, surroundings(robot, model))
         if seen is None:
@@ -99,7 +99,7 @@ class PickUpBlock(ActionPrimitive):
         if off > most:
             moved = Measured("Camera", "block off its place", off, most, "mm")
             raise NeedsPerson(f"block {self.number} doesn't stand where it stood", moved)
-        yield from retrace(robot, start, trace)
+        yield from move_to_joints(robot, back, around=surroundings(robot, model))
 
     def _stands(self, robot: Robot, model: ModelView, plan: Building) -> Transform:
         """base_T_block (4, 4) by the plan and where the base stands."""

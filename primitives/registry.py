@@ -21,7 +21,11 @@ TABLE = {
     "MODIFY": "primitives.modify:Modify",
     "FIXATE": "primitives.fixate:Fixate",
     "PICK_UP_BLOCK": "primitives.pick_up_block:PickUpBlock",
+    "STAND": "primitives.stand:Stand",
+    "DEPLOY": "primitives.deploy:Deploy",
     "STACK": "primitives.stack:Stack",
+    "DIVIDE": "primitives.divide:Divide",
+    "TRACK": "primitives.track:Track",
     "CALIBRATE_SUSPENSION": "primitives.calibrate_suspension:CalibrateSuspension",
     "CALIBRATE_CAMERA": "primitives.calibrate_camera:CalibrateCamera",
 }

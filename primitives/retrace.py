@@ -9,13 +9,15 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from backends.arm import Arm
 from backends.gripper import Gripper
 from backends.robot import Robot
 from robotics.geometry.pose2 import Pose2
 from robotics.navigation.path_tracking import PathTracker
 from robotics.navigation.pose_regulator import PoseRegulator, PoseTolerance
 
+from .arm_command import command_moment as _command
+from .arm_command import renew_arm as _renew_arm
+from .car_retrace import car_retrace, check_stands
 from .discrepancy import Discrepancy, Measured
 from .snapshot import Snapshot
 from .trace import Moment, Trace
@@ -26,7 +28,6 @@ NUDGE = 10  # periods for what is left then
 LOOK = 0.5  # [s] at rest for the estimate of the pose to be its best
 COARSE = 0.02  # [m] between points of the way back
 SHORT = 0.05  # [m]: less travel than this is regulated, not tracked
-GRIP_PAUSE = 0.6  # [s] that fingers get before anything else moves
 LONGEST_REACH = 60.0  # [s] that the base gets to a pose near by
 STOOD = 1e-4  # [m], [rad]: between two periods, less is no motion
 
@@ -37,6 +38,9 @@ def retrace(robot: Robot, start: Snapshot, trace: Trace) -> Generator[None, None
     Stretches in which the base moved are driven back with feedback of its pose, the arm where it was when the
     base was there; in between, the commands of arm and gripper are played backwards.
     """
+    if robot.spec.drive.kind == "ackermann":
+        yield from car_retrace(robot, start, trace)
+        return
     stretches = _stretches(trace.moments)
     for stretch in reversed(stretches):
         if _travelled(stretch):
@@ -68,6 +72,9 @@ def reach_pose(
     Raises:
         Discrepancy: it isn't there after a minute.
     """
+    if robot.spec.drive.kind == "ackermann":
+        check_stands(robot, goal)
+        return
     if robot.pose.distance(goal) < 0.5 * tolerance.position and robot.pose.turn(goal) < tolerance.heading:
         return
     regulator = PoseRegulator(goal, robot.drive_limits, tolerance)
@@ -136,15 +143,6 @@ def _only_arm(robot: Robot, moment: Moment) -> bool:
     return gripper is None or abs(gripper.command() - moment.grip) <= 1e-6
 
 
-def _renew_arm(robot: Robot, moment: Moment) -> bool:
-    """Command the arm as in that moment; whether that is another command than the last."""
-    arm = robot.backend.get(Arm)  # type: ignore[type-abstract]
-    if arm is None or not np.any(arm.command() != moment.joints):
-        return False
-    arm.move(moment.joints)
-    return True
-
-
 def _forwards(stretch: Sequence[Moment]) -> bool:
     """Whether the base mostly drove forwards, so that the way back is driven backwards."""
     steps = [now.pose.relative_to(before.pose).x for before, now in pairwise(stretch)]
@@ -154,12 +152,3 @@ def _forwards(stretch: Sequence[Moment]) -> bool:
 def _play_back(robot: Robot, stretch: Sequence[Moment]) -> Generator[None, None, None]:
     for moment in reversed(stretch):
         yield from _command(robot, moment)
-
-
-def _command(robot: Robot, moment: Moment) -> Generator[None, None, None]:
-    gripper = robot.backend.get(Gripper)  # type: ignore[type-abstract]
-    if gripper and abs(gripper.command() - moment.grip) > 1e-6:
-        gripper.move(moment.grip)
-        yield from robot.wait(GRIP_PAUSE)
-    if _renew_arm(robot, moment):
-        yield

@@ -17,7 +17,7 @@ from robotics.geometry.pose2 import Pose2, wrap
 from robotics.geometry.transform import Transform, inverse, transform
 from robotics.kinematics.shapes import Box
 from robotics.manipulation.fixation import placing_posture, split_goal
-from robotics.manipulation.suspension_model import base_motion
+from robotics.manipulation.suspension_model import SuspensionModel, base_motion
 
 from .action_primitive import ActionPrimitive, Periods
 from .arm_motion import move_straight, move_to_pose
@@ -127,7 +127,8 @@ class Stack(ActionPrimitive):
             raise Discrepancy("no landmark was seen from here", permanent=True)
         if self.method in ("model", "fix_again_model"):
             known, swings = robot.spec.suspension.model, fixed.swings + swings_to_come
-            return known.corrected(base_T_block, transform((*fixed.reach, 0.0)), swings)
+            upright = _upright(fixed, known, landmark_of(model, fixed.landmark).height_m)
+            return known.corrected(inverse(upright.lift()) @ goal.pose, np.eye(4), swings)
         if self.method == "imu" and swings_to_come == 0:
             return inverse(_felt(robot, fixed)) @ base_T_block
         return base_T_block
@@ -215,6 +216,14 @@ def _is_swing(robot: Robot, base_T_hand: Transform) -> int:
     here = robot.arm_model.forward(robot.arm.command())
     across = float(np.linalg.norm(base_T_hand[:2, 3] - here[:2, 3]))
     return int(across >= robot.spec.suspension.swing_from_mm / 1e3)
+
+
+def _upright(fixed: Fixed, known: SuspensionModel, height: float) -> Pose2:
+    """map_T_base as it would stand if it didn't lean: a landmark at that height in [m] is seen displaced."""
+    hand = transform((*fixed.reach, height))
+    seen = known.displaced(hand, np.eye(4), 0)
+    x, y = (hand - seen)[:2, 3].tolist()
+    return fixed.pose.compose(Pose2(x, y, 0.0))
 
 
 def fused(robot: Robot, before: Fixed, now: Fixed) -> Fixed:

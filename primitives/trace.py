@@ -22,6 +22,8 @@ class Moment(NamedTuple):
     """(n,) commanded, in [rad]; (0,) without an arm."""
     grip: float
     """Commanded opening, in [m]; 0 without a gripper."""
+    reckoned: Pose2 | None = None
+    """The base by what doesn't jump (`Robot.reckoned`)."""
 
 
 class Trace:
@@ -36,4 +38,5 @@ class Trace:
         arm = self._robot.backend.get(Arm)  # type: ignore[type-abstract]
         gripper = self._robot.backend.get(Gripper)  # type: ignore[type-abstract]
         joints = arm.command().copy() if arm else np.empty(0)
-        self.moments.append(Moment(self._robot.pose, joints, gripper.command() if gripper else 0.0))
+        grip = gripper.command() if gripper else 0.0
+        self.moments.append(Moment(self._robot.pose, joints, grip, self._robot.reckoned))

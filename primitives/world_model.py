@@ -5,6 +5,7 @@ from __future__ import annotations
 import typing
 from collections.abc import Mapping
 from dataclasses import dataclass
+from dataclasses import field as dataclass_field
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -13,10 +14,15 @@ from numpy.typing import NDArray
 from files.errors import HandcartError
 from files.suggest import suggest
 from robotics.geometry.pose2 import Pose2
+from robotics.manipulation.tool_path import ToolPath
 from robotics.navigation.grid_map import GridMap
 
 from .building import Building
+from .field import Field
 from .knowledge import Book, Catalogue, Place
+from .seam_work import SeamWork
+from .target import Laid, Target
+from .work_piece import WorkPiece
 
 if TYPE_CHECKING:
     from .action_primitive import ActionPrimitive
@@ -110,9 +116,23 @@ class WorldModel:
     """Where the base stands by the landmark that was seen last; kept for the run."""
     placed: tuple[Placed, ...] = ()
     """The blocks that stand where they go; kept for the run."""
+    # For who tracks a seam
+    seam: ToolPath | None = None
+    """The path of the tool, on the map; told beforehand."""
+    work_piece: WorkPiece | None = None
+    """What the seam is on; told beforehand."""
+    seam_work: SeamWork = SeamWork()
+    """How far it is tracked, and from where; kept for the run."""
+    # For who works outdoors
+    field: Field | None = None
+    """What is known to stand there; told beforehand."""
+    targets: Mapping[str, Target] = dataclass_field(default_factory=dict)
+    """Where sensors go; told beforehand."""
+    laid: tuple[Laid, ...] = ()
+    """Sensors that were let go; kept for the run."""
 
     ELEMENT: typing.ClassVar = ("book", "book_pose", "slot", "detour")
-    LEARNED: typing.ClassVar = ("obstacles", "fixed", "placed", *ELEMENT)
+    LEARNED: typing.ClassVar = ("places", "obstacles", "fixed", "placed", "seam_work", "laid", *ELEMENT)
 
     def __post_init__(self) -> None:
         self._told = self._state()
@@ -182,6 +202,10 @@ class WorldModel:
             "detour": self.detour.points.round(4).tolist() if self.detour else None,
             "fixed": list(self.fixed) if self.fixed else None,
             "placed": [list(each) for each in self.placed],
+            "seam_tracked": self.seam_work.tracked,
+            "seam_rest": [list(each) for each in self.seam_work.rest],
+            "sensors_laid": len(self.laid),
+            "last_laid": list(self.laid[-1]) if self.laid else None,
         }
 
 
@@ -200,6 +224,12 @@ class ModelView:
         building: Building | None
         fixed: Fixed | None
         placed: tuple[Placed, ...]
+        seam: ToolPath | None
+        work_piece: WorkPiece | None
+        seam_work: SeamWork
+        field: Field | None
+        targets: Mapping[str, Target]
+        laid: tuple[Laid, ...]
 
     def __init__(self, model: WorldModel, primitive: ActionPrimitive) -> None:
         object.__setattr__(self, "_model", model)

@@ -34,6 +34,9 @@ def conformance(
     instants: Annotated[
         int | None, typer.Option(min=1, help="of each primitive's run in which faults are injected")
     ] = None,
+    tasks: Annotated[
+        list[str] | None, typer.Option("--task", help="this whole task alone, such as return_book")
+    ] = None,
     seeds: Annotated[int | None, typer.Option(min=1, help="with which each whole task is run")] = None,
     jobs: Annotated[int, typer.Option(min=1, help="processes side by side")] = 2,
     as_json: Annotated[bool, typer.Option("--json", help="end with one JSON object on stdout")] = False,
@@ -41,7 +44,8 @@ def conformance(
     """Check what the backend declares, break it at many instants, and plant liars; status 0 if all holds."""
     from evaluation.conformance.kit import Setting, run_kit
 
-    setting = Setting(backend, robot, quick, *_chosen(parts or [], primitives or []), instants, seeds)
+    chosen = _chosen(parts or [], primitives or [], tasks or [])
+    setting = Setting(backend, robot, quick, chosen, primitives or (), instants, seeds, tasks or ())
     _check(setting)
     with _progress() as tell:
         report = run_kit(setting, jobs, tell)
@@ -84,17 +88,17 @@ def _seldom(console: Console) -> Callable[[int, int], None]:
     return tell
 
 
-def _chosen(parts: list[str], primitives: list[str]) -> tuple[tuple[str, ...], tuple[str, ...]]:
-    """Both lists, checked; raises `typer.BadParameter`."""
+def _chosen(parts: list[str], primitives: list[str], tasks: list[str]) -> tuple[str, ...]:
+    """The parts that are named, or that what is named belongs to; raises `typer.BadParameter`."""
     from evaluation.conformance.kit import PARTS
     from files.suggest import suggest
 
     for part in parts:
         if part not in PARTS:
             raise typer.BadParameter(f"unknown part {part!r}{suggest(part, PARTS)}")
-    if primitives and not parts:
-        parts = ["faults"]
-    return tuple(parts), tuple(primitives)
+    if not parts:
+        parts = ["faults"] * bool(primitives) + ["tasks"] * bool(tasks)
+    return tuple(parts)
 
 
 def _check(setting: Setting) -> None:
@@ -107,3 +111,7 @@ def _check(setting: Setting) -> None:
     for name in setting.primitives:
         if name not in tried:
             raise typer.BadParameter(f"no fault can be tried in {name!r}{suggest(name, tried)}")
+    whole = [task.parent.name for task in setting.tasks()]
+    for name in setting.only_tasks:
+        if name not in whole:
+            raise typer.BadParameter(f"the robot can't do a whole task {name!r}{suggest(name, whole)}")

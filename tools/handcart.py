@@ -30,6 +30,7 @@ COMMANDS = {
     "teach": ("tools.teach", "teach", "Record a posture into a robot's file."),
     "adopt": ("tools.adopt", "adopt", "Take what a calibration found into a robot's file."),
     "make-library": ("tools.make_library", "make_library", "Write a library: world, map, places, catalogue."),
+    "place": ("tools.place", "place", "Divide a seam among places of the base; write a task."),
     "campaign": ("tools.campaign", "campaign", "Run a task many times, with seeds, and count."),
     "conformance": ("tools.conformance", "conformance", "Try whether a backend keeps what it promises."),
 }

@@ -7,14 +7,19 @@ from typing import Any
 
 from backends.backend import Backend
 from backends.capability import Capability
+from backends.ground_spec import GroundSpec
 from backends.robot_file import RobotFile
 from backends.saved_state import attributes, set_attributes
 from backends.scene.base_contact import move_base
+from backends.scene.field_imu import FieldImu
 from backends.scene.hand import Hand
 from backends.scene.load_world import load_world
+from backends.scene.magazine import Magazine
 from backends.scene.mounts import base_T_frame
 from backends.scene.person import Person
+from backends.scene.rough_ride import RoughRide
 from backends.scene.scene import build_scene
+from backends.scene.simulated_gps import SimulatedGps
 from backends.scene.simulated_imu import SimulatedImu
 from backends.scene.simulated_positioning import SimulatedPositioning
 from backends.scene.suspension import lean_of
@@ -24,6 +29,7 @@ from robotics.geometry.pose2 import Pose2
 from .kinematic_arm import KinematicArm
 from .kinematic_base import KinematicBase
 from .kinematic_camera import KinematicCamera
+from .kinematic_car import KinematicCar
 from .kinematic_gripper import KinematicGripper
 from .kinematic_range_sensor import KinematicRangeSensor
 
@@ -44,9 +50,15 @@ _STATE = {
         "contacts",
         "touching",
         "to_come",
+        "loaded",
         "changes",
     ),
     "base": ("_command", "_travel"),
+    "car": KinematicCar.STATE,
+    "ride": RoughRide.STATE,
+    "field imu": FieldImu.STATE,
+    "gps": SimulatedGps.STATE,
+    "magazine": Magazine.STATE,
     "arm": (
         "_command",
         "_reached",
@@ -69,6 +81,8 @@ _STATE = {
     "person": ("_given", "_stood", "_since"),
 }
 """Attributes that a checkpoint keeps, by part; what follows from them isn't kept."""
+LEVEL = GroundSpec(roughness_deg=0.0)
+"""What a car rides over where the world's file tells of no ground."""
 
 
 class KinematicBackend(Backend):
@@ -103,7 +117,7 @@ class KinematicBackend(Backend):
         self.period = robot.period_s
         self.scene = build_scene(robot, world, seed)
         self._periods = 0
-        self._base = KinematicBase(robot, seed)
+        self._base, self._ride = self._wheels(robot, world, seed)
         self._arm: KinematicArm | None = None
         self._gripper: KinematicGripper | None = None
         self._camera: KinematicCamera | None = None
@@ -122,7 +136,14 @@ class KinematicBackend(Backend):
             self._range = KinematicRangeSensor(robot.range_sensor, mount, self.scene, seed)
         self._imu: SimulatedImu | None = None
         if robot.imu is not None:
-            self._imu = SimulatedImu(robot.imu, self.scene, self.period, seed)
+            imu = FieldImu if self.scene.open_ground else SimulatedImu
+            self._imu = imu(robot.imu, self.scene, self.period, seed)
+        self._gps: SimulatedGps | None = None
+        if robot.gps is not None:
+            self._gps = SimulatedGps(robot.gps, world.sky, self.scene, self.period, seed)
+        self._magazine: Magazine | None = None
+        if world.sensors is not None and robot.gripper is not None:
+            self._magazine = Magazine(self.scene, world.sensors)
         self._positioning: SimulatedPositioning | None = None
         if robot.positioning is not None:
             self._positioning = SimulatedPositioning(robot.positioning, self.scene, self.period, seed)
@@ -135,9 +156,18 @@ class KinematicBackend(Backend):
             raise MissingWorld("the backend 'kinematic' simulates; needed: a world file")
         return cls(robot, load_world(world), seed)
 
+    def _wheels(
+        self, robot: RobotFile, world: WorldFile, seed: int
+    ) -> tuple[KinematicBase | KinematicCar, RoughRide | None]:
+        if robot.drive.kind != "ackermann":
+            return KinematicBase(robot, seed), None
+        ride = RoughRide(robot, world.ground or LEVEL, seed)
+        self.scene.lean_to(ride.tilt)
+        return KinematicCar(robot, ride), ride
+
     def capabilities(self) -> tuple[Capability, ...]:
         """See `Backend`."""
-        sensors = (self._camera, self._range, self._imu, self._positioning)
+        sensors = (self._camera, self._range, self._imu, self._gps, self._positioning)
         parts = (self._base, self._arm, self._gripper, *sensors)
         return tuple(part for part in parts if part is not None)
 
@@ -146,7 +176,11 @@ class KinematicBackend(Backend):
         self._periods += 1
         self.scene.time = self._periods * self.period
         self._person.step()
+        if self._magazine is not None:
+            self._magazine.step()
         motion = self._base.advance(self._periods)
+        if self._ride is not None:
+            self.scene.lean_to(self._ride.tilt)
         touching = self._move_base(motion)
         fingers = self._gripper is not None and self._gripper.advance(self._periods)
         if self._arm is not None:
@@ -154,7 +188,7 @@ class KinematicBackend(Backend):
             self._lean()
             if self._arm.swung:
                 self._move_base(Pose2(0.0, 0.0, self._arm.swing_yaw()))
-        for sensor in (self._camera, self._range, self._imu, self._positioning):
+        for sensor in (self._camera, self._range, self._imu, self._gps, self._positioning):
             if sensor is not None:
                 sensor.advance(self._periods)
         self.scene.touch(touching)
@@ -193,12 +227,15 @@ class KinematicBackend(Backend):
         named = {
             "backend": self,
             "scene": self.scene,
-            "base": self._base,
+            "car" if isinstance(self._base, KinematicCar) else "base": self._base,
+            "ride": self._ride,
             "arm": self._arm,
             "gripper": self._gripper,
             "camera": self._camera,
             "range": self._range,
-            "imu": self._imu,
+            "field imu" if isinstance(self._imu, FieldImu) else "imu": self._imu,
+            "gps": self._gps,
+            "magazine": self._magazine,
             "positioning": self._positioning,
             "hand": self._hand,
             "person": self._person,

@@ -12,6 +12,7 @@ from .robot_body import RobotBody
 
 FINGERS = ("left_finger", "right_finger")
 PRESSES = 3e-4  # commanded this far beyond where they stand, the fingers press [m]
+AHEAD = 2e-3  # [m] that the drive's set-point runs into what the fingers press on: they open at once
 STANDS = 3e-4  # [m] in a period: slower fingers stand
 _GEAR_FORCE = 500.0  # with which the linkage keeps both fingers alike [N]
 
@@ -106,6 +107,7 @@ class BulletGripper(Gripper):
         """A period has ended."""
         self._target += max(-self._step, min(self._step, self._command - self._target))
         width = self.true_width()
+        self._target = max(self._target, width - AHEAD)
         stands = abs(width - self._stood) < STANDS
         self._pressing = stands and (self._target < width - PRESSES or self._target <= 0.0)
         self._stood = width

@@ -73,7 +73,7 @@ class ArmContact:
         """The same where the base is, the robot's own tray and what stands on it included."""
         world_T_base = self._scene.world_T_base
         worst = self.deepest(self._scene.base, joints, skip)
-        if worst is FREE and self._scene.tray_book() is not None:
+        if worst is FREE and (self._scene.open_ground or self._scene.tray_book() is not None):
             worst = self._check(world_T_base, joints, skip)
         poses = world_T_base @ self._link_poses(joints)
         hand = [body for body in self._bodies(world_T_base, poses, joints) if body[0] in _HANDS]

@@ -26,7 +26,7 @@ GreyImage = NDArray[np.uint8]
 
 _BACKGROUND, _FLOOR, _WALL, _FURNITURE = 150, 95, 165, 110
 _WOOD, _INSIDE, _DEPTH_DARK, _BOARD = 130, 14, 18, 60
-_PAGES, _TRAY, _METAL = 200, 205, 90
+_PAGES, _METAL = 200, 90
 _SEES = 3.0  # shelves further away are painted without their books [m]
 _FACES = (
     # normal, and corners of the unit box about its middle
@@ -208,7 +208,7 @@ def _robot(canvas: Canvas, scene: Scene) -> None:
     if scene.robot.has_tray:
         tray = scene.robot.tray_shape
         middle = scene.world_T_base @ transform((*tray.middle, tray.top - tray.size[2] / 2))
-        _box(canvas, Box(middle, tray.size), _TRAY)
+        _box(canvas, Box(middle, tray.size), scene.robot.tray_grey)
     standing = scene.tray_book()
     if standing is not None:
         _book(canvas, standing, None)

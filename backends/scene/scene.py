@@ -18,10 +18,10 @@ from .book import Book, Rest
 from .keyed_noise import keyed
 from .mark import Mark
 from .shelf import Shelf
-from .solids import FloorPlan, Solid, of_furniture, of_table, of_wall
+from .solids import THE_GROUND, FloorPlan, Solid, of_furniture, of_table, of_wall
 from .suspension import leaning
 from .thing import Thing
-from .world_file import BookSpec, WorldFile
+from .world_file import BookSpec, StationSpec, WorldFile
 
 SPINE_ON_TRAY = 0.02  # from the tray's rear to the book's spine, as a person sets it down [m]
 PROTRUSION = 0.003  # spines stand this much before or behind the board's front edge at most [m]
@@ -82,6 +82,12 @@ class Scene:
     """What touches in this period: pairs as in `Contact`."""
     to_come: list[BookSpec] = field(default_factory=list)
     """Books that a person still has for the robot."""
+    open_ground: bool = False
+    """Whether it stands outdoors: what is let go stands on the ground."""
+    total_station: StationSpec | None = None
+    """What measures, for evaluation, where the hand is."""
+    loaded: int = 0
+    """How many sensors its magazine has given so far."""
     tilted_base: Transform | None = None
     """world_T_base (4, 4) where physics lets the base tilt; None: it stands level."""
     changes: int = 0
@@ -169,6 +175,7 @@ def build_scene(robot: RobotFile, world: WorldFile, seed: int) -> Scene:
     solids = [of_wall(wall, i) for i, wall in enumerate(world.walls)]
     solids += [of_furniture(piece) for piece in (*world.furniture, *world.surprises)]
     solids += [part for table in world.tables for part in of_table(table)]
+    solids += [THE_GROUND] if world.ground is not None else []
     solids += [Solid(part) for shelf in shelves.values() for part in shelf.parts().values()]
     books = {book.accession: book for shelf in shelves.values() for book in _standing(shelf, seed)}
     arm = None if robot.arm is None else ArmModel(robot.urdf_text(), robot.arm.joints)
@@ -177,6 +184,8 @@ def build_scene(robot: RobotFile, world: WorldFile, seed: int) -> Scene:
     scene = Scene(robot, arm, shelves, tuple(solids), books, _start(robot, world, seed), joints, width)
     if world.tray is not None and robot.has_tray:
         set_on_tray(scene, world.tray, seed)
+    scene.total_station = world.total_station
+    scene.open_ground = world.ground is not None
     scene.to_come += world.handed_over
     scene.marks = tuple(Mark(spec) for spec in world.marks)
     set_blocks(scene, world, seed)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from backends.positioning import Positioning, PoseReading
+from backends.positioning import PoseReading, Positioning
 from backends.robot_file import PositioningSpec
 from robotics.geometry.pose2 import Pose2
 

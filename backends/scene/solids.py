@@ -15,6 +15,7 @@ from robotics.kinematics.shapes import Box
 from .world_file import Furniture, Surprise, TableSpec, Wall
 
 WALL_HEIGHT = 2.0
+_WIDE = 4000.0  # [m]
 _FOREVER = math.inf
 
 
@@ -27,6 +28,10 @@ class Solid:
     leaves: float = _FOREVER
 
 
+THE_GROUND = Solid(Box(Pose2(0.0, 0.0, 0.0).lift(-0.5), (_WIDE, _WIDE, 1.0), "the ground"))
+"""Outdoors: its top is at height 0."""
+
+
 def of_wall(wall: Wall, index: int) -> Solid:
     """A wall, ends included."""
     (ax, ay), (bx, by) = wall.from_m, wall.to_m
@@ -37,7 +42,8 @@ def of_wall(wall: Wall, index: int) -> Solid:
 
 def of_furniture(piece: Furniture) -> Solid:
     """A piece of furniture, or a surprise with its times."""
-    pose = Pose2(piece.x_m, piece.y_m, math.radians(piece.heading_deg)).lift(piece.size_m[2] / 2)
+    middle = piece.above_m + piece.size_m[2] / 2
+    pose = Pose2(piece.x_m, piece.y_m, math.radians(piece.heading_deg)).lift(middle)
     box = Box(pose, piece.size_m, piece.name)
     if not isinstance(piece, Surprise):
         return Solid(box)

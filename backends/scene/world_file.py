@@ -7,6 +7,7 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
+from backends.ground_spec import GroundSpec
 from files.errors import InputError
 from files.inside import FilePath
 from files.model import FileModel
@@ -47,11 +48,13 @@ class Wall(FileModel):
 
 
 class Furniture(Place):
-    """A solid box that stands on the floor; its pose is that of its middle."""
+    """A solid box, on the floor or above it; its pose is that of its middle."""
 
     name: Name
     size_m: tuple[Length, Length, Length]
     """Along its own x, along its own y, height."""
+    above_m: Annotated[float, Field(ge=0.0, le=10.0)] = 0.0
+    """Of its underside above the floor, for what is hung up or lies on something else."""
 
 
 class Surprise(Furniture):
@@ -150,6 +153,48 @@ class ShelfSpec(Place):
         return self
 
 
+class OutageSpec(FileModel):
+    """A time without satellites."""
+
+    from_s: Seconds
+    to_s: Seconds
+
+
+class SkySpec(FileModel):
+    """What befalls a satellite receiver, beside its own noise."""
+
+    reflection_every_s: Annotated[float, Field(gt=0.0)] | None = None
+    """Mean time from the end of one reflection (multipath) to the next; none where this is missing."""
+    reflection_s: Annotated[float, Field(gt=0.0)] = 20.0
+    """Its mean duration."""
+    reflection_m: Annotated[float, Field(ge=0.0)] = 8.0
+    """By which it moves the fixes, an axis: sigma."""
+    outlier_percent: Annotated[float, Field(ge=0.0, le=100.0)] = 0.0
+    """Of single fixes that are `outlier_m` off."""
+    outlier_m: Annotated[float, Field(ge=0.0)] = 5.0
+    """An axis: sigma."""
+    outages: tuple[OutageSpec, ...] = ()
+
+
+class SensorSpec(FileModel):
+    """Seismic sensors that a robot carries in its magazine, to be laid out one after the other."""
+
+    count: Annotated[int, Field(ge=0, le=2000)]
+    size_mm: tuple[Millimetres, Millimetres, Millimetres] = (60.0, 60.0, 120.0)
+    """Along its x, y and z."""
+
+
+class StationSpec(FileModel):
+    """A total station, for evaluation only: it follows a reflector on the robot's hand."""
+
+    x_m: Coordinate
+    y_m: Coordinate
+    height_m: Annotated[float, Field(gt=0.0, le=10.0)] = 1.5
+    period_s: Annotated[float, Field(gt=0.0)] = 0.3
+    accuracy_mm: Annotated[float, Field(ge=0.0)] = 10.0
+    """Within which its readings lie, an axis: two sigma."""
+
+
 class WorldFile(FileModel):
     """The surroundings of the robot, and the book on its tray."""
 
@@ -167,6 +212,12 @@ class WorldFile(FileModel):
     shelves: tuple[ShelfSpec, ...] = ()
     tray: BookSpec | None = None
     """The book on the robot's tray."""
+    ground: GroundSpec | None = None
+    """Open ground, rough; left out: a level floor."""
+    sky: SkySpec = SkySpec()
+    sensors: SensorSpec | None = None
+    """In the robot's magazine."""
+    total_station: StationSpec | None = None
     handed_over: tuple[BookSpec, ...] = ()
     """Books that a person puts onto the empty tray, one after the other, when the robot is home."""
 

@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from backends.backend import Backend
-from evaluation.judge import BASE_SIGMA_DEG, BASE_SIGMA_MM, SIGMAS
+from evaluation.judge import BASE_SIGMA_DEG, BASE_SIGMA_MM, MOST_OFF_MM, SIGMAS
 from evaluation.shelving import MOST_PUSHED_MM, Shelving, longest_rising
 from primitives.action_primitive import ActionPrimitive
 from primitives.world_model import WorldModel
@@ -19,6 +19,7 @@ from .ground_truth import GroundTruth, disturbed, ground_truth, scene_of
 SEEN_MM = 8.0  # that a book may be seen away from where it stands
 SLOT_MM = 15.0  # the same of a slot's middle, along the shelf
 EDGE_MM = 8.0  # that a leading edge may be beside the middle of its slot: further out it jams
+FIXED_MM, FIXED_DEG = 6.0, 0.3  # that a landmark may tell wrongly of the base: it leans meanwhile
 ARRIVED_MM, ARRIVED_DEG = 25.0 + SIGMAS * BASE_SIGMA_MM, 1.5 + SIGMAS * BASE_SIGMA_DEG
 
 Effect = Callable[[Any, Any, WorldModel], list[str]]
@@ -31,7 +32,7 @@ def false_effect(
     after = ground_truth(backend)
     if after is None:
         return []
-    own = f"book {model.book.accession}" if model.book else ""
+    own = f"book {model.book.accession}" if model.book else f"block {getattr(primitive, 'number', '')}"
     wrong = [
         f"it moved {each} mm (at most {MOST_PUSHED_MM:.0f})"
         for each in disturbed(before, after, MOST_PUSHED_MM, own)
@@ -112,6 +113,33 @@ def _modify(_: Any, primitive: Any, model: WorldModel) -> list[str]:
     return [] if known else ["no other way is known"]
 
 
+def _fixate(scene: Any, _: Any, model: WorldModel) -> list[str]:
+    if model.fixed is None:
+        return ["it isn't known where the base stands"]
+    off, turned = model.fixed.pose.distance(scene.base), model.fixed.pose.turn(scene.base)
+    return [
+        *_most("the base is {:.1f} mm from where it was found", 1e3 * off, FIXED_MM),
+        *_most("the base is turned {:.2f} deg against how it was found", math.degrees(turned), FIXED_DEG),
+    ]
+
+
+def _pick_up_block(scene: Any, primitive: Any, _: WorldModel) -> list[str]:
+    held, wanted = scene.held.name if scene.held else None, f"block {primitive.number}"
+    return [] if held == wanted else [f"the hand holds {held}, not {wanted}"]
+
+
+def _stack(scene: Any, primitive: Any, model: WorldModel) -> list[str]:
+    block = scene.blocks.get(str(primitive.number))
+    if model.building is None or block is None or block.rest.value not in ("table", "tray"):
+        return [f"block {primitive.number} doesn't stand anywhere"]
+    if primitive.onto == "robot":
+        seat = model.building.seat(primitive.number).pose
+        off = inverse(seat) @ inverse(scene.world_T_base) @ block.pose
+    else:
+        off = inverse(model.building.goals[primitive.number - 1].pose) @ block.pose
+    return _most("the block is {:.1f} mm from its goal", 1e3 * math.hypot(*off[:2, 3]), MOST_OFF_MM)
+
+
 def _in_order(left: list[str], right: list[str], own: str) -> bool:
     """Whether a call number fits between those left and those right of it that stand in order themselves."""
     numbers = [(parse(call), at < len(left)) for at, call in enumerate(left + right)]
@@ -146,6 +174,9 @@ EFFECTS: Mapping[str, Effect] = {
     "APPROACH": _approach,
     "INSERT": _insert,
     "RELEASE": _release,
+    "FIXATE": _fixate,
+    "PICK_UP_BLOCK": _pick_up_block,
+    "STACK": _stack,
 }
 """By the primitive's name. Somebody else's primitive may have a method `false_effect(scene, before)` instead,
 which says in words what its Success promises and isn't so."""

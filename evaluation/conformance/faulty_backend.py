@@ -62,7 +62,7 @@ class FaultyBackend(LayeredBackend):
         return tuple(name for name in SENSORS if name in self._last)
 
     def stay(self) -> bool:
-        """The fault itself moves nothing from now on, what is stuck stays so; whether the base slid just now."""
+        """The fault moves nothing from now on, what is stuck stays so; whether the base slid just now."""
         slid = self._fault is not None and self._fault.kind is FaultKind.SLIP and self._left > -SETTLES
         self._left = min(0, self._left) if slid else self._left
         self._joints = self._width = None

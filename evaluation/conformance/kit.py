@@ -10,6 +10,7 @@ from multiprocessing import get_context
 from pathlib import Path
 
 from backends.robot_file import load_robot
+from evaluation.stage import AT_THE_WALL, StageFiles
 
 from .all_checks import CHECKS
 from .bench import Bench
@@ -18,7 +19,7 @@ from .fail_is_true import Batch
 from .forked import Died, Hung, forked
 from .mutants import MUTANTS, Caught, try_mutant
 from .reach import Reach
-from .rehearsal import DRIVE_MAP, RETURN_BOOK, RETURN_BOOKS, Rehearsal, Solo
+from .rehearsal import DRIVE_MAP, RETURN_BOOK, RETURN_BOOKS, UNLOAD, Rehearsal, Solo
 from .report import Broken, Report, Result
 from .task_runs import OneRun, task_runs
 
@@ -32,6 +33,7 @@ SEEDS, SEEDS_QUICK = 50, 2
 """Of each shipped task with errors: in full, and quick."""
 NEWS = 10.0  # [s] between two words of how many jobs are done, at most
 LONGEST = 600.0  # [s] of CPU time that a check or a liar gets
+STACKER = "toyama"  # the shipped robot that has blocks instead of books
 
 
 @dataclass(frozen=True)
@@ -49,11 +51,14 @@ class Setting:
     """Of each primitive's run in which faults are injected; None: as many as the mode says."""
     seeds: int | None = None
     """Of each shipped task; None: as many as the mode says."""
+    only_tasks: Sequence[str] = ()
+    """Of whole tasks these alone, by their folders' names; none: all that the robot can do."""
 
     @property
     def bench(self) -> Bench:
         """Where checks are made."""
-        return Bench(self.backend, self.robot, quick=self.quick)
+        files = AT_THE_WALL if self._stacks else StageFiles()
+        return Bench(self.backend, self.robot, files, quick=self.quick)
 
     def batches(self) -> list[Batch]:
         """Faults in each primitive of a shipped task that the robot can do, and in REACH."""
@@ -81,11 +86,16 @@ class Setting:
     def rehearsal(self) -> Rehearsal | None:
         """The shipped task with the most primitives that the robot can do."""
         tasks = self.tasks()
-        return Rehearsal(tasks[0], self.backend, settings=self._chosen) if tasks else None
+        if not tasks:
+            return None
+        once = {"blocks": "[1]"} if tasks[0] == UNLOAD else {}
+        return Rehearsal(tasks[0], self.backend, settings={**self._chosen, **once})
 
     def tasks(self) -> tuple[Path, ...]:
         """The shipped tasks that the robot can do."""
         spec = load_robot(self.robot)
+        if self._stacks:
+            return (UNLOAD,)
         if spec.arm and spec.gripper and spec.camera and spec.range_sensor:
             return RETURN_BOOK, RETURN_BOOKS, DRIVE_MAP
         return (DRIVE_MAP,) if spec.range_sensor else ()
@@ -93,12 +103,18 @@ class Setting:
     def task_runs(self) -> list[OneRun]:
         """Each of them without errors, and with."""
         seeds = self.seeds or (SEEDS_QUICK if self.quick else SEEDS)
-        return task_runs(self.tasks(), self.backend, seeds, self._chosen)
+        chosen = [task for task in self.tasks() if task.parent.name in self.only_tasks or not self.only_tasks]
+        return task_runs(chosen, self.backend, seeds, self._chosen)
 
     @property
     def chosen_parts(self) -> Sequence[str]:
         """What is tried."""
         return self.parts or (QUICK_PARTS if self.quick else PARTS)
+
+    @property
+    def _stacks(self) -> bool:
+        """Whether it handles blocks."""
+        return self.robot.partition("/")[0] == STACKER
 
     @property
     def _chosen(self) -> dict[str, str]:

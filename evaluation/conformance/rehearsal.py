@@ -23,6 +23,7 @@ TASKS = Path(__file__).parents[2] / "tasks"
 RETURN_BOOK, RETURN_BOOKS, DRIVE_MAP = (
     TASKS / name / "task.yaml" for name in ("return_book", "return_books", "drive_map")
 )
+UNLOAD = TASKS / "stack_blocks" / "unload.yaml"
 
 
 class NoRehearsal(Exception):

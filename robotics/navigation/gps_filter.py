@@ -107,6 +107,10 @@ class GpsFilter(FieldLocalizer):
             self._record.mark(now)
         return now
 
+    def smoothed(self) -> list[Belief]:
+        """The marked moments by all that was seen so far; none without a record."""
+        return [] if self._record is None else self._record.smoothed()
+
     def _estimate(self) -> Pose2:
         x, y, heading = self._mean[:3].tolist()
         return Pose2(x, y, wrap(heading))

@@ -64,11 +64,57 @@ class Localizer(ABC):
 
 
 class OdometryLocalizer(Localizer):
-    """Wheels alone: what is left when scans are switched off."""
+    """Wheels alone: what is left when scans are switched off.
+
+    With a map, scans only tell whether the base was moved while its wheels stood.
+    """
+
+    STATE = ("_stands",)
+
+    def __init__(
+        self,
+        start: Pose2,
+        tread: float,
+        errors: OdometryErrors = OdometryErrors(),
+        covariance: NDArray[np.float64] | None = None,
+        field: LikelihoodField | None = None,
+        sigma: float = 0.01,
+    ) -> None:
+        """As for `Localizer`; `field` of the map, `sigma` the noise of a range in [m]."""
+        super().__init__(start, tread, errors, covariance)
+        self._field, self._sigma = field, sigma
+        self._stands: Pose2 | None = None
+
+    def predict(self, left: float, right: float) -> None:
+        """See `Localizer`."""
+        if left != 0.0 or right != 0.0:
+            self._stands = None
+        super().predict(left, right)
 
     def correct(self, points: NDArray[np.float64]) -> bool:
         """Scans are not looked at."""
         return False
+
+    def find_again(self, points: NDArray[np.float64]) -> bool:
+        """Whether the last two scans of a base that should stand fit the map at different places.
+
+        What lies between them is added to the pose.
+        """
+        if self._field is None or len(points) < FEWEST_POINTS:
+            return False
+        before, near = self._stands, self._stands or self.pose
+        covariance = np.asarray(self.covariance + ROUGH)
+        match = match_scan(self._field, points, near, covariance, self._sigma)
+        if match.inliers < LEAST_INLIERS:
+            return False
+        self._stands = match.pose
+        if before is None:
+            return False
+        apart = before.distance(match.pose) > DISPLACED[0] or before.turn(match.pose) > DISPLACED[1]
+        if apart:
+            moved = match.pose.relative_to(before)
+            self._odometry.reset(self.pose.compose(moved), self.covariance)
+        return apart
 
 
 class ScanLocalizer(Localizer):

@@ -57,6 +57,7 @@ def test_one_primitive_for_real(handcart: Any) -> None:
         (("--backend", "kinematik"), "did you mean 'kinematic'"),
         (("--part", "fault"), "did you mean 'faults'"),
         (("--primitive", "REECH"), "did you mean 'REACH'"),
+        (("--task", "return_bok"), "did you mean 'return_book'"),
         (("--robot", "nowhere/robot.yaml"), "nowhere/robot.yaml"),
     ],
 )

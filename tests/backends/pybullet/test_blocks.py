@@ -30,7 +30,9 @@ marks:
 blocks:
 """
 ON_TRAY = '  - {name: "1", on: robot, x_m: -0.26, y_m: 0.0, height_m: 0.45}\n'
-PILE = "".join(f'  - {{name: "{n}", x_m: 0.15, y_m: 0.45, height_m: {0.32 + 0.04 * n:.2f}}}\n' for n in (2, 3, 4))
+PILE = "".join(
+    f'  - {{name: "{n}", x_m: 0.15, y_m: 0.45, height_m: {0.32 + 0.04 * n:.2f}}}\n' for n in (2, 3, 4)
+)
 SHIFTED = '  - {name: "5", x_m: 0.168, y_m: 0.45, height_m: 0.52}\n'
 OVER = 0.165  # [m] from the foot of a block that is gripped up to the hand
 
@@ -132,6 +134,16 @@ def test_a_block_is_taken_carried_and_put_on_others_that_stay_where_they_are(bui
     for name in ("2", "3", "4"):
         assert np.abs(blocks[name].pose - before[name])[:2, 3].max() < 2e-4
         assert abs(turn_of(blocks[name])) < 3e-3
+
+
+def test_fingers_that_press_let_go_at_once(build):
+    backend = build(ON_TRAY)
+    go(backend, -0.26, 0.0, 0.45 + OVER)
+    grip(backend, 0.0)
+    assert backend.scene.held is not None
+    part(backend, "Gripper").move(0.045)
+    steps(backend, 3)
+    assert backend.scene.held is None
 
 
 def test_the_camera_sees_a_mark_where_it_is(build):

@@ -1,0 +1,1 @@
+"""El-Verde, which lays sensors outdoors."""

@@ -1,0 +1,159 @@
+"""Where sensors come to lie, measured by the total station: the errors of Ohki et al. (2012), section VI."""
+
+from __future__ import annotations
+
+import math
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from backends.gps import Gps
+from backends.robot import Robot
+from primitives.target import Laid
+from primitives.world_model import WorldModel
+from robotics.navigation.placement_errors import aligned_spread, nees
+
+from .total_station import TotalStation
+
+LOOKS_BACK = 1.0  # [s] before a sensor is let go, in which the hand stands over it
+EVERY = 0.5  # [s] between points of the tracks that are drawn
+Array = NDArray[np.float64]
+
+
+class Placement(NamedTuple):
+    """One sensor."""
+
+    name: str
+    target: tuple[float, float]
+    """In [m]."""
+    believed: Laid
+    """What the robot held when it let the sensor go."""
+    measured: tuple[float, float] | None
+    """By the total station, in [m]; None where it had lost sight of the reflector."""
+    lies: tuple[float, float]
+    """The ground truth, in [m]."""
+
+    @property
+    def error_mm(self) -> tuple[float, float] | None:
+        """Measured place less target, x and y in [mm]; None where it wasn't seen."""
+        if self.measured is None:
+            return None
+        return 1e3 * (self.measured[0] - self.target[0]), 1e3 * (self.measured[1] - self.target[1])
+
+
+class FieldSurvey:
+    """Looks at a scene once a period, and notes where sensors are let go."""
+
+    def __init__(self, scene: Any, model: WorldModel, seed: int) -> None:
+        """Of a run that hasn't started."""
+        self._scene, self._model = scene, model
+        spec = scene.total_station
+        self.station = TotalStation(spec, scene, seed) if spec is not None else None
+        self._blocks: dict[str, str] = {}
+        self._seen: dict[str, tuple[float, float] | None] = {}
+        self.tracks: dict[str, list[tuple[float, float]]] = {
+            name: [] for name in ("fixes", "odometry", "estimate", "truth")
+        }
+        """Points (x, y) in [m], for plots."""
+        self._next = 0.0
+        self._held = ""
+        for laid in model.laid:  # by the run that this one goes on with: nobody measured for us
+            self._blocks[laid.name], self._seen[laid.name] = self._nearest(laid), None
+
+    def look(self, robot: Robot) -> None:
+        """A period has passed."""
+        if self.station is not None:
+            self.station.look()
+        self._follow(robot)
+        for laid in self._model.laid[len(self._blocks) :]:
+            self._blocks[laid.name] = self._held
+            self._seen[laid.name] = self._measured()
+        held = self._scene.held
+        self._held = "" if held is None else held.spec.name
+
+    def placements(self) -> list[Placement]:
+        """All sensors that were let go."""
+        found = []
+        for laid in self._model.laid:
+            block = self._scene.blocks.get(self._blocks.get(laid.name, ""))
+            target = self._model.targets[laid.name]
+            if block is not None:
+                lies = (float(block.pose[0, 3]), float(block.pose[1, 3]))
+                seen = self._seen.get(laid.name)
+                found.append(Placement(laid.name, (target.x, target.y), laid, seen, lies))
+        return found
+
+    def figures(self) -> dict[str, Any]:
+        """For a run's metrics."""
+        every = self.placements()
+        seen = [each for each in every if each.error_mm is not None]
+        result: dict[str, Any] = {"placed": len(every), "out_of_sight": len(every) - len(seen)}
+        if seen:
+            errors = np.array([each.error_mm for each in seen])
+            sizes = np.hypot(*errors.T)
+            result["error_mm_rms"] = round(float(np.sqrt(np.mean(sizes**2))), 1)
+            result["error_mm_max"] = round(float(sizes.max()), 1)
+            result["nees_mean"] = round(float(np.mean(self._nees(seen))), 3)
+        if len(seen) > 2:
+            spread = 1e3 * aligned_spread(errors / 1e3, np.array([each.target for each in seen]))
+            result["aligned_sd_x_mm"], result["aligned_sd_y_mm"] = (round(float(each), 1) for each in spread)
+        result["placements"] = [_row(each) for each in every]
+        return result
+
+    def _nearest(self, laid: Laid) -> str:
+        """The block that lies nearest to where the robot believed to lay it."""
+        away = {
+            block.spec.name: math.dist(block.pose[:2, 3], (laid.x, laid.y))
+            for block in self._scene.blocks.values()
+        }
+        return min(away, key=lambda name: away[name], default="")
+
+    def _nees(self, seen: list[Placement]) -> Array:
+        own = 0.0 if self.station is None else self.station.sigma**2
+        believed = np.array([(each.believed.x, each.believed.y) for each in seen])
+        off = np.array([each.measured for each in seen], dtype=np.float64) - believed
+        return nees(off, np.array([each.believed.spread + own * np.eye(2) for each in seen]))
+
+    def _measured(self) -> tuple[float, float] | None:
+        """Mean of the readings of the last second."""
+        sights = self.station.sights if self.station is not None else []
+        last = [sight.place for sight in sights[-10:] if sight.time > self._scene.time - LOOKS_BACK]
+        if not last:
+            return None
+        x, y = np.mean(last, axis=0)[:2].tolist()
+        return x, y
+
+    def _follow(self, robot: Robot) -> None:
+        if robot.outdoors is None:
+            return
+        gps = robot.backend.get(Gps)  # type: ignore[type-abstract]
+        fix = gps.fix() if gps is not None else None
+        if fix is not None:
+            self.tracks["fixes"].append((float(fix.position[0]), float(fix.position[1])))
+        if self._scene.time >= self._next:
+            self._next = self._scene.time + EVERY
+            poses = {
+                "odometry": robot.outdoors.odometry.pose,
+                "estimate": robot.pose,
+                "truth": self._scene.base,
+            }
+            for name, pose in poses.items():
+                self.tracks[name].append((pose.x, pose.y))
+
+
+def _row(each: Placement) -> dict[str, Any]:
+    """Of the summary."""
+    error = each.error_mm
+    true = [1e3 * (lies - goal) for lies, goal in zip(each.lies, each.target, strict=True)]
+    xx, _, yy = each.believed.covariance
+    return {
+        "name": each.name,
+        "x_mm": None if error is None else round(error[0], 1),
+        "y_mm": None if error is None else round(error[1], 1),
+        "true_x_mm": round(true[0], 1),
+        "true_y_mm": round(true[1], 1),
+        "sigma_x_mm": round(1e3 * math.sqrt(xx), 1),
+        "sigma_y_mm": round(1e3 * math.sqrt(yy), 1),
+        "time_s": round(each.believed.time, 2),
+    }

@@ -1,0 +1,34 @@
+"""Commanding arm and gripper as in a moment that was recorded."""
+
+from __future__ import annotations
+
+from collections.abc import Generator
+
+import numpy as np
+
+from backends.arm import Arm
+from backends.gripper import Gripper
+from backends.robot import Robot
+
+from .trace import Moment
+
+GRIP_PAUSE = 0.6  # [s] that fingers get before anything else moves
+
+
+def renew_arm(robot: Robot, moment: Moment) -> bool:
+    """Command the arm as in that moment; whether that is another command than the last."""
+    arm = robot.backend.get(Arm)  # type: ignore[type-abstract]
+    if arm is None or not np.any(arm.command() != moment.joints):
+        return False
+    arm.move(moment.joints)
+    return True
+
+
+def command_moment(robot: Robot, moment: Moment) -> Generator[None, None, None]:
+    """Bring arm and gripper to their commands of that moment."""
+    gripper = robot.backend.get(Gripper)  # type: ignore[type-abstract]
+    if gripper and abs(gripper.command() - moment.grip) > 1e-6:
+        gripper.move(moment.grip)
+        yield from robot.wait(GRIP_PAUSE)
+    if renew_arm(robot, moment):
+        yield

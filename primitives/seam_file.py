@@ -1,0 +1,97 @@
+"""Reading a seam: a CSV file with one pose of the tool a line."""
+
+from __future__ import annotations
+
+import csv
+import math
+from io import StringIO
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from files.errors import FileError, Finding
+from files.findings import Findings
+from files.regular_file import decode_text, read_regular_file
+from robotics.geometry.transform import transform
+from robotics.manipulation.tool_path import ToolPath, tool_path
+from robotics.manipulation.untrackable import Untrackable
+
+COLUMNS = ("x_m", "y_m", "z_m", "roll_deg", "pitch_deg", "yaw_deg")
+MAX_BYTES = 1 << 22
+
+
+def load_seam(path: Path | str) -> ToolPath:
+    """The path of a tool that points along the x axis of its frame, on the map.
+
+    The file's first line names the columns; lengths are in [m], roll, pitch and yaw in [deg] as in a URDF. Point
+    i of the path stands in line i + 2.
+
+    Raises:
+        FileError: it is no such file, or the first bad point: NaN, a repeated position, a jump.
+    """
+    file = str(path)
+    text = decode_text(read_regular_file(path, MAX_BYTES), file)
+    lines = text.splitlines()
+    if not lines or tuple(cell.strip() for cell in lines[0].split(",")) != COLUMNS:
+        raise _refused(file, 1, f"these are no columns of a seam; allowed: {','.join(COLUMNS)}")
+    findings = Findings()
+    rows = [_row(file, number, line, findings) for number, line in enumerate(lines[1:], start=2)]
+    findings.raise_all()
+    if len(rows) < 2:
+        raise _refused(file, len(lines), f"{len(rows)} points; allowed: two or more, one a line")
+    try:
+        return tool_path(np.array([_pose(row) for row in rows]))
+    except Untrackable as error:
+        raise untrackable(file, error) from None
+
+
+def untrackable(file: str, error: Untrackable) -> FileError:
+    """What is wrong with a point, at its line of the file."""
+    nearest = "" if error.nearest is None else f"; the nearest that can be reached: {_words(error.nearest)}"
+    allowed = "" if "allowed" in error.why or nearest else "; allowed: a seam without that"
+    return _refused(file, error.index + 2, f"this point {error.why}{nearest}{allowed}")
+
+
+def write_seam(path: Path, poses: NDArray[np.float64]) -> None:
+    """Write poses (p, 6): x, y, z in [m], roll, pitch, yaw in [rad]."""
+    rows = [",".join(COLUMNS)]
+    for pose in poses.tolist():
+        numbers = [f"{value:.5f}" for value in pose[:3]]
+        rows.append(",".join(numbers + [f"{math.degrees(value):.4f}" for value in pose[3:]]))
+    path.write_text("\n".join(rows) + "\n", encoding="utf-8")
+
+
+def _row(file: str, number: int, line: str, findings: Findings) -> list[float]:
+    cells = next(csv.reader(StringIO(line)), [])
+    if len(cells) != len(COLUMNS):
+        findings.add(Finding(file, number, 1, f"{len(cells)} values; allowed: {len(COLUMNS)}"))
+        return []
+    values, column = [], 1
+    for name, cell in zip(COLUMNS, cells, strict=True):
+        value = _number(cell)
+        if not math.isfinite(value):
+            wrong = f"{name} is {cell.strip()[:40]!r}; allowed: a finite number"
+            findings.add(Finding(file, number, column, wrong))
+        values.append(value)
+        column += len(cell) + 1
+    return values
+
+
+def _number(cell: str) -> float:
+    try:
+        return float(cell)
+    except ValueError:
+        return math.nan
+
+
+def _pose(row: list[float]) -> NDArray[np.float64]:
+    return transform(row[:3], [math.radians(angle) for angle in row[3:]])
+
+
+def _words(point: NDArray[np.float64]) -> str:
+    return "(" + ", ".join(f"{value:.3f}" for value in point) + ") m"
+
+
+def _refused(file: str, line: int, wrong: str) -> FileError:
+    return FileError([Finding(file, line, 1, wrong)])

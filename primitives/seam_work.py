@@ -1,0 +1,49 @@
+"""How far the work on a seam is, and from where it goes on."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from robotics.geometry.pose2 import Pose2
+
+
+class SeamPart(NamedTuple):
+    """What of a seam is tracked from one place."""
+
+    place: str
+    """Name of the place that the base is to stand at."""
+    pose: Pose2
+    """map_T_base there."""
+    first: int
+    """Point of the seam where it begins."""
+    last: int
+    """Where it ends; the next part begins there."""
+    score: float
+    """Integral along it, in [m]: up to its length."""
+
+
+class SeamWork(NamedTuple):
+    """A seam divided among places."""
+
+    tracked: int = 0
+    """Up to this point it is done."""
+    next: SeamPart | None = None
+    """What is tracked next; None: it isn't divided, or nothing is left."""
+    after: tuple[SeamPart, ...] = ()
+    """What follows then."""
+    named: int = 0
+    """Places that were named so far."""
+    avoided: tuple[Pose2, ...] = ()
+    """Where the base stood, or was to stand, and the arm could not do its part."""
+
+    @property
+    def rest(self) -> tuple[SeamPart, ...]:
+        """All that is divided and not yet tracked."""
+        return () if self.next is None else (self.next, *self.after)
+
+    def done(self) -> SeamWork:
+        """The next part is tracked."""
+        if self.next is None:
+            return self
+        following = self.after[0] if self.after else None
+        return self._replace(tracked=self.next.last, next=following, after=self.after[1:])

@@ -1,0 +1,207 @@
+"""Reading a list of targets: CSV or GeoJSON, in metres or by latitude and longitude."""
+
+from __future__ import annotations
+
+import csv
+import math
+from collections.abc import Iterator
+from pathlib import Path
+from typing import NamedTuple
+
+from files.errors import FileError, Finding
+from files.findings import Findings
+from files.suggest import listed
+from files.yaml_document import read_document
+from files.yaml_node import Node
+from robotics.geometry.pose2 import Pose2
+
+from .earth_frame import EarthFrame
+from .field import Field
+from .knowledge import Place
+from .target import Target
+
+METRES = ("x_m", "y_m")
+DEGREES = ("latitude_deg", "longitude_deg")
+HEADING = "heading_deg"
+LEAST_APART = 0.3  # [m] between two targets
+MOST = 5000  # targets
+
+
+class Row(NamedTuple):
+    """One target as it stands in a file."""
+
+    line: int
+    columns: dict[str, int]
+    words: dict[str, str]
+
+
+def load_targets(path: Path, field: Field, start: Pose2) -> dict[str, Target]:
+    """The targets by name, in the order of the file, each with where the base is to stand.
+
+    That is to the target's left, on the straight line from where it stood before, `start` at first; or with
+    the heading that the file tells.
+
+    Args:
+        path: a CSV file with a header, name and x_m, y_m or latitude_deg, longitude_deg, perhaps
+            heading_deg; or GeoJSON points.
+        field: in which they lie.
+        start: world_T_base at first.
+
+    Raises:
+        FileError: with every bad line.
+    """
+    findings = Findings()
+    rows = list((_geojson if path.suffix in (".geojson", ".json") else _csv)(path, findings))
+    earth = EarthFrame(field.origin.latitude_deg, field.origin.longitude_deg) if field.origin else None
+    if not rows and not findings:
+        findings.add(Finding(str(path), 1, 1, "no targets; allowed: at least one"))
+    if len(rows) > MOST:
+        findings.add(Finding(str(path), rows[MOST].line, 1, f"too many targets; allowed: {MOST}"))
+    found: dict[str, Target] = {}
+    before = start
+    for row in rows[:MOST]:
+        try:
+            target = _target(row, field, earth, before, found)
+        except _Wrong as wrong:
+            findings.add(Finding(str(path), row.line, row.columns.get(wrong.key, 1), str(wrong)))
+            continue
+        found[target.name] = target
+        before = target.stand
+    findings.raise_all()
+    return found
+
+
+def place_of(target: Target) -> Place:
+    """Where the base stands for it, as a place of the map."""
+    stand = target.stand
+    return Place(x_m=stand.x, y_m=stand.y, heading_deg=math.degrees(stand.theta))
+
+
+class _Wrong(ValueError):
+    def __init__(self, key: str, words: str) -> None:
+        self.key = key
+        super().__init__(words)
+
+
+def _csv(path: Path, wrong: Findings) -> Iterator[Row]:
+    text = _text(path)
+    reader = csv.reader(text.splitlines())
+    header = [name.strip() for name in next(reader, [])]
+    wanted = [pair for pair in (METRES, DEGREES) if set(header) & {*METRES, *DEGREES} == set(pair)]
+    unknown = [name for name in header if name not in ("name", HEADING, *METRES, *DEGREES)]
+    if len(wanted) != 1 or unknown or len(set(header)) != len(header):
+        allowed = "allowed: name, and x_m,y_m or latitude_deg,longitude_deg, perhaps heading_deg"
+        wrong.add(Finding(str(path), 1, 1, f"the header is {','.join(header)!r}; {allowed}"))
+        return
+    for cells in reader:
+        if not any(cell.strip() for cell in cells):
+            continue
+        if len(cells) != len(header):
+            told = f"{len(cells)} cells; allowed: {len(header)}, as in the header"
+            wrong.add(Finding(str(path), reader.line_num, 1, told))
+            continue
+        starts = [1 + sum(len(cell) + 1 for cell in cells[:k]) for k in range(len(cells))]
+        words = {key: cell.strip() for key, cell in zip(header, cells, strict=True)}
+        yield Row(reader.line_num, dict(zip(header, starts, strict=True)), words)
+
+
+def _geojson(path: Path, wrong: Findings) -> Iterator[Row]:
+    document = read_document(path)
+    features, there = document.root.deepest(("features",))
+    if not there or not isinstance(features.content, list):
+        allowed = "allowed: a GeoJSON FeatureCollection of points"
+        wrong.add(document.finding((), f"no list of features; {allowed}"))
+        return
+    for number, feature in enumerate(features.content):
+        place, there = feature.deepest(("geometry", "coordinates"))
+        kind = feature.deepest(("geometry", "type"))[0].content
+        if kind != "Point" or not there or not isinstance(place.content, list) or len(place.content) < 2:
+            key = ("features", number)
+            wrong.add(document.finding(key, "no point; allowed: a Point with longitude and latitude"))
+            continue
+        longitude, latitude = place.content[:2]
+        named, there = feature.deepest(("properties", "name"))
+        name = str(named.content) if there else str(number + 1)
+        words = {"name": name, "longitude_deg": _word(longitude), "latitude_deg": _word(latitude)}
+        columns = {"name": place.column, "longitude_deg": longitude.column, "latitude_deg": latitude.column}
+        yield Row(place.line, columns, words)
+
+
+def _word(node: Node) -> str:
+    return str(node.content)
+
+
+def _text(path: Path) -> str:
+    try:
+        return path.read_text(encoding="utf-8-sig")
+    except (OSError, UnicodeDecodeError):
+        raise FileError([Finding(str(path), 0, 0, "can't be read; allowed: a text file")]) from None
+
+
+def _target(
+    row: Row, field: Field, earth: EarthFrame | None, before: Pose2, found: dict[str, Target]
+) -> Target:
+    name = row.words.get("name") or str(len(found) + 1)
+    if name in found:
+        told = (
+            f"the target {name!r} is there twice, first in line {found[name].line}; allowed: each name once"
+        )
+        raise _Wrong("name", told)
+    if METRES[0] in row.words:
+        key, (x, y) = METRES[0], (_number(row, METRES[0]), _number(row, METRES[1]))
+    else:
+        key, (x, y) = DEGREES[0], _projected(row, field, earth)
+    if not field.holds(x, y):
+        (west, east), (south, north) = field.x_m, field.y_m
+        inside = f"allowed: the field, x {west:g} to {east:g} m, y {south:g} to {north:g} m"
+        raise _Wrong(key, f"the target {name!r} at ({x:.1f}, {y:.1f}) m lies outside; {inside}")
+    near = [other.name for other in found.values() if math.hypot(other.x - x, other.y - y) < LEAST_APART]
+    if near:
+        told = f"the target {name!r} lies where {listed(near)} does; allowed: {LEAST_APART} m apart at least"
+        raise _Wrong(key, told)
+    heading = math.radians(_number(row, HEADING)) if row.words.get(HEADING) else None
+    stand = _stand(x, y, field.aside_m, before, heading)
+    return Target(name, x, y, stand, row.line, row.columns.get("name", 1))
+
+
+def _number(row: Row, key: str) -> float:
+    try:
+        value = float(row.words[key])
+    except ValueError:
+        raise _Wrong(key, f"{key} is {row.words[key]!r}; allowed: a number") from None
+    if not math.isfinite(value):
+        raise _Wrong(key, f"{key} is {row.words[key]}; allowed: a finite number")
+    return value
+
+
+def _projected(row: Row, field: Field, earth: EarthFrame | None) -> tuple[float, float]:
+    latitude, longitude = (_number(row, key) for key in DEGREES)
+    for key, value, most in ((DEGREES[0], latitude, 90.0), (DEGREES[1], longitude, 180.0)):
+        if abs(value) > most:
+            raise _Wrong(key, f"{key} is {value:g}; allowed: -{most:g} to {most:g}")
+    if earth is None:
+        raise _Wrong(
+            DEGREES[0], "the field has no origin on the Earth; needed: its key `origin`, or x_m and y_m"
+        )
+    x, y = earth.to_field(latitude, longitude)
+    if not field.holds(x, y):
+        turned = {
+            "latitude_deg has the wrong sign (hemisphere)": (-latitude, longitude),
+            "longitude_deg has the wrong sign (hemisphere)": (latitude, -longitude),
+            "both have the wrong sign (hemisphere)": (-latitude, -longitude),
+            "latitude and longitude are exchanged": (longitude, latitude),
+        }
+        for words, (north, east) in turned.items():
+            if abs(north) <= 90.0 and field.holds(*earth.to_field(north, east)):
+                raise _Wrong(DEGREES[0], f"{latitude:g}, {longitude:g} lies outside the field: {words}")
+    return x, y
+
+
+def _stand(x: float, y: float, aside: float, before: Pose2, heading: float | None) -> Pose2:
+    """world_T_base with the target to the right, `aside` away."""
+    if heading is None:
+        away = math.hypot(x - before.x, y - before.y)
+        straight = math.atan2(y - before.y, x - before.x)
+        heading = straight + math.asin(min(1.0, aside / away)) if away > aside else before.theta
+    # The right of a heading: (sin, -cos).
+    return Pose2(x - aside * math.sin(heading), y + aside * math.cos(heading), heading)

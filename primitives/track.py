@@ -1,0 +1,139 @@
+"""TRACK: follow a part of the seam with the tool, from where the base stands."""
+
+from __future__ import annotations
+
+from typing import Annotated, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import Field, PrivateAttr
+
+from backends.arm import Arm
+from backends.positioning import Positioning
+from backends.robot import Robot
+from robotics.geometry.transform import transform
+from robotics.kinematics.arm_model import ArmModel
+from robotics.kinematics.shapes import Box
+from robotics.manipulation.placer import Placer
+from robotics.manipulation.tool_path import ToolPath, tool_path
+from robotics.manipulation.tracking_limits import ArmLoad
+from robotics.manipulation.tracking_time import TimedTracking, TrackingLimits, time_tracking
+from robotics.manipulation.untrackable import Untrackable
+
+from .action_primitive import ActionPrimitive, Periods
+from .arm_motion import follow, move_to_joints, move_to_posture
+from .discrepancy import Discrepancy, Measured
+from .divide import seam_of
+from .seam_room import placer_of
+from .seam_work import SeamPart
+from .world_model import ModelView
+
+LOOK = 2.0  # [s] at rest in which the positioning is averaged
+AWAY = 0.06  # [m] before the seam where the tool comes from
+MOST_OFF = 0.003  # [m] of the tool from where it should be
+CONTACT = 15.0  # [N]
+
+Floats = NDArray[np.float64]
+
+
+class Track(ActionPrimitive):
+    """Follow the next part of the seam with the tool while the base stands.
+
+    The base never stops where it was planned: joint angles are found for where the positioning says that it
+    stands. Then the arm is as exact as positioning and arm are, and a moving base's errors don't count.
+    """
+
+    speed_m_s: Annotated[float, Field(gt=0.0, le=2.0)] | None = None
+    """Of the tool; left out: the tool's, by the robot's file."""
+
+    needs: ClassVar = (Arm, Positioning)
+    reads: ClassVar = ("seam", "work_piece")
+    writes: ClassVar = ("seam_work",)
+
+    _part: ToolPath | None = PrivateAttr(default=None)
+    _at: int | None = PrivateAttr(default=None)
+
+    @property
+    def tracking(self) -> ToolPath | None:
+        """The part that the tool is on in this period; None before and after."""
+        return self._part if self._at is not None else None
+
+    def motion(self, robot: Robot, model: ModelView) -> Periods:
+        seam, work = seam_of(model), model.seam_work
+        if work.next is None:
+            if work.tracked < len(seam.points) - 1:
+                raise Discrepancy("the seam isn't divided", permanent=True)
+            return
+        yield from robot.wait(LOOK)
+        part = seam.part(work.next.first, work.next.last)
+        placer = placer_of(robot.spec, self.speed_m_s)
+        around = _around(robot, model)
+        try:
+            timed, way_in = yield from robot.compute(self._planned, robot, placer, part, takes=1.0)
+        except Untrackable as error:
+            model.seam_work = work._replace(next=None, after=(), avoided=(*work.avoided, robot.pose))
+            raise Discrepancy(_words(work.next, error), permanent=True) from None
+        yield from move_to_joints(robot, way_in[0], None, around)
+        yield from follow(robot, way_in)
+        yield from self._on_seam(robot, part, timed)
+        yield from follow(robot, self._way_out(robot, placer, part))
+        yield from move_to_posture(robot, "home", None, around)
+        self.found(length_m=round(part.length, 3), part_score_m=round(work.next.score, 4))
+        model.seam_work = work.done()
+
+    def _planned(self, robot: Robot, placer: Placer, part: ToolPath) -> tuple[TimedTracking, Floats]:
+        """Set-points along the part, and joint angles (m, n) that lead to its start."""
+        stand = np.array(robot.pose)
+        angles = placer.joints(stand, part)
+        timed = time_tracking(placer.arm, part, angles, self._limits(robot, placer.arm), robot.period)
+        lead = placer.follower.joints(_lead(part, 0), robot.pose.lift(), angles[0])
+        return timed, lead[::-1]
+
+    def _limits(self, robot: Robot, model: ArmModel) -> TrackingLimits:
+        arm, tool = robot.spec.arm, robot.spec.tool
+        assert arm is not None and tool is not None, "checked by `placer_of`"
+        hard = np.full(model.dof, np.radians(arm.acceleration_deg_s2))
+        speed = self.speed_m_s or tool.speed_m_s
+        return TrackingLimits(speed, hard, ArmLoad(model).torque, tool.force_n)
+
+    def _on_seam(self, robot: Robot, part: ToolPath, timed: TimedTracking) -> Periods:
+        self._part, worst = part, 0.0
+        should = np.array([np.interp(timed.lengths, part.lengths, axis) for axis in part.points.T]).T
+        for self._at, (q, point) in enumerate(zip(timed.set_points, should, strict=True)):
+            robot.arm.move(q)
+            yield
+            tip = (robot.pose.lift() @ robot.base_T("hand"))[:3, 3]
+            worst = max(worst, float(np.linalg.norm(tip - point)))
+            self.found(off_mm=round(1e3 * worst, 3))
+            if worst > MOST_OFF:
+                off = Measured("Arm", "tool off the seam", 1e3 * worst, 1e3 * MOST_OFF, "mm")
+                raise Discrepancy("the tool leaves the seam", measured=off)
+            force = float(np.linalg.norm(robot.arm.hand_force()))
+            if force > CONTACT:
+                raise Discrepancy(
+                    "the tool touches something", measured=Measured("Arm", "force", force, CONTACT, "N")
+                )
+        self._at = None
+
+    def _way_out(self, robot: Robot, placer: Placer, part: ToolPath) -> Floats:
+        last = len(part.points) - 1
+        return placer.follower.joints(_lead(part, last), robot.pose.lift(), robot.arm.command())
+
+
+def _lead(part: ToolPath, index: int) -> ToolPath:
+    """From a point of the part straight back along the tool."""
+    pose = part.poses[index]
+    return tool_path([pose @ transform((-away, 0.0, 0.0)) for away in np.linspace(0.0, AWAY, 7)])
+
+
+def _around(robot: Robot, model: ModelView) -> tuple[Box, ...]:
+    """The work piece, posed in the base frame."""
+    if model.work_piece is None:
+        return ()
+    base_T_map = robot.pose.inverse().lift()
+    boxes = (each.box for each in model.work_piece.boxes)
+    return tuple(Box(base_T_map @ box.pose, box.size, box.name) for box in boxes)
+
+
+def _words(part: SeamPart, error: Untrackable) -> str:
+    return f"line {part.first + error.index + 2} of the seam {error.why}, where the base stands"

@@ -1,0 +1,40 @@
+"""What a robot is told of what it works on: boxes on the map."""
+
+from __future__ import annotations
+
+import math
+from typing import Annotated, Literal
+
+from pydantic import Field
+
+from files.model import FileModel
+from robotics.geometry.pose2 import Pose2
+from robotics.kinematics.shapes import Box
+
+Positive = Annotated[float, Field(gt=0.0, le=100.0)]
+
+
+class WorkBox(FileModel):
+    """A box; its pose is that of the middle of its underside."""
+
+    name: str
+    x_m: float
+    y_m: float
+    heading_deg: float = 0.0
+    above_m: Annotated[float, Field(ge=0.0, le=10.0)] = 0.0
+    """Of its underside above the floor."""
+    size_m: tuple[Positive, Positive, Positive]
+    """Along its own x, along its own y, height."""
+
+    @property
+    def box(self) -> Box:
+        """Posed on the map."""
+        floor = Pose2(self.x_m, self.y_m, math.radians(self.heading_deg))
+        return Box(floor.lift(self.above_m + self.size_m[2] / 2), self.size_m, self.name)
+
+
+class WorkPiece(FileModel):
+    """A work piece, with what it lies on."""
+
+    format: Literal["handcart-work-piece/1"]
+    boxes: Annotated[tuple[WorkBox, ...], Field(min_length=1)]

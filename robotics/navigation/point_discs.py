@@ -1,0 +1,30 @@
+"""Discs that hold what a range sensor saw."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import coo_matrix
+from scipy.sparse.csgraph import connected_components
+from scipy.spatial import cKDTree
+
+APART = 0.6  # [m]: points nearer to each other belong to one thing
+BEHIND = 0.25  # [m] by which a thing may be deeper than it was seen
+Array = NDArray[np.float64]
+
+
+def point_discs(points: Array) -> Array:
+    """(n, 3) x, y, radius in [m] of the things that points (m, 2) lie on."""
+    points = np.asarray(points, dtype=np.float64).reshape(-1, 2)
+    if len(points) == 0:
+        return np.empty((0, 3))
+    pairs = cKDTree(points).query_pairs(APART, output_type="ndarray")
+    links = coo_matrix((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(len(points),) * 2)
+    count, label = connected_components(links, directed=False)
+    return np.array([_disc(points[label == k]) for k in range(count)])
+
+
+def _disc(points: Array) -> Array:
+    middle = 0.5 * (points.min(axis=0) + points.max(axis=0))
+    radius = float(np.hypot(*(points - middle).T).max()) + BEHIND
+    return np.array([*middle, radius])

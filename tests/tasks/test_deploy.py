@@ -1,0 +1,127 @@
+"""Laying sensors outdoors, as its user does."""
+
+from __future__ import annotations
+
+import csv
+import json
+from pathlib import Path
+
+import orjson
+import pytest
+
+from evaluation.running import run_task
+from files.errors import FileError
+from networks.permits import Permits
+
+TASKS = Path(__file__).parents[2] / "tasks"
+STRAIGHT, ZIGZAG = TASKS / "deploy_straight" / "task.yaml", TASKS / "deploy_zigzag" / "task.yaml"
+TWO = "name,x_m,y_m\nfirst,6,-0.75\nsecond,14,-0.75\n"
+WORLD = """\
+format: handcart-world/1
+start: {x_m: 0.0, y_m: 0.0}
+ground: {}
+sensors: {count: 3}
+total_station: {x_m: -5.0, y_m: -8.0}
+"""
+IN_THE_WAY = "surprises: [{name: crate, x_m: 10.0, y_m: 0.2, size_m: [0.6, 0.6, 1.0]}]\n"
+
+
+@pytest.fixture
+def small(tmp_path):
+    """Settings for a field with two targets."""
+    (tmp_path / "two.csv").write_text(TWO, encoding="utf-8")
+    (tmp_path / "small.yaml").write_text(WORLD, encoding="utf-8")
+    (tmp_path / "crate.yaml").write_text(WORLD + IN_THE_WAY, encoding="utf-8")
+    return {"targets": str(tmp_path / "two.csv"), "world": str(tmp_path / "small.yaml"), "wait_s": "20"}
+
+
+def test_two_sensors_are_laid_and_told_of(tmp_path, small):
+    summary, status = run_task(STRAIGHT, tmp_path, None, small, seed=2)
+    metrics, folder = summary["metrics"], Path(summary["run_dir"])
+    assert status == 0
+    assert metrics["untrue"] == []
+    assert metrics["placed"] == 2
+    assert metrics["out_of_sight"] == 0
+    assert metrics["error_mm_max"] < 900.0
+    for row in metrics["placements"]:
+        assert abs(row["x_mm"] - row["true_x_mm"]) < 25.0  # the total station's 1 cm
+    with (folder / "as_laid.csv").open(encoding="utf-8") as file:
+        rows = list(csv.DictReader(file))
+    assert [row["name"] for row in rows] == ["first", "second"]
+    told = json.loads((folder / "as_laid.geojson").read_text(encoding="utf-8"))
+    kinds = [feature["geometry"]["type"] for feature in told["features"]]
+    assert kinds == ["Point", "Polygon"] * 2
+    assert (folder / "as_laid.svg").stat().st_size > 10_000
+
+
+def test_the_same_seed_gives_the_same_run(tmp_path, small):
+    places = [
+        run_task(STRAIGHT, tmp_path / name, None, small, seed=5)[0]["metrics"]["placements"] for name in "ab"
+    ]
+    assert places[0] == places[1]
+
+
+def test_with_a_better_receiver_they_lie_within_centimetres(tmp_path, small):
+    metrics = run_task(STRAIGHT, tmp_path, None, {**small, "robot": "el_verde/rtk"}, seed=4)[0]["metrics"]
+    assert metrics["error_mm_max"] < 80.0
+
+
+def test_around_what_no_map_shows_another_way_is_found(tmp_path, small):
+    settings = {**small, "world": str(tmp_path / "crate.yaml")}
+    summary, status = run_task(STRAIGHT, tmp_path, None, settings, seed=3)
+    assert status == 0
+    assert summary["fails"] >= 1
+    assert summary["metrics"]["untrue"] == []
+    assert summary["metrics"]["placed"] == 2
+    records = [orjson.loads(line) for line in _journal(summary)]
+    assert any(record.get("do") == "MODIFY" for record in records)
+
+
+def test_the_operator_may_refuse(tmp_path, small):
+    settings = {**small, "permit": "operator"}
+    summary, status = run_task(STRAIGHT, tmp_path, None, settings, seed=3, permits=Permits("never"))
+    assert status == 3
+    assert summary["metrics"]["placed"] == 0
+
+
+def test_without_satellites_the_ellipses_grow(tmp_path, small):
+    (tmp_path / "gyro.yaml").write_text(_robot("gyro"), encoding="utf-8")
+    settings = {**small, "robot": str(tmp_path / "gyro.yaml")}
+    first, second = run_task(STRAIGHT, tmp_path, None, settings, seed=1)[0]["metrics"]["placements"]
+    assert second["sigma_y_mm"] > 1.5 * first["sigma_y_mm"]
+
+
+def test_the_particle_filter_does_it_too(tmp_path, small):
+    (tmp_path / "particle.yaml").write_text(_robot("particle"), encoding="utf-8")
+    settings = {**small, "robot": str(tmp_path / "particle.yaml")}
+    summary, status = run_task(STRAIGHT, tmp_path, None, settings, seed=1)
+    assert status == 0
+    assert summary["metrics"]["placed"] == 2
+
+
+def test_a_target_beside_a_rock_is_refused_by_its_line(tmp_path, small):
+    field = (TASKS / "deploy_straight" / "field.yaml").read_text(encoding="utf-8")
+    rocks = "rocks: [{x_m: 14.0, y_m: 1.0, radius_m: 0.4}]\n"
+    (tmp_path / "field.yaml").write_text(field + rocks, encoding="utf-8")
+    with pytest.raises(FileError, match=r"two\.csv:3:1: the target 'second' can't be reached"):
+        run_task(STRAIGHT, tmp_path, None, {**small, "field": str(tmp_path / "field.yaml")}, seed=0)
+
+
+@pytest.mark.slow
+def test_the_zigzag_course(tmp_path):
+    summary, status = run_task(ZIGZAG, tmp_path, None, {}, seed=3)
+    assert status == 0
+    assert summary["metrics"]["placed"] == 7
+    assert summary["metrics"]["error_mm_max"] < 849.0
+    assert summary["metrics"]["nees_mean"] < 6.0
+
+
+def _robot(localiser: str) -> str:
+    folder = Path(__file__).parents[2] / "backends" / "robots" / "el_verde"
+    text = (folder / "robot.yaml").read_text(encoding="utf-8")
+    urdf = "package://backends/robots/el_verde/el_verde.urdf"
+    return text.replace("localiser: gps_filter", f"localiser: {localiser}").replace("el_verde.urdf", urdf, 1)
+
+
+def _journal(summary):
+    return (Path(summary["run_dir"]) / "journal.jsonl").read_bytes().splitlines()

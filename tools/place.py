@@ -1,0 +1,54 @@
+"""`handcart place`: from a robot and a path of its tool to a task, and a picture of where the base stands."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+
+def place(
+    robot: Annotated[str, typer.Argument(help="a shipped robot's name, or a robot's YAML file")],
+    path: Annotated[Path, typer.Argument(help="a seam: CSV with a pose of the tool a line")],
+    output: Annotated[Path, typer.Option("-o", "--output", help="folder to write into")] = Path("seam"),
+    placements: Annotated[
+        int | None, typer.Option(help="at most so many; left out: as few as there must be", min=1)
+    ] = None,
+    work_piece: Annotated[
+        Path | None,
+        typer.Option(help="a file with what the seam is on; left out: nothing is in the arm's way"),
+    ] = None,
+) -> None:
+    """Divide a path among places that the base can stand at; write task.yaml with its files, placements.svg."""
+    from backends.robot_file import load_robot
+    from evaluation.seam_placing import place_seam, write_task
+    from files.loading import load
+    from primitives.work_piece import WorkPiece
+
+    from .writing import NotWritable, check_folder
+
+    check_folder(output)
+    spec = load_robot(robot)
+    piece = load(work_piece, WorkPiece) if work_piece else None
+    placed = place_seam(spec, path, piece, placements)
+    try:
+        write_task(placed, path, _named(robot, output), output)
+    except OSError as error:
+        raise NotWritable(output, error.strerror) from None
+    print(
+        f"{placed.seam.length:.2f} m of seam, {len(placed.placements.bases)} placements, score {placed.share:.3f}"
+    )
+    for line in placed.words():
+        print(f"  {line}")
+    own = f" --robot {robot}" if robot.endswith((".yaml", ".yml")) else ""
+    print(f"run it: handcart run {output / 'task.yaml'}{own}")
+
+
+def _named(robot: str, folder: Path) -> str:
+    """As a task in that folder names it."""
+    import os
+
+    if not robot.endswith((".yaml", ".yml")):
+        return robot
+    return Path(os.path.relpath(robot, folder)).as_posix()
