@@ -155,7 +155,7 @@ class ToolSpec(FileModel):
     """A tool at the URDF's frame `hand`, pointing along its x: a torch, say."""
 
     free: Literal["nothing", "azimuth", "roll"] = "roll"
-    """The turn that the work leaves free: about the vertical (for arms without wrist yaw), or about the tool."""
+    """The turn that the work leaves free: about the vertical (arms without wrist yaw), or about the tool."""
     azimuth_tolerance_deg: Annotated[float, Field(gt=0.0, le=180.0)] = 60.0
     """For `azimuth`: how far the tool may be turned."""
     speed_m_s: Positive

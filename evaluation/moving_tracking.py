@@ -1,8 +1,8 @@
 """Tracking a seam while the base drives along it: what TRACK does not do, for comparison.
 
-Shin et al. (2005), figure 5, compare a standing base with one that moves. A moving base strays: its error is an
-Ornstein-Uhlenbeck process, smoothed, along both axes and about the vertical. The arm knows of it nothing (open loop),
-or what the positioning tells (base feedback).
+Shin et al. (2005), figure 5, compare a standing base with one that moves. A moving base strays: its error
+is an Ornstein-Uhlenbeck process, smoothed, along both axes and about the vertical. The arm knows of it
+nothing (open loop), or what the positioning tells (base feedback).
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
-from scipy.linalg import solve_discrete_are
+from scipy.linalg import expm, solve_discrete_are
 from scipy.signal import lfilter
 from scipy.spatial.transform import Rotation, Slerp
 
@@ -27,7 +27,6 @@ from robotics.manipulation.tool_path import ToolPath
 DISTANCE = 1.0  # [m] from the base's way to the seam
 AHEAD = 0.35  # [m] by which the base stays behind the tool
 STEP = 0.005  # [s] of the simulation
-SWAY = 0.15  # [m/s²], [rad/s²] root mean square by which a base changes its straying, for the observer
 
 Floats = NDArray[np.float64]
 
@@ -123,11 +122,12 @@ class MovingTracking:
         sigma = np.array([told.sigma_mm, told.sigma_mm, told.heading_sigma_mrad]) / 1e3
         every, late = round(1.0 / feedback.rate / STEP), round(feedback.latency / STEP)
         ahead = feedback.latency + 0.5 / feedback.rate + 1.0 / (2.0 * np.pi * feedback.bandwidth)
-        observer = _Observer(every * STEP, sigma, strays[0])  # it was seen before it set out
+        # It was seen before it set out.
+        observer = _Observer(self._straying, every * STEP, ahead if feedback.ahead else 0.0, sigma, strays[0])
         known = np.tile(strays[0], (len(strays), 1))
         for index in range(0, len(strays), every):
             observer.see(strays[index] + sigma * rng.standard_normal(3))
-            known[index + late : index + late + every] = observer.ahead(ahead if feedback.ahead else 0.0)
+            known[index + late : index + late + every] = observer.ahead()
         return known
 
     def _angles(self, strays: Floats) -> Floats:
@@ -142,30 +142,49 @@ class MovingTracking:
 
 
 class _Observer:
-    """A Kalman filter for each of x, y and heading: straying and its speed, driven by white acceleration."""
+    """Kalman filters for x, y and heading that know how a base strays: where it is drawn to, where it is."""
 
-    def __init__(self, period: float, sigma: Floats, start: Floats) -> None:
-        """Readings with `sigma` (3,), in [m] and [rad], each `period`, in [s]; at first it is at `start`."""
-        step = np.array([[1.0, period], [0.0, 1.0]])
-        push = np.array([[period**2 / 2], [period]])
-        pushed = SWAY**2 * push @ push.T
-        self._step, self._state = step, np.vstack((start, np.zeros(3)))
-        self._gains = np.column_stack([_steady_gain(step, pushed, max(float(each), 1e-6)) for each in sigma])
+    def __init__(self, straying: Straying, period: float, ahead: float, sigma: Floats, start: Floats) -> None:
+        """Filters that have run for long.
+
+        Args:
+            straying: of the base.
+            period: of the readings, in [s].
+            ahead: by how much the straying is wanted in advance, in [s].
+            sigma: (3,) of the readings, in [m] and [rad].
+            start: (3,) where the base is at first.
+        """
+        tau, smooth = straying.tau, straying.smooth
+        self._flow = np.array([[-1.0 / tau, 0.0], [1.0 / smooth, -1.0 / smooth]])
+        self._step, self._ahead = expm(self._flow * period), expm(self._flow * ahead)
+        sizes = np.array([straying.position, straying.position, straying.heading])
+        sizes = sizes * np.sqrt((tau + smooth) / tau)
+        pairs = zip(sizes.tolist(), sigma.tolist(), strict=True)
+        gains = [self._gain(period, size, max(each, 1e-6)) for size, each in pairs]
+        self._gains, self._state = np.column_stack(gains), np.vstack((start, start))
 
     def see(self, reading: Floats) -> None:
         """Take a reading (3,) in."""
         self._state = self._step @ self._state
-        self._state = self._state + self._gains * (reading - self._state[0])
+        self._state = self._state + self._gains * (reading - self._state[1])
 
-    def ahead(self, seconds: float) -> Floats:
-        """The straying (3,) so much later, in [m] and [rad]."""
-        return np.asarray(self._state[0] + seconds * self._state[1])
+    def ahead(self) -> Floats:
+        """The straying (3,) in advance, in [m] and [rad]."""
+        return np.asarray((self._ahead @ self._state)[1])
+
+    def _gain(self, period: float, size: float, sigma: float) -> Floats:
+        """(2,): of a filter that has run for long."""
+        full = np.zeros((4, 4))  # Van Loan (1978): what white noise adds in a period
+        full[:2, :2], full[2:, 2:] = -self._flow, self._flow.T
+        full[0, 2] = -2.0 * size**2 * self._flow[0, 0]
+        block = expm(full * period)
+        pushed = block[2:, 2:].T @ block[:2, 2:]
+        noise = np.array([[max(sigma, _EXACT) ** 2]])
+        spread = solve_discrete_are(self._step.T, np.array([[0.0], [1.0]]), 0.5 * (pushed + pushed.T), noise)
+        return np.asarray(spread[:, 1] / (spread[1, 1] + noise[0, 0]))
 
 
-def _steady_gain(step: Floats, pushed: Floats, sigma: float) -> Floats:
-    """(2,): of a Kalman filter that has run for long."""
-    spread = solve_discrete_are(step.T, np.array([[1.0], [0.0]]), pushed, np.array([[sigma**2]]))
-    return np.asarray(spread[:, 0] / (spread[0, 0] + sigma**2))
+_EXACT = 1e-6  # [m], [rad]: no reading is more so
 
 
 def _sampled(seam: ToolPath, lengths: Floats) -> Floats:

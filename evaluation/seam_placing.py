@@ -27,6 +27,7 @@ from .placement_plots import DividedPath, draw_divisions
 RESOLUTION = 0.05  # [m] of the map
 BESIDE = 1.0  # [m] of floor beside what the arm reaches
 AWAY = 0.8  # [m] from the first place that the robot sets out
+SPARE = 1  # places more than needed, in case that one is taken
 LINE = 0.05  # [m] of floor on both sides of a seam that counts as occupied
 
 Floats = NDArray[np.float64]
@@ -156,7 +157,7 @@ def draw_placements(placed: PlacedSeam, target: Path) -> None:
 
 
 def _task(placed: PlacedSeam, robot: str) -> str:
-    left = list(range(len(placed.placements.segments), 0, -1))
+    left = list(range(len(placed.placements.segments) + SPARE, 0, -1))
     piece = "  work_piece: work_piece.yaml\n" if placed.work_piece else ""
     return TASK.format(length=placed.seam.length, robot=robot, left=left, piece=piece)
 
@@ -199,7 +200,7 @@ knowledge:
 
 parameters:
   robot: {robot}
-  places_left: {left}    # so many places the seam is divided among, and so many are left each time
+  places_left: {left}    # among so many places at most; one is to spare
 
 start: at_rest
 goal: tracked

@@ -15,10 +15,11 @@ from primitives.seam_room import working_arm
 from primitives.track import MOST_OFF, Track
 from primitives.world_model import WorldModel
 from robotics.manipulation.tool_path import ToolPath
-from robotics.manipulation.tracking_limits import ArmLoad
+from robotics.manipulation.tracking_limits import ArmLoad, LimitUse
 
 Floats = NDArray[np.float64]
 
+ROUNDING = 1e-9
 SENSORS = 0.0015  # [m]: five sigma of positioning and arm, beyond what TRACK allows
 
 
@@ -91,7 +92,7 @@ class SeamSurvey:
         return found | {
             "tracking_error_mm_max": round(float(off.max()), 3),
             "tracking_error_mm_rms": round(float(np.sqrt(np.mean(off**2))), 3),
-            "joint_limit_violations": sum(self._violations(each) for each in self.stretches),
+            "joint_limit_violations": self._violations(),
         }
 
     def faults(self) -> list[str]:
@@ -103,17 +104,25 @@ class SeamSurvey:
         off = max((float(distance.max()) for _, distance in self.errors()), default=0.0)
         return found + ([f"the tool was {1e3 * off:.1f} mm off the seam"] if off > MOST_OFF + SENSORS else [])
 
-    def _violations(self, stretch: Stretch) -> int:
-        """Periods and joints with an angle, a speed or a torque beyond its limit, the tool's force included."""
+    def uses(self) -> list[LimitUse]:
+        """What each stretch took of the joints' speeds and torques, the tool's force included."""
+        return [self._use(each) for each in self.stretches]
+
+    def _violations(self) -> int:
+        """Periods and joints with an angle, a speed or a torque beyond its limit."""
+        arm = self.robot.arm_model
+        joints = np.vstack([each.joints for each in self.stretches])
+        beyond = (joints < arm.lower - ROUNDING) | (joints > arm.upper + ROUNDING)
+        return sum(use.violations for use in self.uses()) + int(beyond.sum())
+
+    def _use(self, stretch: Stretch) -> LimitUse:
         arm, tool = working_arm(self.robot.spec), self.robot.spec.tool
         load, joints = ArmLoad(arm), np.array(stretch.joints)
         ways = np.gradient(np.array([arm.forward(q)[:3, 3] for q in joints]), axis=0)
-        ways /= np.maximum(np.linalg.norm(ways, axis=1, keepdims=True), 1e-9)
+        ways /= np.maximum(np.linalg.norm(ways, axis=1, keepdims=True), ROUNDING)
         force = 0.0 if tool is None else tool.force_n
         push = np.array([load.push(q, force * way) for q, way in zip(joints, ways, strict=True)])
-        use = load.use(joints, self.robot.period, load.torque, push)
-        beyond = (joints < arm.lower - 1e-9) | (joints > arm.upper + 1e-9)
-        return use.violations + int(beyond.sum())
+        return load.use(joints, self.robot.period, load.torque, push)
 
 
 def distances(points: Floats, path: Floats) -> Floats:

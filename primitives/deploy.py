@@ -58,7 +58,7 @@ class Deploy(ActionPrimitive):
     """Which."""
     settle_s: Annotated[float, Limited(ge=0.0, le=600.0)] = 0.0
     """How long the base stands at least before the arm moves."""
-    sure_mm: Annotated[float, Limited(gt=0.0)] = 600.0
+    sure_mm: Annotated[float, Limited(gt=0.0)] = 250.0
     """One sigma of where the target is, along the worst direction: it stands until it is that well known."""
     longest_s: Annotated[float, Limited(ge=0.0, le=3600.0)] = 120.0
     """How long it stands for that at most; then it Fails."""
@@ -158,9 +158,12 @@ class Deploy(ActionPrimitive):
         moved = float(np.hypot(*(better - self._scara.tip(joints))))
         line = line_postures(self._scara, joints, better)
         free = line is not None and self._scara.within(line[-1], working=True)
-        if REFINED < moved < REFINED_MOST and free:
-            yield from self._lead(robot, better)
         self.found(refined_mm=round(1e3 * moved, 1))
+        if moved > REFINED_MOST or (moved > REFINED and not free):
+            off = Measured("Gps", "where the target is by now, off the tip", 1e3 * moved, 1e3 * REFINED, "mm")
+            raise Discrepancy("by what is known now the target is out of reach from here", measured=off)
+        if moved > REFINED:
+            yield from self._lead(robot, better)
 
     def _place(self, robot: Robot, target: Target) -> Vector:
         """(2,) where the tip is over the target, in the arm's frame, by what is known now, in [m]."""

@@ -26,13 +26,15 @@ from .world_model import ModelView
 class Divide(ActionPrimitive):
     """Divide the rest of the seam among places that the base gets to, each part where the arm does it best.
 
-    Only knowledge changes: the places get names, `place_1` and so on. A division whose next place can still be
-    reached stays as it is. Where something was sensed on the way, or the arm couldn't do its part, the rest is
-    divided anew.
+    Only knowledge changes: the places get names, `place_1` and so on. A division whose next place can still
+    be reached stays as it is. Where something was sensed on the way, or the arm couldn't do its part, the
+    rest is divided anew.
     """
 
     placements: Annotated[int, Field(ge=1, le=50)]
     """Among how many places at most."""
+    move_m: Annotated[float, Field(ge=0.0, le=100.0)] = 0.5
+    """What one more place has to gain, in metres of seam tracked at the best instead of only just."""
 
     needs: ClassVar = (Arm,)
     reads: ClassVar = ("map", "seam", "work_piece", "obstacles")
@@ -63,7 +65,7 @@ class Divide(ActionPrimitive):
 
     def _divided(self, placer: Placer, rest: ToolPath, room: SeamRoom, tracked: int) -> Placements:
         try:
-            return placer.place(rest, room.blocked, self.placements, room.free)
+            return placer.place(rest, room.blocked, self.placements, room.free, self.move_m)
         except Untrackable as error:
             line = error.index + tracked + 2
             nearest = (

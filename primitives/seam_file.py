@@ -24,8 +24,8 @@ MAX_BYTES = 1 << 22
 def load_seam(path: Path | str) -> ToolPath:
     """The path of a tool that points along the x axis of its frame, on the map.
 
-    The file's first line names the columns; lengths are in [m], roll, pitch and yaw in [deg] as in a URDF. Point
-    i of the path stands in line i + 2.
+    The file's first line names the columns; lengths are in [m], roll, pitch and yaw in [deg] as in a URDF.
+    Point i of the path stands in line i + 2.
 
     Raises:
         FileError: it is no such file, or the first bad point: NaN, a repeated position, a jump.

@@ -21,6 +21,11 @@ class SeamPart(NamedTuple):
     score: float
     """Integral along it, in [m]: up to its length."""
 
+    @property
+    def empty(self) -> bool:
+        """Whether there is nothing to track."""
+        return self.first == self.last
+
 
 class SeamWork(NamedTuple):
     """A seam divided among places."""
@@ -28,7 +33,7 @@ class SeamWork(NamedTuple):
     tracked: int = 0
     """Up to this point it is done."""
     next: SeamPart | None = None
-    """What is tracked next; None: it isn't divided, or nothing is left."""
+    """What is tracked next; None: it isn't divided. When all is tracked, an empty part at the last place."""
     after: tuple[SeamPart, ...] = ()
     """What follows then."""
     named: int = 0
@@ -39,11 +44,12 @@ class SeamWork(NamedTuple):
     @property
     def rest(self) -> tuple[SeamPart, ...]:
         """All that is divided and not yet tracked."""
-        return () if self.next is None else (self.next, *self.after)
+        return () if self.next is None or self.next.empty else (self.next, *self.after)
 
     def done(self) -> SeamWork:
         """The next part is tracked."""
         if self.next is None:
             return self
-        following = self.after[0] if self.after else None
+        end = self.next._replace(first=self.next.last, score=0.0)
+        following = self.after[0] if self.after else end
         return self._replace(tracked=self.next.last, next=following, after=self.after[1:])

@@ -61,8 +61,8 @@ class Track(ActionPrimitive):
     def motion(self, robot: Robot, model: ModelView) -> Periods:
         seam, work = seam_of(model), model.seam_work
         if work.next is None:
-            if work.tracked < len(seam.points) - 1:
-                raise Discrepancy("the seam isn't divided", permanent=True)
+            raise Discrepancy("the seam isn't divided", permanent=True)
+        if work.next.empty:  # all of it is tracked
             return
         yield from robot.wait(LOOK)
         part = seam.part(work.next.first, work.next.last)
@@ -72,7 +72,7 @@ class Track(ActionPrimitive):
             timed, way_in = yield from robot.compute(self._planned, robot, placer, part, takes=1.0)
         except Untrackable as error:
             model.seam_work = work._replace(next=None, after=(), avoided=(*work.avoided, robot.pose))
-            raise Discrepancy(_words(work.next, error), permanent=True) from None
+            raise Discrepancy(_words(work.next, error)) from None  # not for good: DIVIDE avoids this place
         yield from move_to_joints(robot, way_in[0], None, around)
         yield from follow(robot, way_in)
         yield from self._on_seam(robot, part, timed)

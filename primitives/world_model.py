@@ -121,7 +121,7 @@ class WorldModel:
     """The path of the tool, on the map; told beforehand."""
     work_piece: WorkPiece | None = None
     """What the seam is on; told beforehand."""
-    seam_work: SeamWork = SeamWork()
+    seam_work: SeamWork = dataclass_field(default_factory=SeamWork)
     """How far it is tracked, and from where; kept for the run."""
     # For who works outdoors
     field: Field | None = None

@@ -12,6 +12,7 @@ KINDS = {
     "table": "networks.analysis.action_table:ActionTable",
     "places": "primitives.knowledge:Places",
     "catalogue": "primitives.knowledge:Catalogue",
+    "work-piece": "primitives.work_piece:WorkPiece",
     "building": "primitives.building:Building",
     "calibration": "networks.calibration:Calibration",
 }

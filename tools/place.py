@@ -20,7 +20,7 @@ def place(
         typer.Option(help="a file with what the seam is on; left out: nothing is in the arm's way"),
     ] = None,
 ) -> None:
-    """Divide a path among places that the base can stand at; write task.yaml with its files, placements.svg."""
+    """Divide a path among places of the base; write task.yaml with its files, and placements.svg."""
     from backends.robot_file import load_robot
     from evaluation.seam_placing import place_seam, write_task
     from files.loading import load
@@ -36,9 +36,8 @@ def place(
         write_task(placed, path, _named(robot, output), output)
     except OSError as error:
         raise NotWritable(output, error.strerror) from None
-    print(
-        f"{placed.seam.length:.2f} m of seam, {len(placed.placements.bases)} placements, score {placed.share:.3f}"
-    )
+    count = len(placed.placements.bases)
+    print(f"{placed.seam.length:.2f} m of seam, {count} placements, score {placed.share:.3f}")
     for line in placed.words():
         print(f"  {line}")
     own = f" --robot {robot}" if robot.endswith((".yaml", ".yml")) else ""

@@ -18,8 +18,8 @@ Floats = NDArray[np.float64]
 def pitch_arm_of(arm: ArmModel, azimuth_tolerance: float) -> PitchArm | None:
     """The closed form of an arm; None where it is of another kind.
 
-    It is one if it has a yaw joint, three pitch joints that turn upwards, and a roll about the tool, all in one
-    upright plane, and lies stretched out level and ahead with all joints at zero.
+    It is one if it has a yaw joint, three pitch joints that turn upwards, and a roll about the tool, all in
+    one upright plane, and lies stretched out level and ahead with all joints at zero.
 
     Args:
         azimuth_tolerance: how far the tool may be turned about the vertical, in [rad].
@@ -52,4 +52,4 @@ def _in_line(chain: ScrewChain, ahead: float, height: float) -> bool:
     level = np.append(chain.points[1:, 2], chain.base_T_tip[2, 3])
     beside = np.array([chain.points[0, 1], chain.points[4, 1], chain.base_T_tip[1, 3]])
     sizes = (abs(chain.points[1, 0] - ahead), np.abs(level - height).max(), np.abs(beside).max())
-    return max(sizes) < _SAME
+    return bool(max(sizes) < _SAME)

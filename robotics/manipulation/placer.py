@@ -31,7 +31,11 @@ Blocked = Callable[[Floats], Masks]
 Free = Callable[[Floats, Floats], bool]
 """Whether nothing is touched from a base pose (3,) at joint angles (p, n)."""
 
-_ATTEMPTS = 8  # at a division all of whose parts the arm follows, point by point
+_ATTEMPTS = 20  # at a division all of whose parts the arm follows, point by point
+_SPARE = 0.08  # [rad] before a joint's limit, for a base that stops elsewhere
+_STOPS = 0.025  # [m] by which a base may stop beside its place, and the arm must still do it
+_SPARSE = 4  # points of a path between those looked at then
+_MORE = 8  # placements than there must be, that are tried
 _FEW = 60  # base poses that a nearest reachable point is looked for from
 
 
@@ -76,16 +80,17 @@ class _Grid(NamedTuple):
 
 
 FINE = _Grid(0.1, 20, 400, 60_000)  # for the closed form: 0.1 us a cell
-COARSE = _Grid(0.2, 6, 100, 2500)  # for any arm: tens of us
+COARSE = _Grid(0.15, 8, 100, 5000)  # for any arm: tens of us
 _HALVINGS = 2  # of the coarse grid, around the places found on it
 
 
 class Placer:
     """Finds placements for one arm and its work: exact on a grid, then each moved to where it is worth most.
 
-    Scores are the sure ones: eq. 6 of Shin (2005), and the exact condition for speed. An arm with a closed form
-    (`PitchArm`) is tried from about 20,000 base poses, any other from about 2000, on fewer points. Every part of
-    a division is then followed point by point; a base from which that fails is left out, and it begins again.
+    Scores are the sure ones: eq. 6 of Shin (2005), and the exact condition for speed. An arm with a closed
+    form (`PitchArm`) is tried from about 20,000 base poses, any other from about 2000, on fewer points. Every
+    part of a division is then followed point by point; a base from which that fails is left out, and it
+    begins again.
 
     Raises:
         ValueError: a joint of the arm slides, or has no lever that is fast and strong enough.
@@ -96,6 +101,8 @@ class Placer:
         self.follower = ToolFollower(arm, work.free, work.azimuth_tolerance)
         self.pitch_arm = pitch_arm_of(arm, work.azimuth_tolerance) if work.free == FreeTurn.VERTICAL else None
         self._screw_arm = ScrewArm(arm, work.free, work.azimuth_tolerance)
+        chain = self._screw_arm.chain
+        self._screw_arm.chain = chain._replace(lower=chain.lower + _SPARE, upper=chain.upper - _SPARE)
         self._grid = COARSE if self.pitch_arm is None else FINE
         self._step = self._grid.step
         joints = arm.dof if self.pitch_arm is None else 4
@@ -139,7 +146,12 @@ class Placer:
         return np.asarray(spots[near])
 
     def place(
-        self, path: ToolPath, blocked: Blocked, count: int | None = None, free: Free | None = None
+        self,
+        path: ToolPath,
+        blocked: Blocked,
+        count: int | None = None,
+        free: Free | None = None,
+        cost: float = 0.0,
     ) -> Placements:
         """The best division of a path.
 
@@ -147,6 +159,8 @@ class Placer:
             blocked: asked of many base poses.
             count: of placements at most; None: as few as there must be.
             free: asked of those that are chosen, with the angles along their part.
+            cost: what one more placement has to gain, in [m] of score.
+
 
         Raises:
             Untrackable: no set of placements tracks the path, with the first bad point and the nearest that
@@ -167,17 +181,17 @@ class Placer:
         scores = self.scores(bases, thin)
         for _ in range(_ATTEMPTS):
             try:
-                number = fewest_placements(scores) if count is None else count
-                division = best_division(scores, thin.lengths, number)
+                division = _worthwhile(scores, thin, count, cost)
             except Untrackable as error:
                 raise self._explained(error, scorer, thin, bases, kept) from None
             chosen, refined = self._refined(scorer, thin, bases, division)
             placements = self._placements(chosen, _on(refined, kept), path)
             bad = self._not_followed(placements, path, free)
-            if bad is None:
+            if not bad:
                 return placements
-            left_out.append(placements.bases[bad])
-            scores = scores.without(_near(bases, left_out[-1], 0.5 * self._step))
+            for base in placements.bases[bad]:
+                left_out.append(base)
+                scores = scores.without(_near(bases, base, 0.5 * self._step))
         raise Untrackable(0, "could be scored, but not followed from any placements that were tried")
 
     def _refined(
@@ -206,17 +220,27 @@ class Placer:
             found.append(float(np.trapezoid(values, part.lengths)))
         return Placements(bases, segments, tuple(found))
 
-    def _not_followed(self, placements: Placements, path: ToolPath, free: Free | None) -> int | None:
-        """Number of the first placement from which the arm doesn't follow its part."""
-        for number, segment in enumerate(placements.segments):
+    def _not_followed(self, placements: Placements, path: ToolPath, free: Free | None) -> list[int]:
+        """Rows of the base poses from which the arm doesn't follow its part."""
+        found = []
+        for segment in placements.segments:
+            base, part = placements.bases[segment.placement], path.part(segment.first, segment.last)
             try:
-                base = placements.bases[segment.placement]
-                angles = self.joints(base, path.part(segment.first, segment.last))
-                if free is not None and not free(base, angles):
-                    return number
+                angles = self.joints(base, part)
+                self._check_around(base, part, angles[0])
             except Untrackable:
-                return number
-        return None
+                found.append(segment.placement)
+                continue
+            if free is not None and not free(base, angles):
+                found.append(segment.placement)
+        return found
+
+    def _check_around(self, base: Floats, path: ToolPath, near: Floats) -> None:
+        """Raise Untrackable where the arm doesn't follow from a base that stops a little beside its place."""
+        some = _some(path, np.arange(0, len(path.points), _SPARSE))
+        for x, y in ((_STOPS, 0.0), (-_STOPS, 0.0), (0.0, _STOPS), (0.0, -_STOPS)):
+            stand = Pose2(*base.tolist()).compose(Pose2(x, y, 0.0))
+            self.follower.joints(some, stand.lift(), near)
 
     def _explained(
         self,
@@ -237,6 +261,17 @@ class Placer:
         )
         told = with_nearest(error, scorer, thin, few) if len(few) else error
         return Untrackable(int(kept[error.index]), told.why, told.nearest)
+
+
+def _worthwhile(scores: PlacementScores, path: ToolPath, count: int | None, cost: float) -> Division:
+    """The division with the greatest score less `cost` for each placement; raises as `best_division`."""
+    fewest = fewest_placements(scores)
+    most = fewest if count is None else count
+    if most <= fewest or cost == 0.0:
+        return best_division(scores, path.lengths, most)
+    numbers = range(fewest, min(most, fewest + _MORE) + 1)
+    divisions = (best_division(scores, path.lengths, number) for number in numbers)
+    return max(divisions, key=lambda each: each.score - cost * len(each.segments))
 
 
 def _near(bases: Floats, base: Floats, distance: float) -> Masks:

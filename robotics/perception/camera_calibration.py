@@ -42,7 +42,7 @@ def calibrate_camera(
     worst_rms: float = 0.5,
     square_pixels: bool = False,
 ) -> CameraCalibration:
-    """Intrinsics with k1 and k2, and p1 and p2 where `tangential`; k3 is 0. One focal length: `square_pixels`.
+    """Intrinsics with k1 and k2, p1 and p2 where `tangential`; k3 is 0. One focal length: `square_pixels`.
 
     Zhang, "A flexible new technique for camera calibration" (2000). Raises ValueError where there are too few
     views, where they are too much alike (a board that is always seen straight on tells no focal length; lens

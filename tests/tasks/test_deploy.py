@@ -6,7 +6,6 @@ import csv
 import json
 from pathlib import Path
 
-import orjson
 import pytest
 
 from evaluation.running import run_task
@@ -73,8 +72,7 @@ def test_around_what_no_map_shows_another_way_is_found(tmp_path, small):
     assert summary["fails"] >= 1
     assert summary["metrics"]["untrue"] == []
     assert summary["metrics"]["placed"] == 2
-    records = [orjson.loads(line) for line in _journal(summary)]
-    assert any(record.get("do") == "MODIFY" for record in records)
+    assert b"MODIFY" in (Path(summary["run_dir"]) / "journal.jsonl").read_bytes()
 
 
 def test_the_operator_may_refuse(tmp_path, small):
@@ -85,15 +83,13 @@ def test_the_operator_may_refuse(tmp_path, small):
 
 
 def test_without_satellites_the_ellipses_grow(tmp_path, small):
-    (tmp_path / "gyro.yaml").write_text(_robot("gyro"), encoding="utf-8")
-    settings = {**small, "robot": str(tmp_path / "gyro.yaml")}
+    settings = {**small, "robot": _robot(tmp_path, "gyro"), "sure_mm": "2000"}
     first, second = run_task(STRAIGHT, tmp_path, None, settings, seed=1)[0]["metrics"]["placements"]
     assert second["sigma_y_mm"] > 1.5 * first["sigma_y_mm"]
 
 
 def test_the_particle_filter_does_it_too(tmp_path, small):
-    (tmp_path / "particle.yaml").write_text(_robot("particle"), encoding="utf-8")
-    settings = {**small, "robot": str(tmp_path / "particle.yaml")}
+    settings = {**small, "robot": _robot(tmp_path, "particle")}
     summary, status = run_task(STRAIGHT, tmp_path, None, settings, seed=1)
     assert status == 0
     assert summary["metrics"]["placed"] == 2
@@ -116,12 +112,11 @@ def test_the_zigzag_course(tmp_path):
     assert summary["metrics"]["nees_mean"] < 6.0
 
 
-def _robot(localiser: str) -> str:
+def _robot(tmp_path: Path, localiser: str) -> str:
+    """The robot with another way of finding out where it is."""
     folder = Path(__file__).parents[2] / "backends" / "robots" / "el_verde"
     text = (folder / "robot.yaml").read_text(encoding="utf-8")
-    urdf = "package://backends/robots/el_verde/el_verde.urdf"
-    return text.replace("localiser: gps_filter", f"localiser: {localiser}").replace("el_verde.urdf", urdf, 1)
-
-
-def _journal(summary):
-    return (Path(summary["run_dir"]) / "journal.jsonl").read_bytes().splitlines()
+    (tmp_path / "el_verde.urdf").write_text((folder / "el_verde.urdf").read_text(encoding="utf-8"))
+    path = tmp_path / "robot.yaml"
+    path.write_text(text.replace("localiser: gps_filter", f"localiser: {localiser}"), encoding="utf-8")
+    return str(path)

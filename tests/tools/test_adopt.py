@@ -111,7 +111,7 @@ def test_what_cannot_be_adopted_is_refused(
         (
             "suspension.pivot_m: {value: 0.17",
             "suspension.pivot: {value: 0.17",
-            "robot.yaml, calibrated:59:3: unknown key 'pivot'",
+            "robot.yaml, calibrated:61:3: unknown key 'pivot'",
         ),
         ("value: 0.17", "value: -1.0", "pivot_m"),
         ("sigma: [0.1, 0.1, 0.2]", "sigma: 0.1", "value and sigma aren't alike"),

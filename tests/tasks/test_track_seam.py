@@ -1,0 +1,44 @@
+"""Tracking a long seam, as its user does."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from evaluation.running import run_task
+
+TASK = Path(__file__).parents[2] / "tasks" / "track_seam" / "task.yaml"
+
+
+def world_with(folder: Path, surprise: str) -> dict[str, str]:
+    """The shipped world with something that no map shows."""
+    world = (TASK.parent / "world.yaml").read_text(encoding="utf-8")
+    path = folder / "world.yaml"
+    path.write_text(f"{world}surprises:\n  - {{{surprise}}}\n", encoding="utf-8")
+    return {"world": str(path)}
+
+
+def test_five_metres_are_tracked_to_a_millimetre_from_three_places(tmp_path: Path) -> None:
+    summary, status = run_task(TASK, tmp_path, None, {}, seed=3)
+    metrics = summary["metrics"]
+    assert status == 0
+    assert metrics["untrue"] == []
+    assert metrics["placements"] == 3
+    assert metrics["seam_tracked_m"] == pytest.approx(5.13, abs=0.01)
+    assert 0.6 < metrics["score"] < 1.0
+    assert metrics["tracking_error_mm_rms"] < metrics["tracking_error_mm_max"] < 1.3
+    assert metrics["joint_limit_violations"] == 0
+    assert summary["fails"] == 0
+
+
+def test_a_place_that_is_taken_is_a_fail_and_the_rest_is_divided_again(tmp_path: Path) -> None:
+    box = "name: crate, x_m: 4.4, y_m: 2.7, size_m: [0.5, 0.5, 0.6]"
+    summary, status = run_task(TASK, tmp_path, None, world_with(tmp_path, box), seed=0)
+    metrics = summary["metrics"]
+    assert metrics["untrue"] == []
+    assert status == 0
+    assert summary["fails"] >= 1
+    assert metrics["seam_tracked_m"] == pytest.approx(5.13, abs=0.01)
+    journal = (Path(summary["run_dir"]) / "journal.jsonl").read_text(encoding="utf-8")
+    assert "place_4" in journal
