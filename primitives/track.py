@@ -69,25 +69,26 @@ class Track(ActionPrimitive):
         placer = placer_of(robot.spec, self.speed_m_s)
         around = _around(robot, model)
         try:
-            timed, way_in = yield from robot.compute(self._planned, robot, placer, part, takes=1.0)
+            timed, way_in, way_out = yield from robot.compute(self._planned, robot, placer, part, takes=1.0)
         except Untrackable as error:
             model.seam_work = work._replace(next=None, after=(), avoided=(*work.avoided, robot.pose))
             raise Discrepancy(_words(work.next, error)) from None  # not for good: DIVIDE avoids this place
         yield from move_to_joints(robot, way_in[0], None, around)
         yield from follow(robot, way_in)
         yield from self._on_seam(robot, part, timed)
-        yield from follow(robot, self._way_out(robot, placer, part))
+        yield from follow(robot, way_out)
         yield from move_to_posture(robot, "home", None, around)
         self.found(length_m=round(part.length, 3), part_score_m=round(work.next.score, 4))
         model.seam_work = work.done()
 
-    def _planned(self, robot: Robot, placer: Placer, part: ToolPath) -> tuple[TimedTracking, Floats]:
-        """Set-points along the part, and joint angles (m, n) that lead to its start."""
+    def _planned(self, robot: Robot, placer: Placer, part: ToolPath) -> tuple[TimedTracking, Floats, Floats]:
+        """Set-points along the part, and joint angles (m, n) that lead to its start and away from its end."""
         stand = np.array(robot.pose)
         angles = placer.joints(stand, part)
         timed = time_tracking(placer.arm, part, angles, self._limits(robot, placer.arm), robot.period)
-        lead = placer.follower.joints(_lead(part, 0), robot.pose.lift(), angles[0])
-        return timed, lead[::-1]
+        leave, last = placer.follower.joints, len(part.points) - 1
+        way_in = leave(_lead(part, 0), robot.pose.lift(), angles[0])[::-1]
+        return timed, way_in, leave(_lead(part, last), robot.pose.lift(), angles[-1])
 
     def _limits(self, robot: Robot, model: ArmModel) -> TrackingLimits:
         arm, tool = robot.spec.arm, robot.spec.tool
@@ -114,10 +115,6 @@ class Track(ActionPrimitive):
                     "the tool touches something", measured=Measured("Arm", "force", force, CONTACT, "N")
                 )
         self._at = None
-
-    def _way_out(self, robot: Robot, placer: Placer, part: ToolPath) -> Floats:
-        last = len(part.points) - 1
-        return placer.follower.joints(_lead(part, last), robot.pose.lift(), robot.arm.command())
 
 
 def _lead(part: ToolPath, index: int) -> ToolPath:
