@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from collections.abc import Mapping
 from pathlib import Path
-from typing import TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,6 +13,7 @@ from numpy.typing import NDArray
 from files.errors import HandcartError, InputError
 
 from .capability import Capability
+from .recording import Recording
 from .robot_file import RobotFile
 
 C = TypeVar("C", bound=Capability)
@@ -19,6 +21,16 @@ C = TypeVar("C", bound=Capability)
 
 class CommandError(HandcartError, ValueError):
     """A command that no robot may be given: not finite, or beyond a limit that its file states."""
+
+
+class RobotFault(HandcartError):
+    """The robot can't be driven any more: it has been stopped, and a person has to look."""
+
+    exit_status = 4
+
+
+class NoBench(InputError):
+    """Simulated drives were asked for where there are no drives."""
 
 
 class NoWindow(InputError):
@@ -40,6 +52,8 @@ class Backend(ABC):
     """Whether the world behind it is made anew by `build`; a real one stands as it was left."""
     address: str = ""
     """Which robot it is, where several of its kind are in reach of this machine, such as `socketcan can0`."""
+    recording: Recording | None = None
+    """Keeps what passes between program and robot beside the journal; None where there is nothing to keep."""
 
     @classmethod
     @abstractmethod
@@ -65,6 +79,27 @@ class Backend(ABC):
         raise NoWindow(
             f"the backend {cls.name!r} has no window; allowed: a video of the run, --video FILE.mp4"
         )
+
+    @classmethod
+    def kinds(cls, robot: RobotFile) -> tuple[type[Capability], ...] | None:
+        """What the robot could do, by its file alone: nothing is opened, and no robot is spoken to.
+
+        None where that is found out by building it; then `handcart check` builds one. A backend whose
+        building reaches a real robot must tell.
+
+        Raises:
+            InputError: such a robot can't be built.
+        """
+        return None
+
+    @classmethod
+    def build_on_bench(cls, robot: RobotFile, world: Path | None, seed: int, bench: str) -> Backend:
+        """As `build`, with simulated drives in front of a simulated backend, `bench` by name.
+
+        Raises:
+            NoBench: this backend has no drives, or there can be no such bench.
+        """
+        raise NoBench(f"the backend {cls.name!r} has no drives to simulate; allowed: --bench with --backend can")
 
     @abstractmethod
     def capabilities(self) -> tuple[Capability, ...]:
@@ -92,6 +127,10 @@ class Backend(ABC):
     def set_state(self, state: object) -> None:
         """Put a world, built anew from the same files and seed, where `state` was taken."""
         raise NotImplementedError(f"the backend {self.name!r} keeps no state")
+
+    def figures(self) -> Mapping[str, Any]:
+        """Figures for the run's summary, such as how late periods were; by name, with the unit at its end."""
+        return {}
 
     def view(self) -> NDArray[np.uint8] | None:
         """Robot and surroundings as somebody beside them sees them, for videos: RGB (height, width, 3).

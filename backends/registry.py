@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from functools import cache
+from functools import cache, partial
 from importlib import import_module
 from importlib.metadata import entry_points
 from pathlib import Path
@@ -47,7 +47,13 @@ def backend_names() -> list[str]:
 
 
 def make_backend(
-    name: str, robot: RobotFile, world: Path | None, seed: int, start: Pose2 = HERE, window: bool = False
+    name: str,
+    robot: RobotFile,
+    world: Path | None,
+    seed: int,
+    start: Pose2 = HERE,
+    window: bool = False,
+    bench: str | None = None,
 ) -> Backend:
     """A backend by its name, for a robot, in the world of a file.
 
@@ -58,20 +64,33 @@ def make_backend(
         seed: of simulated errors.
         start: world_T_base of the robot at first in a map's world; a world's file tells its own.
         window: whether robot and world are shown.
+        bench: simulated drives are put before the simulated backend of that name.
 
     Raises:
         UnknownBackend: none has that name; the message lists those that exist.
         FileError: the world's file is missing or something in it is wrong.
         NoWindow: it can't be shown.
+        NoBench: it has no drives, or there can be no such bench.
     """
     kind = backend_class(name)
     build = kind.build_in_window if window else kind.build
+    if bench is not None:
+        build = partial(kind.build_on_bench, bench=bench)
     if world is None:
         return build(robot, None, seed)
     from .map_world import as_world_file
 
     with as_world_file(world, start) as file:
         return build(robot, file, seed)
+
+
+def check_world(world: Path, start: Pose2 = HERE) -> None:
+    """Read a world's file, or a map, and build nothing; raises `FileError`."""
+    from .map_world import as_world_file
+    from .scene.load_world import load_world
+
+    with as_world_file(world, start) as file:
+        load_world(file)
 
 
 def backend_class(name: str) -> type[Backend]:

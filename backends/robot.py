@@ -265,8 +265,8 @@ class Robot:
     def _take_reading(self, localizer: PositioningLocalizer) -> None:
         """Take in what the positioning system tells; a base that it finds elsewhere at rest was pushed."""
         reading = self.get(Positioning).reading()  # type: ignore[type-abstract]
-        if reading is None:
-            return
+        if reading is None or not np.isfinite((*reading.pose, reading.age)).all():
+            return  # a broken one is no reading
         periods = round(reading.age / self.period)
         if localizer.take(reading.number, reading.pose, periods) and self._still > periods:
             self.pushes += 1

@@ -280,7 +280,7 @@ class RobotFile(FileModel):
     the particle filter of Ohki et al. (2012), or a Kalman filter that knows the errors of all three."""
     drive: Drive
     can: CanSpec | None = None
-    """Where the backend `can` finds the wheels' drives."""
+    """Where the backend `can` finds the robot's drives."""
     arm: ArmSpec | None = None
     gripper: GripperSpec | None = None
     camera: CameraSpec | None = None
@@ -300,6 +300,11 @@ class RobotFile(FileModel):
     _folder: Path = PrivateAttr(default=ROBOTS)
     _text: str | None = PrivateAttr(default=None)
     _path: Path | None = PrivateAttr(default=None)
+
+    @property
+    def folder(self) -> Path:
+        """Where its file stands: paths in it are relative to that."""
+        return self._folder
 
     def urdf_path(self) -> Path:
         """A file with the URDF of the whole robot: that beside the robot's file, or a temporary one."""

@@ -30,7 +30,27 @@ def robot_findings(robot: RobotFile, document: Document) -> list[Finding]:
         return [document.finding(key, str(error))]
     arm = _arm_findings(robot.arm, urdf, document) if robot.arm else []
     frames = _frame_findings(robot, urdf, document)
-    return arm or [*frames, *_box_findings(robot, document), *_positioning_findings(robot, document)]
+    boxes = _box_findings(robot, document)
+    return arm or [
+        *frames,
+        *boxes,
+        *_positioning_findings(robot, document),
+        *_bus_findings(robot, document),
+    ]
+
+
+def _bus_findings(robot: RobotFile, document: Document) -> list[Finding]:
+    """Whether the bus carries what goes over it each period."""
+    if robot.can is None:
+        return []
+    from .can.bus_load import ALLOWED
+    from .can.cyclic_frames import bus_load
+
+    load = bus_load(robot.can, robot.period_s)
+    if not load.too_much:
+        return []
+    wrong = f"cyclic frames take {load.share:.0%} of the bus at this bit rate and {robot.period_s} s a period"
+    return [document.finding(("can", "bitrate_kbit_s"), f"{wrong}; allowed: at most {ALLOWED:.0%}")]
 
 
 def _positioning_findings(robot: RobotFile, document: Document) -> list[Finding]:

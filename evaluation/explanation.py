@@ -14,6 +14,8 @@ from networks.flight_recorder import END, SUFFIX
 from networks.hindsight import Choice, Option, Way, choice_of
 from networks.past_run import PastAction, PastRun
 
+FRAMES = "_frames.log"
+
 
 class NoSuchAction(InputError):
     """The run has no action of that number."""
@@ -58,6 +60,8 @@ class Explanation:
     """Points on the map that decided, as .npz; or those that an earlier action left, which this one used."""
     readings: Path | None
     """The last seconds of readings and commands."""
+    frames: Path | None = None
+    """The CAN frames around it, as a candump log."""
 
     @property
     def causes(self) -> Sequence[Mapping[str, Any]]:
@@ -77,7 +81,8 @@ def explain(run: PastRun, number: int | None = None) -> Explanation:
     """
     action = run.last_fail if number is None else _numbered(run, number)
     if action is None:
-        return Explanation(run, None, None, (), (), None, None, _kept(run, f"{END}{SUFFIX}"))
+        readings, frames = _kept(run, f"{END}{SUFFIX}"), _kept(run, f"{END}{FRAMES}")
+        return Explanation(run, None, None, (), (), None, None, readings, frames)
     relied_on = tuple(_relied_on(run, action))
     points = [_kept(run, f"{_stem(each)}.npz") for each in (action, *(who for _, who in relied_on[::-1]))]
     return Explanation(
@@ -88,7 +93,8 @@ def explain(run: PastRun, number: int | None = None) -> Explanation:
         _residuals(action),
         _picture(run, action),
         next((path for path in points if path is not None), None),
-        _kept(run, f"{_stem(action)}{SUFFIX}") or _at_the_end(run, action),
+        _kept(run, f"{_stem(action)}{SUFFIX}") or _at_the_end(run, action, SUFFIX),
+        _kept(run, f"{_stem(action)}{FRAMES}") or _at_the_end(run, action, FRAMES),
     )
 
 
@@ -136,9 +142,9 @@ def _picture(run: PastRun, action: PastAction) -> Path | None:
     return max(pictures, key=lambda path: (path.stat().st_mtime_ns, path.name), default=None)
 
 
-def _at_the_end(run: PastRun, action: PastAction) -> Path | None:
-    """The run's last readings, where the action is the one that was broken off there."""
-    return _kept(run, f"{END}{SUFFIX}") if action is run.actions[-1] and not action.outcome else None
+def _at_the_end(run: PastRun, action: PastAction, suffix: str) -> Path | None:
+    """What was kept at the run's end, where the action is the one that was broken off there."""
+    return _kept(run, f"{END}{suffix}") if action is run.actions[-1] and not action.outcome else None
 
 
 def _kept(run: PastRun, name: str) -> Path | None:
@@ -169,6 +175,7 @@ def as_json(told: Explanation, chart: Path | None) -> dict[str, Any]:
         "picture": told.picture and str(told.picture),
         "points": told.points and str(told.points),
         "readings": told.readings and str(told.readings),
+        "frames": told.frames and str(told.frames),
         "chart": chart and str(chart),
     }
 

@@ -36,6 +36,7 @@ def in_words(told: Explanation, chart: Path | None) -> str:
     parts = [_head(told.run), _time_line(told.run, told.action)]
     if told.action is not None:
         parts += [_about(told.action), _chosen(told), _happened(told), _restored(told)]
+    parts.append(_frames(told))
     parts.append(_files(told, chart))
     return "\n\n".join(part for part in parts if part)
 
@@ -199,11 +200,29 @@ def _table(residuals: Sequence[Residual]) -> Iterator[str]:
         yield f"  {each.name:<{width}}  {size}{limit}{'' if each.within else '   <- beyond it'}"
 
 
+def _frames(told: Explanation) -> str:
+    """What passed on the CAN bus, where that was recorded."""
+    if told.frames is None:
+        return ""
+    from .frames_around import frames_around, in_words  # CAN is read where there was any
+
+    action, last = told.action, float(told.run.records[-1]["t"])
+    end = action.end if action else last
+    instant = end if action is None or action.broken_off is None else action.broken_off
+    try:
+        around = frames_around(told.frames, told.run.folder, instant, end)
+    except (OSError, ValueError) as error:
+        return f"Frames on the CAN bus\n  they can't be read: {error}"
+    head = f"Frames on the CAN bus around {instant:.3f} s, without what was said before"
+    return "\n".join([head, *(f"  {line}" for line in in_words(around))])
+
+
 def _files(told: Explanation, chart: Path | None) -> str:
     named = {
         "what was seen": told.picture,
         "points on the map": told.points,
         "last readings and commands": told.readings,
+        "CAN frames": told.frames,
         "drawn": chart,
     }
     return "\n".join(f"{what}: {path}" for what, path in named.items() if path is not None)

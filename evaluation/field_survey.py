@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -14,11 +15,15 @@ from primitives.target import Laid
 from primitives.world_model import WorldModel
 from robotics.navigation.placement_errors import aligned_spread, nees
 
-from .total_station import TotalStation
+from .survey_notes import SurveyNotes
+from .total_station import Sight, TotalStation
 
 LOOKS_BACK = 1.0  # [s] before a sensor is let go, in which the hand stands over it
 EVERY = 0.5  # [s] between points of the tracks that are drawn
+NOTED = 5.0  # [s] at most between two notes
 Array = NDArray[np.float64]
+Place = tuple[float, float]
+"""x and y in [m]."""
 
 
 class Placement(NamedTuple):
@@ -45,32 +50,77 @@ class Placement(NamedTuple):
 class FieldSurvey:
     """Looks at a scene once a period, and notes where sensors are let go."""
 
-    def __init__(self, scene: Any, model: WorldModel, seed: int) -> None:
-        """Of a run that hasn't started."""
+    def __init__(self, scene: Any, model: WorldModel, seed: int, folder: Path | None = None) -> None:
+        """Of a run that hasn't started, or goes on.
+
+        Args:
+            scene: ground truth.
+            model: what the robot knows.
+            seed: of the total station's errors.
+            folder: the run's, where notes are kept; None: nowhere.
+        """
         self._scene, self._model = scene, model
         spec = scene.total_station
         self.station = TotalStation(spec, scene, seed) if spec is not None else None
         self._blocks: dict[str, str] = {}
-        self._seen: dict[str, tuple[float, float] | None] = {}
-        self.tracks: dict[str, list[tuple[float, float]]] = {
+        self._seen: dict[str, Place | None] = {}
+        self.tracks: dict[str, list[Place]] = {
             name: [] for name in ("fixes", "odometry", "estimate", "truth")
         }
         """Points (x, y) in [m], for plots."""
         self._next = 0.0
         self._held = ""
-        for laid in model.laid:  # by the run that this one goes on with: nobody measured for us
-            self._blocks[laid.name], self._seen[laid.name] = self._nearest(laid), None
+        self._notes = SurveyNotes(folder) if folder is not None else None
+        self._go_on()
+        self._noted, self._told = scene.time, self._lengths()
 
     def look(self, robot: Robot) -> None:
         """A period has passed."""
         if self.station is not None:
             self.station.look()
         self._follow(robot)
-        for laid in self._model.laid[len(self._blocks) :]:
-            self._blocks[laid.name] = self._held
-            self._seen[laid.name] = self._measured()
+        laid = self._model.laid[len(self._blocks) :]
+        for each in laid:
+            self._blocks[each.name] = self._held
+            self._seen[each.name] = self._measured()
+        if laid or self._scene.time >= self._noted + NOTED:
+            self._note([each.name for each in laid])
         held = self._scene.held
         self._held = "" if held is None else held.spec.name
+
+    def _go_on(self) -> None:
+        """Take up what was noted of the run that this one goes on with."""
+        for note in self._notes.until(self._scene.time) if self._notes is not None else []:
+            for name, points in note["tracks"].items():
+                self.tracks[name] += [(x, y) for x, y in points]
+            for name, (block, place) in note["laid"].items():
+                self._blocks[name], self._seen[name] = block, tuple(place) if place else None
+            if self.station is not None:
+                self.station.sights += [Sight(time, np.array(place)) for time, *place in note["sights"]]
+        for laid in self._model.laid:
+            if laid.name not in self._blocks:  # nobody noted anything
+                self._blocks[laid.name], self._seen[laid.name] = self._nearest(laid), None
+
+    def _lengths(self) -> dict[str, int]:
+        """How many points there are of each kind."""
+        sights = len(self.station.sights) if self.station is not None else 0
+        return {"sights": sights, **{name: len(points) for name, points in self.tracks.items()}}
+
+    def _note(self, laid: list[str]) -> None:
+        """Note what is new: sensors by name, tracks and sights."""
+        if self._notes is None:
+            return
+        sights = self.station.sights[self._told["sights"] :] if self.station is not None else []
+        note = {
+            "laid": {name: (self._blocks[name], self._seen[name]) for name in laid},
+            "tracks": {
+                name: [(round(x, 3), round(y, 3)) for x, y in points[self._told[name] :]]
+                for name, points in self.tracks.items()
+            },
+            "sights": [(sight.time, *sight.place.round(4).tolist()) for sight in sights],
+        }
+        self._notes.add(self._scene.time, note)
+        self._noted, self._told = self._scene.time, self._lengths()
 
     def placements(self) -> list[Placement]:
         """All sensors that were let go."""
@@ -115,7 +165,7 @@ class FieldSurvey:
         off = np.array([each.measured for each in seen], dtype=np.float64) - believed
         return nees(off, np.array([each.believed.spread + own * np.eye(2) for each in seen]))
 
-    def _measured(self) -> tuple[float, float] | None:
+    def _measured(self) -> Place | None:
         """Mean of the readings of the last second."""
         sights = self.station.sights if self.station is not None else []
         last = [sight.place for sight in sights[-10:] if sight.time > self._scene.time - LOOKS_BACK]

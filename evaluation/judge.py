@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -85,11 +86,15 @@ def broken_promises(before: Truth, after: Truth, robot: RobotFile) -> list[str]:
 class Judge:
     """An observer of a run that holds its outcomes against the ground truth."""
 
-    def __init__(self, prepared: Prepared) -> None:
-        """Judge a run that hasn't started; where the backend isn't simulated, nothing is claimed."""
+    def __init__(self, prepared: Prepared, folder: Path | None = None) -> None:
+        """Judge a run that hasn't started; where the backend isn't simulated, nothing is claimed.
+
+        In the run's `folder` is noted what a run that breaks off couldn't tell again.
+        """
         self._robot = prepared.robot.spec
         self._scene: Any = getattr(prepared.backend, "scene", None)
         self._start: Truth | None = None
+        self._at, self._driven = prepared.robot.reckoned, 0.0
         self._labels = 0
         self._figures: dict[str, float] = {}
         self.untrue: list[str] = []
@@ -109,7 +114,7 @@ class Judge:
         self.field: FieldSurvey | None = None
         """What was seen of sensors that are laid."""
         if self._scene is not None and prepared.model.targets:
-            self.field = FieldSurvey(self._scene, prepared.model, prepared.seed)
+            self.field = FieldSurvey(self._scene, prepared.model, prepared.seed, folder)
         self._shelving: Shelving | None = None
         shelves = any(action.do == RELEASE for action in prepared.task.network.actions)
         if shelves and self._scene is not None and self._scene.tray_book() is not None:
@@ -119,6 +124,8 @@ class Judge:
 
     def look(self, robot: Robot) -> None:
         """A period has passed."""
+        self._driven += robot.reckoned.distance(self._at)
+        self._at = robot.reckoned
         if self._survey is not None:
             self._survey.look()
         if self.seam is not None:
@@ -168,9 +175,7 @@ class Judge:
 
     def metrics(self, prepared: Prepared, end: RunEnd, telemetry: Telemetry) -> dict[str, Any]:
         """The figures of a run that has ended."""
-        track = telemetry.track().pose
-        driven = float(np.hypot(*np.diff(track[:, :2], axis=0).T).sum()) if len(track) > 1 else 0.0
-        figures: dict[str, Any] = {"path_length_m": round(driven, 3), **self._figures}
+        figures: dict[str, Any] = {"path_length_m": round(self._driven, 3), **self._figures}
         if self._survey is not None:
             figures |= self._survey.figures(self._uncorrected) | {"frames": self._frames}
             self._judge_blocks(end)

@@ -54,7 +54,7 @@ class Feedback(NamedTuple):
     rate: float
     """Of measurements and commands, in [Hz]."""
     ahead: bool = True
-    """Whether readings are carried on by what the base was seen to do, over latency and lag."""
+    """Whether readings are carried on by what the base was seen to do, and commands make up for the lag."""
 
 
 class MovingRun(NamedTuple):
@@ -116,19 +116,26 @@ class MovingTracking:
         return np.asarray(scale * smooth[start:] * (way.position, way.position, way.heading))
 
     def _known(self, strays: Floats, feedback: Feedback, rng: np.random.Generator) -> Floats:
-        """(k, 3): what the arm believes of the base at each instant, commands held between readings."""
+        """(k, 3): where the arm is told at each instant that the base is, held between readings.
+
+        Where readings are carried on, more is told than is wanted, as much as the arm's lag takes away of it
+        until the next command.
+        """
         told = self._spec.positioning
         assert told is not None, "base feedback comes from the positioning"
         sigma = np.array([told.sigma_mm, told.sigma_mm, told.heading_sigma_mrad]) / 1e3
         every, late = round(1.0 / feedback.rate / STEP), round(feedback.latency / STEP)
-        ahead = feedback.latency + 0.5 / feedback.rate + 1.0 / (2.0 * np.pi * feedback.bandwidth)
+        ahead = (late + every - 1) * STEP if feedback.ahead else 0.0
         # It was seen before it set out.
-        observer = _Observer(self._straying, every * STEP, ahead if feedback.ahead else 0.0, sigma, strays[0])
-        known = np.tile(strays[0], (len(strays), 1))
+        observer = _Observer(self._straying, every * STEP, ahead, sigma, strays[0])
+        told, done = np.tile(strays[0], (len(strays), 1)), strays[0]
+        left = _left(feedback.bandwidth) ** every if feedback.ahead else 0.0
         for index in range(0, len(strays), every):
             observer.see(strays[index] + sigma * rng.standard_normal(3))
-            known[index + late : index + late + every] = observer.ahead()
-        return known
+            wanted = observer.ahead()
+            told[index + late : index + late + every] = (wanted - left * done) / (1.0 - left)
+            done = wanted
+        return told
 
     def _angles(self, strays: Floats) -> Floats:
         """(k, n): joint angles that keep the tool on the seam, the base where it is believed to be."""
@@ -210,8 +217,13 @@ def _base(way: Floats, stray: Floats) -> Floats:
     return Pose2(*way.tolist()).compose(Pose2(*stray.tolist())).lift()
 
 
+def _left(bandwidth: float) -> float:
+    """Share of a step that is still to come after `STEP`, for a bandwidth in [Hz]."""
+    return float(np.exp(-2.0 * np.pi * bandwidth * STEP))
+
+
 def _lagged(values: Floats, bandwidth: float) -> Floats:
     """(k, n) through a lag of first order, in [Hz]."""
-    share = 1.0 - np.exp(-2.0 * np.pi * bandwidth * STEP)
+    share = 1.0 - _left(bandwidth)
     start = (1.0 - share) * values[:1]  # at rest at its first value
     return np.asarray(lfilter([share], [1.0, share - 1.0], values, axis=0, zi=start)[0])

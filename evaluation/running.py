@@ -61,6 +61,7 @@ def run_task(
     window: bool = False,
     sync: bool | None = None,
     errors: bool = True,
+    bench: str | None = None,
 ) -> tuple[dict[str, Any], int]:
     """Run a task once.
 
@@ -79,13 +80,14 @@ def run_task(
         window: whether robot and world are shown.
         sync: whether the journal is brought to the disk; None: as the backend needs it.
         errors: whether the simulated robot errs.
+        bench: simulated drives are put before the simulated backend of that name.
 
     Returns:
         The summary that also stands in the run's folder, and the exit status.
 
     Raises:
         FileError: something in the task or a file that it names is wrong; nothing has moved.
-        NoWindow, NoVideo: the run can't be shown or recorded; nothing has moved.
+        NoBench, NoWindow, NoVideo: there are no drives to simulate; it can't be shown, or recorded.
         NeedsOperator: a real robot's last run waits for a person.
         RobotBusy: it is in another run.
     """
@@ -93,7 +95,9 @@ def run_task(
     onlookers: list[Onlooker] = [] if told is None else [told.look]
     with ExitStack() as stack:
         prepared = stack.enter_context(
-            prepare(task, backend, settings, seed, window=window, situation=situation, errors=errors)
+            prepare(
+                task, backend, settings, seed, window=window, situation=situation, errors=errors, bench=bench
+            )
         )
         claim = stack.enter_context(claimed(prepared.backend))
         if video is not None:
@@ -103,7 +107,7 @@ def run_task(
             observers.append(film.note)
             onlookers.append(film.look)
         folder = new_folder(runs, f"{task.resolve().parent.name}-{seed}")
-        judge = Judge(prepared)
+        judge = Judge(prepared, folder)
         if told is not None:
             told.begin(prepared, folder)
         if claim is not None:
@@ -184,6 +188,7 @@ def resume_task(
         header["settings"],
         header["seed"],
         errors=header.get("errors", True),
+        bench=header.get("bench"),
     )
     with made as prepared, claimed(prepared.backend, folder) as claim:
         past = read_past(folder, prepared.task.network)
@@ -209,7 +214,7 @@ def resume_task(
             for words in (*recon.words(), past.next_words()):
                 told.say(words)
             past = past.after_look(recon, confirm)
-        judge = Judge(prepared)
+        judge = Judge(prepared, folder)
         told.begin(prepared, folder)
         if claim is not None:
             claim.begin(folder)

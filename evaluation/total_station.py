@@ -39,7 +39,7 @@ class TotalStation:
         self._place = np.array([spec.x_m, spec.y_m, spec.height_m])
         shapes = scene.arm.link_shapes(scene.joints)
         self._body = [shape for shape in shapes if isinstance(shape, Box) and shape.name == "base"]
-        self._next, self._count = 0.0, 0
+        self._count = self._due()
         self.sights: list[Sight] = []
         """All readings."""
         self.hidden = 0
@@ -47,10 +47,9 @@ class TotalStation:
 
     def look(self) -> None:
         """A period has passed."""
-        if self._scene.time < self._next:
+        if (count := self._due()) <= self._count:
             return
-        self._next = self._scene.time + self._spec.period_s - 1e-9
-        self._count += 1
+        self._count = count
         hand = self._scene.world_T("hand")
         reflector = hand[:3, 3] - REFLECTOR * hand[:3, 0]
         if self._hidden(reflector):
@@ -58,6 +57,10 @@ class TotalStation:
             return
         noise = keyed(self._seed, "total station", self._count).standard_normal(3)
         self.sights.append(Sight(self._scene.time, reflector + self.sigma * noise))
+
+    def _due(self) -> int:
+        """How many readings a station has taken by now."""
+        return int(self._scene.time / self._spec.period_s + 1e-6)
 
     @property
     def sigma(self) -> float:

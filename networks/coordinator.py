@@ -220,11 +220,14 @@ class Coordinator:
         self.life.restore()
         self._chronicle.restoring(action, reason)
 
-    def broken_off(self, reason: str) -> RunEnd:
-        """The end of a run that a fault of ours or of the journal broke off; the robot has been stopped."""
-        if self._chronicle.open:
+    def broken_off(self, reason: str, outcome: RunOutcome = "Error") -> RunEnd:
+        """The end of a run that a fault broke off: of ours or the journal, or a GiveUp where the robot's.
+
+        The robot has been stopped.
+        """
+        if self._chronicle.open and outcome == "Error":
             reason = f"{reason}; how action {self.running} ended is not in the journal for good"
-        end = self._end("Error", reason)
+        end = self._end(outcome, reason)
         with suppress(Exception):  # what broke the run off may break this off, too
             self._chronicle.stopped(reason, self._robot.time)
             self._chronicle.ended(end, measure(self._robot))

@@ -10,7 +10,7 @@ from typing import TypeVar
 import numpy as np
 
 from backends.backend import Backend
-from backends.registry import UnknownBackend, backend_names, make_backend
+from backends.registry import UnknownBackend, backend_class, backend_names, check_world, make_backend
 from backends.robot import Robot
 from backends.robot_file import RobotFile, load_robot
 from files.errors import FileError, InputError
@@ -53,6 +53,8 @@ class Prepared:
     """What the user should know before it starts."""
     errors: bool = True
     """Whether the simulated robot errs."""
+    bench: str | None = None
+    """The simulated backend behind simulated drives, where there are such."""
 
     def __enter__(self) -> Prepared:
         return self
@@ -81,6 +83,7 @@ def prepare(
     window: bool = False,
     situation: str | None = None,
     errors: bool = True,
+    bench: str | None = None,
 ) -> Prepared:
     """Read and check a task with all its files, and build its robot.
 
@@ -93,12 +96,56 @@ def prepare(
         window: whether robot and world are shown.
         situation: where the run begins, instead of the task's start.
         errors: whether the simulated robot errs as its file says, or not at all.
+        bench: simulated drives are put before the simulated backend of that name.
 
     Raises:
+        NoBench: the backend has no drives, or there can be no such bench.
         UnknownSituation: the task has no such situation.
         NoWindow: they can't be shown.
         FileError: with every finding in all of the files.
     """
+    read = _read(task_path, backend, settings, primitives, situation, errors)
+    task, name, spec, told = read.task, read.backend, read.spec, read.told
+    findings, world = read.findings, read.world
+    made = None
+    if spec is not None and world is not None and told is not None and not findings:
+        start = start_pose(task, told[0])
+        made = _collected(findings, lambda: make_backend(name, spec, world, seed, start, window, bench))
+    findings.raise_all()
+    assert made is not None
+    assert spec is not None
+    assert told is not None
+    model, warnings = told
+    try:
+        task.check_capabilities(made)
+        robot = make_robot(task, made, spec, model)
+    except BaseException:
+        made.close()
+        raise
+    return Prepared(task, name, made, robot, model, seed, dict(settings or {}), warnings, errors, bench)
+
+
+@dataclass(frozen=True)
+class _Read:
+    """A task with all its files, as far as they could be read."""
+
+    task: Task
+    backend: str
+    """Its name."""
+    spec: RobotFile | None
+    told: tuple[WorldModel, tuple[str, ...]] | None
+    world: Path | None
+    findings: Findings
+
+
+def _read(
+    task_path: Path | str,
+    backend: str | None,
+    settings: Mapping[str, str] | None,
+    primitives: Primitives,
+    situation: str | None,
+    errors: bool,
+) -> _Read:
     task = load_task(task_path, settings, primitives)
     if situation is not None:
         task = replace(task, network=beginning_at(task.network, situation))
@@ -115,22 +162,45 @@ def prepare(
     wanted = task.path("knowledge", "targets")
     if spec is not None and told is not None and told[0].field is not None and wanted is not None:
         findings.add(*target_findings(told[0].targets, told[0].field, spec, wanted))
-    made = None
-    if spec is not None and world is not None and told is not None and not findings:
-        start = start_pose(task, told[0])
-        made = _collected(findings, lambda: make_backend(name, spec, world, seed, start, window))
-    findings.raise_all()
-    assert made is not None
-    assert spec is not None
-    assert told is not None
-    model, warnings = told
-    try:
-        task.check_capabilities(made)
-        robot = make_robot(task, made, spec, model)
-    except BaseException:
-        made.close()
-        raise
-    return Prepared(task, name, made, robot, model, seed, dict(settings or {}), warnings, errors)
+    return _Read(task, name, spec, told, world, findings)
+
+
+def check(
+    task_path: Path | str,
+    backend: str | None = None,
+    settings: Mapping[str, str] | None = None,
+    seed: int = 0,
+    situation: str | None = None,
+) -> tuple[Task, tuple[str, ...]]:
+    """Read and check a task with all its files; no robot is spoken to, and none can move.
+
+    Args:
+        task_path: the task's file.
+        backend: another one than the task names.
+        settings: what `--set KEY=VALUE` gave, VALUE unparsed.
+        seed: of the simulated errors.
+        situation: where a run would begin, instead of the task's start.
+
+    Returns:
+        The task, and what the user should know before it starts.
+
+    Raises:
+        UnknownSituation: the task has no such situation.
+        FileError: with every finding in all of the files.
+    """
+    read = _read(task_path, backend, settings, primitive_class, situation, True)
+    if read.spec is None or read.told is None or read.findings:
+        read.findings.raise_all()
+    assert read.spec is not None
+    assert read.told is not None
+    kinds = backend_class(read.backend).kinds(read.spec)
+    if kinds is None:
+        with prepare(task_path, backend, settings, seed, situation=situation) as prepared:
+            return prepared.task, prepared.warnings
+    if read.world is not None:
+        check_world(read.world, start_pose(read.task, read.told[0]))
+    read.task.check_kinds(kinds)
+    return read.task, read.told[1]
 
 
 def make_robot(task: Task, backend: Backend, spec: RobotFile, model: WorldModel) -> Robot:

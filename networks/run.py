@@ -8,13 +8,14 @@ import threading
 import time
 import traceback
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from types import FrameType
 from typing import Any
 
 import orjson
 
+from backends.backend import RobotFault
 from backends.robot import Robot
 from files.errors import HandcartError
 
@@ -30,10 +31,12 @@ from .operation import Operation
 from .permits import Permits
 from .preparing import Prepared
 from .preparing import prepare as prepare
+from .recording_keeper import RecordingKeeper
 from .resuming import Past
 from .run_end import RunEnd
 from .run_header import header, process_facts
 from .run_life import RunState
+from .steady_memory import SteadyMemory
 from .supervision import Request
 from .syncing import Sync, sync_for
 from .telemetry import Telemetry
@@ -44,6 +47,9 @@ Metrics = Callable[[Prepared, RunEnd, Telemetry], Mapping[str, Any]]
 
 Onlooker = Callable[[Robot], None]
 """Called after each period; it looks on and changes nothing."""
+
+Recorder = FlightRecorder | RecordingKeeper | SteadyMemory
+"""What looks on at a run by itself: context managers that are observers, and onlookers by `look`."""
 
 
 class NotKept(HandcartError):
@@ -84,10 +90,11 @@ def execute(
     run_dir.mkdir(parents=True, exist_ok=True)
     telemetry = Telemetry()
     sync = sync or sync_for(prepared.backend.simulated)
-    with _journal(prepared, run_dir, past, sync) as journal:
-        recorder = FlightRecorder(run_dir, prepared.robot)
+    with ExitStack() as stack:
+        journal = stack.enter_context(_journal(prepared, run_dir, past, sync))
+        recorders = list(_recorders(prepared, run_dir))
         keeper = CalibrationKeeper(run_dir, prepared)
-        looking_on: list[Observer] = [*observers, EvidenceFiles(run_dir), keeper, recorder]
+        looking_on: list[Observer] = [*observers, EvidenceFiles(run_dir), keeper, *recorders]
         permits = permits or Permits()
         coordinator = Coordinator(
             prepared.task.network,
@@ -99,13 +106,12 @@ def execute(
             standing=past.standing if past else None,
             keep=CheckpointKeeper(run_dir, prepared).keep if checkpoints else None,
         )
-        with (
-            _interrupts_stop(coordinator),
-            Operation(run_dir, coordinator, permits, prepared.robot) as operation,
-            recorder,
-        ):
-            watching = [recorder.look, *onlookers, lambda _: operation.look()]
-            end = _guarded(coordinator, prepared.robot, telemetry, run_dir, watching)
+        stack.enter_context(_interrupts_stop(coordinator))
+        operation = stack.enter_context(Operation(run_dir, coordinator, permits, prepared.robot))
+        for each in recorders:
+            stack.enter_context(each)
+        watching = [*(each.look for each in recorders), *onlookers, lambda _: operation.look()]
+        end = _guarded(coordinator, prepared.robot, telemetry, run_dir, watching)
     figures = dict(metrics(prepared, end, telemetry)) if metrics else {}
     try:
         _write(run_dir / "summary.json", summary(prepared, end, run_dir, clock() - began, figures))
@@ -113,6 +119,15 @@ def execute(
     except OSError as error:
         raise NotKept(run_dir, end, error) from None
     return end
+
+
+def _recorders(prepared: Prepared, run_dir: Path) -> Iterator[Recorder]:
+    """What looks on at every run, beside those who were asked for."""
+    yield FlightRecorder(run_dir, prepared.robot)
+    if prepared.backend.recording is not None:
+        yield RecordingKeeper(run_dir, prepared.backend.recording)
+    if not prepared.backend.simulated:
+        yield SteadyMemory()
 
 
 def _journal(prepared: Prepared, run_dir: Path, past: Past | None, sync: Sync) -> Journal:
@@ -165,6 +180,7 @@ def summary(
         "seed": prepared.seed,
         "backend": prepared.backend_name,
         "run_dir": str(run_dir),
+        **prepared.backend.figures(),
         "metrics": dict(metrics),
     }
 
@@ -184,7 +200,7 @@ def _guarded(
         if not isinstance(error, JournalError):
             (run_dir / "error.txt").write_text(traceback.format_exc(), encoding="utf-8")
         reason = str(error) if known else f"{type(error).__name__}: {error}"
-        return coordinator.broken_off(reason)
+        return coordinator.broken_off(reason, "GiveUp" if isinstance(error, RobotFault) else "Error")
 
 
 @contextmanager

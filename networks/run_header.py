@@ -35,6 +35,7 @@ def header(prepared: Prepared) -> dict[str, Any]:
         "robot": task.file.robot,
         "robot_sha256": robot_fingerprint(prepared.robot.spec),
         "backend": prepared.backend_name,
+        "bench": prepared.bench,
         "simulated": prepared.backend.simulated,
         "address": prepared.backend.address,
         "seed": prepared.seed,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, TypeVar
@@ -10,6 +10,7 @@ from typing import Any, TypeVar
 import networkx as nx
 
 from backends.backend import Backend
+from backends.capability import Capability
 from backends.robot_file import ROBOTS, robot_names
 from files.errors import FileError, UnsafePath
 from files.findings import Findings
@@ -63,14 +64,19 @@ class Task:
 
     def check_capabilities(self, backend: Backend) -> None:
         """Raise `FileError` naming every action whose primitive needs what the robot doesn't have."""
+        self.check_kinds([type(each) for each in backend.capabilities()])
+
+    def check_kinds(self, kinds: Sequence[type[Capability]]) -> None:
+        """The same, by the classes of what the robot has."""
         findings = Findings()
         for action, entry in zip(self.network.actions, self.entries, strict=True):
             if action.binding is None or entry is None:
                 continue
-            missing = [kind.__name__ for kind in action.binding.kind.needs if backend.get(kind) is None]
+            needs = action.binding.kind.needs
+            missing = [need.__name__ for need in needs if not any(issubclass(kind, need) for kind in kinds)]
             if missing:
                 wrong = f"{action.do} needs what the robot doesn't have: {', '.join(missing)}"
-                have = ", ".join(sorted(type(each).__name__ for each in backend.capabilities()))
+                have = ", ".join(sorted(kind.__name__ for kind in kinds))
                 findings.add(self.document.finding(("actions", entry, "do"), f"{wrong}; it has: {have}"))
         findings.raise_all()
 

@@ -24,11 +24,16 @@ def renew_arm(robot: Robot, moment: Moment) -> bool:
     return True
 
 
+def moves_fingers(robot: Robot, moment: Moment) -> bool:
+    """Whether they were commanded otherwise in that moment than they are now."""
+    gripper = robot.backend.get(Gripper)  # type: ignore[type-abstract]
+    return gripper is not None and abs(gripper.command() - moment.grip) > 1e-6
+
+
 def command_moment(robot: Robot, moment: Moment) -> Generator[None, None, None]:
     """Bring arm and gripper to their commands of that moment."""
-    gripper = robot.backend.get(Gripper)  # type: ignore[type-abstract]
-    if gripper and abs(gripper.command() - moment.grip) > 1e-6:
-        gripper.move(moment.grip)
+    if moves_fingers(robot, moment):
+        robot.gripper.move(moment.grip)
         yield from robot.wait(GRIP_PAUSE)
     if renew_arm(robot, moment):
         yield

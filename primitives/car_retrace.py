@@ -12,7 +12,7 @@ from backends.robot import Robot
 from robotics.geometry.pose2 import Pose2
 from robotics.navigation.car_tracker import CarTracker
 
-from .arm_command import command_moment, renew_arm
+from .arm_command import command_moment, moves_fingers, renew_arm
 from .discrepancy import Discrepancy, Measured
 from .snapshot import Snapshot
 from .trace import Moment, Trace
@@ -71,15 +71,19 @@ def _stretches(moments: Sequence[Moment]) -> list[list[Moment]]:
 
 
 def _drive_back(robot: Robot, stretch: Sequence[Moment], forwards: bool) -> Generator[None, None, None]:
+    """Along a stretch that was driven in one direction; the arm as it was when the base was there."""
     left = list(stretch)
-    poses = [_reckoned(left[-1])]
-    for moment in reversed(left):
-        if _reckoned(moment).distance(poses[-1]) >= COARSE:
-            poses.append(_reckoned(moment))
+    poses, along = [_reckoned(left[-1])], [0.0]
+    for before, now in pairwise(reversed(left)):
+        along.append(along[-1] + _reckoned(now).distance(_reckoned(before)))
+        if _reckoned(now).distance(poses[-1]) >= COARSE:
+            poses.append(_reckoned(now))
     sharpest = robot.spec.drive.sharpest_per_m
     tracker = CarTracker([(np.array(poses), forwards)], sharpest, robot.drive_limits)
     while not tracker.finished(robot.reckoned):
         robot.base.drive(*tracker.command(robot.reckoned, robot.period))
+        if left and along[-len(left)] <= tracker.progress and not moves_fingers(robot, left[-1]):
+            renew_arm(robot, left.pop())
         yield
-    if np.any(left[0].joints != left[-1].joints) and renew_arm(robot, left[0]):
-        yield
+    for moment in reversed(left):
+        yield from command_moment(robot, moment)

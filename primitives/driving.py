@@ -7,6 +7,7 @@ from collections.abc import Generator
 import numpy as np
 from numpy.typing import NDArray
 
+from backends.arm import Arm
 from backends.robot import Robot
 from robotics.geometry.pose2 import Pose2
 from robotics.navigation.car_route import plan_car_route
@@ -33,6 +34,8 @@ HORIZON = 1.0  # [m] of route that is watched ahead
 CAR_ROOM = 0.15  # [m] beside the footprint that a car's planned path keeps
 KEPT = 2.5  # [m] about what stands in a car's way, in which what was sensed is remembered
 ASTRAY = 0.4  # [m] by which a rock may stand elsewhere than a car believes, mostly by its own error
+LOWERED = 0.6  # [m] of the hand above the ground: higher, and a scan goes below what it holds
+HAND = 0.15  # [m] about the hand, in which a scan sees it and what it holds
 TURNING = 1.05  # of the turning circle that the steering allows: planned with something in hand
 
 
@@ -56,17 +59,19 @@ def plan_drive(robot: Robot, grid: GridMap, sensed: NDArray[np.float64], goal: P
 
 
 def plan_tracker(
-    robot: Robot, model: ModelView, place: str, goal: Pose2, tolerance: PoseTolerance
+    robot: Robot, model: ModelView, place: str, goal: Pose2, tolerance: PoseTolerance, reverse: bool = False
 ) -> Generator[None, None, tuple[PathTracker | CarTracker, NDArray[np.float64]]]:
     """What follows a route to a place, and the route's points (n, 2) in [m].
 
     That is the detour that was planned for the place, or a new route on the map. For a car it is always a new
-    one, from where it stands, past what is known and what was sensed.
+    one, from where it stands, past what is known and what was sensed. With `reverse` the rear leads.
 
     Raises:
-        Discrepancy: there is none.
+        Discrepancy: there is none; or a car is to go backwards.
     """
     if robot.spec.drive.kind == "ackermann":
+        if reverse:
+            raise Discrepancy("a car-like base isn't driven backwards", permanent=True)
         way = yield from robot.compute(plan_car_drive, robot, model, goal)
         if way is None:
             raise Discrepancy(f"no way leads to {place} in the field", permanent=True)
@@ -80,7 +85,7 @@ def plan_tracker(
         if route is None:
             raise Discrepancy(f"no way leads to {place} on the map", permanent=True)
         points = route.points
-    return PathTracker(points, goal.theta, robot.drive_limits, tolerance=tolerance), points
+    return PathTracker(points, goal.theta, robot.drive_limits, reverse, tolerance), points
 
 
 def plan_car_drive(robot: Robot, model: ModelView, goal: Pose2) -> CarPath | None:
@@ -115,8 +120,13 @@ class FieldLookout:
         self._radius = radius + WATCHED_ROOM
 
     def unexpected(self, robot: Robot) -> NDArray[np.float64]:
-        """(n, 2) points of this period's scan, in the field's frame, in [m]."""
-        return robot.pose.apply(robot.range_sensor.scan().points())
+        """(n, 2) points of this period's scan, in the field's frame, in [m]; without a lowered hand's own."""
+        points = robot.range_sensor.scan().points()
+        if robot.spec.arm is not None and robot.backend.get(Arm) is not None:  # type: ignore[type-abstract]
+            hand = robot.base_T("hand")[:3, 3]
+            if hand[2] < LOWERED:
+                points = points[np.hypot(*(points - hand[:2]).T) > HAND]
+        return robot.pose.apply(points)
 
     def kept(self, sensed: NDArray[np.float64], blocking: NDArray[np.float64]) -> NDArray[np.float64]:
         """(m, 2) those of the points that are near the one in the way (2,)."""

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Iterator
 from typing import Annotated, ClassVar
 
 import numpy as np
@@ -21,6 +23,7 @@ from .action_primitive import ActionPrimitive, Periods
 from .discrepancy import Discrepancy, Measured, NeedsPerson
 from .driving import HORIZON, FieldLookout, Lookout, goal_pose, make_lookout, plan_tracker
 from .knowledge import Place
+from .on_the_way import arm_on_the_way
 from .place_name import PlaceName
 from .retrace import LONGEST_REACH, reach_pose, retrace
 from .snapshot import Snapshot, settle
@@ -38,7 +41,8 @@ NEAR = 0.05  # [m] before the goal, where it turns and comes to stand
 class MoveTo(ActionPrimitive):
     """Drive the base to a named place along the Voronoi graph, and dock there if a shelf stands before it.
 
-    Odometry is corrected by comparing scans with the map. What the map doesn't show and stands in the way is
+    Odometry is corrected by comparing scans with the map. A car drives arcs and straight lines past the rocks
+    of its field, by what tells it outdoors where it is. What the map doesn't show and stands in the way is
     waited for, then it is a Fail and what was sensed is kept.
     """
 
@@ -46,9 +50,14 @@ class MoveTo(ActionPrimitive):
     """Where to."""
     wait_s: Annotated[float, Field(ge=0.0, le=600.0)] = 5.0
     """How long to wait for a passer-by to leave the way."""
+    reverse: bool = False
+    """The base drives backwards: where turning around would sweep its rear over something."""
+    together: bool = False
+    """The arm moves meanwhile: home as the base departs; it takes a sensor, and is held over the target
+    before the base arrives."""
 
     needs: ClassVar = (Base, RangeSensor)
-    reads: ClassVar = ("map", "places", "field")
+    reads: ClassVar = ("map", "places", "field", "targets")
     writes: ClassVar = ("obstacles", "detour")
 
     _lookout: Lookout | FieldLookout | None = PrivateAttr(default=None)
@@ -56,11 +65,14 @@ class MoveTo(ActionPrimitive):
     _blocked_since: float | None = PrivateAttr(default=None)
 
     def motion(self, robot: Robot, model: ModelView) -> Periods:
+        if not self.together:
+            _check_arm(robot)
         goal = goal_pose(model, self.place)
         self._lookout = make_lookout(robot, model)
-        tracker, points = yield from plan_tracker(robot, model, self.place, goal, ARRIVED)
+        tracker, points = yield from plan_tracker(robot, model, self.place, goal, ARRIVED, self.reverse)
         self.evidence.points["planned"] = points
-        yield from self._follow(robot, tracker)
+        arm = arm_on_the_way(robot, model, self.place, tracker) if self.together else iter(())
+        yield from self._follow(robot, tracker, arm)
         self._ahead = np.empty((0, 2))
         if model.places[self.place].shelf is not None:
             yield from self._dock(robot, model.places[self.place])
@@ -68,8 +80,8 @@ class MoveTo(ActionPrimitive):
         if model.detour and model.detour.goal == self.place:
             model.detour = None
 
-    def _follow(self, robot: Robot, tracker: PathTracker | CarTracker) -> Periods:
-        progress, since, driven, last = 0.0, robot.time, 0.0, robot.pose
+    def _follow(self, robot: Robot, tracker: PathTracker | CarTracker, arm: Iterator[None]) -> Periods:
+        progress, since, driven, last = 0.0, robot.time, 0.0, robot.reckoned
         while not tracker.finished(robot.pose):
             self._ahead = tracker.ahead
             waits = self._blocked_since is not None
@@ -83,10 +95,12 @@ class MoveTo(ActionPrimitive):
                     "the base doesn't get on: it touches something that the scan doesn't show",
                     measured=stood,
                 )
+            next(arm, None)
             yield
-            driven += robot.pose.distance(last)
-            last = robot.pose
+            driven += robot.reckoned.distance(last)
+            last = robot.reckoned
             self.found(path_length_m=round(driven, 3))
+        yield from arm
 
     def watch(self, robot: Robot, model: ModelView) -> None:
         """Something unexpected in the way: hold, and after `wait_s` it is a Discrepancy."""
@@ -148,3 +162,16 @@ class MoveTo(ActionPrimitive):
             "RangeSensor", "off its place", 1e3 * seen.distance(place.pose), 1e3 * DOCKED.position, "mm"
         )
         raise Discrepancy(f"the base doesn't come to stand square before {self.place}", measured=off)
+
+
+def _check_arm(robot: Robot) -> None:
+    """Raise `Discrepancy` where the hand stands out beyond the footprint: nothing would look out for it."""
+    if robot.spec.arm is None:
+        return
+    out, radius = math.hypot(*robot.base_T("hand")[:2, 3]), robot.spec.footprint_radius_m
+    if out > radius:
+        raise Discrepancy(
+            "the hand stands out beyond the robot's footprint: the arm goes home before the base drives",
+            permanent=True,
+            measured=Measured("Arm", "distance of the hand from the base's middle", out, radius, "m"),
+        )

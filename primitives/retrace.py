@@ -9,13 +9,13 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from backends.gripper import Gripper
 from backends.robot import Robot
 from robotics.geometry.pose2 import Pose2
 from robotics.navigation.path_tracking import PathTracker
 from robotics.navigation.pose_regulator import PoseRegulator, PoseTolerance
 
 from .arm_command import command_moment as _command
+from .arm_command import moves_fingers
 from .arm_command import renew_arm as _renew_arm
 from .car_retrace import car_retrace, check_stands
 from .discrepancy import Discrepancy, Measured
@@ -115,7 +115,7 @@ def _drive_back(robot: Robot, stretch: Sequence[Moment]) -> Generator[None, None
         tracker = PathTracker(points, goal.theta, robot.drive_limits, _forwards(stretch), TOLERANCE)
         while not tracker.finished(robot.pose):
             robot.base.drive(*tracker.command(robot.pose, robot.period))
-            if left and way[len(left) - 1] <= tracker.progress and _only_arm(robot, left[-1]):
+            if left and way[len(left) - 1] <= tracker.progress and not moves_fingers(robot, left[-1]):
                 _renew_arm(robot, left.pop())
             yield
     yield from _play_back(robot, left)
@@ -135,12 +135,6 @@ def _way_back(stretch: Sequence[Moment]) -> tuple[NDArray[np.float64], NDArray[n
             kept.append(point)
     kept[1:] = [*kept[1:-1], ends[-1]]
     return np.array(kept), np.array(along)[::-1]
-
-
-def _only_arm(robot: Robot, moment: Moment) -> bool:
-    """Whether the fingers stay as they are: they move while the base stands."""
-    gripper = robot.backend.get(Gripper)  # type: ignore[type-abstract]
-    return gripper is None or abs(gripper.command() - moment.grip) <= 1e-6
 
 
 def _forwards(stretch: Sequence[Moment]) -> bool:

@@ -20,14 +20,23 @@ from robotics.manipulation.fixation import placing_posture, split_goal
 from robotics.manipulation.suspension_model import SuspensionModel, base_motion
 
 from .action_primitive import ActionPrimitive, Periods
-from .arm_motion import move_straight, move_to_pose
+from .arm_motion import move_straight, move_to_pose, move_to_posture
 from .block_view import see_block
 from .building import Building, LandmarkPlan, Standing
 from .discrepancy import Discrepancy, Measured
 from .fixate import landmark_of
 from .fixating import Rule, fixate, fixed_by, planned_view
 from .grip import open_to
-from .hand_down import building, gripping, held_block, on_level, pointing_down, standing, surroundings
+from .hand_down import (
+    VIEW,
+    building,
+    gripping,
+    held_block,
+    on_level,
+    pointing_down,
+    standing,
+    surroundings,
+)
 from .pick_up_block import ABOVE, OPEN
 from .place_name import BlockNumber
 from .pushing import push, relax
@@ -64,6 +73,8 @@ class Stack(ActionPrimitive):
     """What is done about the base's turning and leaning."""
     rule: Rule = "residual"
     """When a fixation is close enough; see FIXATE."""
+    stow: bool = False
+    """Whether the arm goes home in the end, as it must before the base drives away."""
 
     needs: ClassVar = (Arm, Gripper, Camera)
     reads: ClassVar = ("places", "building")
@@ -91,6 +102,8 @@ class Stack(ActionPrimitive):
         yield from move_straight(robot, _raised(robot.arm_model.forward(robot.arm.command()), ABOVE))
         if self.onto == "goal":
             yield from self._check(robot, model, plan, goal)
+        if self.stow:
+            yield from move_to_posture(robot, "home", around=surroundings(robot, model))
 
     def _goal(self, plan: Building) -> Standing:
         if self.onto == "robot":
@@ -159,8 +172,6 @@ class Stack(ActionPrimitive):
 
     def _view_height(self, robot: Robot, surface: float) -> float:
         """Of the hand, from which the camera looks down on a surface as in a fixation."""
-        from .hand_down import VIEW
-
         level = pointing_down(Pose2(0.0, 0.0, 0.0), 0.0)
         return surface + VIEW - float((level @ robot.camera.hand_T_camera)[2, 3])
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Annotated, ClassVar
 
 import numpy as np
@@ -32,6 +33,8 @@ LOOK = 2.0  # [s] at rest in which the positioning is averaged
 AWAY = 0.06  # [m] before the seam where the tool comes from
 MOST_OFF = 0.003  # [m] of the tool from where it should be
 CONTACT = 15.0  # [N]
+SURE = 3.0  # sigma
+REACH = 1.2  # [m] from the base to the tool, about
 
 Floats = NDArray[np.float64]
 
@@ -65,6 +68,7 @@ class Track(ActionPrimitive):
         if work.next.empty:  # all of it is tracked
             return
         yield from robot.wait(LOOK)
+        _check_known(robot)
         part = seam.part(work.next.first, work.next.last)
         placer = placer_of(robot.spec, self.speed_m_s)
         around = _around(robot, model)
@@ -115,6 +119,15 @@ class Track(ActionPrimitive):
                     "the tool touches something", measured=Measured("Arm", "force", force, CONTACT, "N")
                 )
         self._at = None
+
+
+def _check_known(robot: Robot) -> None:
+    """Raise `Discrepancy` where the positioning didn't tell well enough where the base stands."""
+    x, y, turn = np.sqrt(np.diag(robot.pose_covariance)).tolist()
+    off = SURE * math.hypot(x, y, REACH * turn)
+    if off > MOST_OFF:
+        told = Measured("Positioning", f"{SURE:g} sigma of the tool", 1e3 * off, 1e3 * MOST_OFF, "mm")
+        raise Discrepancy("it isn't known exactly enough where the base stands", measured=told)
 
 
 def _lead(part: ToolPath, index: int) -> ToolPath:

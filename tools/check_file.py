@@ -100,7 +100,7 @@ def _facts(
         wrong = f"the key 'format' doesn't tell what this is{suggest(str(data.get('format', '')), allowed)}"
         raise FileError([document.finding(("format",) if "format" in data else (), wrong)])
     if kind == "task":
-        return _task_facts(file, settings)
+        return _task_facts(file, settings, quick)
     if kind == "table":
         return _table_facts(file)
     if kind == "robot":
@@ -126,14 +126,15 @@ def _map_facts(file: Path) -> dict[str, Any]:
     return {"format": "ROS map", "cells": size, **counts, "warnings": [warning] if warning else []}
 
 
-def _task_facts(file: Path, settings: dict[str, str]) -> dict[str, Any]:
-    from networks.run import prepare
+def _task_facts(file: Path, settings: dict[str, str], quick: bool) -> dict[str, Any]:
+    from evaluation.seam_check import seam_facts
+    from networks.preparing import check as check_task
 
     from .check_task import task_facts
 
-    with prepare(file, settings=settings) as prepared:
-        told = task_facts(prepared.task)
-        return {**told, "warnings": [*prepared.warnings, *told["warnings"]]}
+    task, warnings = check_task(file, settings=settings)
+    told = task_facts(task) | ({} if quick else seam_facts(task))
+    return {**told, "warnings": [*warnings, *told["warnings"]]}
 
 
 def _table_facts(file: Path) -> dict[str, Any]:

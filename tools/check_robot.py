@@ -40,6 +40,8 @@ def robot_facts(file: Path, picture: Path | None, quick: bool = False) -> dict[s
     from evaluation.robot_report.picture import draw_robot
     from evaluation.robot_report.report import report_of
 
+    from .check_bus import bus_figures, bus_of, bus_tables
+
     if picture is not None and picture.suffix not in PICTURES:
         raise NoSuchPicture(f"{picture}: no picture ends like that; allowed: {', '.join(PICTURES)}")
     robot = load_robot(str(file))
@@ -52,40 +54,48 @@ def robot_facts(file: Path, picture: Path | None, quick: bool = False) -> dict[s
             draw_robot(picture, robot, report.reach)
         except OSError as error:
             raise NotWritable(picture, error.strerror) from None
+    bus = bus_of(robot)
     return {
         "format": robot.format,
         "warnings": list(report.warnings),
-        "lines": _lines(report),
-        "robot": report.figures(),
+        "lines": [*_lines(report), *(_lines_of(*bus_tables(bus)) if bus else ())],
+        "robot": {**report.figures(), **({"bus": bus_figures(bus)} if bus else {})},
         **({"picture": str(picture)} if picture is not None else {}),
     }
 
 
 def _lines(report: RobotReport) -> list[str]:
     """The report as tables."""
-    from rich.console import Console
-
-    console = Console(file=io.StringIO(), width=WIDTH, color_system=None)
+    told: list[Any] = []
     for table in _tables(report):
-        console.print(table, "")
+        told += [table, ""]
     if report.reach is not None:
-        console.print(_reach(report.reach), "")
+        told += [_reach(report.reach), ""]
     if report.camera is not None:
         camera = report.camera
-        console.print(
+        told.append(
             f"camera: sees {camera.across_deg:.0f} by {camera.upright_deg:.0f} deg; "
             f"{camera.px_per_mm:.1f} px a mm at 0.3 m"
         )
+    return _lines_of(*told)
+
+
+def _lines_of(*told: Any) -> list[str]:
+    from rich.console import Console
+
+    console = Console(file=io.StringIO(), width=WIDTH, color_system=None)
+    for each in told:
+        console.print(each)
     text = console.file.getvalue()  # type: ignore[attr-defined]
     return [line.rstrip() for line in text.splitlines()]
 
 
 def _tables(report: RobotReport) -> list[Table]:
     tables = [
-        _table(
+        table_of(
             "joint", "kind", "from", "to", "speed", "effort", rows=[_joint(each) for each in report.joints]
         ),
-        _table(
+        table_of(
             "link",
             "mass",
             "remark",
@@ -101,7 +111,7 @@ def _tables(report: RobotReport) -> list[Table]:
     ]
     if report.meshes:
         rows = [(each.link, each.kind, each.file, each.fault or "") for each in report.meshes]
-        tables.append(_table("mesh of", "kind", "file", "remark", rows=rows))
+        tables.append(table_of("mesh of", "kind", "file", "remark", rows=rows))
     return tables
 
 
@@ -131,7 +141,7 @@ def _reach(reach: Reach) -> Group:
     return Group(
         f"reach: the hand gets {near:.2f} to {far:.2f} m from the base's axis, {low:.2f} to {high:.2f} m up;",
         "upright, pointing ahead and holding a book on a board, its finger tips get to",
-        _table("board at", "x, straight ahead", f"y, {BEFORE_SHELF} m ahead", rows=rows),
+        table_of("board at", "x, straight ahead", f"y, {BEFORE_SHELF} m ahead", rows=rows),
     )
 
 
@@ -139,7 +149,8 @@ def _span(span: tuple[float, float] | None) -> str:
     return "nowhere" if span is None else f"{span[0]:.2f} to {span[1]:.2f} m"
 
 
-def _table(*columns: str, rows: Sequence[Sequence[str]]) -> Table:
+def table_of(*columns: str, rows: Sequence[Sequence[str]]) -> Table:
+    """A plain table with these heads."""
     from rich import box
     from rich.table import Table
 

@@ -21,13 +21,13 @@ def dry_run(
     import orjson
 
     from files.settings import split_setting
-    from networks.preparing import prepare
+    from networks.preparing import check
     from networks.script import follow, load_script
 
     outcomes = None if script is None else load_script(script)
     chosen = dict(split_setting(each) for each in settings)
-    with prepare(task, backend, chosen, seed, situation=situation) as prepared:
-        network = prepared.task.network
+    checked, _ = check(task, backend, chosen, seed, situation)
+    network = checked.network
     told = follow(network, outcomes.outcomes if outcomes else ())
     if as_json:
         print(orjson.dumps(told.summary()).decode())

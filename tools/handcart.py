@@ -31,6 +31,9 @@ COMMANDS = {
     "adopt": ("tools.adopt", "adopt", "Take what a calibration found into a robot's file."),
     "make-library": ("tools.make_library", "make_library", "Write a library: world, map, places, catalogue."),
     "place": ("tools.place", "place", "Divide a seam among places of the base; write a task."),
+    "bench": ("tools.bench", "bench", "Simulate a robot's CAN drives, as a process of its own."),
+    "jog": ("tools.jog", "jog", "Move one axis of a real robot while a key is held."),
+    "bringup": ("tools.bringup", "bringup", "Bring a real robot up, rung by rung."),
     "campaign": ("tools.campaign", "campaign", "Run a task many times, with seeds, and count."),
     "conformance": ("tools.conformance", "conformance", "Try whether a backend keeps what it promises."),
 }

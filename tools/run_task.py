@@ -38,6 +38,9 @@ def run(
     no_errors: Annotated[
         bool, typer.Option("--no-errors", help="the simulated robot errs nowhere, whatever its file says")
     ] = False,
+    bench: Annotated[
+        str | None, typer.Option(help="with --backend can: simulated drives before this simulated backend")
+    ] = None,
     gui: Annotated[bool, typer.Option("--gui", help="show robot and world in a window")] = False,
     sync: Annotated[
         bool | None,
@@ -82,6 +85,7 @@ def run(
             window=gui,
             sync=sync,
             errors=not no_errors,
+            bench=bench,
         )
     if as_json:
         print(orjson.dumps(summary).decode())

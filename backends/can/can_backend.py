@@ -1,144 +1,277 @@
-"""A robot whose wheels are CANopen drives."""
+"""A robot whose wheels, joints and fingers are CANopen drives."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+import time
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
 from pathlib import Path
+from typing import Any
 
 import can
+import numpy as np
+from numpy.typing import NDArray
 
-from backends.backend import Backend
+from backends.backend import Backend, NoBench
 from backends.can_spec import VIRTUAL, CanSpec
 from backends.capability import Capability
 from backends.robot_file import RobotFile
-from backends.scene.load_world import load_world
 from backends.scene.scene import Scene
-from backends.scene.world_file import WorldFile
 
-from .bench import Bench
-from .can_base import CanBase
+from .axes import Axes
+from .bus_guard import BusGuard
 from .can_line import CanLine
-from .drive_pair import STILL, DrivePair
-from .errors import BusFault, CanFault, NoDrives, NoInterface
+from .can_parts import CanParts, capabilities_of
+from .errors import BusFault, CanFault, LateLoop, NoDrives
+from .frame_log import FrameLog
+from .frame_names import names_of
+from .heartbeat import Heartbeat
+from .open_bus import open_bus
 from .pace import Pace
+from .simulated.bench import Bench
+
+KINEMATIC = "kinematic"
 
 
 class CanBackend(Backend):
-    """A differential drive: two CiA 402 drives in profile velocity mode, where the robot's file says.
+    """CiA 402 drives where the robot's file says, for wheels, joints and gripper.
 
-    A step sends both target velocities (60FFh) by PDO, waits for the end of the period, sends a SYNC, and
-    waits for the statuswords (6041h) and positions (6064h) that answer it. A drive that is silent or not in
-    OPERATION ENABLED ends the step with a `CanFault`: both wheels have been braked and have no torque then,
-    and every further step ends with the same fault.
+    Built, it has written all settings of all drives and read them back; nothing has torque. The first step
+    enables them. A step sends our heartbeat and the commands by PDO, waits for the end of the period, sends
+    a SYNC, and takes in what the drives answer. Whatever is wrong then, with one of them or with the bus,
+    stops all axes, each in its own way, and ends the step with a `CanFault`; every further step ends with
+    the same one, until a person has looked and a new backend is built.
 
-    With the interface `virtual` the drives are simulated in this process: a period passes with each step, no
-    clock is read, and the same seed gives the same run. With a world's file their wheels drive a base
-    through it, seen by its range sensor (see `DrivenScene`). With any other interface drives are expected on
-    the bus, a step lasts a period of the wall clock, and there are wheels alone.
-
-    On metal a command lives until the next step: who computes for long between two steps lets the wheels
-    turn on. Drives are not yet told to stop by themselves when they hear nothing.
+    On a bench (the interface `virtual`, or `build_on_bench`) the drives are simulated in this process, in
+    front of a simulated backend: a period passes with each step, no clock is read, and the same seed gives
+    the same run. Sensors that are not on the bus are that backend's. Else drives are expected on the bus,
+    and a step lasts a period of the wall clock. Long computing doesn't hold that loop (`Robot.compute` has
+    it done in a thread); who holds it longer than the drives wait for our heartbeat makes them stop.
     """
 
     name = "can"
 
-    def __init__(self, robot: RobotFile, world: WorldFile | None, seed: int) -> None:
-        """Open the interface and enable the drives.
+    def __init__(self, robot: RobotFile, bench: Bench | None) -> None:
+        """Open the interface, and set the drives up.
+
+        Args:
+            robot: its file.
+            bench: simulated drives, taken over; None: real ones.
 
         Raises:
             NoDrives: the robot's file has no section `can`.
-            TooManyCounts: the speeds of that file don't fit into the drives' 32 bits.
+            TooManyCounts: what an axis may be told doesn't fit into the drives' 32 bits.
             NoInterface: the interface can't be opened.
-            CanFault: a drive is missing, is of a wrong kind, or doesn't become ready.
+            CanFault: a drive is missing, is of a wrong kind, or is not set as it should be.
         """
         if robot.can is None:
             raise NoDrives()
         self.period = robot.period_s
-        virtual = robot.can.interface == VIRTUAL
-        self.simulated = virtual
-        self.address = f"{robot.can.interface} {robot.can.channel}"
-        self._periods, self._closed = 0, False
-        self._fault: CanFault | None = None
-        self._wheels = DrivePair(robot, robot.can)
-        self._base = CanBase(robot.drive, self._wheels)
-        self.bench = Bench(robot, robot.can, world, seed) if virtual else None
+        self.bench = bench
         """What is simulated; None with real drives."""
-        self._line, pace = self._open(robot.can)
+        self.simulated = bench is not None
+        self.address = f"{robot.can.interface} {robot.can.channel}"
+        self._spec, self._periods = robot.can, 0
+        self._fault: CanFault | None = None
+        self._enabled = self._closed = False
+        self.epoch = 0
+        """Goes up with each stop: what was commanded in an earlier one moves nothing."""
+        self.axes = Axes(robot, robot.can)
+        """The drives, by what they move."""
+        self._parts = CanParts(robot, robot.can, self.axes)
+        self._pace = None if bench else Pace(self.period)
+        self._line = self._open(robot.can)
+        self._guard = BusGuard(self._line, self.axes, robot.can, self._now)
+        self._heartbeat = Heartbeat(self._line, robot.can.our_node, robot.can.heartbeat_ms / 1e3, self._now)
         try:
             with _bus("setting the drives up"):
-                self._wheels.start(self._line, pace)
+                self.axes.set_up(self._line)
+            self._guard.check()
+            self._parts.begin()
         except BaseException:
             self.close()
             raise
 
-    def _open(self, spec: CanSpec) -> tuple[CanLine, Callable[[], None]]:
-        """The line to the drives, and what waits for the end of a period."""
+    def _open(self, spec: CanSpec) -> CanLine:
+        stamps = "robot" if self.bench else "unix"
+        log = FrameLog(spec.channel, self._stamp, lambda: names_of(self._line, stamps))
+        self.recording = log
         if self.bench is not None:
-            drives = self.bench.drives
-            return CanLine(drives.open(), drives.serve), lambda: None
-        return CanLine(_interface(spec)), Pace(self.period).wait
+            return CanLine(self.bench.open(), self.bench.serve, log.note)
+        return CanLine(open_bus(spec), None, log.note)
 
     @classmethod
     def build(cls, robot: RobotFile, world: Path | None, seed: int) -> CanBackend:
-        """See `Backend`; the world is read for simulated drives alone."""
-        virtual = robot.can is not None and robot.can.interface == VIRTUAL
-        return cls(robot, load_world(world) if virtual and world is not None else None, seed)
+        """See `Backend`; on the interface `virtual` the drives are simulated, with a world its robot too."""
+        if robot.can is not None and robot.can.interface == VIRTUAL:
+            return cls._on_bench(robot, world, seed, KINEMATIC if world is not None else None)
+        return cls(robot, None)
+
+    @classmethod
+    def build_on_bench(cls, robot: RobotFile, world: Path | None, seed: int, bench: str) -> CanBackend:
+        """See `Backend`."""
+        return cls._on_bench(robot, world, seed, bench)
+
+    @classmethod
+    def _on_bench(cls, robot: RobotFile, world: Path | None, seed: int, bench: str | None) -> CanBackend:
+        from backends.registry import backend_class
+
+        if robot.can is None:
+            raise NoDrives()
+        inner = None
+        if bench is not None:
+            kind = backend_class(bench)
+            if issubclass(kind, CanBackend) or not kind.simulated:
+                raise NoBench(
+                    f"the backend {bench!r} simulates no robot; allowed: --bench kinematic, pybullet"
+                )
+            inner = kind.build(robot, world, seed)
+        try:
+            return cls(robot, Bench(robot, robot.can, inner))
+        except BaseException:
+            if inner is not None:
+                inner.close()
+            raise
+
+    @classmethod
+    def kinds(cls, robot: RobotFile) -> tuple[type[Capability], ...] | None:
+        """See `Backend`."""
+        return capabilities_of(robot) if robot.can and robot.can.interface != VIRTUAL else None
 
     @property
     def scene(self) -> Scene | None:
         """Ground truth, None where no world is simulated: only evaluation may read it."""
-        driven = self.bench and self.bench.driven
-        return driven.scene if driven else None
+        inner = self.bench.inner if self.bench else None
+        return getattr(inner, "scene", None)
 
     def capabilities(self) -> tuple[Capability, ...]:
         """See `Backend`."""
-        driven = self.bench and self.bench.driven
-        sensor = driven.range_sensor if driven else None
-        return (self._base,) if sensor is None else (self._base, sensor)
+        own = self._parts.capabilities()
+        inner = self.bench.inner if self.bench else None
+        others = () if inner is None else inner.capabilities()
+        return (*own, *(each for each in others if not _same_kind(each, own)))
 
     def step(self) -> None:
         """See `Backend`.
 
         Raises:
-            CanFault: a drive is silent or not enabled, or the interface fails, now or in an earlier step.
+            CanFault: something is wrong with a drive or the bus, now or in an earlier step.
         """
         if self._fault is not None:
             raise self._fault
-        self._periods += 1
         try:
             with _bus("driving"):
-                self._base.advance()
+                self._period()
         except CanFault as fault:
             self._fault = fault
-            self._let_go()
+            self._stop_for_good()
             raise
-        finally:
-            if self.bench is not None:
-                self.bench.advance(self._periods)  # also by what the wheels roll while they brake
+
+    def _period(self) -> None:
+        if not self._enabled:
+            self.enable()
+        self._periods += 1
+        self._heartbeat.beat()
+        self._parts.pass_on()
+        self.axes.send()
+        if self._pace is not None:
+            self._pace.wait()
+            if self._pace.trouble:
+                raise LateLoop(self._pace.trouble)
+        self.axes.sync()
+        self._guard.check()
+        self.axes.check()
+        self.axes.end_handshakes()
+
+    def enable(self) -> None:
+        """Give the drives torque, standing: the first step does that. A second call does nothing.
+
+        Raises:
+            CanFault: a drive doesn't become ready.
+        """
+        if self._enabled:
+            return
+        with _bus("enabling the drives"):
+            self.axes.enable(self.simulated, self._heartbeat.beat)
+        self._enabled = True
+        self._guard.begin()
+        if self._pace is not None:
+            self._pace.begin()
+
+    def watch(self, beat: bool = True) -> None:
+        """A period in which nothing is commanded and nothing checked: to see enabled drives stop by themselves.
+
+        Args:
+            beat: whether our heartbeat is sent.
+        """
+        if beat:
+            self._heartbeat.beat()
+        if self._pace is not None:
+            self._pace.wait()
+        self.axes.sync()
 
     def stop(self) -> None:
         """See `Backend`; raises `BusFault` if the interface fails."""
-        self._base.forget()
-        if self._fault is None and not self._closed:
+        self.epoch += 1
+        self._parts.halt()
+        if self._fault is None and self._enabled and not self._closed:
+            self._line.flush()
             with _bus("stopping"):
-                self._wheels.send(STILL)
+                self._parts.pass_on()
+                self.axes.send()
 
     def close(self) -> None:
-        """See `Backend`; the wheels are braked, then lose their torque."""
+        """See `Backend`; all axes stop, each in its own way."""
         if self._closed:
             return
         self._closed = True
-        if self._fault is None:
-            self._let_go()
-        self._line.close()
+        if self._fault is None and self._enabled:
+            self._stop_for_good()
+        if hasattr(self, "_line"):
+            self._line.close()
         if self.bench is not None:
             self.bench.close()
 
-    def _let_go(self) -> None:
-        # An interface that fails can't be asked for more.
-        with suppress(can.CanError):
-            self._wheels.let_go()
+    def view(self) -> NDArray[np.uint8] | None:
+        """See `Backend`."""
+        inner = self.bench.inner if self.bench else None
+        return None if inner is None else inner.view()
+
+    def figures(self) -> Mapping[str, Any]:
+        """See `Backend`."""
+        return {} if self._pace is None else {"loop": self._pace.figures()}
+
+    def _stop_for_good(self) -> None:
+        """Nothing that is queued may move the robot any more; an interface that fails can't be asked."""
+        self.epoch += 1
+        self._parts.halt()
+        self._line.flush()
+        with suppress(can.CanError, BusFault):
+            self.axes.quick_stop()
+            for _ in range(self.axes.periods_to_rest):
+                self._heartbeat.beat()
+                self.axes.sync()
+                if self.axes.at_rest:
+                    break
+                if self._pace is not None:
+                    self._pace.wait()
+            self.axes.disable()
+            self.axes.sync()
+            self.axes.leave()
+            self._line.wait(lambda: False, 0.0)
+
+    def _now(self) -> float:
+        """In [s]: the bench's time, or the monotonic clock's."""
+        return self.bench.time if self.bench else time.monotonic()
+
+    def _stamp(self) -> float:
+        return self.bench.time if self.bench else time.time()
+
+
+def _same_kind(part: Capability, own: tuple[Capability, ...]) -> bool:
+    """Whether a capability is of a kind that is there already."""
+    kinds = {kind for each in own for kind in type(each).__mro__ if Capability in kind.__bases__}
+    return isinstance(part, tuple(kinds))
 
 
 @contextmanager
@@ -148,10 +281,3 @@ def _bus(doing: str) -> Iterator[None]:
         yield
     except can.CanError as error:
         raise BusFault(doing, str(error)) from error
-
-
-def _interface(spec: CanSpec) -> can.BusABC:
-    try:
-        return can.Bus(interface=spec.interface, channel=spec.channel, bitrate=1000 * spec.bitrate_kbit_s)
-    except (can.CanError, OSError, ImportError, ValueError) as error:
-        raise NoInterface(spec.interface, spec.channel, 1000 * spec.bitrate_kbit_s, str(error)) from error

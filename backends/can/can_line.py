@@ -2,13 +2,22 @@
 
 from __future__ import annotations
 
+import errno
 import time
 from collections.abc import Callable
+from contextlib import suppress
 
 import can
 import canopen
 
+from .errors import QueueFull
+
+Heard = Callable[[can.Message, bool], None]
+"""Called with each frame, and whether it was sent rather than taken in."""
+
 _BURST = 2000  # frames that are taken in at once at most, so that a flooded bus doesn't hold the loop
+_LOST = 3  # frames in a row that the interface may refuse to queue
+_FULL = (errno.ENOBUFS, errno.EAGAIN)
 
 
 class CanLine(canopen.Network):
@@ -19,16 +28,50 @@ class CanLine(canopen.Network):
     same frames come in the same order in every run.
     """
 
-    def __init__(self, bus: can.BusABC, serve: Callable[[], None] | None = None) -> None:
+    def __init__(
+        self, bus: can.BusABC, serve: Callable[[], None] | None = None, heard: Heard | None = None
+    ) -> None:
         """Talk on a bus.
 
         Args:
             bus: open; closed by `close`.
             serve: lets simulated nodes on the same bus answer at once; None: nodes answer by themselves.
+            heard: called with each frame that is sent or taken in, whatever it is.
         """
         super().__init__(bus)
         self._bus = bus
         self._serve = serve
+        self._heard: list[Heard] = [] if heard is None else [heard]
+        self._refused = 0
+        self.malformed = 0
+        """How many frames there were that no CANopen node sends, or that couldn't be decoded."""
+
+    def listen(self, heard: Heard) -> None:
+        """Have one more called with each frame."""
+        self._heard.append(heard)
+
+    def send_message(self, can_id: int, data: bytes, remote: bool = False) -> None:
+        """Send a frame; one that the interface has no room for is lost.
+
+        Raises:
+            QueueFull: that has happened several times in a row.
+            can.CanError: of the interface.
+        """
+        frame = can.Message(
+            arbitration_id=can_id, data=data, is_remote_frame=remote, is_extended_id=can_id > 0x7FF
+        )
+        try:
+            self._bus.send(frame)
+        except can.CanOperationError as error:
+            if error.error_code not in _FULL and "full" not in str(error).lower():
+                raise
+            self._refused += 1
+            if self._refused >= _LOST:
+                raise QueueFull(self._refused) from error
+            return
+        self._refused = 0
+        for heard in self._heard:
+            heard(frame, True)
 
     def wait(self, done: Callable[[], bool], seconds: float) -> bool:
         """Take frames in until `done`; whether that came true within `seconds` of the wall clock.
@@ -59,11 +102,29 @@ class CanLine(canopen.Network):
                 return
             self._take(frame)
 
+    def flush(self) -> None:
+        """Throw away what the interface has not sent yet, where it can do that."""
+        with suppress(NotImplementedError, can.CanError):
+            self._bus.flush_tx_buffer()
+
+    @property
+    def interface_state(self) -> can.BusState:
+        """What the interface says of itself."""
+        return self._bus.state
+
     def close(self) -> None:
         """Close the bus. A second call does nothing."""
         self._bus.shutdown()
 
     def _take(self, frame: can.Message) -> None:
-        if not frame.is_extended_id and not frame.is_fd:
-            # It keeps error frames and remote requests out, and logs what can't be decoded.
-            self.listeners[0].on_message_received(frame)
+        for heard in self._heard:
+            heard(frame, False)
+        if frame.is_error_frame:
+            return
+        if frame.is_extended_id or frame.is_fd or frame.is_remote_frame:
+            self.malformed += 1
+            return
+        try:
+            self.notify(frame.arbitration_id, frame.data, frame.timestamp)
+        except Exception:  # a frame that the library can't decode: told by its count
+            self.malformed += 1

@@ -9,6 +9,6 @@ from canopen.objectdictionary import ObjectDictionary, import_od
 EDS = Path(__file__).parent / "drive.eds"
 
 
-def drive_dictionary(node: int) -> ObjectDictionary:
-    """Those objects of CiA 402 that are used here, for a node; every velocity drive has them."""
-    return import_od(str(EDS), node)
+def drive_dictionary(node: int, eds: Path = EDS) -> ObjectDictionary:
+    """The objects of a drive with that node ID; without a file those of CiA 402 that are used here."""
+    return import_od(str(eds), node)

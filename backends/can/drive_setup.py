@@ -1,65 +1,127 @@
-"""Setting a wheel's drive up."""
+"""Setting drives up, and reading back what they were set to."""
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterable, Iterator
+from typing import Any, TypeVar
+
 from canopen.profiles.p402 import OperationMode
+from canopen.sdo import SdoVariable
 from canopen.sdo.exceptions import SdoAbortedError, SdoCommunicationError
 
-from .errors import SilentDrive, WrongDrive
-from .wheel_drive import WheelDrive
+from backends.can_spec import CanSpec
+
+from .axis import Axis
+from .axis_settings import Setting, mapping, settings
+from .errors import Difference, ReadBackDiffers, SilentDrive, WrongDrive
+from .pdo_layout import CYCLIC_POSITION, CYCLIC_VELOCITY, PROFILE_POSITION, PROFILE_VELOCITY
+
+T = TypeVar("T")
 
 _SERVO = 402  # low word of the device type (1000h)
-_VELOCITY = OperationMode.SUPPORTED["PROFILED VELOCITY"]
+_SUPPORTED = {
+    PROFILE_POSITION: "PROFILED POSITION",
+    PROFILE_VELOCITY: "PROFILED VELOCITY",
+    CYCLIC_POSITION: "CYCLIC SYNCHRONOUS POSITION",
+    CYCLIC_VELOCITY: "CYCLIC SYNCHRONOUS VELOCITY",
+}
 
 
-def set_up(drive: WheelDrive, period: float, acceleration: float, braking: float) -> None:
-    """Set mode, period, accelerations and PDOs, and start the node.
+def set_up(axes: Iterable[Axis], spec: CanSpec, period: float) -> None:
+    """Write all settings and PDOs, then read everything back; no drive gets torque.
 
     Args:
-        drive: on a network.
+        axes: on a network.
+        spec: the section `can` of the robot's file.
         period: between two SYNCs, in [s].
-        acceleration: of the rim, speeding up and slowing down, in [m/s²].
-        braking: in a quick stop, in [m/s²].
 
     Raises:
         SilentDrive: nothing answers.
-        WrongDrive: it is no such drive, or doesn't take a setting.
+        WrongDrive: it is no such drive.
+        ReadBackDiffers: with every setting that isn't what was written.
     """
-    drive.nmt.state = "PRE-OPERATIONAL"
-    try:
-        _check_kind(drive)
-        for index, value in (
-            (0x1006, round(period * 1e6)),
-            (0x6060, OperationMode.PROFILED_VELOCITY),
-            (0x60FF, 0),
-            (0x6083, drive.counts_of(acceleration)),
-            (0x6084, drive.counts_of(acceleration)),
-            (0x6085, drive.counts_of(braking)),
-        ):
-            _set(drive, index, value)
-        for pdo in (drive.rpdo[1], drive.tpdo[1], drive.tpdo[2]):
-            pdo.save()
-    except SdoCommunicationError:
-        raise SilentDrive(drive.name, "answer to an SDO", None) from None
-    except SdoAbortedError as abort:
-        raise WrongDrive(drive.name, "its answer to a setting", str(abort), "no abort") from None
-    drive.nmt.state = "OPERATIONAL"
+    axes = list(axes)
+    for axis in axes:
+        axis.nmt.state = "PRE-OPERATIONAL"
+        _check_kind(axis)
+        for each in settings(axis, spec, period):
+            _write(axis, each)
+        _try(axis, lambda axis=axis: [pdo.save() for pdo in axis.pdos])  # type: ignore[misc]
+    differences = [each for axis in axes for each in read_back(axis, spec, period)]
+    if differences:
+        raise ReadBackDiffers(differences)
+    for axis in axes:
+        axis.place(_known(axis, Setting(0x6064, 0, 0)))
 
 
-def _check_kind(drive: WheelDrive) -> None:
-    kind = drive.sdo[0x1000].raw & 0xFFFF
+def read_back(axis: Axis, spec: CanSpec, period: float) -> Iterator[Difference]:
+    """Every setting of a drive that is not as it should be; raises `SilentDrive`."""
+    for each in (*settings(axis, spec, period), *mapping(axis)):
+        got = _read(axis, each)
+        if got != each.value:
+            index, subindex, value = each
+            yield Difference(axis.name, index, subindex, _name(axis, each), value, got)
+
+
+def _check_kind(axis: Axis) -> None:
+    kind = _known(axis, Setting(0x1000, 0, 0)) & 0xFFFF
     if kind != _SERVO:
-        raise WrongDrive(drive.name, "the device profile (1000h)", str(kind), f"{_SERVO}, drives")
-    modes = drive.sdo[0x6502].raw
-    if not modes & _VELOCITY:
-        allowed = "profile velocity, bit 2"
-        raise WrongDrive(drive.name, "supported drive modes (6502h)", f"{modes:#x}", allowed)
+        raise WrongDrive(axis.name, "the device profile (1000h)", str(kind), f"{_SERVO}, drives")
+    modes, wanted = _known(axis, Setting(0x6502, 0, 0)), _SUPPORTED[axis.mode]
+    if not modes & OperationMode.SUPPORTED[wanted]:
+        raise WrongDrive(axis.name, "supported drive modes (6502h)", f"{modes:#x}", wanted.lower())
+    for subindex, what, allowed in (
+        (1, "vendor-ID (1018h:1)", axis.spec.vendor_id),
+        (2, "product code (1018h:2)", axis.spec.product_code),
+    ):
+        got = _known(axis, Setting(0x1018, subindex, 0)) if allowed is not None else None
+        if got != allowed:
+            raise WrongDrive(axis.name, what, f"{got:#x}", f"{allowed:#x}, as the robot's file has it")
 
 
-def _set(drive: WheelDrive, index: int, value: int) -> None:
-    """Write an object and read it back."""
-    drive.sdo[index].raw = value
-    got = drive.sdo[index].raw
-    if got != value:
-        what = f"{drive.object_dictionary[index].name.lower()} ({index:04X}h)"
-        raise WrongDrive(drive.name, what, str(got), f"the {value} that was written")
+def _known(axis: Axis, what: Setting) -> int:
+    got = _read(axis, what)
+    if isinstance(got, str):
+        raise WrongDrive(axis.name, f"{_name(axis, what).lower()} ({what.index:04X}h)", got, "an answer")
+    return got
+
+
+def _write(axis: Axis, setting: Setting) -> None:
+    """Write an object; one that is refused is told when it is read back."""
+
+    def write() -> None:
+        _object(axis, setting).raw = setting.value
+
+    try:
+        _try(axis, write)
+    except (SdoAbortedError, KeyError):
+        return
+
+
+def _read(axis: Axis, setting: Setting) -> int | str:
+    """What an object is, or why nobody knows."""
+    try:
+        return _try(axis, lambda: int(_object(axis, setting).raw))
+    except SdoAbortedError as abort:
+        return f"refused: {abort}"
+    except KeyError:
+        return "not in its EDS file"
+
+
+def _try(axis: Axis, what: Callable[[], T]) -> T:
+    try:
+        return what()
+    except SdoCommunicationError:
+        raise SilentDrive(axis.name, "answer to an SDO", None) from None
+
+
+def _object(axis: Axis, setting: Setting) -> Any:
+    found = axis.sdo[setting.index]
+    return found if isinstance(found, SdoVariable) else found[setting.subindex]
+
+
+def _name(axis: Axis, setting: Setting) -> str:
+    found = axis.object_dictionary.get(setting.index)
+    if found is None:
+        return "object"
+    return str(found.name if setting.subindex == 0 else f"{found.name} {setting.subindex}")

@@ -2,21 +2,36 @@
 
     HandcartError
     ├── InputError
-    │   ├── NoDrives            the robot's file has no section `can`
-    │   ├── TooManyCounts       a wheel's counts don't fit into 32 bits
+    │   ├── NoDrives            the robot's file has no section `can`, or not all of it
+    │   ├── TooManyCounts       what an axis can be told doesn't fit into 32 bits
     │   └── NoInterface         the CAN interface can't be opened
-    └── CanFault                the robot is stopped, as far as the bus allows, and stays so
-        ├── BusFault            the interface doesn't send or receive
-        ├── SilentDrive (TimeoutError)  a drive doesn't answer
-        ├── DriveNotReady       a drive isn't in OPERATION ENABLED, or in another mode
-        └── WrongDrive          a drive isn't what the robot's file needs
+    └── RobotFault
+        └── CanFault            the robot is stopped, as far as the bus allows, and stays so
+            ├── BusFault            the interface doesn't send or receive
+            │   ├── QueueFull           it has no room for what is to be sent
+            │   └── ControllerFault     it has gone, or is about to go, off the bus
+            ├── SilentDrive (TimeoutError)  a drive doesn't answer
+            ├── DriveNotReady       a drive isn't in OPERATION ENABLED, or in another mode
+            ├── WrongDrive          a drive isn't what the robot's file needs
+            ├── ReadBackDiffers     settings are not what was written
+            ├── Emergency           a node tells of a fault
+            ├── NodeRestarted       a node has booted, or left OPERATIONAL
+            ├── TwoNodes            two nodes have one node ID
+            ├── Stranger            somebody else commands the drives
+            ├── Overloaded          the bus is too busy, or full of nonsense
+            ├── OffDemand           an axis doesn't do what it is told
+            └── LateLoop            this program doesn't keep its periods
 
 After a `CanFault` a person has to look; the backend has to be built anew.
 """
 
 from __future__ import annotations
 
-from files.errors import HandcartError, InputError
+from collections.abc import Sequence
+from typing import NamedTuple
+
+from backends.backend import RobotFault
+from files.errors import InputError
 
 
 class NoDrives(InputError):
@@ -27,11 +42,11 @@ class NoDrives(InputError):
 
 
 class TooManyCounts(InputError):
-    """A wheel's counts don't fit into a drive's 32 bits."""
+    """What an axis can be told doesn't fit into a drive's 32 bits."""
 
     def __init__(self, drive: str, counts: float) -> None:
-        told = f"{drive} would be told up to {counts:.3g} counts/s or counts/s²"
-        super().__init__(f"{told}; allowed: below 2147483648, by counts_per_rev, gear_ratio, wheel_radius_m")
+        told = f"{drive} would be told up to {counts:.3g} counts, counts/s or counts/s²"
+        super().__init__(f"{told}; allowed: below 2147483648, by counts_per_rev and gear_ratio")
 
 
 class NoInterface(InputError):
@@ -43,7 +58,7 @@ class NoInterface(InputError):
         super().__init__(f"no CAN on {interface} {channel}: {why}{hint}")
 
 
-class CanFault(HandcartError):
+class CanFault(RobotFault):
     """The robot can't be driven any more; a person has to look."""
 
 
@@ -52,6 +67,20 @@ class BusFault(CanFault):
 
     def __init__(self, doing: str, why: str) -> None:
         super().__init__(f"the CAN bus failed while {doing}: {why}")
+
+
+class QueueFull(BusFault):
+    """The interface has no room for what is to be sent: nobody takes it off the bus."""
+
+    def __init__(self, frames: int) -> None:
+        super().__init__("sending", f"its queue is full, {frames} frames in a row were lost")
+
+
+class ControllerFault(BusFault):
+    """The CAN controller has gone off the bus, or is about to."""
+
+    def __init__(self, state: str) -> None:
+        super().__init__("driving", f"the controller is {state}; look at the cable and its terminations")
 
 
 class SilentDrive(CanFault, TimeoutError):
@@ -75,3 +104,77 @@ class WrongDrive(CanFault):
 
     def __init__(self, drive: str, what: str, got: str, allowed: str) -> None:
         super().__init__(f"{drive}: {what} is {got}; allowed: {allowed}")
+
+
+class Difference(NamedTuple):
+    """A setting that is not what was written."""
+
+    drive: str
+    index: int
+    subindex: int
+    name: str
+    """As the drive's EDS file calls it."""
+    wanted: int
+    got: int | str
+    """Or why nothing was read."""
+
+    def __str__(self) -> str:
+        at = f"{self.index:04X}h" + (f":{self.subindex}" if self.subindex else "")
+        return f"{self.drive}: {self.name.lower()} ({at}) is {self.got}; wanted: {self.wanted}"
+
+
+class ReadBackDiffers(CanFault):
+    """Settings are not what was written; nothing moves."""
+
+    def __init__(self, differences: Sequence[Difference]) -> None:
+        self.differences = tuple(differences)
+        super().__init__("\n".join(str(each) for each in self.differences))
+
+
+class Emergency(CanFault):
+    """A node tells of a fault (EMCY)."""
+
+    def __init__(self, node: str, fault: str) -> None:
+        super().__init__(f"{node} sends an emergency message: {fault}")
+
+
+class NodeRestarted(CanFault):
+    """A node has booted, or left OPERATIONAL, under way: what it counts from is no longer sure."""
+
+    def __init__(self, node: str, what: str) -> None:
+        super().__init__(f"{node} {what} under way; needed: OPERATIONAL")
+
+
+class TwoNodes(CanFault):
+    """Two nodes have one node ID."""
+
+    def __init__(self, node: str, sign: str) -> None:
+        super().__init__(f"two nodes seem to be {node}: {sign}; allowed: each node ID once")
+
+
+class Stranger(CanFault):
+    """Somebody else commands the drives."""
+
+    def __init__(self, what: str) -> None:
+        super().__init__(f"somebody else on the bus sends {what}; allowed: one master")
+
+
+class Overloaded(CanFault):
+    """The bus is too busy, or full of nonsense."""
+
+    def __init__(self, what: str) -> None:
+        super().__init__(f"the CAN bus is overloaded: {what}")
+
+
+class OffDemand(CanFault):
+    """An axis doesn't do what it is told."""
+
+    def __init__(self, drive: str, what: str) -> None:
+        super().__init__(f"{drive} doesn't follow: {what}")
+
+
+class LateLoop(CanFault):
+    """This program doesn't keep its periods."""
+
+    def __init__(self, trouble: str) -> None:
+        super().__init__(f"the control loop is too slow: {trouble}")

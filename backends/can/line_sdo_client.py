@@ -13,6 +13,9 @@ from .can_line import CanLine
 class LineSdoClient(SdoClient):
     """The library's, that takes its answer in itself instead of waiting for another thread to do so."""
 
+    MAX_RETRIES = 2
+    """One more try: no drive is asked under way."""
+
     def read_response(self) -> bytes:
         """The answer to the last request; raises `canopen.SdoError`."""
         line = cast(CanLine, self.network)

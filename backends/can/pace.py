@@ -3,7 +3,23 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
+from array import array
+from collections.abc import Callable, Mapping
+from typing import Any
+
+import numpy as np
+
+MISSED = 3
+"""Periods that may not be missed one after another."""
+GAP = 0.05
+"""[s] by which no period may be longer than it should."""
+ASLEEP = 0.01
+"""[s] for which the machine may have been suspended: the two clocks are read one after the other."""
+
+
+def suspended() -> float:
+    """For how long the machine has been suspended since it was started, in [s]."""
+    return time.clock_gettime(time.CLOCK_BOOTTIME) - time.monotonic()
 
 
 class Pace:
@@ -17,6 +33,7 @@ class Pace:
         period: float,
         clock: Callable[[], float] = time.monotonic,
         sleep: Callable[[float], None] = time.sleep,
+        asleep: Callable[[], float] = suspended,
     ) -> None:
         """Begin.
 
@@ -24,18 +41,61 @@ class Pace:
             period: in [s].
             clock: gives the time in [s].
             sleep: waits so many seconds.
+            asleep: gives for how long the machine has been suspended, in [s].
         """
-        self._period, self._clock, self._sleep = period, clock, sleep
+        self._period, self._clock, self._sleep, self._asleep = period, clock, sleep, asleep
+        self._slept = asleep()
         self._end = clock() + period
+        self._lateness = array("f")
+        self._in_a_row, self._longest = 0, 0.0
         self.late = 0
         """How many periods were over before they were waited for."""
+        self.trouble = ""
+        """Why the robot has to be stopped; "" while it needn't. Stays once it is said."""
 
     def wait(self) -> None:
         """Wait for the end of the current period; the next one begins."""
         now = self._clock()
         if now <= self._end:
             self._sleep(self._end - now)
+            self._note(max(0.0, self._clock() - self._end), missed=False)
             self._end += self._period
         else:
-            self.late += 1
+            self._note(now - self._end, missed=True)
             self._end = now + self._period
+
+    def begin(self) -> None:
+        """Begin anew: what took long up to now was no period, such as setting drives up."""
+        self._end = self._clock() + self._period
+        self._in_a_row = 0
+
+    def figures(self) -> Mapping[str, Any]:
+        """How late periods ended, in [ms], and how many were missed."""
+        if not self._lateness:
+            return {"periods": 0, "missed": 0}
+        p50, p99 = (1e3 * float(each) for each in np.percentile(self._lateness, (50, 99)))
+        return {
+            "periods": len(self._lateness),
+            "missed": self.late,
+            "late_p50_ms": round(p50, 3),
+            "late_p99_ms": round(p99, 3),
+            "late_max_ms": round(1e3 * self._longest, 3),
+        }
+
+    def _note(self, lateness: float, missed: bool) -> None:
+        self._lateness.append(lateness)
+        self._longest = max(self._longest, lateness)
+        self.late += missed
+        self._in_a_row = self._in_a_row + 1 if missed else 0
+        self.trouble = self.trouble or self._found(lateness)
+
+    def _found(self, lateness: float) -> str:
+        slept = self._asleep() - self._slept
+        if slept > ASLEEP:
+            return f"the machine was suspended for {slept:.3g} s"
+        if lateness > GAP:
+            return f"a period ended {1e3 * lateness:.0f} ms late; allowed: {1e3 * GAP:.0f} ms"
+        if self._in_a_row >= MISSED:
+            told = f"{MISSED} periods of {1e3 * self._period:g} ms in a row were missed"
+            return f"{told}; allowed: {MISSED - 1}"
+        return ""

@@ -19,6 +19,7 @@ from backends.scene.load_world import load_world
 from backends.scene.mounts import base_T_frame
 from backends.scene.person import Person
 from backends.scene.scene import build_scene
+from backends.scene.simulated_positioning import SimulatedPositioning
 from backends.scene.thing import Rest, Thing
 from backends.scene.world_file import MissingWorld, WorldFile
 from robotics.geometry.transform import Transform, inverse
@@ -79,6 +80,7 @@ _STATE = {
     "camera": ("_now",),
     "range": ("_now",),
     "imu": ("_turn", "_turned", "_now", "_place", "_speed", "_sped"),
+    "positioning": SimulatedPositioning.STATE,
     "person": ("_given", "_stood", "_since"),
 }
 """Attributes that a checkpoint keeps, by part; the rest is the engine's."""
@@ -89,9 +91,10 @@ class PyBulletBackend(Backend):
     """A differential drive with arm, gripper, camera and range sensor in Bullet.
 
     The same robot and world files as on the kinematic backend; what is solid there is solid here. Two driven
-    wheels and frictionless casters roll on a floor; joints have drives with limited torque; fingers hold by
-    friction, one the mirror of the other; books and blocks are rigid bodies that stand, lean on each other
-    and fall. A base that leans stands on springs.
+    wheels and frictionless casters roll on a floor, or several wheels a side, which slide sideways where the
+    base turns; joints have drives with limited torque; fingers hold by friction, one the mirror of the other;
+    books and blocks are rigid bodies that stand, lean on each other and fall. A base that leans stands on
+    springs.
 
     How it errs, seeded: radius of each wheel, tread, the arm's errors, ranges, image noise, blur, light,
     lens, the force reading, where a person puts robot, book and blocks. Slip, and what gives, are physics;
@@ -153,6 +156,7 @@ class PyBulletBackend(Backend):
         self._imu: BulletImu | None = None
         if robot.imu is not None:
             self._imu = BulletImu(robot.imu, self.scene, self.period, seed)
+        self._positioning: SimulatedPositioning | None = None
         self._held: Thing | None = None
         self._grip: Grip | None = None
         if robot.gripper is not None and model is not None:
@@ -161,6 +165,8 @@ class PyBulletBackend(Backend):
         for _ in range(round(SETTLES / self.period)):
             self._run_period()
         self._base.rezero()
+        if robot.positioning is not None:
+            self._positioning = SimulatedPositioning(robot.positioning, self.scene, self.period, seed)
 
     @classmethod
     def build(cls, robot: RobotFile, world: Path | None, seed: int) -> PyBulletBackend:
@@ -197,7 +203,8 @@ class PyBulletBackend(Backend):
 
     def capabilities(self) -> tuple[Capability, ...]:
         """See `Backend`."""
-        parts = (self._base, self._arm, self._gripper, self._camera, self._range, self._imu)
+        sensors = (self._camera, self._range, self._imu, self._positioning)
+        parts = (self._base, self._arm, self._gripper, *sensors)
         return tuple(part for part in parts if part is not None)
 
     def step(self) -> None:
@@ -246,6 +253,8 @@ class PyBulletBackend(Backend):
             self.scene.lean = self._springs.lean
         if self._imu is not None:
             self._imu.advance(self._periods)
+        if self._positioning is not None:
+            self._positioning.advance(self._periods)
         if self._gripper is not None:
             self._gripper.end()
             self._held = self._find_held()
@@ -309,6 +318,7 @@ class PyBulletBackend(Backend):
             "camera": self._camera,
             "range": self._range,
             "imu": self._imu,
+            "positioning": self._positioning,
             "person": self._person,
         }
         return {name: part for name, part in named.items() if part is not None}

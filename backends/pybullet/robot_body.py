@@ -10,6 +10,7 @@ from xml.etree import ElementTree
 import numpy as np
 from numpy.typing import NDArray
 
+from backends.driven_wheels import driven_wheels
 from backends.robot_file import RobotFile
 from robotics.geometry.pose2 import Pose2
 from robotics.geometry.transform import Transform, inverse
@@ -18,14 +19,13 @@ from .engine import quiet
 from .physics import ROBOT_GROUP, Physics, matrix
 from .sprung import CHASSIS, sprung
 
-WHEELS = ("left_wheel", "right_wheel")
-"""Joints, and links, of these names drive."""
 WHEEL_FRICTION = 1.0  # rubber
+SCRUBS = 0.1  # of it, along the axle of a wheel that must slide sideways for its base to turn
 PAD_FRICTION = 1.5
 FRICTION_SHARE = 0.5  # of it that the engine's contacts have; the rest is that of `Grip`
 CASTER_STIFFNESS, CASTER_DAMPING = 1e6, 2e4
 """Of a caster on the floor, in [N/m] and [Ns/m]: it gives by 0.2 mm under 200 N. One as hard as the wheels
-might take all the weight off them, and the base would slide on."""
+might take all the weight off them, and the base would slide on. Also of each of four wheels."""
 PAD_STIFFNESS = 1e5  # rubber, at each corner [N/m]: rigid pads would press with one corner each
 PAD_DAMPING = 1000.0  # [Ns/m]
 _ALL = -1
@@ -63,6 +63,8 @@ class RobotBody:
         self.joint_index = {info[1].decode(): info[0] for info in infos}
         self.link_index = {info[12].decode(): info[0] for info in infos}
         self.link_names = {index: name for name, index in self.link_index.items()}
+        self.wheels = driven_wheels(self.joint_index)
+        self.wheels.check()
         self._parent = {info[0]: info[16] for info in infos}
         self.effort = {info[1].decode(): float(info[10]) for info in infos}
         root = p.getBodyInfo(self.id, physicsClientId=client)[0].decode()
@@ -119,7 +121,7 @@ class RobotBody:
         return {
             name: float(p.getDynamicsInfo(self.id, index, physicsClientId=client)[0])
             for name, index in self.link_index.items()
-            if name not in (CHASSIS, *WHEELS, *self.casters)
+            if name not in (CHASSIS, *self.wheels.all, *self.casters)
         }
 
     def link_pose(self, link: str) -> Transform:
@@ -163,6 +165,22 @@ class RobotBody:
                 physicsClientId=self._physics.client,
             )
 
+    def scrub(self, links: Sequence[str]) -> None:
+        """Let wheels, their axles along y, slide sideways: those of a base that is steered by its sides.
+
+        They share its weight as they give a little, and at rest they stick.
+        """
+        for link in links:
+            self._p.changeDynamics(
+                self.id,
+                self.link_index[link],
+                anisotropicFriction=(1.0, SCRUBS, 1.0),
+                contactStiffness=CASTER_STIFFNESS,
+                contactDamping=CASTER_DAMPING,
+                frictionAnchor=1,
+                physicsClientId=self._physics.client,
+            )
+
     def pad(self, links: Sequence[str]) -> None:
         """Cover links with rubber."""
         for link in links:
@@ -203,7 +221,7 @@ class RobotBody:
 
     def _pass_through_itself(self) -> None:
         """Let wheels and casters stand within the base, which is no longer their parent."""
-        for name in (*WHEELS, *self.casters):
+        for name in (*self.wheels.all, *self.casters):
             for other in self.link_index.values():
                 self._p.setCollisionFilterPair(
                     self.id, self.id, self.link_index[name], other, 0, physicsClientId=self._physics.client
@@ -213,7 +231,7 @@ class RobotBody:
 def _on_suspension(robot: RobotFile) -> str:
     text = robot.urdf_text()
     links = [link.get("name", "") for link in ElementTree.fromstring(text).findall("link")]
-    return sprung(text, robot.errors.lean_pivot_m, (*WHEELS, *_casters(links)))
+    return sprung(text, robot.errors.lean_pivot_m, (*driven_wheels(links).all, *_casters(links)))
 
 
 def _casters(links: Iterable[str]) -> list[str]:

@@ -4,11 +4,22 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from . import capability_checks, command_checks, geometry_checks, snapshot_checks, time_checks
+from . import (
+    capability_checks,
+    command_checks,
+    geometry_checks,
+    positioning_checks,
+    snapshot_checks,
+    time_checks,
+)
 from .check import Check
 
-CHECKS: Mapping[str, Check] = {
-    check.name: check
-    for module in (capability_checks, command_checks, time_checks, snapshot_checks, geometry_checks)
-    for check in module.CHECKS
-}
+MODULES = (
+    capability_checks,
+    command_checks,
+    time_checks,
+    snapshot_checks,
+    geometry_checks,
+    positioning_checks,
+)
+CHECKS: Mapping[str, Check] = {check.name: check for module in MODULES for check in module.CHECKS}

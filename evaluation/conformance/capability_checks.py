@@ -13,6 +13,7 @@ from backends.camera import Camera
 from backends.capability import Capability
 from backends.gripper import Gripper
 from backends.mounted_camera import known_camera
+from backends.positioning import Positioning
 from backends.range_sensor import RangeSensor
 
 from .bench import Bench
@@ -23,6 +24,7 @@ from .periods import all_readings, driven, move_joints, steps
 
 NEAR = 0.10  # share by which a simulated robot may differ from its file: radii, tread, slip, starting up
 FORCE_AT_REST = 3.0  # [N]
+SHORT = 0.1  # [m] from a joint to the hand: what the hand is off is an angle there
 FLIPS = 0.02  # [rad] that a joint is moved for its sign
 
 
@@ -35,6 +37,7 @@ def declared(bench: Bench, finding: Finding) -> None:
         Gripper: spec.gripper is not None,
         Camera: spec.camera is not None,
         RangeSensor: spec.range_sensor is not None,
+        Positioning: spec.positioning is not None,
     }
     with bench.stage() as stage:
         for kind, wanted in promised.items():
@@ -117,7 +120,7 @@ def signs_of_the_joints(bench: Bench, finding: Finding) -> None:
     with bench.stage() as stage:
         arm = arm_of(stage.backend)
         start = arm.command()
-        worst = 0.0
+        worst = truly = 0.0
         for number in range(len(start)):
             for sign in (1.0, -1.0):
                 goal = start.copy()
@@ -126,9 +129,12 @@ def signs_of_the_joints(bench: Bench, finding: Finding) -> None:
                 worst = max(worst, float(np.abs(arm.joints() - goal).max()))
                 truth = ground_truth(stage.backend)
                 if truth is not None:
-                    worst = max(worst, float(np.abs(truth.joints - goal).max()))
+                    truly = max(truly, float(np.abs(truth.joints - goal).max()))
             move_joints(stage.backend, arm, start)
         finding.at_most("joints off their command", 1e3 * worst, 5.0, "mrad")
+        errors = bench.spec().errors
+        gives = errors.hand_systematic_mm + 3.0 * errors.hand_repeat_mm + errors.hand_uniform_mm
+        finding.at_most("joints truly off", 1e3 * truly, 5.0 + gives / SHORT, "mrad")
 
 
 def fingers(bench: Bench, finding: Finding) -> None:

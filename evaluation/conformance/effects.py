@@ -140,6 +140,17 @@ def _stack(scene: Any, primitive: Any, model: WorldModel) -> list[str]:
     return _most("the block is {:.1f} mm from its goal", 1e3 * math.hypot(*off[:2, 3]), MOST_OFF_MM)
 
 
+def _divide(_: Any, __: Any, model: WorldModel) -> list[str]:
+    return [] if model.seam_work.next is not None else ["no place is known to track the seam from"]
+
+
+def _track(scene: Any, _: Any, model: WorldModel) -> list[str]:
+    stood = [place.pose for name, place in model.places.items() if name.startswith("place_")]
+    far = min((scene.base.distance(pose) for pose in stood), default=math.inf)
+    wrong = [] if model.seam_work.tracked > 0 else ["no part of the seam counts as tracked"]
+    return wrong + _most("the base is {:.1f} mm from any place of the division", 1e3 * far, ARRIVED_MM)
+
+
 def _in_order(left: list[str], right: list[str], own: str) -> bool:
     """Whether a call number fits between those left and those right of it that stand in order themselves."""
     numbers = [(parse(call), at < len(left)) for at, call in enumerate(left + right)]
@@ -177,6 +188,8 @@ EFFECTS: Mapping[str, Effect] = {
     "FIXATE": _fixate,
     "PICK_UP_BLOCK": _pick_up_block,
     "STACK": _stack,
+    "DIVIDE": _divide,
+    "TRACK": _track,
 }
 """By the primitive's name. Somebody else's primitive may have a method `false_effect(scene, before)` instead,
 which says in words what its Success promises and isn't so."""

@@ -10,7 +10,7 @@ NOTHING = "nothing"
 """The kind of a trial in which no fault is injected."""
 FOR_GOOD = 1_000_000
 """Periods: longer than anything lasts."""
-SENSORS = ("wheels", "range", "joints", "camera", "width", "force")
+SENSORS = ("wheels", "range", "joints", "camera", "width", "force", "positioning")
 
 
 class FaultKind(Enum):

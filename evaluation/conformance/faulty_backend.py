@@ -14,7 +14,9 @@ from backends.base import Base, WheelTravel
 from backends.camera import Camera
 from backends.capability import Capability
 from backends.gripper import Gripper
+from backends.positioning import PoseReading, Positioning
 from backends.range_sensor import RangeSensor, Scan
+from robotics.geometry.pose2 import Pose2
 
 from .fault import SENSORS, Fault, FaultKind
 from .layered_backend import LayeredBackend
@@ -33,7 +35,7 @@ class InjectedError(RuntimeError):
 class FaultyBackend(LayeredBackend):
     """Passes everything on, until `inject` is called: from then on the fault is there for its periods.
 
-    A stuck joint that comes free catches up, 0.05 rad a period.
+    A stuck joint that comes free catches up, 0.02 rad a period.
 
     Attributes:
         bitten: how often the fault changed something; 0: nobody would know that it was there.
@@ -184,6 +186,10 @@ class FaultyBackend(LayeredBackend):
         """See `RangeSensor`."""
         return self._read("range", sensor.scan)
 
+    def whereabouts(self, positioning: Positioning) -> PoseReading | None:
+        """See `Positioning`."""
+        return self._read("positioning", positioning.reading)
+
     def _read(self, sensor: str, take: Callable[[], T], name: str = "") -> T:
         self._call(sensor)
         name = name or sensor
@@ -214,7 +220,7 @@ class FaultyBackend(LayeredBackend):
         return self._fault is not None and self._fault.kind is kind and self._left > 0
 
 
-_STEP = 0.05  # [rad] a period that a joint catches up with
+_STEP = 0.02  # [rad] a period that a joint catches up with
 
 
 def _broken(value: Any) -> Any:
@@ -224,6 +230,10 @@ def _broken(value: Any) -> Any:
             return WheelTravel(np.nan, np.nan)
         case Scan():
             return value._replace(ranges=np.full_like(value.ranges, np.nan))
+        case PoseReading():
+            return value._replace(pose=Pose2(np.nan, np.nan, np.nan), age=np.nan)
+        case None:
+            return None
         case bool():
             return value
         case float():

@@ -113,7 +113,7 @@ def frames(bench: Bench, finding: Finding) -> None:
         told = getattr(backend, "link_pose", scene.world_T)
         worst = 0.0
         for bend in (0.0, 0.1, -0.2):
-            goal = np.array(spec.posture("home")) + bend
+            goal = np.clip(np.array(spec.posture("home")) + bend, model.lower, model.upper)
             move_joints(backend, arm, goal)
             expected = scene.world_T_base @ model.forward(scene.joints)
             worst = max(worst, float(np.abs(told("hand") - expected).max()))

@@ -19,7 +19,7 @@ from .fail_is_true import Batch
 from .forked import Died, Hung, forked
 from .mutants import MUTANTS, Caught, try_mutant
 from .reach import Reach
-from .rehearsal import DRIVE_MAP, RETURN_BOOK, RETURN_BOOKS, UNLOAD, Rehearsal, Solo
+from .rehearsal import DRIVE_MAP, RETURN_BOOK, RETURN_BOOKS, TRACK_SEAM, UNLOAD, Rehearsal, Solo
 from .report import Broken, Report, Result
 from .task_runs import OneRun, task_runs
 
@@ -34,6 +34,9 @@ SEEDS, SEEDS_QUICK = 50, 2
 NEWS = 10.0  # [s] between two words of how many jobs are done, at most
 LONGEST = 600.0  # [s] of CPU time that a check or a liar gets
 STACKER = "toyama"  # the shipped robot that has blocks instead of books
+TRACKER = "atrv"  # the one that has a torch
+ONCE = {UNLOAD: {"blocks": "[1]"}, TRACK_SEAM: {"places_left": "[3]"}}
+"""What of a task with a `repeat` is rehearsed: one element."""
 
 
 @dataclass(frozen=True)
@@ -88,14 +91,15 @@ class Setting:
         tasks = self.tasks()
         if not tasks:
             return None
-        once = {"blocks": "[1]"} if tasks[0] == UNLOAD else {}
-        return Rehearsal(tasks[0], self.backend, settings={**self._chosen, **once})
+        return Rehearsal(tasks[0], self.backend, settings={**self._chosen, **ONCE.get(tasks[0], {})})
 
     def tasks(self) -> tuple[Path, ...]:
         """The shipped tasks that the robot can do."""
         spec = load_robot(self.robot)
         if self._stacks:
             return (UNLOAD,)
+        if self.robot.partition("/")[0] == TRACKER:
+            return (TRACK_SEAM,) if self.robot == TRACKER else ()  # other arms need other places
         if spec.arm and spec.gripper and spec.camera and spec.range_sensor:
             return RETURN_BOOK, RETURN_BOOKS, DRIVE_MAP
         return (DRIVE_MAP,) if spec.range_sensor else ()

@@ -13,6 +13,7 @@ from backends.base import Base, WheelTravel
 from backends.camera import Camera
 from backends.capability import Capability
 from backends.gripper import Gripper
+from backends.positioning import PoseReading, Positioning
 from backends.range_sensor import RangeSensor, Scan
 from backends.robot_file import RobotFile
 from robotics.geometry.transform import Transform
@@ -43,6 +44,8 @@ class LayeredBackend(Backend):
                 return LayeredCamera(self, part)
             case RangeSensor():
                 return LayeredRangeSensor(self, part)
+            case Positioning():
+                return LayeredPositioning(self, part)
         return part
 
     @classmethod
@@ -115,6 +118,10 @@ class LayeredBackend(Backend):
     def scan(self, sensor: RangeSensor) -> Scan:
         """See `RangeSensor`."""
         return sensor.scan()
+
+    def whereabouts(self, positioning: Positioning) -> PoseReading | None:
+        """See `Positioning`."""
+        return positioning.reading()
 
 
 class LayeredBase(Base):
@@ -208,3 +215,14 @@ class LayeredRangeSensor(RangeSensor):
     def scan(self) -> Scan:
         """See `RangeSensor`."""
         return self._whole.scan(self.inner)
+
+
+class LayeredPositioning(Positioning):
+    """The indoor positioning of a layered backend."""
+
+    def __init__(self, whole: LayeredBackend, inner: Positioning) -> None:
+        self._whole, self.inner = whole, inner
+
+    def reading(self) -> PoseReading | None:
+        """See `Positioning`."""
+        return self._whole.whereabouts(self.inner)

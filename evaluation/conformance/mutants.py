@@ -153,5 +153,6 @@ _ALL = (
     _in_backend("EchoesCommands", "encoders read what was commanded", "joints"),
     _in_backend("RollsDice", "ranges waver with the wall clock", "rates"),
     _in_backend("HalfPixel", "pictures are half a pixel off", "landmark"),
+    _in_backend("Undelayed", "tells where the base was as where it is", "positioning"),
 )
 MUTANTS: Mapping[str, Mutant] = {mutant.name: mutant for mutant in _ALL}

@@ -10,6 +10,7 @@ from backends.backend import Backend
 from backends.base import Base
 from backends.camera import Camera
 from backends.gripper import Gripper
+from backends.positioning import Positioning
 from backends.range_sensor import RangeSensor
 
 from .check import Skipped
@@ -26,6 +27,7 @@ class Parts:
     gripper: Gripper | None = None
     camera: Camera | None = None
     range_sensor: RangeSensor | None = None
+    positioning: Positioning | None = None
 
 
 def parts_of(backend: Backend) -> Parts:
@@ -43,6 +45,8 @@ def parts_of(backend: Backend) -> Parts:
                 found.camera = part
             case RangeSensor():
                 found.range_sensor = part
+            case Positioning():
+                found.positioning = part
     return found
 
 
@@ -76,3 +80,8 @@ def camera_of(backend: Backend) -> Camera:
 def range_sensor_of(backend: Backend) -> RangeSensor:
     """The range sensor; raises `Skipped` where the robot has none."""
     return needed(parts_of(backend).range_sensor, "range sensor")
+
+
+def positioning_of(backend: Backend) -> Positioning:
+    """The indoor positioning; raises `Skipped` where the robot has none."""
+    return needed(parts_of(backend).positioning, "positioning")

@@ -62,4 +62,7 @@ def all_readings(backend: Backend) -> dict[str, NDArray[np.float64]]:
         result["image"] = parts.camera.image().astype(np.float64)
     if parts.range_sensor is not None:
         result["scan"] = parts.range_sensor.scan().ranges.copy()
+    told = None if parts.positioning is None else parts.positioning.reading()
+    if told is not None:
+        result["positioning"] = np.array([told.number, *told.pose])
     return result

@@ -24,6 +24,7 @@ RETURN_BOOK, RETURN_BOOKS, DRIVE_MAP = (
     TASKS / name / "task.yaml" for name in ("return_book", "return_books", "drive_map")
 )
 UNLOAD = TASKS / "stack_blocks" / "unload.yaml"
+TRACK_SEAM = TASKS / "track_seam" / "task.yaml"
 
 
 class NoRehearsal(Exception):

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
+from backends.driven_wheels import driven_wheels
 from backends.robot_file import CameraSpec, RobotFile
 from robotics.kinematics.urdf_contents import JointFacts, bodies_of, joints_of, links_of, meshes_of
 
@@ -15,7 +16,6 @@ from .meshes import MeshRow, mesh_row
 from .reach import Reach, reach_of
 
 AWAY = 0.3  # [m] from the camera: where it reads labels
-WHEELS = ("left_wheel", "right_wheel")
 
 
 @dataclass(frozen=True)
@@ -113,8 +113,10 @@ def _of_meshes(meshes: Sequence[MeshRow]) -> list[str]:
 
 
 def _of_robot(robot: RobotFile, joints: Sequence[JointFacts]) -> list[str]:
-    names = {joint.name for joint in joints}
-    told = [f"no joint {name!r}: the backend pybullet can't drive" for name in WHEELS if name not in names]
+    wheels = driven_wheels(joint.name for joint in joints)._asdict()
+    told = [
+        f"no joint '{side}_wheel': the backend pybullet can't drive" for side in wheels if not wheels[side]
+    ]
     if robot.arm is None:
         return told
     of_arm = [joint for joint in joints if joint.name in robot.arm.joints]

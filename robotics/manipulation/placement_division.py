@@ -44,7 +44,7 @@ class TooFewPlacements(Untrackable):
     """
 
     def __init__(self, index: int, count: int, needed: int) -> None:
-        super().__init__(index, f"is as far as {count} placements get; {needed} are needed")
+        super().__init__(index, f"is as far as {count} placements get; needed: {needed}")
         self.needed = needed
 
 

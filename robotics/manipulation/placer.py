@@ -108,12 +108,16 @@ class Placer:
         joints = arm.dof if self.pitch_arm is None else 4
         torque = ArmLoad(arm).torque[:joints]
         self._rule = ScoreRule.of_limits(measure, arm.velocity[:joints], torque, work.speed, work.force)
+        self._work = work
 
     def scores(self, bases: Floats, path: ToolPath) -> PlacementScores:
         """Of base poses (b, 3)."""
+        return self._scores(bases, path, self._rule)
+
+    def _scores(self, bases: Floats, path: ToolPath, rule: ScoreRule) -> PlacementScores:
         if self.pitch_arm is not None:
-            return self.pitch_arm.scores(bases, path, self._rule)
-        return self._screw_arm.scores(bases, path, self._rule)
+            return self.pitch_arm.scores(bases, path, rule)
+        return self._screw_arm.scores(bases, path, rule)
 
     def joints(self, base: Floats, path: ToolPath) -> Floats:
         """Joint angles (p, n) in [rad] from a base pose (3,); raises Untrackable at the first bad point."""
@@ -183,16 +187,17 @@ class Placer:
             try:
                 division = _worthwhile(scores, thin, count, cost)
             except Untrackable as error:
-                raise self._explained(error, scorer, thin, bases, kept) from None
+                raise self._explained(error, scorer, thin, bases, candidates, kept) from None
             chosen, refined = self._refined(scorer, thin, bases, division)
             placements = self._placements(chosen, _on(refined, kept), path)
             bad = self._not_followed(placements, path, free)
             if not bad:
                 return placements
-            for base in placements.bases[bad]:
+            for base in placements.bases[list(bad)]:
                 left_out.append(base)
                 scores = scores.without(_near(bases, base, 0.5 * self._step))
-        raise Untrackable(0, "could be scored, but not followed from any placements that were tried")
+        last = min(bad.values(), key=lambda each: each.index)
+        raise Untrackable(last.index, f"{last.why}; so it was with {_ATTEMPTS} divisions")
 
     def _refined(
         self, scorer: Scorer, path: ToolPath, bases: Floats, division: Division
@@ -220,19 +225,22 @@ class Placer:
             found.append(float(np.trapezoid(values, part.lengths)))
         return Placements(bases, segments, tuple(found))
 
-    def _not_followed(self, placements: Placements, path: ToolPath, free: Free | None) -> list[int]:
-        """Rows of the base poses from which the arm doesn't follow its part."""
-        found = []
+    def _not_followed(
+        self, placements: Placements, path: ToolPath, free: Free | None
+    ) -> dict[int, Untrackable]:
+        """Rows of the base poses from which the arm doesn't follow its part, and why."""
+        found = dict[int, Untrackable]()
         for segment in placements.segments:
             base, part = placements.bases[segment.placement], path.part(segment.first, segment.last)
             try:
                 angles = self.joints(base, part)
                 self._check_around(base, part)
-            except Untrackable:
-                found.append(segment.placement)
+            except Untrackable as error:
+                found[segment.placement] = Untrackable(segment.first + error.index, error.why)
                 continue
             if free is not None and not free(base, angles):
-                found.append(segment.placement)
+                touches = "or those after it can only be tracked with the robot touching something"
+                found[segment.placement] = Untrackable(segment.first, touches)
         return found
 
     def _check_around(self, base: Floats, path: ToolPath) -> None:
@@ -244,7 +252,11 @@ class Placer:
             return
         some = _some(path, np.arange(0, len(path.points), _SPARSE))
         for x, y in ((_STOPS, 0.0), (-_STOPS, 0.0), (0.0, _STOPS), (0.0, -_STOPS)):
-            self.joints(np.array(Pose2(*base.tolist()).compose(Pose2(x, y, 0.0))), some)
+            try:
+                self.joints(np.array(Pose2(*base.tolist()).compose(Pose2(x, y, 0.0))), some)
+            except Untrackable as error:
+                why = f"{error.why}, {1e3 * _STOPS:g} mm beside its place"
+                raise Untrackable(_SPARSE * error.index, why) from None
 
     def _explained(
         self,
@@ -252,9 +264,14 @@ class Placer:
         scorer: Scorer,
         thin: ToolPath,
         bases: Floats,
+        candidates: Floats,
         kept: NDArray[np.intp],
     ) -> Untrackable:
-        """With the number of the path's own point, and the nearest that can be reached."""
+        """With the number of the path's own point, why, and the nearest that can be tracked.
+
+        Args:
+            bases: those of the `candidates` that the base gets to.
+        """
         if hasattr(error, "needed"):
             error.index = int(kept[error.index])
             return error
@@ -264,7 +281,20 @@ class Placer:
             bases[nearest] if self.pitch_arm is not None else bases[nearest[:: max(1, len(nearest) // _FEW)]]
         )
         told = with_nearest(error, scorer, thin, few) if len(few) else error
-        return Untrackable(int(kept[error.index]), told.why, told.nearest)
+        why = self._why(_some(thin, np.array([error.index, error.index])), bases, candidates) or error.why
+        return Untrackable(int(kept[error.index]), why, told.nearest)
+
+    def _why(self, point: ToolPath, bases: Floats, candidates: Floats) -> str:
+        """Why a point, given twice, can't be tracked from any base pose; nothing where it isn't the point."""
+        reach = self._rule._replace(measure=Measure.REACHABILITY)
+        if not self._scores(candidates, point, reach).usable.any():
+            return "is out of the arm's reach, wherever the base stands"
+        if not len(bases) or not self._scores(bases, point, reach).usable.any():
+            return "is reached only from where the base can't stand, or doesn't get to"
+        if not self.scores(bases, point).usable.any():
+            work = self._work
+            return f"is reached, but nowhere with {work.speed:g} m/s and {work.force:g} N along the path"
+        return ""
 
 
 def _worthwhile(scores: PlacementScores, path: ToolPath, count: int | None, cost: float) -> Division:

@@ -16,7 +16,7 @@ from robotics.navigation.field_noise import REFERENCE, FieldNoise
 from robotics.navigation.fix_monitor import LONGEST, FixMonitor
 from robotics.navigation.gyro_odometry import Advance
 from robotics.navigation.lost_track import LostTrack
-from robotics.navigation.smoothing import Belief, TrackRecord
+from robotics.navigation.smoothing import Belief, Entries, TrackRecord
 
 BIAS_PERIOD = 1.0  # [s] at rest over which the gyro is averaged into one reading
 Array = NDArray[np.float64]
@@ -28,7 +28,7 @@ class _Moment(NamedTuple):
     belief: Belief
     rested: bool
     still: Array
-    entries: tuple[int, int, int]
+    entries: Entries
 
 
 class GpsFilter(FieldLocalizer):
@@ -86,7 +86,7 @@ class GpsFilter(FieldLocalizer):
         self.restarts = 0
         """How often the fixes were believed against the filter."""
         if record is not None:
-            record.start(self._mean, self._spread)
+            record.start()
 
     @property
     def covariance(self) -> Array:
@@ -177,13 +177,12 @@ class GpsFilter(FieldLocalizer):
         return np.array([cos * along - sin * across, sin * along + cos * across])
 
     def _correct(self, rows: Array, residual: Array, variance: float) -> None:
-        forecast = Belief(self._mean, self._spread)
-        self._mean, self._spread = corrected(self._mean, self._spread, rows, residual, variance)
         if self._record is not None:
-            self._record.correct(forecast, self._mean, self._spread)
+            self._record.correct(self._spread, rows, residual, variance)
+        self._mean, self._spread = corrected(self._mean, self._spread, rows, residual, variance)
 
     def _moment(self) -> _Moment:
-        entries = (0, 0, 0) if self._record is None else self._record.entries
+        entries = Entries(0, 0, None) if self._record is None else self._record.entries
         return _Moment(Belief(self._mean, self._spread), self._rested, self._still, entries)
 
     def _note(self, event: Advance | None) -> None:
@@ -201,7 +200,7 @@ class GpsFilter(FieldLocalizer):
         moment = undone[0][0]
         (self._mean, self._spread), self._rested, self._still = moment.belief, moment.rested, moment.still
         if self._record is not None:
-            self._record.rewind(moment.entries, moment.belief)
+            self._record.rewind(moment.entries)
         for event in [event for _, events in undone for event in events]:
             if event is None:
                 self.mark()
@@ -225,5 +224,5 @@ class GpsFilter(FieldLocalizer):
         self._past.clear()
         self._monitor.reset()
         if self._record is not None:
-            self._record.start(self._mean, self._spread)
+            self._record.start()
         return True

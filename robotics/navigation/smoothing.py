@@ -20,82 +20,102 @@ class Belief(NamedTuple):
     """(n, n)."""
 
 
-class _Stretch(NamedTuple):
-    """From one entry of the record to the next."""
+class _Watched(NamedTuple):
+    """A moment of which more becomes known while the filter goes on (fixed-point smoothing)."""
 
-    begin: Belief
-    transition: Array
-    end: Belief
-    """As forecast, before anything was seen there."""
+    belief: Belief
+    """Of the states then, by all that was seen so far."""
+    shared: Array
+    """(n, n) covariance of the states then (rows) with those now."""
+
+
+class _Link(NamedTuple):
+    """From one wanted moment to the next."""
+
+    first: _Watched
+    """As known at the second."""
+    second: Belief
+    """What the filter held there."""
+
+
+class Entries(NamedTuple):
+    """How much a record holds at one moment."""
+
+    starts: int
+    links: int
+    latest: _Watched | None
 
 
 class TrackRecord:
-    """Takes down a Kalman filter's run, correction by correction, and smooths it.
+    """Takes down what a Kalman filter's run tells of some wanted moments, and smooths them.
 
-    Steps between two corrections are put together: a record grows with what was seen, not with the periods.
+    What is seen between two of them is put together as it comes, so a record grows with the moments that are
+    wanted, not with the time.
     """
 
     def __init__(self) -> None:
         """Nothing taken down yet."""
-        self._runs: list[list[_Stretch]] = []
-        self._marks: list[tuple[int, int]] = []
-        self._latest = Belief(np.zeros(0), np.zeros((0, 0)))
-        self._transition = np.zeros((0, 0))
+        self._over: list[list[Belief]] = []  # smoothed, of runs that ended in a new beginning
+        self._links: list[_Link] = []
+        self._latest: _Watched | None = None
+        self._starts = 0
 
-    def start(self, mean: Array, covariance: Array) -> None:
+    def start(self) -> None:
         """The filter begins, or begins anew: nothing is carried back from here on."""
-        self._runs.append([])
-        self._begin(mean, covariance)
+        if self._starts:
+            self._over.append(self._smoothed())
+        self._starts, self._links, self._latest = self._starts + 1, [], None
 
     def step(self, transition: Array) -> None:
         """The filter went on by `transition` (n, n)."""
-        self._transition = transition @ self._transition
+        if self._latest is not None:
+            self._latest = self._latest._replace(shared=self._latest.shared @ transition.T)
 
-    def correct(self, forecast: Belief, mean: Array, covariance: Array) -> None:
-        """The filter saw something: its `forecast`, and mean (n,) and covariance (n, n) afterwards."""
-        self._runs[-1].append(_Stretch(self._latest, self._transition, forecast))
-        self._begin(mean, covariance)
+    def correct(self, covariance: Array, rows: Array, residual: Array, variance: float) -> None:
+        """The filter is about to see something: readings with `residual` (m,), each of `variance`.
+
+        `rows` (m, n) is how they depend on the states, `covariance` (n, n) that of the states now, without
+        them.
+        """
+        if self._latest is None:
+            return
+        (mean, spread), shared = self._latest
+        seen = rows @ covariance @ rows.T + variance * np.eye(len(residual))
+        gain = np.linalg.solve(seen, rows @ shared.T).T
+        spread = spread - gain @ seen @ gain.T
+        belief = Belief(mean + gain @ residual, 0.5 * (spread + spread.T))
+        self._latest = _Watched(belief, shared - gain @ rows @ covariance)
 
     def mark(self, now: Belief) -> None:
         """This moment is wanted."""
-        self.correct(now, now.mean, now.covariance)
-        self._marks.append((len(self._runs) - 1, len(self._runs[-1])))
+        if self._latest is not None:
+            self._links.append(_Link(self._latest, now))
+        self._latest = _Watched(now, now.covariance)
 
     @property
-    def entries(self) -> tuple[int, int, int]:
-        """How much is taken down: beginnings, corrections since the last, marks."""
-        return len(self._runs), len(self._runs[-1]), len(self._marks)
+    def entries(self) -> Entries:
+        """Where the record stands, for `rewind`."""
+        return Entries(self._starts, len(self._links), self._latest)
 
-    def rewind(self, entries: tuple[int, int, int], now: Belief) -> None:
-        """Forget what was corrected after `entries`, in the same run; the filter held `now` then."""
-        if entries[0] != len(self._runs):
+    def rewind(self, entries: Entries) -> None:
+        """Forget what came after `entries`, in the same run."""
+        if entries.starts != self._starts:
             raise ValueError("a record can't be rewound to before the filter began anew")
-        del self._runs[-1][entries[1] + 1 :]  # what led up to the correction stays
-        del self._marks[entries[2] :]
-        self._begin(*now)
+        self._links, self._latest = self._links[: entries.links], entries.latest
 
     def smoothed(self) -> list[Belief]:
-        """The marked moments, by all that was seen before and after them."""
-        runs = [
-            _smooth(run, self._latest if run is self._runs[-1] else run[-1].end) for run in self._runs if run
-        ]
-        numbers = [k for k, run in enumerate(self._runs) if run]
-        return [runs[numbers.index(run)][place] for run, place in self._marks]
+        """The wanted moments, by all that was seen before and after them."""
+        return [belief for run in (*self._over, self._smoothed()) for belief in run]
 
-    def _begin(self, mean: Array, covariance: Array) -> None:
-        self._latest = Belief(mean.copy(), covariance.copy())
-        self._transition = np.eye(len(mean))
-
-
-def _smooth(run: list[_Stretch], last: Belief) -> list[Belief]:
-    """Beliefs at the begin of each stretch and at the end of the last."""
-    out = [last]
-    for stretch in reversed(run):
-        scale = np.sqrt(np.maximum(np.diag(stretch.end.covariance), LEAST**2))
-        unit = stretch.end.covariance / np.outer(scale, scale) + LEAST * np.eye(len(scale))
-        reach = stretch.transition @ stretch.begin.covariance / scale[:, None]
-        gain = np.linalg.solve(unit, reach).T / scale
-        mean = stretch.begin.mean + gain @ (out[-1].mean - stretch.end.mean)
-        spread = stretch.begin.covariance + gain @ (out[-1].covariance - stretch.end.covariance) @ gain.T
-        out.append(Belief(mean, 0.5 * (spread + spread.T)))
-    return out[::-1]
+    def _smoothed(self) -> list[Belief]:
+        if self._latest is None:
+            return []
+        out = [self._latest.belief]
+        for (before, shared), second in reversed(self._links):
+            scale = np.sqrt(np.maximum(np.diag(second.covariance), LEAST**2))
+            unit = second.covariance / np.outer(scale, scale) + LEAST * np.eye(len(scale))
+            gain = np.linalg.solve(unit, (shared / scale).T).T / scale
+            mean = before.mean + gain @ (out[-1].mean - second.mean)
+            spread = before.covariance + gain @ (out[-1].covariance - second.covariance) @ gain.T
+            out.append(Belief(mean, 0.5 * (spread + spread.T)))
+        return out[::-1]

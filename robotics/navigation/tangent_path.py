@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import heapq
 import math
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -18,7 +19,8 @@ from robotics.geometry.pose2 import Pose2, wrap
 
 TOUCH = 1e-6  # [m] that a tangent may seem to be inside the disc it touches
 LEANS = (-1.4, -0.7, 0.0, 0.7, 1.4)  # [rad] beside straight aside: where a wide circle lies on a small disc
-BACKS = (0.0, 0.75, 1.5, 2.25, 3.0)  # [m] that may be driven backwards at either end
+MANY_LEANS = tuple(0.25 * k for k in range(-6, 7))  # where those few give a long way
+BACKS = (0.0, 0.25, 0.5, 0.75, 1.5, 2.25, 3.0)  # [m] that may be driven backwards at either end
 LONG = 1.05  # of the detour that no vehicle can shorten: shorter, and backing isn't tried
 SPACING = 0.05  # [m] between points of a path
 Array = NDArray[np.float64]
@@ -73,6 +75,9 @@ def car_path(start: Pose2, goal: Pose2, discs: Array, radius: float) -> CarPath 
     discs = np.asarray(discs, dtype=np.float64).reshape(-1, 3)
     best = _forward(start, goal, discs, radius)
     least = shortest_detour(np.array(start[:2]), np.array(goal[:2]), discs)
+    if not math.isinf(least) and (best is None or best.length > LONG * least):
+        other = _forward(start, goal, discs, radius, MANY_LEANS)
+        best = min((path for path in (best, other) if path is not None), key=_length, default=None)
     for before, after in sorted(((b, a) for b in BACKS for a in BACKS), key=sum)[1:]:
         if math.isinf(least) or (
             best is not None and best.length <= max(LONG * least, least + before + after)
@@ -90,11 +95,17 @@ def car_path(start: Pose2, goal: Pose2, discs: Array, radius: float) -> CarPath 
     return best
 
 
-def _forward(start: Pose2, goal: Pose2, discs: Array, radius: float) -> CarPath | None:
+def _length(path: CarPath) -> float:
+    return path.length
+
+
+def _forward(
+    start: Pose2, goal: Pose2, discs: Array, radius: float, leans: Sequence[float] = LEANS
+) -> CarPath | None:
     """As `car_path`, without backing."""
     ends = [*_turning(start, radius), *_turning(goal, radius)]
     aside = math.atan2(goal.y - start.y, goal.x - start.x) + math.pi / 2.0
-    circles = ends + [circle for disc in discs for circle in _round(disc, radius, aside)]
+    circles = ends + [circle for disc in discs for circle in _round(disc, radius, aside, leans)]
     return _shortest(circles, (start.theta, goal.theta), discs)
 
 
@@ -115,14 +126,14 @@ def _turning(pose: Pose2, radius: float) -> list[_Circle]:
     ]
 
 
-def _round(disc: Array, radius: float, aside: float) -> list[_Circle]:
+def _round(disc: Array, radius: float, aside: float, leans: Sequence[float]) -> list[_Circle]:
     """Circles round a disc; round a small one wide circles that touch it on the side where it is passed."""
     x, y, own = disc.tolist()
     if own >= radius:
         return [_Circle(x, y, own, sense) for sense in (1.0, -1.0)]
     found = []
     for sense in (1.0, -1.0):
-        for lean in LEANS:
+        for lean in leans:
             away = aside + lean + (math.pi if sense > 0.0 else 0.0)
             back = own - radius
             found.append(_Circle(x + back * math.cos(away), y + back * math.sin(away), radius, sense))

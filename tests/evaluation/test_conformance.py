@@ -52,9 +52,20 @@ def test_a_liar_is_caught(name: str) -> None:
     assert not caught.skipped
 
 
-def test_there_are_twenty_liars_and_each_tells_its_lie() -> None:
-    assert len(MUTANTS) == 20
-    assert len({mutant.lie for mutant in MUTANTS.values()}) == 20
+def test_there_are_21_liars_and_each_tells_its_lie() -> None:
+    assert len(MUTANTS) == 21
+    assert len({mutant.lie for mutant in MUTANTS.values()}) == 21
+
+
+def test_a_robot_with_an_indoor_positioning() -> None:
+    bench = Bench("kinematic", robot="atrv")
+    for name in ("capabilities", "positioning", "joints", "frames"):
+        finding = CHECKS[name](bench)
+        assert finding.ok, finding.wrong
+        assert not finding.skipped
+    assert try_mutant("Undelayed", bench).by.startswith("positioning: off ")
+    assert try_mutant("Undelayed", BENCH).skipped == "the robot has no positioning"
+    assert Setting("kinematic", "atrv").tried() == ["DIVIDE", "MOVE_TO", "REACH", "TRACK"]
 
 
 def test_an_honest_primitive_is_true_whatever_goes_wrong() -> None:
@@ -88,13 +99,14 @@ def test_full_mode_injects_more_than_2500_faults_on_the_kinematic_backend() -> N
 
 
 def test_each_kind_of_fault_goes_through_its_ways() -> None:
-    assert {variant(FaultKind.STALE, number).sensor for number in range(6)} == {
+    assert {variant(FaultKind.STALE, number).sensor for number in range(7)} == {
         "wheels",
         "range",
         "joints",
         "camera",
         "width",
         "force",
+        "positioning",
     }
     assert len({variant(FaultKind.SLIP, number) for number in range(8)}) == 4
     assert str(Fault(FaultKind.NAN, "joints", 10)) == "NaN joints for 10 periods"
@@ -191,6 +203,6 @@ def test_the_fixture_tries_a_backend(conformance: Any) -> None:
 def test_a_backend_that_cannot_be_built_is_told() -> None:
     report = run_kit(Setting("kinematic", "/nowhere/robot.yaml", True, ("mutants",)), 1)
     assert not report.ok
-    assert len(report.broken) == 20
+    assert len(report.broken) == 21
     assert report.broken[0].name == "liar NotRestored"
     assert "nowhere" in report.broken[0].reason

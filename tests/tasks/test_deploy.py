@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import csv
 import json
+import shutil
 from pathlib import Path
 
 import pytest
 
-from evaluation.running import run_task
+from evaluation.running import resume_task, run_task
 from files.errors import FileError
+from networks.events import Ended, Event
 from networks.permits import Permits
 
 TASKS = Path(__file__).parents[2] / "tasks"
@@ -60,6 +62,36 @@ def test_the_same_seed_gives_the_same_run(tmp_path, small):
     assert places[0] == places[1]
 
 
+class Copier:
+    """Copies a run's folder when an action has ended: what would be left if it were killed then."""
+
+    def __init__(self, number: int, to: Path) -> None:
+        self.number, self.to, self.folder = number, to, Path()
+
+    def say(self, words: str) -> None:
+        pass
+
+    def begin(self, prepared: object, folder: Path) -> None:
+        self.folder = folder
+
+    def look(self, robot: object) -> None:
+        pass
+
+    def __call__(self, event: Event) -> None:
+        if isinstance(event, Ended) and event.number == self.number:
+            shutil.copytree(self.folder, self.to, ignore=shutil.ignore_patterns("control"))
+
+
+def test_killed_it_goes_on_and_tells_of_all_sensors(tmp_path, small):
+    left = tmp_path / "left"
+    whole, _ = run_task(STRAIGHT, tmp_path, None, small, seed=5, checkpoints=True, told=Copier(4, left))
+    again, status = resume_task(left, None, Copier(0, left))
+    assert status == 0
+    assert again["metrics"]["placements"] == whole["metrics"]["placements"]
+    for name in ("as_laid.csv", "as_laid.geojson"):
+        assert (left / name).read_bytes() == (Path(whole["run_dir"]) / name).read_bytes()
+
+
 def test_with_a_better_receiver_they_lie_within_centimetres(tmp_path, small):
     metrics = run_task(STRAIGHT, tmp_path, None, {**small, "robot": "el_verde/rtk"}, seed=4)[0]["metrics"]
     assert metrics["error_mm_max"] < 80.0
@@ -73,6 +105,26 @@ def test_around_what_no_map_shows_another_way_is_found(tmp_path, small):
     assert summary["metrics"]["untrue"] == []
     assert summary["metrics"]["placed"] == 2
     assert b"MODIFY" in (Path(summary["run_dir"]) / "journal.jsonl").read_bytes()
+
+
+def test_together_the_arm_moves_while_the_base_drives(tmp_path, small):
+    settings = {**small, "together": "true"}
+    apart, _ = run_task(STRAIGHT, tmp_path, None, small, seed=2)
+    summary, status = run_task(STRAIGHT, tmp_path, None, settings, seed=2)
+    assert status == 0
+    assert summary["metrics"]["untrue"] == []
+    assert summary["metrics"]["placed"] == 2
+    assert summary["metrics"]["error_mm_max"] < 900.0
+    assert summary["sim_time_s"] < apart["sim_time_s"] - 20.0
+
+
+def test_together_a_drive_that_fails_brings_back_base_and_arm(tmp_path, small):
+    settings = {**small, "together": "true", "world": str(tmp_path / "crate.yaml")}
+    summary, status = run_task(STRAIGHT, tmp_path, None, settings, seed=3)
+    assert status == 0
+    assert summary["fails"] >= 1
+    assert summary["metrics"]["untrue"] == []
+    assert summary["metrics"]["placed"] == 2
 
 
 def test_the_operator_may_refuse(tmp_path, small):

@@ -10,6 +10,8 @@ import pytest
 from can.interfaces import virtual
 
 from backends.can.can_backend import CanBackend
+from backends.can.simulated.bench import Bench
+from backends.kinematic.kinematic_backend import KinematicBackend
 from backends.robot_file import RobotFile, load_robot
 from backends.scene.world_file import WorldFile
 
@@ -40,8 +42,14 @@ def make(cart: RobotFile) -> Iterator[Callable[..., CanBackend]]:
     made, threads = [], threading.active_count()
 
     def build(seed: int = 0, room: bool = True, robot: RobotFile = cart) -> CanBackend:
-        world = WorldFile.model_validate(ROOM) if room else None
-        made.append(CanBackend(robot, world, seed))
+        assert robot.can is not None
+        inner = KinematicBackend(robot, WorldFile.model_validate(ROOM), seed) if room else None
+        bench = Bench(robot, robot.can, inner)
+        try:
+            made.append(CanBackend(robot, bench))
+        except Exception:
+            bench.close()
+            raise
         return made[-1]
 
     yield build

@@ -25,7 +25,7 @@ def run(backend, periods, speed=0.0, turn_rate=0.0):
 
 def targets(backend):
     """Velocities that the drives were told last, in counts/s."""
-    return [drive.rpdo[1][0x60FF].raw for drive in backend.bench.drives.nodes.values()]
+    return [drive.rpdo[1][0x60FF].raw for drive in backend.bench.drives.values()]
 
 
 def test_speeds_are_metres_and_radians_and_left_is_left(make):
@@ -49,7 +49,7 @@ def test_counts_have_the_sign_of_the_file(make):
     backend = make(room=False)
     run(backend, 20, 0.3)
     run(backend, RAMPS)
-    left, right = (backend.bench.drives.nodes[node].position for node in (LEFT, RIGHT))
+    left, right = (backend.bench.drives[node].position for node in (LEFT, RIGHT))
     assert left == pytest.approx(0.3 * COUNTS_PER_M, rel=1e-4)
     assert right == pytest.approx(-left)
     assert backend.get(Base).wheel_travel() == pytest.approx((0.3, 0.3), rel=1e-4)
@@ -58,7 +58,7 @@ def test_counts_have_the_sign_of_the_file(make):
 def test_travel_goes_on_where_32_bits_go_over(make):
     backend = make(room=False)
     for node in (LEFT, RIGHT):
-        backend.bench.drives.nodes[node].position = 2.0**31 - 1000.0
+        backend.bench.drives[node].stand_at(2.0**31 - 1000.0)
     backend.step()
     before = backend.get(Base).wheel_travel()
     run(backend, 20, 0.3)
@@ -110,7 +110,7 @@ def test_after_stop_nothing_is_queued(make):
     run(backend, 20, 0.3)
     assert targets(backend) == pytest.approx([0.3 * COUNTS_PER_M, -0.3 * COUNTS_PER_M], abs=1)
     backend.stop()
-    backend.bench.drives.serve()
+    backend.bench.serve()
     assert targets(backend) == [0, 0]  # at once, not with the next step
     for _ in range(RAMPS):
         backend.step()
@@ -153,13 +153,13 @@ def test_closing_takes_the_torque_away_at_rest(make):
     run(backend, 20, 0.5)
     backend.close()
     backend.close()
-    for drive in backend.bench.drives.nodes.values():
+    for drive in backend.bench.drives.values():
         assert (drive.velocity, drive.life.state) == (0.0, "SWITCH ON DISABLED")
 
 
 def test_a_robot_needs_a_section_can():
     with pytest.raises(NoDrives, match="no section 'can'"):
-        make_backend("can", load_robot("librarian"), None, 0)
+        make_backend("can", load_robot("toyama"), None, 0)
 
 
 def test_counts_that_do_not_fit_are_told(make, cart):

@@ -6,10 +6,10 @@ import canopen
 import pytest
 from canopen.profiles.p402 import State402
 
-from backends.can.drive_life import DriveLife
-from backends.can.drive_node import ramp
+from backends.can.simulated.drive_life import DriveLife
+from backends.can.profile import ramp
 from backends.can.fault_words import fault_words
-from backends.can.simulated_drives import SimulatedDrives
+from backends.can.simulated.simulated_drives import SimulatedDrives
 
 
 def test_the_states_follow_the_controlword():

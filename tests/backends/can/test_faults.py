@@ -20,7 +20,7 @@ def drive(backend, periods):
 
 def assert_stopped(backend, fault):
     """Both wheels, for good."""
-    nodes = backend.bench.drives.nodes.values()
+    nodes = backend.bench.drives.values()
     assert [node.velocity for node in nodes] == [0.0, 0.0]
     assert all(node.life.state in ("SWITCH ON DISABLED", "FAULT") for node in nodes)
     there = [node.position for node in nodes]
@@ -35,7 +35,7 @@ def assert_stopped(backend, fault):
 def test_a_silent_drive_ends_the_step_and_stops_both(make):
     backend = make()
     drive(backend, 20)
-    backend.bench.drives.nodes[RIGHT].silent = True
+    backend.bench.drives[RIGHT].silent = True
     with pytest.raises(SilentDrive, match=r"the right drive \(node 2\) is silent") as told:
         drive(backend, 1)
     assert "statusword and position (6041h, 6064h)" in str(told.value)
@@ -48,7 +48,7 @@ def test_a_faulted_drive_ends_the_step_and_stops_both(make):
     backend = make()
     drive(backend, 20)
     before = backend.scene.base.y
-    backend.bench.drives.nodes[LEFT].fail(0x8611)
+    backend.bench.drives[LEFT].fail(0x8611)
     with pytest.raises(DriveNotReady) as told:
         drive(backend, 1)
     assert str(told.value) == (
@@ -61,7 +61,7 @@ def test_a_faulted_drive_ends_the_step_and_stops_both(make):
 
 def test_a_drive_that_somebody_disables_ends_the_step(make):
     backend = make()
-    backend.bench.drives.nodes[LEFT].life.disable()
+    backend.bench.drives[LEFT].life.disable()
     with pytest.raises(DriveNotReady, match="SWITCH ON DISABLED; needed") as told:
         drive(backend, 1)
     assert_stopped(backend, told.value)
@@ -95,7 +95,7 @@ def test_a_fault_ends_a_command_with_status_5_and_without_a_traceback(make, monk
 
     def fails(self):
         if next(count) == 30:
-            self.bench.drives.nodes[LEFT].silent = True
+            self.bench.drives[LEFT].silent = True
         step(self)
 
     monkeypatch.setattr(CanBackend, "step", fails)
@@ -114,7 +114,7 @@ def test_a_fault_ends_a_command_with_status_5_and_without_a_traceback(make, monk
     ],
 )
 def test_a_drive_that_is_none_is_told(make, monkeypatch, index, value, error, told):
-    from backends.can.drive_node import DriveNode
+    from backends.can.simulated.drive_node import DriveNode
 
     plain = DriveNode._value
     monkeypatch.setattr(DriveNode, "_value", lambda self, i: value if i == index else plain(self, i))
@@ -123,7 +123,7 @@ def test_a_drive_that_is_none_is_told(make, monkeypatch, index, value, error, to
 
 
 def test_a_missing_drive_is_told(make, monkeypatch):
-    from backends.can.simulated_drives import SimulatedDrives
+    from backends.can.simulated.simulated_drives import SimulatedDrives
 
     plain = SimulatedDrives.__init__
     monkeypatch.setattr(SimulatedDrives, "__init__", lambda self, *nodes: plain(self, nodes[0]))

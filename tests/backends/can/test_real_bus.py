@@ -11,7 +11,7 @@ import pytest
 from backends.base import Base
 from backends.can.can_backend import CanBackend
 from backends.can.pace import Pace
-from backends.can.simulated_drives import SimulatedDrives
+from backends.can.simulated.simulated_drives import SimulatedDrives
 
 from .conftest import LEFT, RIGHT
 

@@ -16,14 +16,17 @@ STATES = [*_WORKING, REACTION, FAULT]
 _TRANSITIONS: list[dict[str, Any]] = [
     {"trigger": "_shutdown", "source": [OFF, ON, ENABLED], "dest": READY},  # 2, 6, 8
     {"trigger": "_switch_on", "source": [READY, ENABLED], "dest": ON},  # 3, 5
-    {"trigger": "_enable", "source": ON, "dest": ENABLED},  # 4
+    {"trigger": "_enable", "source": [ON], "dest": ENABLED},  # 4
+    {"trigger": "_enable", "source": [QUICK_STOP], "dest": ENABLED, "conditions": "_stays"},  # 16
     {"trigger": "_disable", "source": [READY, ON, ENABLED, QUICK_STOP], "dest": OFF},  # 7, 10, 9, 12
-    {"trigger": "_quick_stop", "source": ENABLED, "dest": QUICK_STOP},  # 11
+    {"trigger": "_quick_stop", "source": [ENABLED], "dest": QUICK_STOP},  # 11
     {"trigger": "_quick_stop", "source": [READY, ON], "dest": OFF},  # 7, 10
     {"trigger": "_fail", "source": _WORKING, "dest": REACTION},  # 13
-    {"trigger": "_settle", "source": REACTION, "dest": FAULT},  # 14
-    {"trigger": "_reset", "source": FAULT, "dest": OFF},  # 15
+    {"trigger": "_settle", "source": [REACTION], "dest": FAULT},  # 14
+    {"trigger": "_reset", "source": [FAULT], "dest": OFF},  # 15
 ]
+_THERE = {(each["trigger"], state) for each in _TRANSITIONS for state in STATES if state in each["source"]}
+_STAYING = range(5, 9)  # quick stop option codes (605Ah) that end in QUICK STOP ACTIVE
 
 
 class DriveLife:
@@ -32,6 +35,8 @@ class DriveLife:
     def __init__(self) -> None:
         self._state = OFF
         self._controlword = 0
+        self.quick_stop_option = 2
+        """605Ah."""
         self._machine = Machine(
             model=self,
             states=STATES,
@@ -58,6 +63,10 @@ class DriveLife:
         self._controlword = controlword
         self._go("_reset" if rising & 0x80 else _trigger(controlword))
 
+    def quick_stop(self) -> None:
+        """Stop quickly, as by a controlword."""
+        self._go("_quick_stop")
+
     def disable(self) -> None:
         """Voltage off."""
         self._go("_disable")
@@ -67,11 +76,17 @@ class DriveLife:
         self._go("_fail")
 
     def settle(self) -> None:
-        """The reaction to a fault is over."""
+        """The motion has come to rest: a reaction to a fault, or a quick stop, may be over."""
         self._go("_settle")
+        if self._state == QUICK_STOP and not self._stays():
+            self._go("_disable")
+
+    def _stays(self) -> bool:
+        return self.quick_stop_option in _STAYING
 
     def _go(self, trigger: str) -> None:
-        getattr(self, trigger)()
+        if (trigger, self._state) in _THERE:
+            getattr(self, trigger)()
 
 
 def _trigger(controlword: int) -> str:

@@ -1,0 +1,333 @@
+"""One drive, as the robot commands it."""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+
+import canopen
+from canopen.objectdictionary import ObjectDictionary
+from canopen.pdo import PdoMap
+from canopen.profiles.p402 import State402
+from canopen.sdo.client import SdoClient
+
+from backends.can_spec import AxisSpec
+
+from .axis_limits import AxisLimits
+from .axis_units import AxisUnits, unwrapped
+from .errors import DriveNotReady, OffDemand, SilentDrive, TooManyCounts
+from .expected_motion import ExpectedMotion
+from .fault_words import fault_words
+from .line_sdo_client import LineSdoClient
+from .pdo_layout import CYCLIC_POSITION, PROFILE_POSITION, layout
+
+ENABLED, FAULT, QUICK_STOP = "OPERATION ENABLED", "FAULT", "QUICK STOP ACTIVE"
+HOLD = "hold"
+NEW_SETPOINT, AT_ONCE = 1 << 4, 1 << 5
+SETPOINT_TAKEN = 1 << 12
+STALE = 0.1
+"""[s] for which a statusword counts at most, and two periods."""
+_NAMES = {
+    0x6041: "statusword and position (6041h, 6064h)",
+    0x606C: "velocity, torque and error code (606Ch, 6077h, 603Fh)",
+}
+_KEPT, _LOST = 100, 5  # answers to so many SYNCs are looked back on, of which so many may be lost
+_IGNORED = 3  # set-points that a drive may not take
+_ODD = 2  # positions in a row that can't be
+_STANDS = 0.01  # of top speed: slower it stands
+_LATE_PERIODS = 2.0  # that a command may take to act
+_CREEP = 0.01  # of top speed: no way is planned slower
+
+
+class Axis(canopen.RemoteNode):
+    """A CiA 402 drive in one mode of operation; speeds and positions in SI units of what it drives.
+
+    `command` says what the next period is for, `send` sends it; the drive answers each SYNC with two PDOs:
+    statusword, position and mode; velocity, torque and error code. In profile position each new set-point
+    makes the handshake of CiA 402 (bits 4 and 12), and counts at once (bit 5).
+    """
+
+    def __init__(
+        self,
+        name: str,
+        spec: AxisSpec,
+        mode: int,
+        units: AxisUnits,
+        limits: AxisLimits,
+        dictionary: ObjectDictionary,
+        period: float,
+    ) -> None:
+        """A drive that is on no network yet.
+
+        Args:
+            name: how people call what it moves.
+            spec: from the robot's file.
+            mode: of operation (6060h).
+            units: of what it moves.
+            limits: the same.
+            dictionary: its objects.
+            period: between two SYNCs, in [s].
+
+        Raises:
+            TooManyCounts: what it may be told doesn't fit into 32 bits.
+        """
+        super().__init__(spec.node, dictionary)
+        self.name = f"the {name} drive (node {spec.node})"
+        self.spec, self.mode, self.units, self.limits, self.period = spec, mode, units, limits, period
+        most = max(limits.speed, limits.acceleration, limits.braking) * abs(units.scale)
+        ends = [units.counts(each) for each in (limits.lower, limits.upper) if math.isfinite(each)]
+        if not max([most, *map(abs, ends)]) < 2**31:
+            raise TooManyCounts(self.name, max([most, *map(abs, ends)]))
+        self.positioned = mode in (PROFILE_POSITION, CYCLIC_POSITION)
+        """Whether it is told positions, not speeds."""
+        self.layout = layout(mode)
+        self._expected = ExpectedMotion(mode, limits)
+        self._target, self._top = 0.0, limits.speed
+        self._sent: int | None = None
+        self._asks = False
+        self._fresh: set[int] = set()
+        self._asked = self._answered = 0
+        self._missed: deque[bool] = deque(maxlen=_KEPT)
+        self._counts: int | None = None
+        self._told = 0
+        self._odd = self._ignored = 0
+        self._off_for = 0.0
+        self.travel = 0.0
+        """How far it has moved since `rezero`, in [m] or [rad]."""
+        for pdo, planned in zip(self._commands, self.layout.commands, strict=False):
+            _map(pdo, planned.objects, planned.transmission)
+        for pdo, planned in zip(self._answers, self.layout.answers, strict=True):
+            _map(pdo, planned.objects, planned.transmission)
+            pdo.rtr_allowed = False
+            pdo.add_callback(self._on_answer)
+
+    @property
+    def _commands(self) -> list[PdoMap]:
+        return [self.rpdo[each.number] for each in self.layout.commands]
+
+    @property
+    def _answers(self) -> list[PdoMap]:
+        return [self.tpdo[each.number] for each in self.layout.answers]
+
+    @property
+    def pdos(self) -> list[PdoMap]:
+        """All that are used."""
+        return [*self._commands, *self._answers]
+
+    def add_sdo(self, rx_cobid: int, tx_cobid: int) -> SdoClient:
+        """See the library; the client needs no thread."""
+        client = LineSdoClient(rx_cobid, tx_cobid, self.object_dictionary)
+        self.sdo_channels.append(client)
+        return client
+
+    # Commanding
+
+    def command(self, target: float) -> None:
+        """What the next period is for: a speed in [m/s], or a position in [m] or [rad]."""
+        self._target = target
+
+    def stand(self, position: float) -> None:
+        """It stands there, enabled: hold."""
+        self._target = position if self.positioned else 0.0
+        self._sent = self.units.counts(position) if self.positioned else None
+        self._expected.stand_at(position)
+
+    def hold(self) -> None:
+        """Hold where its ramps are, from the next period on."""
+        self._target = self._expected.position if self.positioned else 0.0
+
+    def send(self) -> None:
+        """Send the command of this period to an enabled drive."""
+        word = State402.CW_OPERATION_ENABLED
+        if not self.positioned:
+            self._send(word, 0x60FF, self.units.rate(self._target))
+            return
+        counts = self.units.counts(self._target)
+        if self.mode == PROFILE_POSITION and counts != self._sent:
+            self._plan_speed()
+            word |= NEW_SETPOINT | AT_ONCE
+            self._asks = True
+        self._sent = counts
+        self._send(word, 0x607A, counts)
+
+    def _plan_speed(self) -> None:
+        """So fast that the drive is there when the period is over."""
+        way = abs(self._target - self._expected.position)
+        self._top = min(self.limits.speed, max(way / self.period, _CREEP * self.limits.speed))
+        speed = self.rpdo[2]
+        if speed[0x6081].raw != self.units.size(self._top):
+            speed[0x6081].raw = self.units.size(self._top)
+            speed.transmit()
+
+    def end_handshake(self) -> None:
+        """After the answers: take the request for a new set-point back; count those that weren't taken."""
+        if not self._asks or not self.answered:
+            return
+        self._asks = False
+        self._ignored = 0 if self._status & SETPOINT_TAKEN else self._ignored + 1
+        self._send(State402.CW_OPERATION_ENABLED, 0x607A, self._sent or 0)
+
+    def quick_stop(self) -> None:
+        """Send a quick stop; how it ends is what the drive was set to."""
+        self._asks = False
+        self._send(State402.CW_QUICK_STOP, *self._standing())
+
+    def disable(self) -> None:
+        """Take its torque away, where it may lose it."""
+        if self.spec.stop != HOLD:
+            self._send(State402.CW_DISABLE_VOLTAGE, *self._standing())
+
+    def _standing(self) -> tuple[int, int]:
+        return (0x607A, self._sent or 0) if self.positioned else (0x60FF, 0)
+
+    def _send(self, controlword: int, index: int, target: int) -> None:
+        command = self.rpdo[1]
+        command[0x6040].raw = controlword
+        command[index].raw = target
+        command.transmit()
+
+    # Its answers
+
+    def ask(self) -> None:
+        """A SYNC is about to go out: answers before it don't count any more."""
+        self._fresh.clear()
+        self._asked += 1
+
+    @property
+    def answered(self) -> bool:
+        """Whether all answers to the last SYNC are there."""
+        return len(self._fresh) == len(self.layout.answers)
+
+    def _on_answer(self, pdo: PdoMap) -> None:
+        if 8 * len(pdo.data) != pdo.length:
+            raise ValueError(f"{len(pdo.data)} bytes")  # counted as malformed
+        self._fresh.add(pdo.map[0].index)
+        if self.answered:
+            self._answered = self._asked
+            self._take_position(int(self.tpdo[1][0x6064].raw))
+
+    def _take_position(self, counts: int) -> None:
+        """Take a position over, unless it can't be."""
+        if self._counts is None:
+            self._counts = counts
+            return
+        moved = unwrapped(counts, self._counts)
+        periods = 1 + self._odd
+        most = 2.0 * self.limits.speed * self.period * (periods + 1)
+        if abs(moved) > abs(most * self.units.scale) + 2:
+            self._odd += 1
+            return
+        self._odd = 0
+        self.travel += moved / self.units.scale
+        self._counts = counts
+
+    def rezero(self) -> None:
+        """Count `travel` from here on."""
+        self.travel = 0.0
+
+    @property
+    def position(self) -> float:
+        """Where it stands, in [m] or [rad]."""
+        return self.units.position(0 if self._counts is None else self._counts)
+
+    def place(self, counts: int) -> None:
+        """It stands at these counts: asked for before the first SYNC."""
+        self._counts = counts
+
+    @property
+    def slack(self) -> float:
+        """By which it may stand beyond its limits when it is enabled, in [m] or [rad]."""
+        return self.limits.window if self.positioned else math.inf
+
+    @property
+    def velocity(self) -> float:
+        """In [m/s] or [rad/s]."""
+        return self.units.speed(int(self.tpdo[2][0x606C].raw))
+
+    @property
+    def torque(self) -> float:
+        """Share of its rated torque, positive where its position grows."""
+        return math.copysign(1.0, self.units.scale) * int(self.tpdo[2][0x6077].raw) / 1000.0
+
+    @property
+    def _status(self) -> int:
+        return int(self.tpdo[1][0x6041].raw)
+
+    @property
+    def drive_state(self) -> str:
+        """By its last statusword, as in CiA 402."""
+        return state_of(self._status)
+
+    @property
+    def stands(self) -> bool:
+        """By its last velocity."""
+        return abs(self.velocity) <= _STANDS * self.limits.speed
+
+    def check(self, period: float) -> None:
+        """Whether all is well with it, after a SYNC.
+
+        Args:
+            period: that has passed since the last, in [s].
+
+        Raises:
+            SilentDrive: it hasn't answered for too long, or too often.
+            DriveNotReady: it is in another state or mode.
+            OffDemand: it doesn't do what it is told.
+        """
+        self._expected.advance(self._target, self._top, period)
+        self._missed.append(not self.answered)
+        self.check_answered(period)
+        if not self.answered:
+            return
+        state, mode = self.drive_state, int(self.tpdo[1][0x6061].raw)
+        if state != ENABLED:
+            raise DriveNotReady(self.name, state, self.fault)
+        if mode != self.mode:
+            raise DriveNotReady(
+                self.name, f"{state}, in the mode {mode} (6061h), not {self.mode}", self.fault
+            )
+        self._check_motion(period)
+
+    def check_answered(self, period: float) -> None:
+        """Raises `SilentDrive` if answers have been missing for too long, or too often."""
+        age = (self._asked - self._answered) * period
+        if age >= max(STALE, 2 * period) - 1e-9:
+            missing = [
+                _NAMES[each.objects[0]] for each in self.layout.answers if each.objects[0] not in self._fresh
+            ]
+            raise SilentDrive(self.name, " and no ".join(missing), age if self._answered else None)
+        if sum(self._missed) > _LOST:
+            lost = f"{sum(self._missed)} of {len(self._missed)} answers"
+            raise SilentDrive(self.name, f"{lost} at their time, not all within allowed {_LOST} %,", age)
+
+    def _check_motion(self, period: float) -> None:
+        if self._odd >= _ODD:
+            raise OffDemand(self.name, "its position (6064h) jumps")
+        if self._ignored >= _IGNORED:
+            raise OffDemand(self.name, f"{self._ignored} set-points in a row were not taken")
+        late = _LATE_PERIODS * period * (self.limits.speed if self.positioned else self.limits.acceleration)
+        off = self._expected.off(self.position, self.velocity)
+        self._off_for = self._off_for + period if off > self.limits.window + late else 0.0
+        if self._off_for * 1e3 > self.spec.following_ms - 1e-6:
+            what = "position" if self.positioned else "speed"
+            told = f"its {what} is off by {off:.3g}, for {self._off_for:.3g} s"
+            raise OffDemand(self.name, f"{told}; allowed: {self.limits.window + late:.3g} (SI units)")
+
+    @property
+    def fault(self) -> str:
+        """What it says about its fault, "" if nothing: its error code, else its last emergency message."""
+        active = self.emcy.active[-1].code if self.emcy.active else 0
+        return fault_words(int(self.tpdo[2][0x603F].raw) or active)
+
+
+def state_of(statusword: int) -> str:
+    """The state that a statusword tells, as in CiA 402."""
+    matches = (name for name, (mask, bits) in State402.SW_MASK.items() if statusword & mask == bits)
+    return next(matches, f"unknown (statusword {statusword:04X}h)")
+
+
+def _map(pdo: PdoMap, objects: tuple[int, ...], transmission: int) -> None:
+    pdo.clear()
+    for index in objects:
+        pdo.add_variable(index)
+    pdo.cob_id, pdo.trans_type, pdo.enabled = pdo.predefined_cob_id, transmission, True

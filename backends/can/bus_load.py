@@ -1,0 +1,74 @@
+"""How much of a bus the cyclic frames take."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import NamedTuple
+
+ALLOWED = 0.7
+"""Share of the bus that cyclic frames may take; the rest is for SDOs, emergencies, repeated frames."""
+
+# ISO 11898-1, a data frame with an 11-bit identifier: 34 bits before the data's end that may be stuffed
+# (start, identifier, control field, check sum), and 13 that are not (delimiters, acknowledgement, end of
+# frame, space between frames).
+_STUFFED, _PLAIN = 34, 13
+
+
+def frame_bits(length: int) -> int:
+    """Bits of a data frame with `length` bytes on the wire, the space behind it included, at worst.
+
+    Davis, Burns, Bril, Lukkien (2007), Controller area network (CAN) schedulability analysis, eq. 1: of
+    the bits that can be stuffed, every fourth is followed by one more.
+    """
+    stuffed = _STUFFED + 8 * length
+    return stuffed + _PLAIN + (stuffed - 1) // 4
+
+
+class CyclicFrame(NamedTuple):
+    """A frame that goes out again and again."""
+
+    what: str
+    """In words: whose, and what it is."""
+    cob_id: int
+    length: int
+    """Of its data in [bytes]."""
+    period_s: float
+
+    @property
+    def bits(self) -> int:
+        """On the wire, at worst."""
+        return frame_bits(self.length)
+
+
+@dataclass(frozen=True)
+class BusLoad:
+    """What cyclic frames take of a bus."""
+
+    frames: tuple[CyclicFrame, ...]
+    bitrate: int
+    """In [bit/s]."""
+
+    @classmethod
+    def of(cls, frames: Iterable[CyclicFrame], bitrate: int) -> BusLoad:
+        """Of frames on a bus of that bit rate, in [bit/s]."""
+        return cls(tuple(sorted(frames, key=lambda each: each.cob_id)), bitrate)
+
+    def share_of(self, frame: CyclicFrame) -> float:
+        """Share of the bus that one of the frames takes."""
+        return frame.bits / frame.period_s / self.bitrate
+
+    @property
+    def share(self) -> float:
+        """Share of the bus that all of them take together."""
+        return sum(map(self.share_of, self.frames))
+
+    @property
+    def burst_s(self) -> float:
+        """How long each of them takes once, in [s]: how late the last of a period may come."""
+        return sum(each.bits for each in self.frames) / self.bitrate
+
+    @property
+    def too_much(self) -> bool:
+        """Whether that is more than allowed."""
+        return self.share > ALLOWED

@@ -1,0 +1,75 @@
+"""The arm, by CAN."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from backends.arm import Arm
+from backends.limits import checked_joints
+from robotics.kinematics.arm_model import ArmModel
+
+from .axis import Axis
+
+_SINGULAR = 1e-3  # share of the largest singular value below which a direction isn't felt
+
+Vector = NDArray[np.float64]
+
+
+class CanArm(Arm):
+    """Joints whose drives plan their ramps to what is commanded, or follow it from SYNC to SYNC.
+
+    The force on the hand follows from the joints' torques (6077h), the arm's own weight taken out by the
+    URDF. What the hand holds is not weighed: its weight is felt.
+    """
+
+    def __init__(self, model: ArmModel, joints: Sequence[Axis], rated: Vector, period: float) -> None:
+        """Take over the joints' drives.
+
+        Args:
+            model: of the arm.
+            joints: (n) in its order.
+            rated: (n,) torques that the drives call rated, in [Nm].
+            period: of the control, in [s].
+        """
+        self._model, self._joints, self._rated = model, joints, rated
+        self._most = np.array([joint.limits.speed for joint in joints]) * period
+        self._command = self._sent = np.zeros(len(joints))
+
+    def begin(self) -> None:
+        """The drives are about to be enabled: what they hold is what was measured."""
+        self._command = self._sent = self.joints()
+
+    def move(self, joints: Vector) -> None:
+        """See `Arm`."""
+        self._command = checked_joints(self._model, joints, self._sent, self._most)
+
+    def command(self) -> Vector:
+        """See `Arm`."""
+        return self._command.copy()
+
+    def joints(self) -> Vector:
+        """See `Arm`."""
+        return np.array([joint.position for joint in self._joints])
+
+    def hand_force(self) -> Vector:
+        """See `Arm`."""
+        q = self.joints()
+        told = np.array([joint.torque for joint in self._joints]) * self._rated
+        outside = self._model.gravity_torque(q) - told
+        # J^T w = torques, w force and moment at the hand; of these the force is asked for.
+        wrench, *_ = np.linalg.lstsq(self._model.jacobian(q).T, outside, rcond=_SINGULAR)
+        force: Vector = self._model.forward(q)[:3, :3].T @ wrench[:3]
+        return force
+
+    def halt(self) -> None:
+        """Forget a command that hasn't been sent; hold."""
+        self._command = self._sent.copy()
+
+    def pass_on(self) -> None:
+        """Hand the command to the drives."""
+        self._sent = self._command.copy()
+        for joint, angle in zip(self._joints, self._sent, strict=True):
+            joint.command(float(angle))

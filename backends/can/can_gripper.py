@@ -1,0 +1,56 @@
+"""The gripper, by CAN."""
+
+from __future__ import annotations
+
+from backends.gripper import Gripper
+from backends.limits import checked_width
+from backends.robot_file import GripperSpec
+
+from .axis import Axis
+from .axis_limits import FULL_TORQUE
+
+_PRESSES = 0.5  # share of its greatest torque
+_BLOCKED = 0.2  # of top speed: slower fingers don't move
+
+
+class CanGripper(Gripper):
+    """Fingers whose drive strives for a width with limited torque: blocked, it presses.
+
+    That they press is told by torque (6077h) at rest.
+    """
+
+    def __init__(self, spec: GripperSpec, axis: Axis) -> None:
+        """Take over their drive."""
+        self._spec, self._axis = spec, axis
+        self._command = 0.0
+
+    def begin(self) -> None:
+        """The drive is about to be enabled: what it holds is what was measured."""
+        self._command = min(max(0.0, self._axis.position), self._spec.opening_mm / 1e3)
+
+    def command(self) -> float:
+        """See `Gripper`."""
+        return self._command
+
+    def move(self, width: float) -> None:
+        """See `Gripper`."""
+        self._command = checked_width(self._spec, width)
+
+    def width(self) -> float:
+        """See `Gripper`."""
+        return max(0.0, self._axis.position)
+
+    def closed_on_something(self) -> bool:
+        """See `Gripper`."""
+        most = self._axis.limits.torque / FULL_TORQUE
+        stands = abs(self._axis.velocity) <= _BLOCKED * self._axis.limits.speed
+        return stands and self._axis.torque <= -_PRESSES * most
+
+    def halt(self) -> None:
+        """Hold: fingers that press go on pressing, those that move stop."""
+        if not self.closed_on_something():
+            self._command = min(self.width(), self._spec.opening_mm / 1e3)
+
+    def pass_on(self) -> None:
+        """Hand the command to the drive."""
+        self._axis.command(self._command)

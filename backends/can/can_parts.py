@@ -1,0 +1,80 @@
+"""What a robot with CAN drives can do."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from backends.arm import Arm
+from backends.base import Base
+from backends.camera import Camera
+from backends.can_spec import CanSpec
+from backends.capability import Capability
+from backends.gps import Gps
+from backends.gripper import Gripper
+from backends.imu import Imu
+from backends.range_sensor import RangeSensor
+from backends.robot_file import RobotFile
+
+from .axes import Axes
+from .can_arm import CanArm
+from .can_base import CanBase
+from .can_gripper import CanGripper
+
+
+class CanParts:
+    """The capabilities that drives stand behind."""
+
+    def __init__(self, robot: RobotFile, spec: CanSpec, axes: Axes) -> None:
+        """Those of a robot's file."""
+        self.base = CanBase(robot.drive, axes.left, axes.right)
+        self.arm: CanArm | None = None
+        """None where the robot has none."""
+        self.gripper: CanGripper | None = None
+        """None where the robot has none."""
+        if axes.joints:
+            rated = np.array([each.rated_torque_nm for each in spec.joints])
+            self.arm = CanArm(robot.arm_model(), axes.joints, rated, robot.period_s)
+        if axes.gripper is not None and robot.gripper is not None:
+            self.gripper = CanGripper(robot.gripper, axes.gripper)
+
+    def capabilities(self) -> tuple[Capability, ...]:
+        """Those that there are."""
+        return tuple(each for each in (self.base, self.arm, self.gripper) if each is not None)
+
+    def begin(self) -> None:
+        """The drives are about to be enabled."""
+        for each in (self.arm, self.gripper):
+            if each is not None:
+                each.begin()
+
+    def pass_on(self) -> None:
+        """Hand the period's commands to the drives."""
+        self.base.pass_on()
+        for each in (self.arm, self.gripper):
+            if each is not None:
+                each.pass_on()
+
+    def halt(self) -> None:
+        """Forget what was commanded; arm and gripper hold."""
+        self.base.forget()
+        for each in (self.arm, self.gripper):
+            if each is not None:
+                each.halt()
+
+
+def capabilities_of(robot: RobotFile) -> tuple[type[Capability], ...]:
+    """What a robot's file says that it can do by CAN and the sensors of its section `can`."""
+    spec = robot.can
+    if spec is None:
+        return ()
+    sensors = spec.sensors
+    there: dict[type[Capability], object] = {
+        Base: spec.left,
+        Arm: spec.joints,
+        Gripper: spec.gripper,
+        Camera: sensors.camera,
+        RangeSensor: sensors.range_sensor,
+        Imu: sensors.imu,
+        Gps: sensors.gps,
+    }
+    return tuple(kind for kind, what in there.items() if what)

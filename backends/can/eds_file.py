@@ -1,0 +1,154 @@
+"""Reading the file in which a maker describes a CANopen device (EDS, DCF; CiA 306)."""
+
+from __future__ import annotations
+
+import configparser
+import re
+from collections.abc import Iterator, Mapping
+from io import StringIO
+from pathlib import Path
+from typing import NamedTuple
+
+from canopen.objectdictionary import ObjectDictionary
+from canopen.objectdictionary.eds import import_eds
+
+from files.errors import FileError, Finding
+from files.regular_file import read_regular_file
+
+MAX_BYTES = 4 << 20
+_OBJECT = re.compile(r"[0-9A-Fa-f]{4}")
+_MEMBER = re.compile(r"([0-9A-Fa-f]{4})[Ss]ub([0-9A-Fa-f]+)")
+_VARIABLES = (2, 7)  # object types that have a data type of their own: DOMAIN, VAR
+_OCTAL = "a number such as 10 or 0x0A; a leading 0 alone is none"
+_NUMBERS = {
+    "DeviceInfo": ("VendorNumber", "ProductNumber", "RevisionNumber", "NrOfRXPDO", "NrOfTXPDO"),
+    "Comments": ("Lines",),
+    "DeviceComissioning": ("NodeID", "Baudrate"),
+}
+_OF_OBJECTS = ("ObjectType", "DataType", "PDOMapping", "SubNumber", "NrOfEntries")
+
+
+class _Entry(NamedTuple):
+    value: str
+    line: int
+    column: int
+
+
+class _Section(NamedTuple):
+    name: str
+    line: int
+    entries: dict[str, _Entry]
+
+
+def read_eds(path: Path, node: int) -> ObjectDictionary:
+    """A maker's EDS or DCF, for a node with this ID; read by the library `canopen`.
+
+    Makers write them in Windows-1252 as well as in UTF-8. Default values that are no numbers are left out, as
+    the library does.
+
+    Raises:
+        FileError: it is missing, or the library can't read it: each place with what is allowed there.
+    """
+    name = str(path)
+    text = _text(read_regular_file(path, MAX_BYTES))
+    sections = _sections(text)
+    findings = list(_findings(name, sections))
+    if findings:
+        raise FileError(findings)
+    try:
+        dictionary: ObjectDictionary = import_eds(StringIO(text), node)
+    except configparser.Error as error:
+        raise FileError(_syntax(name, error)) from None
+    except (ValueError, KeyError, AttributeError, TypeError) as error:
+        wrong = f"the library can't read it: {type(error).__name__}: {error}"
+        raise FileError([Finding(name, 1, 1, f"{wrong}; allowed: an EDS or DCF by CiA 306")]) from None
+    if not len(dictionary):
+        raise FileError([Finding(name, 1, 1, "it describes no object; allowed: sections such as [6040]")])
+    return dictionary
+
+
+def missing_objects(dictionary: ObjectDictionary, needed: Mapping[int, str], name: str) -> list[Finding]:
+    """What a file that is called so lacks of the objects that are needed, by index, with what each is."""
+    lacking = [f"{index:04X}h ({what})" for index, what in needed.items() if index not in dictionary]
+    if not lacking:
+        return []
+    return [Finding(name, 1, 1, f"it describes no {', no '.join(lacking)}; needed: all of them")]
+
+
+def _text(content: bytes) -> str:
+    try:
+        return content.decode("utf-8-sig")
+    except UnicodeDecodeError:
+        return content.decode("cp1252", errors="replace")
+
+
+def _sections(text: str) -> list[_Section]:
+    """All that can be told of lines, however wrong others are."""
+    found: list[_Section] = []
+    for number, line in enumerate(text.splitlines(), 1):
+        head = re.match(r"\s*\[([^\]]*)\]", line)
+        if head:
+            found.append(_Section(head.group(1), number, {}))
+        elif found and not line.lstrip().startswith((";", "#")) and "=" in line:
+            key, _, value = line.partition("=")
+            value = re.split(r"(?:^|\s);", value, maxsplit=1)[0]
+            column = line.index("=") + 2 + len(value) - len(value.lstrip())
+            found[-1].entries[key.strip()] = _Entry(value.strip(), number, column)
+    return found
+
+
+def _findings(name: str, sections: list[_Section]) -> Iterator[Finding]:
+    """What the library would choke on without saying where."""
+    if all(each.name != "DeviceInfo" for each in sections):
+        yield Finding(name, 1, 1, "there is no section [DeviceInfo]; needed by CiA 306")
+    objects = {int(each.name, 16): each for each in sections if _OBJECT.fullmatch(each.name)}
+    for section in sections:
+        member = _MEMBER.fullmatch(section.name)
+        is_object = bool(_OBJECT.fullmatch(section.name) or member)
+        for key in _OF_OBJECTS if is_object else _NUMBERS.get(section.name, ()):
+            entry = section.entries.get(key)
+            if entry is not None and not _is_number(entry.value):
+                wrong = f"{key} in [{section.name}] is {entry.value!r}; allowed: {_OCTAL}"
+                yield Finding(name, entry.line, entry.column, wrong)
+        if is_object:
+            yield from _lacking(name, section, bool(member))
+        if member and int(member.group(1), 16) not in objects:
+            wrong = f"[{section.name}] belongs to no object; needed: a section [{member.group(1)}]"
+            yield Finding(name, section.line, 1, wrong)
+
+
+def _lacking(name: str, section: _Section, is_member: bool) -> Iterator[Finding]:
+    kind = section.entries.get("ObjectType")
+    is_variable = is_member or kind is None or (_is_number(kind.value) and int(kind.value, 0) in _VARIABLES)
+    needed = ("ParameterName", "DataType", "AccessType") if is_variable else ("ParameterName",)
+    for key in needed:
+        if key not in section.entries:
+            alike = next((each for each in section.entries if each.lower() == key.lower()), None)
+            spelled = f"; it is spelled {alike} here" if alike else ""
+            yield Finding(name, section.line, 1, f"[{section.name}] has no {key}{spelled}; needed: {key}=...")
+
+
+def _is_number(text: str) -> bool:
+    try:
+        int(text, 0)
+    except ValueError:
+        return False
+    return True
+
+
+def _syntax(name: str, error: configparser.Error) -> list[Finding]:
+    """What the library's reader of lines says, at its place."""
+    match error:
+        case configparser.MissingSectionHeaderError(lineno=line):
+            return [Finding(name, line, 1, "stands in no section; allowed: [SECTION] before it")]
+        case configparser.ParsingError(errors=errors):
+            allowed = "allowed: KEY=VALUE, [SECTION], a comment behind ;"
+            return [
+                Finding(name, line, 1, f"is no line of an EDS: {text}; {allowed}") for line, text in errors
+            ]
+        case configparser.DuplicateSectionError(section=section, lineno=line):
+            return [Finding(name, line or 1, 1, f"[{section}] is there twice; allowed: once")]
+        case configparser.DuplicateOptionError(section=section, option=option, lineno=line):
+            return [Finding(name, line or 1, 1, f"{option} is there twice in [{section}]; allowed: once")]
+        case _:
+            return [Finding(name, 1, 1, f"{error.message}; allowed: an EDS or DCF by CiA 306")]

@@ -1,0 +1,164 @@
+"""Every frame of a bus, written as `candump -L` writes it."""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Callable
+from contextlib import suppress
+from copy import copy
+from pathlib import Path
+from typing import NamedTuple, TextIO, cast
+
+import can
+from can.io.canutils import CanutilsLogWriter
+
+from backends.recording import Recording
+
+from .frame_names import FrameNames
+
+NAMES = "frames.json"
+SECONDS = 2.0  # before and after a mark, in files of their own
+PART = 16 * 2**20  # bytes of a file
+PARTS = 9  # files at most: the first, with the setting up, and the last ones
+_OTHER_CLOCK = 60.0  # [s]: a stamp further off than that isn't of this clock
+_BEFORE = 100_000  # frames that are held until there is a folder
+
+
+class _Noted(NamedTuple):
+    number: int
+    time: float
+    line: str
+
+
+class _Line:
+    """The file that python-can's writer writes into: it holds the last line."""
+
+    def __init__(self) -> None:
+        self.text = ""
+
+    def write(self, text: str) -> int:
+        self.text = text
+        return len(text)
+
+    def flush(self) -> None:
+        """There is nothing to hand on."""
+
+
+class FrameLog(Recording):
+    """Every frame that is sent or taken in: `frames_000.log`, `frames_001.log` ..., beside `frames.json`.
+
+    A file holds 16 MiB, about 350,000 frames; of more than 9 the second oldest goes. Stamps are the
+    interface's for what it received, where its clock is the same; the rest are `clock`'s.
+    """
+
+    suffix = "_frames.log"
+
+    def __init__(
+        self, channel: str, clock: Callable[[], float], names: Callable[[], FrameNames], part: int = PART
+    ) -> None:
+        """Nothing is written before there is a folder.
+
+        Args:
+            channel: how the log calls the bus.
+            clock: tells the time in [s], as `names` says.
+            names: of nodes and PDOs, asked for when the bus has been set up.
+            part: bytes of a file at most.
+        """
+        self._clock, self._names, self._part = clock, names, part
+        self._line = _Line()
+        self._writer = CanutilsLogWriter(cast(TextIO, self._line), channel.replace(" ", "_") or "can")
+        self._recent: deque[_Noted] = deque()
+        self._marked: list[_Noted] = []
+        self._waiting: list[str] = []
+        self._folder: Path | None = None
+        self._file: TextIO | None = None
+        self._count, self._number, self._size = 0, 0, 0
+
+    def note(self, frame: can.Message, sent: bool) -> None:
+        """Take a frame down."""
+        now = self._clock()
+        own = sent or abs(frame.timestamp - now) > _OTHER_CLOCK
+        kept = copy(frame)
+        kept.timestamp, kept.is_rx, kept.channel = now if own else frame.timestamp, not sent, None
+        self._writer.on_message_received(kept)
+        line = self._line.text
+        self._recent.append(_Noted(self._count, now, line))
+        self._count += 1
+        while self._recent[0].time < now - SECONDS:
+            self._recent.popleft()
+        if self._file is not None:
+            self._write(line)
+        elif self._folder is None and len(self._waiting) < _BEFORE:
+            self._waiting.append(line)
+
+    def open(self, folder: Path) -> None:
+        """See `Recording`."""
+        self._folder = folder
+        try:
+            (folder / NAMES).write_text(self._names().model_dump_json(indent=1) + "\n", encoding="utf-8")
+            self._file = self._part_path(0).open("w", encoding="ascii")
+        except OSError as error:
+            self._give_up(error)
+        for line in self._waiting:
+            self._write(line)
+        self._waiting = []
+        self.flush()
+
+    def flush(self) -> None:
+        """See `Recording`."""
+        if self._file is not None:
+            try:
+                self._file.flush()
+            except OSError as error:
+                self._give_up(error)
+
+    def mark(self) -> None:
+        """See `Recording`."""
+        self._marked = list(self._recent)
+
+    def keep(self, stem: Path) -> None:
+        """See `Recording`."""
+        last = self._marked[-1].number if self._marked else -1
+        lines = [each.line for each in (*self._marked, *(new for new in self._recent if new.number > last))]
+        self._marked = []
+        if not lines or self.lost is not None:
+            return
+        try:
+            stem.parent.mkdir(exist_ok=True)
+            stem.with_name(stem.name + self.suffix).write_text("".join(lines), encoding="ascii")
+        except OSError as error:
+            self._give_up(error)
+
+    def close(self) -> None:
+        """See `Recording`."""
+        file, self._file = self._file, None
+        if file is not None:
+            with suppress(OSError):
+                file.close()
+
+    def _write(self, line: str) -> None:
+        if self._file is None:
+            return
+        try:
+            self._file.write(line)
+            self._size += len(line)
+            if self._size >= self._part:
+                self._next_part()
+        except OSError as error:
+            self._give_up(error)
+
+    def _next_part(self) -> None:
+        assert self._file is not None
+        self._file.close()
+        self._number, self._size = self._number + 1, 0
+        if self._number >= PARTS:
+            self._part_path(self._number - PARTS + 1).unlink(missing_ok=True)
+        self._file = self._part_path(self._number).open("w", encoding="ascii")
+
+    def _part_path(self, number: int) -> Path:
+        assert self._folder is not None
+        return self._folder / f"frames_{number:03d}.log"
+
+    def _give_up(self, error: OSError) -> None:
+        self.lost = error.strerror
+        self.close()

@@ -1,0 +1,33 @@
+"""Our own heartbeat."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from .can_line import CanLine
+
+_OPERATIONAL = 5
+_EARLY = 0.9  # of its time: a period is never quite as long as it should be
+
+
+class Heartbeat:
+    """Sent by the control loop, never by a timer: who hangs is silent, and the drives stop by themselves."""
+
+    def __init__(self, line: CanLine, node: int, every: float, clock: Callable[[], float]) -> None:
+        """Nothing is sent yet.
+
+        Args:
+            line: to the drives.
+            node: node ID of this program.
+            every: how long between two, in [s].
+            clock: tells the time in [s].
+        """
+        self._line, self._node, self._every, self._clock = line, node, every, clock
+        self._sent: float | None = None
+
+    def beat(self) -> None:
+        """Send one if it is due."""
+        now = self._clock()
+        if self._sent is None or now - self._sent >= _EARLY * self._every:
+            self._line.send_message(0x700 + self._node, bytes([_OPERATIONAL]))
+            self._sent = now

@@ -1,0 +1,66 @@
+"""Which objects go over the bus each period."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+AT_ONCE, ON_SYNC = 255, 1
+"""Transmission types (CiA 301): when it comes; with the next SYNC."""
+PROFILE_POSITION, PROFILE_VELOCITY, CYCLIC_POSITION, CYCLIC_VELOCITY = 1, 3, 8, 9
+"""Modes of operation (6060h)."""
+MODES = {
+    ("velocity", "profile"): PROFILE_VELOCITY,
+    ("velocity", "csv"): CYCLIC_VELOCITY,
+    ("position", "profile"): PROFILE_POSITION,
+    ("position", "csp"): CYCLIC_POSITION,
+}
+"""By what is commanded and how the robot's file calls it."""
+BITS = {
+    0x6040: 16,
+    0x6041: 16,
+    0x603F: 16,
+    0x6061: 8,
+    0x6064: 32,
+    0x606C: 32,
+    0x6077: 16,
+    0x607A: 32,
+    0x6081: 32,
+    0x60FF: 32,
+}
+
+
+class Pdo(NamedTuple):
+    """One frame of process data."""
+
+    number: int
+    """From 1."""
+    objects: tuple[int, ...]
+    """What is mapped into it, in order."""
+    transmission: int
+
+    @property
+    def length(self) -> int:
+        """Of its data, in [bytes]."""
+        return sum(BITS[each] for each in self.objects) // 8
+
+
+class Layout(NamedTuple):
+    """The frames of one drive."""
+
+    commands: tuple[Pdo, ...]
+    """To it, COB-IDs 200h, 300h ... + node. Those after the first go out only when they change."""
+    answers: tuple[Pdo, ...]
+    """From it, to each SYNC, COB-IDs 180h, 280h ... + node."""
+
+
+_ANSWERS = (Pdo(1, (0x6041, 0x6064, 0x6061), ON_SYNC), Pdo(2, (0x606C, 0x6077, 0x603F), ON_SYNC))
+
+
+def layout(mode: int) -> Layout:
+    """The frames of a drive in a mode of operation."""
+    target = 0x607A if mode in (PROFILE_POSITION, CYCLIC_POSITION) else 0x60FF
+    when = ON_SYNC if mode in (CYCLIC_POSITION, CYCLIC_VELOCITY) else AT_ONCE
+    command = Pdo(1, (0x6040, target), when)
+    if mode == PROFILE_POSITION:
+        return Layout((command, Pdo(2, (0x6081,), AT_ONCE)), _ANSWERS)
+    return Layout((command,), _ANSWERS)

@@ -1,0 +1,53 @@
+"""How a drive plans its ramps."""
+
+from __future__ import annotations
+
+import math
+
+_CYCLE = 1e-3  # of a drive's own control loop [s]
+
+
+def ramp(velocity: float, target: float, rate: float, seconds: float) -> tuple[float, float]:
+    """The way that is covered, and the velocity then, where it goes over to `target` at `rate` a second."""
+    needs = abs(target - velocity) / rate if rate > 0.0 else math.inf
+    if needs <= seconds:
+        return (velocity + target) / 2 * needs + target * (seconds - needs), target
+    end = velocity + math.copysign(rate * seconds, target - velocity)
+    return (velocity + end) / 2 * seconds, end
+
+
+def approach(
+    way: float, velocity: float, top: float, rates: tuple[float, float], seconds: float
+) -> tuple[float, float]:
+    """A trapezoidal velocity profile to a point, from whatever velocity it has.
+
+    Args:
+        way: to the point.
+        velocity: at first.
+        top: speed that is not exceeded.
+        rates: speeding up and slowing down, a second.
+        seconds: that pass.
+
+    Returns:
+        The way that is left, and the velocity then.
+    """
+    for _ in range(round(seconds / _CYCLE)):
+        if way == 0.0 and velocity == 0.0:
+            break
+        way, velocity = _cycle(way, velocity, top, rates)
+    return way, velocity
+
+
+def _cycle(way: float, velocity: float, top: float, rates: tuple[float, float]) -> tuple[float, float]:
+    up, down = rates
+    # The speed from which it just stops at the point, in whole cycles.
+    step = down * _CYCLE
+    stops = math.sqrt(step * step / 4 + 2.0 * down * abs(way)) - step / 2
+    goal = math.copysign(min(top, stops), way)
+    faster = abs(goal) > abs(velocity) and goal * velocity >= 0.0
+    most = (up if faster else down) * _CYCLE
+    velocity += max(-most, min(most, goal - velocity))
+    moved = velocity * _CYCLE
+    if way * velocity > 0.0 and abs(way) <= abs(moved) + step * _CYCLE and abs(velocity) <= 2.0 * step:
+        return 0.0, 0.0
+    return way - moved, velocity

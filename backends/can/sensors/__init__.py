@@ -1,0 +1,1 @@
+"""Drivers of the sensors of a real robot that are not on its CAN bus."""

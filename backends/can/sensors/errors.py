@@ -1,0 +1,26 @@
+"""What can go wrong with a sensor.
+
+HandcartError
+├── InputError
+│   └── NoSensor        it can't be opened, or isn't what the robot's file says
+└── RobotFault
+    └── StaleSensor     its last reading is too old, or it can't be read any more
+"""
+
+from __future__ import annotations
+
+from backends.backend import RobotFault
+from files.errors import InputError
+
+
+class NoSensor(InputError):
+    """A sensor can't be opened, or isn't what the robot's file says."""
+
+
+class StaleSensor(RobotFault):
+    """A sensor that is needed gives no new readings."""
+
+    def __init__(self, sensor: str, age: float | None, allowed: float, why: str = "") -> None:
+        told = "no reading has come yet" if age is None else f"its last reading is {1e3 * age:.0f} ms old"
+        words = f"{sensor}: {told}; allowed: {1e3 * allowed:.0f} ms"
+        super().__init__(f"{words} ({why})" if why else words)

@@ -1,0 +1,43 @@
+"""An inertial unit on a serial port."""
+
+from __future__ import annotations
+
+import time
+
+import numpy as np
+from numpy.typing import NDArray
+
+from backends.can_sensor_spec import LineSource
+from backends.imu import Imu
+
+from .line_sensor import LineSensor
+from .live_sensor import Clock
+
+_MOST = 100.0  # [rad/s], [m/s²]: no robot turns or falls like that
+
+
+class LineImu(LineSensor, Imu):
+    """Lines `$IMU`, several a period or one in several; its axes are those of the base."""
+
+    KIND = "IMU"
+
+    def __init__(self, source: LineSource, clock: Clock = time.monotonic) -> None:
+        """Open its port; raises `NoSensor`."""
+        super().__init__("the inertial unit", source, clock)
+        self._mean = np.zeros(6)
+
+    def rates(self) -> NDArray[np.float64]:
+        """See `Imu`; raises `StaleSensor`."""
+        self.check_fresh()
+        return self._mean[:3].copy()
+
+    def accelerations(self) -> NDArray[np.float64]:
+        """See `Imu`; raises `StaleSensor`."""
+        self.check_fresh()
+        return self._mean[3:].copy()
+
+    def _sound(self, values: NDArray[np.float64]) -> bool:
+        return len(values) == 6 and bool(np.isfinite(values).all()) and float(np.abs(values).max()) <= _MOST
+
+    def _taken(self, lines: list[NDArray[np.float64]]) -> None:
+        self._mean = np.mean(lines, axis=0)

@@ -1,0 +1,55 @@
+"""Lines of text from a serial port."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import serial
+
+from .errors import NoSensor
+
+_MOST = 1 << 16  # bytes that are taken in at once at most
+_LONGEST = 1 << 14  # bytes of a line
+
+
+class LinePort:
+    """A serial port, or a socket, that gives lines; reading never waits."""
+
+    def __init__(self, sensor: str, port: str, baud: int) -> None:
+        """Open it.
+
+        Args:
+            sensor: how people call what is behind it.
+            port: such as /dev/ttyUSB0 or socket://HOST:PORT.
+            baud: bits a second; sockets don't look at it.
+
+        Raises:
+            NoSensor: it can't be opened.
+        """
+        try:
+            self._port = serial.serial_for_url(port, baudrate=baud, timeout=0.0)
+        except (serial.SerialException, OSError, ValueError) as error:
+            wrong = f"{sensor}: {port} can't be opened: {error}"
+            raise NoSensor(
+                f"{wrong}; allowed: a serial port such as /dev/ttyUSB0, socket://HOST:PORT"
+            ) from None
+        self._begun = b""
+
+    def lines(self) -> Iterator[bytes]:
+        """The whole lines that have come, without their ends.
+
+        Raises:
+            OSError: it can't be read any more.
+        """
+        came = self._begun + self._port.read(_MOST)
+        *whole, self._begun = came.split(b"\n")
+        if len(self._begun) > _LONGEST:
+            self._begun = b""
+        for each in whole:
+            line = each.strip()
+            if line:
+                yield line
+
+    def close(self) -> None:
+        """Let go of it."""
+        self._port.close()

@@ -1,0 +1,56 @@
+"""A scanning range sensor on a serial port."""
+
+from __future__ import annotations
+
+import math
+import time
+
+import numpy as np
+from numpy.typing import NDArray
+
+from backends.can_sensor_spec import LineSource
+from backends.range_sensor import RangeSensor, Scan
+from backends.robot_file import RangeSpec
+from robotics.geometry.pose2 import Pose2
+from robotics.geometry.transform import Transform
+
+from .line_sensor import LineSensor
+from .live_sensor import Clock
+
+
+class LineRangeSensor(LineSensor, RangeSensor):
+    """Lines `$RANGE`: a whole turn each, beams evenly spread from -180 degrees, counter-clockwise."""
+
+    KIND = "RANGE"
+
+    def __init__(
+        self, source: LineSource, spec: RangeSpec, base_T_sensor: Transform, clock: Clock = time.monotonic
+    ) -> None:
+        """Open its port.
+
+        Args:
+            source: where it is.
+            spec: how many beams a turn has, and how far they reach.
+            base_T_sensor: (4, 4), where it sits.
+            clock: gives the time in [s].
+
+        Raises:
+            NoSensor: the port can't be opened.
+        """
+        super().__init__("the range sensor", source, clock)
+        self._spec = spec
+        yaw = math.atan2(base_T_sensor[1, 0], base_T_sensor[0, 0])
+        self._mount = Pose2(float(base_T_sensor[0, 3]), float(base_T_sensor[1, 3]), yaw)
+        self._angles = np.linspace(-np.pi, np.pi, spec.beams, endpoint=False)
+        self._ranges = np.full(spec.beams, np.inf)
+
+    def scan(self) -> Scan:
+        """See `RangeSensor`; raises `StaleSensor`."""
+        self.check_fresh()
+        return Scan(self._angles.copy(), self._ranges.copy(), self._mount)
+
+    def _sound(self, values: NDArray[np.float64]) -> bool:
+        return len(values) == self._spec.beams and not np.isnan(values).any() and bool((values >= 0.0).all())
+
+    def _taken(self, lines: list[NDArray[np.float64]]) -> None:
+        self._ranges = np.where(lines[-1] > self._spec.reach_m, np.inf, lines[-1])

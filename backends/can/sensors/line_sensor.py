@@ -1,0 +1,63 @@
+"""A sensor that speaks the line protocol."""
+
+from __future__ import annotations
+
+import time
+from abc import abstractmethod
+
+import numpy as np
+from numpy.typing import NDArray
+
+from backends.can_sensor_spec import LineSource
+
+from .line_port import LinePort
+from .live_sensor import Clock, LiveSensor
+from .sensor_lines import SensorLine, read_line
+
+
+class LineSensor(LiveSensor):
+    """Takes lines of one kind; drops, and counts, those that are damaged or not newer than the last."""
+
+    KIND: str
+    """How its lines begin."""
+
+    def __init__(self, name: str, source: LineSource, clock: Clock = time.monotonic) -> None:
+        """Open its port; raises `NoSensor`."""
+        super().__init__(name, source.stale_ms / 1e3, clock)
+        self._port = LinePort(name, source.port, source.baud)
+        self._stamp: int | None = None
+
+    @abstractmethod
+    def _taken(self, lines: list[NDArray[np.float64]]) -> None:
+        """Take in the values of the period's lines, at least one."""
+
+    @abstractmethod
+    def _sound(self, values: NDArray[np.float64]) -> bool:
+        """Whether they can be a reading."""
+
+    def advance(self) -> None:
+        """See `LiveSensor`."""
+        if self.trouble:
+            return
+        try:
+            lines = [read_line(each) for each in self._port.lines()]
+        except OSError as error:
+            self.trouble = f"it can't be read: {error}"
+            return
+        good = [each.values for each in lines if each is not None and self._new(each)]
+        self.rejected += len(lines) - len(good)
+        if good:
+            self._good()
+            self._taken(good)
+
+    def _new(self, line: SensorLine) -> bool:
+        if line.kind != self.KIND or not self._sound(line.values):
+            return False
+        if self._stamp is not None and line.stamp <= self._stamp:
+            return False
+        self._stamp = line.stamp
+        return True
+
+    def close(self) -> None:
+        """See `LiveSensor`."""
+        self._port.close()

@@ -1,0 +1,57 @@
+"""The base of all sensors that go on by themselves."""
+
+from __future__ import annotations
+
+import time
+from abc import ABC, abstractmethod
+from collections.abc import Callable
+
+from .errors import StaleSensor
+
+Clock = Callable[[], float]
+
+
+class LiveSensor(ABC):
+    """Takes in, once a period, what has come since, and knows how old it is.
+
+    `advance` never waits and never raises; what can't be read any more grows old, and who asks for it then
+    gets a `StaleSensor`.
+    """
+
+    def __init__(self, name: str, stale: float, clock: Clock = time.monotonic) -> None:
+        """Nothing has come yet.
+
+        Args:
+            name: how people call it.
+            stale: age in [s] beyond which a reading isn't one of now.
+            clock: gives the time in [s].
+        """
+        self.name, self._stale, self._clock = name, stale, clock
+        self._came: float | None = None
+        self.rejected = 0
+        """How many readings were dropped: damaged, not finite, of another size, out of order."""
+        self.trouble = ""
+        """Why it can't be read any more; "" while it can."""
+
+    @abstractmethod
+    def advance(self) -> None:
+        """A period has passed: take in what has come."""
+
+    @abstractmethod
+    def close(self) -> None:
+        """Let go of it. A second call does nothing."""
+
+    @property
+    def age(self) -> float | None:
+        """Of the last good reading when it is asked, in [s]; None before the first."""
+        return None if self._came is None else self._clock() - self._came
+
+    def check_fresh(self) -> None:
+        """Raises `StaleSensor` where the last reading is too old."""
+        age = self.age
+        if age is None or age > self._stale:
+            raise StaleSensor(self.name, age, self._stale, self.trouble)
+
+    def _good(self) -> None:
+        """A good reading has come just now."""
+        self._came = self._clock()

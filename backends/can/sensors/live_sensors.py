@@ -1,0 +1,77 @@
+"""The sensors of a real robot beside its drives."""
+
+from __future__ import annotations
+
+import time
+
+from backends.camera import Camera
+from backends.can_sensor_spec import SensorsSpec
+from backends.capability import Capability
+from backends.gps import Gps
+from backends.imu import Imu
+from backends.mounted_camera import known_camera
+from backends.range_sensor import RangeSensor
+from backends.robot_file import RobotFile
+from backends.scene.mounts import base_T_frame
+
+from .errors import NoSensor
+from .live_sensor import Clock, LiveSensor
+
+_KINDS: dict[str, type[Capability]] = {
+    "camera": Camera,
+    "range_sensor": RangeSensor,
+    "imu": Imu,
+    "gps": Gps,
+}
+
+
+def sensor_kinds(sensors: SensorsSpec) -> tuple[type[Capability], ...]:
+    """What a robot with these can sense; nothing is opened."""
+    return tuple(kind for key, kind in _KINDS.items() if getattr(sensors, key) is not None)
+
+
+def open_sensors(robot: RobotFile, sensors: SensorsSpec, clock: Clock = time.monotonic) -> list[LiveSensor]:
+    """Open them all, or none.
+
+    Raises:
+        NoSensor: one can't be opened, or the robot's file doesn't say what it measures.
+    """
+    opened: list[LiveSensor] = []
+    try:
+        for key in _KINDS:
+            if getattr(sensors, key) is not None:
+                if getattr(robot, key) is None:
+                    raise NoSensor(
+                        f"can.sensors.{key}: what it measures isn't told; needed: the section {key!r}"
+                    )
+                opened.append(_open(key, robot, sensors, clock))
+    except BaseException:
+        for each in opened:
+            each.close()
+        raise
+    return opened
+
+
+def _open(key: str, robot: RobotFile, sensors: SensorsSpec, clock: Clock) -> LiveSensor:
+    if key == "camera":
+        from .video_camera import VideoCamera
+
+        assert sensors.camera is not None
+        assert robot.camera is not None
+        return VideoCamera(sensors.camera, known_camera(robot.camera, robot.arm_model()), clock)
+    if key == "range_sensor":
+        from .line_range_sensor import LineRangeSensor
+
+        assert sensors.range_sensor is not None
+        assert robot.range_sensor is not None
+        mount = base_T_frame(robot.urdf_text(), "range_sensor")
+        return LineRangeSensor(sensors.range_sensor, robot.range_sensor, mount, clock)
+    if key == "imu":
+        from .line_imu import LineImu
+
+        assert sensors.imu is not None
+        return LineImu(sensors.imu, clock)
+    from .nmea_gps import NmeaGps
+
+    assert sensors.gps is not None
+    return NmeaGps(sensors.gps, clock)

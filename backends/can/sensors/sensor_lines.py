@@ -1,0 +1,57 @@
+"""The line protocol of range sensors and inertial units.
+
+    $RANGE,1250,0.512,0.514,,0.52*6A
+    $IMU,1250,0.001,0.0,-0.02,0.1,0.0,9.81*54
+
+First stands the sensor's own time in [ms]. RANGE: ranges of a whole turn in [m], an empty field where
+nothing came back. IMU: turn rates about x, y, z in [rad/s], then accelerations along them in [m/s²]. Behind
+`*` stands the exclusive or of all bytes between `$` and `*`, in hexadecimal, as in NMEA 0183.
+"""
+
+from __future__ import annotations
+
+import math
+from functools import reduce
+from operator import xor
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+
+class SensorLine(NamedTuple):
+    """A line that came through whole."""
+
+    kind: str
+    """RANGE or IMU."""
+    stamp: int
+    """The sensor's time in [ms]."""
+    values: NDArray[np.float64]
+    """(n,); infinity where a field is empty."""
+
+
+def checksum(body: bytes) -> int:
+    """The exclusive or of all bytes."""
+    return reduce(xor, body, 0)
+
+
+def sensor_line(kind: str, stamp: int, values: NDArray[np.float64]) -> bytes:
+    """A line as a sensor sends it, its end included."""
+    fields = ",".join("" if math.isinf(each) else f"{each:.4f}" for each in values)
+    body = f"{kind},{stamp},{fields}".encode()
+    return b"$%b*%02X\n" % (body, checksum(body))
+
+
+def read_line(line: bytes) -> SensorLine | None:
+    """A line; None where it is damaged, or of another kind of talk."""
+    body, star, told = line[1:].partition(b"*")
+    if line[:1] != b"$" or not star:
+        return None
+    try:
+        if int(told, 16) != checksum(body):
+            return None
+        kind, stamp, *fields = body.decode("ascii").split(",")
+        values = np.array([float(each) if each else math.inf for each in fields])
+        return SensorLine(kind, int(stamp), values)
+    except ValueError:
+        return None

@@ -1,0 +1,128 @@
+"""A camera by OpenCV's VideoCapture."""
+
+from __future__ import annotations
+
+import threading
+import time
+from pathlib import Path
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from backends.camera import Camera
+from backends.can_sensor_spec import CameraSource
+from backends.mounted_camera import MountedCamera
+from robotics.geometry.transform import Transform
+from robotics.perception.camera_model import CameraModel
+
+from .errors import NoSensor
+from .live_sensor import Clock, LiveSensor
+
+_RETRY = 0.05  # [s] after a picture that didn't come
+
+
+class VideoCamera(LiveSensor, Camera):
+    """Pictures of a device or a URL, grabbed beside the control loop, or of a file, one a period.
+
+    The last picture of a file stays when it ends: a file with one picture shows that for good.
+    """
+
+    def __init__(self, source: CameraSource, mounted: MountedCamera, clock: Clock = time.monotonic) -> None:
+        """Open it.
+
+        Args:
+            source: where pictures come from.
+            mounted: the camera as it was calibrated.
+            clock: gives the time in [s].
+
+        Raises:
+            NoSensor: it can't be opened, or its pictures are of another size than the robot's file says.
+        """
+        super().__init__("the camera", source.stale_ms / 1e3, clock)
+        self._mounted = mounted
+        self._video = cv2.VideoCapture(source.source)
+        if not self._video.isOpened():
+            self._video.release()
+            wrong = f"the camera: {source.source!r} can't be opened"
+            raise NoSensor(f"{wrong}; allowed: a device's number, a URL, a file with a video or a picture")
+        self._is_file = isinstance(source.source, str) and Path(source.source).is_file()
+        if not self._is_file:
+            self._video.set(cv2.CAP_PROP_FRAME_WIDTH, mounted.model.width)
+            self._video.set(cv2.CAP_PROP_FRAME_HEIGHT, mounted.model.height)
+        self._lock, self._over = threading.Lock(), threading.Event()
+        self._grabbed: tuple[NDArray[np.uint8], float] | None = None
+        self._image: NDArray[np.uint8] | None = None
+        self._thread: threading.Thread | None = None
+        try:
+            self._grab()
+            if self._grabbed is None:
+                raise NoSensor(f"the camera: {source.source!r} gives no picture")
+        except NoSensor:
+            self._video.release()
+            raise
+        if not self._is_file:
+            self._thread = threading.Thread(target=self._go_on, daemon=True)
+            self._thread.start()
+
+    def image(self) -> NDArray[np.uint8]:
+        """See `Camera`; raises `StaleSensor`."""
+        self.check_fresh()
+        assert self._image is not None
+        return self._image
+
+    @property
+    def model(self) -> CameraModel:
+        """See `Camera`."""
+        return self._mounted.model
+
+    @property
+    def hand_T_camera(self) -> Transform:
+        """See `Camera`."""
+        return self._mounted.hand_T_camera.copy()
+
+    def advance(self) -> None:
+        """See `LiveSensor`."""
+        if self._is_file and self._image is not None:
+            self._grab()
+        with self._lock:
+            grabbed = self._grabbed
+        if grabbed is not None:
+            self._image, self._came = grabbed if not self._is_file else (grabbed[0], self._clock())
+
+    def _grab(self) -> bool:
+        """Take the next picture; whether one came."""
+        came, picture = self._video.read()
+        if not came:
+            return False
+        grey = np.ascontiguousarray(
+            picture if picture.ndim == 2 else cv2.cvtColor(picture, cv2.COLOR_BGR2GRAY), np.uint8
+        )
+        model = self._mounted.model
+        if grey.shape != (model.height, model.width):
+            got = f"{grey.shape[1]} x {grey.shape[0]}"
+            raise NoSensor(
+                f"the camera gives {got} pixels; the robot's file says {model.width} x {model.height}"
+            )
+        grey.flags.writeable = False
+        with self._lock:
+            self._grabbed = grey, self._clock()
+        return True
+
+    def _go_on(self) -> None:
+        """Beside the control loop: whatever goes wrong here lets the last picture grow old."""
+        try:
+            while not self._over.is_set():
+                if not self._grab():
+                    self.rejected += 1
+                    self._over.wait(_RETRY)
+        except (NoSensor, cv2.error) as error:
+            self.trouble = str(error)
+
+    def close(self) -> None:
+        """See `LiveSensor`."""
+        self._over.set()
+        if self._thread is not None:
+            self._thread.join(2.0)
+        if self._thread is None or not self._thread.is_alive():
+            self._video.release()

@@ -1,0 +1,1 @@
+"""Simulated CiA 402 drives, alone or in front of a simulated robot."""

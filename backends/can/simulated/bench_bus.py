@@ -1,0 +1,67 @@
+"""The program's end of a bench's bus, which can be made to fail."""
+
+from __future__ import annotations
+
+import errno
+
+import can
+
+
+class BenchBus(can.BusABC):
+    """A virtual bus whose interface can go down, fill up, or hold frames back, as real ones do."""
+
+    def __init__(self, bus: can.BusABC) -> None:
+        """Take over an open bus; closed by `shutdown`."""
+        self._inner = bus
+        self.channel_info = bus.channel_info
+        super().__init__(channel=bus.channel_info)
+        self.down = False
+        """Neither sends nor receives, and says so."""
+        self.full = False
+        """Its queue takes nothing more, and says so."""
+        self.holds = False
+        """Frames stay in its queue, as with a cable that is off."""
+        self.held: list[can.Message] = []
+        """Its queue."""
+        self.injected: list[can.Message] = []
+        """Error frames of the controller that are received next."""
+        self.condition = can.BusState.ACTIVE
+
+    @property
+    def state(self) -> can.BusState:
+        """See python-can."""
+        return self.condition
+
+    def send(self, msg: can.Message, timeout: float | None = None) -> None:
+        """See python-can."""
+        if self.down:
+            raise can.CanOperationError("Network is down", errno.ENETDOWN)
+        if self.full:
+            raise can.CanOperationError("No buffer space available", errno.ENOBUFS)
+        if self.holds:
+            self.held.append(msg)
+        else:
+            self._inner.send(msg, timeout)
+
+    def plug_in(self) -> None:
+        """The cable is back: what is still in the queue goes out."""
+        self.holds = False
+        for frame in self.held:
+            self._inner.send(frame)
+        self.held.clear()
+
+    def flush_tx_buffer(self) -> None:
+        """See python-can."""
+        self.held.clear()
+
+    def _recv_internal(self, timeout: float | None) -> tuple[can.Message | None, bool]:
+        if self.down:
+            raise can.CanOperationError("Network is down", errno.ENETDOWN)
+        if self.injected:
+            return self.injected.pop(0), True
+        return self._inner.recv(timeout), True
+
+    def shutdown(self) -> None:
+        """See python-can."""
+        super().shutdown()
+        self._inner.shutdown()

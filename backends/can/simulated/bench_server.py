@@ -1,0 +1,80 @@
+"""A bench that lives by itself, for a program in another process."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+
+from .bench import Bench
+
+_PATIENCE = 1.5  # periods without a SYNC after which time passes by the clock
+_CATCH_UP = 10  # periods at most that are made up for at once
+_SLICES = 10  # of a period, in which time passes then
+
+Look = Callable[[Bench], None]
+
+
+class BenchServer:
+    """Serves a bench in real time.
+
+    While SYNCs come, each is a period. Without them time passes by the clock: drives that hear nobody notice
+    that, as they would on metal.
+    """
+
+    def __init__(
+        self,
+        bench: Bench,
+        period: float,
+        clock: Callable[[], float] = time.monotonic,
+        look: Look | None = None,
+    ) -> None:
+        """Begin.
+
+        Args:
+            bench: on a bus of its own, not on one in this process.
+            period: of the robot's control, in [s].
+            clock: gives the time in [s].
+            look: called after each period.
+        """
+        self._bench, self._period, self._clock, self._look = bench, period, clock, look
+        self._seen = bench.time
+        self._passed = clock()
+        """Up to when time has passed on the bench."""
+        self._alone = False
+        """Whether no SYNCs come."""
+        # A simulated robot knows whole periods only.
+        self._slice = period / _SLICES if bench.inner is None else period
+
+    def serve(self, until: Callable[[], bool]) -> None:
+        """Serve until that becomes true; it is asked at least once a period.
+
+        Raises:
+            can.CanError: of the interface.
+        """
+        while not until():
+            self._bench.line.wait(self._has_passed, self._slice / 2 if self._alone else self._period / 2)
+            self.catch_up()
+
+    def catch_up(self) -> None:
+        """Let the time pass that no SYNC stood for."""
+        now = self._clock()
+        if self._has_passed():
+            self._alone, self._passed = False, now
+            self._note()
+        self._alone = self._alone or now - self._passed > _PATIENCE * self._period
+        if not self._alone:
+            return
+        # What this machine was too slow for is left out.
+        self._passed = max(self._passed, now - _CATCH_UP * self._period)
+        while now - self._passed >= self._slice:
+            self._passed += self._slice
+            self._bench.tick(self._slice)
+            self._note()
+
+    def _has_passed(self) -> bool:
+        return self._bench.time != self._seen
+
+    def _note(self) -> None:
+        self._seen = self._bench.time
+        if self._look is not None:
+            self._look(self._bench)

@@ -1,0 +1,70 @@
+"""Cyclic synchronous modes: the master plans, the drive follows from SYNC to SYNC."""
+
+from __future__ import annotations
+
+from .drive_mode import SETPOINT_TAKEN, DriveMode
+
+
+class CyclicPosition(DriveMode):
+    """Mode 8: goes evenly to the target position (607Ah) within the interpolation period (60C2h).
+
+    The target is taken with each SYNC; where none came, the last one stays: the drive reaches it and holds.
+    """
+
+    def begin(self) -> None:
+        """See `DriveMode`."""
+        self._target = self.demand.position
+        self.objects[0x607A] = round(self._target + self.demand.home)
+        self._left = 0.0
+
+    def latch(self) -> None:
+        """See `DriveMode`."""
+        lowest, highest = self.objects(0x607D, 1), self.objects(0x607D, 2)
+        self._target = min(max(float(self.objects(0x607A)), lowest), highest) - self.demand.home
+        self._left = self.objects(0x60C2, 1) * 10.0 ** self.objects(0x60C2, 2)
+
+    def advance(self, seconds: float) -> None:
+        """See `DriveMode`."""
+        demand, way = self.demand, self._target - self.demand.position
+        if seconds >= self._left - 1e-9:
+            moved = way
+            demand.position = self._target
+        else:
+            moved = way * seconds / self._left
+            demand.position += moved
+        self._left = max(0.0, self._left - seconds)
+        demand.velocity = moved / seconds if self._left > 0.0 or moved else 0.0
+
+    @property
+    def status(self) -> int:
+        """See `DriveMode`; it follows (bit 12)."""
+        return SETPOINT_TAKEN
+
+
+class CyclicVelocity(DriveMode):
+    """Mode 9: runs at the target velocity (60FFh) that it had at the last SYNC."""
+
+    def begin(self) -> None:
+        """See `DriveMode`."""
+        self.objects[0x60FF] = 0
+        self._target = 0.0
+
+    def latch(self) -> None:
+        """See `DriveMode`."""
+        most = float(self.objects(0x607F))
+        self._target = max(-most, min(most, float(self.objects(0x60FF))))
+
+    def advance(self, seconds: float) -> None:
+        """See `DriveMode`."""
+        self.demand.velocity = self._target
+        self.demand.position += self._target * seconds
+
+    @property
+    def status(self) -> int:
+        """See `DriveMode`; it follows (bit 12)."""
+        return SETPOINT_TAKEN
+
+    @property
+    def position_loop(self) -> bool:
+        """See `DriveMode`."""
+        return False

@@ -1,0 +1,67 @@
+"""What a drive does in a mode of operation."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass, field
+
+from backends.can.profile import ramp
+
+from .drive_objects import DriveObjects
+
+TARGET_REACHED, SETPOINT_TAKEN = 1 << 10, 1 << 12
+"""Bits of the statusword (6041h); in homing the second says that it is done."""
+NEW_SETPOINT, AT_ONCE, RELATIVE = 1 << 4, 1 << 5, 1 << 6
+"""Bits of the controlword (6040h)."""
+
+
+@dataclass
+class Demand:
+    """What the drive's own planning asks of its motor."""
+
+    position: float = 0.0
+    """[counts], of the motor: homing doesn't change it."""
+    velocity: float = 0.0
+    """[counts/s]"""
+    home: float = 0.0
+    """What is added to the motor's position to tell it (6064h), in [counts]."""
+    switch: float = field(default=-50_000.0)
+    """Below this position of the motor the negative limit switch is pressed, in [counts]."""
+
+    def brake(self, rate: float, seconds: float) -> None:
+        """Slow down to rest."""
+        way, self.velocity = ramp(self.velocity, 0.0, rate, seconds)
+        self.position += way
+
+
+class DriveMode(ABC):
+    """One mode of operation (6060h)."""
+
+    def __init__(self, objects: DriveObjects, demand: Demand) -> None:
+        self.objects, self.demand = objects, demand
+
+    def begin(self) -> None:
+        """The drive is enabled in this mode, or changes to it: it holds."""
+        return
+
+    def control(self, controlword: int, rising: int) -> None:
+        """A controlword has come, with the bits that were not set in the last."""
+        return
+
+    def latch(self) -> None:
+        """A SYNC has come."""
+        return
+
+    @abstractmethod
+    def advance(self, seconds: float) -> None:
+        """Let time pass, in [s], in OPERATION ENABLED."""
+
+    @property
+    def status(self) -> int:
+        """Its bits of the statusword (6041h)."""
+        return 0
+
+    @property
+    def position_loop(self) -> bool:
+        """Whether the drive watches its following error."""
+        return True

@@ -1,0 +1,305 @@
+"""A simulated CiA 402 drive."""
+
+from __future__ import annotations
+
+import struct
+from typing import Any
+
+import canopen
+from canopen.pdo import PdoMap
+
+from .cyclic_modes import CyclicPosition, CyclicVelocity
+from .drive_life import ENABLED, OFF, QUICK_STOP, REACTION, DriveLife
+from .drive_mode import Demand, DriveMode
+from .drive_nmt import DriveNmt
+from .drive_objects import DriveObjects
+from .homing import Homing
+from .misconduct import Misconduct
+from .profile_position import ProfilePosition
+from .profile_velocity import ProfileVelocity
+
+SYNCHRONOUS = 240  # transmission types up to here wait for a SYNC (CiA 301)
+_MODES: dict[int, type[DriveMode]] = {
+    1: ProfilePosition,
+    3: ProfileVelocity,
+    6: Homing,
+    8: CyclicPosition,
+    9: CyclicVelocity,
+}
+_BY_PDO = (0x6040, 0x6060, 0x607A, 0x6081, 0x60FF)
+_SLICE = 5e-3  # in which a drive looks at its timers [s]
+_LONGEST = 2**31
+HEARTBEAT_LOST, RPDO_LATE, FOLLOWING = 0x8130, 0x8250, 0x8611
+"""Error codes (603Fh)."""
+
+
+class DriveNode(canopen.LocalNode):
+    """A servo drive: state machine, profile and cyclic modes, homing, supervision of bus and motor.
+
+    It reads no clock: `advance` lets time pass, `latch` and `answer` are a SYNC. What its planning asks of
+    the motor is `driven`; where the motor then stands is told by `moved`, see `Plant`. Without torque
+    (SWITCH ON DISABLED ...) a brake stops it as the quick stop does, and holds it.
+
+    How it differs from metal: a motor of a `Plant` has no current; it takes any setting in any state;
+    following errors are watched in position modes alone; of digital inputs there is the negative limit
+    switch.
+    """
+
+    def __init__(self, node: int) -> None:
+        """A drive with that node ID, standing at 0."""
+        self.objects = DriveObjects(node)
+        super().__init__(node, self.objects.dictionary)
+        self.nmt = DriveNmt(node, self)
+        self._write_callbacks = [self.nmt.on_write, self._written]
+        self.add_read_callback(self._read)
+        self.wrong = Misconduct()
+        """What it does wrong."""
+        self.position = 0.0
+        """Where its motor truly stands, in [counts]; homing doesn't change it."""
+        self.torque = 0
+        """Of its motor, in thousandths of the rated one."""
+        self.driven = 0.0
+        """Where it drives its motor to, in [counts]."""
+        self.velocity = 0.0
+        """Of its motor, in [counts/s]."""
+        self.pressed = False
+        """Whether its E-stop input takes the torque away."""
+        self._power_on()
+
+    def _power_on(self) -> None:
+        self.life = DriveLife()
+        self.objects.reset()
+        self.demand = Demand(self.position)
+        self._modes = {mode: kind(self.objects, self.demand) for mode, kind in _MODES.items()}
+        self._mode = 0
+        self._controlword = 0
+        self._told = 0, 0
+        self._off_for = 0.0
+        self._heard: float | None = None
+        """Seconds since the heartbeat that it waits for; None before the first."""
+        self._commanded: float | None = None
+        """The same for its first RPDO."""
+        self._waiting: list[tuple[int, int, int]] = []
+
+    def associate_network(self, network: canopen.Network) -> None:
+        """Join a network, and boot up."""
+        super().associate_network(network)
+        network.subscribe(0, self._on_nmt)
+        for master in range(1, 128):
+            network.subscribe(0x700 + master, self._on_heartbeat)
+        self.boot()
+
+    def boot(self) -> None:
+        """Begin as after power on: nothing is set, the position is counted from here."""
+        self._power_on()
+        self.data_store.clear()
+        self.nmt.start_heartbeat(0)
+        self.nmt.state = "INITIALISING"
+        self.nmt.state = "PRE-OPERATIONAL"
+
+    def stand_at(self, position: float) -> None:
+        """Stand at a position of the motor, in [counts], before it is enabled."""
+        self.position = self.driven = self.demand.position = position
+
+    def fail(self, code: int) -> None:
+        """A fault occurs: an EMCY with this error code, and the fault reaction begins."""
+        self.objects[0x603F] = code
+        self.life.fail()
+        self.emcy.send(code, register=1)
+
+    # What comes in
+
+    def _on_nmt(self, _can_id: int, data: bytes, _stamp: float) -> None:
+        command, node = data[0], data[1]
+        if node not in (0, self.id):
+            return
+        if command in (129, 130):
+            self.boot()
+        elif self.nmt.state == "OPERATIONAL":
+            self._commanded = None
+            self.pdo.read()
+            for pdo in self.rpdo.values():
+                if pdo.enabled and self._on_pdo not in pdo.callbacks:
+                    pdo.add_callback(self._on_pdo)
+
+    def _on_heartbeat(self, can_id: int, _data: bytes, _stamp: float) -> None:
+        if can_id - 0x700 == self.objects(0x1016, 1) >> 16:
+            self._heard = 0.0
+
+    def _on_pdo(self, pdo: PdoMap) -> None:
+        if self.nmt.state != "OPERATIONAL" or 8 * len(pdo.data) != pdo.length:
+            return
+        self._commanded = 0.0
+        values = [(each.index, each.subindex, int(each.raw)) for each in pdo]
+        # A new set-point comes with the controlword that makes it count.
+        values.sort(key=lambda each: each[0] == 0x6040)
+        if (pdo.trans_type or 0) <= SYNCHRONOUS:
+            self._waiting = values
+        else:
+            self._take_all(values)
+
+    def _written(self, index: int, subindex: int, od: Any, data: bytes) -> None:
+        value = int(od.decode_raw(data))
+        self._take_all([(index, subindex, self.wrong.keeps.get((index, subindex), value))])
+
+    def _take_all(self, values: list[tuple[int, int, int]]) -> None:
+        for index, subindex, value in values:
+            self.objects[index, subindex] = value
+            if index == 0x6040:
+                self._control(value)
+            elif index == 0x6060:
+                self._change_mode(value)
+            elif index == 0x605A:
+                self.life.quick_stop_option = value
+
+    def _control(self, value: int) -> None:
+        before, rising = self.life.state, value & ~self._controlword
+        self._controlword = value
+        if not self.pressed or value & 0x0F != 0x0F:
+            self.life.control(value)
+        if before == "FAULT" and self.life.state == OFF:
+            self.objects[0x603F] = 0
+            self.emcy.reset()
+        mode = self._modes.get(self._mode)
+        if mode is not None and self.life.state == ENABLED:
+            if before != ENABLED:
+                mode.begin()
+            mode.control(value, rising)
+
+    def _change_mode(self, number: int) -> None:
+        if number in self._modes and number != self._mode:
+            self._mode = number
+            self._modes[number].begin()
+
+    # Time
+
+    def advance(self, seconds: float) -> None:
+        """Let time pass, in [s]: the drive plans its motion, and looks at what it supervises."""
+        before, left = self.demand.position, seconds
+        while left > 1e-9:
+            part = min(_SLICE, left)
+            left -= part
+            self._plan(part)
+            self._supervise(part)
+            if self.nmt.advance(part) and not self.wrong.no_heartbeat:
+                self.nmt.beat()
+        self.driven = self.demand.position + self.wrong.astray(self.demand.position - before)
+
+    def moved(self, position: float, seconds: float, torque: int) -> None:
+        """Its motor has moved to a position, in [counts], in so many [s]."""
+        self.velocity = (position - self.position) / seconds
+        self.position, self.torque = position, torque
+        off = abs(self.demand.position - position) > self.objects(0x6065)
+        mode = self._modes.get(self._mode)
+        watched = mode is not None and mode.position_loop and self.wrong.notices
+        self._off_for = self._off_for + seconds if off and watched and self.life.state == ENABLED else 0.0
+        if self._off_for * 1e3 > self.objects(0x6066) > 0:
+            self.fail(FOLLOWING)
+
+    def _plan(self, seconds: float) -> None:
+        mode = self._modes.get(self._mode)
+        if self.life.state == ENABLED and mode is not None:
+            mode.advance(seconds)
+            return
+        self.demand.brake(self.objects(0x6085), seconds)
+        if self.demand.velocity == 0.0 and self.life.state in (QUICK_STOP, REACTION):
+            self.life.settle()
+
+    def _supervise(self, seconds: float) -> None:
+        if self.pressed and self.life.state == ENABLED:
+            self.life.disable()
+        if self._heard is not None:
+            self._heard += seconds
+            allowed = (self.objects(0x1016, 1) & 0xFFFF) / 1e3
+            if 0.0 < allowed < self._heard - 1e-9:
+                self._heard = None
+                self._lost(HEARTBEAT_LOST)
+        if self._commanded is not None and self.nmt.state == "OPERATIONAL":
+            self._commanded += seconds
+            if 0 < self.objects(0x1400, 5) < 1e3 * self._commanded - 1e-6:
+                self._commanded = None
+                self._lost(RPDO_LATE)
+
+    def _lost(self, code: int) -> None:
+        """The master isn't heard any more: react as 6007h and 1029h:1 say."""
+        self.emcy.send(code, register=0x11)
+        match self.objects(0x6007):
+            case 1:
+                self.objects[0x603F] = code
+                self.life.fail()
+            case 2:
+                self.life.disable()
+            case 3:
+                self.life.quick_stop()
+        becomes = {0: "PRE-OPERATIONAL", 2: "STOPPED"}.get(self.objects(0x1029, 1))
+        if becomes is not None and self.nmt.state == "OPERATIONAL":
+            self.nmt.state = becomes
+
+    def latch(self) -> None:
+        """A SYNC has come: what waited for it counts."""
+        waiting, self._waiting = self._waiting, []
+        self._take_all(waiting)
+        mode = self._modes.get(self._mode)
+        if mode is not None and self.life.state == ENABLED:
+            mode.latch()
+
+    # What goes out
+
+    def answer(self) -> None:
+        """Send what goes out with a SYNC."""
+        if self.nmt.state != "OPERATIONAL" or self.wrong.silent or self.wrong.lost():
+            return
+        if not self.wrong.frozen:
+            self._told = self._position(), round(self.velocity)
+        for pdo in self.tpdo.values():
+            if pdo.enabled and pdo.trans_type is not None and pdo.trans_type <= SYNCHRONOUS:
+                for variable in pdo:
+                    variable.raw = self._value(variable.index) or 0
+                if self.wrong.short:
+                    self.network.send_message(pdo.cob_id, bytes(pdo.data[:-1]))
+                else:
+                    pdo.transmit()
+
+    def _position(self) -> int:
+        if self.wrong.jumps_in_turn:
+            self.wrong.jump = -self.wrong.jump
+        told = round(self.position + self.demand.home) + self.wrong.jump
+        return (told + _LONGEST) % (2 * _LONGEST) - _LONGEST
+
+    def _read(self, index: int, subindex: int, **_: object) -> int | None:
+        if subindex == 0:
+            dynamic = self._value(index)
+            if dynamic is not None:
+                return dynamic
+        if (index, subindex) in self.wrong.keeps:
+            return self.wrong.keeps[index, subindex]
+        return self.objects(index) if index in _BY_PDO else None
+
+    def _value(self, index: int) -> int | None:
+        match index:
+            case 0x6041:
+                mode = self._modes.get(self._mode)
+                own = mode.status if mode is not None and self.life.state == ENABLED else 0
+                return self.life.statusword | own
+            case 0x6061:
+                return self._mode
+            case 0x6062:
+                return round(self.demand.position + self.demand.home)
+            case 0x6064:
+                return self._told[0] if self.wrong.frozen else self._position()
+            case 0x606C:
+                return self._told[1] if self.wrong.frozen else round(self.velocity)
+            case 0x6077:
+                return self.torque
+            case 0x60F4:
+                return round(self.demand.position - self.position)
+            case 0x60FD:
+                return int(self.position <= self.demand.switch)
+            case 0x603F:
+                return self.objects(index)
+        return None
+
+
+def nmt_reset(node: int) -> bytes:
+    """The NMT command that resets a node."""
+    return struct.pack("BB", 129, node)

@@ -1,0 +1,60 @@
+"""Homing: finding where zero is."""
+
+from __future__ import annotations
+
+from backends.can.profile import ramp
+
+from .drive_mode import NEW_SETPOINT, SETPOINT_TAKEN, TARGET_REACHED, DriveMode
+
+HERE = (35, 37)
+"""Methods: where it stands is home."""
+NEGATIVE_SWITCH = 17
+"""Method: towards the negative limit switch, and back until it opens: there is home."""
+_FAILED = 1 << 13
+
+
+class Homing(DriveMode):
+    """Mode 6, methods 17, 35 and 37 (6098h): begins when bit 4 of the controlword rises.
+
+    At home the position actual value becomes the home offset (607Ch).
+    """
+
+    def begin(self) -> None:
+        """See `DriveMode`."""
+        self._searching = self._backing = self._done = self._failed = False
+
+    def control(self, controlword: int, rising: int) -> None:
+        """See `DriveMode`."""
+        if not rising & NEW_SETPOINT:
+            self._searching = self._searching and bool(controlword & NEW_SETPOINT)
+            return
+        self.begin()
+        method = self.objects(0x6098)
+        self._failed = method not in (*HERE, NEGATIVE_SWITCH)
+        self._searching = method == NEGATIVE_SWITCH
+        if method in HERE:
+            self._arrived(self.demand.position)
+
+    def advance(self, seconds: float) -> None:
+        """See `DriveMode`."""
+        demand = self.demand
+        pressed = demand.position <= demand.switch
+        self._backing = self._searching and (self._backing or pressed)
+        if self._backing and not pressed:
+            self._searching = self._backing = False
+            self._arrived(demand.switch)
+        goal = 0.0
+        if self._searching:
+            goal = float(self.objects(0x6099, 2)) if self._backing else -float(self.objects(0x6099, 1))
+        way, demand.velocity = ramp(demand.velocity, goal, self.objects(0x609A), seconds)
+        demand.position += way
+
+    def _arrived(self, place: float) -> None:
+        self.demand.home = self.objects(0x607C) - place
+        self._done = True
+
+    @property
+    def status(self) -> int:
+        """See `DriveMode`."""
+        stands = self.demand.velocity == 0.0 and not self._searching
+        return SETPOINT_TAKEN * self._done | TARGET_REACHED * stands | _FAILED * self._failed

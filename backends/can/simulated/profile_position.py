@@ -1,0 +1,58 @@
+"""Profile position: the drive plans its way to a point."""
+
+from __future__ import annotations
+
+from backends.can.profile import approach
+
+from .drive_mode import AT_ONCE, NEW_SETPOINT, RELATIVE, SETPOINT_TAKEN, TARGET_REACHED, DriveMode
+
+
+class ProfilePosition(DriveMode):
+    """Mode 1, with the handshake of CiA 402-2: a set-point counts when bit 4 of the controlword rises.
+
+    Bit 5 takes it at once; without it, one more set-point waits until the first is reached. Bit 12 of the
+    statusword is set while the drive can't take another.
+    """
+
+    def begin(self) -> None:
+        """See `DriveMode`."""
+        self._target, self._next = self.demand.position, list[float]()
+        self._taken = self._asked = False
+
+    def control(self, controlword: int, rising: int) -> None:
+        """See `DriveMode`."""
+        self._asked = bool(controlword & NEW_SETPOINT)
+        if rising & NEW_SETPOINT and not self._taken:
+            self._take(controlword)
+        self._taken = (self._taken and self._asked) or bool(self._next)
+
+    def _take(self, controlword: int) -> None:
+        wanted = float(self.objects(0x607A))
+        if controlword & RELATIVE:
+            wanted += self._target + self.demand.home
+        lowest, highest = self.objects(0x607D, 1), self.objects(0x607D, 2)
+        wanted = min(max(wanted, lowest), highest) - self.demand.home
+        if controlword & AT_ONCE or self._target == self.demand.position:
+            self._target, self._next = wanted, []
+        else:
+            self._next = [wanted]
+        self._taken = True
+
+    def advance(self, seconds: float) -> None:
+        """See `DriveMode`."""
+        demand = self.demand
+        top = min(self.objects(0x6081), self.objects(0x607F))
+        rates = float(self.objects(0x6083)), float(self.objects(0x6084))
+        left, demand.velocity = approach(
+            self._target - demand.position, demand.velocity, float(top), rates, seconds
+        )
+        demand.position = self._target - left
+        if left == 0.0 and self._next:
+            self._target, self._next = self._next[0], []
+            self._taken = self._asked
+
+    @property
+    def status(self) -> int:
+        """See `DriveMode`."""
+        reached = self._target == self.demand.position and not self._next
+        return TARGET_REACHED * reached | SETPOINT_TAKEN * self._taken

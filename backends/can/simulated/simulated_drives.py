@@ -1,0 +1,78 @@
+"""Simulated drives on a bus."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+
+import can
+from can.interfaces.virtual import VirtualBus
+
+from backends.can.can_line import CanLine
+
+from .drive_node import DriveNode
+from .plant import IdealMotors, Plant
+
+SYNC = 0x80
+
+
+class SimulatedDrives:
+    """Drives that are served in the thread of who talks to them.
+
+    Their time is the bus's: each SYNC is one period, and no clock is read.
+    """
+
+    def __init__(
+        self,
+        nodes: Iterable[int],
+        period: float,
+        plant: Plant | None = None,
+        bus: can.BusABC | None = None,
+    ) -> None:
+        """Put drives with these node IDs on a bus.
+
+        Args:
+            nodes: node IDs.
+            period: that a SYNC stands for, in [s].
+            plant: what they turn; None: nothing but their motors.
+            bus: taken over; None: a virtual one of their own.
+        """
+        self._period, self._plant = period, plant or IdealMotors()
+        self._channel = f"drives {id(self):#x}"
+        self.line = CanLine(bus or VirtualBus(self._channel))
+        """Their end of the bus."""
+        self.nodes = {node: DriveNode(node) for node in nodes}
+        """The drives by their node IDs."""
+        self.time = 0.0
+        """Simulated, in [s]."""
+        self.onlookers: list[Callable[[], None]] = []
+        """Called at the beginning of each period."""
+        for number, drive in self.nodes.items():
+            self.line[number] = drive
+        self.line.subscribe(SYNC, self._on_sync)
+
+    def open(self) -> can.BusABC:
+        """Another end of their own virtual bus, for who talks to them."""
+        return VirtualBus(self._channel)
+
+    def serve(self) -> None:
+        """Let the drives take in, and answer, all that has been sent to them."""
+        self.line.drain()
+
+    def tick(self, seconds: float) -> None:
+        """Let time pass, in [s]."""
+        self.time += seconds
+        for look in self.onlookers:
+            look()
+        for drive in self.nodes.values():
+            drive.advance(seconds)
+        self._plant.step(self.nodes, seconds)
+
+    def close(self) -> None:
+        """Leave the bus. A second call does nothing."""
+        self.line.close()
+
+    def _on_sync(self, *_: object) -> None:
+        self.tick(self._period)
+        for drive in self.nodes.values():
+            drive.latch()
+            drive.answer()

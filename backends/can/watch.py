@@ -1,0 +1,26 @@
+"""What is looked out for on the bus."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+
+import can
+
+
+class Watch(ABC):
+    """Hears every frame, and is asked once a period whether all is well.
+
+    Times are those of the bench, or of the monotonic clock, in [s].
+    """
+
+    def begin(self, now: float) -> None:
+        """The drives are enabled: from now on they are watched."""
+        return
+
+    def hear(self, frame: can.Message, sent: bool, now: float) -> None:
+        """A frame has been taken in, or sent."""
+        return
+
+    @abstractmethod
+    def check(self, now: float) -> None:
+        """Raises a `CanFault` if something is wrong."""

@@ -1,0 +1,43 @@
+"""Which of a robot's wheels drive it, by their names."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable
+from typing import NamedTuple
+
+from files.errors import InputError
+
+_NAME = re.compile(r"(left|right)_(\w+_)?wheel")
+
+
+class NoWheels(InputError):
+    """A simulated robot lacks wheels to drive on."""
+
+
+class DrivenWheels(NamedTuple):
+    """Joints that drive, and links of these names that roll. All wheels of a side turn together."""
+
+    left: tuple[str, ...]
+    """`left_wheel`, or several: `left_front_wheel`, `left_rear_wheel`."""
+    right: tuple[str, ...]
+
+    def check(self) -> None:
+        """Raise `NoWheels` where a side has none."""
+        for side, names in self._asdict().items():
+            if not names:
+                raise NoWheels(
+                    f"no joint of the robot drives its {side} side; needed: a joint '{side}_wheel'"
+                )
+
+    @property
+    def all(self) -> tuple[str, ...]:
+        """Left ones first."""
+        return (*self.left, *self.right)
+
+
+def driven_wheels(names: Iterable[str]) -> DrivenWheels:
+    """Those among the names of joints or links, each side in alphabetical order."""
+    found = sorted((match[1], name) for name in names if (match := _NAME.fullmatch(name)))
+    left, right = (tuple(name for side, name in found if side == wanted) for wanted in ("left", "right"))
+    return DrivenWheels(left, right)

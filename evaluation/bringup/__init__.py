@@ -1,0 +1,1 @@
+"""Bringing a real robot up, rung by rung."""

@@ -1,0 +1,156 @@
+"""The rungs that speak with the bus and move nothing."""
+
+from __future__ import annotations
+
+import time
+from typing import Any
+
+import canopen
+from canopen.sdo.client import SdoClient
+from canopen.sdo.exceptions import SdoAbortedError, SdoError
+
+from backends.can.axis_settings import mapping, settings
+from backends.can.can_line import CanLine
+from backends.can.drive_dictionary import drive_dictionary
+from backends.can.line_sdo_client import LineSdoClient
+
+from .rung import Facts, Rung, RungFailed
+from .site import Site
+
+_SERVO = 402  # low word of the device type (1000h)
+_SCAN = 1.0  # [s] in which nodes answer
+
+
+class PlainNode(canopen.RemoteNode):
+    """A node of which nothing is known but its ID."""
+
+    def __init__(self, node: int) -> None:
+        super().__init__(node, drive_dictionary(node))
+
+    def add_sdo(self, rx_cobid: int, tx_cobid: int) -> SdoClient:
+        """See the library; the client needs no thread."""
+        client = LineSdoClient(rx_cobid, tx_cobid, self.object_dictionary)
+        self.sdo_channels.append(client)
+        return client
+
+
+def read_object(line: CanLine, node: int, index: int, subindex: int = 0) -> int | None:
+    """An object of a node as a number; None where it has none, or doesn't answer."""
+    if node not in line:
+        line.add_node(PlainNode(node))
+    try:
+        return int.from_bytes(line[node].sdo.upload(index, subindex), "little")
+    except (SdoAbortedError, SdoError):
+        return None
+
+
+class InterfaceRung(Rung):
+    """The interface is up, and a drive answers on it."""
+
+    name = "interface"
+    told = "the CAN interface is up, its bit rate is the drives', and one of them answers"
+    moves = False
+
+    def climb(self, site: Site) -> Facts:
+        """See `Rung`."""
+        spec = site.spec
+        first = spec.left.node
+        with site.line() as (line, came):
+            begun = time.monotonic()
+            kind = read_object(line, first, 0x1000)
+            took = time.monotonic() - begun
+            errors = sum(frame.is_error_frame for frame in came)
+            if kind is None:
+                raise RungFailed(_no_answer(first, errors, len(came), spec.bitrate_kbit_s))
+            if errors:
+                wrong = f"{errors} error frames came with the answer"
+                raise RungFailed(f"{wrong}; look at the terminations (120 ohm at both ends) and the shields")
+        return {
+            "interface": spec.interface,
+            "channel": spec.channel,
+            "bitrate_kbit_s": spec.bitrate_kbit_s,
+            **({} if site.bench else {"answer_ms": round(1e3 * took, 2)}),
+        }
+
+
+def _no_answer(node: int, errors: int, frames: int, bitrate: int) -> str:
+    if errors:
+        return (
+            f"node {node} doesn't answer, and {errors} error frames came: is its bit rate {bitrate} kbit/s?"
+        )
+    if frames:
+        return f"node {node} doesn't answer, others do ({frames} frames): is that its node ID, has it power?"
+    return f"nothing came: power, cable and terminations of the bus; node {node}; {bitrate} kbit/s"
+
+
+class IdentifyRung(Rung):
+    """The nodes on the bus are those of the robot's file, and no others."""
+
+    name = "identify"
+    told = "the nodes on the bus are those of the robot's file, drives all, and no others"
+    moves = False
+
+    def climb(self, site: Site) -> Facts:
+        """See `Rung`."""
+        wanted = {axis.node: (name, axis) for name, axis in site.spec.axes()}
+        with site.line() as (line, _):
+            line.scanner.search()
+            line.wait(lambda: False, _SCAN)
+            found = sorted(set(line.scanner.nodes))
+            missing = [f"{name} (node {node})" for node, (name, _) in wanted.items() if node not in found]
+            strangers = [str(node) for node in found if node not in wanted]
+            wrong = [f"no answer of {', '.join(missing)}"] if missing else []
+            wrong += [f"not in the robot's file: node {', '.join(strangers)}"] if strangers else []
+            told = {}
+            for node in found:
+                if node in wanted:
+                    told[wanted[node][0]] = facts = _identity(line, node)
+                    wrong += _differences(*wanted[node], facts)
+        if wrong:
+            raise RungFailed("; ".join(wrong))
+        return {"nodes": told}
+
+
+def _identity(line: CanLine, node: int) -> dict[str, Any]:
+    names = {1: "vendor_id", 2: "product_code", 3: "revision", 4: "serial"}
+    identity = {name: read_object(line, node, 0x1018, sub) for sub, name in names.items()}
+    known = {name: value for name, value in identity.items() if value is not None}
+    return {"node": node, "device_type": read_object(line, node, 0x1000), **known}
+
+
+def _differences(name: str, axis: Any, facts: dict[str, Any]) -> list[str]:
+    wrong = []
+    kind = facts["device_type"]
+    if kind is None or kind & 0xFFFF != _SERVO:
+        wrong.append(f"{name} (node {axis.node}) is no CiA 402 drive: its device type (1000h) is {kind}")
+    for key in ("vendor_id", "product_code"):
+        told = getattr(axis, key)
+        if told is not None and facts.get(key) != told:
+            wrong.append(f"{name} (node {axis.node}): {key} is {facts.get(key)}, in the robot's file {told}")
+    return wrong
+
+
+class ReadBackRung(Rung):
+    """All settings are written, and read back as they were written."""
+
+    name = "read_back"
+    told = "supervision, reactions, limits and mappings are written, and read back as they were written"
+    moves = False
+
+    def climb(self, site: Site) -> Facts:
+        """See `Rung`."""
+        with site.backend() as backend:  # building it writes and reads back
+            read = {
+                name: len([*settings(axis, site.spec, site.robot.period_s), *mapping(axis)])
+                for name, axis in backend.axes.items()
+            }
+            reactions = {
+                name: {f"{each.index:04X}h:{each.subindex}": each.value for each in _supervision(axis, site)}
+                for name, axis in backend.axes.items()
+            }
+        return {"settings": read, "supervision": reactions}
+
+
+def _supervision(axis: Any, site: Site) -> list[Any]:
+    told = (0x1016, 0x1017, 0x1029, 0x6007, 0x605A, 0x605E)
+    return [each for each in settings(axis, site.spec, site.robot.period_s) if each.index in told]

@@ -1,0 +1,235 @@
+"""Moving one axis by hand: hold-to-run, slowly."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import NamedTuple, TypeVar
+
+import numpy as np
+
+from backends.arm import Arm
+from backends.backend import Backend
+from backends.base import Base
+from backends.capability import Capability
+from backends.gripper import Gripper
+from backends.robot_file import RobotFile
+from files.errors import InputError
+from files.suggest import suggest
+from robotics.kinematics.arm_model import ArmModel
+
+from .operator import Held
+
+C = TypeVar("C", bound=Capability)
+
+LEASE = 0.3
+"""[s] for which a key that was seen pressed counts as held (row U6)."""
+HAND_SPEED = 0.25
+"""[m/s] that nothing of the robot runs faster than until it is signed off."""
+_SETTLE = 2.0  # [s] in which an axis comes to rest
+_STILL = 1e-4  # [m], [rad] in a period
+
+
+class Lease:
+    """A key that is held, seen by its repeats: not seen for 300 ms, it is let go, for good."""
+
+    def __init__(self, pressed: Callable[[], bool], clock: Callable[[], float] = time.monotonic) -> None:
+        """Begin; the key has 300 ms from now.
+
+        Args:
+            pressed: whether the key came again since it was asked last.
+            clock: gives the time in [s].
+        """
+        self._pressed, self._clock = pressed, clock
+        self._until = clock() + LEASE
+        self._over = False
+
+    def __call__(self) -> bool:
+        """Whether it is still held."""
+        now = self._clock()
+        self._over = self._over or now > self._until
+        if self._pressed() and not self._over:
+            self._until = now + LEASE
+        return not self._over
+
+
+class UnknownAxis(InputError):
+    """The robot has no axis of that name."""
+
+    def __init__(self, name: str, axes: list[str]) -> None:
+        super().__init__(f"unknown axis {name!r}{suggest(name, axes)}")
+
+
+class Jogged(NamedTuple):
+    """How an axis was moved."""
+
+    way: float
+    """By its encoder, with sign, in [m] or [rad]."""
+    seconds: float
+    top_speed: float
+    """That it was told, in [m/s] or [rad/s]."""
+    ended: str
+    """`there`, `let go` or `limit`."""
+
+
+@dataclass
+class Jogger:
+    """Moves single axes of a robot through its backend; names are those of the section `can`."""
+
+    backend: Backend
+    robot: RobotFile
+
+    def __post_init__(self) -> None:
+        self._base: Base = _part(self.backend.get(Base))  # type: ignore[type-abstract]
+        self._arms = self.backend.get(Arm)  # type: ignore[type-abstract]
+        self._grippers = self.backend.get(Gripper)  # type: ignore[type-abstract]
+        self._model = (
+            None if self.robot.arm is None else ArmModel(self.robot.urdf_text(), self.robot.arm.joints)
+        )
+
+    @property
+    def _arm(self) -> Arm:
+        return _part(self._arms)
+
+    @property
+    def _gripper(self) -> Gripper:
+        return _part(self._grippers)
+
+    @property
+    def axes(self) -> list[str]:
+        """Their names."""
+        return [name for name, _ in self.robot.can.axes()] if self.robot.can else []
+
+    def jog(self, axis: str, way: float, held: Held, slower: float = 1.0) -> Jogged:
+        """Move while the key is held, `way` in [m] or [rad] at most; stopped and at rest after that.
+
+        Args:
+            axis: its name.
+            way: with sign.
+            held: asked each period.
+            slower: share of the speed at which the hand runs at 250 mm/s.
+
+        Raises:
+            UnknownAxis: there is none of that name.
+            RobotFault: the robot has stopped by itself.
+        """
+        if axis not in self.axes:
+            raise UnknownAxis(axis, self.axes)
+        begun, fastest, periods, ended = self.position(axis), 0.0, 0, "there"
+        while abs(self.position(axis) - begun) < abs(way):
+            if not held():
+                ended = "let go"
+                break
+            speed = math.copysign(slower * self.top_speed(axis), way)
+            left = abs(way) - abs(self.position(axis) - begun)
+            speed = math.copysign(min(abs(speed), max(left / self.backend.period, 1e-6)), way)
+            if not self._command(axis, speed):
+                ended = "limit"
+                break
+            fastest, periods = max(fastest, abs(speed)), periods + 1
+            self.backend.step()
+        self.backend.stop()
+        self.settle()
+        return Jogged(self.position(axis) - begun, periods * self.backend.period, fastest, ended)
+
+    def position(self, axis: str) -> float:
+        """By its encoder, in [m] or [rad]."""
+        kind, number = _parts(axis)
+        if kind == "wheel":
+            travel = self._base.wheel_travel()
+            return travel.left if number == 0 else travel.right
+        if kind == "joint":
+            return float(self._arm.joints()[number])
+        return self._gripper.width()
+
+    def limits(self, axis: str) -> tuple[float, float]:
+        """Of a joint, in [rad]."""
+        kind, number = _parts(axis)
+        assert kind == "joint"
+        assert self._model is not None
+        return float(self._model.lower[number]), float(self._model.upper[number])
+
+    def top_speed(self, axis: str) -> float:
+        """At which no part of the robot runs faster than 250 mm/s, in [m/s] or [rad/s]."""
+        kind, number = _parts(axis)
+        if kind == "wheel":
+            # One wheel alone: the robot turns about the other, and the hand with it.
+            tread = self.robot.drive.tread_m
+            return min(HAND_SPEED * tread / max(tread, tread / 2 + self._reach()), self._rim_limit())
+        if kind == "joint":
+            assert self._model is not None
+            assert self.robot.arm is not None
+            lever = float(np.linalg.norm(self._model.jacobian(self._arm.joints())[:3, number]))
+            return min(HAND_SPEED / max(lever, 0.1), math.radians(self.robot.arm.top_speed_deg_s))
+        assert self.robot.gripper is not None
+        return min(HAND_SPEED, self.robot.gripper.speed_mm_s / 1e3)
+
+    def settle(self) -> float:
+        """Let periods pass until nothing moves any more; how long that took, in [s]."""
+        before, passed = self._positions(), 0.0
+        while passed < _SETTLE:
+            self.backend.step()
+            passed += self.backend.period
+            now = self._positions()
+            if np.abs(now - before).max(initial=0.0) < _STILL:
+                break
+            before = now
+        return passed
+
+    def _command(self, axis: str, speed: float) -> bool:
+        """Command a period's motion; whether the axis may go on so."""
+        kind, number = _parts(axis)
+        if kind == "wheel":
+            turn = speed / self.robot.drive.tread_m
+            self._base.drive(speed / 2, -turn if number == 0 else turn)
+            return True
+        if kind == "joint":
+            return self._command_joint(number, speed * self.backend.period)
+        assert self.robot.gripper is not None
+        gripper = self._gripper
+        wanted = gripper.command() + speed * self.backend.period
+        opening = self.robot.gripper.opening_mm / 1e3
+        gripper.move(min(max(wanted, 0.0), opening))
+        return 0.0 <= wanted <= opening
+
+    def _command_joint(self, number: int, way: float) -> bool:
+        assert self._model is not None
+        arm = self._arm
+        wanted = arm.command().copy()
+        wanted[number] += way
+        within = bool(self._model.lower[number] <= wanted[number] <= self._model.upper[number])
+        if within:
+            arm.move(wanted)
+        return within
+
+    def _reach(self) -> float:
+        """How far the hand is from the base's axis, or its rim where there is no arm, in [m]."""
+        radius = self.robot.footprint_radius_m
+        if self._model is None:
+            return radius
+        hand = self._model.forward(self._arm.joints())
+        return max(radius, float(np.hypot(hand[0, 3], hand[1, 3])))
+
+    def _rim_limit(self) -> float:
+        drive = self.robot.drive
+        return min(2 * drive.top_speed_m_s, math.radians(drive.top_turn_deg_s) * drive.tread_m)
+
+    def _positions(self) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
+        return np.array([self.position(axis) for axis in self.axes])
+
+
+def _part(found: C | None) -> C:
+    """What each axis of the section `can` has behind it."""
+    assert found is not None
+    return found
+
+
+def _parts(axis: str) -> tuple[str, int]:
+    """`left wheel`: wheel, 0; `joint 3`: joint, 2; `gripper`: gripper, 0."""
+    if axis.endswith("wheel"):
+        return "wheel", 0 if axis.startswith("left") else 1
+    if axis.startswith("joint"):
+        return "joint", int(axis.split()[1]) - 1
+    return "gripper", 0

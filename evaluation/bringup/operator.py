@@ -1,0 +1,98 @@
+"""The person who brings a robot up."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Mapping
+from contextlib import AbstractContextManager, nullcontext
+from typing import Any
+
+from files.errors import InputError
+
+Held = Callable[[], bool]
+"""Asked each period: whether somebody still holds the key. Once it says no, it does so for good."""
+
+
+class NoAnswer(InputError):
+    """A question that nobody answers."""
+
+
+class Operator(ABC):
+    """Hears what happens, and answers. Each question has a key, under which the answer is recorded."""
+
+    @abstractmethod
+    def tell(self, words: str) -> None:
+        """Say something."""
+
+    @abstractmethod
+    def confirm(self, key: str, question: str) -> bool:
+        """Ask a question with yes or no."""
+
+    @abstractmethod
+    def number(self, key: str, question: str, truth: Callable[[], float]) -> float:
+        """Ask for something measured; `truth` tells it on a bench, where nobody stands with a ruler."""
+
+    @abstractmethod
+    def act(self, key: str, words: str, on_bench: Callable[[], None]) -> None:
+        """Ask to do something by hand, at once; `on_bench` does it there."""
+
+    @abstractmethod
+    def hold(self, words: str) -> AbstractContextManager[Held]:
+        """Ask to hold a key: the robot moves within this context while it is held."""
+
+
+class BenchOperator(Operator):
+    """Nobody: says yes to everything, and measures what is true on the bench."""
+
+    def __init__(self, say: Callable[[str], None] = lambda _: None) -> None:
+        self._say = say
+
+    def tell(self, words: str) -> None:
+        """See `Operator`."""
+        self._say(words)
+
+    def confirm(self, key: str, question: str) -> bool:
+        """See `Operator`."""
+        self._say(f"{question} yes (bench)")
+        return True
+
+    def number(self, key: str, question: str, truth: Callable[[], float]) -> float:
+        """See `Operator`."""
+        measured = truth()
+        self._say(f"{question} {measured:.4g} (bench)")
+        return measured
+
+    def act(self, key: str, words: str, on_bench: Callable[[], None]) -> None:
+        """See `Operator`."""
+        self._say(f"{words} (bench)")
+        on_bench()
+
+    def hold(self, words: str) -> AbstractContextManager[Held]:
+        """See `Operator`."""
+        self._say(f"{words} (bench)")
+        return nullcontext(lambda: True)
+
+
+class ScriptedOperator(BenchOperator):
+    """Answers from a file, for tests, by key; a key that isn't in it is an error."""
+
+    def __init__(self, answers: Mapping[str, Any], say: Callable[[str], None] = lambda _: None) -> None:
+        """Take the answers: true or false, or numbers."""
+        super().__init__(say)
+        self._answers = answers
+
+    def confirm(self, key: str, question: str) -> bool:
+        """See `Operator`; raises `NoAnswer`."""
+        return bool(self._answer(key, question, bool))
+
+    def number(self, key: str, question: str, truth: Callable[[], float]) -> float:
+        """See `Operator`; raises `NoAnswer`."""
+        return float(self._answer(key, question, (int, float)))
+
+    def _answer(self, key: str, question: str, kind: Any) -> Any:
+        given = self._answers.get(key)
+        if given is None or not isinstance(given, kind):
+            allowed = "true or false" if kind is bool else "a number"
+            raise NoAnswer(f"no answer to {key!r} ({question}); needed: {allowed}")
+        self._say(f"{question} {given}")
+        return given

@@ -1,0 +1,101 @@
+"""Where a robot is brought up: the robot itself, or a bench."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import can
+
+from backends.can.can_backend import CanBackend
+from backends.can.can_line import CanLine
+from backends.can.errors import NoDrives
+from backends.can.open_bus import open_bus
+from backends.can.simulated.bench import Bench
+from backends.can_spec import CanSpec
+from backends.robot_file import RobotFile
+
+from .operator import Operator
+
+
+@dataclass
+class Site:
+    """What rungs work with."""
+
+    name: str
+    """The robot, as it was named."""
+    robot: RobotFile
+    operator: Operator
+    folder: Path
+    """Of the records."""
+    bench: str = ""
+    """The simulated backend that stands behind simulated drives; "" for the robot itself."""
+    world: Path | None = None
+    """What the bench's robot stands in."""
+    answers: dict[str, bool | float] = field(default_factory=dict)
+    """Given in the current rung."""
+
+    @property
+    def spec(self) -> CanSpec:
+        """Where the drives are; raises `NoDrives`."""
+        if self.robot.can is None:
+            raise NoDrives()
+        return self.robot.can
+
+    @property
+    def fingerprint(self) -> str:
+        """Of what in the robot's file is tried: drives, limits, wheels, joints."""
+        tried = self.robot.model_dump_json(include={"can", "period_s", "drive", "arm", "gripper"})
+        return hashlib.sha256((tried + self.robot.urdf_text()).encode()).hexdigest()[:16]
+
+    @contextmanager
+    def line(self) -> Iterator[tuple[CanLine, list[can.Message]]]:
+        """The bus as it is, nothing set up; with the frames that came."""
+        came: list[can.Message] = []
+
+        def heard(frame: can.Message, sent: bool) -> None:
+            if not sent:
+                came.append(frame)
+
+        if not self.bench:
+            line = CanLine(open_bus(self.spec), None, heard)
+            try:
+                yield line, came
+            finally:
+                line.close()
+            return
+        bench = Bench(self.robot, self.spec, None)
+        line = CanLine(bench.open(), bench.serve, heard)
+        try:
+            yield line, came
+        finally:
+            line.close()
+            bench.close()
+
+    @contextmanager
+    def backend(self, seed: int = 0) -> Iterator[CanBackend]:
+        """The robot, set up and read back; no drive is enabled yet."""
+        made = (
+            CanBackend.build_on_bench(self.robot, self.world, seed, self.bench)
+            if self.bench
+            else CanBackend.build(self.robot, None, seed)
+        )
+        try:
+            yield made
+        finally:
+            made.close()
+
+    # What a person says, kept for the record
+
+    def confirm(self, key: str, question: str) -> bool:
+        """Ask a question with yes or no."""
+        said = self.answers[key] = self.operator.confirm(key, question)
+        return said
+
+    def number(self, key: str, question: str, truth: float) -> float:
+        """Ask for something measured, which is `truth` on a bench."""
+        said = self.answers[key] = self.operator.number(key, question, lambda: truth)
+        return said

@@ -1,0 +1,152 @@
+"""The rungs that show that the robot stops."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+
+import numpy as np
+
+from backends.base import Base
+from backends.can.axis import ENABLED
+from backends.can.can_backend import CanBackend
+
+from .jog import HAND_SPEED
+from .rung import Facts, Rung, RungFailed
+from .site import Site
+
+PATIENCE = 60.0
+"""[s] in which a person presses a button."""
+_BENCH_PATIENCE = 100  # periods
+_WATCH = 2.0  # [s] after the emergency stop is released
+TIMES = 5
+"""How often each stop is tried."""
+
+
+class EmergencyStopRung(Rung):
+    """The emergency stop takes the drives' torque, and releasing it gives none back."""
+
+    name = "emergency_stop"
+    told = "the emergency stop (STO) takes every drive out of OPERATION ENABLED; released, none comes back"
+
+    def climb(self, site: Site) -> Facts:
+        """See `Rung`."""
+        with site.backend() as backend:
+            bench = backend.bench
+
+            def press(pressed: bool) -> None:
+                for drive in bench.drives.values() if bench else ():
+                    drive.pressed = pressed
+
+            backend.enable()
+            site.operator.act(
+                "press",
+                "Press the emergency stop now; the drives have torque and stand.",
+                lambda: press(True),
+            )
+            states, took = _until_off(backend)
+            if not site.confirm("pressed", "Did you press it, and did nothing else stop the drives?"):
+                raise RungFailed("the drives stopped, but not by the emergency stop")
+            site.operator.act("release", "Release the emergency stop; stay away.", lambda: press(False))
+            for _ in range(round(_WATCH / backend.period)):
+                backend.watch()
+            back = [name for name, axis in backend.axes.items() if axis.drive_state == ENABLED]
+        if back:
+            raise RungFailed(f"came back by itself: {', '.join(back)}; releasing must give no torque")
+        return {"states": states, "all_off_within_s": round(took, 3)}
+
+
+def _until_off(backend: CanBackend) -> tuple[dict[str, str], float]:
+    """Stand until no drive is enabled; their states, and the time in [s] from the first to the last."""
+    end, periods, first = time.monotonic() + PATIENCE, 0, -1
+    while time.monotonic() < end and (backend.bench is None or periods < _BENCH_PATIENCE):
+        backend.watch()
+        states = {name: axis.drive_state for name, axis in backend.axes.items()}
+        on = [name for name, state in states.items() if state == ENABLED]
+        if not on:
+            return states, (periods - first) * backend.period if first >= 0 else 0.0
+        if len(on) < len(states) and first < 0:
+            first = periods
+        periods += 1
+    raise RungFailed(f"still enabled: {', '.join(on)}; does the emergency stop reach their drives?")
+
+
+class StopTestRung(Rung):
+    """How far the base runs on after each kind of stop."""
+
+    name = "stop_test"
+    told = "how far the base runs on at 250 mm/s: a stop by the program, and our heartbeat gone"
+
+    def climb(self, site: Site) -> Facts:
+        """See `Rung`."""
+        site.operator.tell(
+            f"The base drives {HAND_SPEED * 1.5:.2f} m straight on and stops, {2 * TIMES} times."
+        )
+        facts: Facts = {"speed_m_s": HAND_SPEED, "times": TIMES}
+        for name, stop in (("program", _by_program), ("heartbeat", _by_silence)):
+            if not site.confirm(f"clear_{name}", f"Is the way clear? Next: {name}."):
+                raise RungFailed("the way wasn't clear")
+            stops = [_stop_once(site, stop, number) for number in range(TIMES)]
+            facts[name] = told = _spread(stops)
+            allowed = self._allowed(site, name)
+            facts[f"{name}_allowed_m"] = round(allowed, 4)
+            if told["max_m"] > allowed:
+                raise RungFailed(f"{name}: ran on {told['max_m']:.3f} m; allowed: {allowed:.3f} m")
+        measured = site.number(
+            "tape_m",
+            "How far did the base run on in the last stop, by tape [m]?",
+            facts["heartbeat"]["last_m"],
+        )
+        facts["tape_m"] = measured
+        off = abs(measured - facts["heartbeat"]["last_m"])
+        if off > max(0.02, 0.1 * measured):
+            raise RungFailed(f"tape and encoders are {1e3 * off:.0f} mm apart: do the wheels slip?")
+        return facts
+
+    @staticmethod
+    def _allowed(site: Site, how: str) -> float:
+        """[m]: v (delay) + v²/2a, and two periods until it is seen."""
+        drive, period = site.robot.drive, site.robot.period_s
+        delay = 2 * period + (site.spec.heartbeat_timeout_ms / 1e3 if how == "heartbeat" else 0.0)
+        return HAND_SPEED * delay + HAND_SPEED**2 / (2 * drive.acceleration_m_s2)
+
+
+Stop = Callable[[CanBackend], None]
+
+
+def _stop_once(site: Site, stop: Stop, number: int) -> float:
+    """Drive up to 250 mm/s, stop, and tell how far the base ran on, in [m]."""
+    with site.backend(number) as backend:
+        base = backend.get(Base)  # type: ignore[type-abstract]
+        assert base is not None
+        drive, period = site.robot.drive, backend.period
+        speed = min(HAND_SPEED, drive.top_speed_m_s)
+        for _ in range(round((speed / drive.acceleration_m_s2 + 0.5) / period)):
+            base.drive(speed, 0.0)
+            backend.step()
+        before = _rolled(backend)
+        stop(backend)
+        return abs(_rolled(backend) - before)
+
+
+def _rolled(backend: CanBackend) -> float:
+    """Mean of both wheels by what the drives answer when they are asked, in [m]."""
+    wheels = (backend.axes.left, backend.axes.right)
+    return float(np.mean([axis.units.position(int(axis.sdo[0x6064].raw)) for axis in wheels]))
+
+
+def _by_program(backend: CanBackend) -> None:
+    backend.stop()
+    for _ in range(round(_WATCH / backend.period)):
+        backend.step()
+
+
+def _by_silence(backend: CanBackend) -> None:
+    """SYNCs go on, so that time passes on a bench; no heartbeat and no command is sent any more."""
+    for _ in range(round(_WATCH / backend.period)):
+        backend.watch(beat=False)
+
+
+def _spread(ways: list[float]) -> dict[str, float]:
+    p50, p99 = (round(float(each), 4) for each in np.percentile(ways, (50, 99)))
+    return {"p50_m": p50, "p99_m": p99, "max_m": round(max(ways), 4), "last_m": round(ways[-1], 4)}

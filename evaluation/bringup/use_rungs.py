@@ -1,0 +1,205 @@
+"""The rungs that calibrate the robot, and put it to use."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from backends.base import Base
+from backends.can.can_backend import CanBackend
+from backends.range_sensor import RangeSensor
+from networks.calibration import NAME, Calibration, rounded
+from primitives.calibrated import Calibrated
+
+from .jog import HAND_SPEED
+from .rung import Facts, Rung, RungFailed
+from .site import Site
+
+TAPE = 0.002
+"""[m]: how well a tape tells."""
+PROTRACTOR = math.radians(1.0)
+WAY, TURNS = 1.0, 1
+"""Of the base, in [m] and whole turns."""
+SCANS = 100
+_SETTLE = 1.0  # [s]
+
+
+class CalibrationRung(Rung):
+    """Odometry and range sensor are measured; what was found is a change to review."""
+
+    name = "calibrate"
+    told = "wheel radius, tread and range sensor are measured; `handcart adopt` shows what that changes"
+
+    def climb(self, site: Site) -> Facts:
+        """See `Rung`."""
+        found: dict[str, Calibrated] = {}
+        facts: Facts = {}
+        with site.backend() as backend:
+            if not site.confirm("clear", f"Is the way clear? The base drives {WAY} m and turns on the spot."):
+                raise RungFailed("the way wasn't clear")
+            self._radius(site, backend, found, facts)
+            self._tread(site, backend, found, facts)
+            self._ranges(site, backend, found, facts)
+        file = site.folder / NAME
+        kind = "can" + (f" --bench {site.bench}" if site.bench else "")
+        calibration = Calibration(
+            format="handcart-calibration/1", robot=site.name, backend=kind, found=rounded(found)
+        )
+        file.write_text(calibration.text(), encoding="utf-8")
+        facts["review"] = f"handcart adopt {file}"
+        return facts
+
+    def _radius(self, site: Site, backend: CanBackend, found: dict[str, Calibrated], facts: Facts) -> None:
+        before = _true_pose(backend)
+        rolled = _drive(site, backend, HAND_SPEED, 0.0, lambda left, right: (left + right) / 2 >= WAY)
+        way = (rolled[0] + rolled[1]) / 2
+        truth = float(np.hypot(*(_true_pose(backend)[:2] - before[:2])))
+        measured = site.number("way_m", "How far did the base drive, by tape [m]?", truth)
+        radius = site.robot.drive.wheel_radius_m * measured / way
+        found["drive.wheel_radius_m"] = Calibrated(radius, radius * TAPE / way)
+        facts |= {"way_by_encoder_m": round(way, 4), "way_m": round(measured, 4)}
+
+    def _tread(self, site: Site, backend: CanBackend, found: dict[str, Calibrated], facts: Facts) -> None:
+        drive = site.robot.drive
+        turn = min(0.5, HAND_SPEED / site.robot.footprint_radius_m)
+        goal = 2.0 * math.pi * TURNS * drive.tread_m / 2
+        before = _true_pose(backend)[2]
+        left, right = _drive(site, backend, 0.0, turn, lambda left, right: (right - left) / 2 >= goal)
+        by_encoder = (right - left) / drive.tread_m
+        true = before + by_encoder + _wrapped(_true_pose(backend)[2] - before - by_encoder)
+        measured = math.radians(
+            site.number(
+                "turn_deg", "How far did it turn, marks on the floor [deg]?", math.degrees(true - before)
+            )
+        )
+        tread = (right - left) / measured
+        found["drive.tread_m"] = Calibrated(tread, tread * PROTRACTOR / measured)
+        facts |= {"turn_by_encoder_deg": round(math.degrees(by_encoder), 2)}
+        facts |= {"turn_deg": round(math.degrees(measured), 2)}
+
+    def _ranges(self, site: Site, backend: CanBackend, found: dict[str, Calibrated], facts: Facts) -> None:
+        sensor = backend.get(RangeSensor)  # type: ignore[type-abstract]
+        if sensor is None:
+            facts["range_sensor"] = "none"
+            return
+        scans = []
+        for _ in range(SCANS):
+            backend.step()
+            scans.append(sensor.scan().ranges)
+        ranges = np.array(scans)
+        seen = np.isfinite(ranges).all(axis=0)
+        if not seen.any():
+            raise RungFailed("the range sensor sees nothing: no beam came back every time")
+        sigma = 1e3 * float(np.median(ranges[:, seen].std(axis=0, ddof=1)))
+        found["range_sensor.sigma_mm"] = Calibrated(sigma, sigma / math.sqrt(2 * SCANS))
+        ahead = int(np.argmin(np.abs(sensor.scan().angles)))
+        nearest = int(np.flatnonzero(seen)[np.argmin(np.abs(np.flatnonzero(seen) - ahead))])
+        told = float(ranges[:, nearest].mean())
+        angle = math.degrees(float(sensor.scan().angles[nearest]))
+        question = f"How far is it from the sensor at {angle:.0f} deg, by tape [m]?"
+        measured = site.number("range_m", question, told)
+        facts |= {"range_sigma_mm": round(sigma, 2), "range_m": round(told, 4), "range_by_tape_m": measured}
+        allowed = max(0.02, 3e-3 * sigma)
+        if abs(measured - told) > allowed:
+            wrong = f"the range sensor tells {told:.3f} m, the tape {measured:.3f} m"
+            raise RungFailed(f"{wrong}; allowed: {allowed:.3f} m apart")
+
+
+def _drive(
+    site: Site, backend: CanBackend, speed: float, turn: float, there: Callable[[float, float], bool]
+) -> tuple[float, float]:
+    """Drive until it is there, and stop; how far the wheels rolled, left and right, in [m]."""
+    base = backend.get(Base)  # type: ignore[type-abstract]
+    assert base is not None
+    begun = base.wheel_travel()
+    rolled = (0.0, 0.0)
+    with site.operator.hold("hold the space bar: the base moves") as held:
+        while not there(*rolled):
+            if not held():
+                backend.stop()
+                raise RungFailed("the key was let go before the base was there")
+            base.drive(min(speed, site.robot.drive.top_speed_m_s), turn)
+            backend.step()
+            now = base.wheel_travel()
+            rolled = now.left - begun.left, now.right - begun.right
+    backend.stop()
+    for _ in range(round(_SETTLE / backend.period)):
+        backend.step()
+    now = base.wheel_travel()
+    return now.left - begun.left, now.right - begun.right
+
+
+def _true_pose(backend: CanBackend) -> np.ndarray[Any, np.dtype[np.float64]]:
+    """x, y, heading on a bench, (3,) in [m] and [rad]; zero for a real robot."""
+    scene = backend.scene
+    return np.zeros(3) if scene is None else np.array([scene.base.x, scene.base.y, scene.base.theta])
+
+
+def _wrapped(angle: float) -> float:
+    return math.remainder(angle, 2.0 * math.pi)
+
+
+class CameraRung(Rung):
+    """The camera and its place on the hand are calibrated by a board."""
+
+    name = "camera"
+    told = "the camera and where it sits on the hand, by a board; `handcart adopt` shows what that changes"
+
+    def left_out(self, site: Site) -> str:
+        """See `Rung`."""
+        if site.robot.camera is None or site.robot.arm is None:
+            return "the robot has no camera on an arm"
+        if site.bench and not site.calibrates_camera:
+            return "the bench's world has no place for its board; on the robot it is not left out"
+        return ""
+
+    def climb(self, site: Site) -> Facts:
+        """See `Rung`."""
+        question = f"Is the board where {CAMERA_TASK.parent}/building.yaml says, and the arm free?"
+        if not site.confirm("board", question):
+            raise RungFailed("the board isn't there")
+        told = _run(site, CAMERA_TASK)
+        return {**told, "review": f"handcart adopt {told['run_dir']}"}
+
+
+class PrimitiveRung(Rung):
+    """The first primitive of the task, alone."""
+
+    name = "primitive"
+    told = "the first primitive of the task ends in Success"
+
+    def climb(self, site: Site) -> Facts:
+        """See `Rung`."""
+        settings = {"robot": site.name}
+        with prepare(site.task, "can", settings, bench=site.bench or None) as prepared:
+            network = prepared.task.network
+            plan = Planner(network, prepared.task.file.attempts if False else 3)
+            raise RungFailed(str(plan))
+
+
+class TaskRung(Rung):
+    """The task."""
+
+    name = "task"
+    told = "the task ends in Success"
+
+    def climb(self, site: Site) -> Facts:
+        """See `Rung`."""
+        if not site.confirm("ready", f"Is all ready for {site.task}, and is nobody in the robot's reach?"):
+            raise RungFailed("it isn't ready")
+        return _run(site, site.task)
+
+
+def _run(site: Site, task: Path) -> Facts:
+    """Run a task to its Success; raises `RungFailed`."""
+    summary, _ = run_task(
+        task, site.folder / "runs", "can", {"robot": site.name}, 0, draw=True, bench=site.bench or None
+    )
+    if summary["outcome"] != "Success":
+        explained = f"handcart explain {summary['run_dir']}"
+        raise RungFailed(f"{task}: {summary['outcome']}, {summary['reason']}; {explained}")
+    return {key: summary[key] for key in ("outcome", "actions", "fails", "sim_time_s", "run_dir")}

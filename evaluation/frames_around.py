@@ -1,0 +1,124 @@
+"""The CAN frames around a Fail, in words."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from pathlib import Path
+from statistics import median
+from typing import NamedTuple
+
+import can
+from can.io.canutils import CanutilsLogReader
+from pydantic import ValidationError
+
+from backends.can.frame_log import NAMES
+from backends.can.frame_names import FrameNames
+from backends.can.frame_words import FrameWords, Told
+
+MOST = 40  # lines at most, those nearest in time
+_SILENT = 2.5  # times its usual spacing that a frame is missing for
+
+
+class FrameLine(NamedTuple):
+    """A frame that tells something."""
+
+    time: float
+    """[s] of the robot's time."""
+    cob_id: int
+    told: Told
+
+
+@dataclass(frozen=True)
+class FramesAround:
+    """What passed on the bus around an instant, without what said the same again and again."""
+
+    file: Path
+    """All of it, as `candump -L` writes it."""
+    frames: int
+    """In that file."""
+    lines: tuple[FrameLine, ...]
+    """Orders, states, errors, settings: what changed."""
+    left_out: int
+    """Lines further away than those."""
+    silent: tuple[FrameLine, ...]
+    """The last of each cyclic frame that was due again before the instant, and didn't come."""
+
+
+def frames_around(file: Path, run: Path, instant: float, end: float) -> FramesAround:
+    """Read a file of the evidence back.
+
+    Args:
+        file: written when the action, or the run, had ended.
+        run: the run's folder.
+        instant: at which something went wrong, in [s] of the robot's time, as `end`.
+        end: of the action, or the run: the file's last frames are of then.
+
+    Raises:
+        OSError, ValueError: the file, or the names beside the journal, can't be read.
+    """
+    try:
+        names = FrameNames.model_validate_json((run / NAMES).read_bytes())
+    except ValidationError as error:
+        raise ValueError(f"{run / NAMES} is damaged: {error.error_count()} faults") from None
+    frames = _read(file)
+    if not frames:
+        return FramesAround(file, 0, (), 0, ())
+    later = end - frames[-1].timestamp  # from the log's clock to the robot's time
+    words = FrameWords(names)
+    all_lines = [
+        FrameLine(frame.timestamp + later, frame.arbitration_id, words.told(frame)) for frame in frames
+    ]
+    telling = list(_changes(all_lines))
+    nearest = sorted(sorted(telling, key=lambda line: abs(line.time - instant))[:MOST])
+    silent = tuple(_silent(all_lines, instant))
+    return FramesAround(file, len(frames), tuple(nearest), len(telling) - len(nearest), silent)
+
+
+def _read(file: Path) -> Sequence[can.Message]:
+    try:
+        with CanutilsLogReader(file) as reader:
+            return list(reader)
+    except (IndexError, UnicodeDecodeError) as error:
+        raise ValueError(f"{file} is no candump log: {error}") from None
+
+
+def _changes(lines: Sequence[FrameLine]) -> Iterator[FrameLine]:
+    before: dict[int, str] = {}
+    for line in lines:
+        state = line.told.state
+        if state is None:
+            yield line
+            continue
+        if before.setdefault(line.cob_id, state) != state:
+            before[line.cob_id] = state
+            yield line
+
+
+def _silent(lines: Sequence[FrameLine], instant: float) -> Iterator[FrameLine]:
+    came: dict[int, list[FrameLine]] = {}
+    for line in lines:
+        if line.told.state is not None and line.time <= instant:
+            came.setdefault(line.cob_id, []).append(line)
+    for each in came.values():
+        usual = median(b.time - a.time for a, b in pairwise(each)) if each[1:] else 0.0
+        if usual > 0.0 and instant - each[-1].time > _SILENT * usual:
+            yield each[-1]
+
+
+def in_words(around: FramesAround) -> Iterator[str]:
+    """A line for each."""
+    if around.left_out:
+        yield f"{around.left_out} lines further away are left out"
+    width = max((len(each.told.who) for each in (*around.lines, *around.silent)), default=0)
+    for each in around.lines:
+        yield _line(each, each.told.words, width)
+    for each in around.silent:
+        yield _line(each, "the last one: none came after", width)
+    if not around.lines and not around.silent:
+        yield "nothing but the same orders and states again and again"
+
+
+def _line(line: FrameLine, words: str, width: int) -> str:
+    return f"{line.time:9.3f} s  {line.told.who:<{width}}  {line.told.what:<9}  {words}".rstrip()

@@ -1,0 +1,48 @@
+"""What a survey noted of a run, in the run's folder."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from contextlib import suppress
+from pathlib import Path
+from typing import Any
+
+import orjson
+
+NAME = "survey.jsonl"
+
+
+class SurveyNotes:
+    """Lines of notes with their time; a run that broke off and goes on finds them again.
+
+    A disk that takes no more doesn't change how the run ends: there are fewer notes then.
+    """
+
+    def __init__(self, folder: Path) -> None:
+        """In the folder of a run, which may not be there yet."""
+        self._path = folder / NAME
+
+    def until(self, time_s: float) -> list[dict[str, Any]]:
+        """The notes up to a time in [s], oldest first; later ones are thrown away: that part is run again."""
+        if not self._path.exists():
+            return []
+        kept = []
+        for line in self._path.read_bytes().splitlines():
+            with suppress(orjson.JSONDecodeError):  # a crash may have torn the last one
+                note = orjson.loads(line)
+                if note["time_s"] <= time_s + 1e-9:
+                    kept.append(note)
+        new = self._path.with_suffix(".new")
+        new.write_bytes(b"".join(map(_line, kept)))
+        os.replace(new, self._path)
+        return kept
+
+    def add(self, time_s: float, note: Mapping[str, Any]) -> None:
+        """Note something at a time in [s]."""
+        with suppress(OSError), self._path.open("ab") as file:
+            file.write(_line({"time_s": time_s, **note}))
+
+
+def _line(note: Mapping[str, Any]) -> bytes:
+    return orjson.dumps(note, option=orjson.OPT_APPEND_NEWLINE)

@@ -1,0 +1,152 @@
+"""What DEPLOY and MOVE_TO share: the arm that carries a sensor to its target."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Generator
+
+import numpy as np
+from numpy.typing import NDArray
+
+from backends.robot import Robot
+from robotics.manipulation.collision_model import HELD
+from robotics.manipulation.resolved_rate import RateLimits, ResolvedRate, line_postures, way_to
+from robotics.manipulation.scara import world_to_base
+
+from .action_primitive import Periods
+from .arm_motion import collision_model, follow
+from .discrepancy import Discrepancy, Measured
+from .field import Field
+from .grip import close, hand_to_tips, open_to
+from .scara_arm import scara_of
+
+FAST = 0.15  # [m/s] of the slide
+TOUCHES = 5.0  # [N]
+WIDTH_ERROR = 0.004  # [m] by which a sensor may be thicker or thinner
+ARRIVED = 3e-4  # [m] of the tip from the end of its line
+LONGEST_LINE = 30.0  # [s]
+
+Vector = NDArray[np.float64]
+
+
+class SensorArm:
+    """A SCARA arm and its fingers: it takes a sensor, brings it over a place, and comes back.
+
+    Places are (2,) in [m] in the arm's frame, seen from above.
+    """
+
+    def __init__(self, robot: Robot, field: Field) -> None:
+        """Of a robot in a field; raises `Discrepancy` where its arm is no SCARA arm."""
+        self._robot, self._field = robot, field
+        self.scara = scara_of(robot)
+        self.below = field.below(hand_to_tips(robot))
+        """From the frame `hand` down to the foot of a sensor, in [m]."""
+        self.wide = math.hypot(*field.sensor_mm[:2]) / 2e3
+        """Half of a sensor's diagonal, seen from above, in [m]."""
+        self._home, self._middle = (np.array(robot.spec.posture(name)) for name in ("home", "middle"))
+
+    @property
+    def holds(self) -> bool:
+        """Whether the fingers press on something as wide as a sensor."""
+        return self._robot.gripper.closed_on_something() and self._off() < WIDTH_ERROR
+
+    def _off(self) -> float:
+        return abs(self._robot.gripper.width() - self._field.sensor_mm[1] / 1e3)
+
+    def take(self) -> Periods:
+        """Close the fingers on the sensor in the magazine; the arm is home."""
+        if not self.holds:
+            yield from open_to(self._robot)
+            yield from self._robot.wait(2 * self._robot.period)
+            yield from close(self._robot)
+        off = self._off()
+        if off > WIDTH_ERROR:
+            read = Measured("Gripper", "opening off a sensor's width", 1e3 * off, 1e3 * WIDTH_ERROR, "mm")
+            raise Discrepancy("the magazine gives no sensor", permanent=True, measured=read)
+
+    def place_of(self, point: Vector) -> Vector:
+        """Of a point (2,) of the ground in the field, in [m], by what is known now."""
+        robot = self._robot
+        return self.place_beside(world_to_base(robot.pose, robot.tilt, np.array([*point, 0.0]))[:2])
+
+    def place_beside(self, point: Vector) -> Vector:
+        """Of a point (2,) in the base frame, in [m]."""
+        mount = self.scara.mount
+        cos, sin = math.cos(mount[3]), math.sin(mount[3])
+        return np.asarray((point - np.array(mount[:2])) @ np.array([[cos, -sin], [sin, cos]]))
+
+    def reach(self, place: Vector) -> Periods:
+        """Bring the tip over a place, from home through the middle state; checked to be free beforehand."""
+        here = self._robot.arm.command()
+        begin = self._middle if here[0] > self._middle[0] else here
+        way = way_to(self.scara, begin, place)
+        if way is None:
+            raise Discrepancy(
+                f"the arm doesn't reach the target from here: it is at ({place[0]:.2f}, {place[1]:.2f}) m"
+            )
+        yield from self._robot.compute(self._check_free, begin, way)
+        if begin is self._middle:
+            yield from follow(self._robot, np.array([here, begin]))
+        for end in way:
+            yield from self.lead(end)
+
+    def _check_free(self, begin: Vector, way: list[Vector]) -> None:
+        """Raise `Discrepancy` where links, hand or sensor come to wheels or body on the way there."""
+        collision = collision_model(self._robot, self._field.held(hand_to_tips(self._robot), HELD))
+        path = [self._robot.arm.command(), begin]
+        for end in way:
+            line = line_postures(self.scara, path[-1], end)
+            if line is None:
+                raise Discrepancy("the arm can't lead the sensor to the target within its limits")
+            path += [np.array([*angles, begin[2]]) for angles in line[1:]]
+        path.append(np.array([*path[-1][:2], self.scara.slide[1]]))
+        if not collision.path_free(np.array(path), step=0.03):
+            hits = next((found for q in path if (found := collision.contacts(q))), [("the arm", "the robot")])
+            raise Discrepancy(f"{hits[0][0]} would touch {hits[0][1]} on the way to the target")
+
+    def lead(self, end: Vector) -> Periods:
+        """Bring the tip to a place in a straight line, by resolved rates."""
+        robot, joints = self._robot, self._robot.arm.command()
+        rates = ResolvedRate(self.scara, self.scara.tip(joints), end, RateLimits(rate=self._top()))
+        begun = robot.time
+        while rates.left(joints) > ARRIVED:
+            if robot.time - begun > LONGEST_LINE:
+                raise Discrepancy("the arm doesn't come to the end of its line")
+            joints = joints.copy()
+            joints[:2] += robot.period * rates.command(joints[:2], robot.period)
+            robot.arm.move(joints)
+            yield
+
+    def _top(self) -> float:
+        """What the turning joints may do, in [rad/s]."""
+        spec = self._robot.spec.arm
+        most = math.radians(spec.top_speed_deg_s) if spec else math.inf
+        return min(float(self._robot.arm_model.velocity[:2].min()), most) * (1.0 - 1e-6)
+
+    def slide(self, goal: float, speed: float = FAST) -> Generator[None, None, float]:
+        """Move the slide to `goal` [m], or until the hand meets something; gives the force from below [N]."""
+        robot = self._robot
+        step = min(speed, float(robot.arm_model.velocity[2])) * robot.period * (1.0 - 1e-6)
+        while abs(goal - (at := robot.arm.command()[2])) > 1e-6:
+            joints = robot.arm.command()
+            joints[2] = at + max(-step, min(step, goal - at))
+            robot.arm.move(joints)
+            yield
+            force = -float(robot.arm.hand_force()[0])
+            if goal > at and force > TOUCHES:
+                return force
+        return 0.0
+
+    def stow(self) -> Periods:
+        """Up, through the middle state, home; the fingers open."""
+        yield from self.slide(float(self._home[2]))
+        if self._robot.arm.command()[0] <= self._middle[0]:
+            yield from self._back_to_middle()
+        yield from follow(self._robot, np.array([self._robot.arm.command(), self._home]))
+        yield from open_to(self._robot)
+
+    def _back_to_middle(self) -> Periods:
+        end = self.scara.tip(self._middle)
+        if line_postures(self.scara, self._robot.arm.command(), end) is not None:
+            yield from self.lead(end)
+        yield from follow(self._robot, np.array([self._robot.arm.command(), self._middle]))

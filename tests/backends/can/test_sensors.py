@@ -1,0 +1,293 @@
+"""Sensors beside the drives: on a pseudo-terminal, from files."""
+
+from __future__ import annotations
+
+import fcntl
+import os
+import pty
+import termios
+import threading
+import time
+import tty
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pytest
+
+from backends.can.sensors.errors import NoSensor, StaleSensor
+from backends.can.sensors.line_imu import LineImu
+from backends.can.sensors.line_range_sensor import LineRangeSensor
+from backends.can.sensors.live_sensors import open_sensors, sensor_kinds
+from backends.can.sensors.nmea_gps import NmeaGps
+from backends.can.sensors.sensor_lines import checksum, read_line, sensor_line
+from backends.can.sensors.video_camera import VideoCamera
+from backends.can_sensor_spec import CameraSource, GpsSource, LineSource, SensorsSpec
+from backends.mounted_camera import MountedCamera, camera_model
+from backends.range_sensor import RangeSensor
+from backends.robot_file import CameraSpec, RangeSpec, load_robot
+
+RANGE = RangeSpec(beams=4, reach_m=5.0, sigma_mm=10.0)
+CAMERA = CameraSpec(width_px=64, height_px=48, focal_px=60.0)
+
+
+class Clock:
+    """Goes when it is told to."""
+
+    now = 1000.0
+
+    def __call__(self) -> float:
+        return self.now
+
+
+class Device:
+    """What is at the other end of a pseudo-terminal."""
+
+    def __init__(self) -> None:
+        self._ours, theirs = pty.openpty()
+        tty.setraw(theirs)
+        self.port = os.ttyname(theirs)
+        self._theirs = theirs
+
+    def say(self, line: bytes) -> None:
+        waiting = self._waiting() + len(line)
+        os.write(self._ours, line)
+        while self._waiting() < waiting:  # the system hands it over by and by
+            time.sleep(0.001)
+
+    def _waiting(self) -> int:
+        return int.from_bytes(fcntl.ioctl(self._theirs, termios.FIONREAD, bytes(4)), "little")
+
+    def unplug(self) -> None:
+        for each in (self._ours, self._theirs):
+            if each >= 0:
+                os.close(each)
+        self._ours = self._theirs = -1
+
+
+@pytest.fixture
+def clock() -> Clock:
+    return Clock()
+
+
+@pytest.fixture
+def device() -> Iterator[Device]:
+    made = Device()
+    yield made
+    made.unplug()
+
+
+@pytest.fixture
+def scanner(device: Device, clock: Clock) -> Iterator[LineRangeSensor]:
+    sensor = LineRangeSensor(LineSource(port=device.port), RANGE, np.eye(4), clock)
+    yield sensor
+    sensor.close()
+
+
+def ranges(stamp: int, *values: float) -> bytes:
+    return sensor_line("RANGE", stamp, np.array(values))
+
+
+def test_lines_come_back_as_they_were_sent() -> None:
+    read = read_line(ranges(1250, 0.5, np.inf, 2.25, 3.0).strip())
+    assert read is not None
+    assert (read.kind, read.stamp) == ("RANGE", 1250)
+    np.testing.assert_array_equal(read.values, [0.5, np.inf, 2.25, 3.0])
+    for told in (b"$RANGE,1250,0.512,0.514,,0.52*6A", b"$IMU,1250,0.001,0.0,-0.02,0.1,0.0,9.81*54"):
+        assert read_line(told) is not None
+    assert checksum(b"") == 0
+
+
+@pytest.mark.parametrize(
+    "line",
+    [b"", b"$", b"*", b"$RANGE,1,2*00", b"RANGE,1*00", b"$RANGE,x,1*4C", b"\xff" * 9, b"$RANGE,1,2*zz"],
+)
+def test_damaged_lines_are_none(line: bytes) -> None:
+    assert read_line(line) is None
+
+
+def test_a_scan(device: Device, scanner: LineRangeSensor) -> None:
+    device.say(ranges(10, 1.0, 2.0, np.inf, 7.0))
+    scanner.advance()
+    scan = scanner.scan()
+    np.testing.assert_array_equal(scan.ranges, [1.0, 2.0, np.inf, np.inf])  # 7 m is beyond its reach
+    np.testing.assert_allclose(scan.angles, np.radians([-180, -90, 0, 90]))
+    np.testing.assert_allclose(scan.points(), [[-1.0, 0.0], [0.0, -2.0]], atol=1e-12)
+
+
+def test_halves_of_lines_wait_for_the_rest(device: Device, scanner: LineRangeSensor) -> None:
+    whole = ranges(10, 1.0, 2.0, 3.0, 4.0)
+    device.say(whole[:9])
+    scanner.advance()
+    with pytest.raises(StaleSensor, match="the range sensor: no reading has come yet; allowed: 200 ms"):
+        scanner.scan()
+    device.say(whole[9:])
+    scanner.advance()
+    assert scanner.scan().ranges[0] == 1.0
+
+
+def test_s1_stale(device: Device, scanner: LineRangeSensor, clock: Clock) -> None:
+    """S1: no new reading for 200 ms."""
+    device.say(ranges(10, 1.0, 2.0, 3.0, 4.0))
+    scanner.advance()
+    clock.now += 0.19
+    scanner.advance()
+    scanner.scan()
+    clock.now += 0.02
+    with pytest.raises(StaleSensor, match="its last reading is 210 ms old; allowed: 200 ms"):
+        scanner.scan()
+
+
+def test_s3_s5_what_is_no_reading_is_dropped(device: Device, scanner: LineRangeSensor, clock: Clock) -> None:
+    """S3: NaN, another size; S5: a stamp again, or backwards. They count, and the last grows old."""
+    device.say(ranges(10, 1.0, 2.0, 3.0, 4.0))
+    scanner.advance()
+    clock.now += 0.15
+    device.say(ranges(20, 1.0, np.nan, 3.0, 4.0) + ranges(30, 1.0) + ranges(10, 9.0, 9.0, 9.0, 9.0))
+    device.say(ranges(5, 9.0, 9.0, 9.0, 9.0) + b"$RANGE,40,1,1,1,1*00\n")
+    scanner.advance()
+    assert scanner.rejected == 5
+    assert scanner.scan().ranges[0] == 1.0
+    assert scanner.age == pytest.approx(0.15)
+
+
+def test_s6_a_sensor_that_is_unplugged(device: Device, scanner: LineRangeSensor, clock: Clock) -> None:
+    """S6: `advance` doesn't raise; who asks is told, and why."""
+    device.unplug()
+    for _ in range(3):
+        clock.now += 1.0
+        scanner.advance()
+    with pytest.raises(StaleSensor, match="the range sensor: no reading has come yet"):
+        scanner.scan()
+
+
+def test_an_inertial_unit_is_averaged_over_the_period(device: Device, clock: Clock) -> None:
+    unit = LineImu(LineSource(port=device.port), clock)
+    for stamp, rate in ((1, 0.1), (2, 0.3), (3, 500.0)):
+        device.say(sensor_line("IMU", stamp, np.array([0.0, 0.0, rate, 0.0, 0.0, 9.81])))
+    unit.advance()
+    np.testing.assert_allclose(unit.rates(), [0.0, 0.0, 0.2])
+    np.testing.assert_allclose(unit.accelerations(), [0.0, 0.0, 9.81])
+    assert unit.rejected == 1
+    clock.now += 1.0
+    with pytest.raises(StaleSensor):
+        unit.rates()
+    unit.close()
+
+
+def nmea(body: str) -> bytes:
+    return f"${body}*{checksum(body.encode()):02X}\r\n".encode()
+
+
+def test_a_receiver(device: Device, clock: Clock) -> None:
+    """10 arc seconds north are 308.9 m in the middle latitudes, 10 east of them at 48 degrees 207 m."""
+    source = GpsSource(port=device.port, origin_lat_deg=48.0, origin_lon_deg=11.0)
+    receiver = NmeaGps(source, clock)
+    gga = "GPGGA,123519,4800.16667,N,01100.16667,E,{},08,0.9,545.4,M,46.9,M,,"
+    device.say(nmea(gga.format(1)))
+    receiver.advance()
+    fix = receiver.fix()
+    assert fix is not None
+    np.testing.assert_allclose(fix.position, [207.2, 308.9], atol=0.3)
+    assert fix.sigma == pytest.approx(2.5 * 0.9)
+    receiver.advance()
+    assert receiver.fix() is None  # none came in this period
+    device.say(nmea("GPGST,123520,0.5,,,,0.30,0.40,0.9") + nmea(gga.format(4)))
+    receiver.advance()
+    fix = receiver.fix()
+    assert fix is not None
+    assert fix.sigma == pytest.approx(np.hypot(0.3, 0.4) / np.sqrt(2))
+    device.say(
+        nmea(gga.format(0)) + b"$GPGGA,1*00\r\n" + b"\xff\xfe$!!\r\n" + nmea("GPGGA,1,x,N,y,E,1,,,,,,,,")
+    )
+    receiver.advance()
+    assert receiver.fix() is None
+    assert receiver.rejected == 3
+    receiver.close()
+
+
+def test_a_receiver_that_isnt_good_enough(device: Device, clock: Clock) -> None:
+    source = GpsSource(port=device.port, origin_lat_deg=48.0, origin_lon_deg=11.0, quality=4)
+    receiver = NmeaGps(source, clock)
+    for quality, good in ((1, False), (5, False), (4, True)):
+        device.say(nmea(f"GPGGA,123519,4800.1,N,01100.1,E,{quality},08,0.9,545.4,M,46.9,M,,"))
+        receiver.advance()
+        assert (receiver.fix() is not None) is good
+    receiver.close()
+
+
+@pytest.mark.parametrize("port", ["/dev/none", "socket://127.0.0.1:1", "nonsense://x"])
+def test_a_port_that_isnt_there(port: str) -> None:
+    with pytest.raises(NoSensor, match=r"the inertial unit: .* can't be opened"):
+        LineImu(LineSource(port=port))
+
+
+@pytest.fixture
+def make_camera(clock: Clock) -> Iterator[Callable[..., VideoCamera]]:
+    made: list[VideoCamera] = []
+
+    def make(source: Path, spec: CameraSpec = CAMERA) -> VideoCamera:
+        made.append(
+            VideoCamera(CameraSource(source=str(source)), MountedCamera(camera_model(spec), np.eye(4)), clock)
+        )
+        return made[-1]
+
+    yield make
+    for each in made:
+        each.close()
+
+
+def picture(grey: int) -> np.ndarray:  # type: ignore[type-arg]
+    return np.full((48, 64, 3), grey, np.uint8)
+
+
+def test_a_picture_stays(tmp_path: Path, clock: Clock, make_camera: Callable[..., VideoCamera]) -> None:
+    path = tmp_path / "picture.png"
+    cv2.imwrite(str(path), picture(77))
+    camera = make_camera(path)
+    for _ in range(5):
+        clock.now += 1.0
+        camera.advance()
+        image = camera.image()
+        assert (image.shape, image.dtype, int(image[0, 0])) == ((48, 64), np.uint8, 77)
+    assert camera.model.width == 64
+
+
+def test_a_video_goes_on_a_picture_a_period(tmp_path: Path, make_camera: Callable[..., VideoCamera]) -> None:
+    path = tmp_path / "video.avi"
+    writer = cv2.VideoWriter(str(path), cv2.VideoWriter.fourcc(*"MJPG"), 10, (64, 48))
+    for grey in (40, 120, 200):
+        writer.write(picture(grey))
+    writer.release()
+    camera, seen = make_camera(path), []
+    for _ in range(4):
+        camera.advance()
+        assert camera.image() is camera.image()
+        seen.append(int(camera.image().mean()))
+    np.testing.assert_allclose(seen, [40, 120, 200, 200], atol=3)
+
+
+def test_a_picture_of_another_size_is_refused(
+    tmp_path: Path, make_camera: Callable[..., VideoCamera]
+) -> None:
+    cv2.imwrite(str(tmp_path / "picture.png"), picture(77)[:40])
+    with pytest.raises(NoSensor, match="the camera gives 64 x 40 pixels; the robot's file says 64 x 48"):
+        make_camera(tmp_path / "picture.png")
+    (tmp_path / "empty.png").write_bytes(b"")
+    with pytest.raises(NoSensor, match=r"can't be opened|gives no picture"):
+        make_camera(tmp_path / "empty.png")
+
+
+def test_sensors_of_a_robot(device: Device) -> None:
+    cart = load_robot("cart")
+    sensors = SensorsSpec(range_sensor=LineSource(port=device.port))
+    assert sensor_kinds(sensors) == (RangeSensor,)
+    before = threading.active_count()
+    (scanner,) = open_sensors(cart, sensors)
+    scanner.close()
+    with pytest.raises(NoSensor, match="needed: the section 'imu'"):
+        open_sensors(
+            cart, SensorsSpec(range_sensor=LineSource(port=device.port), imu=LineSource(port="/dev/x"))
+        )
+    assert threading.active_count() == before

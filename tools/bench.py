@@ -1,0 +1,117 @@
+"""`handcart bench`: simulated drives as a process of their own."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, TextIO
+
+import typer
+
+if TYPE_CHECKING:
+    from backends.can.simulated.bench import Bench
+
+AT_THE_PROGRAM = ("bus-down", "error-passive", "error-warning", "bus-off", "queue-full", "cable-off")
+"""Faults of the program's own interface, which no other process can have for it."""
+
+
+def bench(
+    robot: Annotated[str, typer.Argument(help="a shipped robot, or the path of a robot's file")] = "cart",
+    interface: Annotated[str, typer.Option(help="of python-can")] = "udp_multicast",
+    channel: Annotated[str, typer.Option(help="of the interface")] = "239.74.163.2",
+    backend: Annotated[
+        str | None, typer.Option(help="the simulated robot behind the drives; left out: motors alone")
+    ] = None,
+    world: Annotated[Path | None, typer.Option(help="that the simulated robot stands in")] = None,
+    seed: Annotated[int, typer.Option(help="of the simulated errors")] = 0,
+    faults: Annotated[
+        list[str] | None, typer.Option("--fault", help="NAME@SECONDS or NAME@SECONDS@NODE: what goes wrong")
+    ] = None,
+    list_faults: Annotated[bool, typer.Option("--list-faults", help="tell what can go wrong")] = False,
+    log: Annotated[
+        Path | None, typer.Option(help="write time, positions, speeds and states of the drives into it")
+    ] = None,
+    seconds: Annotated[float | None, typer.Option(help="end after that; left out: with Ctrl-C")] = None,
+) -> None:
+    """Simulate a robot's drives on a CAN interface, in real time, until Ctrl-C."""
+    if list_faults:
+        _list_faults()
+        return
+    import signal
+    import time
+
+    from backends.can.errors import NoDrives
+    from backends.can.open_bus import open_interface
+    from backends.can.simulated.bench import Bench
+    from backends.can.simulated.bench_server import BenchServer
+    from backends.registry import make_backend
+    from backends.robot_file import load_robot
+
+    spec = load_robot(robot)
+    if spec.can is None:
+        raise NoDrives()
+    planned = [_planned(each) for each in faults or ()]
+    inner = None if backend is None else make_backend(backend, spec, world or _library(), seed)
+    bus = open_interface(interface, channel, 1000 * spec.can.bitrate_kbit_s)
+    made = Bench(spec, spec.can, inner, bus)
+    over: list[int] = []
+    for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+        signal.signal(number, lambda kind, _: over.append(kind))
+    end = None if seconds is None else time.monotonic() + seconds
+    file = None if log is None else log.open("w", encoding="utf-8", buffering=1)
+    try:
+        for name, at, node in planned:
+            made.misbehave(name, at, node)
+        nodes = ", ".join(f"{name} {axis.node}" for name, axis in spec.can.axes())
+        print(f"drives of {robot} on {interface} {channel}: {nodes}; Ctrl-C ends", flush=True)
+        server = BenchServer(made, spec.period_s, look=None if file is None else _Log(file))
+        server.serve(lambda: bool(over) or (end is not None and time.monotonic() >= end))
+    finally:
+        made.close()
+        if file is not None:
+            file.close()
+
+
+def _library() -> Path:
+    from evaluation.stage import LIBRARY
+
+    return LIBRARY / "world.yaml"
+
+
+def _planned(told: str) -> tuple[str, float, int | None]:
+    from backends.can.simulated.misbehaviours import misbehaviour
+
+    name, _, rest = told.partition("@")
+    misbehaviour(name)
+    if name in AT_THE_PROGRAM:
+        raise typer.BadParameter(f"{name!r} happens at the program's own interface; allowed: any other fault")
+    at, _, node = rest.partition("@")
+    try:
+        return name, float(at or 0.0), int(node) if node else None
+    except ValueError:
+        raise typer.BadParameter(
+            f"{told!r} is no fault; allowed: NAME@SECONDS or NAME@SECONDS@NODE"
+        ) from None
+
+
+def _list_faults() -> None:
+    from backends.can.simulated.misbehaviours import MISBEHAVIOURS
+
+    for name, each in MISBEHAVIOURS.items():
+        here = " (not in a process of its own)" if name in AT_THE_PROGRAM else ""
+        print(f"{name:<18} {each.rows:<9} {each.what}{here}")
+
+
+class _Log:
+    """A line a period: monotonic time, the bench's time, then position, velocity and state of each drive."""
+
+    def __init__(self, file: TextIO) -> None:
+        self._file = file
+
+    def __call__(self, bench: Bench) -> None:
+        """A period has passed."""
+        import time
+
+        told = [f"{time.monotonic():.6f}", f"{bench.time:.4f}"]
+        for node, drive in bench.drives.items():
+            told.append(f"{node}:{drive.position:.1f}:{drive.velocity:.1f}:{drive.life.state}")
+        print(",".join(told), file=self._file)
