@@ -99,7 +99,7 @@ class Backend(ABC):
         Raises:
             NoBench: this backend has no drives, or there can be no such bench.
         """
-        raise NoBench(f"the backend {cls.name!r} has no drives to simulate; allowed: --bench with --backend can")
+        raise NoBench(f"the backend {cls.name!r} has no drives; allowed: --bench with --backend can")
 
     @abstractmethod
     def capabilities(self) -> tuple[Capability, ...]:

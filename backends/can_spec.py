@@ -40,7 +40,7 @@ class AxisSpec(FileModel):
     brake: bool = False
     """Whether a brake holds it when it has no torque."""
     following_ms: Annotated[int, Field(gt=0, lt=2**16)] = 100
-    """For how long it may be off its demand by more than the window (6066h)."""
+    """For how long a position may be off its demand by more than the window (6066h)."""
     vendor_id: Word | None = None
     """Of its identity (1018h:1); left out: not looked at."""
     product_code: Word | None = None
@@ -68,8 +68,8 @@ class WheelDriveSpec(AxisSpec):
     """`profile`: the drive plans its ramps (mode 3); `csv`: it takes a velocity each period (mode 9)."""
     stop: Literal["hold", "brake_then_disable"] = "brake_then_disable"
     gravity: bool = False
-    following_percent: Annotated[float, Field(gt=0.0, le=100.0)] = 25.0
-    """Of the rim's top speed, by which its speed may be off."""
+    following_mm: Positive = 50.0
+    """By how much the rim may roll more or less than it should, within half a second."""
 
     def counts_per_m(self, radius: float) -> float:
         """Counts for a metre that a wheel of this radius, in [m], rolls forward."""
@@ -85,7 +85,7 @@ class JointDriveSpec(AxisSpec):
     """What it counts where the URDF's joint is at zero."""
     stop: Literal["hold", "brake_then_disable"] = "hold"
     gravity: bool = True
-    following_deg: Positive = 5.0
+    following_deg: Positive = 3.0
     """Window of its following error (6065h)."""
     rated_torque_nm: Positive
     """What 1000 of its torque (6077h) is at the joint."""

@@ -22,8 +22,11 @@ class Recording(ABC):
         """Keep everything in this folder, with what has passed up to now."""
 
     @abstractmethod
-    def flush(self) -> None:
-        """Hand to the system what has passed: a process that is killed then loses none of it."""
+    def look(self, time: float) -> None:
+        """A period has passed; it is `time` in [s] by the robot.
+
+        What has passed is handed to the system: a process that is killed then loses none of it.
+        """
 
     @abstractmethod
     def mark(self) -> None:
@@ -31,7 +34,10 @@ class Recording(ABC):
 
     @abstractmethod
     def keep(self, stem: Path) -> None:
-        """Write the last seconds, and those before the mark, into a file: `stem` and the suffix."""
+        """Write the last seconds, and those before the mark, into a file: `stem` and the suffix.
+
+        Its stamps are the robot's time.
+        """
 
     @abstractmethod
     def close(self) -> None:

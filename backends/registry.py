@@ -36,6 +36,13 @@ class UnknownBackend(InputError, KeyError):
         return str(self.args[0])
 
 
+class MissingLibrary(InputError):
+    """A package isn't installed that a backend needs."""
+
+    def __init__(self, backend: str, package: str) -> None:
+        super().__init__(f"the backend {backend!r} needs the package {package!r}; allowed: pip install -e . first")
+
+
 @cache
 def _all() -> dict[str, str]:
     return TABLE | {each.name: each.value for each in entry_points(group="handcart.backends")}
@@ -87,16 +94,18 @@ def make_backend(
 def check_world(world: Path, start: Pose2 = HERE) -> None:
     """Read a world's file, or a map, and build nothing; raises `FileError`."""
     from .map_world import as_world_file
-    from .scene.load_world import load_world
 
     with as_world_file(world, start) as file:
-        load_world(file)
+        import_module("backends.scene.load_world").load_world(file)
 
 
 def backend_class(name: str) -> type[Backend]:
-    """The class of a backend; raises `UnknownBackend`."""
+    """The class of a backend; raises `UnknownBackend`, or `MissingLibrary`."""
     if name not in _all():
         raise UnknownBackend(name)
     module, _, attribute = _all()[name].partition(":")
-    kind: type[Backend] = getattr(import_module(module), attribute)
+    try:
+        kind: type[Backend] = getattr(import_module(module), attribute)
+    except ModuleNotFoundError as missing:
+        raise MissingLibrary(name, str(missing.name or missing)) from None
     return kind

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from importlib import import_module
 from typing import TYPE_CHECKING
 
 from files.suggest import suggest
 from robotics.kinematics.urdf_assembly import link_names
 
+from .can_findings import can_findings
 from .ground_spec import OUTDOORS
 from .robot_parts import UrdfError
 
@@ -36,6 +38,7 @@ def robot_findings(robot: RobotFile, document: Document) -> list[Finding]:
         *boxes,
         *_positioning_findings(robot, document),
         *_bus_findings(robot, document),
+        *can_findings(robot, document),
     ]
 
 
@@ -43,14 +46,12 @@ def _bus_findings(robot: RobotFile, document: Document) -> list[Finding]:
     """Whether the bus carries what goes over it each period."""
     if robot.can is None:
         return []
-    from .can.bus_load import ALLOWED
-    from .can.cyclic_frames import bus_load
-
-    load = bus_load(robot.can, robot.period_s)
+    # By name: who reads a robot's file needn't know its buses.
+    load = import_module("backends.can.cyclic_frames").bus_load(robot.can, robot.period_s)
     if not load.too_much:
         return []
     wrong = f"cyclic frames take {load.share:.0%} of the bus at this bit rate and {robot.period_s} s a period"
-    return [document.finding(("can", "bitrate_kbit_s"), f"{wrong}; allowed: at most {ALLOWED:.0%}")]
+    return [document.finding(("can", "bitrate_kbit_s"), f"{wrong}; allowed: at most {load.ALLOWED:.0%}")]
 
 
 def _positioning_findings(robot: RobotFile, document: Document) -> list[Finding]:

@@ -34,7 +34,7 @@ from backends.robot_file import RobotFile, load_robot
 ROBOT = "cart"
 CHANNEL = "239.74.163.77"
 SPEED = 0.5  # [m/s]
-SEEN = 0.01  # [s] between two lines of the log
+SEEN = 0.02  # [s]: drives look each 5 ms, time passes on the bench in steps of 5 ms, and is then written down
 QUIET = 0.5  # [s] that the drives are watched afterwards
 
 
@@ -49,7 +49,7 @@ class Kill:
     distance: float
     """By which the faster wheel rolled on, in [m]."""
     allowed: float
-    """[s]: heartbeat time, ramp, and 10 ms to be seen."""
+    """[s]: heartbeat time, ramp, and 20 ms to be seen."""
 
     @property
     def held(self) -> bool:
@@ -149,7 +149,7 @@ def kill_once(log: Path, seed: int, robot: RobotFile) -> Kill | None:
 
 
 def allowed(robot: RobotFile, speed: float) -> float:
-    """[s] from the kill to standing still: heartbeat time, ramp, and 10 ms until the log shows it."""
+    """[s] from the kill to standing still: heartbeat time, ramp, and 20 ms until the log shows it."""
     from backends.can.axes import Axes
 
     assert robot.can is not None
@@ -188,7 +188,7 @@ def figures(results: list[Kill]) -> dict[str, float | int]:
         "stood_p50_ms": round(1e3 * float(np.percentile(stood, 50)), 1),
         "stood_p99_ms": round(1e3 * float(np.percentile(stood, 99)), 1),
         "stood_max_ms": round(1e3 * float(stood.max()), 1),
-        "least_margin_ms": round(1e3 * float(margin.min()), 1),
+        "beyond_heartbeat_and_ramp_max_ms": round(1e3 * (SEEN - float(margin.min())), 1),
         "distance_max_mm": round(1e3 * max(each.distance for each in results), 1),
     }
 
@@ -196,16 +196,21 @@ def figures(results: list[Kill]) -> dict[str, float | int]:
 def main(
     kills: Annotated[int, typer.Option(help="how often")] = 100,
     seed: Annotated[int, typer.Option(help="of the moments")] = 0,
+    fifo: Annotated[
+        bool, typer.Option("--fifo", help="SCHED_FIFO, where allowed: nobody else counts")
+    ] = False,
     as_json: Annotated[bool, typer.Option("--json", help="one JSON object on stdout")] = False,
 ) -> None:
     """Kill, look, and tell; status 1 if a drive stood too late."""
+    if fifo:
+        os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(20))
     results = run(kills, lambda words: print(words, file=sys.stderr, flush=True), seed)
     told = figures(results)
     if as_json:
         print(json.dumps({**told, "trials": [asdict(each) for each in results]}))
     else:
         for name, value in told.items():
-            print(f"{name:<18} {value}")
+            print(f"{name:<34} {value}")
     sys.exit(1 if told["too_late"] else 0)
 
 

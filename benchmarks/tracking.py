@@ -1,9 +1,10 @@
 """How far a tool is off its seam, the base standing or moving.
 
-python -m benchmarks.tracking [RUNS] [--plot FILE]
+python -m benchmarks.tracking [RUNS] [--plot FILE] [--physics]
 
 Median over the runs (40) of each one's largest error, as Shin et al. (2005), figure 5, compares them.
-"Standing" is the task track_seam on the kinematic backend, its error the distance of the tool from the seam.
+"Standing" is the task track_seam, on the kinematic backend or in physics; its error is the tool's distance
+from the seam.
 "Moving" drives the base along the seam; the error is the distance from where the tool should be at that time.
 """
 
@@ -53,24 +54,24 @@ class Row(NamedTuple):
         return f"{self.name:58}{rms:7.2f}{maximum:9.2f}{late:9.2f}{use:8.2f}   {self.wanted}"
 
 
-def standing(count: int) -> tuple[Row, Run]:
-    """Runs of the task."""
+def standing(count: int, backend: str | None = None) -> tuple[Row, Run]:
+    """Runs of the task, on the kinematic backend or another."""
     maxima, rms, last, use = [], [], (np.zeros(1), np.zeros(1)), 0.0
     with tempfile.TemporaryDirectory() as folder:
         for seed in range(count):
-            judge = _judged(Path(folder) / str(seed), seed)
+            judge = _judged(Path(folder) / str(seed), seed, backend)
             assert judge.seam is not None
             figures = judge.seam.figures()
             maxima.append(figures["tracking_error_mm_max"])
             rms.append(figures["tracking_error_mm_rms"])
             use = max(use, *(float(each.speed.max()) for each in judge.seam.uses()))
             last = _in_a_row(judge.seam.errors())
-    return Row("standing", maxima, rms, use, "<= 1"), last
+    return Row(f"standing, {backend}" if backend else "standing", maxima, rms, use, "<= 1"), last
 
 
-def _judged(folder: Path, seed: int) -> Judge:
+def _judged(folder: Path, seed: int, backend: str | None) -> Judge:
     """What the ground truth says of a run."""
-    with prepare(TASK / "task.yaml", seed=seed) as prepared:
+    with prepare(TASK / "task.yaml", backend, seed=seed) as prepared:
         judge = Judge(prepared)
         end = execute(prepared, folder, [judge], permits=Permits("always"), onlookers=[judge.look])
         assert end.outcome == "Success", end.reason
@@ -100,10 +101,14 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("runs", nargs="?", type=int, default=40)
     parser.add_argument("--plot", type=Path, help="draw one run of each, as figure 5")
+    parser.add_argument("--physics", action="store_true", help="the standing runs in PyBullet alone")
     given = parser.parse_args()
     print(
         f"{'error in mm, ' + str(given.runs) + ' runs':58}{'rms':>7}{'max':>9}{'p95':>9}{'speed':>8}   wanted"
     )
+    if given.physics:
+        print(standing(given.runs, "pybullet")[0])
+        return
     shown = []
     for name in MOVING:
         row, run = moving(name, given.runs)

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .as_laid_report import NAME, AsLaid
-from .field_survey import FieldSurvey
+from .field_survey import FieldSurvey, Place
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -21,7 +21,7 @@ FIX, ODOMETRY, ESTIMATE, TRUTH = "#e0c000", "#3b6fd4", "#d62828", "#111111"
 LAID, UNSEEN = "#c2408a", "#999999"
 WIDE = 11.0  # [in]
 TALL = (1.9, 5.5)  # [in] of a panel with the course
-MOST = 3000  # points of a kind: more aren't seen, and make the file large
+MOST = 1500  # points of a kind: more aren't seen, and make the file large
 INSIDE = 5.991  # squared distance in sigmas that 95 % keep, of two degrees of freedom
 
 
@@ -39,8 +39,11 @@ def draw_as_laid(folder: Path, survey: FieldSurvey, sensors: list[AsLaid]) -> Pa
     _hand(axes["hand"], survey)
     _errors(axes["errors"], survey)
     _ellipses(axes["ellipses"], survey, sensors)
-    for each in axes.values():
-        each.set_aspect("equal", adjustable="datalim")
+    for name, each in axes.items():
+        if name in ("hand", "track") and tall <= TALL[0]:
+            each.set_ylabel("stretched")  # a straight course: else what is to be seen isn't
+        else:
+            each.set_aspect("equal", adjustable="datalim")
         each.grid(alpha=0.3)
     path = folder / f"{NAME}.svg"
     with matplotlib.rc_context({"svg.hashsalt": "handcart"}):
@@ -56,7 +59,7 @@ def _tall(survey: FieldSurvey) -> float:
     return float(np.clip(WIDE * (high + 2.0) / (long + 2.0), *TALL))
 
 
-def _thinned(points: Sequence[Sequence[float]]) -> Array:
+def _thinned(points: Sequence[Place] | Sequence[Array]) -> Array:
     """(2, n) not more than can be seen."""
     return np.array(points[:: 1 + len(points) // MOST]).T
 

@@ -210,7 +210,7 @@ def _frames(told: Explanation) -> str:
     end = action.end if action else last
     instant = end if action is None or action.broken_off is None else action.broken_off
     try:
-        around = frames_around(told.frames, told.run.folder, instant, end)
+        around = frames_around(told.frames, told.run.folder, instant)
     except (OSError, ValueError) as error:
         return f"Frames on the CAN bus\n  they can't be read: {error}"
     head = f"Frames on the CAN bus around {instant:.3f} s, without what was said before"

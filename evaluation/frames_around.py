@@ -43,17 +43,16 @@ class FramesAround:
     left_out: int
     """Lines further away than those."""
     silent: tuple[FrameLine, ...]
-    """The last of each cyclic frame that was due again before the instant, and didn't come."""
+    """The last of each cyclic answer that ends while others go on."""
 
 
-def frames_around(file: Path, run: Path, instant: float, end: float) -> FramesAround:
+def frames_around(file: Path, run: Path, instant: float) -> FramesAround:
     """Read a file of the evidence back.
 
     Args:
         file: written when the action, or the run, had ended.
         run: the run's folder.
-        instant: at which something went wrong, in [s] of the robot's time, as `end`.
-        end: of the action, or the run: the file's last frames are of then.
+        instant: at which something went wrong, in [s] of the robot's time.
 
     Raises:
         OSError, ValueError: the file, or the names beside the journal, can't be read.
@@ -65,14 +64,11 @@ def frames_around(file: Path, run: Path, instant: float, end: float) -> FramesAr
     frames = _read(file)
     if not frames:
         return FramesAround(file, 0, (), 0, ())
-    later = end - frames[-1].timestamp  # from the log's clock to the robot's time
     words = FrameWords(names)
-    all_lines = [
-        FrameLine(frame.timestamp + later, frame.arbitration_id, words.told(frame)) for frame in frames
-    ]
+    all_lines = [FrameLine(each.timestamp, each.arbitration_id, words.told(each)) for each in frames]
     telling = list(_changes(all_lines))
     nearest = sorted(sorted(telling, key=lambda line: abs(line.time - instant))[:MOST])
-    silent = tuple(_silent(all_lines, instant))
+    silent = tuple(_silent(all_lines))
     return FramesAround(file, len(frames), tuple(nearest), len(telling) - len(nearest), silent)
 
 
@@ -96,15 +92,18 @@ def _changes(lines: Sequence[FrameLine]) -> Iterator[FrameLine]:
             yield line
 
 
-def _silent(lines: Sequence[FrameLine], instant: float) -> Iterator[FrameLine]:
-    came: dict[int, list[FrameLine]] = {}
-    for line in lines:
-        if line.told.state is not None and line.time <= instant:
-            came.setdefault(line.cob_id, []).append(line)
-    for each in came.values():
-        usual = median(b.time - a.time for a, b in pairwise(each)) if each[1:] else 0.0
-        if usual > 0.0 and instant - each[-1].time > _SILENT * usual:
-            yield each[-1]
+def _silent(lines: Sequence[FrameLine]) -> Iterator[FrameLine]:
+    """Of nodes' answers, and of heartbeats, those that end while others go on."""
+    for kind in ("TPDO", "heartbeat"):
+        came: dict[int, list[FrameLine]] = {}
+        for line in lines:
+            if line.told.state is not None and line.told.what.startswith(kind):
+                came.setdefault(line.cob_id, []).append(line)
+        last = max((each[-1].time for each in came.values()), default=0.0)
+        for each in came.values():
+            usual = median(b.time - a.time for a, b in pairwise(each)) if each[1:] else 0.0
+            if usual > 0.0 and last - each[-1].time > _SILENT * usual:
+                yield each[-1]
 
 
 def in_words(around: FramesAround) -> Iterator[str]:

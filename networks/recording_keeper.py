@@ -26,9 +26,9 @@ class RecordingKeeper:
         self._folder, self._recording = run_dir / FOLDER, recording
         recording.open(run_dir)
 
-    def look(self, _robot: Robot) -> None:
+    def look(self, robot: Robot) -> None:
         """A period has passed."""
-        self._recording.flush()
+        self._recording.look(robot.time)
 
     def __call__(self, event: Event) -> None:
         """Keep what an event makes worth keeping."""

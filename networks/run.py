@@ -16,6 +16,7 @@ from typing import Any
 import orjson
 
 from backends.backend import RobotFault
+from backends.recording import Recording
 from backends.robot import Robot
 from files.errors import HandcartError
 
@@ -181,8 +182,14 @@ def summary(
         "backend": prepared.backend_name,
         "run_dir": str(run_dir),
         **prepared.backend.figures(),
+        **_lost(prepared.backend.recording),
         "metrics": dict(metrics),
     }
+
+
+def _lost(recording: Recording | None) -> dict[str, str]:
+    """Why not all traffic with the robot is kept, where it isn't."""
+    return {} if recording is None or recording.lost is None else {"recording_lost": recording.lost}
 
 
 def _guarded(

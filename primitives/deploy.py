@@ -29,7 +29,7 @@ from .world_model import ModelView
 
 SLOW = 0.03  # [m/s] of the slide
 NEAR = 0.03  # [m] above the ground, from where the sensor is lowered slowly
-PAST = 0.05  # [m] below where the ground should be
+UNEVEN = 0.12  # [m] by which the ground may be higher or lower there than under the wheels
 REFINED = 0.002  # [m] by which a better estimate moves the tip once more
 REFINED_MOST = 0.3  # [m] by which it may, just above the ground
 ROOM = 0.010  # [m] that the fingers open wider than the sensor
@@ -123,17 +123,16 @@ class Deploy(ActionPrimitive):
         """Down until the sensor stands on the ground."""
         point = world_to_base(robot.pose, robot.tilt, np.array([target.x, target.y, 0.0]))
         down = arm.scara.mount[2] - arm.below - float(point[2])
-        if not 0.0 < down + PAST <= arm.scara.slide[1]:
+        if not 0.0 < down + UNEVEN / 2 <= arm.scara.slide[1]:
             low = Measured(
-                "Arm", "what the slide would have to go down", down + PAST, arm.scara.slide[1], "m"
+                "Arm", "what the slide would have to go down", down + UNEVEN / 2, arm.scara.slide[1], "m"
             )
             raise Discrepancy("the slide doesn't reach the ground", measured=low)
         force = yield from arm.slide(down - NEAR)
         if force > TOUCHES:
-            felt = Measured("Arm", "force from below", force, TOUCHES, "N")
-            raise Discrepancy("something lies where the sensor goes", measured=felt)
+            yield from self._lift_off(robot, arm, down, force)
         yield from self._refine(robot, arm, target)
-        force = yield from arm.slide(down + PAST, SLOW)
+        force = yield from arm.slide(min(down + UNEVEN, arm.scara.slide[1]), SLOW)
         if force <= TOUCHES:
             felt = Measured("Arm", "force from below", force, TOUCHES, "N")
             raise Discrepancy("there is no ground below the sensor", measured=felt)
@@ -143,6 +142,14 @@ class Deploy(ActionPrimitive):
             lowered_mm=round(1e3 * (float(robot.arm.command()[2])), 1),
             off_mm=round(1e3 * (float(robot.arm.command()[2]) - down), 1),
         )
+
+    def _lift_off(self, robot: Robot, arm: SensorArm, down: float, force: float) -> Periods:
+        """It stands on something already: on ground that isn't level, unless that is too high."""
+        at = float(robot.arm.command()[2])
+        if at < down - UNEVEN:
+            felt = Measured("Arm", "force from below", force, TOUCHES, "N")
+            raise Discrepancy("something lies where the sensor goes", measured=felt)
+        yield from arm.slide(at - NEAR)
 
     def _refine(self, robot: Robot, arm: SensorArm, target: Target) -> Periods:
         """Just above the ground: move to where the target is by what is known by now."""

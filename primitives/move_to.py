@@ -10,7 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field, PrivateAttr
 
+from backends.arm import Arm
 from backends.base import Base
+from backends.gripper import Gripper
 from backends.range_sensor import RangeSensor
 from backends.robot import Robot
 from robotics.navigation.car_tracker import CarTracker
@@ -63,6 +65,15 @@ class MoveTo(ActionPrimitive):
     _lookout: Lookout | FieldLookout | None = PrivateAttr(default=None)
     _ahead: NDArray[np.float64] = PrivateAttr(default_factory=lambda: np.empty((0, 2)))
     _blocked_since: float | None = PrivateAttr(default=None)
+
+    def hindrance(self, robot: Robot, model: ModelView) -> str:
+        """The arm is to move along and there is none, or no such target."""
+        if not self.together:
+            return ""
+        if robot.backend.get(Arm) is None or robot.backend.get(Gripper) is None:  # type: ignore[type-abstract]
+            return "the robot has no arm with a gripper to move along"
+        known = model.field is not None and self.place in model.targets
+        return "" if known else f"there is no target {self.place!r} in the field"
 
     def motion(self, robot: Robot, model: ModelView) -> Periods:
         if not self.together:

@@ -12,9 +12,9 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
 DOCUMENT = ROOT / "docs" / "faults.md"
-_ROW = re.compile(r"\b([TNADKU][1-9]\d?)\b")
-_IN_NAME = re.compile(r"^test_([tnadku])0?([1-9]\d?)_")
-_TOLD = re.compile(r"^\| ([TNADKU][1-9]\d?) \|", re.M)
+_ROW = re.compile(r"\b([TNABSCDKU][1-9]\d?)\b")
+_IN_NAME = re.compile(r"^test_([tnabscdku])0?([1-9]\d?)_")
+_TOLD = re.compile(r"^\| ([TNABSCDKU][1-9]\d?) \|", re.M)
 
 
 def rows() -> list[str]:

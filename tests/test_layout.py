@@ -25,6 +25,7 @@ def test_each_package_is_this_checkouts(name: str) -> None:
         "docs/tasks.md",
         "docs/primitives.md",
         "docs/backends.md",
+        "docs/hardware.md",
         "docs/explain.md",
         "docs/conformance.md",
         "docs/faults.md",

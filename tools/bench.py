@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, TextIO
 
 import typer
 
 if TYPE_CHECKING:
+    from backends.can.sensors.range_server import RangeServer
     from backends.can.simulated.bench import Bench
 
 AT_THE_PROGRAM = ("bus-down", "error-passive", "error-warning", "bus-off", "queue-full", "cable-off")
@@ -25,6 +27,9 @@ def bench(
     seed: Annotated[int, typer.Option(help="of the simulated errors")] = 0,
     faults: Annotated[
         list[str] | None, typer.Option("--fault", help="NAME@SECONDS or NAME@SECONDS@NODE: what goes wrong")
+    ] = None,
+    range_port: Annotated[
+        int | None, typer.Option(help="send the simulated robot's scans to who connects to this port")
     ] = None,
     list_faults: Annotated[bool, typer.Option("--list-faults", help="tell what can go wrong")] = False,
     log: Annotated[
@@ -58,17 +63,38 @@ def bench(
         signal.signal(number, lambda kind, _: over.append(kind))
     end = None if seconds is None else time.monotonic() + seconds
     file = None if log is None else log.open("w", encoding="utf-8", buffering=1)
+    looks: list[Callable[[Bench], None]] = [] if file is None else [_Log(file)]
+    scans = None
     try:
+        if range_port is not None:
+            scans = _scans(made, range_port)
+            looks.append(lambda each: scans.send(each.time))
         for name, at, node in planned:
             made.misbehave(name, at, node)
         nodes = ", ".join(f"{name} {axis.node}" for name, axis in spec.can.axes())
         print(f"drives of {robot} on {interface} {channel}: {nodes}; Ctrl-C ends", flush=True)
-        server = BenchServer(made, spec.period_s, look=None if file is None else _Log(file))
+        server = BenchServer(made, spec.period_s, look=lambda each: [look(each) for look in looks])
         server.serve(lambda: bool(over) or (end is not None and time.monotonic() >= end))
     finally:
         made.close()
+        if scans is not None:
+            scans.close()
         if file is not None:
             file.close()
+
+
+def _scans(bench: Bench, port: int) -> RangeServer:
+    from backends.can.sensors.range_server import RangeServer
+    from backends.range_sensor import RangeSensor
+    from files.errors import InputError
+
+    sensor = None if bench.inner is None else bench.inner.get(RangeSensor)  # type: ignore[type-abstract]
+    if sensor is None:
+        raise InputError("nothing has a range sensor; needed: --backend kinematic, and a robot that has one")
+    try:
+        return RangeServer(sensor, port)
+    except OSError as error:
+        raise InputError(f"port {port} can't be listened on: {error.strerror}; allowed: a free one") from None
 
 
 def _library() -> Path:

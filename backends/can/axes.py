@@ -57,7 +57,7 @@ class Axes(Mapping[str, Axis]):
     @property
     def names(self) -> dict[int, str]:
         """What people call the drives, by node ID."""
-        return {axis.id: axis.name for axis in self.values()}
+        return {axis.spec.node: axis.name for axis in self.values()}
 
     def set_up(self, line: CanLine) -> None:
         """Write and read back all settings; raises `CanFault`."""

@@ -35,6 +35,7 @@ _KEPT, _LOST = 100, 5  # answers to so many SYNCs are looked back on, of which s
 _IGNORED = 3  # set-points that a drive may not take
 _ODD = 2  # positions in a row that can't be
 _STANDS = 0.01  # of top speed: slower it stands
+_LOOKS_BACK = 0.5  # [s] in which a wheel has to roll as it should
 _LATE_PERIODS = 2.0  # that a command may take to act
 _CREEP = 0.01  # of top speed: no way is planned slower
 
@@ -89,9 +90,12 @@ class Axis(canopen.RemoteNode):
         self._asked = self._answered = 0
         self._missed: deque[bool] = deque(maxlen=_KEPT)
         self._counts: int | None = None
-        self._told = 0
         self._odd = self._ignored = 0
+        self._rolled = 0.0
         self._off_for = 0.0
+        self._told = dict.fromkeys((index for each in self.layout.answers for index in each.objects), 0)
+        self._drift: deque[float] = deque(maxlen=max(1, round(_LOOKS_BACK / period)))
+        """Of a wheel: how much further than it should it has rolled, in each of the last periods."""
         self.travel = 0.0
         """How far it has moved since `rezero`, in [m] or [rad]."""
         for pdo, planned in zip(self._commands, self.layout.commands, strict=False):
@@ -109,10 +113,13 @@ class Axis(canopen.RemoteNode):
     def _answers(self) -> list[PdoMap]:
         return [self.tpdo[each.number] for each in self.layout.answers]
 
-    @property
-    def pdos(self) -> list[PdoMap]:
-        """All that are used."""
-        return [*self._commands, *self._answers]
+    def save_pdos(self) -> None:
+        """Write the mapping of all PDOs that are used; raises `canopen.SdoError`."""
+        for pdo in (*self._commands, *self._answers):
+            pdo.save()
+        for pdo in self._commands:
+            # The library would take what a stranger commands for ours.
+            self.network.unsubscribe(pdo.cob_id, pdo.on_message)
 
     def add_sdo(self, rx_cobid: int, tx_cobid: int) -> SdoClient:
         """See the library; the client needs no thread."""
@@ -144,9 +151,12 @@ class Axis(canopen.RemoteNode):
             return
         counts = self.units.counts(self._target)
         if self.mode == PROFILE_POSITION and counts != self._sent:
+            if self._asks:  # twice between two answers, as a stop does: ask anew
+                self._send(word, 0x607A, self._sent or 0)
             self._plan_speed()
-            word |= NEW_SETPOINT | AT_ONCE
             self._asks = True
+        if self._asks:
+            word |= NEW_SETPOINT | AT_ONCE
         self._sent = counts
         self._send(word, 0x607A, counts)
 
@@ -202,9 +212,11 @@ class Axis(canopen.RemoteNode):
         if 8 * len(pdo.data) != pdo.length:
             raise ValueError(f"{len(pdo.data)} bytes")  # counted as malformed
         self._fresh.add(pdo.map[0].index)
+        for each in pdo:
+            self._told[each.index] = int(each.raw)
         if self.answered:
             self._answered = self._asked
-            self._take_position(int(self.tpdo[1][0x6064].raw))
+            self._take_position(self._told[0x6064])
 
     def _take_position(self, counts: int) -> None:
         """Take a position over, unless it can't be."""
@@ -223,7 +235,7 @@ class Axis(canopen.RemoteNode):
 
     def rezero(self) -> None:
         """Count `travel` from here on."""
-        self.travel = 0.0
+        self.travel = self._rolled = 0.0
 
     @property
     def position(self) -> float:
@@ -242,16 +254,16 @@ class Axis(canopen.RemoteNode):
     @property
     def velocity(self) -> float:
         """In [m/s] or [rad/s]."""
-        return self.units.speed(int(self.tpdo[2][0x606C].raw))
+        return self.units.speed(self._told[0x606C])
 
     @property
     def torque(self) -> float:
         """Share of its rated torque, positive where its position grows."""
-        return math.copysign(1.0, self.units.scale) * int(self.tpdo[2][0x6077].raw) / 1000.0
+        return math.copysign(1.0, self.units.scale) * self._told[0x6077] / 1000.0
 
     @property
     def _status(self) -> int:
-        return int(self.tpdo[1][0x6041].raw)
+        return self._told[0x6041]
 
     @property
     def drive_state(self) -> str:
@@ -279,7 +291,7 @@ class Axis(canopen.RemoteNode):
         self.check_answered(period)
         if not self.answered:
             return
-        state, mode = self.drive_state, int(self.tpdo[1][0x6061].raw)
+        state, mode = self.drive_state, self._told[0x6061]
         if state != ENABLED:
             raise DriveNotReady(self.name, state, self.fault)
         if mode != self.mode:
@@ -305,19 +317,24 @@ class Axis(canopen.RemoteNode):
             raise OffDemand(self.name, "its position (6064h) jumps")
         if self._ignored >= _IGNORED:
             raise OffDemand(self.name, f"{self._ignored} set-points in a row were not taken")
-        late = _LATE_PERIODS * period * (self.limits.speed if self.positioned else self.limits.acceleration)
-        off = self._expected.off(self.position, self.velocity)
-        self._off_for = self._off_for + period if off > self.limits.window + late else 0.0
-        if self._off_for * 1e3 > self.spec.following_ms - 1e-6:
-            what = "position" if self.positioned else "speed"
-            told = f"its {what} is off by {off:.3g}, for {self._off_for:.3g} s"
-            raise OffDemand(self.name, f"{told}; allowed: {self.limits.window + late:.3g} (SI units)")
+        window = self.limits.window + _LATE_PERIODS * period * abs(self._expected.speed)
+        if self.positioned:
+            off = abs(self.position - self._expected.position)
+            self._off_for = self._off_for + period if off > window else 0.0
+        else:
+            self._drift.append(self.travel - self._rolled - self._expected.way)
+            self._rolled = self.travel
+            off = abs(sum(self._drift))
+            self._off_for = math.inf if off > window else 0.0
+        if 1e3 * self._off_for > self.spec.following_ms - 1e-6:
+            told = f"it is {off:.3g} away from where it should be"
+            raise OffDemand(self.name, f"{told}; allowed: {window:.3g} (in m or rad)")
 
     @property
     def fault(self) -> str:
         """What it says about its fault, "" if nothing: its error code, else its last emergency message."""
         active = self.emcy.active[-1].code if self.emcy.active else 0
-        return fault_words(int(self.tpdo[2][0x603F].raw) or active)
+        return fault_words(self._told[0x603F] or active)
 
 
 def state_of(statusword: int) -> str:

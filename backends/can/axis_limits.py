@@ -29,7 +29,7 @@ class AxisLimits(NamedTuple):
     """Of its positions; minus infinity: turns without end."""
     upper: float
     window: float
-    """By which position, or speed of a wheel, may be off; infinity: it may be blocked."""
+    """By which its position may be off; infinity: it may be blocked."""
     torque: int
     """The most, in thousandths of the rated one."""
 
@@ -49,7 +49,7 @@ def rim_acceleration(robot: RobotFile) -> float:
 def wheel_limits(robot: RobotFile, spec: WheelDriveSpec) -> AxisLimits:
     """Of a wheel's rim."""
     speed, rate = rim_speed(robot), rim_acceleration(robot)
-    window = spec.following_percent / 100.0 * speed
+    window = spec.following_mm / 1e3
     return AxisLimits(speed, rate, _QUICKER * rate, -math.inf, math.inf, window, FULL_TORQUE)
 
 

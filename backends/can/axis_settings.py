@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from typing import NamedTuple
+from dataclasses import dataclass
 
 from backends.can_spec import CanSpec
 
@@ -20,7 +20,8 @@ _ANY = 0xFFFFFFFF
 _IF_THERE = ((0x1400, 5), (0x6080, 0))  # not every drive has them
 
 
-class Setting(NamedTuple):
+@dataclass(frozen=True)
+class Setting:
     """An object and its value."""
 
     index: int
@@ -31,7 +32,8 @@ class Setting(NamedTuple):
 def settings(axis: Axis, spec: CanSpec, period: float) -> list[Setting]:
     """All settings of a drive but its PDOs, for a period in [s] between two SYNCs."""
     wanted = [*_communication(spec, period), *_stopping(axis), *_ramps(axis), *_mode(axis, period)]
-    return [each for each in wanted if each[:2] not in _IF_THERE or _has(axis, *each[:2])]
+    optional = [each for each in wanted if (each.index, each.subindex) in _IF_THERE]
+    return [each for each in wanted if each not in optional or _has(axis, each)]
 
 
 def mapping(axis: Axis) -> Iterator[Setting]:
@@ -104,6 +106,6 @@ def interpolation_time(period: float) -> tuple[int, int]:
     raise ValueError(f"a period of {period} s doesn't fit into 60C2h; allowed: two and a half digits")
 
 
-def _has(axis: Axis, index: int, subindex: int) -> bool:
-    found = axis.object_dictionary.get(index)
-    return found is not None and (subindex == 0 or subindex in found)
+def _has(axis: Axis, setting: Setting) -> bool:
+    found = axis.object_dictionary.get(setting.index)
+    return found is not None and (setting.subindex == 0 or setting.subindex in found)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import ClassVar, NamedTuple
 
 ALLOWED = 0.7
 """Share of the bus that cyclic frames may take; the rest is for SDOs, emergencies, repeated frames."""
@@ -48,6 +48,7 @@ class BusLoad:
     frames: tuple[CyclicFrame, ...]
     bitrate: int
     """In [bit/s]."""
+    ALLOWED: ClassVar = ALLOWED
 
     @classmethod
     def of(cls, frames: Iterable[CyclicFrame], bitrate: int) -> BusLoad:

@@ -28,6 +28,8 @@ from .frame_names import names_of
 from .heartbeat import Heartbeat
 from .open_bus import open_bus
 from .pace import Pace
+from .sensors.live_sensor import LiveSensor
+from .sensors.live_sensors import await_first, open_sensors
 from .simulated.bench import Bench
 
 KINEMATIC = "kinematic"
@@ -62,6 +64,7 @@ class CanBackend(Backend):
             NoDrives: the robot's file has no section `can`.
             TooManyCounts: what an axis may be told doesn't fit into the drives' 32 bits.
             NoInterface: the interface can't be opened.
+            NoSensor: a sensor beside the drives can't be opened, or gives nothing.
             CanFault: a drive is missing, is of a wrong kind, or is not set as it should be.
         """
         if robot.can is None:
@@ -74,6 +77,7 @@ class CanBackend(Backend):
         self._spec, self._periods = robot.can, 0
         self._fault: CanFault | None = None
         self._enabled = self._closed = False
+        self._sensors: list[LiveSensor] = []
         self.epoch = 0
         """Goes up with each stop: what was commanded in an earlier one moves nothing."""
         self.axes = Axes(robot, robot.can)
@@ -88,6 +92,9 @@ class CanBackend(Backend):
                 self.axes.set_up(self._line)
             self._guard.check()
             self._parts.begin()
+            if bench is None:
+                self._sensors = open_sensors(robot, robot.can.sensors)
+                await_first(self._sensors)
         except BaseException:
             self.close()
             raise
@@ -126,11 +133,11 @@ class CanBackend(Backend):
                     f"the backend {bench!r} simulates no robot; allowed: --bench kinematic, pybullet"
                 )
             inner = kind.build(robot, world, seed)
+        stand = Bench(robot, robot.can, inner)
         try:
-            return cls(robot, Bench(robot, robot.can, inner))
+            return cls(robot, stand)
         except BaseException:
-            if inner is not None:
-                inner.close()
+            stand.close()
             raise
 
     @classmethod
@@ -146,7 +153,8 @@ class CanBackend(Backend):
 
     def capabilities(self) -> tuple[Capability, ...]:
         """See `Backend`."""
-        own = self._parts.capabilities()
+        sensors = [each for each in self._sensors if isinstance(each, Capability)]
+        own = (*self._parts.capabilities(), *sensors)
         inner = self.bench.inner if self.bench else None
         others = () if inner is None else inner.capabilities()
         return (*own, *(each for each in others if not _same_kind(each, own)))
@@ -179,6 +187,8 @@ class CanBackend(Backend):
             if self._pace.trouble:
                 raise LateLoop(self._pace.trouble)
         self.axes.sync()
+        for sensor in self._sensors:
+            sensor.advance()
         self._guard.check()
         self.axes.check()
         self.axes.end_handshakes()
@@ -199,7 +209,7 @@ class CanBackend(Backend):
             self._pace.begin()
 
     def watch(self, beat: bool = True) -> None:
-        """A period in which nothing is commanded and nothing checked: to see enabled drives stop by themselves.
+        """A period without commands and checks: to see how enabled drives stop by themselves.
 
         Args:
             beat: whether our heartbeat is sent.
@@ -227,6 +237,8 @@ class CanBackend(Backend):
         self._closed = True
         if self._fault is None and self._enabled:
             self._stop_for_good()
+        for sensor in self._sensors:
+            sensor.close()
         if hasattr(self, "_line"):
             self._line.close()
         if self.bench is not None:

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable, Iterator
 from typing import Any, TypeVar
 
 from canopen.profiles.p402 import OperationMode
-from canopen.sdo import SdoVariable
+from canopen.sdo.base import SdoVariable
 from canopen.sdo.exceptions import SdoAbortedError, SdoCommunicationError
 
 from backends.can_spec import CanSpec
@@ -46,7 +46,7 @@ def set_up(axes: Iterable[Axis], spec: CanSpec, period: float) -> None:
         _check_kind(axis)
         for each in settings(axis, spec, period):
             _write(axis, each)
-        _try(axis, lambda axis=axis: [pdo.save() for pdo in axis.pdos])  # type: ignore[misc]
+        _try(axis, axis.save_pdos)
     differences = [each for axis in axes for each in read_back(axis, spec, period)]
     if differences:
         raise ReadBackDiffers(differences)
@@ -59,8 +59,8 @@ def read_back(axis: Axis, spec: CanSpec, period: float) -> Iterator[Difference]:
     for each in (*settings(axis, spec, period), *mapping(axis)):
         got = _read(axis, each)
         if got != each.value:
-            index, subindex, value = each
-            yield Difference(axis.name, index, subindex, _name(axis, each), value, got)
+            name = _name(axis, each)
+            yield Difference(axis.name, each.index, each.subindex, name, each.value, got)
 
 
 def _check_kind(axis: Axis) -> None:

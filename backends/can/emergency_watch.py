@@ -8,7 +8,7 @@ import can
 
 from .errors import Emergency, TwoNodes
 from .fault_words import fault_words
-from .watch import Watch
+from .watch import Watch, plain
 
 _EMCY = 0x080
 _COLLISION = 0x8150
@@ -31,7 +31,7 @@ class EmergencyWatch(Watch):
     def hear(self, frame: can.Message, sent: bool, now: float) -> None:
         """See `Watch`."""
         kind, node = frame.arbitration_id & ~_NODES, frame.arbitration_id & _NODES
-        if sent or not self._begun or frame.is_error_frame or frame.is_extended_id:
+        if sent or not self._begun or not plain(frame):
             return
         if kind != _EMCY or node == 0 or frame.dlc != 8:
             return

@@ -28,7 +28,7 @@ After a `CanFault` a person has to look; the backend has to be built anew.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import NamedTuple
+from dataclasses import dataclass
 
 from backends.backend import RobotFault
 from files.errors import InputError
@@ -106,7 +106,8 @@ class WrongDrive(CanFault):
         super().__init__(f"{drive}: {what} is {got}; allowed: {allowed}")
 
 
-class Difference(NamedTuple):
+@dataclass(frozen=True)
+class Difference:
     """A setting that is not what was written."""
 
     drive: str

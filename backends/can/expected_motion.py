@@ -19,6 +19,10 @@ class ExpectedMotion:
     """[m] or [rad]"""
     velocity: float = 0.0
     """[m/s] or [rad/s]"""
+    way: float = 0.0
+    """Of the last period, in [m] or [rad]."""
+    speed: float = 0.0
+    """In it, in [m/s] or [rad/s]."""
     _next: float = 0.0
     """The cyclic target that the next SYNC makes count."""
 
@@ -35,7 +39,7 @@ class ExpectedMotion:
             top: speed on the way to a position.
             period: in [s].
         """
-        rate = self.limits.acceleration
+        before, rate = self.position, self.limits.acceleration
         if self.mode == PROFILE_POSITION:
             left, self.velocity = approach(target - self.position, self.velocity, top, (rate, rate), period)
             self.position = target - left
@@ -48,9 +52,5 @@ class ExpectedMotion:
         else:
             way, self.velocity = ramp(self.velocity, target, rate, period)
             self.position += way
-
-    def off(self, position: float, velocity: float) -> float:
-        """By how much a measured position, or the speed of a wheel, is off."""
-        if self.mode in (PROFILE_POSITION, CYCLIC_POSITION):
-            return abs(position - self.position)
-        return abs(velocity - self.velocity)
+        self.way = self.position - before
+        self.speed = self.way / period

@@ -72,6 +72,8 @@ class FrameLog(Recording):
         self._waiting: list[str] = []
         self._folder: Path | None = None
         self._file: TextIO | None = None
+        self._later = 0.0
+        """What the robot's time is ahead of the clock, in [s]."""
         self._count, self._number, self._size = 0, 0, 0
 
     def note(self, frame: can.Message, sent: bool) -> None:
@@ -82,7 +84,7 @@ class FrameLog(Recording):
         kept.timestamp, kept.is_rx, kept.channel = now if own else frame.timestamp, not sent, None
         self._writer.on_message_received(kept)
         line = self._line.text
-        self._recent.append(_Noted(self._count, now, line))
+        self._recent.append(_Noted(self._count, kept.timestamp, line))
         self._count += 1
         while self._recent[0].time < now - SECONDS:
             self._recent.popleft()
@@ -102,10 +104,10 @@ class FrameLog(Recording):
         for line in self._waiting:
             self._write(line)
         self._waiting = []
-        self.flush()
 
-    def flush(self) -> None:
+    def look(self, time: float) -> None:
         """See `Recording`."""
+        self._later = time - self._clock()
         if self._file is not None:
             try:
                 self._file.flush()
@@ -119,10 +121,11 @@ class FrameLog(Recording):
     def keep(self, stem: Path) -> None:
         """See `Recording`."""
         last = self._marked[-1].number if self._marked else -1
-        lines = [each.line for each in (*self._marked, *(new for new in self._recent if new.number > last))]
+        noted = [*self._marked, *(new for new in self._recent if new.number > last)]
         self._marked = []
-        if not lines or self.lost is not None:
+        if not noted or self.lost is not None:
             return
+        lines = [f"({each.time + self._later:f}){each.line.partition(')')[2]}" for each in noted]
         try:
             stem.parent.mkdir(exist_ok=True)
             stem.with_name(stem.name + self.suffix).write_text("".join(lines), encoding="ascii")

@@ -8,7 +8,7 @@ from collections.abc import Mapping
 import can
 
 from .errors import CanFault, NodeRestarted, SilentDrive, TwoNodes
-from .watch import Watch
+from .watch import Watch, plain
 
 SYNC, FIRST_ANSWER, SDO_ANSWER, SDO_REQUEST, HEARTBEAT = 0x080, 0x180, 0x580, 0x600, 0x700
 BOOTED, OPERATIONAL = 0, 5
@@ -40,7 +40,7 @@ class NodeWatch(Watch):
 
     def hear(self, frame: can.Message, sent: bool, now: float) -> None:
         """See `Watch`."""
-        if frame.is_error_frame or frame.is_extended_id:
+        if not plain(frame):
             return
         kind, node = frame.arbitration_id & ~_NODES, frame.arbitration_id & _NODES
         if sent:

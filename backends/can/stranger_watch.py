@@ -7,7 +7,7 @@ from collections.abc import Iterable
 import can
 
 from .errors import Stranger
-from .watch import Watch
+from .watch import Watch, plain
 
 _NMT, _SYNC = 0x000, 0x080
 _COMMANDS = (0x200, 0x300, 0x400, 0x500, 0x600)  # RPDOs and SDO requests, + node
@@ -28,8 +28,7 @@ class StrangerWatch(Watch):
 
     def hear(self, frame: can.Message, sent: bool, now: float) -> None:
         """See `Watch`."""
-        plain = not (frame.is_error_frame or frame.is_extended_id)
-        if not sent and plain and frame.arbitration_id in self._ours:
+        if not sent and plain(frame) and frame.arbitration_id in self._ours:
             self._seen = self._seen or frame
 
     def check(self, now: float) -> None:

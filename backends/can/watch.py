@@ -7,6 +7,11 @@ from abc import ABC, abstractmethod
 import can
 
 
+def plain(frame: can.Message) -> bool:
+    """Whether CANopen nodes send frames of that kind."""
+    return not (frame.is_error_frame or frame.is_extended_id or frame.is_remote_frame or frame.is_fd)
+
+
 class Watch(ABC):
     """Hears every frame, and is asked once a period whether all is well.
 

@@ -164,6 +164,11 @@ class Physics:
         self.p.resetBasePositionAndOrientation(body, *placed(pose), physicsClientId=self.client)
         self.p.resetBaseVelocity(body, (0.0,) * 3, (0.0,) * 3, physicsClientId=self.client)
 
+    def touches(self, body: int, anything: bool) -> None:
+        """Let a body touch what comes to it, or nothing at all."""
+        group, mask = (1, -1) if anything else (0, 0)
+        self.p.setCollisionFilterGroupMask(body, -1, group, mask, physicsClientId=self.client)
+
     def contacts(self, body: int) -> Sequence[tuple[Any, ...]]:
         """Bullet's contact points of a body with all others."""
         points: Sequence[tuple[Any, ...]] = self.p.getContactPoints(bodyA=body, physicsClientId=self.client)

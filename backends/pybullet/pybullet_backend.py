@@ -16,9 +16,11 @@ from backends.robot_file import RobotFile
 from backends.robot_shape import finger_shape
 from backends.saved_state import attributes, set_attributes
 from backends.scene.load_world import load_world
+from backends.scene.magazine import Magazine
 from backends.scene.mounts import base_T_frame
 from backends.scene.person import Person
 from backends.scene.scene import build_scene
+from backends.scene.simulated_gps import SimulatedGps
 from backends.scene.simulated_positioning import SimulatedPositioning
 from backends.scene.thing import Rest, Thing
 from backends.scene.world_file import MissingWorld, WorldFile
@@ -27,18 +29,25 @@ from robotics.geometry.transform import Transform, inverse
 from .bullet_arm import BulletArm
 from .bullet_base import BulletBase
 from .bullet_camera import BulletCamera, looking, render
+from .bullet_car import BulletCar
+from .bullet_field_imu import BulletFieldImu
 from .bullet_gripper import BulletGripper
 from .bullet_imu import BulletImu
+from .bullet_magazine import BulletMagazine
 from .bullet_range_sensor import BulletRangeSensor
 from .grip import Grip
 from .physics import Physics
 from .robot_body import RobotBody
 from .scene_sync import SceneSync
 from .suspension_springs import SuspensionSprings
+from .terrain import Terrain
 from .touch import Pairs, Touch
 from .world_bodies import WorldBodies
 
 SETTLES = 0.3  # [s] that everything gets to come to rest before time begins
+SETTLES_OUTDOORS = 1.5  # the same on rough ground, onto which the robot is let down
+LET_DOWN = 0.01  # [m] above its highest point under the wheels
+WHEELS = np.array([[x, y] for x in (0.0, 0.6) for y in (-0.3, 0.3)])  # of a car, about its rear axle [m]
 _VIEW_SIZE = (640, 480)
 _VIEW_K = np.array([[520.0, 0.0, 319.5], [0.0, 520.0, 239.5], [0.0, 0.0, 1.0]])
 _VIEW_FROM, _VIEW_TO = np.array([-1.3, 1.3, 2.0]), np.array([0.5, -0.1, 0.6])  # in the frame `base` [m]
@@ -60,9 +69,15 @@ _STATE = {
         "contacts",
         "touching",
         "to_come",
+        "loaded",
         "changes",
     ),
     "base": ("_command", "_speeds", "_first", "_goal", "_given", "_travel"),
+    "car": BulletCar.STATE,
+    "field imu": BulletFieldImu.STATE,
+    "gps": SimulatedGps.STATE,
+    "magazine": Magazine.STATE,
+    "given": BulletMagazine.STATE,
     "arm": (
         "_command",
         "_from",
@@ -94,13 +109,13 @@ class PyBulletBackend(Backend):
     wheels and frictionless casters roll on a floor, or several wheels a side, which slide sideways where the
     base turns; joints have drives with limited torque; fingers hold by friction, one the mirror of the other;
     books and blocks are rigid bodies that stand, lean on each other and fall. A base that leans stands on
-    springs.
+    springs. A car steers its front wheels on rough ground, a height field; its magazine gives it sensors.
 
     How it errs, seeded: radius of each wheel, tread, the arm's errors, ranges, image noise, blur, light,
     lens, the force reading, where a person puts robot, book and blocks. Slip, and what gives, are physics;
     that the base turns on its tyres when the loaded arm has swung is imposed, for rigid wheels don't.
 
-    How it differs from metal: links are rigid, the floor is flat, friction is Coulomb's, one coefficient for
+    How it differs from metal: links are rigid, a floor is flat, friction is Coulomb's, one coefficient for
     a pair, light has no shadows and what stands inside a shelf is painted dark. Books in a row have square
     edges, those to be returned rounded leading ones (3 mm).
 
@@ -123,8 +138,14 @@ class PyBulletBackend(Backend):
         physics = self._physics
         self.scene = build_scene(robot, world, seed)
         self._periods = 0
-        self._world = WorldBodies(physics, self.scene)
+        car = robot.drive.kind == "ackermann"
+        terrain = Terrain(physics, world.ground, seed) if car and world.ground is not None else None
+        self._world = WorldBodies(physics, self.scene, terrain)
         self._body = RobotBody(physics, robot, self.scene.base)
+        if terrain is not None:
+            under = terrain.height(*self.scene.base.apply(WHEELS).T)
+            self._body.put(self.scene.base, float(under.max()) + LET_DOWN)
+            self._world.reach(self.scene.base.x, self.scene.base.y)
         last = robot.arm.joints[-1] if robot.arm else None
         self._touch = Touch(physics, self._body, self._world, last)
         self._sync = SceneSync(self.scene, self._body, self._world)
@@ -148,21 +169,32 @@ class PyBulletBackend(Backend):
                 self._camera = BulletCamera(
                     robot, robot.camera, model, self._body, self._world, physics, seed
                 )
-        self._base = BulletBase(robot, self._body, physics, seed)
+        self._base: BulletBase | BulletCar = (
+            BulletCar(robot, self._body, physics) if car else BulletBase(robot, self._body, physics, seed)
+        )
         self._body.slide()
         if robot.range_sensor is not None:
             mount = base_T_frame(robot.urdf_text(), "range_sensor")
             self._range = BulletRangeSensor(robot.range_sensor, mount, self._body, physics, seed)
-        self._imu: BulletImu | None = None
+        self._imu: BulletImu | BulletFieldImu | None = None
         if robot.imu is not None:
-            self._imu = BulletImu(robot.imu, self.scene, self.period, seed)
+            imu = BulletFieldImu if terrain is not None else BulletImu
+            self._imu = imu(robot.imu, self.scene, self.period, seed)
+        self._gps: SimulatedGps | None = None
+        if robot.gps is not None:
+            self._gps = SimulatedGps(robot.gps, world.sky, self.scene, self.period, seed)
+        self._magazine: BulletMagazine | None = None
         self._positioning: SimulatedPositioning | None = None
         self._held: Thing | None = None
         self._grip: Grip | None = None
         if robot.gripper is not None and model is not None:
             self._grip = Grip(robot.gripper, finger_shape(model), physics, self._body)
+            if world.sensors is not None and self._gripper is not None:
+                self._magazine = BulletMagazine(
+                    self.scene, world.sensors, self._body, self._world, physics, self._gripper, self._grip
+                )
         self._person = Person(self.scene, seed)
-        for _ in range(round(SETTLES / self.period)):
+        for _ in range(round((SETTLES if terrain is None else SETTLES_OUTDOORS) / self.period)):
             self._run_period()
         self._base.rezero()
         if robot.positioning is not None:
@@ -203,7 +235,7 @@ class PyBulletBackend(Backend):
 
     def capabilities(self) -> tuple[Capability, ...]:
         """See `Backend`."""
-        sensors = (self._camera, self._range, self._imu, self._positioning)
+        sensors = (self._camera, self._range, self._imu, self._gps, self._positioning)
         parts = (self._base, self._arm, self._gripper, *sensors)
         return tuple(part for part in parts if part is not None)
 
@@ -214,6 +246,9 @@ class PyBulletBackend(Backend):
         self._person.step()
         self._add_books()
         self._world.keep_time()
+        self._world.reach(self.scene.base.x, self.scene.base.y)
+        if self._magazine is not None:
+            self._magazine.step()
         self._run_period()
 
     def _add_books(self) -> None:
@@ -234,6 +269,8 @@ class PyBulletBackend(Backend):
         held = None if self._held is None else self._world.bodies[self._held.name]
         chunks, felt = self._physics.chunks, np.zeros(3)
         for chunk in range(chunks):
+            if self._magazine is not None:
+                self._magazine.hold()
             self._base.act()
             if self._springs is not None:
                 self._springs.act()
@@ -253,6 +290,8 @@ class PyBulletBackend(Backend):
             self.scene.lean = self._springs.lean
         if self._imu is not None:
             self._imu.advance(self._periods)
+        if self._gps is not None:
+            self._gps.advance(self._periods)
         if self._positioning is not None:
             self._positioning.advance(self._periods)
         if self._gripper is not None:
@@ -275,7 +314,7 @@ class PyBulletBackend(Backend):
         body = self._touch.gripped()
         if body is not None and self._gripper.closed_on_something():
             self._grip.take(body)
-        elif body is None:
+        elif body is None and not (self._magazine is not None and self._magazine.fresh):
             self._grip.let_go()
         body = self._grip.holds
         if body is None:
@@ -297,14 +336,14 @@ class PyBulletBackend(Backend):
     def state(self) -> dict[str, Any]:
         """See `Backend`."""
         kept = {name: attributes(part, _STATE[name]) for name, part in self._parts().items()}
-        return {**kept, "engine": self._physics.state()}
+        return {**kept, "made": list(self._world.made), "engine": self._physics.state()}
 
     def set_state(self, state: object) -> None:
         """See `Backend`."""
         kept: dict[str, Any] = state  # type: ignore[assignment]
         for name, part in self._parts().items():
             set_attributes(part, kept[name])
-        self._add_books()
+        self._world.make(kept["made"])
         self._physics.set_state(kept["engine"])
 
     def _parts(self) -> dict[str, object]:
@@ -312,12 +351,15 @@ class PyBulletBackend(Backend):
         named = {
             "backend": self,
             "scene": self.scene,
-            "base": self._base,
+            "car" if isinstance(self._base, BulletCar) else "base": self._base,
             "arm": self._arm,
             "gripper": self._gripper,
             "camera": self._camera,
             "range": self._range,
-            "imu": self._imu,
+            "field imu" if isinstance(self._imu, BulletFieldImu) else "imu": self._imu,
+            "gps": self._gps,
+            "magazine": None if self._magazine is None else self._magazine.shelf,
+            "given": self._magazine,
             "positioning": self._positioning,
             "person": self._person,
         }

@@ -97,9 +97,9 @@ class RobotBody:
     def _root(self) -> Transform:
         return self._physics.pose(self.id) @ inverse(self._root_T_middle)
 
-    def put(self, base: Pose2) -> None:
-        """Put the base elsewhere on the floor."""
-        self._physics.set_pose(self.id, base.lift() @ inverse(self._middle_T_base))
+    def put(self, base: Pose2, height: float = 0.0) -> None:
+        """Put the base elsewhere, on the floor or at a `height` above it in [m]."""
+        self._physics.set_pose(self.id, base.lift(height) @ inverse(self._middle_T_base))
 
     def free(self, joint: int) -> None:
         """Switch Bullet's own motor of a joint off."""

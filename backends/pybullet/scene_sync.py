@@ -67,7 +67,11 @@ class SceneSync:
     def _blocks(self, held: Thing | None) -> None:
         scene = self._scene
         for block in scene.blocks.values():
+            if block.name not in self._world.bodies:
+                continue
             block.pose = self._world.pose(block)
+            if block.rest is Rest.TRAY and scene.open_ground:
+                continue  # the magazine has it
             block.rest = Rest.HAND if block is held else block_rest(scene, block)
             if block.rest is Rest.TRAY:
                 block.base_T_block = inverse(scene.world_T_base) @ block.pose

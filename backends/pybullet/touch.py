@@ -24,7 +24,7 @@ class Touch:
     def __init__(self, physics: Physics, body: RobotBody, world: WorldBodies, last_joint: str | None) -> None:
         self._physics, self._body, self._world = physics, body, world
         self._hand = set() if last_joint is None else body.links_behind(last_joint)
-        self._rolling = {*body.wheels.all, *body.casters}
+        self._rolling = {*body.casters, *(name for name in body.link_index if name.endswith("wheel"))}
         self._fingers = [body.link_index[name] for name in FINGERS if name in body.link_index]
 
     def gripped(self) -> int | None:

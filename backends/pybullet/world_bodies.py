@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from backends.scene.block import Block
 from backends.scene.book import Book
 from backends.scene.scene import Scene
-from backends.scene.solids import Solid
+from backends.scene.solids import THE_GROUND, Solid
 from backends.scene.thing import Thing
 from robotics.geometry.transform import Transform, inverse, transform
 
@@ -15,7 +17,9 @@ from .painted import add_mark, painted_block
 from .physics import Physics, placed
 from .printed_book import PrintedBook
 from .rounded_book import rounded_book
+from .terrain import Terrain
 
+FLOOR = "floor"
 FLOOR_FRICTION = 1.0
 SOLID_FRICTION = 0.65
 THING_FRICTION = 0.65  # squared, 0.42: paper on paper, paper on wood, wood on wood
@@ -34,12 +38,18 @@ class WorldBodies:
     Surprises come and go; books and blocks are rigid bodies that stand, lean and fall.
     """
 
-    def __init__(self, physics: Physics, scene: Scene) -> None:
-        """Build them as the scene has them."""
-        self._physics, self._scene = physics, scene
-        self.names: dict[int, str] = {physics.add_floor(FLOOR_FRICTION): "floor"}
+    def __init__(self, physics: Physics, scene: Scene, terrain: Terrain | None = None) -> None:
+        """Build them as the scene has them; `terrain` is there instead of a level floor."""
+        self._physics, self._scene, self._terrain = physics, scene, terrain
+        self.names: dict[int, str] = {}
+        if terrain is None:
+            self.names[physics.add_floor(FLOOR_FRICTION)] = FLOOR
+        self.made: list[tuple[int, int] | str] = []
+        """What came after the beginning, in this order: tiles of the terrain, and things by name."""
         self._surprises: list[tuple[int, Solid]] = []
         for solid in scene.solids:
+            if solid is THE_GROUND and terrain is not None:
+                continue
             body = physics.add_box(solid.box, SOLID_FRICTION, _grey(solid.box.name))
             self.names[body] = solid.box.name
             if solid.appears > 0.0 or np.isfinite(solid.leaves):
@@ -53,6 +63,7 @@ class WorldBodies:
         """The books' looks, by name."""
         for thing in scene.things():
             self.add(thing)
+        self.made.clear()
         self.keep_time()
 
     def add(self, thing: Thing) -> None:
@@ -71,6 +82,26 @@ class WorldBodies:
         )
         self.bodies[thing.name] = body
         self.names[body] = thing.name
+        self.made.append(thing.name)
+
+    def reach(self, x: float, y: float) -> None:
+        """See that there is ground about a place, in [m]."""
+        for tile in self._terrain.reach(x, y) if self._terrain is not None else ():
+            self._add_tile(tile)
+
+    def make(self, wanted: Sequence[tuple[int, int] | str]) -> None:
+        """Make what is missing of what another run had made, in its order; the scene has the things."""
+        things = {thing.name: thing for thing in self._scene.things()}
+        for each in wanted[len(self.made) :]:
+            if isinstance(each, str):
+                self.add(things[each])
+            else:
+                self._add_tile(each)
+
+    def _add_tile(self, tile: tuple[int, int]) -> None:
+        assert self._terrain is not None
+        self.names[self._terrain.add(tile)] = FLOOR
+        self.made.append(tile)
 
     def _add_book(self, book: Book) -> int:
         """One that stands in a row as a box, one to be returned with rounded edges."""

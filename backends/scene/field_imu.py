@@ -48,8 +48,7 @@ class FieldImu(SimulatedImu):
 
     def advance(self, period: int) -> None:
         """A period has passed."""
-        wander = np.radians(self._spec.rate_random_walk_deg_s_rt_s) * math.sqrt(self._period)
-        self._walk = self._walk + wander * keyed(self._seed, "gyros' walk", period).standard_normal(3)
+        self._wander(period)
         now = self._scene.base
         if now == self._place and self._speed == 0.0:
             self._turned, self._felt, self._now = np.zeros(3), np.zeros(3), period
@@ -61,3 +60,8 @@ class FieldImu(SimulatedImu):
         speeding = (self._speed - before) / self._period
         self._felt = np.array([speeding, self._speed * moved.theta / self._period, 0.0])
         self._place = now
+
+    def _wander(self, period: int) -> None:
+        """The gyros' bias, a period later."""
+        wander = np.radians(self._spec.rate_random_walk_deg_s_rt_s) * math.sqrt(self._period)
+        self._walk = self._walk + wander * keyed(self._seed, "gyros' walk", period).standard_normal(3)

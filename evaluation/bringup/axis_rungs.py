@@ -5,7 +5,15 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
+import numpy as np
+from numpy.typing import NDArray
+
 from backends.can.can_backend import CanBackend
+from backends.robot_file import RobotFile
+from backends.robot_findings import FINGERS
+from evaluation.robot_report.masses import corners_of
+from evaluation.robot_report.postures import MARGIN
+from robotics.manipulation.collision_model import CollisionModel
 
 from .jog import HAND_SPEED, Jogged, Jogger
 from .rung import Facts, Rung, RungFailed
@@ -13,7 +21,10 @@ from .site import Site
 
 SCALE = 0.05
 """Share by which tape and encoder may differ."""
-_SHARE = 0.03  # of a joint's range that it is moved by
+_SHARE = 0.3  # of their range by which the fingers are moved
+_TURN = math.radians(5.0)
+_STEP = math.radians(1.0)
+_DEEPER = 1e-4  # [m]
 _NEAR = math.radians(0.5)
 
 
@@ -22,23 +33,26 @@ class Move(NamedTuple):
 
     way: float
     """[m] or [rad]"""
-    forward: str
+    seen: str
     """What is to be seen."""
     unit: str
     shown: float
     """By which a way is multiplied to be told in that unit."""
 
 
-def move_of(site: Site, axis: str) -> Move:
-    """A small one, away from the nearer limit."""
+def move_of(jogger: Jogger, axis: str) -> Move:
+    """A small one, away from the nearer end."""
     if axis.endswith("wheel"):
-        return Move(0.1, "the wheel rolls the robot forward on this side", "mm", 1e3)
+        return Move(0.1, "the wheel rolled the robot forward on its side", "mm", 1e3)
+    lower, upper = jogger.limits(axis)
+    at = jogger.position(axis)
+    up = upper - at > at - lower
     if axis == "gripper":
-        assert site.robot.gripper is not None
-        return Move(-0.3 * site.robot.gripper.opening_mm / 1e3, "the fingers close", "mm", 1e3)
-    return Move(
-        math.radians(5.0), "the joint turns the way that the URDF's axis says", "deg", math.degrees(1.0)
-    )
+        way = _SHARE * (upper - lower)
+        return Move(way if up else -way, "the fingers opened" if up else "the fingers closed", "mm", 1e3)
+    turned = "the way that the URDF's axis says" if up else "against the way that the URDF's axis says"
+    way = _TURN if up else -_TURN
+    return Move(way, f"the joint turned {turned}", "deg", math.degrees(1.0))
 
 
 class AxesRung(Rung):
@@ -59,13 +73,11 @@ class AxesRung(Rung):
         return facts
 
     def _try(self, site: Site, backend: CanBackend, jogger: Jogger, axis: str) -> Facts:
-        move, key = move_of(site, axis), axis.replace(" ", "_")
-        if axis.startswith("joint"):
-            move = move._replace(way=_inward(jogger, axis, move.way))
+        move, key = move_of(jogger, axis), axis.replace(" ", "_")
         before = _truth(backend, axis)
         done = _held(site, jogger, axis, move.way)
         true = abs(_truth(backend, axis) - before) * move.shown
-        if not site.confirm(f"{key}_direction", f"{axis}: was it so that {move.forward}{_sign(move, axis)}?"):
+        if not site.confirm(f"{key}_direction", f"{axis}: is it so that {move.seen}?"):
             raise RungFailed(f"{axis} turns the wrong way: change `sign` in the robot's file")
         measured = site.number(
             f"{key}_scale", f"{axis}: by how much did it move, measured [{move.unit}]?", true
@@ -75,7 +87,7 @@ class AxesRung(Rung):
             factor = told / measured if measured else math.inf
             hint = f"gear_ratio or counts_per_rev is {factor:.3g} times too small" if measured else "it stood"
             raise RungFailed(f"{axis} moved {measured:.4g} {move.unit}, by its encoder {told:.4g}: {hint}")
-        _held(site, jogger, axis, -done.way)
+        _held(site, jogger, axis, -done.way, back=True)
         return {
             f"way_{move.unit}": round(told, 2),
             f"measured_{move.unit}": round(measured, 2),
@@ -83,22 +95,11 @@ class AxesRung(Rung):
         }
 
 
-def _sign(move: Move, axis: str) -> str:
-    return "" if move.way > 0 or axis == "gripper" else ", but the other way round"
-
-
-def _inward(jogger: Jogger, axis: str, way: float) -> float:
-    """A joint's way, away from the nearer limit."""
-    lower, upper = jogger.limits(axis)
-    at = jogger.position(axis)
-    return way if upper - at > at - lower else -way
-
-
-def _held(site: Site, jogger: Jogger, axis: str, way: float) -> Jogged:
+def _held(site: Site, jogger: Jogger, axis: str, way: float, back: bool = False) -> Jogged:
     """Move by that while the key is held; raises `RungFailed` where it was let go."""
     with site.operator.hold(f"{axis}: hold the space bar; letting go stops it") as held:
         done = jogger.jog(axis, way, held)
-    if done.ended != "there":
+    if done.ended != "there" and not (back and done.ended == "limit"):
         raise RungFailed(f"{axis}: {done.ended} before it was there")
     return done
 
@@ -115,7 +116,7 @@ class LimitsRung(Rung):
     """Joints stop at the limits of the robot's file."""
 
     name = "limits"
-    told = "each joint is jogged to both of its limits, and stops there"
+    told = "each joint is jogged to those of its limits that it reaches freely, and stops there"
 
     def left_out(self, site: Site) -> str:
         """See `Rung`."""
@@ -125,27 +126,68 @@ class LimitsRung(Rung):
         """See `Rung`."""
         facts: Facts = {}
         with site.backend() as backend:
-            jogger = Jogger(backend, site.robot)
-            for axis in jogger.axes:
-                if axis.startswith("joint"):
-                    facts[axis] = self._try(site, jogger, axis)
+            jogger, free = Jogger(backend, site.robot), FreeWay(site.robot)
+            for number, axis in enumerate(each for each in jogger.axes if each.startswith("joint")):
+                facts[axis] = self._try(site, backend, jogger, free, number, axis)
         return facts
 
-    def _try(self, site: Site, jogger: Jogger, axis: str) -> Facts:
-        begun, facts = jogger.position(axis), {}
-        key = axis.replace(" ", "_")
-        if not site.confirm(f"{key}_free", f"{axis}: can it go to both limits without touching anything?"):
-            raise RungFailed(f"{axis} has no room to its limits: bring the arm elsewhere with `handcart jog`")
+    def _try(
+        self, site: Site, backend: CanBackend, jogger: Jogger, free: FreeWay, number: int, axis: str
+    ) -> Facts:
+        facts: Facts = {}
+        begun = jogger.position(axis)
         for end, limit in zip(("lower", "upper"), jogger.limits(axis), strict=True):
-            with site.operator.hold(f"{axis}: hold the space bar, to its {end} limit") as held:
-                done = jogger.jog(axis, (limit - jogger.position(axis)) + math.copysign(0.1, limit), held)
-            at = jogger.position(axis)
-            facts[f"{end}_deg"] = round(math.degrees(at), 2)
-            if done.ended != "limit" or abs(at - limit) > _NEAR:
-                raise RungFailed(
-                    f"{axis} stands at {math.degrees(at):.1f} deg ({done.ended}); its limit is "
-                    f"{math.degrees(limit):.1f} deg"
-                )
-        with site.operator.hold(f"{axis}: hold the space bar, back to where it was") as held:
-            jogger.jog(axis, begun - jogger.position(axis), held)
+            posture = np.array([each.position for each in backend.axes.joints])
+            touches = free.touches_at(posture, number, limit)
+            if touches is not None:
+                facts[f"{end}_touches_deg"] = round(math.degrees(touches), 1)
+                continue
+            question = f"{axis}: is the way to its {end} limit, {math.degrees(limit):.0f} deg, free?"
+            if not site.confirm(f"{axis.replace(' ', '_')}_{end}", question):
+                raise RungFailed(f"{axis}: not free; bring the arm elsewhere with `handcart jog`")
+            facts[f"{end}_deg"] = round(math.degrees(_to_limit(site, jogger, axis, limit)), 2)
+            _held(site, jogger, axis, begun - jogger.position(axis), back=True)
         return facts
+
+
+def _to_limit(site: Site, jogger: Jogger, axis: str, limit: float) -> float:
+    """Jog a joint against its limit; where it stands then, in [rad]."""
+    way = limit - jogger.position(axis)
+    with site.operator.hold(f"{axis}: hold the space bar, to its limit") as held:
+        done = jogger.jog(axis, way + math.copysign(0.2, way), held)
+    at = jogger.position(axis)
+    if done.ended != "limit" or abs(at - limit) > _NEAR:
+        stands = f"{axis} stands at {math.degrees(at):.1f} deg ({done.ended})"
+        raise RungFailed(f"{stands}; its limit is {math.degrees(limit):.1f} deg")
+    return at
+
+
+class FreeWay:
+    """Whether a joint can turn without the arm touching the robot or the floor, by the URDF; fingers open."""
+
+    def __init__(self, robot: RobotFile) -> None:
+        half = 0.0 if robot.gripper is None else robot.gripper.opening_mm / 2e3
+        fingers = dict.fromkeys(FINGERS, half) if robot.gripper else {}
+        self._model = robot.arm_model().with_others(fingers)
+        self._own = CollisionModel(self._model, margin=MARGIN)
+
+    def touches_at(self, posture: NDArray[np.float64], joint: int, limit: float) -> float | None:
+        """At which angle in [rad] on the way to `limit` something is touched; None where nothing is.
+
+        Args:
+            posture: of all joints, (n,) in [rad].
+            joint: which one turns, from 0.
+            limit: where to, in [rad].
+        """
+        floor = self._lowest(posture) - _DEEPER  # wheels and casters stand on it
+        steps = max(2, math.ceil(abs(limit - posture[joint]) / _STEP))
+        for angle in np.linspace(posture[joint], limit, steps):
+            there = posture.copy()
+            there[joint] = angle
+            if self._own.in_collision(there) or self._lowest(there) < floor:
+                return float(angle)
+        return None
+
+    def _lowest(self, posture: NDArray[np.float64]) -> float:
+        shapes = self._model.link_shapes(posture)
+        return min(float(corners_of(each)[:, 2].min()) for each in shapes)

@@ -29,7 +29,7 @@ class PlainNode(canopen.RemoteNode):
 
     def add_sdo(self, rx_cobid: int, tx_cobid: int) -> SdoClient:
         """See the library; the client needs no thread."""
-        client = LineSdoClient(rx_cobid, tx_cobid, self.object_dictionary)
+        client: SdoClient = LineSdoClient(rx_cobid, tx_cobid, self.object_dictionary)  # type: ignore[no-untyped-call]
         self.sdo_channels.append(client)
         return client
 

@@ -28,6 +28,8 @@ LEASE = 0.3
 """[s] for which a key that was seen pressed counts as held (row U6)."""
 HAND_SPEED = 0.25
 """[m/s] that nothing of the robot runs faster than until it is signed off."""
+TOP_TURN = math.radians(30.0)
+"""[rad/s] that no joint turns faster than, however near the hand is to its axis."""
 _SETTLE = 2.0  # [s] in which an axis comes to rest
 _STILL = 1e-4  # [m], [rad] in a period
 
@@ -130,6 +132,8 @@ class Jogger:
                 break
             fastest, periods = max(fastest, abs(speed)), periods + 1
             self.backend.step()
+        if ended == "limit":
+            self.settle()  # the drive is still on its way there
         self.backend.stop()
         self.settle()
         return Jogged(self.position(axis) - begun, periods * self.backend.period, fastest, ended)
@@ -145,9 +149,13 @@ class Jogger:
         return self._gripper.width()
 
     def limits(self, axis: str) -> tuple[float, float]:
-        """Of a joint, in [rad]."""
+        """Of a joint in [rad], of the fingers' opening in [m]; a wheel has none."""
         kind, number = _parts(axis)
-        assert kind == "joint"
+        if kind == "wheel":
+            return -math.inf, math.inf
+        if kind == "gripper":
+            assert self.robot.gripper is not None
+            return 0.0, self.robot.gripper.opening_mm / 1e3
         assert self._model is not None
         return float(self._model.lower[number]), float(self._model.upper[number])
 
@@ -162,7 +170,8 @@ class Jogger:
             assert self._model is not None
             assert self.robot.arm is not None
             lever = float(np.linalg.norm(self._model.jacobian(self._arm.joints())[:3, number]))
-            return min(HAND_SPEED / max(lever, 0.1), math.radians(self.robot.arm.top_speed_deg_s))
+            top = min(TOP_TURN, math.radians(self.robot.arm.top_speed_deg_s))
+            return min(HAND_SPEED / max(lever, 0.1), top)
         assert self.robot.gripper is not None
         return min(HAND_SPEED, self.robot.gripper.speed_mm_s / 1e3)
 
@@ -179,30 +188,23 @@ class Jogger:
         return passed
 
     def _command(self, axis: str, speed: float) -> bool:
-        """Command a period's motion; whether the axis may go on so."""
+        """Command a period's motion, up to the limit; whether there is any."""
         kind, number = _parts(axis)
         if kind == "wheel":
             turn = speed / self.robot.drive.tread_m
             self._base.drive(speed / 2, -turn if number == 0 else turn)
             return True
+        way = speed * self.backend.period
+        lower, upper = self.limits(axis)
         if kind == "joint":
-            return self._command_joint(number, speed * self.backend.period)
-        assert self.robot.gripper is not None
-        gripper = self._gripper
-        wanted = gripper.command() + speed * self.backend.period
-        opening = self.robot.gripper.opening_mm / 1e3
-        gripper.move(min(max(wanted, 0.0), opening))
-        return 0.0 <= wanted <= opening
-
-    def _command_joint(self, number: int, way: float) -> bool:
-        assert self._model is not None
-        arm = self._arm
-        wanted = arm.command().copy()
-        wanted[number] += way
-        within = bool(self._model.lower[number] <= wanted[number] <= self._model.upper[number])
-        if within:
-            arm.move(wanted)
-        return within
+            wanted = self._arm.command().copy()
+            before = float(wanted[number])
+            wanted[number] = min(max(before + way, lower), upper)
+            self._arm.move(wanted)
+            return float(wanted[number]) != before
+        width = self._gripper.command()
+        self._gripper.move(min(max(width + way, lower), upper))
+        return self._gripper.command() != width
 
     def _reach(self) -> float:
         """How far the hand is from the base's axis, or its rim where there is no arm, in [m]."""

@@ -10,7 +10,6 @@ from typing import Any, Literal
 from files.loading import load
 from files.model import FileModel
 
-Plain = bool | int | float | str
 Answer = bool | float
 
 
@@ -41,8 +40,8 @@ def save(record: RungRecord, path: Path) -> None:
     from ruamel.yaml import YAML
 
     yaml = YAML()
-    yaml.default_flow_style = None
-    yaml.width = 110
+    yaml.default_flow_style = False
+    yaml.width = 4096  # what is folded reads badly
     out = StringIO()
     yaml.dump(record.model_dump(mode="json"), out)
     new = path.with_name(f".{path.name}.new")

@@ -17,6 +17,7 @@ from backends.can.open_bus import open_bus
 from backends.can.simulated.bench import Bench
 from backends.can_spec import CanSpec
 from backends.robot_file import RobotFile
+from networks.robot_claim import claimed
 
 from .operator import Operator
 
@@ -31,10 +32,14 @@ class Site:
     operator: Operator
     folder: Path
     """Of the records."""
+    task: Path
+    """What the robot is brought up for."""
     bench: str = ""
     """The simulated backend that stands behind simulated drives; "" for the robot itself."""
     world: Path | None = None
     """What the bench's robot stands in."""
+    camera_on_bench: bool = False
+    """Whether the camera is calibrated on a bench, too."""
     answers: dict[str, bool | float] = field(default_factory=dict)
     """Given in the current rung."""
 
@@ -47,8 +52,11 @@ class Site:
 
     @property
     def fingerprint(self) -> str:
-        """Of what in the robot's file is tried: drives, limits, wheels, joints."""
-        tried = self.robot.model_dump_json(include={"can", "period_s", "drive", "arm", "gripper"})
+        """Of what in the robot's file is tried: drives, limits, joints; not what a calibration changes."""
+        spec = self.robot.model_copy(
+            update={"drive": self.robot.drive.model_copy(update={"wheel_radius_m": 1.0, "tread_m": 1.0})}
+        )
+        tried = spec.model_dump_json(include={"can", "period_s", "drive", "arm", "gripper"})
         return hashlib.sha256((tried + self.robot.urdf_text()).encode()).hexdigest()[:16]
 
     @contextmanager
@@ -77,14 +85,15 @@ class Site:
 
     @contextmanager
     def backend(self, seed: int = 0) -> Iterator[CanBackend]:
-        """The robot, set up and read back; no drive is enabled yet."""
+        """The robot, set up and read back, no drive enabled yet; a real one is claimed for this process."""
         made = (
             CanBackend.build_on_bench(self.robot, self.world, seed, self.bench)
             if self.bench
             else CanBackend.build(self.robot, None, seed)
         )
         try:
-            yield made
+            with claimed(made):
+                yield made
         finally:
             made.close()
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -12,13 +12,20 @@ import numpy as np
 from backends.base import Base
 from backends.can.can_backend import CanBackend
 from backends.range_sensor import RangeSensor
+from evaluation.running import run_task
+from evaluation.stage import LIBRARY, Stage
 from networks.calibration import NAME, Calibration, rounded
+from networks.planner import NoWay, Planner
+from networks.preparing import prepare
+from networks.robot_claim import claimed
 from primitives.calibrated import Calibrated
+from primitives.outcome import Success
 
 from .jog import HAND_SPEED
 from .rung import Facts, Rung, RungFailed
 from .site import Site
 
+CAMERA_TASK = LIBRARY.parent / "calibrate_camera" / "task.yaml"
 TAPE = 0.002
 """[m]: how well a tape tells."""
 PROTRACTOR = math.radians(1.0)
@@ -153,8 +160,8 @@ class CameraRung(Rung):
         """See `Rung`."""
         if site.robot.camera is None or site.robot.arm is None:
             return "the robot has no camera on an arm"
-        if site.bench and not site.calibrates_camera:
-            return "the bench's world has no place for its board; on the robot it is not left out"
+        if site.bench and not site.camera_on_bench:
+            return "on the bench only with --camera: it takes minutes"
         return ""
 
     def climb(self, site: Site) -> Facts:
@@ -174,11 +181,22 @@ class PrimitiveRung(Rung):
 
     def climb(self, site: Site) -> Facts:
         """See `Rung`."""
+        if not site.confirm("free", "Is the way free, and nobody in the robot's reach?"):
+            raise RungFailed("it wasn't free")
         settings = {"robot": site.name}
         with prepare(site.task, "can", settings, bench=site.bench or None) as prepared:
             network = prepared.task.network
-            plan = Planner(network, prepared.task.file.attempts if False else 3)
-            raise RungFailed(str(plan))
+            plan = Planner(network).plan(network.start)
+            if isinstance(plan, NoWay) or plan.actions[0].binding is None:
+                raise RungFailed(f"{site.task} has no first primitive")
+            first = plan.actions[0]
+            assert first.binding is not None
+            stage = Stage(prepared.robot, prepared.model, prepared.backend)
+            with claimed(prepared.backend):
+                outcome = stage.do(first.binding.make(prepared.model))
+        if not isinstance(outcome, Success):
+            raise RungFailed(f"{first.do}: {type(outcome).__name__}, {outcome.reason}")
+        return {"primitive": str(first), "outcome": "Success", "sim_time_s": round(prepared.robot.time, 2)}
 
 
 class TaskRung(Rung):

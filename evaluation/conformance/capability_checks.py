@@ -15,6 +15,7 @@ from backends.gripper import Gripper
 from backends.mounted_camera import known_camera
 from backends.positioning import Positioning
 from backends.range_sensor import RangeSensor
+from backends.robot_file import Errors
 
 from .bench import Bench
 from .check import Check, Finding
@@ -119,12 +120,12 @@ def signs_of_the_joints(bench: Bench, finding: Finding) -> None:
     """Each joint goes where it is told, in [rad], the others stay."""
     with bench.stage() as stage:
         arm = arm_of(stage.backend)
-        start = arm.command()
+        start, gives = arm.command(), _gives(bench.spec().errors)
         worst = truly = 0.0
         for number in range(len(start)):
             for sign in (1.0, -1.0):
                 goal = start.copy()
-                goal[number] += sign * FLIPS
+                goal[number] += sign * (FLIPS + 2.0 * gives)
                 move_joints(stage.backend, arm, goal)
                 worst = max(worst, float(np.abs(arm.joints() - goal).max()))
                 truth = ground_truth(stage.backend)
@@ -132,9 +133,13 @@ def signs_of_the_joints(bench: Bench, finding: Finding) -> None:
                     truly = max(truly, float(np.abs(truth.joints - goal).max()))
             move_joints(stage.backend, arm, start)
         finding.at_most("joints off their command", 1e3 * worst, 5.0, "mrad")
-        errors = bench.spec().errors
-        gives = errors.hand_systematic_mm + 3.0 * errors.hand_repeat_mm + errors.hand_uniform_mm
-        finding.at_most("joints truly off", 1e3 * truly, 5.0 + gives / SHORT, "mrad")
+        finding.at_most("joints truly off", 1e3 * truly, 5.0 + 1e3 * gives, "mrad")
+
+
+def _gives(errors: Errors) -> float:
+    """By how much joints may truly be off what their encoders read, in [rad]."""
+    off = errors.hand_systematic_mm + 3.0 * errors.hand_repeat_mm + errors.hand_uniform_mm
+    return off / 1e3 / SHORT
 
 
 def fingers(bench: Bench, finding: Finding) -> None:

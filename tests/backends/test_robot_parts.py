@@ -135,6 +135,7 @@ def test_a_mesh_without_volume_is_told(robot: Path) -> None:
     ("link", "key"), [("camera", "camera"), ("range_sensor", "range_sensor"), ("hand", "arm")]
 )
 def test_a_missing_frame_is_told(tmp_path: Path, link: str, key: str) -> None:
+    """S8: before anything moves."""
     source = Path(str(load_robot("librarian").urdf_path())).parent
     urdf = (source / "librarian.urdf").read_text(encoding="utf-8")
     renamed = urdf.replace(f'link name="{link}"', f'link name="other_{link}"')

@@ -68,6 +68,7 @@ def test_an_old_scan_is_not_taken_for_a_new_one(periods: int) -> None:
 
 
 def test_a_lost_robot_knows_nothing_of_its_pose() -> None:
+    """S12: scans no longer fit."""
     _, underway = ended(Reach(ahead_m=0.4), 10, Fault(FaultKind.STALE, "range", FOR_GOOD))
     assert underway.robot.lost
     assert underway.robot.pose_sigma == (math.inf, math.inf)
@@ -99,6 +100,7 @@ def test_a_base_that_is_stuck_close_to_its_goal_is_not_waited_for_for_good() -> 
 
 
 def test_an_old_picture_is_not_taken_for_a_new_one() -> None:
+    """S11: though the camera has moved."""
     with BENCH.stage() as stage:
         faulty = FaultyBackend(stage.backend)
         robot = BENCH.around(stage, faulty).robot

@@ -30,6 +30,7 @@ def test_a_block_is_taken_centred_between_the_fingers():
 
 
 def test_where_no_block_is_the_fingers_close_on_nothing():
+    """S10: nothing tells where the block is."""
     with at_the_wall() as stage:
         stage.do(Fixate(landmark="stacking"))
         del scene_of(stage).blocks["3"]

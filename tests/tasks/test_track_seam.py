@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 from pathlib import Path
 
 import pytest
@@ -42,3 +43,26 @@ def test_a_place_that_is_taken_is_a_fail_and_the_rest_is_divided_again(tmp_path:
     assert metrics["seam_tracked_m"] == pytest.approx(5.13, abs=0.01)
     journal = (Path(summary["run_dir"]) / "journal.jsonl").read_text(encoding="utf-8")
     assert "place_4" in journal
+
+
+def test_a_base_that_is_not_known_exactly_tracks_nothing(tmp_path: Path) -> None:
+    folder = TASK.parents[2] / "backends" / "robots" / "atrv"
+    shutil.copy(folder / "atrv.urdf", tmp_path)
+    text = (folder / "robot.yaml").read_text(encoding="utf-8").replace("sigma_mm: 0.3", "sigma_mm: 30.0")
+    robot = tmp_path / "robot.yaml"
+    robot.write_text(text, encoding="utf-8")
+    summary, status = run_task(TASK, tmp_path, None, {"robot": str(robot), "places_left": "[3]"}, seed=0)
+    assert status == 3
+    assert "it isn't known exactly enough where the base stands" in summary["reason"]
+    assert summary["metrics"]["untrue"] == []
+
+
+@pytest.mark.slow
+def test_it_is_tracked_in_physics(tmp_path: Path) -> None:
+    pytest.importorskip("pybullet", reason="PyBullet has no wheel for this Python")
+    summary, status = run_task(TASK, tmp_path, "pybullet", {}, seed=0)
+    metrics = summary["metrics"]
+    assert (status, summary["fails"], metrics["untrue"]) == (0, 0, [])
+    assert metrics["placements"] == 3
+    assert metrics["tracking_error_mm_max"] < 1.5
+    assert metrics["joint_limit_violations"] == 0

@@ -35,8 +35,7 @@ class LineSensor(LiveSensor):
     def _sound(self, values: NDArray[np.float64]) -> bool:
         """Whether they can be a reading."""
 
-    def advance(self) -> None:
-        """See `LiveSensor`."""
+    def _take_in(self) -> None:
         if self.trouble:
             return
         try:

@@ -28,14 +28,20 @@ class LiveSensor(ABC):
         """
         self.name, self._stale, self._clock = name, stale, clock
         self._came: float | None = None
+        self._now = clock()
         self.rejected = 0
         """How many readings were dropped: damaged, not finite, of another size, out of order."""
         self.trouble = ""
         """Why it can't be read any more; "" while it can."""
 
-    @abstractmethod
     def advance(self) -> None:
         """A period has passed: take in what has come."""
+        self._now = self._clock()
+        self._take_in()
+
+    @abstractmethod
+    def _take_in(self) -> None:
+        """Take in what has come; never wait, never raise."""
 
     @abstractmethod
     def close(self) -> None:
@@ -43,8 +49,8 @@ class LiveSensor(ABC):
 
     @property
     def age(self) -> float | None:
-        """Of the last good reading when it is asked, in [s]; None before the first."""
-        return None if self._came is None else self._clock() - self._came
+        """Of the last good reading in this period, in [s]; None before the first."""
+        return None if self._came is None else self._now - self._came
 
     def check_fresh(self) -> None:
         """Raises `StaleSensor` where the last reading is too old."""
@@ -53,5 +59,5 @@ class LiveSensor(ABC):
             raise StaleSensor(self.name, age, self._stale, self.trouble)
 
     def _good(self) -> None:
-        """A good reading has come just now."""
-        self._came = self._clock()
+        """A good reading has come in this period."""
+        self._came = self._now

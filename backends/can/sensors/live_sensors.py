@@ -17,6 +17,9 @@ from backends.scene.mounts import base_T_frame
 from .errors import NoSensor
 from .live_sensor import Clock, LiveSensor
 
+_FIRST = 3.0  # [s] in which the first reading is to come
+_PAUSE = 0.01
+
 _KINDS: dict[str, type[Capability]] = {
     "camera": Camera,
     "range_sensor": RangeSensor,
@@ -50,6 +53,26 @@ def open_sensors(robot: RobotFile, sensors: SensorsSpec, clock: Clock = time.mon
             each.close()
         raise
     return opened
+
+
+def await_first(sensors: list[LiveSensor], seconds: float = _FIRST) -> None:
+    """Wait until each has given a reading, but a satellite receiver, which may see the sky later.
+
+    Raises:
+        NoSensor: one gave none.
+    """
+    end = time.monotonic() + seconds
+    waited = [each for each in sensors if not isinstance(each, Gps)]
+    while True:
+        for each in sensors:
+            each.advance()
+        silent = [each for each in waited if each.age is None]
+        if not silent:
+            return
+        if time.monotonic() > end:
+            why = silent[0].trouble or f"{silent[0].rejected} readings were no good"
+            raise NoSensor(f"{silent[0].name} gave no reading in {seconds:g} s ({why})")
+        time.sleep(_PAUSE)
 
 
 def _open(key: str, robot: RobotFile, sensors: SensorsSpec, clock: Clock) -> LiveSensor:

@@ -42,8 +42,7 @@ class NmeaGps(LiveSensor, Gps):
         """See `Gps`."""
         return self._fix
 
-    def advance(self) -> None:
-        """See `LiveSensor`."""
+    def _take_in(self) -> None:
         self._fix = None
         if self.trouble:
             return

@@ -81,14 +81,13 @@ class VideoCamera(LiveSensor, Camera):
         """See `Camera`."""
         return self._mounted.hand_T_camera.copy()
 
-    def advance(self) -> None:
-        """See `LiveSensor`."""
+    def _take_in(self) -> None:
         if self._is_file and self._image is not None:
             self._grab()
         with self._lock:
             grabbed = self._grabbed
         if grabbed is not None:
-            self._image, self._came = grabbed if not self._is_file else (grabbed[0], self._clock())
+            self._image, self._came = grabbed if not self._is_file else (grabbed[0], self._now)
 
     def _grab(self) -> bool:
         """Take the next picture; whether one came."""

@@ -44,10 +44,10 @@ class BackendPlant(Plant):
         """Let the drives stand where the robot holds."""
         command = self._arm.command() if self._arm else ()
         for axis, angle in zip(self._axes.joints, command, strict=False):
-            drives[axis.id].stand_at(float(angle) * axis.units.scale + axis.units.zero)
+            drives[axis.spec.node].stand_at(float(angle) * axis.units.scale + axis.units.zero)
         if self._axes.gripper and self._gripper:
             axis = self._axes.gripper
-            drives[axis.id].stand_at(self._gripper.command() * axis.units.scale + axis.units.zero)
+            drives[axis.spec.node].stand_at(self._gripper.command() * axis.units.scale + axis.units.zero)
         self._driven = {node: drive.driven for node, drive in drives.items()}
         self._tell(drives, 1.0)
         for drive in drives.values():
@@ -66,10 +66,10 @@ class BackendPlant(Plant):
         self._tell(drives, seconds)
 
     def _changed(self, drives: Mapping[int, DriveNode], *axes: Axis) -> bool:
-        return any(drives[axis.id].driven != self._driven[axis.id] for axis in axes)
+        return any(drives[axis.spec.node].driven != self._driven[axis.spec.node] for axis in axes)
 
     def _asked(self, drives: Mapping[int, DriveNode], axis: Axis) -> float:
-        return axis.units.position(drives[axis.id].driven)
+        return axis.units.position(drives[axis.spec.node].driven)
 
     def _roll(self, drives: Mapping[int, DriveNode], seconds: float) -> None:
         """Drive the base by what the wheels are turned in this period."""
@@ -77,7 +77,7 @@ class BackendPlant(Plant):
             return
         drive = self._robot.drive
         left, right = (
-            axis.units.speed(drives[axis.id].driven - self._driven[axis.id]) / seconds
+            axis.units.speed(drives[axis.spec.node].driven - self._driven[axis.spec.node]) / seconds
             for axis in (self._axes.left, self._axes.right)
         )
         speed, turn = (left + right) / 2, (right - left) / drive.tread_m
@@ -96,19 +96,18 @@ class BackendPlant(Plant):
         if self._base is not None:
             travel = self._base.wheel_travel()
             for axis, way in zip((self._axes.left, self._axes.right), travel, strict=True):
-                drives[axis.id].moved(way * axis.units.scale, seconds, torque=0)
+                drives[axis.spec.node].moved(way * axis.units.scale, seconds, torque=0)
         if self._arm is not None and self._model is not None:
             angles = self._arm.joints()
             torques = self._torques(self._model, self._arm, angles)
             for axis, angle, torque in zip(self._axes.joints, angles, torques, strict=True):
                 told = round(1000.0 * torque * np.sign(axis.units.scale))
-                drives[axis.id].moved(_counts(axis, float(angle)), seconds, told)
-        axis = self._axes.gripper
-        if self._gripper is not None and axis is not None:
-            presses = (
-                -np.sign(axis.units.scale) * axis.limits.torque if self._gripper.closed_on_something() else 0
-            )
-            drives[axis.id].moved(_counts(axis, self._gripper.width()), seconds, int(presses))
+                drives[axis.spec.node].moved(_counts(axis, float(angle)), seconds, told)
+        fingers = self._axes.gripper
+        if self._gripper is not None and fingers is not None:
+            torque = -np.sign(fingers.units.scale) * fingers.limits.torque
+            told = int(torque) if self._gripper.closed_on_something() else 0
+            drives[fingers.spec.node].moved(_counts(fingers, self._gripper.width()), seconds, told)
 
     def _torques(self, model: ArmModel, arm: Arm, q: Vector) -> Vector:
         """Of the joints (n,), as shares of the rated ones."""

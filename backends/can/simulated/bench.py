@@ -101,6 +101,8 @@ class Bench:
     def close(self) -> None:
         """Let go of bus and robot. A second call does nothing."""
         self._drives.close()
+        if self.master is not None:
+            self.master.shutdown()
         if self.inner is not None:
             self.inner.close()
 
@@ -110,4 +112,4 @@ def _place(axes: Axes, drives: dict[int, DriveNode]) -> None:
     for axis in axes.values():
         if axis.positioned:
             position = min(max(0.0, axis.limits.lower), axis.limits.upper)
-            drives[axis.id].stand_at(axis.units.counts(position))
+            drives[axis.spec.node].stand_at(axis.units.counts(position))

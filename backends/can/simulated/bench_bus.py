@@ -32,6 +32,10 @@ class BenchBus(can.BusABC):
         """See python-can."""
         return self.condition
 
+    @state.setter
+    def state(self, new_state: can.BusState) -> None:
+        self.condition = new_state
+
     def send(self, msg: can.Message, timeout: float | None = None) -> None:
         """See python-can."""
         if self.down:

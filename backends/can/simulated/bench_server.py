@@ -11,7 +11,7 @@ _PATIENCE = 1.5  # periods without a SYNC after which time passes by the clock
 _CATCH_UP = 10  # periods at most that are made up for at once
 _SLICES = 10  # of a period, in which time passes then
 
-Look = Callable[[Bench], None]
+Look = Callable[[Bench], object]
 
 
 class BenchServer:

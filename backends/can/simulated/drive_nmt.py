@@ -25,4 +25,4 @@ class DriveNmt(NmtSlave):
 
     def beat(self) -> None:
         """Send a heartbeat."""
-        self.network.send_message(0x700 + self.id, [self._state])
+        self.network.send_message(0x700 + self.id, bytes([self._state]))

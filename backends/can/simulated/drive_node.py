@@ -49,7 +49,10 @@ class DriveNode(canopen.LocalNode):
         """A drive with that node ID, standing at 0."""
         self.objects = DriveObjects(node)
         super().__init__(node, self.objects.dictionary)
-        self.nmt = DriveNmt(node, self)
+        self.number = node
+        """Its node ID."""
+        self.beats = DriveNmt(node, self)
+        self.nmt = self.beats
         self._write_callbacks = [self.nmt.on_write, self._written]
         self.add_read_callback(self._read)
         self.wrong = Misconduct()
@@ -109,7 +112,7 @@ class DriveNode(canopen.LocalNode):
 
     # What comes in
 
-    def _on_nmt(self, _can_id: int, data: bytes, _stamp: float) -> None:
+    def _on_nmt(self, _can_id: int, data: bytearray, _stamp: float) -> None:
         command, node = data[0], data[1]
         if node not in (0, self.id):
             return
@@ -122,7 +125,7 @@ class DriveNode(canopen.LocalNode):
                 if pdo.enabled and self._on_pdo not in pdo.callbacks:
                     pdo.add_callback(self._on_pdo)
 
-    def _on_heartbeat(self, can_id: int, _data: bytes, _stamp: float) -> None:
+    def _on_heartbeat(self, can_id: int, _data: bytearray, _stamp: float) -> None:
         if can_id - 0x700 == self.objects(0x1016, 1) >> 16:
             self._heard = 0.0
 
@@ -181,8 +184,8 @@ class DriveNode(canopen.LocalNode):
             left -= part
             self._plan(part)
             self._supervise(part)
-            if self.nmt.advance(part) and not self.wrong.no_heartbeat:
-                self.nmt.beat()
+            if self.beats.advance(part) and not self.wrong.no_heartbeat:
+                self.beats.beat()
         self.driven = self.demand.position + self.wrong.astray(self.demand.position - before)
 
     def moved(self, position: float, seconds: float, torque: int) -> None:

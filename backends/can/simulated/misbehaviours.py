@@ -74,7 +74,7 @@ def _error_frame(kind: int, detail: int) -> Act:
 def _send(can_id: Callable[[int], int], data: Callable[[int], bytes], times: int = 1) -> Act:
     def act(bench: Bench, drive: DriveNode) -> None:
         for _ in range(times):
-            bench.line.send_message(can_id(drive.id), data(drive.id))
+            bench.line.send_message(can_id(drive.number), data(drive.number))
 
     return act
 

@@ -165,5 +165,5 @@ def test_a_robot_needs_a_section_can():
 def test_counts_that_do_not_fit_are_told(make, cart):
     fine = cart.can.left.model_copy(update={"counts_per_rev": 2**24, "gear_ratio": 100.0})
     robot = cart.model_copy(update={"can": cart.can.model_copy(update={"left": fine})})
-    with pytest.raises(TooManyCounts, match=r"the left drive \(node 1\) would be told .* counts_per_rev"):
+    with pytest.raises(TooManyCounts, match=r"the left wheel drive .* would be told .* counts_per_rev"):
         make(robot=robot)

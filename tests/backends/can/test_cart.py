@@ -34,7 +34,7 @@ def test_the_kit_finds_nothing_wrong(name):
 @pytest.mark.parametrize(
     ("before", "after", "told"),
     [
-        ("{node: 2,", "{node: 1,", "both wheels have the node 1; allowed: two different ones"),
+        ("{node: 2,", "{node: 1,", "left wheel and right wheel have the node 1; allowed: each its own"),
         ("{node: 2,", "{node: 128,", "127"),
         ("interface: virtual ", "interface: socketcam ", "did you mean 'socketcan'"),
         ("sign: -1", "sign: 0", "sign"),

@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import canopen
 import pytest
 from canopen.profiles.p402 import State402
 
-from backends.can.simulated.drive_life import DriveLife
-from backends.can.profile import ramp
 from backends.can.fault_words import fault_words
-from backends.can.simulated.simulated_drives import SimulatedDrives
+from backends.can.profile import ramp
+from backends.can.simulated.drive_life import DriveLife
 
 
 def test_the_states_follow_the_controlword():
@@ -48,34 +46,6 @@ def test_a_velocity_ramps():
     assert ramp(0.0, 1.0, 2.0, 1.0) == (0.75, 1.0)
     assert ramp(1.0, -1.0, 4.0, 0.5) == (0.0, -1.0)
     assert ramp(1.0, 1.0, 0.0, 2.0) == (2.0, 1.0)
-
-
-def test_the_library_brings_it_to_operation_enabled():
-    """`canopen`'s own master of CiA 402, which has nothing to do with ours."""
-    from backends.can.can_line import CanLine
-    from backends.can.drive_dictionary import drive_dictionary
-    from backends.can.line_sdo_client import LineSdoClient
-
-    class Master(canopen.BaseNode402):
-        def add_sdo(self, rx, tx):
-            self.sdo_channels.append(LineSdoClient(rx, tx, self.object_dictionary))
-            return self.sdo_channels[-1]
-
-    drives = SimulatedDrives(5)
-    line = CanLine(drives.open(), drives.serve)
-    node = Master(5, drive_dictionary(5))
-    line.add_node(node)
-    try:
-        for word, state in ((0x06, "READY TO SWITCH ON"), (0x07, "SWITCHED ON"), (0x0F, "OPERATION ENABLED")):
-            node.sdo[0x6040].raw = word
-            status = node.sdo[0x6041].raw
-            assert next(k for k, (mask, bits) in State402.SW_MASK.items() if status & mask == bits) == state
-        assert node.sdo[0x6502].raw == 4
-        with pytest.raises(canopen.SdoAbortedError):
-            node.sdo[0x6041].raw = 0
-    finally:
-        line.close()
-        drives.close()
 
 
 def test_fault_codes_are_told_in_words():

@@ -1,13 +1,26 @@
-"""What goes wrong on the bus."""
+"""What goes wrong on the bus before anything moves, and what a fault means for commands."""
 
 from __future__ import annotations
 
 import can
 import pytest
 
+from backends.backend import NoBench
 from backends.base import Base
 from backends.can.can_line import CanLine
-from backends.can.errors import BusFault, DriveNotReady, NoInterface, SilentDrive, WrongDrive
+from backends.can.errors import (
+    BusFault,
+    DriveNotReady,
+    NoInterface,
+    ReadBackDiffers,
+    SilentDrive,
+    TwoNodes,
+    WrongDrive,
+)
+from backends.can.simulated.drive_node import DriveNode
+from backends.can.simulated.misbehaviours import UnknownMisbehaviour
+from backends.registry import make_backend
+from backends.robot_file import load_robot
 
 from .conftest import LEFT, RIGHT
 
@@ -18,76 +31,40 @@ def drive(backend, periods):
         backend.step()
 
 
-def assert_stopped(backend, fault):
-    """Both wheels, for good."""
-    nodes = backend.bench.drives.values()
-    assert [node.velocity for node in nodes] == [0.0, 0.0]
-    assert all(node.life.state in ("SWITCH ON DISABLED", "FAULT") for node in nodes)
-    there = [node.position for node in nodes]
-    with pytest.raises(type(fault)) as again:
-        drive(backend, 1)
-    backend.stop()
-    backend.close()
-    assert again.value is fault
-    assert [node.position for node in nodes] == there
-
-
-def test_a_silent_drive_ends_the_step_and_stops_both(make):
+def test_a_drive_that_has_a_fault_is_not_reset(make):
     backend = make()
-    drive(backend, 20)
-    backend.bench.drives[RIGHT].silent = True
-    with pytest.raises(SilentDrive, match=r"the right drive \(node 2\) is silent") as told:
-        drive(backend, 1)
-    assert "statusword and position (6041h, 6064h)" in str(told.value)
-    assert str(told.value).endswith("for 0.05 s")
-    assert isinstance(told.value, TimeoutError)
-    assert_stopped(backend, told.value)
-
-
-def test_a_faulted_drive_ends_the_step_and_stops_both(make):
-    backend = make()
-    drive(backend, 20)
-    before = backend.scene.base.y
     backend.bench.drives[LEFT].fail(0x8611)
-    with pytest.raises(DriveNotReady) as told:
+    backend.bench.tick(0.05)
+    with pytest.raises(
+        DriveNotReady, match=r"the left wheel drive \(node 1\) is in the state FAULT: error 8611h"
+    ):
         drive(backend, 1)
-    assert str(told.value) == (
-        "the left drive (node 1) is in the state FAULT REACTION ACTIVE: error 8611h, following error; "
-        "needed: OPERATION ENABLED"
-    )
-    assert backend.scene.base.y > before + 0.03  # braking takes its way, in truth too
-    assert_stopped(backend, told.value)
-
-
-def test_a_drive_that_somebody_disables_ends_the_step(make):
-    backend = make()
-    backend.bench.drives[LEFT].life.disable()
-    with pytest.raises(DriveNotReady, match="SWITCH ON DISABLED; needed") as told:
-        drive(backend, 1)
-    assert_stopped(backend, told.value)
+    assert backend.bench.drives[LEFT].life.state == "FAULT"
 
 
 def test_a_drive_in_another_mode_ends_the_step(make):
     backend = make()
     drive(backend, 20)
-    backend._wheels.left.sdo[0x6060].raw = 1
-    with pytest.raises(DriveNotReady, match="in the mode 1") as told:
+    backend.axes["left wheel"].sdo[0x6060].raw = 1
+    with pytest.raises(DriveNotReady, match="in the mode 1"):
         drive(backend, 1)
-    assert_stopped(backend, told.value)
 
 
 def test_a_bus_that_fails_is_told(make, monkeypatch):
     backend = make()
+    drive(backend, 1)
 
     def fail(*_, **__):
         raise can.CanOperationError("bus off")
 
-    monkeypatch.setattr(backend._line.bus, "send", fail)
+    monkeypatch.setattr(backend.bench.master, "send", fail)
     with pytest.raises(BusFault, match="while driving: bus off"):
         drive(backend, 1)
 
 
-def test_a_fault_ends_a_command_with_status_5_and_without_a_traceback(make, monkeypatch, capsys):
+@pytest.mark.parametrize("command", ["run", "do"])
+def test_a_fault_ends_a_command_with_status_4_and_without_a_traceback(command, monkeypatch, capsys, tmp_path):
+    """A person has to look: GiveUp, with the reason in words."""
     from backends.can.can_backend import CanBackend
     from tools.handcart import main
 
@@ -95,46 +72,109 @@ def test_a_fault_ends_a_command_with_status_5_and_without_a_traceback(make, monk
 
     def fails(self):
         if next(count) == 30:
-            self.bench.drives[LEFT].silent = True
+            self.bench.misbehave("silent")
         step(self)
 
     monkeypatch.setattr(CanBackend, "step", fails)
+    run = ["run", "tasks/drive_map/task.yaml", "--no-sync", "--runs", str(tmp_path)]
+    do = ["do", "MOVE_TO", "place=shelf_3"]
     with pytest.raises(SystemExit) as end:
-        main(["do", "MOVE_TO", "place=shelf_3", "--robot", "cart", "--backend", "can"])
-    assert end.value.code == 5
-    assert "the left drive (node 1) is silent" in capsys.readouterr().err
+        main([*(run if command == "run" else do), "--robot", "cart", "--backend", "can"])
+    assert end.value.code == 4
+    told = capsys.readouterr()
+    assert "the left wheel drive (node 1) is silent" in told.out + told.err
+    assert "Traceback" not in told.err
+    assert ("GiveUp in situation" in told.out) == (command == "run")
 
 
 @pytest.mark.parametrize(
     ("index", "value", "error", "told"),
     [
         (0x1000, 0x191, WrongDrive, r"device profile \(1000h\) is 401; allowed: 402"),
-        (0x6502, 0x01, WrongDrive, r"drive modes \(6502h\) is 0x1; allowed: profile velocity"),
-        (0x6083, 7, WrongDrive, r"profile acceleration \(6083h\) is 7; allowed: the \d+ that was written"),
+        (0x6502, 0x01, WrongDrive, r"drive modes \(6502h\) is 0x1; allowed: profiled velocity"),
     ],
 )
 def test_a_drive_that_is_none_is_told(make, monkeypatch, index, value, error, told):
-    from backends.can.simulated.drive_node import DriveNode
-
     plain = DriveNode._value
     monkeypatch.setattr(DriveNode, "_value", lambda self, i: value if i == index else plain(self, i))
     with pytest.raises(error, match=told):
         make()
 
 
+def test_settings_that_differ_are_told_all_at_once(make, monkeypatch):
+    plain = DriveNode._power_on
+
+    def stubborn(self):
+        plain(self)
+        self.wrong.keeps = {(0x6083, 0): 7, (0x1017, 0): 0}
+
+    monkeypatch.setattr(DriveNode, "_power_on", stubborn)
+    monkeypatch.setattr(DriveNode, "__init__", _early(DriveNode.__init__))
+    with pytest.raises(ReadBackDiffers) as told:
+        make()
+    lines = str(told.value).splitlines()
+    assert len(lines) == len(told.value.differences) == 4
+    assert lines[0] == "the left wheel drive (node 1): producer heartbeat time (1017h) is 0; wanted: 50"
+    assert lines[3].startswith("the right wheel drive (node 2): profile acceleration (6083h) is 7; wanted: ")
+
+
+def _early(init):
+    """What a drive does wrong has to be there before it boots."""
+    from backends.can.simulated.misconduct import Misconduct
+
+    def made(self, node):
+        self.wrong = Misconduct()
+        init(self, node)
+
+    return made
+
+
+def test_an_identity_that_is_not_the_files_is_told(make, cart):
+    left = cart.can.left.model_copy(update={"vendor_id": 0x2E})
+    robot = cart.model_copy(update={"can": cart.can.model_copy(update={"left": left})})
+    with pytest.raises(WrongDrive, match=r"vendor-ID \(1018h:1\) is 0x0; allowed: 0x2e"):
+        make(robot=robot)
+
+
 def test_a_missing_drive_is_told(make, monkeypatch):
+    """C14: no answer to an SDO, tried twice."""
+    from backends.can.simulated import bench
+
+    plain = bench.SimulatedDrives
+    monkeypatch.setattr(bench, "SimulatedDrives", lambda nodes, *rest: plain(nodes[:1], *rest))
+    with pytest.raises(SilentDrive, match=r"the right wheel drive \(node 2\) is silent: no answer to an SDO"):
+        make(room=False)
+
+
+def test_two_drives_with_one_node_id_are_told_before_anything_moves(make, monkeypatch):
+    """C15: both answer."""
+    from backends.can.simulated import bench
     from backends.can.simulated.simulated_drives import SimulatedDrives
 
-    plain = SimulatedDrives.__init__
-    monkeypatch.setattr(SimulatedDrives, "__init__", lambda self, *nodes: plain(self, nodes[0]))
-    with pytest.raises(SilentDrive, match=r"the right drive \(node 2\) is silent: no answer to an SDO"):
-        make()
+    class Twice(SimulatedDrives):
+        def __init__(self, nodes, *rest):
+            super().__init__(nodes, *rest)
+            self._double = CanLine(self.open())
+            self._double[RIGHT] = DriveNode(RIGHT)
+
+        def serve(self):
+            super().serve()
+            self._double.drain()
+
+        def close(self):
+            super().close()
+            self._double.close()
+
+    monkeypatch.setattr(bench, "SimulatedDrives", Twice)
+    with pytest.raises(TwoNodes, match=r"two nodes seem to be the right wheel drive \(node 2\): two answers"):
+        make(room=False)
 
 
-def test_an_interface_that_cannot_be_opened_is_told(make, cart):
+def test_an_interface_that_cannot_be_opened_is_told(cart):
+    """C1: with the line that brings it up."""
     spec = cart.can.model_copy(update={"interface": "socketcan", "channel": "no_such0"})
     with pytest.raises(NoInterface, match=r"no CAN on socketcan no_such0: .*ip link set no_such0"):
-        make(robot=cart.model_copy(update={"can": spec}))
+        make_backend("can", cart.model_copy(update={"can": spec}), None, 0)
 
 
 def test_a_line_waits_no_longer_than_told():
@@ -146,3 +186,34 @@ def test_a_line_waits_no_longer_than_told():
         far.send(can.Message(arbitration_id=0x181, data=[2], is_extended_id=False))
         assert line.wait(lambda: bool(seen), 1.0)
         assert seen == [b"\x02"]
+        assert line.malformed == 1
+
+
+@pytest.mark.parametrize(
+    ("backend", "bench", "told"),
+    [
+        ("kinematic", "kinematic", "the backend 'kinematic' has no drives; allowed"),
+        ("can", "can", "the backend 'can' simulates no robot"),
+        ("can", "kinematik", "did you mean 'kinematic'"),
+    ],
+)
+def test_a_bench_that_cannot_be_is_refused_with_status_2(backend, bench, told, capsys):
+    from tools.handcart import main
+
+    with pytest.raises(SystemExit) as end:
+        main(["run", "tasks/return_book/task.yaml", "--backend", backend, "--bench", bench])
+    assert end.value.code == 2
+    assert told in capsys.readouterr().err
+
+
+def test_a_fault_that_nobody_knows_is_refused(make):
+    with pytest.raises(UnknownMisbehaviour, match="did you mean 'reversed'"):
+        make().bench.misbehave("reverse")
+
+
+def test_without_a_bench_the_capabilities_are_known_unbuilt():
+    from backends.can.can_backend import CanBackend
+
+    kinds = CanBackend.kinds(load_robot("librarian"))
+    assert [kind.__name__ for kind in kinds] == ["Base", "Arm", "Gripper"]
+    assert NoBench.exit_status == 2

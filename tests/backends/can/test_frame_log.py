@@ -117,6 +117,18 @@ def test_the_seconds_around_a_mark(tmp_path: Path, clock: Clock, make_log: Make)
     assert len(ids) == len(set(ids))
 
 
+def test_the_seconds_are_stamped_with_the_robots_time(tmp_path: Path, clock: Clock, make_log: Make) -> None:
+    """A pause, or a clock that counts from 1970: the excerpt tells what the journal calls that time."""
+    log = make_log()
+    clock.now = 1.7e9
+    log.note(frame(1), sent=True)
+    log.look(12.5)
+    clock.now += 0.25
+    log.note(frame(2), sent=True)
+    log.keep(tmp_path / "end")
+    assert [each.timestamp for each in read(tmp_path / "end_frames.log")] == pytest.approx([12.5, 12.75])
+
+
 def test_a_mark_and_what_follows_at_once_overlap_by_nothing(
     tmp_path: Path, clock: Clock, make_log: Make
 ) -> None:
@@ -134,7 +146,7 @@ def test_a_folder_that_takes_nothing_stops_nobody(tmp_path: Path, clock: Clock, 
     log.open(tmp_path / "missing")
     log.note(frame(1), sent=True)
     log.keep(tmp_path / "missing" / "evidence" / "end")
-    log.flush()
+    log.look(0.0)
     log.close()
     assert log.lost == "No such file or directory"
 

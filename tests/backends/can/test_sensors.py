@@ -19,14 +19,16 @@ import pytest
 from backends.can.sensors.errors import NoSensor, StaleSensor
 from backends.can.sensors.line_imu import LineImu
 from backends.can.sensors.line_range_sensor import LineRangeSensor
-from backends.can.sensors.live_sensors import open_sensors, sensor_kinds
+from backends.can.sensors.live_sensors import await_first, open_sensors, sensor_kinds
 from backends.can.sensors.nmea_gps import NmeaGps
+from backends.can.sensors.range_server import RangeServer
 from backends.can.sensors.sensor_lines import checksum, read_line, sensor_line
 from backends.can.sensors.video_camera import VideoCamera
 from backends.can_sensor_spec import CameraSource, GpsSource, LineSource, SensorsSpec
 from backends.mounted_camera import MountedCamera, camera_model
-from backends.range_sensor import RangeSensor
+from backends.range_sensor import RangeSensor, Scan
 from backends.robot_file import CameraSpec, RangeSpec, load_robot
+from robotics.geometry.pose2 import Pose2
 
 RANGE = RangeSpec(beams=4, reach_m=5.0, sigma_mm=10.0)
 CAMERA = CameraSpec(width_px=64, height_px=48, focal_px=60.0)
@@ -135,6 +137,7 @@ def test_s1_stale(device: Device, scanner: LineRangeSensor, clock: Clock) -> Non
     scanner.advance()
     scanner.scan()
     clock.now += 0.02
+    scanner.advance()
     with pytest.raises(StaleSensor, match="its last reading is 210 ms old; allowed: 200 ms"):
         scanner.scan()
 
@@ -171,6 +174,8 @@ def test_an_inertial_unit_is_averaged_over_the_period(device: Device, clock: Clo
     np.testing.assert_allclose(unit.accelerations(), [0.0, 0.0, 9.81])
     assert unit.rejected == 1
     clock.now += 1.0
+    unit.rates()  # in one period the same
+    unit.advance()
     with pytest.raises(StaleSensor):
         unit.rates()
     unit.close()
@@ -285,9 +290,42 @@ def test_sensors_of_a_robot(device: Device) -> None:
     assert sensor_kinds(sensors) == (RangeSensor,)
     before = threading.active_count()
     (scanner,) = open_sensors(cart, sensors)
+    with pytest.raises(NoSensor, match="the range sensor gave no reading in 0.05 s"):
+        await_first([scanner], 0.05)
+    device.say(ranges(1, *[1.0] * 360))
+    await_first([scanner])
     scanner.close()
     with pytest.raises(NoSensor, match="needed: the section 'imu'"):
         open_sensors(
             cart, SensorsSpec(range_sensor=LineSource(port=device.port), imu=LineSource(port="/dev/x"))
         )
     assert threading.active_count() == before
+
+
+class Walls(RangeSensor):
+    """Tells what it is told."""
+
+    def __init__(self) -> None:
+        self.ranges = np.array([1.0, np.inf, 2.5, 3.0])
+
+    def scan(self) -> Scan:
+        return Scan(np.zeros(4), self.ranges, Pose2(0.0, 0.0, 0.0))
+
+
+def test_scans_of_a_bench_in_another_process(clock: Clock) -> None:
+    """As `handcart bench --range-port` sends them; who doesn't read, or hangs up, is let go."""
+    walls = Walls()
+    server = RangeServer(walls, 0)
+    scanner = LineRangeSensor(LineSource(port=f"socket://127.0.0.1:{server.port}"), RANGE, np.eye(4), clock)
+    for number in range(200):
+        walls.ranges = walls.ranges + 0.001
+        server.send(0.05 * number)
+        time.sleep(0.001)
+        scanner.advance()
+        if scanner.age == 0.0 and number > 5:
+            break
+    np.testing.assert_allclose(scanner.scan().ranges, walls.ranges, atol=2e-3)
+    scanner.close()
+    for number in range(200, 210):
+        server.send(0.05 * number)
+    server.close()

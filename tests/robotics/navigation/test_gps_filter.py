@@ -1,4 +1,5 @@
 import math
+import pickle
 
 import numpy as np
 import pytest
@@ -134,3 +135,14 @@ def test_no_marks_no_report():
     record = TrackRecord()
     GpsFilter(Pose2(0.0, 0.0, 0.0), record=record)
     assert record.smoothed() == []
+
+
+def test_a_record_grows_with_the_moments_that_are_wanted_not_with_the_time():
+    sizes = []
+    for noise in (REFERENCE, REFERENCE._replace(gps_period=0.2)):
+        log, record = record_course(straight_course(5), noise, 1), TrackRecord()
+        try_course(log, GpsFilter(start_pose(log), noise, record=record))
+        assert len(record.smoothed()) == 5
+        sizes.append(len(pickle.dumps(record)))
+    assert sizes[0] == pytest.approx(sizes[1], rel=0.01)
+    assert sizes[0] < 5 * 5_000

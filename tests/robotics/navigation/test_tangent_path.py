@@ -113,3 +113,22 @@ def test_pure_pursuit_stays_on_the_path_and_stops_at_its_end(seed):
     assert math.dist(pose[:2], path.poses[-1, :2]) < 0.03
     assert astray < 0.1
     assert control.left < 0.1
+
+
+SMALL_ROCKS = (
+    (5.24, -2.38, 0.6),
+    (5.34, 2.54, 0.82),
+    (6.78, 1.18, 0.95),
+    (4.38, -0.22, 0.31),
+    (7.85, -2.8, 1.74),
+)
+LATE_TURN = ((5.63, -1.84, 1.82), (8.52, -2.28, 0.77), (8.4, 1.52, 0.9), (7.44, -0.75, 0.78))
+
+
+@pytest.mark.parametrize("rocks", [SMALL_ROCKS, LATE_TURN])
+def test_where_few_circles_give_a_long_way_more_are_tried(rocks):
+    """Between small rocks a wide circle has to lie just right; a quarter of a metre of backing may do."""
+    grown = np.array(rocks) + np.array([0.0, 0.0, 0.7])
+    path = car_path(START, GOAL, grown, 2.1)
+    assert path is not None
+    assert path.length < 1.07 * shortest_detour(np.array(START[:2]), np.array(GOAL[:2]), grown)

@@ -1,0 +1,48 @@
+"""A simulated robot's range sensor, for a program in another process."""
+
+from __future__ import annotations
+
+import socket
+
+from backends.range_sensor import RangeSensor
+
+from .sensor_lines import sensor_line
+
+
+class RangeServer:
+    """Listens on a port of this machine and sends each scan, by the line protocol, to who has connected."""
+
+    def __init__(self, sensor: RangeSensor, port: int) -> None:
+        """Begin to listen; raises OSError."""
+        self._sensor = sensor
+        self._listening = socket.create_server(("127.0.0.1", port), backlog=1)
+        self._listening.setblocking(False)
+        self.port = self._listening.getsockname()[1]
+        """Where it listens; 0 given, the system chose one."""
+        self._heard: list[socket.socket] = []
+
+    def send(self, time: float) -> None:
+        """Send this period's scan; `time` in [s] is the sensor's. Never waits: who doesn't read is let go."""
+        try:
+            caller, _ = self._listening.accept()
+        except BlockingIOError:
+            pass
+        else:
+            caller.setblocking(False)
+            self._heard.append(caller)
+        if not self._heard:
+            return
+        line = sensor_line("RANGE", round(1e3 * time), self._sensor.scan().ranges)
+        for each in list(self._heard):
+            try:
+                sent = each.send(line)
+            except OSError:
+                sent = 0
+            if sent != len(line):
+                each.close()
+                self._heard.remove(each)
+
+    def close(self) -> None:
+        """Hang up."""
+        for each in (self._listening, *self._heard):
+            each.close()

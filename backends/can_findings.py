@@ -1,0 +1,65 @@
+"""What is wrong between a robot's file and its section `can`."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from files.errors import Finding
+    from files.yaml_document import Document
+
+    from .can_spec import AxisSpec, CanSpec
+    from .robot_file import RobotFile
+
+Place = tuple[str | int, ...]
+_CYCLIC = ("csp", "csv")
+
+
+def can_findings(robot: RobotFile, document: Document) -> list[Finding]:
+    """Everything wrong, each at its place in the file."""
+    spec = robot.can
+    if spec is None:
+        return []
+    wrong = [*_counts(robot, spec), *_periods(robot, spec), *_files(robot, spec)]
+    return [document.finding(("can", *place), words) for place, words in wrong]
+
+
+def _counts(robot: RobotFile, spec: CanSpec) -> Iterator[tuple[Place, str]]:
+    joints = () if robot.arm is None else robot.arm.joints
+    if spec.joints and len(spec.joints) != len(joints):
+        yield ("joints",), f"{len(spec.joints)} drives for {len(joints)} joints; allowed: one for each"
+    if spec.gripper is not None and robot.gripper is None:
+        yield ("gripper",), "the robot has no gripper; allowed: a drive for a section `gripper`"
+
+
+def _periods(robot: RobotFile, spec: CanSpec) -> Iterator[tuple[Place, str]]:
+    period_ms = 1e3 * robot.period_s
+    if spec.heartbeat_timeout_ms < 2.0 * period_ms:
+        words = (
+            f"{spec.heartbeat_timeout_ms} ms, and our heartbeat is sent once in a period of {period_ms:g} ms"
+        )
+        yield ("heartbeat_timeout_ms",), f"{words}; allowed: from twice that"
+    cyclic = [name for name, axis in spec.axes() if getattr(axis, "mode", "") in _CYCLIC]
+    if cyclic and not _fits(period_ms):
+        words = f"{', '.join(cyclic)}: cyclic modes, with a period of {period_ms:g} ms"
+        yield (), f"{words}; allowed: whole milliseconds up to 255, for 60C2h"
+
+
+def _fits(period_ms: float) -> bool:
+    return abs(period_ms - round(period_ms)) < 1e-6 and 1 <= round(period_ms) <= 255
+
+
+def _files(robot: RobotFile, spec: CanSpec) -> Iterator[tuple[Place, str]]:
+    for place, axis in _placed(spec):
+        if axis.eds is not None and not (robot.folder / axis.eds).is_file():
+            yield (*place, "eds"), f"there is no file {axis.eds!r}; allowed: one beside the robot's file"
+
+
+def _placed(spec: CanSpec) -> Iterator[tuple[Place, AxisSpec]]:
+    yield ("left",), spec.left
+    yield ("right",), spec.right
+    for number, joint in enumerate(spec.joints):
+        yield ("joints", number), joint
+    if spec.gripper is not None:
+        yield ("gripper",), spec.gripper

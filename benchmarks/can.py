@@ -1,0 +1,182 @@
+"""How quickly a stop leaves, and what the loop costs: `python -m benchmarks.can [--faults N] [--json]`.
+
+Both on python-can's `virtual`, by the wall clock. A stop: the librarian's nine drives are served in a thread of
+their own; at a random instant one of them does something wrong, and what counts is the time from the frame that
+shows it to the last quick stop that is sent. The loop: eight drives at 100 Hz and
+1 Mbit/s, simulated in the same thread; so what the drives cost is in it.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import random
+import threading
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+
+import can
+import numpy as np
+from can.interfaces.virtual import VirtualBus
+
+from backends.arm import Arm
+from backends.base import Base
+from backends.can.can_backend import CanBackend
+from backends.can.errors import CanFault
+from backends.can.pace import Pace
+from backends.can.simulated.bench import Bench
+from backends.robot_file import RobotFile, load_robot
+
+FAULTS = ("emergency", "collision", "two-nodes", "stranger", "stranger-command", "reboot")
+"""Those that one frame shows."""
+PERIOD = 0.05
+LOOP_PERIOD, LOOP_S = 0.01, 20.0
+ALLOWED_MS = 10.0
+"""Beyond a period, for 99 of 100 stops."""
+ALLOWED_PERCENT = 40.0
+QUICK_STOP = 0x02
+
+
+class Patient(Pace):
+    """Counts what is late, and doesn't stop for it: machines that are measured on may be busy."""
+
+    def wait(self) -> None:
+        """See `Pace`."""
+        super().wait()
+        self.trouble = ""
+
+
+def on_bus(channel: str, period: float) -> RobotFile:
+    """The librarian with its drives on a virtual bus of that name."""
+    robot = load_robot("librarian")
+    assert robot.can is not None
+    spec = robot.can.model_copy(update={"interface": "virtual", "channel": channel})
+    return robot.model_copy(update={"can": spec, "period_s": period})
+
+
+@contextmanager
+def served(robot: RobotFile) -> Iterator[tuple[Bench, threading.Lock]]:
+    """Simulated drives that answer by themselves; who holds the lock keeps them waiting."""
+    assert robot.can is not None
+    bench = Bench(robot, robot.can, None, VirtualBus(robot.can.channel))
+    end, lock = threading.Event(), threading.Lock()
+
+    def serve() -> None:
+        while not end.is_set():
+            with lock:
+                bench.serve()
+            time.sleep(0.0005)
+
+    thread = threading.Thread(target=serve)
+    thread.start()
+    try:
+        yield bench, lock
+    finally:
+        end.set()
+        thread.join()
+        bench.close()
+
+
+def stop_after(fault: str, wait_s: float, number: int) -> float:
+    """How long after a fault the last quick stop has left, in [ms]."""
+    robot = on_bus(f"stops {number}", PERIOD)
+    stops: list[float] = []
+
+    def sent(frame: can.Message, ours: bool) -> None:
+        if ours and 0x200 < frame.arbitration_id < 0x280 and frame.data[0] == QUICK_STOP:
+            stops.append(time.perf_counter())
+
+    with served(robot) as (bench, lock):
+        backend = CanBackend(robot, None)
+        backend._pace = Patient(PERIOD)
+        backend._line.listen(sent)
+        shown: list[float] = []
+
+        def show() -> None:
+            time.sleep(wait_s)
+            with lock:
+                bench.misbehave(fault)
+                bench._misbehave()
+                shown.append(time.perf_counter())
+
+        going_wrong = threading.Thread(target=show)
+        backend.step()
+        going_wrong.start()
+        try:
+            while True:
+                backend.get(Base).drive(0.3, 0.0)  # type: ignore[type-abstract, union-attr]
+                backend.step()
+        except CanFault:
+            going_wrong.join()
+        first = sorted(stops)[: len(backend.axes)]
+        backend.close()
+    return 1e3 * (first[-1] - shown[0])
+
+
+def loop_cost() -> dict[str, float]:
+    """Of the loop at 100 Hz: CPU in percent of one core, and how late it is, in [ms]."""
+    robot = on_bus("loop", LOOP_PERIOD)
+    assert robot.can is not None
+    robot = robot.model_copy(update={"can": robot.can.model_copy(update={"gripper": None, "bitrate_kbit_s": 1000})})
+    backend = CanBackend(robot, Bench(robot, robot.can, None))  # type: ignore[arg-type]
+    backend._pace = pace = Patient(LOOP_PERIOD)
+    base, arm = backend.get(Base), backend.get(Arm)  # type: ignore[type-abstract]
+    assert base is not None
+    assert arm is not None
+    backend.step()
+    posture, drives = arm.command(), len(backend.axes)
+    began, spent = time.perf_counter(), time.process_time()
+    for number in range(round(LOOP_S / LOOP_PERIOD)):
+        base.drive(0.3 * np.sin(0.01 * number), 0.2)
+        arm.move(posture + 0.05 * (1.0 - np.cos(0.02 * number)) * np.ones(len(posture)))
+        backend.step()
+    wall, cpu = time.perf_counter() - began, time.process_time() - spent
+    figures = pace.figures()
+    backend.close()
+    told = {"drives": drives, "cpu_percent": round(100.0 * cpu / wall, 1), "periods": figures["periods"]}
+    return told | {name: figures[name] for name in ("missed", "late_p50_ms", "late_p99_ms", "late_max_ms")}
+
+
+def stops(count: int, say: Callable[[str], None]) -> dict[str, float]:
+    """Percentiles over so many faults, in [ms]."""
+    drawn = random.Random(0)
+    delays = []
+    for number in range(count):
+        fault = FAULTS[number % len(FAULTS)]
+        delays.append(stop_after(fault, drawn.uniform(0.1, 0.1 + PERIOD), number))
+        if number % 20 == 19:
+            say(f"{number + 1} faults")
+    p50, p99 = np.percentile(delays, (50, 99))
+    return {
+        "faults": count,
+        "period_ms": 1e3 * PERIOD,
+        "p50_ms": round(float(p50), 2),
+        "p99_ms": round(float(p99), 2),
+        "max_ms": round(max(delays), 2),
+    }
+
+
+def main() -> None:
+    """Print both."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--faults", type=int, default=100, help="how many are injected")
+    parser.add_argument("--json", action="store_true", help="end with one JSON object")
+    given = parser.parse_args()
+    stopping = stops(given.faults, (lambda _: None) if given.json else print)
+    cost = loop_cost()
+    within = stopping["p99_ms"] <= stopping["period_ms"] + ALLOWED_MS
+    cheap = cost["cpu_percent"] <= ALLOWED_PERCENT
+    if given.json:
+        print(json.dumps({"stop": stopping | {"holds": within}, "loop": cost | {"holds": cheap}}))
+        return
+    print(
+        f"a stop has left {stopping['p50_ms']} ms (p50), {stopping['p99_ms']} ms (p99), {stopping['max_ms']} ms (max) "
+        f"after the fault shows; {given.faults} faults, period {stopping['period_ms']:.0f} ms: "
+        f"{'holds' if within else 'does not hold'}"
+    )
+    print(f"{cost['drives']} drives at 100 Hz: {cost['cpu_percent']} % of one core, {cost}")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,138 @@
+"""The ladder by which a robot is brought up: one rung after the other, none left out."""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Callable
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from pathlib import Path
+
+from backends.backend import RobotFault
+from files.errors import InputError
+from files.suggest import suggest
+
+from .axis_rungs import AxesRung, LimitsRung
+from .bus_rungs import IdentifyRung, InterfaceRung, ReadBackRung
+from .record import RungRecord, read, save
+from .rung import Facts, Rung, RungFailed
+from .site import Site
+from .stop_rungs import EmergencyStopRung, StopTestRung
+from .use_rungs import CalibrationRung, CameraRung, PrimitiveRung, TaskRung
+
+RUNGS: tuple[Rung, ...] = (
+    InterfaceRung(),
+    IdentifyRung(),
+    ReadBackRung(),
+    EmergencyStopRung(),
+    AxesRung(),
+    LimitsRung(),
+    StopTestRung(),
+    CalibrationRung(),
+    CameraRung(),
+    PrimitiveRung(),
+    TaskRung(),
+)
+"""From the bottom."""
+
+
+class UnknownRung(InputError):
+    """The ladder has no rung of that name."""
+
+    def __init__(self, name: str) -> None:
+        super().__init__(f"unknown rung {name!r}{suggest(name, [each.name for each in RUNGS])}")
+
+
+class BenchFirst(InputError):
+    """A rung was not tried on the bench, as the robot's file is now."""
+
+    def __init__(self, rung: str, robot: str) -> None:
+        super().__init__(
+            f"the rung {rung!r} was not climbed on the bench with the robot's file as it is; "
+            f"needed first: handcart bringup {robot} --bench kinematic --all"
+        )
+
+
+@dataclass
+class Ladder:
+    """What has been climbed, and what comes next; everything is in the folder of the records."""
+
+    site: Site
+    rehearsed: Path | None = None
+    """Where the bench's records are; None on the bench itself."""
+
+    def records(self, folder: Path | None = None) -> list[RungRecord]:
+        """Of the rungs that were climbed with the robot's file as it is, from the bottom without a gap."""
+        found = []
+        for number, rung in enumerate(RUNGS, 1):
+            path = _path(folder or self.site.folder, number, rung)
+            record = read(path) if path.is_file() else None
+            if record is None or not record.passed or record.fingerprint != self.site.fingerprint:
+                break
+            found.append(record)
+        return found
+
+    @property
+    def next(self) -> Rung | None:
+        """The lowest that is not climbed; None where all are."""
+        done = len(self.records())
+        return RUNGS[done] if done < len(RUNGS) else None
+
+    def climb(self, tell: Callable[[str], None] = lambda _: None) -> RungRecord:
+        """Climb the next rung, and record it.
+
+        Raises:
+            BenchFirst: it was not climbed on the bench before.
+            InputError: what the rung needs isn't there, or a question was not answered.
+        """
+        rung = self.next
+        assert rung is not None
+        number = RUNGS.index(rung) + 1
+        if self.rehearsed is not None and len(self.records(self.rehearsed)) < number:
+            raise BenchFirst(rung.name, self.site.name)
+        self.site.folder.mkdir(parents=True, exist_ok=True)
+        self.site.answers.clear()
+        tell(f"{number}. {rung.name}: {rung.told}")
+        record = self._tried(rung)
+        save(record, _path(self.site.folder, number, rung))
+        return record
+
+    def _tried(self, rung: Rung) -> RungRecord:
+        site, reason = self.site, ""
+        left_out = rung.left_out(site)
+        facts: Facts = {}
+        try:
+            facts = {"left_out": left_out} if left_out else rung.climb(site)
+        except (RungFailed, RobotFault) as error:
+            reason = str(error)
+        return RungRecord(
+            rung=rung.name,
+            passed=not reason,
+            reason=reason,
+            robot=site.name,
+            fingerprint=site.fingerprint,
+            bench=site.bench,
+            when=datetime.now(UTC).isoformat(timespec="seconds"),
+            facts=facts,
+            answers=dict(site.answers),
+        )
+
+    def again(self, name: str) -> None:
+        """Forget a rung and all above it: they are set aside, into a folder beside the records.
+
+        Raises:
+            UnknownRung: there is none of that name.
+        """
+        names = [each.name for each in RUNGS]
+        if name not in names:
+            raise UnknownRung(name)
+        aside = self.site.folder / f"before_{datetime.now(UTC):%Y%m%dT%H%M%S}"
+        for number, rung in enumerate(RUNGS, 1):
+            path = _path(self.site.folder, number, rung)
+            if number > names.index(name) and path.is_file():
+                aside.mkdir(exist_ok=True)
+                shutil.move(path, aside / path.name)
+
+
+def _path(folder: Path, number: int, rung: Rung) -> Path:
+    return folder / f"{number:02d}_{rung.name}.yaml"

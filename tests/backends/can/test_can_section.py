@@ -1,0 +1,52 @@
+"""What is refused in the section `can` of a robot's file, with its place."""
+
+from __future__ import annotations
+
+import pytest
+
+from backends.robot_file import ROBOTS, load_robot
+from files.errors import FileError
+
+JOINT_6 = "    - {node: 16, counts_per_rev: 65536, gear_ratio: 50, rated_torque_nm: 30}\n"
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "told"),
+    [
+        (JOINT_6, "", "5 drives for 6 joints; allowed: one for each"),
+        ("{node: 16,", "{node: 16, stop: brake_then_disable,", "would fall with stop: brake_then_disable"),
+        ("{node: 21,", "{node: 16,", "joint 6 and gripper have the node 16; allowed: each its own"),
+        ("{node: 21,", "{node: 127,", "our_node and gripper have the node 127"),
+        ("channel: can0", "channel: can0\n  heartbeat_timeout_ms: 60", "from twice heartbeat_ms, 100"),
+        (
+            "channel: can0",
+            "channel: can0\n  heartbeat_ms: 20\n  heartbeat_timeout_ms: 60",
+            "60 ms, and our heartbeat is sent once in a period of 50 ms; allowed: from twice that",
+        ),
+        ("period_s: 0.05", "period_s: 0.0501", "allowed: whole milliseconds up to 255"),
+        ("{node: 21,", "{node: 21, eds: gone.eds,", "there is no file 'gone.eds'"),
+        ("{node: 21,", "{node: 21, mode: csp,", "profile"),
+    ],
+)
+def test_it_is_told_with_line_and_column(tmp_path, before, after, told):
+    text = (ROBOTS / "librarian" / "robot.yaml").read_text(encoding="utf-8")
+    assert before in text
+    if before.startswith("period_s"):
+        text = text.replace("{node: 1,", "{node: 1, mode: csv,")
+    path = tmp_path / "robot.yaml"
+    path.write_text(text.replace(before, after), encoding="utf-8")
+    (tmp_path / "librarian.urdf").write_bytes((ROBOTS / "librarian" / "librarian.urdf").read_bytes())
+    with pytest.raises(FileError) as error:
+        load_robot(str(path))
+    assert told in str(error.value)
+    assert f"{path}:" in str(error.value)
+
+
+def test_a_brake_lets_an_axis_under_gravity_be_disabled(tmp_path):
+    text = (ROBOTS / "librarian" / "robot.yaml").read_text(encoding="utf-8")
+    path = tmp_path / "robot.yaml"
+    path.write_text(
+        text.replace("{node: 16,", "{node: 16, stop: brake_then_disable, brake: true,"), encoding="utf-8"
+    )
+    (tmp_path / "librarian.urdf").write_bytes((ROBOTS / "librarian" / "librarian.urdf").read_bytes())
+    assert load_robot(str(path)).can.joints[5].brake

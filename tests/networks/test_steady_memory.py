@@ -1,0 +1,43 @@
+"""Garbage is collected between actions alone (row K6)."""
+
+from __future__ import annotations
+
+import gc
+import weakref
+
+import pytest
+
+from networks.events import Ended, RunEnded
+from networks.steady_memory import SteadyMemory
+
+
+class Knot:
+    """Holds itself."""
+
+    def __init__(self) -> None:
+        self.own = self
+
+
+def test_k6_nothing_is_collected_but_between_actions() -> None:
+    """K6: no collection in the loop; after an action what hangs about goes."""
+    ended = object.__new__(Ended)
+    with SteadyMemory() as memory:
+        assert not gc.isenabled()
+        assert gc.get_freeze_count() > 10_000
+        gone = weakref.ref(Knot())
+        memory(object.__new__(RunEnded))
+        assert gone() is not None
+        memory(ended)
+        assert gone() is None
+    assert gc.isenabled()
+    assert gc.get_freeze_count() == 0
+
+
+def test_it_leaves_things_as_they_were() -> None:
+    gc.disable()
+    try:
+        with pytest.raises(RuntimeError), SteadyMemory():
+            raise RuntimeError
+        assert not gc.isenabled()
+    finally:
+        gc.enable()
