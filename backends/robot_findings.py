@@ -39,7 +39,19 @@ def robot_findings(robot: RobotFile, document: Document) -> list[Finding]:
         *_positioning_findings(robot, document),
         *_bus_findings(robot, document),
         *can_findings(robot, document),
+        *_eds_findings(robot),
     ]
+
+
+def _eds_findings(robot: RobotFile) -> list[Finding]:
+    """What is wrong in the EDS files of its drives."""
+    named = [] if robot.can is None else [axis for _, axis in robot.can.axes() if axis.eds is not None]
+    files = {robot.folder / str(axis.eds): axis for axis in named}
+    there = {path: axis for path, axis in files.items() if path.is_file()}
+    if not there:
+        return []
+    read = import_module("backends.can.eds_needs").eds_findings
+    return [finding for path, axis in there.items() for finding in read(path, axis)]
 
 
 def _bus_findings(robot: RobotFile, document: Document) -> list[Finding]:

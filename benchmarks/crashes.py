@@ -1,8 +1,8 @@
 """Kill return_book at random instants and resume it: `python -m benchmarks.crashes 100`.
 
 Each run is killed (SIGKILL) at an instant drawn from its whole duration, and resumed; where it was over by
-then, another instant is drawn. Counted are: outcomes of the journal that are lost, finished actions that are done again, and ends that differ from those of a run
-that nobody killed (outcome, situation, simulated time).
+then, another instant is drawn. Counted are: outcomes of the journal that are lost, finished actions that are
+done again, and ends that differ from those of a run that nobody killed (outcome, situation, simulated time).
 """
 
 from __future__ import annotations

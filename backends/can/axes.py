@@ -11,6 +11,7 @@ from backends.can_spec import AxisSpec, CanSpec
 from backends.robot_file import RobotFile
 
 from .axis import HOLD, Axis
+from .axis_check import AxisCheck
 from .axis_limits import AxisLimits, gripper_limits, joint_limits, wheel_limits
 from .axis_units import AxisUnits
 from .can_line import CanLine
@@ -69,6 +70,7 @@ class Axes(Mapping[str, Axis]):
     def enable(self, simulated: bool, beat: Callable[[], None]) -> None:
         """Give all of them torque, standing; raises `CanFault`. See `enabling`."""
         enable(tuple(self.values()), simulated, beat)
+        self._checks = [AxisCheck(axis) for axis in self.values()]
 
     def send(self) -> None:
         """Send the commands of this period."""
@@ -86,8 +88,8 @@ class Axes(Mapping[str, Axis]):
 
     def check(self) -> None:
         """Whether all is well after a SYNC; raises `CanFault`."""
-        for axis in self.values():
-            axis.check(self._period)
+        for check in self._checks:
+            check.check()
 
     def end_handshakes(self) -> None:
         """See `Axis.end_handshake`."""

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections import deque
 
 import canopen
 from canopen.objectdictionary import ObjectDictionary
@@ -15,7 +14,7 @@ from backends.can_spec import AxisSpec
 
 from .axis_limits import AxisLimits
 from .axis_units import AxisUnits, unwrapped
-from .errors import DriveNotReady, OffDemand, SilentDrive, TooManyCounts
+from .errors import TooManyCounts
 from .expected_motion import ExpectedMotion
 from .fault_words import fault_words
 from .line_sdo_client import LineSdoClient
@@ -25,18 +24,7 @@ ENABLED, FAULT, QUICK_STOP = "OPERATION ENABLED", "FAULT", "QUICK STOP ACTIVE"
 HOLD = "hold"
 NEW_SETPOINT, AT_ONCE = 1 << 4, 1 << 5
 SETPOINT_TAKEN = 1 << 12
-STALE = 0.1
-"""[s] for which a statusword counts at most, and two periods."""
-_NAMES = {
-    0x6041: "statusword and position (6041h, 6064h)",
-    0x606C: "velocity, torque and error code (606Ch, 6077h, 603Fh)",
-}
-_KEPT, _LOST = 100, 5  # answers to so many SYNCs are looked back on, of which so many may be lost
-_IGNORED = 3  # set-points that a drive may not take
-_ODD = 2  # positions in a row that can't be
 _STANDS = 0.01  # of top speed: slower it stands
-_LOOKS_BACK = 0.5  # [s] in which a wheel has to roll as it should
-_LATE_PERIODS = 2.0  # that a command may take to act
 _CREEP = 0.01  # of top speed: no way is planned slower
 
 
@@ -82,20 +70,19 @@ class Axis(canopen.RemoteNode):
         self.positioned = mode in (PROFILE_POSITION, CYCLIC_POSITION)
         """Whether it is told positions, not speeds."""
         self.layout = layout(mode)
-        self._expected = ExpectedMotion(mode, limits)
+        self.expected = ExpectedMotion(mode, limits)
+        """What it should do by now."""
         self._target, self._top = 0.0, limits.speed
         self._sent: int | None = None
         self._asks = False
         self._fresh: set[int] = set()
         self._asked = self._answered = 0
-        self._missed: deque[bool] = deque(maxlen=_KEPT)
         self._counts: int | None = None
-        self._odd = self._ignored = 0
-        self._rolled = 0.0
-        self._off_for = 0.0
+        self.odd = 0
+        """How many positions in a row couldn't be."""
+        self.ignored = 0
+        """How many set-points in a row it hasn't taken."""
         self._told = dict.fromkeys((index for each in self.layout.answers for index in each.objects), 0)
-        self._drift: deque[float] = deque(maxlen=max(1, round(_LOOKS_BACK / period)))
-        """Of a wheel: how much further than it should it has rolled, in each of the last periods."""
         self.travel = 0.0
         """How far it has moved since `rezero`, in [m] or [rad]."""
         for pdo, planned in zip(self._commands, self.layout.commands, strict=False):
@@ -137,11 +124,11 @@ class Axis(canopen.RemoteNode):
         """It stands there, enabled: hold."""
         self._target = position if self.positioned else 0.0
         self._sent = self.units.counts(position) if self.positioned else None
-        self._expected.stand_at(position)
+        self.expected.stand_at(position)
 
     def hold(self) -> None:
         """Hold where its ramps are, from the next period on."""
-        self._target = self._expected.position if self.positioned else 0.0
+        self._target = self.expected.position if self.positioned else 0.0
 
     def send(self) -> None:
         """Send the command of this period to an enabled drive."""
@@ -162,7 +149,7 @@ class Axis(canopen.RemoteNode):
 
     def _plan_speed(self) -> None:
         """So fast that the drive is there when the period is over."""
-        way = abs(self._target - self._expected.position)
+        way = abs(self._target - self.expected.position)
         self._top = min(self.limits.speed, max(way / self.period, _CREEP * self.limits.speed))
         speed = self.rpdo[2]
         if speed[0x6081].raw != self.units.size(self._top):
@@ -174,7 +161,7 @@ class Axis(canopen.RemoteNode):
         if not self._asks or not self.answered:
             return
         self._asks = False
-        self._ignored = 0 if self._status & SETPOINT_TAKEN else self._ignored + 1
+        self.ignored = 0 if self._status & SETPOINT_TAKEN else self.ignored + 1
         self._send(State402.CW_OPERATION_ENABLED, 0x607A, self._sent or 0)
 
     def quick_stop(self) -> None:
@@ -203,6 +190,26 @@ class Axis(canopen.RemoteNode):
         self._fresh.clear()
         self._asked += 1
 
+    def advance(self) -> None:
+        """A period has passed."""
+        self.expected.advance(self._target, self._top, self.period)
+
+    @property
+    def unanswered(self) -> int:
+        """SYNCs since the last that it answered."""
+        return self._asked - self._answered
+
+    @property
+    def ever_answered(self) -> bool:
+        """Whether it has answered a SYNC."""
+        return self._answered > 0
+
+    @property
+    def missing(self) -> list[int]:
+        """The first objects of those answers to the last SYNC that are not there."""
+        firsts = (each.objects[0] for each in self.layout.answers)
+        return [each for each in firsts if each not in self._fresh]
+
     @property
     def answered(self) -> bool:
         """Whether all answers to the last SYNC are there."""
@@ -224,18 +231,18 @@ class Axis(canopen.RemoteNode):
             self._counts = counts
             return
         moved = unwrapped(counts, self._counts)
-        periods = 1 + self._odd
+        periods = 1 + self.odd
         most = 2.0 * self.limits.speed * self.period * (periods + 1)
         if abs(moved) > abs(most * self.units.scale) + 2:
-            self._odd += 1
+            self.odd += 1
             return
-        self._odd = 0
+        self.odd = 0
         self.travel += moved / self.units.scale
         self._counts = counts
 
     def rezero(self) -> None:
         """Count `travel` from here on."""
-        self.travel = self._rolled = 0.0
+        self.travel = 0.0
 
     @property
     def position(self) -> float:
@@ -275,60 +282,10 @@ class Axis(canopen.RemoteNode):
         """By its last velocity."""
         return abs(self.velocity) <= _STANDS * self.limits.speed
 
-    def check(self, period: float) -> None:
-        """Whether all is well with it, after a SYNC.
-
-        Args:
-            period: that has passed since the last, in [s].
-
-        Raises:
-            SilentDrive: it hasn't answered for too long, or too often.
-            DriveNotReady: it is in another state or mode.
-            OffDemand: it doesn't do what it is told.
-        """
-        self._expected.advance(self._target, self._top, period)
-        self._missed.append(not self.answered)
-        self.check_answered(period)
-        if not self.answered:
-            return
-        state, mode = self.drive_state, self._told[0x6061]
-        if state != ENABLED:
-            raise DriveNotReady(self.name, state, self.fault)
-        if mode != self.mode:
-            raise DriveNotReady(
-                self.name, f"{state}, in the mode {mode} (6061h), not {self.mode}", self.fault
-            )
-        self._check_motion(period)
-
-    def check_answered(self, period: float) -> None:
-        """Raises `SilentDrive` if answers have been missing for too long, or too often."""
-        age = (self._asked - self._answered) * period
-        if age >= max(STALE, 2 * period) - 1e-9:
-            missing = [
-                _NAMES[each.objects[0]] for each in self.layout.answers if each.objects[0] not in self._fresh
-            ]
-            raise SilentDrive(self.name, " and no ".join(missing), age if self._answered else None)
-        if sum(self._missed) > _LOST:
-            lost = f"{sum(self._missed)} of {len(self._missed)} answers"
-            raise SilentDrive(self.name, f"{lost} at their time, not all within allowed {_LOST} %,", age)
-
-    def _check_motion(self, period: float) -> None:
-        if self._odd >= _ODD:
-            raise OffDemand(self.name, "its position (6064h) jumps")
-        if self._ignored >= _IGNORED:
-            raise OffDemand(self.name, f"{self._ignored} set-points in a row were not taken")
-        window = self.limits.window + _LATE_PERIODS * period * abs(self._expected.speed)
-        if self.positioned:
-            off = abs(self.position - self._expected.position)
-            self._off_for = self._off_for + period if off > window else 0.0
-        else:
-            self._drift.append(self.travel - self._rolled - self._expected.way)
-            self._rolled = self.travel
-            off = abs(sum(self._drift))
-            self._off_for = math.inf if off > window else 0.0
-        if 1e3 * self._off_for > self.spec.following_ms - 1e-6:
-            told = f"it is {off:.3g} away from where it should be"
-            raise OffDemand(self.name, f"{told}; allowed: {window:.3g} (in m or rad)")
+    @property
+    def told_mode(self) -> int:
+        """Its mode of operation (6061h), as it told it last."""
+        return self._told[0x6061]
 
     @property
     def fault(self) -> str:

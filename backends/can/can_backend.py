@@ -83,7 +83,7 @@ class CanBackend(Backend):
         self.axes = Axes(robot, robot.can)
         """The drives, by what they move."""
         self._parts = CanParts(robot, robot.can, self.axes)
-        self._pace = None if bench else Pace(self.period)
+        self._pace = None if bench else Pace(self.period, sleep=self._listen)
         self._line = self._open(robot.can)
         self._guard = BusGuard(self._line, self.axes, robot.can, self._now)
         self._heartbeat = Heartbeat(self._line, robot.can.our_node, robot.can.heartbeat_ms / 1e3, self._now)
@@ -192,6 +192,11 @@ class CanBackend(Backend):
         self._guard.check()
         self.axes.check()
         self.axes.end_handshakes()
+
+    def _listen(self, seconds: float) -> None:
+        """Wait; a fault that a frame shows meanwhile isn't waited out."""
+        going_on = self._fault is None and not self._closed
+        self._line.wait(self._guard.check if going_on else lambda: None, seconds)
 
     def enable(self) -> None:
         """Give the drives torque, standing: the first step does that. A second call does nothing.

@@ -73,7 +73,7 @@ class CanLine(canopen.Network):
         for heard in self._heard:
             heard(frame, True)
 
-    def wait(self, done: Callable[[], bool], seconds: float) -> bool:
+    def wait(self, done: Callable[[], bool | None], seconds: float) -> bool:
         """Take frames in until `done`; whether that came true within `seconds` of the wall clock.
 
         Simulated nodes have answered before this returns, or never will: then no time passes.
@@ -84,13 +84,13 @@ class CanLine(canopen.Network):
         if self._serve is not None:
             self._serve()
             self.drain()
-            return done()
+            return bool(done())
         end = time.monotonic() + seconds
         while not done():
             left = end - time.monotonic()
             frame = self._bus.recv(left) if left > 0.0 else None
             if frame is None:
-                return done()
+                return bool(done())
             self._take(frame)
         return True
 

@@ -34,13 +34,14 @@ def cyclic_frames(spec: CanSpec, period: float) -> Iterator[CyclicFrame]:
 
 
 def _pdos(name: str, axis: AxisSpec, period: float) -> Iterator[CyclicFrame]:
-    frames = layout(_mode(axis))
+    frames = layout(mode_of(axis))
     for first, what, pdos in ((0x200, "command", frames.commands), (0x180, "answer", frames.answers)):
         for pdo in pdos:
             cob_id = first + 0x100 * (pdo.number - 1) + axis.node
             yield CyclicFrame(f"{name}: {what} {pdo.number}", cob_id, pdo.length, period)
 
 
-def _mode(axis: AxisSpec) -> int:
+def mode_of(axis: AxisSpec) -> int:
+    """Its mode of operation (6060h)."""
     kind = "velocity" if isinstance(axis, WheelDriveSpec) else "position"
     return MODES[kind, getattr(axis, "mode", "profile")]

@@ -25,7 +25,11 @@ class PlacementScores(NamedTuple):
 
     def without(self, blocked: NDArray[np.bool_]) -> PlacementScores:
         """The same with some placements (b,) ruled out: by an obstacle, or because no way leads there."""
-        usable = np.asfortranarray(self.usable & ~blocked[:, None])
+        return self.restricted(self.usable & ~blocked[:, None])
+
+    def restricted(self, usable: NDArray[np.bool_]) -> PlacementScores:
+        """The same where only some of what is usable counts as usable (b, p)."""
+        usable = np.asfortranarray(usable)
         return self._replace(values=np.where(usable, self.values, np.float32(0.0)), usable=usable)
 
     def only(self, kept: NDArray[np.bool_] | NDArray[np.intp]) -> PlacementScores:

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robotics.geometry.pose2 import Pose2
+from robotics.geometry.transform import Transform
 from robotics.kinematics.arm_model import ArmModel
 
 from .nearest_reachable import with_nearest
@@ -119,15 +120,50 @@ class Placer:
             return self.pitch_arm.scores(bases, path, rule)
         return self._screw_arm.scores(bases, path, rule)
 
+    def _robust(self, bases: Floats, path: ToolPath) -> PlacementScores:
+        """The same, usable only what is reached from where a base may stop as well.
+
+        An arm with a closed form is left as it is: there the few places that are chosen are looked at.
+        """
+        scores = self.scores(bases, path)
+        if self.pitch_arm is not None or not len(bases):
+            return scores
+        reach = self._rule._replace(measure=Measure.REACHABILITY)
+        usable, some = scores.usable.copy(), scores.usable.any(axis=1)
+        for beside in _STOPS * np.array([(1.0, 0.0, 0.0), (-1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, -1.0, 0.0)]):
+            usable[some] &= self._scores(bases[some] + beside, path, reach).usable
+            some &= usable.any(axis=1)
+        return scores.restricted(usable)
+
     def joints(self, base: Floats, path: ToolPath) -> Floats:
         """Joint angles (p, n) in [rad] from a base pose (3,); raises Untrackable at the first bad point."""
+        world_T_base = Pose2(*base.tolist()).lift()
         if self.pitch_arm is not None:
             near = np.append(self.pitch_arm.joints(base, path)[0], 0.0)
-        else:
-            near = self._screw_arm.joints(base, path, self._rule)[0]
-        if np.isnan(near).any():
-            raise Untrackable(0, "can't be reached from where the base stands")
-        return self.follower.joints(path, Pose2(*base.tolist()).lift(), near)
+            if np.isnan(near).any():
+                raise Untrackable(0, "can't be reached from where the base stands")
+            return self.follower.joints(path, world_T_base, near)
+        first, count = None, len(path.points)
+        near_all = self._screw_arm.joints(base, path, self._rule)
+        for start in dict.fromkeys((0, count - 1, count // 2, count // 4, 3 * count // 4)):
+            if np.isnan(near_all[start]).any():
+                first = first or Untrackable(start, "can't be reached from where the base stands")
+                continue
+            try:
+                return self._both_ways(path, world_T_base, start, near_all[start])
+            except Untrackable as error:
+                first = first or error
+        assert first is not None
+        raise first
+
+    def _both_ways(self, path: ToolPath, world_T_base: Transform, start: int, near: Floats) -> Floats:
+        """Joint angles (p, n) found from one of the path's points on, to its end and to its beginning."""
+        on = self.follower.joints(_some(path, np.arange(start, len(path.points))), world_T_base, near)
+        try:
+            back = self.follower.joints(_some(path, np.arange(start, -1, -1)), world_T_base, on[0])
+        except Untrackable as error:
+            raise Untrackable(start - error.index, error.why, error.nearest) from None
+        return np.vstack((back[:0:-1], on))
 
     def candidates(self, path: ToolPath) -> Floats:
         """(b, 3): a grid of base poses around a path, within the arm's reach of it."""
@@ -180,9 +216,9 @@ class Placer:
             out = blocked(some)
             for each in left_out:
                 out |= _near(some, each, 0.5 * self._step)
-            return self.scores(some, part).without(out)
+            return self._robust(some, part).without(out)
 
-        scores = self.scores(bases, thin)
+        scores = self._robust(bases, thin)
         for _ in range(_ATTEMPTS):
             try:
                 division = _worthwhile(scores, thin, count, cost)
@@ -244,12 +280,7 @@ class Placer:
         return found
 
     def _check_around(self, base: Floats, path: ToolPath) -> None:
-        """Raise Untrackable where the arm doesn't follow from a base that stops a little beside its place.
-
-        Of an arm without closed form that would rule out too much: its descents miss ways that there are.
-        """
-        if self.pitch_arm is None:
-            return
+        """Raise Untrackable where the arm doesn't follow from a base that stops a little beside its place."""
         some = _some(path, np.arange(0, len(path.points), _SPARSE))
         for x, y in ((_STOPS, 0.0), (-_STOPS, 0.0), (0.0, _STOPS), (0.0, -_STOPS)):
             try:

@@ -10,7 +10,7 @@ from robotics.kinematics.arm_model import ArmModel
 
 from .screw_arm import FreeTurn
 from .screw_chain import ScrewChain
-from .screw_steps import descend
+from .screw_steps import descend, tip_and_jacobian, without_free
 from .tool_path import ToolPath
 from .untrackable import Untrackable
 
@@ -18,6 +18,9 @@ Floats = NDArray[np.float64]
 
 _ITERATIONS = 60
 _JUMP = 0.5  # [rad] of a joint from a point to the next
+_EASES = 0.02  # [rad] at most from a point to the next, by which spare joints make for the middle of their ranges
+_EAGER = 0.05  # of the way there
+_SINGULAR = 1e-3
 
 
 class ToolFollower:
@@ -25,6 +28,8 @@ class ToolFollower:
 
     For a base that didn't stop where it was planned, call `joints` with where it was measured to stand, near
     the angles that were planned: the tool is on the path again, as exactly as the base was measured.
+
+    An arm with joints to spare, a free turn of the tool included, keeps away from its limits meanwhile.
 
     Args:
         arm: the arm; all its joints turn.
@@ -41,6 +46,8 @@ class ToolFollower:
         self.free = free
         self.azimuth_tolerance = azimuth_tolerance
         self._chain = ScrewChain.of_arm(arm)
+        self._spare = arm.dof > (6 if free == FreeTurn.NONE else 5)
+        self._middle, self._half = 0.5 * (arm.lower + arm.upper), 0.5 * (arm.upper - arm.lower)
 
     def joints(self, path: ToolPath, world_T_base: Transform, near: Floats) -> Floats:
         """Joint angles (p, n) within the limits that put the tool at each point of the path.
@@ -59,7 +66,7 @@ class ToolFollower:
             angles[index] = self._step(base_T_tool, before, index, world_T_base)
             if index > 0 and np.abs(angles[index] - before).max() > _JUMP:
                 raise Untrackable(index, "makes the arm jump to another of its ways to reach it")
-            before = angles[index]
+            before = self._eased(angles[index]) if self._spare else angles[index]
         return angles
 
     def tool_errors(self, path: ToolPath, world_T_base: Transform, angles: Floats) -> Floats:
@@ -77,6 +84,17 @@ class ToolFollower:
         if self.free == FreeTurn.VERTICAL and _azimuth(pose, target) > self.azimuth_tolerance:
             raise Untrackable(index, "turns the tool's azimuth beyond the tolerance")
         return q
+
+    def _eased(self, q: Floats) -> Floats:
+        """Angles (n,) near by, with about the same pose of the tool, and further from the limits."""
+        pose, jacobian = np.eye(4), np.empty((6, self.arm.dof))
+        tip_and_jacobian(*self._chain[:3], q, pose, jacobian)
+        without_free(pose, int(self.free), jacobian)
+        # What counts is the share of a joint's range, and most where little of it is left.
+        share = (q - self._middle) / self._half
+        wish = -_EAGER * share**3 * self._half
+        ease = wish - np.linalg.pinv(jacobian, rcond=_SINGULAR) @ (jacobian @ wish)
+        return np.asarray(q + ease * min(1.0, _EASES / max(1e-12, float(np.abs(ease).max()))))
 
     def _limit(self, q: Floats) -> str:
         """Which joints stopped the arm, in words."""

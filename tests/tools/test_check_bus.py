@@ -85,3 +85,23 @@ def test_what_the_robot_lacks_is_told_without_opening_it(
     said = handcart("check", tour)
     assert said.status == 2
     assert "MOVE_TO needs what the robot doesn't have: RangeSensor; it has: " in said.err
+
+
+def test_a_makers_file_is_read(
+    handcart: Callable[..., Any], cart: Callable[..., Path], tmp_path: Path
+) -> None:
+    """What is wrong in it is told at its place there, with what is wrong in the robot's file."""
+    own = (CART.parents[1] / "can" / "drive.eds").read_text(encoding="utf-8")
+    wheel = "{node: 1, counts_per_rev: 16384, gear_ratio: 20, sign: 1, eds: maker.eds}"
+    robot = cart(left=wheel)
+    assert "there is no file 'maker.eds'" in handcart("check", robot).err
+    maker = tmp_path / "maker.eds"
+    maker.write_text(own.replace("[60FF]", "[60FE]"), encoding="utf-8")
+    said = handcart("check", robot)
+    assert said.status == 2
+    assert said.err.strip() == f"{maker}:1:1: it describes no 60FFh (for a PDO); needed: all of them"
+    maker.write_text(own.replace("DataType=0x0006", "DataType=word", 1), encoding="utf-8")
+    line = own[: own.index("DataType=0x0006")].count("\n") + 1
+    assert f"{maker}:{line}:10: DataType in [" in handcart("check", robot).err
+    maker.write_text(own, encoding="utf-8")
+    assert handcart("check", robot).status == 0

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import pty
 import sys
+import threading
 import time
 from collections.abc import Callable, Iterator
 
@@ -31,8 +32,13 @@ def void(_: object) -> None:
 
 def test_u6_a_held_key(typing: Callable[[bytes], None]) -> None:
     """U6: repeated, it is held; no more seen for 300 ms, or another key instead, it is let go."""
-    typing(b" ")
+    typing(b"      ")  # before it is asked for: counts for nothing
+    other, first = threading.Timer(0.2, typing, [b"x"]), threading.Timer(0.6, typing, [b" "])
+    begun = time.monotonic()
+    other.start()
+    first.start()
     with held_key() as held:
+        assert time.monotonic() - begun > 0.55  # another key starts nothing
         end = time.monotonic() + 0.6
         while time.monotonic() < end:
             typing(b" ")
@@ -47,6 +53,8 @@ def test_u6_a_held_key(typing: Callable[[bytes], None]) -> None:
         typing(b" ")
         time.sleep(0.05)
         assert not held()
+    other.join()
+    first.join()
 
 
 def test_nobody_at_a_terminal(monkeypatch: pytest.MonkeyPatch) -> None:

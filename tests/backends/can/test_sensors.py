@@ -290,7 +290,7 @@ def test_sensors_of_a_robot(device: Device) -> None:
     assert sensor_kinds(sensors) == (RangeSensor,)
     before = threading.active_count()
     (scanner,) = open_sensors(cart, sensors)
-    with pytest.raises(NoSensor, match="the range sensor gave no reading in 0.05 s"):
+    with pytest.raises(NoSensor, match=r"the range sensor gave no reading in 0\.05 s"):
         await_first([scanner], 0.05)
     device.say(ranges(1, *[1.0] * 360))
     await_first([scanner])
