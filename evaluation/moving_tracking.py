@@ -121,9 +121,9 @@ class MovingTracking:
         Where readings are carried on, more is told than is wanted, as much as the arm's lag takes away of it
         until the next command.
         """
-        told = self._spec.positioning
-        assert told is not None, "base feedback comes from the positioning"
-        sigma = np.array([told.sigma_mm, told.sigma_mm, told.heading_sigma_mrad]) / 1e3
+        system = self._spec.positioning
+        assert system is not None, "base feedback comes from the positioning"
+        sigma = np.array([system.sigma_mm, system.sigma_mm, system.heading_sigma_mrad]) / 1e3
         every, late = round(1.0 / feedback.rate / STEP), round(feedback.latency / STEP)
         ahead = (late + every - 1) * STEP if feedback.ahead else 0.0
         # It was seen before it set out.

@@ -14,7 +14,6 @@ from backends.arm import Arm
 from backends.gripper import Gripper
 from backends.imu import Imu
 from backends.robot import Robot
-from robotics.manipulation.resolved_rate import line_postures
 from robotics.manipulation.scara import base_to_world, world_to_base
 
 from .action_primitive import ActionPrimitive, Periods
@@ -154,16 +153,15 @@ class Deploy(ActionPrimitive):
     def _refine(self, robot: Robot, arm: SensorArm, target: Target) -> Periods:
         """Just above the ground: move to where the target is by what is known by now."""
         better = arm.place_of(np.array([target.x, target.y]))
-        joints = robot.arm.command()
-        moved = float(np.hypot(*(better - arm.scara.tip(joints))))
-        line = line_postures(arm.scara, joints, better)
-        free = line is not None and arm.scara.within(line[-1], working=True)
+        moved = float(np.hypot(*(better - arm.scara.tip(robot.arm.command()))))
         self.found(refined_mm=round(1e3 * moved, 1))
-        if moved > REFINED_MOST or (moved > REFINED and not free):
+        if moved <= REFINED:
+            return
+        free = moved <= REFINED_MOST and (yield from robot.compute(arm.line_free, better, takes=0.05))
+        if not free:
             off = Measured("Gps", "where the target is by now, off the tip", 1e3 * moved, 1e3 * REFINED, "mm")
             raise Discrepancy("by what is known now the target is out of reach from here", measured=off)
-        if moved > REFINED:
-            yield from arm.lead(better)
+        yield from arm.lead(better)
 
     def _laid(self, robot: Robot, arm: SensorArm) -> Laid:
         """What is believed of the sensor that is about to be let go."""

@@ -104,6 +104,17 @@ class SensorArm:
             hits = next((found for q in path if (found := collision.contacts(q))), [("the arm", "the robot")])
             raise Discrepancy(f"{hits[0][0]} would touch {hits[0][1]} on the way to the target")
 
+    def line_free(self, place: Vector) -> bool:
+        """Whether the tip may go straight to a place from where it is, and from there all the way down."""
+        here = self._robot.arm.command()
+        line = line_postures(self.scara, here, place)
+        if line is None or not self.scara.within(line[-1], working=True):
+            return False
+        collision = collision_model(self._robot, self._field.held(hand_to_tips(self._robot), HELD))
+        path = [np.array([*angles, here[2]]) for angles in line]
+        path.append(np.array([*path[-1][:2], self.scara.slide[1]]))
+        return collision.path_free(np.array(path), step=0.03)
+
     def lead(self, end: Vector) -> Periods:
         """Bring the tip to a place in a straight line, by resolved rates."""
         robot, joints = self._robot, self._robot.arm.command()

@@ -16,7 +16,7 @@ from .axis_limits import AxisLimits, gripper_limits, joint_limits, wheel_limits
 from .axis_units import AxisUnits
 from .can_line import CanLine
 from .drive_dictionary import drive_dictionary
-from .drive_setup import set_up
+from .drive_setup import look, set_up
 from .enabling import enable
 from .pdo_layout import MODES
 
@@ -66,6 +66,10 @@ class Axes(Mapping[str, Axis]):
         for axis in self.values():
             line.add_node(axis)
         set_up(self.values(), self._spec, self._period)
+
+    def look(self) -> None:
+        """See where all of them stand; raises `CanFault`."""
+        look(self.values())
 
     def enable(self, simulated: bool, beat: Callable[[], None]) -> None:
         """Give all of them torque, standing; raises `CanFault`. See `enabling`."""

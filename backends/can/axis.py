@@ -84,7 +84,7 @@ class Axis(canopen.RemoteNode):
         """How many set-points in a row it hasn't taken."""
         self._told = dict.fromkeys((index for each in self.layout.answers for index in each.objects), 0)
         self.travel = 0.0
-        """How far it has moved since `rezero`, in [m] or [rad]."""
+        """How far it has moved since it was built, in [m] or [rad]."""
         for pdo, planned in zip(self._commands, self.layout.commands, strict=False):
             _map(pdo, planned.objects, planned.transmission)
         for pdo, planned in zip(self._answers, self.layout.answers, strict=True):
@@ -240,18 +240,15 @@ class Axis(canopen.RemoteNode):
         self.travel += moved / self.units.scale
         self._counts = counts
 
-    def rezero(self) -> None:
-        """Count `travel` from here on."""
-        self.travel = 0.0
-
     @property
     def position(self) -> float:
         """Where it stands, in [m] or [rad]."""
         return self.units.position(0 if self._counts is None else self._counts)
 
-    def place(self, counts: int) -> None:
+    def place(self, counts: int, velocity: int = 0, torque: int = 0) -> None:
         """It stands at these counts: asked for before the first SYNC."""
         self._counts = counts
+        self._told |= {0x606C: velocity, 0x6077: torque}
 
     @property
     def slack(self) -> float:

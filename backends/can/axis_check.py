@@ -6,7 +6,7 @@ import math
 from collections import deque
 
 from .axis import ENABLED, Axis
-from .errors import DriveNotReady, OffDemand, SilentDrive
+from .errors import DriveNotReady, LostAnswers, OffDemand, SilentDrive
 
 STALE = 0.1
 """[s] for which a statusword counts at most; two periods where those are longer."""
@@ -29,7 +29,7 @@ class AxisCheck:
         self._axis, self._period = axis, axis.period
         self._missed: deque[bool] = deque(maxlen=_KEPT)
         self._off_for = 0.0
-        self._rolled, self._due = 0.0, 0.0
+        self._rolled, self._due = axis.travel, 0.0
         self._drift: deque[float] = deque(maxlen=max(1, round(_LOOKS_BACK / axis.period)))
         """Of a wheel: how much further than it should it has rolled, in each of the last periods."""
 
@@ -37,7 +37,8 @@ class AxisCheck:
         """A period has passed.
 
         Raises:
-            SilentDrive: it hasn't answered for too long, or too often.
+            SilentDrive: it hasn't answered for too long.
+            LostAnswers: or too often.
             DriveNotReady: it is in another state or mode.
             OffDemand: it doesn't do what it is told.
         """
@@ -67,10 +68,7 @@ class AxisCheck:
             raise SilentDrive(axis.name, missing, age if axis.ever_answered else None)
         lost = sum(self._missed)
         if lost > _LOST:
-            told = (
-                f"{lost} of {len(self._missed)} answers at their time (allowed: {_LOST} of {_KEPT}); the last"
-            )
-            raise SilentDrive(axis.name, told, age)
+            raise LostAnswers(axis.name, lost, len(self._missed), f"{_LOST} of {_KEPT}")
 
     def _check_motion(self) -> None:
         axis = self._axis

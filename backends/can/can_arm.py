@@ -40,7 +40,11 @@ class CanArm(Arm):
 
     def begin(self) -> None:
         """The drives are about to be enabled: what they hold is what was measured."""
-        self._command = self._sent = self.joints()
+        self.holds(self.joints())
+
+    def holds(self, joints: Vector) -> None:
+        """What it was commanded last, (n,) in [rad]."""
+        self._command = self._sent = joints.copy()
 
     def move(self, joints: Vector) -> None:
         """See `Arm`."""

@@ -254,6 +254,24 @@ class CanBackend(Backend):
         inner = self.bench.inner if self.bench else None
         return None if inner is None else inner.view()
 
+    def state(self) -> object | None:
+        """See `Backend`; drives stand, enabled or not, where the simulated robot does."""
+        inner = None if self.bench is None or self.bench.inner is None else self.bench.inner.state()
+        if inner is None or self.bench is None:
+            return None
+        return {"inner": inner, "time": self.bench.time, "parts": self._parts.state()}
+
+    def set_state(self, state: object) -> None:
+        """See `Backend`."""
+        kept: dict[str, Any] = state  # type: ignore[assignment]
+        if self.bench is None or self.bench.inner is None:
+            super().set_state(state)
+            return
+        self.bench.inner.set_state(kept["inner"])
+        self.bench.stand_as_left(kept["time"])
+        self.axes.look()
+        self._parts.set_state(kept["parts"])
+
     def figures(self) -> Mapping[str, Any]:
         """See `Backend`."""
         return {} if self._pace is None else {"loop": self._pace.figures()}

@@ -27,6 +27,10 @@ class CanBase(Base):
         """See `Base`."""
         return WheelTravel(self._left.travel, self._right.travel)
 
+    def set_travel(self, travel: WheelTravel) -> None:
+        """The wheels have rolled so far before."""
+        self._left.travel, self._right.travel = travel
+
     def forget(self) -> None:
         """Forget the command."""
         self._command = (0.0, 0.0)

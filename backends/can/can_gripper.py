@@ -28,6 +28,10 @@ class CanGripper(Gripper):
         """The drive is about to be enabled: what it holds is what was measured."""
         self._command = min(max(0.0, self._axis.position), self._spec.opening_mm / 1e3)
 
+    def holds(self, width: float) -> None:
+        """What it was commanded last, in [m]."""
+        self._command = width
+
     def command(self) -> float:
         """See `Gripper`."""
         return self._command

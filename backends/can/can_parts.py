@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from typing import Any
+
 import numpy as np
 
 from backends.arm import Arm
-from backends.base import Base
+from backends.base import Base, WheelTravel
 from backends.camera import Camera
 from backends.can_spec import CanSpec
 from backends.capability import Capability
@@ -46,6 +49,22 @@ class CanParts:
         for each in (self.arm, self.gripper):
             if each is not None:
                 each.begin()
+
+    def state(self) -> dict[str, Any]:
+        """What is commanded, and how far the wheels have rolled."""
+        return {
+            "travel": tuple(self.base.wheel_travel()),
+            "arm": None if self.arm is None else self.arm.command(),
+            "gripper": None if self.gripper is None else self.gripper.command(),
+        }
+
+    def set_state(self, state: Mapping[str, Any]) -> None:
+        """Take over what `state` gave."""
+        self.base.set_travel(WheelTravel(*state["travel"]))
+        if self.arm is not None:
+            self.arm.holds(state["arm"])
+        if self.gripper is not None:
+            self.gripper.holds(state["gripper"])
 
     def pass_on(self) -> None:
         """Hand the period's commands to the drives."""

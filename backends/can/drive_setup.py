@@ -50,8 +50,14 @@ def set_up(axes: Iterable[Axis], spec: CanSpec, period: float) -> None:
     differences = [each for axis in axes for each in read_back(axis, spec, period)]
     if differences:
         raise ReadBackDiffers(differences)
+    look(axes)
+
+
+def look(axes: Iterable[Axis]) -> None:
+    """See where drives stand; raises `CanFault`."""
     for axis in axes:
-        axis.place(_known(axis, Setting(0x6064, 0, 0)))
+        position, velocity, torque = (_known(axis, Setting(each, 0, 0)) for each in (0x6064, 0x606C, 0x6077))
+        axis.place(position, velocity, torque)
 
 
 def read_back(axis: Axis, spec: CanSpec, period: float) -> Iterator[Difference]:

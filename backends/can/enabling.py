@@ -60,13 +60,12 @@ def _prepare(axis: Axis) -> str:
     if axis.positioned and abs(position - before) > axis.slack:
         allowed = f"{before:.4g}, as when it was set up: somebody has moved it"
         raise WrongDrive(axis.name, "its position (6064h)", f"{position:.4g}", allowed)
-    axis.place(counts)
+    axis.place(counts, 0, int(axis.sdo[0x6077].raw))
     if not axis.limits.lower - axis.slack <= position <= axis.limits.upper + axis.slack:
         allowed = f"{axis.limits.lower:.4g} to {axis.limits.upper:.4g}: has it lost its reference?"
         raise WrongDrive(axis.name, "its position (6064h)", f"{position:.4g}", allowed)
     axis.sdo[0x607A if axis.positioned else 0x60FF].raw = counts if axis.positioned else 0
     axis.stand(position)
-    axis.rezero()
     return ENABLED
 
 

@@ -11,6 +11,7 @@
             │   ├── QueueFull           it has no room for what is to be sent
             │   └── ControllerFault     it has gone, or is about to go, off the bus
             ├── SilentDrive (TimeoutError)  a drive doesn't answer
+            ├── LostAnswers         it does, but not reliably
             ├── DriveNotReady       a drive isn't in OPERATION ENABLED, or in another mode
             ├── WrongDrive          a drive isn't what the robot's file needs
             ├── ReadBackDiffers     settings are not what was written
@@ -89,6 +90,13 @@ class SilentDrive(CanFault, TimeoutError):
     def __init__(self, drive: str, objects: str, age: float | None) -> None:
         since = "at all" if age is None else f"for {age:.3g} s"
         super().__init__(f"{drive} is silent: no {objects} {since}")
+
+
+class LostAnswers(CanFault):
+    """Too many answers of a drive get lost."""
+
+    def __init__(self, drive: str, lost: int, of: int, allowed: str) -> None:
+        super().__init__(f"{drive} is unreliable: {lost} of {of} answers didn't come; allowed: {allowed}")
 
 
 class DriveNotReady(CanFault):

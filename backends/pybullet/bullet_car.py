@@ -52,6 +52,7 @@ class BulletCar(Base):
                 body.link_index[name],
                 contactStiffness=TYRE_STIFFNESS,
                 contactDamping=TYRE_DAMPING,
+                frictionAnchor=1,  # at rest it sticks
                 physicsClientId=physics.client,
             )
         self._command, self._bend = (0.0, 0.0), 0.0

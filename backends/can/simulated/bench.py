@@ -37,7 +37,7 @@ class Bench:
         """The simulated robot."""
         self.spec = spec
         axes = Axes(robot, spec)
-        plant = None if inner is None else BackendPlant(robot, spec, axes, inner)
+        self._plant = plant = None if inner is None else BackendPlant(robot, spec, axes, inner)
         nodes = [axis.node for _, axis in spec.axes()]
         self._drives = SimulatedDrives(nodes, robot.period_s, plant, bus)
         if plant is not None:
@@ -76,6 +76,12 @@ class Bench:
     def tick(self, seconds: float) -> None:
         """Let time pass without a SYNC, in [s]."""
         self._drives.tick(seconds)
+
+    def stand_as_left(self, time: float) -> None:
+        """The robot has been put elsewhere, at a time in [s]: the drives stand where it does."""
+        self._drives.time = time
+        if self._plant is not None:
+            self._plant.place(self.drives)
 
     def misbehave(self, name: str, at_s: float = 0.0, node: int | None = None) -> None:
         """Let something go wrong.

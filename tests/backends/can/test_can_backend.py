@@ -5,12 +5,14 @@ import math
 import numpy as np
 import pytest
 
+from backends.arm import Arm
 from backends.backend import CommandError
 from backends.base import Base
 from backends.can.errors import NoDrives, TooManyCounts
 from backends.range_sensor import RangeSensor
 from backends.registry import make_backend
 from backends.robot_file import load_robot
+from backends.saved_state import pack, unpack
 
 from .conftest import COUNTS_PER_M, LEFT, RIGHT
 
@@ -167,3 +169,42 @@ def test_counts_that_do_not_fit_are_told(make, cart):
     robot = cart.model_copy(update={"can": cart.can.model_copy(update={"left": fine})})
     with pytest.raises(TooManyCounts, match=r"the left wheel drive .* would be told .* counts_per_rev"):
         make(robot=robot)
+
+
+def test_a_world_that_is_put_back_goes_on_as_it_would_have(make):
+    robot = load_robot("librarian")
+
+    def on(backend, periods):
+        arm = backend.get(Arm)
+        for _ in range(periods):
+            backend.get(Base).drive(0.2, 0.1)
+            arm.move(arm.command() + 0.01)
+            backend.step()
+        for _ in range(RAMPS):
+            backend.step()
+        rolled = (*backend.get(Base).wheel_travel(), *backend.scene.base)
+        return rolled, backend.get(Arm).joints(), backend.get(RangeSensor).scan().ranges
+
+    backend = make(3, robot=robot)
+    on(backend, 8)
+    state = unpack(pack(backend.state()))
+    resumed = make(3, robot=robot)
+    resumed.set_state(state)
+    there, again = on(backend, 8), on(resumed, 8)
+    assert again[0] == pytest.approx(there[0], abs=1e-6)
+    assert again[1] == pytest.approx(there[1], abs=2e-5)
+    assert again[2] == pytest.approx(there[2], abs=1e-3)
+    assert resumed.bench.time == pytest.approx(backend.bench.time)
+
+
+def test_the_force_on_the_hand_follows_from_the_joints_torques(make):
+    robot = load_robot("librarian").without_errors()
+    backend = make(robot=robot)
+    arm, inner = backend.get(Arm), backend.bench.inner
+    backend.step()
+    for force in ([0.0, 0.0, 0.0], [-20.0, 3.0, 8.0]):
+        backend.scene.hand_force = np.array(force)
+        inner._arm._settled = True  # what touches stays as it is
+        backend.step()
+        backend.scene.hand_force = np.array(force)
+        assert arm.hand_force() == pytest.approx(force, abs=0.5)

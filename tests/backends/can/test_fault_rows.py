@@ -15,6 +15,7 @@ from backends.can.errors import (
     DriveNotReady,
     Emergency,
     LateLoop,
+    LostAnswers,
     NodeRestarted,
     OffDemand,
     Overloaded,
@@ -99,7 +100,7 @@ def assert_stopped(backend, fault, gone=()):
         ("reversed", OffDemand, "away from where it should be"),
         ("doubled", OffDemand, "away from where it should be"),
         ("jump", OffDemand, "jumps"),
-        ("drops", SilentDrive, "answers at their time"),
+        ("drops", LostAnswers, "is unreliable: 6 of .* answers didn't come; allowed: 5 of 100"),
         ("e-stop", DriveNotReady, "SWITCH ON DISABLED"),
     ],
 )

@@ -1,0 +1,21 @@
+"""The whole task through CAN frames."""
+
+from __future__ import annotations
+
+import pytest
+
+from evaluation.running import run_task
+from evaluation.stage import LIBRARY
+
+
+def run(folder, backend, bench=None):
+    summary, status = run_task(LIBRARY / "task.yaml", folder, backend, {}, 0, errors=False, bench=bench)
+    assert summary["metrics"]["untrue"] == []
+    return (status, *(summary[each] for each in ("outcome", "situation", "reason", "actions", "fails")))
+
+
+@pytest.mark.parametrize("bench", ["kinematic"])
+def test_without_errors_it_ends_on_the_bench_as_on_the_backend_behind_it(tmp_path, bench):
+    ended = run(tmp_path, bench)
+    assert run(tmp_path, "can", bench) == ended
+    assert ended[:2] == (0, "Success")
