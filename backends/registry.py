@@ -40,7 +40,8 @@ class MissingLibrary(InputError):
     """A package isn't installed that a backend needs."""
 
     def __init__(self, backend: str, package: str) -> None:
-        super().__init__(f"the backend {backend!r} needs the package {package!r}; allowed: pip install -e . first")
+        needed = f"the backend {backend!r} needs the package {package!r}"
+        super().__init__(f"{needed}; allowed: pip install -e . first")
 
 
 @cache

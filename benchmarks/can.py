@@ -96,8 +96,7 @@ def stop_after(fault: str, wait_s: float, number: int) -> float:
         def show() -> None:
             time.sleep(wait_s)
             with lock:
-                bench.misbehave(fault)
-                bench._misbehave()
+                bench.go_wrong(fault)
                 shown.append(time.perf_counter())
 
         going_wrong = threading.Thread(target=show)

@@ -146,4 +146,5 @@ def _around(robot: Robot, model: ModelView) -> tuple[Box, ...]:
 
 
 def _words(part: SeamPart, error: Untrackable) -> str:
-    return f"line {part.first + error.index + 2} of the seam {error.why}, where the base stands"
+    where = "" if "where the base stands" in error.why else ", where the base stands"
+    return f"line {part.first + error.index + 2} of the seam {error.why}{where}"

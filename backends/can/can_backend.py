@@ -172,7 +172,8 @@ class CanBackend(Backend):
                 self._period()
         except CanFault as fault:
             self._fault = fault
-            self._stop_for_good()
+            if self._enabled:
+                self._stop_for_good()
             raise
 
     def _period(self) -> None:

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 
+import can
 from canopen.profiles.p402 import State402
 from canopen.sdo.exceptions import SdoAbortedError, SdoCommunicationError
 
 from .axis import ENABLED, FAULT, HOLD, QUICK_STOP, Axis, state_of
-from .errors import DriveNotReady, SilentDrive, WrongDrive
+from .errors import BusFault, DriveNotReady, SilentDrive, WrongDrive
 from .fault_words import fault_words
 
 _WITHIN = 2.0  # [s] that drives may take, brakes included
@@ -24,7 +26,7 @@ _NEXT = {
 
 
 def enable(axes: Sequence[Axis], simulated: bool, beat: Callable[[], None]) -> None:
-    """Enable all, standing; then start them on the network.
+    """Enable all, standing; then start them on the network. If one isn't ready, none stays enabled.
 
     Args:
         axes: set up.
@@ -36,6 +38,17 @@ def enable(axes: Sequence[Axis], simulated: bool, beat: Callable[[], None]) -> N
         SilentDrive: one doesn't answer.
         WrongDrive: one stands where it can't, or refuses.
     """
+    try:
+        _enable(axes, simulated, beat)
+    except BaseException:
+        for axis in axes:
+            _withdraw(axis)
+        raise
+    for axis in axes:
+        axis.nmt.state = "OPERATIONAL"
+
+
+def _enable(axes: Sequence[Axis], simulated: bool, beat: Callable[[], None]) -> None:
     for axis in axes:
         _asked(axis, _prepare)
     end, looks = time.monotonic() + _WITHIN, 0
@@ -49,8 +62,13 @@ def enable(axes: Sequence[Axis], simulated: bool, beat: Callable[[], None]) -> N
             raise DriveNotReady(left[0].name, _asked(left[0], _state), _asked(left[0], _fault))
         if not simulated:
             time.sleep(_PAUSE)
-    for axis in axes:
-        axis.nmt.state = "OPERATIONAL"
+
+
+def _withdraw(axis: Axis) -> None:
+    """Not all of them became ready: those that did stop, each in its own way."""
+    word = State402.CW_QUICK_STOP if axis.spec.stop == HOLD else State402.CW_DISABLE_VOLTAGE
+    with suppress(SdoCommunicationError, SdoAbortedError, can.CanError, BusFault):
+        axis.sdo[0x6040].raw = word
 
 
 def _prepare(axis: Axis) -> str:

@@ -13,6 +13,8 @@ from .can_line import CanLine
 class LineSdoClient(SdoClient):
     """The library's, that takes its answer in itself instead of waiting for another thread to do so."""
 
+    RESPONSE_TIMEOUT = 0.8
+    """[s]"""
     MAX_RETRIES = 2
     """One more try: no drive is asked under way."""
 

@@ -35,6 +35,7 @@ Free = Callable[[Floats, Floats], bool]
 _ATTEMPTS = 20  # at a division all of whose parts the arm follows, point by point
 _SPARE = 0.08  # [rad] before a joint's limit, for a base that stops elsewhere
 _STOPS = 0.025  # [m] by which a base may stop beside its place, and the arm must still do it
+_BESIDE = ((_STOPS, 0.0), (-_STOPS, 0.0), (0.0, _STOPS), (0.0, -_STOPS))
 _SPARSE = 4  # points of a path between those looked at then
 _MORE = 8  # placements than there must be, that are tried
 _FEW = 60  # base poses that a nearest reachable point is looked for from
@@ -130,8 +131,8 @@ class Placer:
             return scores
         reach = self._rule._replace(measure=Measure.REACHABILITY)
         usable, some = scores.usable.copy(), scores.usable.any(axis=1)
-        for beside in _STOPS * np.array([(1.0, 0.0, 0.0), (-1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, -1.0, 0.0)]):
-            usable[some] &= self._scores(bases[some] + beside, path, reach).usable
+        for x, y in _BESIDE:
+            usable[some] &= self._scores(bases[some] + (x, y, 0.0), path, reach).usable
             some &= usable.any(axis=1)
         return scores.restricted(usable)
 
@@ -282,7 +283,7 @@ class Placer:
     def _check_around(self, base: Floats, path: ToolPath) -> None:
         """Raise Untrackable where the arm doesn't follow from a base that stops a little beside its place."""
         some = _some(path, np.arange(0, len(path.points), _SPARSE))
-        for x, y in ((_STOPS, 0.0), (-_STOPS, 0.0), (0.0, _STOPS), (0.0, -_STOPS)):
+        for x, y in _BESIDE:
             try:
                 self.joints(np.array(Pose2(*base.tolist()).compose(Pose2(x, y, 0.0))), some)
             except Untrackable as error:

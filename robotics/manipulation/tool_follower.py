@@ -18,7 +18,7 @@ Floats = NDArray[np.float64]
 
 _ITERATIONS = 60
 _JUMP = 0.5  # [rad] of a joint from a point to the next
-_EASES = 0.02  # [rad] at most from a point to the next, by which spare joints make for the middle of their ranges
+_EASES = 0.02  # [rad] at most from a point to the next, by which spare joints keep away from their limits
 _EAGER = 0.05  # of the way there
 _SINGULAR = 1e-3
 

@@ -83,6 +83,11 @@ class Bench:
         if self._plant is not None:
             self._plant.place(self.drives)
 
+    def go_wrong(self, name: str, node: int | None = None) -> None:
+        """Let something go wrong now; see `misbehave`."""
+        kind = misbehaviour(name)
+        kind.act(self, self.drives[self.spec.left.node if node is None else node])
+
     def misbehave(self, name: str, at_s: float = 0.0, node: int | None = None) -> None:
         """Let something go wrong.
 
@@ -94,9 +99,8 @@ class Bench:
         Raises:
             UnknownMisbehaviour: there is none of that name.
         """
-        kind = misbehaviour(name)
-        drive = self.drives[self.spec.left.node if node is None else node]
-        self._planned.append((at_s, lambda: kind.act(self, drive)))
+        misbehaviour(name)
+        self._planned.append((at_s, lambda: self.go_wrong(name, node)))
 
     def _misbehave(self) -> None:
         due = [act for at, act in self._planned if at <= self.time + 1e-9]

@@ -300,7 +300,7 @@ def test_a_drive_is_asked_once_more_and_not_under_way(make, robot):
     assert not [each for each in sent if 0x600 < each < 0x680]
 
 
-def test_a_million_random_frames_raise_nothing_but_a_count(make, robot):
+def test_random_frames_raise_nothing_but_a_count(make, robot):
     """C20 C21: the decoder takes anything; what a listener raises doesn't deafen the robot."""
     backend = make(robot=robot, room=False)
     move(backend, 1)

@@ -42,6 +42,18 @@ def test_a_drive_that_has_a_fault_is_not_reset(make):
     assert backend.bench.drives[LEFT].life.state == "FAULT"
 
 
+def test_if_one_drive_is_not_ready_none_stays_enabled(make):
+    robot = load_robot("librarian")
+    backend = make(robot=robot, room=False)
+    drives = backend.bench.drives
+    control = drives[21].life.control
+    drives[21].life.control = lambda word: None if word == 0x0F else control(word)
+    with pytest.raises(DriveNotReady, match=r"the gripper drive \(node 21\) is in the state SWITCHED ON"):
+        drive(backend, 1)
+    assert drives[LEFT].life.state == "SWITCH ON DISABLED"
+    assert drives[11].life.state == "QUICK STOP ACTIVE"  # it would fall
+
+
 def test_a_drive_in_another_mode_ends_the_step(make):
     backend = make()
     drive(backend, 20)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import threading
 import time
+from contextlib import contextmanager
 
 import pytest
 from can.interfaces.virtual import VirtualBus
@@ -12,8 +13,10 @@ from backends.base import Base
 from backends.can.can_backend import CanBackend
 from backends.can.errors import CanFault, Emergency
 from backends.can.simulated.bench import Bench
+from backends.robot_file import load_robot
 
 PERIOD = 0.1
+BUS = {"interface": "virtual", "channel": "by themselves", "heartbeat_timeout_ms": 5000}
 
 
 @pytest.fixture
@@ -21,12 +24,18 @@ def robot(cart, monkeypatch):
     """Machines that tests run on may be busy."""
     monkeypatch.setattr("backends.can.pace.GAP", 30.0)
     monkeypatch.setattr("backends.can.pace.MISSED", 10_000)
-    spec = cart.can.model_copy(update={"channel": "by themselves", "heartbeat_timeout_ms": 5000})
+    spec = cart.can.model_copy(update=BUS)
     return cart.model_copy(update={"can": spec, "period_s": PERIOD})
 
 
 @pytest.fixture
 def bench(robot):
+    with served(robot) as made:
+        yield made
+
+
+@contextmanager
+def served(robot):
     """Drives in a thread of their own, on the bus that the robot's file names."""
     made, end = Bench(robot, robot.can, None, VirtualBus("by themselves")), threading.Event()
 
@@ -37,10 +46,12 @@ def bench(robot):
 
     thread = threading.Thread(target=serve)
     thread.start()
-    yield made
-    end.set()
-    thread.join()
-    made.close()
+    try:
+        yield made
+    finally:
+        end.set()
+        thread.join()
+        made.close()
 
 
 def test_a_step_lasts_a_period_and_the_wheels_roll(robot, bench):
@@ -92,3 +103,21 @@ def test_a_fault_that_a_frame_shows_is_not_waited_out(robot, bench):
         assert 0.0 < stopped[0] - shown[0] < 0.7 * PERIOD
         with pytest.raises(CanFault):
             backend.step()
+
+
+def test_joints_that_hold_keep_their_torque_from_one_program_to_the_next(robot):
+    arm = load_robot("librarian")
+    robot = arm.model_copy(update={"period_s": PERIOD, "can": arm.can.model_copy(update=BUS)})
+    with served(robot) as bench:
+        joints = [bench.drives[each.node] for each in robot.can.joints]
+        with CanBackend(robot, None) as backend:
+            backend.step()
+        assert {drive.life.state for drive in joints} == {"QUICK STOP ACTIVE"}
+        states = []
+        for drive in joints:
+            drive.add_read_callback(lambda drive=drive, **_: states.append(drive.life.state))
+        with CanBackend(robot, None) as backend:
+            backend.step()
+            backend.step()
+        assert set(states) <= {"QUICK STOP ACTIVE", "OPERATION ENABLED"}
+        assert "OPERATION ENABLED" in states

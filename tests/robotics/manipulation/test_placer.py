@@ -115,3 +115,16 @@ def test_an_arm_that_is_too_slow_is_told() -> None:
     hasty = Placer(arm, WORK._replace(speed=2.4, force=1.0))
     with pytest.raises(Untrackable, match=r"nowhere with 2\.4 m/s and 1 N along the path"):
         hasty.place(arched(60, rise=0.0), below)
+
+
+def test_an_arm_without_closed_form_does_its_part_from_beside_its_place_too(arm: ArmModel) -> None:
+    placer = Placer(arm, Work(0.05, 5.0, FreeTurn.TOOL, 0.0))
+    path = arched(30, span=0.4, rise=0.0, low=0.75, pitch_deg=-10.0)
+    placed = placer.place(path, below)
+    for segment in placed.segments:
+        part = path.part(segment.first, segment.last)
+        for beside in ((0.025, 0.0, 0.0), (0.0, -0.025, 0.0)):
+            base = placed.bases[segment.placement] + np.array(beside)
+            angles = placer.joints(base, part)
+            tool_errors = placer.follower.tool_errors(part, Pose2(*base.tolist()).lift(), angles)
+            assert tool_errors.max() < 1e-6

@@ -11,7 +11,7 @@ from robotics.kinematics.arm_model import ArmModel
 from robotics.manipulation.pitch_arm import PitchArm
 from robotics.manipulation.screw_arm import FreeTurn
 from robotics.manipulation.tool_follower import ToolFollower
-from robotics.manipulation.tool_path import ToolPath
+from robotics.manipulation.tool_path import ToolPath, tool_path
 from robotics.manipulation.tracking_limits import ArmLoad
 from robotics.manipulation.tracking_time import TrackingLimits, time_tracking
 from robotics.manipulation.untrackable import Untrackable
@@ -107,3 +107,18 @@ def test_out_of_reach_the_first_point_and_the_nearest_are_named(
     assert caught.value.nearest is not None
     bad = longer.points[first + caught.value.index]
     assert 0.0 < np.linalg.norm(caught.value.nearest - bad) < 0.1
+
+
+def test_an_arm_with_joints_to_spare_keeps_away_from_its_limits(arm: ArmModel) -> None:
+    middle, half = 0.5 * (arm.lower + arm.upper), 0.5 * (arm.upper - arm.lower)
+    start = np.radians([-93.994, -63.025, 152.223, -93.988, -90.058, 170.0])  # the last one near its limit
+    start = np.clip(start, middle - 0.97 * half, middle + 0.97 * half)
+    poses = np.tile(arm.forward(start), (80, 1, 1))
+    poses[:, 2, 3] += np.linspace(0.0, 0.12, 80)
+    path = tool_path(poses)
+    follower = ToolFollower(arm, FreeTurn.TOOL)
+    found = follower.joints(path, np.eye(4), start)
+    assert follower.tool_errors(path, np.eye(4), found).max() < 1e-7
+    near = np.abs((found - middle) / half).max(axis=1)
+    assert near[-1] < near[0] - 0.02
+    assert np.abs(np.diff(found, axis=0)).max() < 0.1
