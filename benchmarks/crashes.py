@@ -1,7 +1,7 @@
-"""Kill return_book at random instants and resume it: `python -m benchmarks.crashes 100`.
+"""Kill return_book at random instants and resume it: `python -m benchmarks.crashes [NUMBER [SEED]]`.
 
-Each run is killed (SIGKILL) at an instant drawn from its whole duration, and resumed; where it was over by
-then, another instant is drawn. Counted are: outcomes of the journal that are lost, finished actions that are
+Each run is killed (SIGKILL) at an instant drawn from a run's whole duration, and resumed; where it was over by
+then, another instant is drawn from the duration it had. Counted are: outcomes of the journal that are lost, finished actions that are
 done again, and ends that differ from those of a run that nobody killed (outcome, situation, simulated time).
 """
 
@@ -14,6 +14,7 @@ import sys
 import tempfile
 import time
 from collections import Counter
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -28,18 +29,20 @@ def command(*words: object) -> list[str]:
     return [sys.executable, "-m", "tools.handcart", *map(str, words)]
 
 
-def run_and_kill(runs: Path, seconds: float) -> Path:
-    """The folder of a run that was killed so long after it listened to its operator."""
+def run_and_kill(runs: Path, seconds: float) -> tuple[Path, float]:
+    """The folder of a run that was killed so long after it listened to its operator, and how long it lived."""
     process = subprocess.Popen(
         command("run", TASK, "--runs", runs), cwd=ROOT, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
     )
     folder = runs / "return_book-0"
     while not (folder / "control").exists() and process.poll() is None:
         time.sleep(0.005)
-    time.sleep(seconds)
+    begun = time.monotonic()
+    with suppress(subprocess.TimeoutExpired):
+        process.wait(seconds)
     process.kill()
     process.wait()
-    return folder
+    return folder, time.monotonic() - begun
 
 
 def results(folder: Path) -> list[tuple[int, str]]:
@@ -63,7 +66,7 @@ def last_json(text: str) -> dict[str, Any]:
 def main() -> None:
     """Print what was lost, repeated, or ended otherwise."""
     trials = int(sys.argv[1]) if len(sys.argv) > 1 else 100
-    rng, count = random.Random(0), Counter[str]()
+    rng, count = random.Random(int(sys.argv[2]) if len(sys.argv) > 2 else 0), Counter[str]()
     with tempfile.TemporaryDirectory() as folder:
         said = subprocess.run(
             command("run", TASK, "--runs", Path(folder) / "whole", "--json"),
@@ -75,11 +78,12 @@ def main() -> None:
         lasts = whole["wall_time_s"]
         started = 0
         while count["resumed"] < trials:
-            run = run_and_kill(Path(folder) / str(started), rng.uniform(0.0, lasts))
+            run, lived = run_and_kill(Path(folder) / str(started), rng.uniform(0.0, lasts))
             started += 1
             before = results(run)
             said = subprocess.run(command("resume", run, "--json"), cwd=ROOT, capture_output=True, text=True)
             if said.returncode == 2 and "is over" in said.stderr:
+                lasts = lived
                 continue
             count["resumed"] += 1
             after = results(run)
