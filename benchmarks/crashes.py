@@ -1,8 +1,9 @@
 """Kill return_book at random instants and resume it: `python -m benchmarks.crashes [NUMBER [SEED]]`.
 
-Each run is killed (SIGKILL) at an instant drawn from a run's whole duration, and resumed; where it was over by
-then, another instant is drawn from the duration it had. Counted are: outcomes of the journal that are lost, finished actions that are
-done again, and ends that differ from those of a run that nobody killed (outcome, situation, simulated time).
+Each run is killed (SIGKILL) at an instant drawn from a run's whole duration, and resumed; where it was over
+by then, another instant is drawn from the duration it had. Counted are: outcomes of the journal that are
+lost, finished actions that are done again, and ends that differ from those of a run that nobody killed
+(outcome, situation, simulated time).
 """
 
 from __future__ import annotations
@@ -30,7 +31,7 @@ def command(*words: object) -> list[str]:
 
 
 def run_and_kill(runs: Path, seconds: float) -> tuple[Path, float]:
-    """The folder of a run that was killed so long after it listened to its operator, and how long it lived."""
+    """The folder of a run, killed so long after it listened to its operator, and how long it lived."""
     process = subprocess.Popen(
         command("run", TASK, "--runs", runs), cwd=ROOT, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
     )
