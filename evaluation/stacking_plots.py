@@ -45,6 +45,7 @@ def plot_by_block(experiment: Experiment, path: Path) -> None:
         axis.set_yticks(range(values.shape[0]), [str(i + 1) for i in range(values.shape[0])])
     for axis in axes[1]:
         axis.set_xlabel("trial")
+        axis.xaxis.get_major_locator().set_params(integer=True)
     for axis in axes[:, 0]:
         axis.set_ylabel("block")
     figure.colorbar(pictures[0], ax=axes, label="[mm]")

@@ -239,14 +239,21 @@ class _Reader:
         return None
 
     def _target_names(self) -> list[str]:
-        """The names of the targets; none where no file tells them, or something in it is wrong."""
+        """The names of the targets; none where no file tells them. Where it is wrong that is raised: without
+        them a part that is repeated over them has no elements, and each of its actions would be told."""
         try:
             field, targets = (_resolved(self._document, ("knowledge", key)) for key in ("field", "targets"))
             if field is None or targets is None:
                 return []
-            return list(load_targets(targets, load(field, Field), Pose2(0.0, 0.0, 0.0)))
-        except (FileError, UnsafePath):
-            return []  # told by `load_model`
+            if field.is_file() and targets.is_file():
+                return list(load_targets(targets, load(field, Field), Pose2(0.0, 0.0, 0.0)))
+            self._check_files()
+        except FileError as error:
+            self._findings.take(error)
+        except UnsafePath:
+            self._check_files()
+        self._findings.raise_all()
+        return []
 
     def _building_names(self) -> dict[str, Collection[object]]:
         """What the building plan names; nothing where there is none."""

@@ -12,14 +12,23 @@ if TYPE_CHECKING:
     from backends.can.sensors.range_server import RangeServer
     from backends.can.simulated.bench import Bench
 
+BETWEEN_PROCESSES, MULTICAST = "udp_multicast", "239.74.163.2"
 AT_THE_PROGRAM = ("bus-down", "error-passive", "error-warning", "bus-off", "queue-full", "cable-off")
 """Faults of the program's own interface, which no other process can have for it."""
 
 
 def bench(
     robot: Annotated[str, typer.Argument(help="a shipped robot, or the path of a robot's file")] = "cart",
-    interface: Annotated[str, typer.Option(help="of python-can")] = "udp_multicast",
-    channel: Annotated[str, typer.Option(help="of the interface")] = "239.74.163.2",
+    interface: Annotated[
+        str | None, typer.Option(help="of python-can  [default: udp_multicast]", show_default=False)
+    ] = None,
+    channel: Annotated[
+        str | None,
+        typer.Option(
+            help="of the interface  [default: the file's, where it has that interface, else 239.74.163.2]",
+            show_default=False,
+        ),
+    ] = None,
     backend: Annotated[
         str | None, typer.Option(help="the simulated robot behind the drives; left out: motors alone")
     ] = None,
@@ -56,6 +65,8 @@ def bench(
         raise NoDrives()
     planned = [_planned(each) for each in faults or ()]
     inner = None if backend is None else make_backend(backend, spec, world or _library(), seed)
+    interface = interface or BETWEEN_PROCESSES
+    channel = channel or (spec.can.channel if spec.can.interface == interface else MULTICAST)
     bus = open_interface(interface, channel, 1000 * spec.can.bitrate_kbit_s)
     made = Bench(spec, spec.can, inner, bus)
     over: list[int] = []

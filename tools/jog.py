@@ -11,7 +11,9 @@ import typer
 def jog(
     robot: Annotated[str, typer.Argument(help="the robot's YAML file, or a shipped robot")],
     axis: Annotated[str, typer.Argument(help="such as 'left wheel', 'joint 2', gripper")],
-    way: Annotated[float, typer.Argument(help="at most: [mm], of joints [deg]; below 0 the other way")],
+    way: Annotated[
+        float, typer.Argument(help="at most: [mm], of joints [deg]; below 0 the other way, after a --: -- -5")
+    ],
     bench: Annotated[
         str | None, typer.Option(help="simulated drives before this simulated backend: kinematic, pybullet")
     ] = None,
@@ -21,13 +23,15 @@ def jog(
     from pathlib import Path
 
     from backends.robot_file import load_robot
-    from evaluation.bringup.jog import HAND_SPEED, Jogger
+    from evaluation.bringup.jog import HAND_SPEED, Jogger, UnknownAxis
     from evaluation.bringup.operator import BenchOperator, Operator
     from evaluation.bringup.site import Site
     from evaluation.stage import LIBRARY
 
     from .terminal_operator import TerminalOperator
 
+    if not math.isfinite(way):
+        raise typer.BadParameter(f"way is {way:g}; allowed: a finite number")
     operator: Operator = TerminalOperator() if bench is None else BenchOperator()
     spec = load_robot(robot)
     site = Site(robot, spec, operator, Path(), LIBRARY / "task.yaml", bench or "", LIBRARY / "world.yaml")
@@ -35,6 +39,8 @@ def jog(
     wanted = math.radians(way) if turns else way / 1e3
     with site.backend() as backend:
         jogger = Jogger(backend, spec)
+        if axis not in jogger.axes:
+            raise UnknownAxis(axis, jogger.axes)  # before somebody is asked to hold a key
         words = f"{axis}: hold the space bar; the hand runs at {1e3 * slower * HAND_SPEED:.0f} mm/s at most"
         with operator.hold(words) as held:
             done = jogger.jog(axis, wanted, held, slower)

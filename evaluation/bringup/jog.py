@@ -32,6 +32,7 @@ TOP_TURN = math.radians(30.0)
 """[rad/s] that no joint turns faster than, however near the hand is to its axis."""
 _SETTLE = 2.0  # [s] in which an axis comes to rest
 _STILL = 1e-4  # [m], [rad] in a period
+_CREEP = 0.005  # [m/s], [rad/s] with which it arrives
 
 
 class Lease:
@@ -120,13 +121,14 @@ class Jogger:
         if axis not in self.axes:
             raise UnknownAxis(axis, self.axes)
         begun, fastest, periods, ended = self.position(axis), 0.0, 0, "there"
+        last = 0.0
         while abs(self.position(axis) - begun) < abs(way):
             if not held():
                 ended = "let go"
                 break
-            speed = math.copysign(slower * self.top_speed(axis), way)
             left = abs(way) - abs(self.position(axis) - begun)
-            speed = math.copysign(min(abs(speed), max(left / self.backend.period, 1e-6)), way)
+            speed = math.copysign(min(slower * self.top_speed(axis), self._braked(axis, left, last)), way)
+            last = abs(speed)
             if not self._command(axis, speed):
                 ended = "limit"
                 break
@@ -174,6 +176,14 @@ class Jogger:
             return min(HAND_SPEED / max(lever, 0.1), top)
         assert self.robot.gripper is not None
         return min(HAND_SPEED, self.robot.gripper.speed_mm_s / 1e3)
+
+    def _braked(self, axis: str, left: float, last: float) -> float:
+        """From how fast it comes to rest on what is `left`; what it was told `last` acts for two periods."""
+        drive, arm = self.robot.drive, self.robot.arm
+        joint = axis.startswith("joint") and arm is not None
+        rate = math.radians(arm.acceleration_deg_s2) if joint and arm else drive.acceleration_m_s2
+        room = left - 2 * self.backend.period * last
+        return max(math.sqrt(2 * rate * max(room, 0.0)), _CREEP)
 
     def settle(self) -> float:
         """Let periods pass until nothing moves any more; how long that took, in [s]."""

@@ -155,6 +155,14 @@ def test_a_target_beside_a_rock_is_refused_by_its_line(tmp_path, small):
         run_task(STRAIGHT, tmp_path, None, {**small, "field": str(tmp_path / "field.yaml")}, seed=0)
 
 
+def test_bad_targets_are_refused_by_their_lines_and_nothing_else_is_told(tmp_path, small):
+    (tmp_path / "bad.csv").write_text(TWO + "third,nan,1\nfirst,20,-0.75\n", encoding="utf-8")
+    with pytest.raises(FileError) as refused:
+        run_task(STRAIGHT, tmp_path, None, {**small, "targets": str(tmp_path / "bad.csv")}, seed=0)
+    lines = str(refused.value).splitlines()
+    assert [line.partition("bad.csv:")[2][:1] for line in lines] == ["4", "5"]
+
+
 @pytest.mark.slow
 def test_the_zigzag_course(tmp_path):
     summary, status = run_task(ZIGZAG, tmp_path, None, {}, seed=3)

@@ -83,7 +83,7 @@ def test_one_axis_moves_and_no_other(backend: CanBackend, librarian: RobotFile, 
     done = jogger.jog(axis, way, always)
     moved = {each: jogger.position(each) - before[each] for each in jogger.axes}
     assert done.ended == "there"
-    assert moved.pop(axis) == pytest.approx(way, rel=0.7)
+    assert moved.pop(axis) == pytest.approx(way, rel=0.1)
     assert all(abs(each) < 1e-3 for each in moved.values())
 
 
