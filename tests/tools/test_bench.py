@@ -65,7 +65,7 @@ def test_wheels_are_driven_over_the_network(far: RobotFile, bench: Path) -> None
             raise
         left, right = base.wheel_travel()
         assert left == pytest.approx(right)
-        assert 0.05 < left <= 0.2
+        assert 0.05 < left < 0.25  # the drives have a clock of their own
         assert backend.figures()["loop"]["periods"] == 20
     time.sleep(1.0)
     last = bench.read_text().splitlines()[-1].split(",")

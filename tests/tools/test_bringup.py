@@ -21,9 +21,9 @@ CART = Path(__file__).resolve().parents[2] / "backends" / "robots" / "cart"
 ANSWERS = {
     "pressed": True,
     "left_wheel_direction": True,
-    "left_wheel_scale": 116.5,
+    "left_wheel_scale": 100.4,
     "right_wheel_direction": True,
-    "right_wheel_scale": 116.5,
+    "right_wheel_scale": 100.4,
     "signed_off": True,
 }
 
@@ -104,7 +104,7 @@ def test_the_bench_comes_first(site: Site, tmp_path: Path) -> None:
     [
         ("pressed", False, "not by the emergency stop"),
         ("left_wheel_direction", False, "left wheel turns the wrong way: change `sign`"),
-        ("right_wheel_scale", 58.0, "gear_ratio or counts_per_rev is 2.01 times too small"),
+        ("right_wheel_scale", 50.0, "gear_ratio or counts_per_rev is 2.01 times too small"),
         ("signed_off", False, "not signed off"),
     ],
 )
