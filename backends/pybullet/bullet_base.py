@@ -33,6 +33,7 @@ class BulletBase(Base):
         errors = robot.errors
         left, right, tread = keyed(seed, "wheels").standard_normal(3)
         wheels = body.wheels
+        self._lefts = len(wheels.left)
         self._right = np.repeat([False, True], [len(wheels.left), len(wheels.right)])
         """(n,): which of the wheels are on the right side."""
         self._scale = 1.0 + errors.wheel_radius_percent / 100 * np.where(self._right, right, left)
@@ -96,7 +97,8 @@ class BulletBase(Base):
         turned = (self._body.states(self._joints)[0] - self._given - self._first) / self._scale
         counts = np.round(turned * (COUNTS / (2 * math.pi)))
         travel = counts * (2 * math.pi / COUNTS * self._drive.wheel_radius_m)
-        left, right = travel[~self._right].mean(), travel[self._right].mean()
+        lefts, wheels = self._lefts, len(travel)
+        left, right = sum(travel[:lefts]) / lefts, sum(travel[lefts:]) / (wheels - lefts)
         self._travel = WheelTravel(float(left), float(right))
 
     def rezero(self) -> None:
