@@ -110,7 +110,7 @@ class BulletArm(Arm):
         off = self._from + share * way + self._offset - angles
         wanted = rate + off / CATCHES_UP
         strain = np.abs(off) + DAMPING * np.abs(rate - speeds)
-        most = self._effort * np.clip(strain / GIVES + BREAKAWAY, 0.0, 1.0)
+        most = self._effort * np.minimum(strain / GIVES + BREAKAWAY, 1.0)  # never negative
         p, client = self._physics.p, self._physics.client
         p.setJointMotorControlArray(
             self._body.id,

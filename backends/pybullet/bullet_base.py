@@ -80,7 +80,7 @@ class BulletBase(Base):
         """Command the drives for the next chunk of the period; they follow the angle, not only the speed."""
         p, seconds = self._physics.p, self._physics.chunk
         angles = self._body.states(self._joints)[0]
-        lag = np.clip(self._goal - angles, -MOST_LAG, MOST_LAG)
+        lag = np.minimum(np.maximum(self._goal - angles, -MOST_LAG), MOST_LAG)
         wanted = self._speeds + lag / CATCHES_UP
         self._goal = angles + lag + self._speeds * seconds
         p.setJointMotorControlArray(
