@@ -13,7 +13,7 @@ from backends.robot import Robot
 from robotics.geometry.pose2 import Pose2
 from robotics.geometry.transform import Transform, inverse, transform
 from robotics.kinematics.shapes import Box
-from robotics.manipulation.fixation import PAPER_RULE, PlannedView, StopRule, on_floor
+from robotics.manipulation.fixation import PAPER_RULE, PlannedView, StopRule, on_floor, placing_posture
 from robotics.perception.landmark import Landmark
 from robotics.perception.landmark_finder import find_landmarks
 from robotics.perception.landmark_pose import planar_pose
@@ -85,6 +85,7 @@ def fixate(
     around: Sequence[Box] = (),
     search: bool = True,
     looks: int = 1,
+    known: Pose2 | None = None,
 ) -> Generator[None, None, Fixation]:
     """Move the hand until the landmark is seen as planned (Hatano et al. 2000, eq. 1 to 11, corrected).
 
@@ -98,11 +99,13 @@ def fixate(
         around: bodies to keep clear of, in the base frame.
         search: whether a landmark that isn't in the picture is searched for.
         looks: how often the hand is to come to stand over it at least; what is found is their mean.
+        known: the travelling error as far as it is known: from there the landmark is looked for.
 
     Raises:
         Discrepancy: it isn't found, or the hand doesn't come to stand over it.
     """
-    yield from move_to_pose(robot, view.base_T_hand, held, around)
+    start = view.base_T_hand if known is None else placing_posture(known.lift(), view.base_T_hand)
+    yield from move_to_pose(robot, start, held, around)
     stop, frames = RULES[rule], 0
     found: list[Pose2] = []
     away = math.inf
@@ -110,8 +113,8 @@ def fixate(
         seen = yield from _look(robot, view, side, evidence)
         frames += 1
         if seen is None and search:
-            seen, looks = yield from _search(robot, view, side, evidence, held, around)
-            frames += looks
+            seen, pictures = yield from _search(robot, view, start, side, evidence, held, around)
+            frames += pictures
         if seen is None:
             nothing = Measured("Camera", f"landmarks found in {frames} pictures", 0, 1)
             raise Discrepancy("the landmark is not found", measured=nothing)
@@ -161,7 +164,10 @@ def _level(base_T_hand: Transform, view: PlannedView) -> Transform:
 def _look(
     robot: Robot, view: PlannedView, side: float, evidence: Evidence
 ) -> Generator[None, None, Transform | None]:
-    """camera_T_landmark (4, 4) as one picture shows it, the camera taken to be tilted as planned."""
+    """camera_T_landmark (4, 4) as one picture shows it, the camera taken to be tilted as planned.
+
+    Of several landmarks it is the one nearest to where the wanted one is to be seen.
+    """
     yield from settle(robot)
     yield
     image = robot.picture()
@@ -171,7 +177,8 @@ def _look(
     if not found:
         return None
     plane = view.camera_T_landmark
-    return np.asarray(plane @ planar_pose(found[0], plane).lift())
+    poses = [np.asarray(plane @ planar_pose(each, plane).lift()) for each in found]
+    return min(poses, key=lambda pose: float(np.hypot(*(pose[:2, 3] - plane[:2, 3]))))
 
 
 def _show(image: GreyImage, found: Sequence[Landmark], evidence: Evidence) -> None:
@@ -181,15 +188,16 @@ def _show(image: GreyImage, found: Sequence[Landmark], evidence: Evidence) -> No
 def _search(
     robot: Robot,
     view: PlannedView,
+    start: Transform,
     side: float,
     evidence: Evidence,
     held: Box | None,
     around: Sequence[Box],
 ) -> Generator[None, None, tuple[Transform | None, int]]:
-    """Look around in rings about the planned view; what the arm can't reach is left out."""
+    """Look around in rings about the first view; what the arm can't reach is left out."""
     looks = 0
     for x, y in _rings():
-        hand = view.base_T_hand.copy()
+        hand = start.copy()
         hand[:2, 3] += (x, y)
         try:
             yield from move_to_pose(robot, hand, held, around)

@@ -183,10 +183,13 @@ class Stack(ActionPrimitive):
         planned = model.places[place].pose
         view = planned_view(robot, mark, planned, hand)
         held, around = held_block(robot, plan), surroundings(robot, model)
-        swing = _is_swing(robot, view.base_T_hand)
-        found = yield from fixate(robot, view, mark.side_mm / 1e3, self.rule, self.evidence, held, around)
-        self.found(frames=found.frames)
         before = model.fixed
+        known = None if before is None else before.pose.relative_to(planned)
+        swing = _is_swing(robot, view.base_T_hand)
+        found = yield from fixate(
+            robot, view, mark.side_mm / 1e3, self.rule, self.evidence, held, around, known=known
+        )
+        self.found(frames=found.frames)
         model.fixed = fixed_by(robot, name, place, planned, found)
         if self.method == "fix_again_model" and before is not None:
             model.fixed = fused(robot, before._replace(swings=before.swings + swing), model.fixed)
