@@ -26,7 +26,7 @@ BESIDE = {
     "world": str(TASKS / "stack_blocks" / "servo_world.yaml"),
     "building": str(TASKS / "stack_blocks" / "servo_building.yaml"),
 }
-PAPER = {"method": "fix_once", "rule": "paper"}
+PAPER = {"method": "fix_once", "rule": "paper", "look": "false"}
 
 
 class Row(NamedTuple):
@@ -38,17 +38,23 @@ class Row(NamedTuple):
     blocks: int = 5
 
 
+ARMS = {"H1": "toyama/h1", "H2": "toyama"}
+METHODS = ("fix_once", "model", "imu", "fix_again", "fix_again_model", "fix_again_imu")
 ROWS = {
     "paper's method, H2, unload to stack": Row(UNLOAD, "toyama", PAPER),
     "paper's method, H2, whole operation": Row(WHOLE, "toyama", PAPER),
     **{
-        f"{method}, {arm}, unload to stack": Row(UNLOAD, robot, {"method": method})
-        for arm, robot in (("H1", "toyama/h1"), ("H2", "toyama"))
-        for method in ("fix_once", "model", "imu", "fix_again", "fix_again_model")
+        f"{method}, {arm}, unload to stack": Row(UNLOAD, robot, {"method": method, "look": "false"})
+        for arm, robot in ARMS.items()
+        for method in METHODS
     },
-    "servo, H1, unload to stack": Row(UNLOAD, "toyama/h1", {"method": "servo", **BESIDE}),
-    "servo, H2, unload to stack": Row(UNLOAD, "toyama", {"method": "servo", **BESIDE}),
-    "fence, fix_again_model, H1": Row(FENCE, "toyama/h1", {"method": "fix_again_model"}, 15),
+    **{
+        f"look, {method}, {arm}, unload to stack": Row(UNLOAD, robot, {"method": method, **world})
+        for arm, robot in ARMS.items()
+        for method, world in (("fix_again_imu", {}), ("servo", BESIDE))
+    },
+    "look, fix_again_imu, H1, whole operation": Row(WHOLE, "toyama/h1", {"method": "fix_again_imu"}),
+    "fence, look, fix_again_imu, H1": Row(FENCE, "toyama/h1", {"method": "fix_again_imu"}, 15),
 }
 
 

@@ -143,7 +143,9 @@ def fixed_by(robot: Robot, name: str, place: str, planned: Pose2, found: Fixatio
     attitude = (*robot.attitude.tilt, robot.attitude.yaw)
     left, right = robot.base.wheel_travel()
     sigma = robot.spec.arm.accuracy_mm / 1e3 / math.sqrt(found.looks) if robot.spec.arm else 0.0
-    return Fixed(name, place, pose, (sigma, HEADING_SIGMA), reach, attitude, (left, right))
+    return Fixed(
+        name, place, pose, (sigma, HEADING_SIGMA), reach, attitude, (left, right), robot.attitude.moved
+    )
 
 
 def _mean(poses: Sequence[Pose2]) -> Pose2:

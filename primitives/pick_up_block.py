@@ -39,13 +39,16 @@ class PickUpBlock(ActionPrimitive):
     """Take a block from above: at the supply, where the landmark says it is, or off the robot's own table.
 
     Closing, the fingers centre it between them: whatever it was off in that direction is gone. Along the
-    fingers it stays as it was (Hatano et al. 2000, sections 5.4 and 5.5).
+    fingers it stays as it was (Hatano et al. 2000, sections 5.4 and 5.5), unless the camera looks first where
+    it stands.
     """
 
     number: BlockNumber
     """Of the block, by the building plan."""
     at: Literal["supply", "robot"]
     """Where it stands: at the supply, or on the robot's own table."""
+    look: bool = False
+    """Whether to look first where exactly it stands."""
 
     needs: ClassVar = (Arm, Gripper, Camera)
     reads: ClassVar = ("building", "fixed", "placed")
@@ -55,7 +58,10 @@ class PickUpBlock(ActionPrimitive):
 
     def motion(self, robot: Robot, model: ModelView) -> Periods:
         plan = building(model)
-        base_T_grip = gripping(robot, plan, self._stands(robot, model, plan))
+        stands = self._stands(robot, model, plan)
+        if self.look:
+            stands = yield from self._seen(robot, model, plan, stands)
+        base_T_grip = gripping(robot, plan, stands)
         above = base_T_grip.copy()
         above[2, 3] += ABOVE
         yield from move_to_pose(robot, above, around=surroundings(robot, model))
@@ -100,6 +106,17 @@ class PickUpBlock(ActionPrimitive):
             moved = Measured("Camera", "block off its place", off, most, "mm")
             raise NeedsPerson(f"block {self.number} doesn't stand where it stood", moved)
         yield from move_to_joints(robot, back, around=surroundings(robot, model))
+
+    def _seen(
+        self, robot: Robot, model: ModelView, plan: Building, stands: Transform
+    ) -> Generator[None, None, Transform]:
+        """base_T_block (4, 4) as a picture shows it."""
+        seen = yield from see_block(robot, plan, stands, self.evidence, surroundings(robot, model))
+        if seen is None:
+            raise Discrepancy(f"block {self.number} isn't seen where it should stand")
+        off = seen.relative_to(on_level(stands))
+        self.found(seen_x_mm=round(1e3 * off.x, 2), seen_y_mm=round(1e3 * off.y, 2))
+        return seen.lift(float(stands[2, 3]))
 
     def _stands(self, robot: Robot, model: ModelView, plan: Building) -> Transform:
         """base_T_block (4, 4) by the plan and where the base stands."""

@@ -13,7 +13,7 @@ from backends.arm import Arm
 from backends.camera import Camera
 from backends.gripper import Gripper
 from backends.robot import Robot
-from robotics.geometry.pose2 import Pose2, wrap
+from robotics.geometry.pose2 import Pose2
 from robotics.geometry.transform import Transform, inverse, transform
 from robotics.kinematics.shapes import Box
 from robotics.manipulation.fixation import placing_posture, split_goal
@@ -21,6 +21,7 @@ from robotics.manipulation.suspension_model import SuspensionModel, base_motion
 
 from .action_primitive import ActionPrimitive, Periods
 from .arm_motion import move_straight, move_to_pose, move_to_posture
+from .base_turn import BaseTurn, fused, turn_by_gyros, turn_by_model
 from .block_view import see_block
 from .building import Building, LandmarkPlan, Standing
 from .discrepancy import Discrepancy, Measured
@@ -50,7 +51,11 @@ CONTACT = 4.0  # [N]
 UNEXPECTED = 12.0  # [N] on the way down
 MOST_OFF = 0.008  # [m] from its goal at which a block still counts as put there
 
-Method = Literal["fix_once", "model", "imu", "fix_again", "fix_again_model", "servo"]
+Method = Literal["fix_once", "model", "imu", "fix_again", "fix_again_model", "fix_again_imu", "servo"]
+FIX_AGAIN = ("fix_again", "fix_again_model", "fix_again_imu")
+FEEL = ("imu", "fix_again_imu")
+FUSE = ("fix_again_model", "fix_again_imu")
+LEAN_BY_MODEL = ("model", *FUSE)
 
 
 class Stack(ActionPrimitive):
@@ -61,8 +66,8 @@ class Stack(ActionPrimitive):
     Since then the base turned and leans otherwise; what of that is corrected is the method. `fix_once`:
     nothing, as in the paper. `model`: what the suspension's model says (eq. 12). `imu`: what the inertial
     sensors felt. `fix_again`: the landmark is looked at once more, with the block in hand. `fix_again_model`:
-    that, and the model from there on, and what was found before. `servo`: a landmark beside the goal is
-    looked at.
+    that, and the model from there on, and what was found before. `fix_again_imu`: the same, but for the turn,
+    which the gyros feel. `servo`: a landmark beside the goal is looked at.
     """
 
     number: BlockNumber
@@ -89,11 +94,11 @@ class Stack(ActionPrimitive):
         held = held_block(robot, plan)
         goal = self._goal(plan)
         around = surroundings(robot, model)
-        if self.onto == "goal" and self.method in ("fix_again", "fix_again_model"):
+        if self.onto == "goal" and self.method in FIX_AGAIN:
             yield from self._fix_again(robot, model)
         grip = yield from self._over(robot, model, plan, goal, around)
         yield from move_straight(robot, _raised(grip, ABOVE), held)
-        if self.onto == "goal" and self.method == "imu":
+        if self.onto == "goal" and self.method in FEEL:
             yield from settle(robot)
             grip = gripping(robot, plan, self._corrected(robot, model, plan, goal))
         yield from self._lower(robot, grip)
@@ -138,13 +143,21 @@ class Stack(ActionPrimitive):
         fixed = model.fixed
         if fixed is None:
             raise Discrepancy("no landmark was seen from here", permanent=True)
-        if self.method in ("model", "fix_again_model"):
-            known, swings = robot.spec.suspension.model, fixed.swings + swings_to_come
+        if self.method in LEAN_BY_MODEL:
+            known, turn = robot.spec.suspension.model, self._turned(robot, fixed, swings_to_come)
             upright = _upright(fixed, known, landmark_of(model, fixed.landmark).height_m)
-            return known.corrected(inverse(upright.lift()) @ goal.pose, np.eye(4), swings)
+            turned = upright.compose(Pose2(0.0, 0.0, turn.yaw))
+            return known.corrected(inverse(turned.lift()) @ goal.pose, np.eye(4), 0)
         if self.method == "imu" and swings_to_come == 0:
             return inverse(_felt(robot, fixed)) @ base_T_block
         return base_T_block
+
+    def _turned(self, robot: Robot, fixed: Fixed, swings_to_come: int) -> BaseTurn:
+        """By how much the base has turned since it was fixed, and is still to turn."""
+        if self.method not in FEEL:
+            return turn_by_model(robot, fixed.swings + swings_to_come)
+        felt, to_come = turn_by_gyros(robot, fixed), turn_by_model(robot, swings_to_come)
+        return BaseTurn(felt.yaw + to_come.yaw, math.hypot(felt.sigma, to_come.sigma))
 
     def _fix_again(self, robot: Robot, model: ModelView) -> Periods:
         if model.fixed is None:
@@ -191,8 +204,14 @@ class Stack(ActionPrimitive):
         )
         self.found(frames=found.frames)
         model.fixed = fixed_by(robot, name, place, planned, found)
-        if self.method == "fix_again_model" and before is not None:
-            model.fixed = fused(robot, before._replace(swings=before.swings + swing), model.fixed)
+        if self.method in FUSE and before is not None:
+            by_gyros = self.method in FEEL
+            turn = (
+                turn_by_gyros(robot, before, model.fixed)
+                if by_gyros
+                else turn_by_model(robot, before.swings + swing)
+            )
+            model.fixed = fused(before, turn, model.fixed)
         return found.planned_T_base.lift()
 
     def _lower(self, robot: Robot, grip: Transform) -> Periods:
@@ -238,28 +257,6 @@ def _upright(fixed: Fixed, known: SuspensionModel, height: float) -> Pose2:
     seen = known.displaced(hand, np.eye(4), 0)
     x, y = (hand - seen)[:2, 3].tolist()
     return fixed.pose.compose(Pose2(x, y, 0.0))
-
-
-def fused(robot: Robot, before: Fixed, now: Fixed) -> Fixed:
-    """What was found now, with what was found before and has been driven by the model since.
-
-    The base turned with each swing, by what the model says and its spread; where it stands it kept. Both
-    weigh by their variance (a Kalman filter's update of states that are measured one by one).
-    """
-    known = robot.spec.suspension
-    yaw = known.model.yaw_per_swing * before.swings
-    spread = math.hypot(before.sigma[1], known.yaw_sigma_mrad / 1e3 * math.sqrt(before.swings))
-    place = (before.sigma[0] ** 2, now.sigma[0] ** 2)
-    turn = (spread**2, now.sigma[1] ** 2)
-    share, share_of_turn = place[0] / sum(place), turn[0] / sum(turn)
-    old = before.pose.compose(Pose2(0.0, 0.0, yaw))
-    pose = Pose2(
-        old.x + share * (now.pose.x - old.x),
-        old.y + share * (now.pose.y - old.y),
-        old.theta + share_of_turn * wrap(now.pose.theta - old.theta),
-    )
-    sigma = (math.sqrt(place[0] * place[1] / sum(place)), math.sqrt(turn[0] * turn[1] / sum(turn)))
-    return now._replace(pose=pose, sigma=sigma)
 
 
 def _raised(base_T_hand: Transform, by: float) -> Transform:

@@ -69,6 +69,8 @@ class Fixed(NamedTuple):
     """Roll, pitch and yaw by the inertial sensors then, in [rad]."""
     travel: tuple[float, float]
     """What the wheels had rolled then, in [m]: once they roll on, this pose is over."""
+    moved: float
+    """Over how long the gyros' rates had been added up then, in [s]: by `Attitude.moved`."""
     swings: int = 0
     """Of the loaded arm since then."""
 

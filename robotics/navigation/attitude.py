@@ -23,11 +23,13 @@ class Attitude:
     small, and right only where the base isn't accelerated.
     """
 
-    STATE = ("yaw", "_bias", "_known", "_felt")
+    STATE = ("yaw", "moved", "_bias", "_known", "_felt")
 
     def __init__(self) -> None:
         self.yaw = 0.0
         """[rad], counted from the start."""
+        self.moved = 0.0
+        """Over how long rates were added up to `yaw`, in [s]."""
         self._bias = 0.0
         self._known = 0.0
         self._felt = np.array([0.0, 0.0, 1.0])
@@ -44,7 +46,9 @@ class Attitude:
         if steady:
             self._known = min(self._known + period, BIAS_TIME)
             self._bias += period / self._known * (rate - self._bias)
-        self.yaw = self.yaw + (0.0 if steady else (rate - self._bias) * period)
+        if not steady:
+            self.moved += period
+            self.yaw += (rate - self._bias) * period
         self._felt = self._felt + min(1.0, period / TILT_TIME) * (accelerations - self._felt)
 
     @property
@@ -52,3 +56,13 @@ class Attitude:
         """Roll and pitch in [rad]."""
         x, y, z = self._felt
         return math.atan2(y, z), wrap(math.atan2(-x, math.hypot(y, z)))
+
+
+def yaw_sigma(walk: float, moved: float) -> float:
+    """Sigma of a difference of `Attitude.yaw`, in [rad], once the bias is learned.
+
+    Args:
+        walk: the gyro's angle random walk, in [rad/√s].
+        moved: for how long rates were added up in between, in [s].
+    """
+    return walk * math.sqrt(moved + moved**2 / BIAS_TIME)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pytest
 
+from primitives.base_turn import turn_by_gyros
 from primitives.fixate import Fixate
 from primitives.outcome import Fail, GiveUp, Success
 from primitives.pick_up_block import PickUpBlock
@@ -29,6 +30,41 @@ def test_a_block_is_taken_centred_between_the_fingers():
         assert scene_of(stage).hand_T_held[1, 3] == pytest.approx(0.0, abs=1e-12)
 
 
+@pytest.mark.parametrize("look", [False, True])
+def test_looking_first_the_block_is_taken_at_its_middle(look):
+    with at_the_wall() as stage:
+        stage.do(Fixate(landmark="stacking"))
+        scene = scene_of(stage)
+        scene.blocks["2"].base_T_block[1, 3] += 0.003
+        scene.changes += 1
+        assert isinstance(stage.do(PickUpBlock(number=2, at="robot", look=look)), Success)
+        along_the_fingers = abs(scene.hand_T_held[2, 3])
+        assert (along_the_fingers < 0.001) == look
+
+
+def test_looking_first_a_missing_block_is_a_fail_with_the_arm_back():
+    with at_the_wall() as stage:
+        stage.do(Fixate(landmark="stacking"))
+        del scene_of(stage).blocks["3"]
+        before = stage.robot.arm.joints()
+        outcome = stage.do(PickUpBlock(number=3, at="robot", look=True))
+        assert isinstance(outcome, Fail)
+        assert "block 3 isn't seen where it should stand" in outcome.reason
+        assert stage.robot.arm.joints() == pytest.approx(before, abs=1e-3)
+
+
+def test_the_gyros_tell_how_far_the_base_turned():
+    """What the model says of a swing is wrong by its spread; the gyros feel the turn itself."""
+    with with_block(at_the_wall(seed=3)) as stage:
+        before, stood = stage.model.fixed, scene_of(stage).base.theta
+        assert isinstance(stage.do(Stack(number=1, onto="goal", method="fix_once")), Success)
+        turned = scene_of(stage).base.theta - stood
+        felt = turn_by_gyros(stage.robot, before)
+        assert abs(turned) > 2e-4
+        assert felt.yaw == pytest.approx(turned, abs=3 * felt.sigma)
+        assert felt.sigma < 3e-4
+
+
 def test_where_no_block_is_the_fingers_close_on_nothing():
     """S10: nothing tells where the block is."""
     with at_the_wall() as stage:
@@ -40,7 +76,9 @@ def test_where_no_block_is_the_fingers_close_on_nothing():
         assert "the fingers don't hold a block" in outcome.reason
 
 
-@pytest.mark.parametrize("method", ["fix_once", "model", "imu", "fix_again", "fix_again_model"])
+@pytest.mark.parametrize(
+    "method", ["fix_once", "model", "imu", "fix_again", "fix_again_model", "fix_again_imu"]
+)
 def test_each_method_puts_a_block_where_it_goes(method):
     with with_block(at_the_wall(seed=1)) as stage:
         outcome = stage.do(Stack(number=1, onto="goal", method=method))
