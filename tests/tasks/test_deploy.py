@@ -4,14 +4,12 @@ from __future__ import annotations
 
 import csv
 import json
-import shutil
 from pathlib import Path
 
 import pytest
 
 from evaluation.running import resume_task, run_task
 from files.errors import FileError
-from networks.events import Ended, Event
 from networks.permits import Permits
 
 TASKS = Path(__file__).parents[2] / "tasks"
@@ -62,30 +60,10 @@ def test_the_same_seed_gives_the_same_run(tmp_path, small):
     assert places[0] == places[1]
 
 
-class Copier:
-    """Copies a run's folder when an action has ended: what would be left if it were killed then."""
-
-    def __init__(self, number: int, to: Path) -> None:
-        self.number, self.to, self.folder = number, to, Path()
-
-    def say(self, words: str) -> None:
-        pass
-
-    def begin(self, prepared: object, folder: Path) -> None:
-        self.folder = folder
-
-    def look(self, robot: object) -> None:
-        pass
-
-    def __call__(self, event: Event) -> None:
-        if isinstance(event, Ended) and event.number == self.number:
-            shutil.copytree(self.folder, self.to, ignore=shutil.ignore_patterns("control"))
-
-
-def test_killed_it_goes_on_and_tells_of_all_sensors(tmp_path, small):
+def test_killed_it_goes_on_and_tells_of_all_sensors(tmp_path, small, copier):
     left = tmp_path / "left"
-    whole, _ = run_task(STRAIGHT, tmp_path, None, small, seed=5, checkpoints=True, told=Copier(4, left))
-    again, status = resume_task(left, None, Copier(0, left))
+    whole, _ = run_task(STRAIGHT, tmp_path, None, small, seed=5, checkpoints=True, told=copier(4, left))
+    again, status = resume_task(left, None, copier(0, left))
     assert status == 0
     assert again["metrics"]["placements"] == whole["metrics"]["placements"]
     for name in ("as_laid.csv", "as_laid.geojson"):

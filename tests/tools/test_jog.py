@@ -16,15 +16,6 @@ from evaluation.bringup.jog import HAND_SPEED, LEASE, Jogger, Lease, UnknownAxis
 from evaluation.stage import LIBRARY
 
 
-class Clock:
-    """Goes when it is told to."""
-
-    now = 7.0
-
-    def __call__(self) -> float:
-        return self.now
-
-
 @pytest.fixture(scope="module")
 def librarian() -> RobotFile:
     return load_robot("librarian")
@@ -41,9 +32,9 @@ def always() -> bool:
     return True
 
 
-def test_u6_a_key_that_isnt_seen_for_300_ms_is_let_go() -> None:
+def test_u6_a_key_that_isnt_seen_for_300_ms_is_let_go(clock: Any) -> None:
     """U6: for good: a key that comes again later moves nothing."""
-    clock, seen = Clock(), [True]
+    seen = [True]
     lease = Lease(lambda: seen[0], clock)
     for _ in range(20):
         clock.now += LEASE / 2

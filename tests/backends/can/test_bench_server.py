@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import pytest
 
 from backends.base import Base
@@ -9,20 +11,6 @@ from backends.can.can_backend import CanBackend
 from backends.can.simulated.bench import Bench
 from backends.can.simulated.bench_server import BenchServer
 from backends.robot_file import RobotFile
-
-
-class Clock:
-    """Goes when it is told to."""
-
-    now = 50.0
-
-    def __call__(self) -> float:
-        return self.now
-
-
-@pytest.fixture
-def clock() -> Clock:
-    return Clock()
 
 
 @pytest.fixture
@@ -33,7 +21,7 @@ def bench(cart: RobotFile):
     made.close()
 
 
-def drive(backend: CanBackend, server: BenchServer, clock: Clock, periods: int, speed: float) -> None:
+def drive(backend: CanBackend, server: BenchServer, clock: Any, periods: int, speed: float) -> None:
     base = backend.get(Base)
     for _ in range(periods):
         clock.now += backend.period
@@ -42,7 +30,7 @@ def drive(backend: CanBackend, server: BenchServer, clock: Clock, periods: int, 
         server.catch_up()
 
 
-def test_each_sync_is_a_period(cart: RobotFile, bench: Bench, clock: Clock) -> None:
+def test_each_sync_is_a_period(cart: RobotFile, bench: Bench, clock: Any) -> None:
     with CanBackend(cart, bench) as backend:
         seen: list[float] = []
         server = BenchServer(bench, cart.period_s, clock, lambda each: seen.append(each.time))
@@ -51,7 +39,7 @@ def test_each_sync_is_a_period(cart: RobotFile, bench: Bench, clock: Clock) -> N
         assert bench.time == pytest.approx(20 * cart.period_s)
 
 
-def test_without_syncs_time_goes_by_the_clock(cart: RobotFile, bench: Bench, clock: Clock) -> None:
+def test_without_syncs_time_goes_by_the_clock(cart: RobotFile, bench: Bench, clock: Any) -> None:
     server = BenchServer(bench, cart.period_s, clock)
     for _ in range(100):
         clock.now += 0.01
@@ -63,7 +51,7 @@ def test_without_syncs_time_goes_by_the_clock(cart: RobotFile, bench: Bench, clo
 
 
 def test_k1_drives_stop_by_themselves_when_the_program_is_gone(
-    cart: RobotFile, bench: Bench, clock: Clock
+    cart: RobotFile, bench: Bench, clock: Any
 ) -> None:
     """K1: heartbeat time and ramp after the last sign of life all drives stand, and stay so."""
     assert cart.can is not None

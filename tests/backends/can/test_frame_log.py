@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from pathlib import Path
+from typing import Any
 
 import can
 import pytest
@@ -30,22 +31,8 @@ def frame(cob_id: int, data: str = "", **more: object) -> can.Message:
     return can.Message(arbitration_id=cob_id, data=bytes.fromhex(data), is_extended_id=False, **more)  # type: ignore[arg-type]
 
 
-class Clock:
-    """Goes when it is told to."""
-
-    now = 0.0
-
-    def __call__(self) -> float:
-        return self.now
-
-
 @pytest.fixture
-def clock() -> Clock:
-    return Clock()
-
-
-@pytest.fixture
-def make_log(clock: Clock) -> Iterator[Callable[..., FrameLog]]:
+def make_log(clock: Any) -> Iterator[Callable[..., FrameLog]]:
     """Makes logs, and closes them."""
     made: list[FrameLog] = []
 
@@ -63,9 +50,7 @@ def read(path: Path) -> list[can.Message]:
         return list(reader)
 
 
-def test_all_frames_are_kept_with_those_before_the_folder(
-    tmp_path: Path, clock: Clock, make_log: Make
-) -> None:
+def test_all_frames_are_kept_with_those_before_the_folder(tmp_path: Path, clock: Any, make_log: Make) -> None:
     log = make_log()
     log.note(frame(0x601, "4000100000000000"), sent=True)
     log.open(tmp_path)
@@ -80,13 +65,13 @@ def test_all_frames_are_kept_with_those_before_the_folder(
     assert FrameNames.model_validate_json((tmp_path / NAMES).read_bytes()) == NAMED
 
 
-def test_it_doesnt_touch_what_it_notes(tmp_path: Path, clock: Clock, make_log: Make) -> None:
+def test_it_doesnt_touch_what_it_notes(tmp_path: Path, clock: Any, make_log: Make) -> None:
     log, one = make_log(), frame(0x80, timestamp=1.7e9)
     log.note(one, sent=True)
     assert (one.timestamp, one.is_rx) == (1.7e9, True)
 
 
-def test_it_is_bounded(tmp_path: Path, clock: Clock, make_log: Make) -> None:
+def test_it_is_bounded(tmp_path: Path, clock: Any, make_log: Make) -> None:
     log = make_log(part=200)
     log.open(tmp_path)
     for number in range(200):
@@ -100,7 +85,7 @@ def test_it_is_bounded(tmp_path: Path, clock: Clock, make_log: Make) -> None:
     assert all((tmp_path / each).stat().st_size < 300 for each in files)
 
 
-def test_the_seconds_around_a_mark(tmp_path: Path, clock: Clock, make_log: Make) -> None:
+def test_the_seconds_around_a_mark(tmp_path: Path, clock: Any, make_log: Make) -> None:
     log = make_log()
     log.open(tmp_path)
     for number in range(100):
@@ -117,7 +102,7 @@ def test_the_seconds_around_a_mark(tmp_path: Path, clock: Clock, make_log: Make)
     assert len(ids) == len(set(ids))
 
 
-def test_the_seconds_are_stamped_with_the_robots_time(tmp_path: Path, clock: Clock, make_log: Make) -> None:
+def test_the_seconds_are_stamped_with_the_robots_time(tmp_path: Path, clock: Any, make_log: Make) -> None:
     """A pause, or a clock that counts from 1970: the excerpt tells what the journal calls that time."""
     log = make_log()
     clock.now = 1.7e9
@@ -130,7 +115,7 @@ def test_the_seconds_are_stamped_with_the_robots_time(tmp_path: Path, clock: Clo
 
 
 def test_a_mark_and_what_follows_at_once_overlap_by_nothing(
-    tmp_path: Path, clock: Clock, make_log: Make
+    tmp_path: Path, clock: Any, make_log: Make
 ) -> None:
     log = make_log()
     log.note(frame(1), sent=True)
@@ -140,7 +125,7 @@ def test_a_mark_and_what_follows_at_once_overlap_by_nothing(
     assert [each.arbitration_id for each in read(tmp_path / "end_frames.log")] == [1, 2]
 
 
-def test_a_folder_that_takes_nothing_stops_nobody(tmp_path: Path, clock: Clock, make_log: Make) -> None:
+def test_a_folder_that_takes_nothing_stops_nobody(tmp_path: Path, clock: Any, make_log: Make) -> None:
     """D6: a disk that takes no more costs the log, not the run."""
     log = make_log()
     log.open(tmp_path / "missing")

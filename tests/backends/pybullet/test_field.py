@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import shutil
 from pathlib import Path
 
 import numpy as np
@@ -10,46 +9,25 @@ import pytest
 
 from backends.ground_spec import GroundSpec
 from evaluation.running import resume_task, run_task
-from networks.events import Ended, Event
 
 pytest.importorskip("pybullet")
 
 TASK = Path(__file__).parents[3] / "tasks" / "deploy_straight" / "task.yaml"
 
 
-class Copier:
-    """Copies a run's folder when an action has ended: what would be left if it were killed then."""
-
-    def __init__(self, number: int, to: Path) -> None:
-        self.number, self.to, self.folder = number, to, Path()
-
-    def say(self, words: str) -> None:
-        pass
-
-    def begin(self, prepared: object, folder: Path) -> None:
-        self.folder = folder
-
-    def look(self, robot: object) -> None:
-        pass
-
-    def __call__(self, event: Event) -> None:
-        if isinstance(event, Ended) and event.number == self.number:
-            shutil.copytree(self.folder, self.to, ignore=shutil.ignore_patterns("control"))
-
-
-def test_a_sensor_is_laid_and_a_killed_run_goes_on(tmp_path):
+def test_a_sensor_is_laid_and_a_killed_run_goes_on(tmp_path, copier):
     (tmp_path / "one.csv").write_text("name,x_m,y_m\nonly,4,-0.75\n", encoding="utf-8")
     settings = {"targets": str(tmp_path / "one.csv"), "wait_s": "5", "together": "true"}
     left = tmp_path / "left"
     whole, status = run_task(
-        TASK, tmp_path, "pybullet", settings, seed=2, checkpoints=True, told=Copier(2, left)
+        TASK, tmp_path, "pybullet", settings, seed=2, checkpoints=True, told=copier(2, left)
     )
     assert status == 0
     metrics = whole["metrics"]
     assert metrics["untrue"] == []
     assert metrics["placed"] == 1
     assert metrics["error_mm_max"] < 600.0
-    again, status = resume_task(left, None, Copier(0, left))
+    again, status = resume_task(left, None, copier(0, left))
     assert status == 0
     ((first,), (second,)) = (each["metrics"]["placements"] for each in (whole, again))
     assert abs(first["true_x_mm"] - second["true_x_mm"]) < 30.0
