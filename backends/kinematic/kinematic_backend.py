@@ -53,7 +53,7 @@ _STATE = {
         "loaded",
         "changes",
     ),
-    "base": ("_command", "_travel"),
+    "base": KinematicBase.STATE,
     "car": KinematicCar.STATE,
     "ride": RoughRide.STATE,
     "field imu": FieldImu.STATE,

@@ -42,6 +42,7 @@ from .scene_sync import SceneSync
 from .suspension_springs import SuspensionSprings
 from .terrain import Terrain
 from .touch import Pairs, Touch
+from .wheel_drives import WheelDrives
 from .world_bodies import WorldBodies
 
 SETTLES = 0.3  # [s] that everything gets to come to rest before time begins
@@ -72,8 +73,9 @@ _STATE = {
         "loaded",
         "changes",
     ),
-    "base": ("_command", "_speeds", "_first", "_goal", "_given", "_travel"),
+    "base": BulletBase.STATE,
     "car": BulletCar.STATE,
+    "drives": WheelDrives.STATE,
     "field imu": BulletFieldImu.STATE,
     "gps": SimulatedGps.STATE,
     "magazine": Magazine.STATE,
@@ -135,11 +137,31 @@ class PyBulletBackend(Backend):
             raise
 
     def _build(self, robot: RobotFile, world: WorldFile, seed: int) -> None:
-        physics = self._physics
         self.scene = build_scene(robot, world, seed)
         self._periods = 0
-        car = robot.drive.kind == "ackermann"
-        terrain = Terrain(physics, world.ground, seed) if car and world.ground is not None else None
+        self._held: Thing | None = None
+        self._positioning: SimulatedPositioning | None = None
+        terrain = self._put_up(robot, world, seed)
+        self._build_arm(robot, world, seed)
+        self._base: BulletBase | BulletCar = (
+            BulletCar(robot, self._body, self._physics)
+            if robot.drive.kind == "ackermann"
+            else BulletBase(robot, self._body, self._physics, seed)
+        )
+        self._body.slide()
+        self._build_sensors(robot, world, seed, outdoors=terrain is not None)
+        self._person = Person(self.scene, seed)
+        for _ in range(round((SETTLES if terrain is None else SETTLES_OUTDOORS) / self.period)):
+            self._run_period()
+        self._base.rezero()
+        if robot.positioning is not None:
+            self._positioning = SimulatedPositioning(robot.positioning, self.scene, self.period, seed)
+
+    def _put_up(self, robot: RobotFile, world: WorldFile, seed: int) -> Terrain | None:
+        """The world, and the robot's body in it; gives the ground where it is rough."""
+        physics, terrain = self._physics, None
+        if robot.drive.kind == "ackermann" and world.ground is not None:
+            terrain = Terrain(physics, world.ground, seed)
         self._world = WorldBodies(physics, self.scene, terrain)
         self._body = RobotBody(physics, robot, self.scene.base)
         if terrain is not None:
@@ -149,56 +171,47 @@ class PyBulletBackend(Backend):
         last = robot.arm.joints[-1] if robot.arm else None
         self._touch = Touch(physics, self._body, self._world, last)
         self._sync = SceneSync(self.scene, self._body, self._world)
+        return terrain
+
+    def _build_arm(self, robot: RobotFile, world: WorldFile, seed: int) -> None:
+        """The arm and what it carries: gripper, camera, and where they are taken from, sensors."""
         self._arm: BulletArm | None = None
-        self._gripper: BulletGripper | None = None
-        self._camera: BulletCamera | None = None
-        self._range: BulletRangeSensor | None = None
-        model = self.scene.arm
         self._springs: SuspensionSprings | None = None
-        if model is not None:
-            for name, angle in zip(model.joint_names, self.scene.joints, strict=True):
-                self._body.reset(name, float(angle))
-            if self._body.sprung:
-                self._springs = SuspensionSprings(robot, model, self._body, physics)
-            self._arm = BulletArm(robot, model, self._body, physics, seed)
-            if robot.gripper is not None:
-                self._gripper = BulletGripper(
-                    robot.gripper, robot.errors, self._body, physics, self.period, seed
+        self._gripper: BulletGripper | None = None
+        self._grip: Grip | None = None
+        self._magazine: BulletMagazine | None = None
+        self._camera: BulletCamera | None = None
+        model, body, physics = self.scene.arm, self._body, self._physics
+        if model is None:
+            return
+        for name, angle in zip(model.joint_names, self.scene.joints, strict=True):
+            body.reset(name, float(angle))
+        if body.sprung:
+            self._springs = SuspensionSprings(robot, model, body, physics)
+        self._arm = BulletArm(robot, model, body, physics, seed)
+        if robot.gripper is not None:
+            self._gripper = BulletGripper(robot.gripper, robot.errors, body, physics, self.period, seed)
+            self._grip = Grip(robot.gripper, finger_shape(model), physics, body)
+            if world.sensors is not None:
+                self._magazine = BulletMagazine(
+                    self.scene, world.sensors, body, self._world, physics, self._gripper, self._grip
                 )
-            if robot.camera is not None:
-                self._camera = BulletCamera(
-                    robot, robot.camera, model, self._body, self._world, physics, seed
-                )
-        self._base: BulletBase | BulletCar = (
-            BulletCar(robot, self._body, physics) if car else BulletBase(robot, self._body, physics, seed)
-        )
-        self._body.slide()
+        if robot.camera is not None:
+            self._camera = BulletCamera(robot, robot.camera, model, body, self._world, physics, seed)
+
+    def _build_sensors(self, robot: RobotFile, world: WorldFile, seed: int, outdoors: bool) -> None:
+        """What is mounted on the base."""
+        self._range: BulletRangeSensor | None = None
+        self._imu: BulletImu | BulletFieldImu | None = None
+        self._gps: SimulatedGps | None = None
         if robot.range_sensor is not None:
             mount = base_T_frame(robot.urdf_text(), "range_sensor")
-            self._range = BulletRangeSensor(robot.range_sensor, mount, self._body, physics, seed)
-        self._imu: BulletImu | BulletFieldImu | None = None
+            self._range = BulletRangeSensor(robot.range_sensor, mount, self._body, self._physics, seed)
         if robot.imu is not None:
-            imu = BulletFieldImu if terrain is not None else BulletImu
+            imu = BulletFieldImu if outdoors else BulletImu
             self._imu = imu(robot.imu, self.scene, self.period, seed)
-        self._gps: SimulatedGps | None = None
         if robot.gps is not None:
             self._gps = SimulatedGps(robot.gps, world.sky, self.scene, self.period, seed)
-        self._magazine: BulletMagazine | None = None
-        self._positioning: SimulatedPositioning | None = None
-        self._held: Thing | None = None
-        self._grip: Grip | None = None
-        if robot.gripper is not None and model is not None:
-            self._grip = Grip(robot.gripper, finger_shape(model), physics, self._body)
-            if world.sensors is not None and self._gripper is not None:
-                self._magazine = BulletMagazine(
-                    self.scene, world.sensors, self._body, self._world, physics, self._gripper, self._grip
-                )
-        self._person = Person(self.scene, seed)
-        for _ in range(round((SETTLES if terrain is None else SETTLES_OUTDOORS) / self.period)):
-            self._run_period()
-        self._base.rezero()
-        if robot.positioning is not None:
-            self._positioning = SimulatedPositioning(robot.positioning, self.scene, self.period, seed)
 
     @classmethod
     def build(cls, robot: RobotFile, world: Path | None, seed: int) -> PyBulletBackend:
@@ -352,6 +365,7 @@ class PyBulletBackend(Backend):
             "backend": self,
             "scene": self.scene,
             "car" if isinstance(self._base, BulletCar) else "base": self._base,
+            "drives": self._base.drives,
             "arm": self._arm,
             "gripper": self._gripper,
             "camera": self._camera,

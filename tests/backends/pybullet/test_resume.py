@@ -73,4 +73,5 @@ def test_killed_while_it_takes_the_book_it_takes_it_after_all(tmp_path: Path) ->
     summary = ended(handcart("resume", folder, "--json"))
     assert (summary["outcome"], summary["situation"]) == ("Success", "in_hand")
     assert summary["metrics"].get("untrue", []) == []
-    assert results(folder) == [(1, "Success"), (2, "Success")]
+    taken = results(folder)[1:]  # number 2, or 3 where 2 had begun when it was killed
+    assert [outcome for _, outcome in taken] == ["Success"]
