@@ -37,6 +37,11 @@ def cart() -> RobotFile:
 
 
 @pytest.fixture
+def robot() -> RobotFile:
+    return load_robot("librarian")
+
+
+@pytest.fixture
 def make(cart: RobotFile) -> Iterator[Callable[..., CanBackend]]:
     """Makes backends in a room (`room=False`: in none) and sees to it that nothing of them is left."""
     made, threads = [], threading.active_count()

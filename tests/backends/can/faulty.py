@@ -1,0 +1,74 @@
+"""Faults under way on a bench, and what must have stopped then."""
+
+from __future__ import annotations
+
+import re
+
+import numpy as np
+import pytest
+
+from backends.arm import Arm
+from backends.base import Base
+from backends.can.errors import CanFault
+
+JOINT_1 = 11
+"""The node of the librarian's first joint."""
+BEFORE = 10  # periods driven before something goes wrong
+HOLDING, LOOSE = ("QUICK STOP ACTIVE",), ("SWITCH ON DISABLED", "FAULT")
+
+
+def move(backend, periods):
+    """Drive, and turn the arm."""
+    for _ in range(periods):
+        backend.get(Base).drive(0.4, 0.3)
+        arm = backend.get(Arm)
+        if arm is not None:
+            arm.move(arm.command() + np.array([0.02, 0.0, 0.0, 0.0, 0.0, 0.0]))
+        backend.step()
+
+
+def fault_of(backend, name, node=None, within=20):
+    """What a misbehaviour under way ends in."""
+    move(backend, BEFORE)
+    backend.bench.misbehave(name, backend.bench.time, node)
+    with pytest.raises(CanFault) as told:
+        move(backend, within)
+    return told.value
+
+
+def assert_stopped(backend, fault, gone=()):
+    """All axes, each in its own way, for good; drives that are `gone` are not asked for."""
+    drives = {node: drive for node, drive in backend.bench.drives.items() if node not in gone}
+    assert [drive.velocity for drive in drives.values()] == [0.0] * len(drives)
+    for axis in backend.axes.values():
+        if axis.id not in gone:
+            states = HOLDING if axis.spec.stop == "hold" else LOOSE
+            assert drives[axis.id].life.state in (*states, "FAULT")
+    there, epoch = [drive.position for drive in drives.values()], backend.epoch
+    with pytest.raises(CanFault) as again:
+        move(backend, 1)
+    assert again.value is fault
+    backend.stop()
+    assert backend.epoch == epoch + 1
+    for _ in range(40):  # nothing that was queued comes after
+        backend.bench.serve()
+        backend.bench.tick(0.05)
+    assert [drive.position for drive in drives.values()] == there
+    backend.close()
+
+
+def assert_told(pattern, fault):
+    assert re.search(pattern, str(fault)), str(fault)
+
+
+def assert_drives_stop_alone(backend, within=0.15):
+    moving = [drive.velocity for drive in backend.bench.drives.values()]
+    assert any(moving)
+    braking = backend.axes["left wheel"].limits
+    ramp = braking.speed / braking.braking
+    periods = round((within + ramp) / backend.period) + 1
+    for _ in range(periods):
+        backend.bench.tick(backend.period)
+    assert [drive.velocity for drive in backend.bench.drives.values()] == [0.0] * len(moving)
+    states = {backend.bench.drives[axis.id].life.state for axis in backend.axes.values()}
+    assert states == {"QUICK STOP ACTIVE", "SWITCH ON DISABLED"}

@@ -1,0 +1,128 @@
+"""What goes wrong on the bus and at the interface, each by the row of docs/faults.md."""
+
+from __future__ import annotations
+
+import can
+import numpy as np
+import pytest
+
+from backends.can.errors import BusFault, CanFault, ControllerFault, Overloaded, QueueFull, SilentDrive
+
+from .faulty import BEFORE, assert_drives_stop_alone, assert_told, fault_of, move
+
+
+def test_an_interface_that_goes_down_leaves_the_drives_to_stop_by_themselves(make, robot):
+    """C2: our heartbeat is missing, so they stop by 6007h within 150 ms and their ramp."""
+    backend = make(robot=robot, room=False)
+    fault = fault_of(backend, "bus-down")
+    assert isinstance(fault, BusFault)
+    assert "Network is down" in str(fault)
+    assert_drives_stop_alone(backend)
+
+
+def test_a_warning_of_the_controller_is_waited_out_for_a_second(make, robot):
+    """C3: at warning for 1 s."""
+    backend = make(robot=robot, room=False)
+    start = backend.bench.time
+    fault = fault_of(backend, "error-warning", within=40)
+    assert_told("in warning for 1 s", fault)
+    assert backend.bench.time - start > 1.0
+
+
+def test_what_the_interface_says_of_itself_is_heard(make, robot):
+    """C3 C4: interfaces without error frames."""
+    for state, told in ((can.BusState.PASSIVE, "error-passive"), (can.BusState.ERROR, "bus-off")):
+        backend = make(robot=robot, room=False)
+        move(backend, 2)
+        backend.bench.master.condition = state
+        with pytest.raises(ControllerFault, match=told):
+            move(backend, 1)
+
+
+def test_one_frame_that_finds_no_room_is_lost_and_three_stop_the_robot(make, robot):
+    """C5: as lost set-points."""
+    backend = make(robot=robot, room=False)
+    move(backend, BEFORE)
+    send, refused = backend.bench.master.send, []
+
+    def once(frame, timeout=None):
+        if frame.arbitration_id == 0x201 and not refused:
+            refused.append(frame)
+            raise can.CanOperationError("Transmit buffer full")
+        send(frame, timeout)
+
+    backend.bench.master.send = once
+    move(backend, BEFORE)
+    assert refused
+    fault = fault_of(backend, "queue-full")
+    assert isinstance(fault, QueueFull)
+    assert "3 frames in a row" in str(fault)
+
+
+def test_what_was_queued_moves_nothing_when_the_cable_is_back(make, robot):
+    """C6: what the interface still holds is thrown away; where it can't, the drives don't take it."""
+    for flushes in (True, False):
+        backend = make(robot=robot, room=False)
+        move(backend, BEFORE)
+        bus, drives = backend.bench.master, backend.bench.drives
+        bus.holds = True
+        if not flushes:
+            bus.flush_tx_buffer = lambda: None
+        with pytest.raises(SilentDrive) as told:
+            move(backend, 10)
+        for _ in range(60):
+            backend.bench.tick(0.05)  # the drives miss our heartbeat meanwhile
+        there = [drive.position for drive in drives.values()]
+        assert not flushes or not any(frame.data[:1] == b"\x0f" for frame in bus.held)
+        bus.plug_in()
+        for _ in range(20):
+            backend.bench.serve()
+            backend.bench.tick(0.05)
+        assert [drive.position for drive in drives.values()] == there
+        with pytest.raises(CanFault) as again:
+            backend.step()
+        assert again.value is told.value
+
+
+def test_random_frames_raise_nothing_but_a_count(make, robot):
+    """C20 C21: the decoder takes anything; what a listener raises doesn't deafen the robot."""
+    backend = make(robot=robot, room=False)
+    move(backend, 1)
+    rng = np.random.default_rng(8)
+    line = backend._line
+    kinds = rng.integers(0, 40, 20_000)
+    for kind, can_id, length, data in zip(
+        kinds,
+        rng.integers(0, 0x800, 20_000),
+        rng.integers(0, 9, 20_000),
+        rng.integers(0, 256, (20_000, 8), dtype=np.uint8),
+        strict=True,
+    ):
+        line._take(
+            can.Message(
+                arbitration_id=int(can_id),
+                data=None if kind == 0 else data[:length].tobytes(),
+                is_remote_frame=kind == 0,
+                is_error_frame=kind == 1,
+                is_extended_id=kind == 2,
+                is_fd=kind == 3,
+            )
+        )
+    assert line.malformed > 100
+    with pytest.raises(CanFault):
+        move(backend, 1)
+
+
+def test_a_listener_that_raises_is_counted_and_the_next_frame_is_heard(make, robot):
+    """C21: there is no receive thread that could die."""
+    backend = make(robot=robot, room=False)
+    move(backend, 1)
+
+    def raises(*_):
+        raise RuntimeError("a listener")
+
+    backend._line.subscribe(0x181, raises)
+    move(backend, 2)
+    assert backend._line.malformed == 2
+    with pytest.raises(Overloaded, match="malformed"):
+        move(backend, 10)

@@ -1,0 +1,53 @@
+"""A control loop that hangs, is late, or whose clock jumps, each by the row of docs/faults.md."""
+
+from __future__ import annotations
+
+import time
+
+import pytest
+
+from backends.base import Base
+from backends.can.errors import CanFault, LateLoop
+
+from .faulty import BEFORE, assert_drives_stop_alone, assert_stopped, move
+
+
+def test_a_loop_that_hangs_is_silent_and_the_drives_stop(make, robot):
+    """C8 K4 K14: the heartbeat is sent by the loop; when it hangs, or is killed, the drives stop alone."""
+    backend = make(robot=robot, room=False)
+    move(backend, 20)
+    assert_drives_stop_alone(backend)
+    with pytest.raises(CanFault):  # and when it wakes up, it gives up
+        move(backend, 1)
+
+
+def test_a_late_loop_ramps_to_a_stop(make, robot):
+    """K6 K7 K9: three periods missed in a row, or one gap of 50 ms."""
+
+    class Late:
+        trouble = ""
+
+        def wait(self):
+            return
+
+        def begin(self):
+            return
+
+    backend = make(robot=robot, room=False)
+    move(backend, BEFORE)
+    backend._pace = Late()
+    move(backend, 2)
+    backend._pace.trouble = "a period ended 63 ms late; allowed: 50 ms"
+    with pytest.raises(LateLoop, match="the control loop is too slow: a period ended 63 ms late") as told:
+        move(backend, 1)
+    assert_stopped(backend, told.value)
+
+
+def test_wall_clocks_are_not_asked(make, robot, monkeypatch):
+    """K8 B9: a clock that jumps by an hour changes nothing; on a bench no clock is read."""
+    moments = iter(range(0, 10**9, 3600))
+    for name in ("time", "monotonic"):
+        monkeypatch.setattr(time, name, lambda: float(next(moments)))
+    backend = make(robot=robot, room=False)
+    move(backend, 20)
+    assert backend.get(Base).wheel_travel().left > 0.1
