@@ -11,7 +11,7 @@ from robotics.geometry.transform import Transform, inverse, transform
 from robotics.kinematics.arm_model import ArmModel
 from robotics.perception.camera_model import CameraModel
 
-from .robot_file import CalibratedCamera, CameraSpec
+from .sensor_specs import CalibratedCamera, CameraSpec
 
 
 class MountedCamera(NamedTuple):

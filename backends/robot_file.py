@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import numpy as np
-from pydantic import Field, PrivateAttr, model_validator
+from pydantic import Field, PrivateAttr
 
 from files.errors import FileError, Finding, InputError
 from files.inside import FilePath, resolve_inside
@@ -26,6 +26,8 @@ from .can_spec import CanSpec
 from .ground_spec import GpsSpec, GroundSpec
 from .robot_findings import robot_findings
 from .robot_parts import PartSpec, assembled
+from .sensor_specs import CameraSpec, ImuSpec, PositioningSpec, RangeSpec
+from .simulated_errors import Errors
 
 if TYPE_CHECKING:
     from robotics.kinematics.arm_model import ArmModel
@@ -80,77 +82,6 @@ class GripperSpec(FileModel):
     """What holds in a physics engine: the pads' friction, or a rigid link made when both fingers press."""
 
 
-class CalibratedCamera(FileModel):
-    """What a calibration found (`tasks/calibrate_camera`): it counts instead of what the camera should be."""
-
-    focal_px: Positive
-    cx_px: float
-    """Column of the picture's centre, where the optical axis meets it; an integer is a pixel's middle."""
-    cy_px: float
-    """Its row."""
-    k1: float = 0.0
-    k2: float = 0.0
-    xyz_mm: tuple[float, float, float] = (0.0, 0.0, 0.0)
-    """By how much the camera sits beside the URDF's frame `camera`, along the axes of that frame."""
-    rpy_deg: tuple[float, float, float] = (0.0, 0.0, 0.0)
-    """How it is turned in that frame: roll, pitch, yaw, as in a URDF."""
-
-
-class CameraSpec(FileModel):
-    """The camera at the URDF's frame `camera`, as it should be; the optical axis in the picture's middle."""
-
-    width_px: Annotated[int, Field(gt=0)]
-    height_px: Annotated[int, Field(gt=0)]
-    focal_px: Positive
-    k1: float = 0.0
-    k2: float = 0.0
-    calibrated: CalibratedCamera | None = None
-    """As it is, where that was measured."""
-
-
-class RangeSpec(FileModel):
-    """The range sensor at the URDF's frame `range_sensor`."""
-
-    beams: Annotated[int, Field(gt=2)]
-    reach_m: Positive
-    sigma_mm: NotNegative
-
-
-class ImuSpec(FileModel):
-    """Gyros and accelerometers, their axes along those of the base."""
-
-    angle_random_walk_deg_rt_s: NotNegative
-    """White noise of the gyros, in degrees after a second; it grows with the square root of time."""
-    gyro_bias_deg_s: NotNegative = 0.0
-    """Sigma of what they read at rest."""
-    rate_random_walk_deg_s_rt_s: NotNegative = 0.0
-    """By which that wanders off, after a second; it grows with the square root of time."""
-    warm_up_deg_s: NotNegative = 0.0
-    """Sigma of a part of it that goes away with warming up."""
-    warm_up_s: Positive = 600.0
-    """In which it does."""
-    gyro_scale_percent: NotNegative = 0.0
-    """Sigma of a gyro's scale, relative to a turn."""
-    accelerometer_sigma_m_s2: NotNegative
-    """Of a reading."""
-    accelerometer_bias_m_s2: NotNegative = 0.0
-    """Sigma of what an accelerometer reads too much."""
-    vibration_m_s2: NotNegative = 0.0
-    """Of a reading while the base drives, beside."""
-
-
-class PositioningSpec(FileModel):
-    """An indoor positioning system that sees the robot."""
-
-    sigma_mm: NotNegative
-    """Of a reading, along each axis."""
-    heading_sigma_mrad: NotNegative
-    rate_hz: Positive
-    """Readings a second; not more than periods."""
-    latency_s: NotNegative = 0.0
-    """How late a reading arrives."""
-
-
 class ToolSpec(FileModel):
     """A tool at the URDF's frame `hand`, pointing along its x: a torch, say."""
 
@@ -189,65 +120,6 @@ class SuspensionSpec(FileModel):
             self.pitch_mrad_per_m / 1e3,
             self.pivot_m,
         )
-
-
-class Errors(FileModel):
-    """How a simulated backend errs: sigmas; of the systematic ones, sigmas of what a seed draws once."""
-
-    none: bool = False
-    """Nothing errs: whatever else stands here counts as 0, and so do the errors of range sensor and IMU."""
-    wheel_radius_percent: NotNegative = 0.2
-    tread_percent: NotNegative = 0.5
-    slip_percent: NotNegative = 1.0
-    joint_repeatability_mrad: NotNegative = 0.15
-    encoder_mrad: NotNegative = 0.02
-    """Of a joint's reading."""
-    opening_mm: NotNegative = 0.05
-    """Of the reading of the fingers' opening."""
-    image_noise_grey: NotNegative = 3.0
-    image_blur_px: NotNegative = 0.7
-    camera_mount_mm: NotNegative = 0.0
-    """How far the camera sits from the URDF's frame `camera`, along each axis."""
-    camera_mount_mrad: NotNegative = 0.0
-    """How far it is turned, about each axis."""
-    focal_percent: NotNegative = 0.0
-    """How far its focal length is off `focal_px`; `calibrated` doesn't change what the camera is."""
-    light_gradient: NotNegative = 0.25
-    """Share by which the picture's light changes from one side to the other."""
-    start_mm: NotNegative = 20.0
-    start_deg: NotNegative = 1.0
-    book_place_mm: NotNegative = 2.0
-    """How a person sets a book onto the tray."""
-    book_turn_deg: NotNegative = 1.0
-    hand_force_n: NotNegative = 0.3
-    block_place_mm: NotNegative = 0.0
-    """How a person sets down a block."""
-    block_turn_deg: NotNegative = 0.0
-    hand_systematic_mm: NotNegative = 0.0
-    """How far off the hand is at most, smoothly from place to place; drawn once."""
-    hand_systematic_wave_m: Positive = 1.0
-    """From crest to crest of it: about the arm's reach."""
-    hand_repeat_mm: NotNegative = 0.0
-    """How far off it is from motion to motion, along each axis: sigma."""
-    hand_uniform_mm: NotNegative = 0.0
-    """The same, spread evenly up to that."""
-    swing_yaw_mrad: float = 0.0
-    """By which the standing base is turned each time that the arm has swung: casters and tyres give."""
-    swing_yaw_sigma_mrad: NotNegative = 0.0
-    swing_from_mm: NotNegative = 0.0
-    """0: any motion is a swing. Else one that carries something at least that far across the floor."""
-    lean_mrad_per_m: NotNegative = 0.0
-    """By which the base leans to where the hand is, for each metre that this is off the base's centre."""
-    lean_pivot_m: NotNegative = 0.0
-    """Height of the point about which it leans."""
-
-    @model_validator(mode="before")
-    @classmethod
-    def _none_is_none(cls, given: Any) -> Any:
-        if not (isinstance(given, dict) and given.get("none") is True):
-            return given
-        sizes = set(cls.model_fields) - {"none", "hand_systematic_wave_m"}
-        return {**given, **dict.fromkeys(sizes, 0.0)}
 
 
 class Tolerance(FileModel):

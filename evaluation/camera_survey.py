@@ -8,8 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from backends.mounted_camera import MountedCamera, known_camera
-from backends.robot_file import CalibratedCamera, CameraSpec, Errors
 from backends.scene.true_camera import true_camera
+from backends.sensor_specs import CalibratedCamera, CameraSpec
+from backends.simulated_errors import Errors
 from primitives.calibrated import Calibrated
 from robotics.geometry.transform import apply, difference
 from robotics.kinematics.arm_model import ArmModel

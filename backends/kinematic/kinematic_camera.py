@@ -7,10 +7,11 @@ from numpy.typing import NDArray
 
 from backends.camera import Camera
 from backends.mounted_camera import known_camera
-from backends.robot_file import CameraSpec, RobotFile
+from backends.robot_file import RobotFile
 from backends.scene.renderer import Renderer
 from backends.scene.scene import Scene
 from backends.scene.true_camera import true_camera
+from backends.sensor_specs import CameraSpec
 from robotics.geometry.transform import Transform
 from robotics.perception.camera_model import CameraModel
 

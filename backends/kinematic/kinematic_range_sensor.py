@@ -7,11 +7,11 @@ import math
 import numpy as np
 
 from backends.range_sensor import RangeSensor, Scan
-from backends.robot_file import RangeSpec
 from backends.scene.keyed_noise import keyed
 from backends.scene.ranges import cast_rays
 from backends.scene.scene import Scene
 from backends.scene.solids import FloorPlan
+from backends.sensor_specs import RangeSpec
 from robotics.geometry.pose2 import Pose2
 from robotics.geometry.transform import Transform
 

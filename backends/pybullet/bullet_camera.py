@@ -7,9 +7,10 @@ from numpy.typing import NDArray
 
 from backends.camera import Camera
 from backends.mounted_camera import known_camera
-from backends.robot_file import CameraSpec, RobotFile
+from backends.robot_file import RobotFile
 from backends.scene.lens import Lens
 from backends.scene.true_camera import true_camera
+from backends.sensor_specs import CameraSpec
 from robotics.geometry.transform import Transform, inverse
 from robotics.kinematics.arm_model import ArmModel
 from robotics.perception.camera_model import CameraModel

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from backends.gripper import Gripper
 from backends.limits import checked_width
-from backends.robot_file import Errors, GripperSpec
+from backends.robot_file import GripperSpec
 from backends.scene.keyed_noise import keyed
+from backends.simulated_errors import Errors
 
 from .physics import Physics
 from .robot_body import RobotBody

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from backends.robot_file import ImuSpec
 from backends.scene.scene import Scene
 from backends.scene.simulated_imu import SimulatedImu, Vector
+from backends.sensor_specs import ImuSpec
 
 
 class BulletImu(SimulatedImu):

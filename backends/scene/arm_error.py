@@ -7,7 +7,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from backends.robot_file import Errors
+from backends.simulated_errors import Errors
 from robotics.kinematics.arm_model import ArmModel
 
 from .keyed_noise import keyed

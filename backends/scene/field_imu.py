@@ -7,7 +7,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from backends.robot_file import ImuSpec
+from backends.sensor_specs import ImuSpec
 
 from .keyed_noise import keyed
 from .scene import Scene

@@ -8,7 +8,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from backends.robot_file import Errors
+from backends.simulated_errors import Errors
 from robotics.perception.camera_model import CameraModel
 
 from .keyed_noise import keyed

@@ -8,7 +8,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from backends.robot_file import Errors
+from backends.simulated_errors import Errors
 from robotics.geometry.transform import Transform, transform
 from robotics.kinematics.shapes import Box
 from robotics.perception.camera_model import CameraModel

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from backends.imu import Imu
-from backends.robot_file import ImuSpec
+from backends.sensor_specs import ImuSpec
 
 from .keyed_noise import keyed
 from .scene import Scene

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from backends.positioning import PoseReading, Positioning
-from backends.robot_file import PositioningSpec
+from backends.sensor_specs import PositioningSpec
 from robotics.geometry.pose2 import Pose2
 
 from .keyed_noise import keyed

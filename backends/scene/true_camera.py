@@ -6,7 +6,8 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from backends.mounted_camera import MountedCamera, stated_camera
-from backends.robot_file import CameraSpec, Errors
+from backends.sensor_specs import CameraSpec
+from backends.simulated_errors import Errors
 from robotics.kinematics.arm_model import ArmModel
 
 from .keyed_noise import keyed

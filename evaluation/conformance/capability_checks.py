@@ -15,7 +15,7 @@ from backends.gripper import Gripper
 from backends.mounted_camera import known_camera
 from backends.positioning import Positioning
 from backends.range_sensor import RangeSensor
-from backends.robot_file import Errors
+from backends.simulated_errors import Errors
 
 from .bench import Bench
 from .check import Check, Finding

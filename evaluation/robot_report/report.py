@@ -8,7 +8,8 @@ from dataclasses import asdict, dataclass
 from typing import Any
 
 from backends.driven_wheels import driven_wheels
-from backends.robot_file import CameraSpec, RobotFile
+from backends.robot_file import RobotFile
+from backends.sensor_specs import CameraSpec
 from robotics.kinematics.urdf_contents import JointFacts, bodies_of, joints_of, links_of, meshes_of
 
 from .masses import mass_faults

@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 
 from backends.registry import make_backend
-from backends.robot_file import ROBOTS, Errors, RobotFile, load_robot
+from backends.robot_file import ROBOTS, RobotFile, load_robot
+from backends.simulated_errors import Errors
 
 WORLD = ROBOTS.parents[1] / "tasks" / "return_book" / "world.yaml"
 

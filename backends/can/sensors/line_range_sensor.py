@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from backends.can_sensor_spec import LineSource
 from backends.range_sensor import RangeSensor, Scan
-from backends.robot_file import RangeSpec
+from backends.sensor_specs import RangeSpec
 from robotics.geometry.pose2 import Pose2
 from robotics.geometry.transform import Transform
 

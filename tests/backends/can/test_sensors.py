@@ -28,7 +28,8 @@ from backends.can.sensors.video_camera import VideoCamera
 from backends.can_sensor_spec import CameraSource, GpsSource, LineSource, SensorsSpec
 from backends.mounted_camera import MountedCamera, camera_model
 from backends.range_sensor import RangeSensor, Scan
-from backends.robot_file import CameraSpec, RangeSpec, load_robot
+from backends.robot_file import load_robot
+from backends.sensor_specs import CameraSpec, RangeSpec
 from robotics.geometry.pose2 import Pose2
 
 RANGE = RangeSpec(beams=4, reach_m=5.0, sigma_mm=10.0)

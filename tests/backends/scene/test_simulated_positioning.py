@@ -6,11 +6,12 @@ import numpy as np
 import pytest
 
 from backends.positioning import PoseReading
-from backends.robot_file import PositioningSpec, load_robot
+from backends.robot_file import load_robot
 from backends.saved_state import attributes, set_attributes
 from backends.scene.scene import Scene, build_scene
 from backends.scene.simulated_positioning import SimulatedPositioning
 from backends.scene.world_file import WorldFile
+from backends.sensor_specs import PositioningSpec
 from robotics.geometry.pose2 import Pose2
 
 EMPTY = WorldFile.model_validate({"format": "handcart-world/1", "start": {"x_m": 0.0, "y_m": 0.0}})

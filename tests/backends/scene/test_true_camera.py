@@ -3,11 +3,12 @@ import pytest
 
 from backends.kinematic.kinematic_backend import KinematicBackend
 from backends.mounted_camera import camera_model, known_camera, stated_camera
-from backends.robot_file import CalibratedCamera, load_robot
+from backends.robot_file import load_robot
 from backends.scene.renderer import Renderer
 from backends.scene.scene import build_scene
 from backends.scene.true_camera import true_camera
 from backends.scene.world_file import WorldFile
+from backends.sensor_specs import CalibratedCamera
 from robotics.geometry.transform import apply, difference, inverse, transform
 from robotics.perception.calibration_board import CalibrationBoard
 from robotics.perception.landmark_pose import facing
