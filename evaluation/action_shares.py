@@ -13,6 +13,7 @@ from scipy.stats import binomtest
 from networks.past_run import read_run
 
 OUTCOMES = ("Success", "Fail", "GiveUp")
+_Key = tuple[str, str, str]
 
 
 @dataclass(frozen=True)
@@ -51,15 +52,34 @@ def action_shares(folders: Iterable[Path]) -> list[ActionShare]:
     Raises:
         NoRun, JournalError: a folder's journal can't be read.
     """
-    counts: dict[str, Counter[str]] = {}
+    counts: dict[_Key, Counter[str]] = {}
+    targets: dict[_Key, str] = {}
     for folder in folders:
-        for each in read_run(folder).actions:
+        run = read_run(folder)
+        drawn = [] if run.network is None else run.network.network.actions
+        targets |= {
+            _key(each.do, each.source, each.target): _split(each.target)[0] for each in drawn if each.binding
+        }
+        for each in run.actions:
             if each.outcome in OUTCOMES:
-                words = f"{each.do} ({_plain(each.source)} to {_plain(each.target)})"
-                counts.setdefault(words, Counter())[each.outcome] += 1
-    return [ActionShare(words, *(found[name] for name in OUTCOMES)) for words, found in counts.items()]
+                key = _key(each.do, each.source, each.target)
+                targets.setdefault(key, _split(each.target)[0])
+                counts.setdefault(key, Counter())[each.outcome] += 1
+    return [
+        ActionShare(f"{key[0]} ({key[1]} to {targets[key]})", *(found[name] for name in OUTCOMES))
+        for key, found in counts.items()
+    ]
 
 
-def _plain(situation: str) -> str:
-    """A situation without the number of its copy."""
-    return re.sub(r"\[\d+\]$", "", situation)
+def _key(do: str, source: str, target: str) -> _Key:
+    """What all copies of an action share. The last one of an element leads to the next element's start, and
+    that of the last element out of the repeat.
+    """
+    (start, copy), (end, other) = _split(source), _split(target)
+    return do, start, "" if copy != other else end
+
+
+def _split(situation: str) -> tuple[str, str]:
+    """A situation and the number of its copy, if any."""
+    found = re.fullmatch(r"(.*)\[(\d+)\]", situation)
+    return (found[1], found[2]) if found else (situation, "")

@@ -6,6 +6,21 @@ import json
 
 import pytest
 
+ROUNDS = """\
+format: handcart-task/1
+title: There and back, twice
+robot: librarian
+world: world.yaml
+knowledge: {map: map.yaml, places: places.yaml, catalogue: catalogue.yaml, start: home}
+start: here
+goal: done
+situations: {here: {base: home}, there: {base: shelf}, done: {base: home}}
+actions:
+  - {do: MOVE_TO, from: here, to: there, cost_s: 30, with: {place: {each: shelf}}}
+  - {do: MOVE_TO, from: there, to: done, cost_s: 30, with: {place: home}}
+repeat: {over: [shelf_1, shelf_5], as: shelf, start: here, goal: done}
+"""
+
 
 @pytest.mark.parametrize("as_json", [False, True])
 def test_shares_of_each_action(handcart, tour, tmp_path, as_json):
@@ -20,3 +35,12 @@ def test_shares_of_each_action(handcart, tour, tmp_path, as_json):
     else:
         line = next(each for each in said.out.splitlines() if each.startswith("MOVE_TO"))
         assert line.split()[-6:] == ["2", "1.000", "0.342", "to", "1.000", "0.000"]
+
+
+def test_a_repeated_action_is_one_row_named_as_in_the_file(handcart, tour, tmp_path):
+    """Of the last element it leads out of the repeat, of the others back to its start."""
+    tour.write_text(ROUNDS, encoding="utf-8")
+    said = handcart("campaign", tour, "--trials", "1", "--jobs", "1", "--runs", tmp_path / "runs", "--json")
+    assert said.status == 0
+    shares = [(each["action"], each["attempts"]) for each in json.loads(said.out)["actions"]]
+    assert shares == [("MOVE_TO (here to there)", 2), ("MOVE_TO (there to done)", 2)]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import socket
 
 from backends.range_sensor import RangeSensor
@@ -23,11 +24,8 @@ class RangeServer:
 
     def send(self, time: float) -> None:
         """Send this period's scan; `time` in [s] is the sensor's. Never waits: who doesn't read is let go."""
-        try:
+        with contextlib.suppress(BlockingIOError):  # nobody calls
             caller, _ = self._listening.accept()
-        except BlockingIOError:
-            pass
-        else:
             caller.setblocking(False)
             self._heard.append(caller)
         if not self._heard:
