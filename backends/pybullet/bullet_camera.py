@@ -5,15 +5,12 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from backends.camera import Camera
-from backends.mounted_camera import known_camera
 from backends.robot_file import RobotFile
 from backends.scene.lens import Lens
-from backends.scene.true_camera import true_camera
+from backends.scene.simulated_camera import SimulatedCamera
 from backends.sensor_specs import CameraSpec
 from robotics.geometry.transform import Transform, inverse
 from robotics.kinematics.arm_model import ArmModel
-from robotics.perception.camera_model import CameraModel
 
 from .physics import Physics
 from .robot_body import RobotBody
@@ -24,12 +21,11 @@ _PRINTS = 1.5  # spines nearer than this to the camera are printed [m]
 _TO_OPENGL = np.diag([1.0, -1.0, -1.0, 1.0])
 
 
-class BulletCamera(Camera):
+class BulletCamera(SimulatedCamera):
     """Bullet's renderer as an ideal pinhole camera, then the lens, light and noise of the robot's file.
 
     Rendered on demand, once a period: by its EGL plug-in, if it has one, else by TinyRenderer. Light comes
-    from everywhere and there are no shadows; what stands in a shelf is painted dark instead. The camera is
-    as stated, unless `errors` has its mount or focal length off.
+    from everywhere and there are no shadows; what stands in a shelf is painted dark instead.
     """
 
     def __init__(
@@ -42,35 +38,12 @@ class BulletCamera(Camera):
         physics: Physics,
         seed: int,
     ) -> None:
-        """Mounted at the URDF's link `camera`."""
-        self._known = known_camera(spec, arm)
-        self._true = true_camera(spec, arm, robot.errors, seed)
+        super().__init__(robot, spec, arm, seed)
         self._lens = Lens(self._true.model, robot.errors, seed)
         self._body, self._world, self._physics = body, world, physics
-        self._now = 0
-        self._last: tuple[int, NDArray[np.uint8]] | None = None
 
-    def image(self) -> NDArray[np.uint8]:
-        """See `Camera`."""
-        if self._last is None or self._last[0] != self._now:
-            picture = self._lens.take(self.ideal(), self._now)
-            picture.flags.writeable = False
-            self._last = (self._now, picture)
-        return self._last[1]
-
-    @property
-    def model(self) -> CameraModel:
-        """See `Camera`."""
-        return self._known.model
-
-    @property
-    def hand_T_camera(self) -> Transform:
-        """See `Camera`."""
-        return self._known.hand_T_camera.copy()
-
-    def begin(self, period: int) -> None:
-        """A new period begins."""
-        self._now = period
+    def _take(self) -> NDArray[np.uint8]:
+        return self._lens.take(self.ideal(), self._now)
 
     def ideal(self) -> NDArray[np.uint8]:
         """What a pinhole camera sees, larger than the picture so that the lens has all of it, grey."""

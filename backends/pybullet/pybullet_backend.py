@@ -274,9 +274,12 @@ class PyBulletBackend(Backend):
         if self._grip is not None and self._gripper is not None and self._gripper.opening:
             self._grip.let_go()
         self._base.begin()
-        for part in (self._arm, self._gripper, self._camera, self._range):
+        for part in (self._arm, self._gripper):
             if part is not None:
                 part.begin(self._periods)
+        for sensor in (self._camera, self._range):
+            if sensor is not None:
+                sensor.advance(self._periods)
         if self._arm is not None and self._arm.swung:
             self._base.give(self._arm.swing_yaw())
         held = None if self._held is None else self._world.bodies[self._held.name]
