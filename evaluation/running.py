@@ -13,6 +13,7 @@ import orjson
 from backends.robot import Robot
 from files.errors import InputError
 from networks.events import Event, Observer
+from networks.network import ActionNetwork
 from networks.permits import Permits
 from networks.preparing import Prepared, prepare
 from networks.recon import reconnoitre, standing_as_left
@@ -22,6 +23,7 @@ from networks.robot_claim import claimed
 from networks.run import Onlooker, execute
 from networks.run_header import boot_id, robot_fingerprint
 from networks.syncing import sync_for
+from networks.task_file import load_task
 
 from .judge import Judge
 
@@ -182,8 +184,10 @@ def resume_task(
         FileError: the task or a file that it names is wrong by now.
     """
     header = task_of(folder)
+    task_path = Path(header["task_path"])
+    _read_unended(folder, load_task(task_path, header["settings"]).network)  # before a robot is woken
     made = prepare(
-        Path(header["task_path"]),
+        task_path,
         header["backend"],
         header["settings"],
         header["seed"],
@@ -191,11 +195,7 @@ def resume_task(
         bench=header.get("bench"),
     )
     with made as prepared, claimed(prepared.backend, folder) as claim:
-        past = read_past(folder, prepared.task.network)
-        over = past.standing.over
-        if over is not None and over["outcome"] in ("Success", "Fail"):
-            words = f"the run in {folder} is over: {over['outcome']} in situation {over['situation']}"
-            raise NothingToResume(f"{words}; allowed: one that broke off, was stopped or gave up")
+        past = _read_unended(folder, prepared.task.network)
         if header.get("robot_sha256", robot_fingerprint(prepared.robot.spec)) != robot_fingerprint(
             prepared.robot.spec
         ):
@@ -231,6 +231,15 @@ def resume_task(
         )
         _report(prepared, folder, judge, told)
     return orjson.loads((folder / "summary.json").read_bytes()), end.exit_status
+
+
+def _read_unended(folder: Path, network: ActionNetwork) -> Past:
+    past = read_past(folder, network)
+    over = past.standing.over
+    if over is not None and over["outcome"] in ("Success", "Fail"):
+        words = f"the run in {folder} is over: {over['outcome']} in situation {over['situation']}"
+        raise NothingToResume(f"{words}; allowed: one that broke off, was stopped or gave up")
+    return past
 
 
 def _check_world(past: Past, told: Teller) -> None:

@@ -112,6 +112,16 @@ def test_after_a_give_up_no_run_starts_until_a_person_acknowledges_it(run, handc
     assert run().status == 0
 
 
+def test_what_waits_for_a_person_is_told_before_a_robot_is_woken(run, handcart, monkeypatch):
+    """N13: the drives may be off, and the bus with them."""
+    folder = folder_of(run())
+    give_up(folder)
+    monkeypatch.setattr("networks.preparing.make_backend", lambda *_, **__: pytest.fail("a robot was woken"))
+    said = handcart("resume", folder)
+    assert said.status == 6
+    assert "handcart ack" in said.err
+
+
 def test_one_primitive_alone_is_refused_too(run, handcart, task):
     """N13"""
     give_up(folder_of(run()))
