@@ -90,6 +90,24 @@ class BlockSurvey:
             self._held = held
         self._rested = {block.name: block.rest.value for block in self.scene.blocks.values()}
 
+    def notes(self) -> dict[str, Any]:
+        """What couldn't be seen again."""
+        return {
+            "reference": None if self._reference is None else tuple(self._reference),
+            "gripped": self._gripped,
+            "released": self._released,
+            "moved": self._moved,
+        }
+
+    def go_on(self, notes: dict[str, Any]) -> None:
+        """Take up the notes of the run that this one goes on with."""
+        if notes["reference"] is not None:
+            heading, lean = notes["reference"]
+            self._reference, self._fixed = Attitude(heading, tuple(lean)), self.model.fixed
+        self._gripped = {name: np.array(shift) for name, shift in notes["gripped"].items()}
+        self._released = {name: np.array(shift) for name, shift in notes["released"].items()}
+        self._moved = {name: tuple(moved) for name, moved in notes["moved"].items()}
+
     def errors(self) -> list[BlockError]:
         """Of all blocks that stand about where they should."""
         found = []

@@ -20,6 +20,7 @@ from .total_station import Sight, TotalStation
 
 LOOKS_BACK = 1.0  # [s] before a sensor is let go, in which the hand stands over it
 EVERY = 0.5  # [s] between points of the tracks that are drawn
+NOTES = "survey.jsonl"
 NOTED = 5.0  # [s] at most between two notes
 Array = NDArray[np.float64]
 Place = tuple[float, float]
@@ -70,7 +71,7 @@ class FieldSurvey:
         """Points (x, y) in [m], for plots."""
         self._next = 0.0
         self._held = ""
-        self._notes = SurveyNotes(folder) if folder is not None else None
+        self._notes = SurveyNotes(folder, NOTES) if folder is not None else None
         self._go_on()
         self._noted, self._told = scene.time, self._lengths()
 

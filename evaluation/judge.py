@@ -28,11 +28,14 @@ from .laser_survey import LaserSurvey
 from .seam_survey import SeamSurvey
 from .shelving import Shelving, shelving
 from .stop_errors import stop_errors
+from .survey_notes import SurveyNotes
 
 SIGMAS = 5.0
 BASE_SIGMA_MM, BASE_SIGMA_DEG = 4.0, 0.09  # of a base pose measured by matching scans with the map
 JOINT_SIGMA_DEG = 0.01  # encoders and repeatability
 CALIBRATE_CAMERA, CALIBRATE_SUSPENSION = "CALIBRATE_CAMERA", "CALIBRATE_SUSPENSION"
+NOTES = "judged.jsonl"
+NOTED = ("_driven", "_labels", "_frames", "_uncorrected", "_figures", "untrue")
 RELEASE, STACK = "RELEASE", "STACK"  # a task without them returns no book, stacks no block
 OBJECT_SIGMA_MM = 1.5  # of an object seen by the camera
 MOST_OFF_MM = (
@@ -121,6 +124,8 @@ class Judge:
             first = self._scene.tray_book().accession
             others = [each.accession for each in self._scene.to_come]
             self._shelving = shelving(self._scene, (first, *others))
+        self._notes = None if folder is None or self._scene is None else SurveyNotes(folder, NOTES)
+        self._go_on()
 
     def look(self, robot: Robot) -> None:
         """A period has passed."""
@@ -157,6 +162,30 @@ class Judge:
             if isinstance(event.outcome, Fail) and self._start is not None:
                 for wrong in broken_promises(self._start, truth_of(self._scene), self._robot):
                     self.untrue.append(f"{event.number}. {event.action.do} Fail: {wrong}")
+            self._note()
+
+    def _note(self) -> None:
+        """Note what a run that breaks off after this action couldn't tell again."""
+        if self._notes is None:
+            return
+        parts = {"blocks": self._survey, "seam": self.seam, "books": self._shelving}
+        note = {name: part.notes() for name, part in parts.items() if part is not None}
+        self._notes.add(self._scene.time, {name: getattr(self, name) for name in NOTED} | note)
+
+    def _go_on(self) -> None:
+        """Take up what was noted of the run that this one goes on with."""
+        noted = [] if self._notes is None else self._notes.until(self._scene.time)
+        if not noted:
+            return
+        last = noted[-1]
+        for name in NOTED:
+            setattr(self, name, last[name])
+        if self._survey is not None:
+            self._survey.go_on(last["blocks"])
+        if self.seam is not None:
+            self.seam.go_on(last["seam"])
+        if "books" in last:
+            self._shelving = Shelving.noted(last["books"])
 
     def _calibrated(self, event: Ended) -> dict[str, float]:
         """What a calibration found, beside the truth, or beside another way of measuring it."""

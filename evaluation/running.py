@@ -117,7 +117,7 @@ def run_task(
         end = execute(
             prepared,
             folder,
-            [*observers, judge],
+            [judge, *observers],
             metrics=judge.metrics,
             permits=permits or Permits("always"),
             onlookers=[*onlookers, judge.look],
@@ -221,7 +221,7 @@ def resume_task(
         end = execute(
             prepared,
             folder,
-            [told, judge],
+            [judge, told],
             metrics=judge.metrics,
             permits=permits or Permits("always"),
             onlookers=[told.look, judge.look],

@@ -72,6 +72,18 @@ class SeamSurvey:
             self.stretches.append(self._now)
         self.tracks = self._now = None
 
+    def notes(self) -> dict[str, Any]:
+        """What couldn't be seen again."""
+        return {"stretches": [{**vars(each), "part": each.part._asdict()} for each in self.stretches]}
+
+    def go_on(self, notes: dict[str, Any]) -> None:
+        """Take up the notes of the run that this one goes on with."""
+        for each in notes["stretches"]:
+            stretch = Stretch(ToolPath(**{name: np.array(value) for name, value in each["part"].items()}))
+            stretch.score, stretch.times = each["score"], each["times"]
+            stretch.joints, stretch.tips = (list(np.array(each[name])) for name in ("joints", "tips"))
+            self.stretches.append(stretch)
+
     def errors(self) -> list[tuple[Floats, Floats]]:
         """For each stretch times (k,) in [s] and distances (k,) of the tool from the seam in [m]."""
         return [

@@ -10,8 +10,6 @@ from typing import Any
 
 import orjson
 
-NAME = "survey.jsonl"
-
 
 class SurveyNotes:
     """Lines of notes with their time; a run that broke off and goes on finds them again.
@@ -19,9 +17,9 @@ class SurveyNotes:
     A disk that takes no more doesn't change how the run ends: there are fewer notes then.
     """
 
-    def __init__(self, folder: Path) -> None:
-        """In the folder of a run, which may not be there yet."""
-        self._path = folder / NAME
+    def __init__(self, folder: Path, name: str) -> None:
+        """In a file of the folder of a run, which may not be there yet."""
+        self._path = folder / name
 
     def until(self, time_s: float) -> list[dict[str, Any]]:
         """The notes up to a time in [s], oldest first; later ones are thrown away: that part is run again."""
@@ -45,4 +43,4 @@ class SurveyNotes:
 
 
 def _line(note: Mapping[str, Any]) -> bytes:
-    return orjson.dumps(note, option=orjson.OPT_APPEND_NEWLINE)
+    return orjson.dumps(note, default=lambda array: array.tolist(), option=orjson.OPT_APPEND_NEWLINE)

@@ -1,0 +1,30 @@
+"""A run that was killed and goes on tells of all of it, not of its last part alone."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from evaluation.running import resume_task, run_task
+
+TASKS = Path(__file__).parents[2] / "tasks"
+
+
+@pytest.mark.parametrize(
+    ("task", "after", "settings"),
+    [
+        ("return_book/task.yaml", 4, {}),
+        ("stack_blocks/unload.yaml", 5, {"method": "fix_once", "look": "false"}),
+        ("track_seam/task.yaml", 3, {}),
+    ],
+    ids=["book", "blocks", "seam"],
+)
+def test_its_metrics_are_those_of_a_run_that_was_not_killed(tmp_path, copier, task, after, settings):
+    left = tmp_path / "left"
+    told = copier(after, left)
+    whole, _ = run_task(TASKS / task, tmp_path / "runs", None, settings, seed=2, checkpoints=True, told=told)
+    again, status = resume_task(left, None, copier(0, left))
+    assert status == 0
+    assert again["metrics"] == whole["metrics"]
+    assert again["metrics"]["untrue"] == []
