@@ -13,7 +13,7 @@ from .untrackable import Untrackable
 
 Floats = NDArray[np.float64]
 
-_SHELLS = 0.01 * 1.5 ** np.arange(14)  # [m] 10 mm to 1.9 m
+_SHELLS = 0.01 * 1.5 ** np.arange(20)  # [m] 10 mm to 22 m
 _FINEST = 0.001  # [m]
 
 

@@ -56,6 +56,15 @@ def test_the_first_point_out_of_reach_is_told_with_what_can_be_reached(
     assert "; the nearest that can be reached: (" in finding["message"]
 
 
+def test_far_out_of_reach_the_nearest_is_told_too(handcart: Callable[..., Any], folder: Path) -> None:
+    head, *rows = lines(folder)
+    write(folder, [head, *(raised(row, 3.0) for row in rows)])
+    said = handcart("check", folder / "task.yaml")
+    assert said.status == 2
+    assert "seam.csv:2:1: this point is out of the arm's reach, wherever the base stands" in said.err
+    assert "; the nearest that can be reached: (" in said.err
+
+
 @pytest.mark.parametrize(
     ("old", "new", "told"),
     [
