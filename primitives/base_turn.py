@@ -9,7 +9,6 @@ from backends.robot import Robot
 from robotics.geometry.pose2 import Pose2, wrap
 from robotics.navigation.attitude import yaw_sigma
 
-from .discrepancy import Discrepancy
 from .world_model import Fixed
 
 
@@ -27,13 +26,8 @@ def turn_by_model(robot: Robot, swings: int) -> BaseTurn:
 
 
 def turn_by_gyros(robot: Robot, before: Fixed, now: Fixed | None = None) -> BaseTurn:
-    """What the gyros felt from one fixation to another, or until now.
-
-    Raises:
-        Discrepancy: the robot has no inertial sensors.
-    """
-    if robot.spec.imu is None:
-        raise Discrepancy("the robot has no inertial sensors to feel how its base turns", permanent=True)
+    """What the gyros felt from one fixation to another, or until now; the robot has some."""
+    assert robot.spec.imu is not None
     yaw, moved = (robot.attitude.yaw, robot.attitude.moved) if now is None else (now.attitude[2], now.moved)
     walk = math.radians(robot.spec.imu.angle_random_walk_deg_rt_s)
     return BaseTurn(yaw - before.attitude[2], yaw_sigma(walk, moved - before.moved))

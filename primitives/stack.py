@@ -91,6 +91,8 @@ class Stack(ActionPrimitive):
         plan = building(model)
         if not robot.gripper.closed_on_something():
             raise Discrepancy("the hand holds no block", permanent=True)
+        if self.method in FEEL and robot.spec.imu is None:
+            raise Discrepancy(f"the method {self.method} needs inertial sensors", permanent=True)
         held = held_block(robot, plan)
         goal = self._goal(plan)
         around = surroundings(robot, model)

@@ -103,6 +103,16 @@ def test_without_a_landmark_seen_nothing_is_stacked():
         assert scene_of(stage).held is scene_of(stage).blocks["1"]
 
 
+@pytest.mark.parametrize("method", ["imu", "fix_again_imu"])
+def test_without_inertial_sensors_their_methods_are_refused(method):
+    with with_block(at_the_wall()) as stage:
+        stage.robot.spec = stage.robot.spec.model_copy(update={"imu": None})
+        outcome = stage.do(Stack(number=1, onto="goal", method=method))
+        assert isinstance(outcome, Fail)
+        assert f"the method {method} needs inertial sensors" in outcome.reason
+        assert scene_of(stage).held is scene_of(stage).blocks["1"]
+
+
 def test_no_support_where_one_should_be_is_a_fail_with_the_block_in_hand():
     with with_block(at_the_wall()) as stage:
         goals = stage.model.building.goals
