@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Generator, Sequence
 from typing import ClassVar, Literal
 
@@ -21,7 +20,7 @@ from robotics.manipulation.suspension_model import SuspensionModel, base_motion
 
 from .action_primitive import ActionPrimitive, Periods
 from .arm_motion import move_straight, move_to_pose, move_to_posture
-from .base_turn import BaseTurn, fused, turn_by_gyros, turn_by_model
+from .base_turn import fused, turn_by_gyros, turn_by_model
 from .block_view import see_block
 from .building import Building, LandmarkPlan, Standing
 from .discrepancy import Discrepancy, Measured
@@ -148,18 +147,17 @@ class Stack(ActionPrimitive):
         if self.method in LEAN_BY_MODEL:
             known, turn = robot.spec.suspension.model, self._turned(robot, fixed, swings_to_come)
             upright = _upright(fixed, known, landmark_of(model, fixed.landmark).height_m)
-            turned = upright.compose(Pose2(0.0, 0.0, turn.yaw))
+            turned = upright.compose(Pose2(0.0, 0.0, turn))
             return known.corrected(inverse(turned.lift()) @ goal.pose, np.eye(4), 0)
         if self.method == "imu" and swings_to_come == 0:
             return inverse(_felt(robot, fixed)) @ base_T_block
         return base_T_block
 
-    def _turned(self, robot: Robot, fixed: Fixed, swings_to_come: int) -> BaseTurn:
-        """By how much the base has turned since it was fixed, and is still to turn."""
-        if self.method not in FEEL:
-            return turn_by_model(robot, fixed.swings + swings_to_come)
-        felt, to_come = turn_by_gyros(robot, fixed), turn_by_model(robot, swings_to_come)
-        return BaseTurn(felt.yaw + to_come.yaw, math.hypot(felt.sigma, to_come.sigma))
+    def _turned(self, robot: Robot, fixed: Fixed, swings_to_come: int) -> float:
+        """By how much the base has turned since it was fixed, and is still to turn, in [rad]."""
+        if self.method in FEEL:
+            return turn_by_gyros(robot, fixed).yaw + turn_by_model(robot, swings_to_come).yaw
+        return turn_by_model(robot, fixed.swings + swings_to_come).yaw
 
     def _fix_again(self, robot: Robot, model: ModelView) -> Periods:
         if model.fixed is None:
@@ -207,13 +205,11 @@ class Stack(ActionPrimitive):
         self.found(frames=found.frames)
         model.fixed = fixed_by(robot, name, place, planned, found)
         if self.method in FUSE and before is not None:
-            by_gyros = self.method in FEEL
-            turn = (
-                turn_by_gyros(robot, before, model.fixed)
-                if by_gyros
-                else turn_by_model(robot, before.swings + swing)
-            )
-            model.fixed = fused(before, turn, model.fixed)
+            if self.method in FEEL:
+                turned = turn_by_gyros(robot, before, model.fixed)
+            else:
+                turned = turn_by_model(robot, before.swings + swing)
+            model.fixed = fused(before, turned, model.fixed)
         return found.planned_T_base.lift()
 
     def _lower(self, robot: Robot, grip: Transform) -> Periods:
