@@ -17,6 +17,7 @@ from backends.can_spec import VIRTUAL, CanSpec
 from backends.capability import Capability
 from backends.robot_file import RobotFile
 from backends.scene.scene import Scene
+from files.suggest import suggest
 
 from .axes import Axes
 from .bus_guard import BusGuard
@@ -121,12 +122,15 @@ class CanBackend(Backend):
 
     @classmethod
     def _on_bench(cls, robot: RobotFile, world: Path | None, seed: int, bench: str | None) -> CanBackend:
-        from backends.registry import backend_class
+        from backends.registry import backend_class, backend_names
 
         if robot.can is None:
             raise NoDrives()
         inner = None
         if bench is not None:
+            others = [name for name in backend_names() if name != cls.name]
+            if bench not in (*others, cls.name):
+                raise NoBench(f"unknown bench {bench!r}{suggest(bench, others)}")
             kind = backend_class(bench)
             if issubclass(kind, CanBackend) or not kind.simulated:
                 raise NoBench(

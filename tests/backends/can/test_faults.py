@@ -206,7 +206,11 @@ def test_a_line_waits_no_longer_than_told():
     [
         ("kinematic", "kinematic", "the backend 'kinematic' has no drives; allowed"),
         ("can", "can", "the backend 'can' simulates no robot"),
-        ("can", "kinematik", "did you mean 'kinematic'"),
+        (
+            "can",
+            "kinematik",
+            "unknown bench 'kinematik'; did you mean 'kinematic'? allowed: kinematic",
+        ),
     ],
 )
 def test_a_bench_that_cannot_be_is_refused_with_status_2(backend, bench, told, capsys):
