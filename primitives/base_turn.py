@@ -11,6 +11,8 @@ from robotics.navigation.attitude import yaw_sigma
 
 from .world_model import Fixed
 
+GATE = 5.0  # sigmas
+
 
 class BaseTurn(NamedTuple):
     """A turn of the base, and its sigma, in [rad]."""
@@ -37,13 +39,17 @@ def fused(before: Fixed, turn: BaseTurn, now: Fixed) -> Fixed:
     """What was found now, with what was found before and the base's turn since then.
 
     Where the base stands it kept. Both weigh by their variance (a Kalman filter's update of states that are
-    measured one by one).
+    measured one by one). Where they are further apart than chance has it, the base was moved meanwhile: what
+    was found before is over.
     """
     spread = math.hypot(before.sigma[1], turn.sigma)
     place = (before.sigma[0] ** 2, now.sigma[0] ** 2)
     heading = (spread**2, now.sigma[1] ** 2)
     share, share_of_heading = place[0] / sum(place), heading[0] / sum(heading)
     old = before.pose.compose(Pose2(0.0, 0.0, turn.yaw))
+    moved = old.distance(now.pose) > GATE * math.sqrt(sum(place))
+    if moved or old.turn(now.pose) > GATE * math.sqrt(sum(heading)):
+        return now
     pose = Pose2(
         old.x + share * (now.pose.x - old.x),
         old.y + share * (now.pose.y - old.y),

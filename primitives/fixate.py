@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Generator
 from typing import Annotated, ClassVar
 
 from pydantic import Field
@@ -12,12 +13,15 @@ from backends.robot import Robot
 from files.suggest import suggest
 
 from .action_primitive import ActionPrimitive, Periods
+from .base_turn import turn_by_gyros
 from .building import LandmarkPlan
 from .discrepancy import Discrepancy
 from .fixating import Rule, fixate, fixed_by, planned_view
 from .hand_down import building, surroundings
 from .place_name import LandmarkName, PlaceName
 from .world_model import ModelView
+
+MOST_TURNED = 0.002  # [rad] that the base may turn once it was found
 
 
 class Fixate(ActionPrimitive):
@@ -63,6 +67,13 @@ class Fixate(ActionPrimitive):
         )
         model.fixed = fixed_by(robot, self.landmark, place, planned, found)
         robot.found_at(model.fixed.pose, model.fixed.sigma)
+
+    def effect(self, robot: Robot, model: ModelView) -> Generator[None, None, bool]:
+        """The base stands as it was found: its gyros, where it has some, have felt no turn since."""
+        fixed = model.fixed
+        still = robot.spec.imu is None or fixed is None or abs(turn_by_gyros(robot, fixed).yaw) < MOST_TURNED
+        return fixed is not None and still
+        yield
 
 
 def landmark_of(model: ModelView, name: str) -> LandmarkPlan:

@@ -32,7 +32,7 @@ RULES = {"residual": StopRule(), "paper": PAPER_RULE}
 MOST_MOVES = 6  # of the hand, until the landmark stands where it should
 NEARER, FARTHER = 0.05, 0.05  # [m] by which the landmark may be off its height in a picture
 HEADING_SIGMA = 0.0004  # [rad] of a landmark's direction in a picture
-AGREE = 0.003  # [m] between errors that tell of one place of the base
+AGREE, AGREE_TURN = 0.003, 0.003  # [m], [rad] between errors that tell of one place of the base
 CENTRAL = 0.02  # [m] from its place in the picture, within which a landmark counts
 STEP = 0.09  # [m] between the views of a search: the picture shows 0.24 x 0.18 m
 RINGS = 2
@@ -128,7 +128,7 @@ def fixate(
         if away < CENTRAL:
             error = on_floor(view.travelling_error(base_T_hand, seen))
             # Where the base was moved meanwhile, what was seen before is over.
-            found = [each for each in found if each.distance(error) < AGREE] + [error]
+            found = [each for each in found if _agree(each, error)] + [error]
         if there and len(found) >= looks:
             return Fixation(_mean(found), base_T_hand, frames, moves, len(found))
         yield from move_straight(robot, _level(view.next_hand(base_T_hand, seen), view), held, around)
@@ -146,6 +146,10 @@ def fixed_by(robot: Robot, name: str, place: str, planned: Pose2, found: Fixatio
     return Fixed(
         name, place, pose, (sigma, HEADING_SIGMA), reach, attitude, (left, right), robot.attitude.moved
     )
+
+
+def _agree(one: Pose2, other: Pose2) -> bool:
+    return one.distance(other) < AGREE and one.turn(other) < AGREE_TURN
 
 
 def _mean(poses: Sequence[Pose2]) -> Pose2:

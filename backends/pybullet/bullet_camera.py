@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import cv2
 import numpy as np
 from numpy.typing import NDArray
 
@@ -17,6 +18,7 @@ from .robot_body import RobotBody
 from .world_bodies import WorldBodies
 
 NEAREST, FURTHEST = 0.02, 20.0  # of what is shown [m]
+SAMPLES = 2  # along each side of a pixel, which takes in light from all of its area: edges have no steps
 _PRINTS = 1.5  # spines nearer than this to the camera are printed [m]
 _TO_OPENGL = np.diag([1.0, -1.0, -1.0, 1.0])
 
@@ -50,8 +52,11 @@ class BulletCamera(SimulatedCamera):
         pose = self._body.link_pose("hand") @ self._true.hand_T_camera
         self._show_books(pose[:3, 3])
         width, height = self._lens.size
-        picture = render(self._physics, pose, self._lens.K, (width, height))
-        return np.ascontiguousarray(picture[..., 1])
+        K = self._lens.K * [[SAMPLES], [SAMPLES], [1.0]]
+        K[:2, 2] += (SAMPLES - 1) / 2
+        picture = render(self._physics, pose, K, (SAMPLES * width, SAMPLES * height))
+        grey = cv2.resize(picture[..., 1], (width, height), interpolation=cv2.INTER_AREA)
+        return np.asarray(grey, dtype=np.uint8)
 
     def _show_books(self, eye: NDArray[np.float64]) -> None:
         for name, printed in self._world.printed.items():
