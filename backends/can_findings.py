@@ -21,8 +21,17 @@ def can_findings(robot: RobotFile, document: Document) -> list[Finding]:
     spec = robot.can
     if spec is None:
         return []
-    wrong = [*_counts(robot, spec), *_periods(robot, spec), *_files(robot, spec)]
+    wrong = [*_nodes(spec), *_counts(robot, spec), *_periods(robot, spec), *_files(robot, spec)]
     return [document.finding(("can", *place), words) for place, words in wrong]
+
+
+def _nodes(spec: CanSpec) -> Iterator[tuple[Place, str]]:
+    seen = {spec.our_node: "our_node"}
+    for (place, axis), (name, _) in zip(_placed(spec), spec.axes(), strict=True):
+        if axis.node in seen:
+            words = f"{seen[axis.node]} and {name} have the node {axis.node}; allowed: each its own"
+            yield (*place, "node"), words
+        seen[axis.node] = name
 
 
 def _counts(robot: RobotFile, spec: CanSpec) -> Iterator[tuple[Place, str]]:

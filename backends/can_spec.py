@@ -163,14 +163,7 @@ class CanSpec(FileModel):
         return name
 
     @model_validator(mode="after")
-    def _nodes(self) -> Self:
-        seen = {self.our_node: "our_node"}
-        for name, axis in self.axes():
-            if axis.node in seen:
-                raise ValueError(
-                    f"{seen[axis.node]} and {name} have the node {axis.node}; allowed: each its own"
-                )
-            seen[axis.node] = name
+    def _heartbeats(self) -> Self:
         if self.heartbeat_timeout_ms < 2 * self.heartbeat_ms:
             raise ValueError(
                 f"heartbeat_timeout_ms is {self.heartbeat_timeout_ms}; allowed: from twice heartbeat_ms,"

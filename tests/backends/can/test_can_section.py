@@ -15,7 +15,7 @@ JOINT_6 = "    - {node: 16, counts_per_rev: 65536, gear_ratio: 50, rated_torque_
     [
         (JOINT_6, "", "5 drives for 6 joints; allowed: one for each"),
         ("{node: 16,", "{node: 16, stop: brake_then_disable,", "would fall with stop: brake_then_disable"),
-        ("{node: 21,", "{node: 16,", "joint 6 and gripper have the node 16; allowed: each its own"),
+        ("{node: 21,", "{node: 16,", ":56:19: joint 6 and gripper have the node 16; allowed: each its own"),
         ("{node: 21,", "{node: 127,", "our_node and gripper have the node 127"),
         ("channel: can0", "channel: can0\n  heartbeat_timeout_ms: 60", "from twice heartbeat_ms, 100"),
         (

@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+import shutil
+from pathlib import Path
+
 import pytest
 
 from backends.can_spec import CanSpec
-from backends.robot_file import ROBOTS, RobotFile
+from backends.robot_file import ROBOTS, load_robot
 from evaluation.conformance.all_checks import CHECKS
 from evaluation.conformance.bench import Bench
 from evaluation.stage import set_stage
 from files.errors import FileError
-from files.loading import load
 from primitives.move_to import MoveTo
 from primitives.outcome import Success
 
@@ -42,12 +44,12 @@ def test_the_kit_finds_nothing_wrong(name):
     ],
 )
 def test_what_is_wrong_in_the_section_can_is_told_with_its_place(tmp_path, before, after, told):
-    text = (ROBOTS / "cart" / "robot.yaml").read_text(encoding="utf-8")
+    path = Path(shutil.copytree(ROBOTS / "cart", tmp_path / "cart")) / "robot.yaml"
+    text = path.read_text(encoding="utf-8")
     assert before in text
-    path = tmp_path / "robot.yaml"
     path.write_text(text.replace(before, after), encoding="utf-8")
     with pytest.raises(FileError, match=told) as error:
-        load(path, RobotFile)
+        load_robot(str(path))
     assert f"{path}:" in str(error.value)
 
 
