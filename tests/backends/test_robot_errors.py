@@ -53,3 +53,35 @@ def test_a_robot_without_errors_stands_where_its_world_puts_it_and_reads_the_tru
             assert np.array_equal(first, ranges.scan().ranges)
         with make_backend("kinematic", robot, WORLD, 8) as other:
             assert other.scene.base == scene.base
+
+
+@pytest.mark.parametrize(
+    ("variant", "differs"),
+    [
+        (
+            "h1",
+            {
+                "arm.accuracy_mm",
+                "errors.hand_uniform_mm",
+                "errors.hand_systematic_mm",
+                "errors.hand_repeat_mm",
+            },
+        ),
+        ("uncalibrated", {"errors.camera_mount_mm", "errors.camera_mount_mrad", "errors.focal_percent"}),
+    ],
+)
+def test_variants_of_a_robot_differ_in_what_they_say_alone(variant, differs):
+    """`toyama/uncalibrated` doesn't know how its base gives, either."""
+    plain, other = (load_robot(name).model_dump() for name in ("toyama", f"toyama/{variant}"))
+    found = {
+        f"{section}.{key}"
+        for section, values in plain.items()
+        if isinstance(values, dict) and section != "suspension"
+        for key, value in values.items()
+        if other[section][key] != value
+    }
+    assert found == differs
+    assert [
+        name for name, value in plain.items() if not isinstance(value, dict) and other[name] != value
+    ] == []
+    assert (plain["suspension"] == other["suspension"]) == (variant == "h1")
