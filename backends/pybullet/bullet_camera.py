@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import product
+
 import cv2
 import numpy as np
 from numpy.typing import NDArray
@@ -54,9 +56,14 @@ class BulletCamera(SimulatedCamera):
         width, height = self._lens.size
         K = self._lens.K * [[SAMPLES], [SAMPLES], [1.0]]
         K[:2, 2] += (SAMPLES - 1) / 2
-        picture = render(self._physics, pose, K, (SAMPLES * width, SAMPLES * height))
-        grey = cv2.resize(picture[..., 1], (width, height), interpolation=cv2.INTER_AREA)
-        return np.asarray(grey, dtype=np.uint8)
+        fine = np.empty((SAMPLES * height, SAMPLES * width), dtype=np.uint8)
+        # In tiles: the EGL renderer has a window of 1024 x 768, and stretches that to what is larger.
+        for row, column in product(range(0, SAMPLES * height, height), range(0, SAMPLES * width, width)):
+            moved = K.copy()
+            moved[:2, 2] -= (column, row)
+            tile = render(self._physics, pose, moved, (width, height))
+            fine[row : row + height, column : column + width] = tile[..., 1]
+        return np.asarray(cv2.resize(fine, (width, height), interpolation=cv2.INTER_AREA), dtype=np.uint8)
 
     def _show_books(self, eye: NDArray[np.float64]) -> None:
         for name, printed in self._world.printed.items():
