@@ -48,6 +48,7 @@ PAST = 0.012  # [m] below it, where there should have been contact
 FAST, SLOW = 0.10, 0.02  # [m/s]
 CONTACT = 4.0  # [N]
 UNEXPECTED = 12.0  # [N] on the way down
+SERVO_LOOKS = 2  # at a landmark beside the goal: after each move the arm errs anew
 MOST_OFF = 0.008  # [m] from its goal at which a block still counts as put there
 
 Method = Literal["fix_once", "model", "imu", "fix_again", "fix_again_model", "fix_again_imu", "servo"]
@@ -199,8 +200,9 @@ class Stack(ActionPrimitive):
         before = model.fixed
         known = None if before is None else before.pose.relative_to(planned)
         swing = _is_swing(robot, view.base_T_hand)
+        side, looks = mark.side_mm / 1e3, SERVO_LOOKS if self.method == "servo" else 1
         found = yield from fixate(
-            robot, view, mark.side_mm / 1e3, self.rule, self.evidence, held, around, known=known
+            robot, view, side, self.rule, self.evidence, held, around, looks=looks, known=known
         )
         self.found(frames=found.frames)
         model.fixed = fixed_by(robot, name, place, planned, found)
