@@ -28,6 +28,8 @@ class SceneSync:
     def __init__(self, scene: Scene, body: RobotBody, world: WorldBodies) -> None:
         self._scene, self._body, self._world = scene, body, world
         self._tray = scene.robot.tray_shape if scene.robot.has_tray else None
+        self._shelves = np.array([each.pose[:3, 3] for each in scene.shelves.values()]).reshape(-1, 3)
+        """Where shelves stand, (n, 3) in [m]."""
 
     def base(self) -> None:
         """Where the base stands, and how it leans."""
@@ -53,11 +55,8 @@ class SceneSync:
 
     def _books(self, held: Thing | None, world_T_hand: Transform) -> None:
         scene = self._scene
-        near = {
-            name
-            for name, shelf in scene.shelves.items()
-            if np.linalg.norm(shelf.pose[:3, 3] - world_T_hand[:3, 3]) < _NEAR
-        }
+        away = np.linalg.norm(self._shelves - world_T_hand[:3, 3], axis=1)
+        near = {name for name, far in zip(scene.shelves, away.tolist(), strict=True) if far < _NEAR}
         for book in scene.books.values():
             if book.rest is Rest.SHELF and book.shelf not in near:
                 continue

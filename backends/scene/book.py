@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -35,7 +36,7 @@ class Book(Thing):
         """The number in its tag."""
         return self.spec.accession
 
-    @property
+    @cached_property
     def name(self) -> str:
         """See `Thing`."""
         return f"book {self.accession}"
