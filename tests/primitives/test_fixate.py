@@ -40,6 +40,25 @@ def test_the_robot_then_knows_where_it_is():
     assert after < 0.0025
 
 
+@pytest.mark.parametrize("turn", [0.006, -0.006])
+def test_a_base_that_is_turned_once_it_was_found_is_a_fail(turn):
+    """The wheels stand still, the gyros feel it; what was found is no longer so."""
+    with at_the_wall(seed=1) as stage:
+        found = []
+        step = stage.robot.step
+
+        def stepping(paused=False):
+            if stage.model.fixed is not None and not found:
+                found.append(True)
+                moved_base(stage, 0.0, 0.0, turn)
+            step(paused)
+
+        stage.robot.step = stepping
+        outcome = stage.do(Fixate(landmark="stacking"))
+        assert found
+        assert isinstance(outcome, Fail), outcome
+
+
 @pytest.mark.parametrize(("x", "y"), [(0.11, 0.0), (-0.13, 0.06), (0.02, -0.12), (0.13, 0.09)])
 def test_a_landmark_out_of_view_is_searched_for(x, y):
     with at_the_wall(seed=1) as stage:

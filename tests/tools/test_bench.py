@@ -11,7 +11,6 @@ from typing import Any
 
 import pytest
 
-from backends.backend import RobotFault
 from backends.base import Base
 from backends.can.can_backend import CanBackend
 from backends.robot_file import RobotFile, load_robot
@@ -51,21 +50,21 @@ def bench(tmp_path: Path) -> Iterator[Path]:
 
 
 @pytest.mark.slow
-def test_wheels_are_driven_over_the_network(far: RobotFile, bench: Path) -> None:
+def test_wheels_are_driven_over_the_network(
+    far: RobotFile, bench: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("backends.can.pace.GAP", 30.0)  # machines that tests run on may be busy
+    monkeypatch.setattr("backends.can.pace.MISSED", 10_000)
     with CanBackend.build(far, None, 0) as backend:
         base = backend.get(Base)  # type: ignore[type-abstract]
         assert base is not None
-        try:
-            for _ in range(20):
-                base.drive(0.2, 0.0)
-                backend.step()
-        except RobotFault as fault:
-            if "too slow" in str(fault):
-                pytest.skip("this machine is too busy to keep periods of 50 ms")
-            raise
+        begun = time.monotonic()
+        for _ in range(20):
+            base.drive(0.2, 0.0)
+            backend.step()
         left, right = base.wheel_travel()
         assert left == pytest.approx(right)
-        assert 0.05 < left < 0.25  # the drives have a clock of their own
+        assert 0.05 < left < 0.05 + 0.2 * (time.monotonic() - begun)  # the drives have a clock of their own
         assert backend.figures()["loop"]["periods"] == 20
     time.sleep(1.0)
     last = bench.read_text().splitlines()[-1].split(",")
