@@ -70,9 +70,10 @@ class Fixate(ActionPrimitive):
 
     def effect(self, robot: Robot, model: ModelView) -> Generator[None, None, bool]:
         """The base stands as it was found: its gyros, where it has some, have felt no turn since."""
-        fixed = model.fixed
-        still = robot.spec.imu is None or fixed is None or abs(turn_by_gyros(robot, fixed).yaw) < MOST_TURNED
-        return fixed is not None and still
+        fixed, feels = model.fixed, robot.spec.imu is not None
+        if fixed is not None and feels and abs(turn_by_gyros(robot, fixed).yaw) >= MOST_TURNED:
+            model.fixed = None  # no longer so
+        return model.fixed is not None
         yield
 
 

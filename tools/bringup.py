@@ -36,7 +36,7 @@ def bringup(
     as_json: Annotated[bool, typer.Option("--json", help="one JSON object on stdout")] = False,
 ) -> None:
     """Climb the next rung of the ladder from first power to the task; each is recorded, none left out."""
-    from backends.registry import backend_class
+    from backends.can.can_backend import CanBackend
     from backends.robot_file import load_robot
     from evaluation.bringup.ladder import RUNGS, Ladder
     from evaluation.bringup.site import Site
@@ -47,7 +47,7 @@ def bringup(
     spec = load_robot(robot)
     check_folder(folder)
     if bench is not None:
-        backend_class(bench)  # a wrong name is told before the first rung
+        CanBackend.bench_kind(bench)  # a wrong name is told before the first rung
     for_what = task or LIBRARY.parent / ("return_book" if spec.arm else "drive_map") / "task.yaml"
     name = re.sub(r"[^\w.-]", "_", robot.removesuffix(".yaml").strip("./"))
     own, rehearsed = folder / name, folder / f"{name}-bench"

@@ -121,22 +121,25 @@ class CanBackend(Backend):
         return cls._on_bench(robot, world, seed, bench)
 
     @classmethod
-    def _on_bench(cls, robot: RobotFile, world: Path | None, seed: int, bench: str | None) -> CanBackend:
+    def bench_kind(cls, bench: str) -> type[Backend]:
+        """The class of the simulated backend of that name; raises `NoBench`, saying what there is."""
         from backends.registry import backend_class, backend_names
 
+        others = [name for name in backend_names() if name != cls.name]
+        if bench not in (*others, cls.name):
+            raise NoBench(f"unknown bench {bench!r}{suggest(bench, others)}")
+        kind = backend_class(bench)
+        if issubclass(kind, CanBackend) or not kind.simulated:
+            raise NoBench(f"the backend {bench!r} simulates no robot; allowed: --bench kinematic, pybullet")
+        return kind
+
+    @classmethod
+    def _on_bench(cls, robot: RobotFile, world: Path | None, seed: int, bench: str | None) -> CanBackend:
         if robot.can is None:
             raise NoDrives()
         inner = None
         if bench is not None:
-            others = [name for name in backend_names() if name != cls.name]
-            if bench not in (*others, cls.name):
-                raise NoBench(f"unknown bench {bench!r}{suggest(bench, others)}")
-            kind = backend_class(bench)
-            if issubclass(kind, CanBackend) or not kind.simulated:
-                raise NoBench(
-                    f"the backend {bench!r} simulates no robot; allowed: --bench kinematic, pybullet"
-                )
-            inner = kind.build(robot, world, seed)
+            inner = cls.bench_kind(bench).build(robot, world, seed)
         stand = Bench(robot, robot.can, inner)
         try:
             return cls(robot, stand)

@@ -57,6 +57,7 @@ def test_a_base_that_is_turned_once_it_was_found_is_a_fail(turn):
         outcome = stage.do(Fixate(landmark="stacking"))
         assert found
         assert isinstance(outcome, Fail), outcome
+        assert stage.model.fixed is None
 
 
 @pytest.mark.parametrize(("x", "y"), [(0.11, 0.0), (-0.13, 0.06), (0.02, -0.12), (0.13, 0.09)])
