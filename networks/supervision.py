@@ -89,7 +89,6 @@ class Supervision:
                     if outcome is not None:
                         return outcome
                 if self._robot.time > latest and self._life.state is RunState.ACTING:
-                    latest = math.inf
                     outcome = yield from _call_back(
                         attempt, Discrepancy(f"it took longer than {time_out:g} s")
                     )

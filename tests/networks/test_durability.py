@@ -180,3 +180,21 @@ def test_what_was_intended_stands_in_the_journal(stand, tmp_path, monkeypatch):
     assert told["START"]["at"]["base"] == [0.0, 0.0, 0.0]
     assert told["RESULT"]["at"]["base"][0] == pytest.approx(0.05)
     assert told["END"]["at"] == told["RESULT"]["at"]
+
+
+def test_a_run_is_over_when_its_end_is_on_the_disk(stand, disk, begin):
+    """D9: who asks how it ended hears nothing that a crash could still take back."""
+    run, journal, events = begin()
+    with journal:
+        periods = run.run()
+        soon(disk, stand, periods, lambda: Lamp.put_out)
+        while not has(events, Ended):
+            disk.free.set()
+            while not journal.durable:
+                time.sleep(0.001)
+            disk.free.clear()
+            go_on(stand, periods, 1)
+        go_on(stand, periods, 100)
+        assert [each["kind"] for each in read_journal(journal.path).records][-1] == "END"
+        with pytest.raises(StopIteration):
+            soon(disk, stand, periods, lambda: False)

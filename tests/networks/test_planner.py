@@ -98,3 +98,22 @@ def test_more_actions_than_can_be_planned_over_are_refused(stand, monkeypatch):
     stand.network("a b one 1", "b z two 1")
     with pytest.raises(NetworkError, match="the network has 3 actions; allowed: at most 2"):
         stand.network("a b one 1", "b z two 1", "a z three 1")
+
+
+def test_leaving_undone_is_dearer_than_whatever_can_be_tried(stand):
+    bound = Binding.of(stand.Think(name="x"))
+    ways = [Action("a", "z", None, 1.0), Action("a", "z", bound, 86_400.0, attempts=12)]
+    planner = Planner(ActionNetwork.build(map(Situation, "az"), ways, "a", "z"))
+    for _ in range(11):
+        assert planner.plan("a").actions[0].index == 1
+        planner.failed(planner.plan("a").actions[0], "x")
+    planner.failed(ways[1] if ways[1].index else planner.plan("a").actions[0], "x")
+    assert planner.plan("a").actions[0].index == 0
+
+
+def test_a_plan_tells_what_is_out(stand):
+    network = stand.network("a z one 3 1", "a z two 10")
+    planner = Planner(network)
+    assert planner.plan("a").excluded == ()
+    planner.failed(network.actions[0], "x")
+    assert planner.plan("a").excluded == (network.actions[0],)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import ClassVar
 
 import pytest
@@ -15,9 +16,12 @@ from networks.journal_record import read_journal
 from networks.network import Action, ActionNetwork, Situation
 from networks.planner import Planner
 from networks.retracing import standing
+from networks.world_watch import WorldWatch
 from primitives.action_primitive import ActionPrimitive
 from primitives.attempt import NOT_ALONE, attempt
+from primitives.discrepancy import Discrepancy
 from primitives.outcome import Fail, GiveUp
+from primitives.snapshot import take_snapshot
 
 HOME, FAR = {"base": "home", "book": "in hand"}, {"base": "far", "book": "in hand"}
 
@@ -160,6 +164,103 @@ def test_pushed_to_where_it_never_was_it_asks_for_a_person(stand, go, tmp_path):
     assert "somebody changed the world: base_mm 500" in end.reason
     assert [each["kind"] for each in records[-2:]] == ["RECON", "END"]
     assert records[-2]["situation"] is None
+
+
+def test_a_changed_world_stops_the_robot(stand, go, tmp_path):
+    """N9: before a person is asked for."""
+    stops = []
+
+    def note(event):
+        if isinstance(event, LeftOut):
+            stops.append(stand.backend.stops)
+
+    asked = []
+
+    def permission(action):
+        if action.source == "a":
+            return True
+        asked.append(action)
+        if len(asked) == 3:
+            push(stand, 0.5)
+        return None if len(asked) < 8 else True
+
+    run = Coordinator(line(go), stand.robot, stand.model, observers=[note], permission=permission)
+    assert stand.finish(run).outcome == "GiveUp"
+    assert stand.backend.stops > stops[-1]
+
+
+def test_pushed_back_to_where_an_action_had_ended(stand, go):
+    """N9: a situation holds again that the run was in between two actions."""
+    names = [Situation(name, facts) for name, facts in zip("abcd", (HOME, FAR, FAR, FAR), strict=True)]
+    bound = Binding.of(go())
+    ways = [Action(a, b, bound, 1.0, permit=a == "c") for a, b in ("ab", "bc", "cd")]
+    asked, events = [], []
+
+    def permission(action):
+        if action.source != "c":
+            return True
+        asked.append(action)
+        if len(asked) == 3:
+            push(stand, -1.0)
+        return None if len(asked) < 8 else True
+
+    network = ActionNetwork.build(names, ways, "a", "d")
+    run = Coordinator(network, stand.robot, stand.model, observers=[events.append], permission=permission)
+    assert stand.finish(run).outcome == "Success"
+    assert [each.action.source for each in events if isinstance(each, Started)] == ["a", "b", "b", "c"]
+
+
+@pytest.mark.parametrize(("sigma", "found"), [(0.05, "a"), (0.15, None)])
+def test_an_unsure_pose_tells_no_situation(stand, go, sigma, found):
+    """N9: three sigmas of the measurement have to stay within the tolerance."""
+    here = take_snapshot(stand.robot, {})
+    far = replace(here, pose=type(here.pose)(1.0, 0.0, 0.0))
+    watch = WorldWatch(stand.robot, line(go), {"a": here, "b": far})
+    now = replace(here, dead_reckoned=False, pose_sigma=(sigma, 0.001))
+    assert watch.situation("b", far, now) == found
+
+
+def test_a_hindrance_that_breaks_hinders(stand, go, monkeypatch):
+    """N7: who can't tell whether it may start doesn't start it."""
+    asked, events = [], []
+
+    def broken(self, robot, model):
+        asked.append(robot.time)
+        if len(asked) == 1:
+            raise ZeroDivisionError("oh")
+        return ""
+
+    monkeypatch.setattr(go, "hindrance", broken)
+    end = stand.finish(Coordinator(line(go), stand.robot, stand.model, observers=[events.append]))
+    assert (end.outcome, end.fails) == ("Success", 1)
+    assert [each.reason for each in events if isinstance(each, LeftOut)] == ["ZeroDivisionError: oh"]
+
+
+class Short(ActionPrimitive):
+    """Drives on, then finds nobody."""
+
+    drives_s: float
+    needs: ClassVar = (Base,)
+
+    def motion(self, robot, model):
+        end = robot.time + self.drives_s
+        while robot.time < end:
+            robot.base.drive(0.2, 0.0)
+            yield
+        raise Discrepancy("nobody is there")
+
+
+@pytest.mark.parametrize(("drives_s", "why"), [(9.0, "it took longer than 2 s"), (1.7, "nobody is there")])
+def test_a_time_out_never_calls_back_from_restoring(stand, drives_s, why):
+    """A4: the way back takes the time that it takes."""
+    action = Action("a", "b", Binding.of(Short(drives_s=drives_s)), 1.0, attempts=1, time_out_s=2.0)
+    network = ActionNetwork.build([Situation("a"), Situation("b")], [action], "a", "b")
+    events = []
+    stand.finish(Coordinator(network, stand.robot, stand.model, observers=[events.append]))
+    (ended,) = [each.outcome for each in events if isinstance(each, Ended)]
+    assert isinstance(ended, Fail)
+    assert ended.reason == why
+    assert stand.robot.time > 3.0
 
 
 def test_what_else_may_have_changed_nobody_knows(stand, go, tmp_path):

@@ -169,3 +169,13 @@ def test_on_floor_drops_tilt_and_height():
         transform((0.1, -0.2, 0.003)) @ transform(rpy=(0.0, 0.0, 0.4)) @ transform(rpy=(0.004, -0.003, 0.0))
     )
     assert on_floor(pose) == pytest.approx((0.1, -0.2, 0.4), abs=1e-5)
+
+
+@pytest.mark.parametrize(("off_mm", "met"), [(0.45, True), (-0.45, True), (0.55, False), (-0.55, False)])
+@pytest.mark.parametrize("axis", [0, 1])
+def test_half_a_millimetre_is_where_the_rule_ends(axis, off_mm, met):
+    planned = transform((0.1, 0.2, 0.3))
+    seen = planned.copy()
+    seen[axis, 3] += 1e-3 * off_mm
+    assert StopRule().met(planned, seen) == met
+    assert PAPER_RULE.met(planned, seen) == met

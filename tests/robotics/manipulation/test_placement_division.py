@@ -120,3 +120,26 @@ def test_a_point_out_of_everybodys_reach_is_named() -> None:
     with pytest.raises(Untrackable, match=r"point 2 of the path .* also tracks the point before"):
         usable = np.array([[True, True, False, False], [False, False, True, True]])
         best_division(PlacementScores(usable.astype(np.float32), usable), np.arange(4.0), 5)
+
+
+def test_of_equals_the_first_is_taken() -> None:
+    """Base poses are ordered by preference."""
+    values = np.full((4, 6), 0.5, dtype=np.float32)
+    values[0, 0] = 0.0
+    usable = np.ones((4, 6), dtype=np.bool_)
+    usable[0, 0] = False
+    scores, lengths = PlacementScores(values, usable), np.arange(6.0)
+    assert best_division(scores, lengths, 1).segments == ((1, 0, 5),)
+    assert best_division_by_cost(scores, lengths, 0.1).segments == ((1, 0, 5),)
+    assert greedy_division(scores, lengths).segments == ((1, 0, 5),)
+
+
+def test_by_hand_the_arm_may_not_jump() -> None:
+    values, usable = np.ones((2, 6), dtype=np.float32), np.ones((2, 6), dtype=np.bool_)
+    joined = np.ones((2, 5), dtype=np.bool_)
+    joined[0, 2] = False
+    scores = PlacementScores(values, usable, joined)
+    assert division_by_hand(scores, np.arange(6.0), [0, 1], [2]).score == pytest.approx(5.0)
+    with pytest.raises(Untrackable, match="makes the arm jump at placement 0") as refused:
+        division_by_hand(scores, np.arange(6.0), [0, 1], [4])
+    assert refused.value.index == 3

@@ -85,3 +85,38 @@ def test_the_same_seed_and_a_restored_one_give_the_same_run():
         localizer.fix(np.array([1.2, 0.1]))
         drive(localizer, 2.0)
     assert np.array_equal(first.particles, again.particles)
+
+
+EXACT = ParticleErrors(forward=0.0, turn=0.0, start_position=0.0, start_heading=0.0)
+
+
+def test_an_arc_ends_where_an_arc_ends():
+    """Each step turns by its half before it goes."""
+    localizer = ParticleFilter(Pose2(0.0, 0.0, 0.0), EXACT, count=4)
+    drive(localizer, 4.0, speed=0.5, rate=0.5)
+    assert localizer.pose.x == pytest.approx(math.sin(2.0), abs=2e-3)
+    assert localizer.pose.y == pytest.approx(1.0 - math.cos(2.0), abs=2e-3)
+
+
+@pytest.mark.parametrize(
+    ("sigma", "mean", "variance"), [(1.0, 0.8, 0.8), (0.5, 0.941, 0.235), (4.0, 0.2, 3.2)]
+)
+def test_a_fix_leaves_what_bayes_says(sigma, mean, variance):
+    """Of a normal spread and a normal fix: weights, draws and the fix's own sigma all count in it."""
+    localizer = ParticleFilter(Pose2(0.0, 0.0, 0.0), ParticleErrors(start_position=2.0), count=20_000, seed=3)
+    assert localizer.fix(np.array([1.0, 0.0]), sigma)
+    assert localizer.pose.x == pytest.approx(mean, abs=0.06)
+    assert localizer.covariance[0, 0] == pytest.approx(variance, rel=0.08)
+    assert localizer.covariance[1, 1] == pytest.approx(variance, rel=0.08)
+
+
+@pytest.mark.parametrize(("away", "believed"), [(4.5, True), (5.5, False)])
+def test_a_fix_is_a_jump_beyond_five_of_its_sigmas(away, believed):
+    localizer = ParticleFilter(Pose2(0.0, 0.0, 0.0), ParticleErrors(start_position=0.5))
+    assert localizer.fix(np.array([away, 0.0])) == believed
+    assert localizer.fix(np.array([4.5 + 0.5 * away, 0.0]), sigma=2.0)
+
+
+def test_headings_that_are_anyhow_vary_no_more_than_on_a_circle():
+    localizer = ParticleFilter(Pose2(0.0, 0.0, 1.0), ParticleErrors(start_heading=6.0))
+    assert localizer.covariance[2, 2] == pytest.approx(math.pi**2 / 3, rel=0.1)

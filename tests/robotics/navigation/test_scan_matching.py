@@ -118,3 +118,20 @@ def test_a_map_without_walls_explains_nothing():
     match = match_scan(field, np.ones((50, 2)) * 0.1, Pose2(1, 1, 0), np.eye(3) * 0.01)
     assert match.pose == pytest.approx(Pose2(1, 1, 0))
     assert match.inliers == 0.0
+
+
+def test_a_sure_prior_holds_a_scan_that_says_otherwise(library_boxes, library_field, scan):
+    """The prior pulls in every step, not only at the first."""
+    pose = Pose2(6.0, 3.5, 0.3)
+    points = scan(library_boxes, pose, np.random.default_rng(0))
+    prior = shifted(pose, np.array([0.02, 0.0, 0.0]))
+    match = match_scan(library_field, points, prior, np.diag([3e-4, 3e-4, 3e-4]) ** 2)
+    assert match.pose.distance(prior) < 0.004
+
+
+def test_what_lies_ten_centimetres_off_is_not_explained():
+    field = LikelihoodField(from_boxes([(2.0, 3.05, 0.0, 4.0, 0.1)], 0.05, (0.0, 0.0), (4.0, 4.0)))
+    on_wall = np.column_stack([np.linspace(-1.5, 1.5, 60), np.full(60, 1.525)])
+    before_it = on_wall - (0.0, 0.1)
+    match = match_scan(field, np.vstack([on_wall, before_it]), Pose2(2.0, 1.5, 0.0), np.eye(3) * 1e-10)
+    assert match.inliers == pytest.approx(0.5)

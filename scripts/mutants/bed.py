@@ -1,0 +1,75 @@
+"""A copy of the project in which bugs are planted, one at a time."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from mutant import Mutant
+
+FAILED = 1  # pytest's exit status where a test failed
+PATIENCE_S = 300.0
+
+
+class Bed:
+    """A copy of the project, with its tests.
+
+    Machine code that numba keeps is kept outside the copy, and made anew for a bug in what is compiled: numba
+    doesn't see that a function that another one calls has changed.
+    """
+
+    def __init__(self, project: Path, folder: Path) -> None:
+        """Copy what git knows or would take up of `project` into `folder`/project."""
+        self.root, self._machine_code = folder / "project", folder / "numba"
+        listed = ["git", "-C", str(project), "ls-files", "-z", "--cached", "--others", "--exclude-standard"]
+        for name in filter(None, subprocess.check_output(listed, text=True).split("\0")):
+            if (project / name).is_file():
+                (self.root / name).parent.mkdir(parents=True, exist_ok=True)
+                shutil.copy2(project / name, self.root / name)
+        if (project.parent / "shared").exists():
+            (folder / "shared").symlink_to(project.parent / "shared")
+
+    def passes(self, tests: tuple[str, ...]) -> bool:
+        """Whether the tests pass without any bug."""
+        return self._run(tests, self._machine_code) == 0
+
+    def notices(self, mutant: Mutant) -> bool:
+        """Whether one of the nearest tests fails, or never ends, with the bug planted."""
+        with self._planted(mutant) as compiled:
+            code = self._machine_code.with_name("planted") if compiled else self._machine_code
+            status = self._run(mutant.tests, code)
+            shutil.rmtree(self._machine_code.with_name("planted"), ignore_errors=True)
+        if status not in (0, FAILED):
+            raise RuntimeError(f"{mutant.file}: {mutant.name}: pytest ends with status {status}")
+        return status == FAILED
+
+    @contextmanager
+    def _planted(self, mutant: Mutant) -> Iterator[bool]:
+        """Plant a bug; gives whether it is in compiled code."""
+        path = self.root / mutant.file
+        sound, times = path.read_text(encoding="utf-8"), path.stat()
+        path.write_text(mutant.planted(sound), encoding="utf-8")
+        try:
+            yield "@compiled" in sound
+        finally:
+            path.write_text(sound, encoding="utf-8")
+            os.utime(path, ns=(times.st_atime_ns, times.st_mtime_ns))
+
+    def _run(self, tests: tuple[str, ...], machine_code: Path) -> int:
+        command = [sys.executable, "-B", "-m", "pytest", "-q", "-x", "-p", "no:cacheprovider", *tests]
+        surroundings = os.environ | {
+            "PYTHONPATH": str(self.root),
+            "PYTHONDONTWRITEBYTECODE": "1",
+            "NUMBA_CACHE_DIR": str(machine_code),
+        }
+        quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL, "stdin": subprocess.DEVNULL}
+        try:
+            ended = subprocess.run(command, cwd=self.root, env=surroundings, timeout=PATIENCE_S, **quiet)  # type: ignore[call-overload]
+        except subprocess.TimeoutExpired:
+            return FAILED
+        return int(ended.returncode)

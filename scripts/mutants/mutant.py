@@ -1,0 +1,46 @@
+"""One planted bug, and the tables that hold them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+from ruamel.yaml import YAML
+
+TABLE = Path(__file__).parent / "table"
+
+
+@dataclass(frozen=True)
+class Mutant:
+    """A bug that somebody could have written, and the tests that have to notice it."""
+
+    name: str
+    """What is wrong with it, in a few words."""
+    file: str
+    """Path in the project."""
+    text: str
+    """What stands there once."""
+    replacement: str
+    tests: tuple[str, ...]
+    """Nearest tests, as pytest takes them."""
+
+    def planted(self, content: str) -> str:
+        """The file's content with the bug; raises `ValueError` where the text isn't there exactly once."""
+        found = content.count(self.text)
+        if found != 1:
+            raise ValueError(f"{self.file}: {self.name}: the text is there {found} times; needed: once")
+        return content.replace(self.text, self.replacement)
+
+
+def read_table(table: Path = TABLE) -> list[Mutant]:
+    """All mutants of the files in a folder, in the files' order."""
+    return [mutant for path in sorted(table.glob("*.yaml")) for mutant in _read(path)]
+
+
+def _read(path: Path) -> Iterator[Mutant]:
+    for file in YAML(typ="safe").load(path.read_text(encoding="utf-8")):
+        tests = tuple(file["tests"])
+        for bug in file["bugs"]:
+            own = tuple(bug.get("tests", tests))
+            yield Mutant(bug["name"], file["file"], bug["text"], bug["replacement"], own)
