@@ -181,8 +181,8 @@ class RobotFile(FileModel):
     def urdf_path(self) -> Path:
         """A file with the URDF of the whole robot: that beside the robot's file, or a temporary one."""
         if self._path is None:
-            own = resolve_inside(self._folder, self.urdf)
-            self._path = own if own.read_text(encoding="utf-8") == self.urdf_text() else self._written()
+            text, own = self.urdf_text().encode(), resolve_inside(self._folder, self.urdf)
+            self._path = own if own.read_bytes() == text else self._written()
         return self._path
 
     def urdf_text(self) -> str:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from importlib import import_module
 from typing import TYPE_CHECKING
 
+from files.errors import FileError
 from files.suggest import suggest
 from robotics.kinematics.urdf_assembly import link_names
 
@@ -27,6 +28,8 @@ def robot_findings(robot: RobotFile, document: Document) -> list[Finding]:
     """Everything wrong with the URDF, the joints' names and the postures, each at its place in the file."""
     try:
         urdf = robot.urdf_text()
+    except FileError as error:
+        return list(error.findings)
     except UrdfError as error:
         key = ("urdf",) if error.part is None else ("parts", error.part)
         return [document.finding(key, str(error))]

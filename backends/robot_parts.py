@@ -11,11 +11,14 @@ from typing import Annotated
 
 from pydantic import AfterValidator
 
-from files.errors import UnsafePath
+from files.errors import FileError, UnsafePath
 from files.inside import portable, resolve_inside
 from files.model import FileModel
 from files.suggest import listed
 from robotics.kinematics.urdf_assembly import Part, read_urdf, with_mesh_files, with_part
+
+from .mesh_path import is_mesh, mesh_path
+from .urdf_file import read_urdf_file
 
 PACKAGE = "package://"
 _NAME = re.compile(r"[A-Za-z_]\w*")
@@ -70,14 +73,19 @@ def assembled(urdf: str, parts: Sequence[PartSpec], folder: Path) -> str:
 
     Raises:
         UrdfError: one of them is missing, or can't be put there.
+        FileError: what is wrong in one of them.
     """
     try:
         text = read_part(urdf, folder)
+    except FileError:  # has the URDF's own lines
+        raise
     except ValueError as error:
         raise UrdfError(str(error)) from error
     for number, each in enumerate(parts):
         try:
             text = with_part(text, each.part(folder))
+        except FileError:
+            raise
         except ValueError as error:
             raise UrdfError(str(error), number) from error
     return text
@@ -91,42 +99,33 @@ def read_part(urdf: str, folder: Path) -> str:
         folder: where that lies.
 
     Raises:
-        ValueError: it isn't there, or is no URDF, or a link's collision mesh isn't there.
+        FileError: what is wrong in it.
+        ValueError: it isn't there, or a link's collision mesh isn't there, or a mesh lies outside (`mesh_path`).
     """
-    path = _found(urdf, folder)
-    try:
-        text = path.read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError):
-        raise ValueError(f"there is no text file {urdf!r}; allowed: a URDF") from None
+    path, root = _found(urdf, folder)
+    if not path.is_file():
+        raise ValueError(f"there is no text file {urdf!r}; allowed: a URDF")
+    text = read_urdf_file(path)
     robot = read_urdf(text)
     if robot.find(".//mesh") is None:
         return text
-    solid = [each.get("filename", "") for each in robot.iterfind(".//collision//mesh")]
-    if missing := sorted({name for name in solid if not mesh_file(name, path).is_file()}):
+    names = {each.get("filename", "") for each in robot.iterfind("link//mesh")}
+    files = {name: mesh_path(name, path, root) for name in sorted(names)}
+    solid = {each.get("filename", "") for each in robot.iterfind("link/collision//mesh")}
+    if missing := sorted(name for name in solid if not is_mesh(files[name])):
         where = f"looked for in {path.parent} and above"
         raise ValueError(f"{urdf!r} names meshes that aren't there: {listed(missing)}; {where}")
-    return with_mesh_files(text, lambda name: str(mesh_file(name, path)))
+    return with_mesh_files(text, lambda name: str(files.get(name, name)))
 
 
-def mesh_file(name: str, urdf: Path) -> Path:
-    """Where a mesh lies that a URDF names: from its folder, or in a ROS package above it.
-
-    `package://NAME/PATH` (or `model://`) is looked for as a folder NAME beside the URDF or beside one of the
-    folders that hold it. The file need not exist.
-    """
-    _, scheme, rest = name.rpartition("://")
-    if not scheme or name.startswith("file://"):
-        return urdf.parent / rest
-    places = [folder / rest for folder in urdf.resolve().parents]
-    return next((place for place in places if place.is_file()), urdf.parent / rest)
-
-
-def _found(urdf: str, folder: Path) -> Path:
+def _found(urdf: str, folder: Path) -> tuple[Path, Path]:
+    """Its file, and the folder that it and its meshes are in."""
     if not urdf.startswith(PACKAGE):
-        return resolve_inside(folder, urdf)
+        return resolve_inside(folder, urdf), folder
     package, _, path = urdf.removeprefix(PACKAGE).partition("/")
     spec = find_spec(package)
     if spec is None or not spec.submodule_search_locations:
         how = "; it comes with: pip install 'handcart[sim]'" if package.startswith("pybullet") else ""
         raise ValueError(f"there is no Python package {package!r}; allowed: an installed one{how}")
-    return resolve_inside(Path(spec.submodule_search_locations[0]), path)
+    root = Path(spec.submodule_search_locations[0])
+    return resolve_inside(root, path), root

@@ -9,9 +9,10 @@ from files.errors import FileError, Finding
 
 MAX_LINE = 20_000
 """[characters]. The YAML parser takes 8 s for a tag that fills a line of 1 MiB: quadratic."""
-_OVERLONG_LINE = re.compile(rf"(?m:^)[^\n]{{{MAX_LINE + 1}}}")
+BYTE_ORDER_MARK = b"\xef\xbb\xbf"
+"""In UTF-8: what some programs begin a text with."""
 _MARKS = (
-    (b"\xef\xbb\xbf", "a UTF-8 byte order mark"),
+    (BYTE_ORDER_MARK, "a UTF-8 byte order mark"),
     (b"\xff\xfe", "a UTF-16 byte order mark"),
     (b"\xfe\xff", "a UTF-16 byte order mark"),
 )
@@ -41,9 +42,9 @@ def read_regular_file(path: Path | str, max_bytes: int) -> bytes:
     return content
 
 
-def decode_text(content: bytes, file: str) -> str:
+def decode_text(content: bytes, file: str, longest_line: int | None = MAX_LINE) -> str:
     """The text of UTF-8 bytes; raises `FileError` with the place of the first byte that is none,
-    of a character that no text has, of a byte order mark or of a line too long.
+    of a character that no text has, of a byte order mark or of a line of more than `longest_line` characters.
     """
     for mark, name in _MARKS:
         if content.startswith(mark):
@@ -57,8 +58,9 @@ def decode_text(content: bytes, file: str) -> str:
     if found := _CONTROL.search(text):
         wrong = f"the character U+{ord(found.group()):04X} stands in the file; allowed: printable characters"
         raise FileError([_at_end_of(text[: found.start()], file, wrong)])
-    if overlong := _OVERLONG_LINE.search(text):
-        wrong = f"a line of more than {MAX_LINE} characters; allowed: shorter ones"
+    overlong = re.search(rf"(?m:^)[^\n]{{{longest_line + 1}}}", text) if longest_line else None
+    if overlong:
+        wrong = f"a line of more than {longest_line} characters; allowed: shorter ones"
         raise FileError([_at_end_of(text[: overlong.start()], file, wrong)])
     return text
 

@@ -1,0 +1,60 @@
+"""Where the meshes lie that a URDF names."""
+
+from __future__ import annotations
+
+import posixpath
+import stat
+from pathlib import Path
+
+from files.errors import UnsafePath
+from files.inside import resolve_inside
+
+LARGEST = 100_000_000  # [bytes] of a mesh
+
+
+def mesh_path(name: str, urdf: Path, root: Path) -> Path:
+    """Where a mesh lies: from the URDF's folder, or in a ROS package beside or above it.
+
+    `package://NAME/PATH` (or `model://`) is looked for as a folder NAME beside the URDF or beside one of the
+    folders that hold it. An absolute path, or `file://` and one, is taken as it stands: tools of ROS write
+    those. The file need not exist.
+
+    Args:
+        name: as in the URDF.
+        urdf: the URDF's file.
+        root: what a relative path may not leave, beside the ROS package that holds the URDF.
+
+    Raises:
+        UnsafePath: the path leads out of its package, or out of `root`, by `..` or by a link.
+    """
+    _, scheme, rest = name.rpartition("://")
+    if scheme and not name.startswith("file://"):
+        return _in_package(name, rest, urdf)
+    if rest.startswith("/"):
+        return Path(rest)
+    return resolve_inside(_root(urdf, root), rest, start=urdf.parent)
+
+
+def is_mesh(path: Path) -> bool:
+    """Whether it is a regular file, and no larger than a mesh may be."""
+    try:
+        status = path.stat()
+    except (OSError, ValueError):
+        return False
+    return stat.S_ISREG(status.st_mode) and status.st_size <= LARGEST
+
+
+def _in_package(name: str, rest: str, urdf: Path) -> Path:
+    package = rest.partition("/")[0]
+    inside = posixpath.normpath(rest)
+    if not package or package == ".." or not inside.startswith(f"{package}/"):
+        raise UnsafePath(name[:1024], "leads out of its package")
+    places = [folder / rest for folder in urdf.resolve().parents]
+    return next((place for place in places if is_mesh(place)), urdf.parent / rest)
+
+
+def _root(urdf: Path, root: Path) -> Path:
+    """The ROS package that holds the URDF, where that reaches further than `root`."""
+    packages = (folder for folder in urdf.resolve().parents if (folder / "package.xml").is_file())
+    package = next(packages, None)
+    return package if package is not None and root.resolve().is_relative_to(package) else root
