@@ -100,7 +100,7 @@ def read_part(urdf: str, folder: Path) -> str:
 
     Raises:
         FileError: what is wrong in it.
-        ValueError: it isn't there, or a link's collision mesh isn't there, or a mesh lies outside (`mesh_path`).
+        ValueError: it isn't there, or a link's collision mesh isn't; or a mesh lies outside (`mesh_path`).
     """
     path, root = _found(urdf, folder)
     if not path.is_file():
