@@ -1,4 +1,4 @@
-"""A map in ROS format in place of a world's file."""
+"""A map in place of a world's file."""
 
 from __future__ import annotations
 
@@ -11,23 +11,23 @@ from tempfile import TemporaryDirectory
 import cv2
 import numpy as np
 
-from files.yaml_document import read_document
 from robotics.geometry.pose2 import Pose2, wrap
-from robotics.navigation.grid_map import UNKNOWN_GREY, GridMap
+from robotics.navigation.grid_map import GridMap
+from robotics.navigation.ros_occupancy import UNKNOWN_GREY
 
-from .map_file import is_map, load_map
+from .map_file import is_map_file, load_map
 
 
 @contextmanager
 def as_world_file(path: Path, start: Pose2) -> Iterator[Path]:
-    """A world's file as it is; for a map in ROS format one that lasts as long as the context.
+    """A world's file as it is; for a map one that lasts as long as the context.
 
     In the map's world stands what is occupied on the map, and the robot at `start` (world_T_base).
 
     Raises:
         FileError: the file cannot be read; of a map, also if its picture cannot.
     """
-    if not is_map(read_document(path)):
+    if not is_map_file(path):
         yield path
         return
     grid, _ = load_map(path)

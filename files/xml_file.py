@@ -71,8 +71,8 @@ class _Walk:
         try:
             self._parser.Parse(text, True)
         except expat.ExpatError as error:
-            words = expat.errors.messages[error.code]
-            wrong = f"not well-formed: {words}; allowed: XML in UTF-8"
+            words = expat.errors.messages[error.code].removeprefix("not well-formed ").strip("()")
+            wrong = f"the file is not well-formed: {words}; allowed: XML in UTF-8"
             raise FileError([Finding(self._file, error.lineno, error.offset + 1, wrong)]) from None
         self._findings.raise_all()
 

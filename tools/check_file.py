@@ -82,7 +82,7 @@ def _places(findings: Iterable[Finding]) -> list[dict[str, Any]]:
 def _facts(
     file: Path, settings: dict[str, str], picture: Path | None = None, quick: bool = False
 ) -> dict[str, Any]:
-    from backends.map_file import is_map
+    from backends.map_file import is_map_file
     from files.errors import FileError
     from files.loading import load
     from files.suggest import suggest
@@ -90,9 +90,9 @@ def _facts(
 
     from .file_kinds import KINDS, model_of
 
-    document = read_document(file)
-    if is_map(document):
+    if is_map_file(file):
         return _map_facts(file)
+    document = read_document(file)
     data = document.data if isinstance(document.data, dict) else {}
     kind = str(data.get("format", "")).removeprefix("handcart-").split("/")[0]
     if kind not in KINDS:
@@ -118,12 +118,14 @@ def _facts(
 
 def _map_facts(file: Path) -> dict[str, Any]:
     from backends.map_file import load_map
+    from backends.movingai_map import SUFFIX
 
     grid, warning = load_map(file)
     height, width = grid.occupied.shape
     counts = {"occupied": int(grid.occupied.sum()), "unknown": int(grid.unknown.sum())}
     size = f"{width} x {height} of {grid.resolution:g} m"
-    return {"format": "ROS map", "cells": size, **counts, "warnings": [warning] if warning else []}
+    kind = "MovingAI map" if file.suffix == SUFFIX else "ROS map"
+    return {"format": kind, "cells": size, **counts, "warnings": [warning] if warning else []}
 
 
 def _task_facts(file: Path, settings: dict[str, str], quick: bool) -> dict[str, Any]:

@@ -17,7 +17,7 @@ class MissingWorld(InputError):
     """A simulated backend was asked for without a world to simulate."""
 
 
-Coordinate = Annotated[float, Field(ge=-1000.0, le=1000.0)]
+Coordinate = Annotated[float, Field(ge=-1e7, le=1e7)]  # as on maps, which may use a grid of the Earth
 Degrees = Annotated[float, Field(ge=-360.0, le=360.0)]
 Length = Annotated[float, Field(gt=0.0, le=100.0)]
 Millimetres = Annotated[float, Field(gt=0.0, le=1000.0)]

@@ -11,8 +11,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robotics.geometry.pose2 import Pose2
-
-UNKNOWN_GREY = 205  # what map_saver writes where nothing was measured
+from robotics.navigation.ros_occupancy import (
+    FREE,
+    OCCUPIED,
+    UNKNOWN_GREY,
+    occupancy_of_levels,
+    ros_occupancy,
+)
 
 
 class GridMap(NamedTuple):
@@ -67,10 +72,16 @@ class GridMap(NamedTuple):
         return self._replace(occupied=self.occupied | added, unknown=self.unknown & ~added)
 
 
-def occupancy(image: NDArray[np.uint8], negate: bool) -> NDArray[np.float64]:
-    """Occupancy 0 to 1 of each grey level of a map picture, as ROS reads it."""
-    level = image.astype(np.float64) / 255.0
-    return level if negate else 1.0 - level
+def from_occupancy(values: NDArray[np.int8], resolution: float, origin: tuple[float, float]) -> GridMap:
+    """A map from occupancies (h, w) in percent, row 0 at the bottom: 100 is occupied, 0 free, others unknown.
+
+    Args:
+        values: as `ros_occupancy` gives them.
+        resolution: side of a cell, in [m].
+        origin: lower-left corner, in [m].
+    """
+    occupied = values == OCCUPIED
+    return GridMap(occupied, ~occupied & (values != FREE), resolution, origin[0], origin[1])
 
 
 def from_ros(
@@ -87,19 +98,18 @@ def from_ros(
         image: (h, w) grey, row 0 on top, as in the file.
         resolution: side of a cell, in [m].
         origin: lower-left corner of the picture, in [m]; turned pictures are not read.
-        occupied_thresh: above this occupancy a cell is occupied.
-        free_thresh: below this occupancy a cell is free; between the two it is unknown.
+        occupied_thresh: from this occupancy on a cell is occupied.
+        free_thresh: up to this occupancy a cell is free; between the two it is unknown.
         negate: dark means free.
     """
-    level = occupancy(np.flipud(image), negate)
-    occupied = level > occupied_thresh
-    return GridMap(occupied, ~occupied & ~(level < free_thresh), resolution, origin[0], origin[1])
+    values = ros_occupancy(image, "trinary", occupied_thresh, free_thresh, negate)
+    return from_occupancy(values, resolution, origin)
 
 
 def unknown_read_as_free(image: NDArray[np.uint8], free_thresh: float, negate: bool = False) -> int:
     """How many cells of grey 205 (nothing was measured there) the threshold turns into free ones."""
-    grey = image[image == UNKNOWN_GREY]
-    return int(np.count_nonzero(occupancy(grey, negate) < free_thresh))
+    is_free = occupancy_of_levels(negate)[UNKNOWN_GREY] <= free_thresh
+    return int(np.count_nonzero(image == UNKNOWN_GREY)) if is_free else 0
 
 
 class Box(NamedTuple):

@@ -108,7 +108,7 @@ def test_a_urdf_without_parts_and_meshes_is_taken_as_it_is() -> None:
         ),
         ("urdf: stick.urdf", 'urdf: "package://../stick.urdf"', "names no package"),
         ("urdf: stick.urdf", "urdf: ../stick.urdf", "leads out of"),
-        ("urdf: stick.urdf", "urdf: robot.yaml", "robot.yaml:1:1: not well-formed: syntax error"),
+        ("urdf: stick.urdf", "urdf: robot.yaml", "robot.yaml:1:1: the file is not well-formed"),
     ],
 )
 def test_a_wrong_part_is_told_with_its_place(robot: Path, old: str, new: str, wrong: str) -> None:

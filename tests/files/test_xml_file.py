@@ -37,8 +37,11 @@ def test_the_largest_that_is_read():
         ('<!DOCTYPE r SYSTEM "file:///etc/passwd"><r/>', "a document type"),
         ("<r>" + "<a/>" * MAX_NODES + "</r>", f"more than {MAX_NODES} elements and attributes"),
         ("<a>" * (MAX_DEPTH + 1) + "</a>" * (MAX_DEPTH + 1), f"nested deeper than {MAX_DEPTH}"),
-        ("<r>\n <a></b>\n</r>", "f.urdf:2:7: not well-formed: mismatched tag; allowed: XML in UTF-8"),
-        ("", "f.urdf:1:1: not well-formed: no element found"),
+        (
+            "<r>\n <a></b>\n</r>",
+            "f.urdf:2:7: the file is not well-formed: mismatched tag; allowed: XML in UTF-8",
+        ),
+        ("", "f.urdf:1:1: the file is not well-formed: no element found"),
         (b"<r>\n\xe9</r>", "f.urdf:2:1: the byte 0xe9 is not UTF-8"),
         (b"<r>\x00</r>", "the character U+0000"),
         ("<r/>".encode("utf-16"), "UTF-16"),

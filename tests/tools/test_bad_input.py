@@ -167,7 +167,7 @@ def test_findings_of_do_name_what_was_typed(handcart: Callable[..., Any]) -> Non
     ("old", "new", "told"),
     [
         ("urdf: librarian.urdf", "urdf: none.urdf", "there is no text file 'none.urdf'"),
-        ("urdf: librarian.urdf", "urdf: robot.yaml", "the URDF is not well-formed"),
+        ("urdf: librarian.urdf", "urdf: robot.yaml", "the file is not well-formed"),
         ("joint_6]", "joint_7]", "no movable joint 'joint_7'"),
         ("home: [-", "home: [0, -", "7 angles; allowed: 6"),
         ("home: [-", "home: [-9", "joint_1 can't stand at"),

@@ -1,0 +1,77 @@
+"""Reading a picture: its size is known before anything of it is unpacked."""
+
+from __future__ import annotations
+
+import warnings
+from io import BytesIO
+from pathlib import Path
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from files.errors import FileError, Finding
+from files.regular_file import read_regular_file
+
+if TYPE_CHECKING:
+    from PIL.Image import Image
+
+FORMATS = {"PNG": "PNG", "PPM": "PGM", "BMP": "BMP", "JPEG": "JPEG"}
+"""What is read, by Pillow's name: what map servers of ROS write and read."""
+MAX_BYTES = 1 << 26
+MAX_PIXELS = 25_000_000
+"""A map of 250 m by 250 m in cells of 5 cm. Pictures of 30,000 by 30,000 pixels fit in 109 kB."""
+
+
+class Grey(NamedTuple):
+    """A picture without its colours."""
+
+    level: NDArray[np.uint8]
+    """(h, w), row 0 on top; 0 is black."""
+    opaque: NDArray[np.bool_] | None
+    """(h, w): where nothing shines through; None of a picture that can't be transparent."""
+
+
+def read_grey(path: Path, max_pixels: int = MAX_PIXELS) -> Grey:
+    """The grey levels of a picture; of one with 16 bits the upper eight.
+
+    Raises:
+        FileError: it is missing or no regular file, has too many bytes or pixels, is none of the `FORMATS`,
+            or is broken.
+    """
+    from PIL import Image, UnidentifiedImageError
+
+    content = read_regular_file(path, MAX_BYTES)
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("error", Image.DecompressionBombWarning)
+            image = Image.open(BytesIO(content), formats=list(FORMATS))
+            if image.width * image.height > max_pixels:
+                raise _refused(path, _large(f"{image.width} x {image.height}", max_pixels))
+            return _grey(image)
+    except FileError:
+        raise
+    except (Image.DecompressionBombWarning, Image.DecompressionBombError):
+        raise _refused(path, _large("far too many", max_pixels)) from None
+    except UnidentifiedImageError:
+        raise _refused(path, f"is no picture; allowed: {', '.join(FORMATS.values())}") from None
+    except Exception:  # the readers of the formats let out whatever a broken file makes them raise
+        raise _refused(path, "is broken or cut short; allowed: a whole picture") from None
+
+
+def _grey(image: Image) -> Grey:
+    clear = image.has_transparency_data
+    opaque = np.asarray(image.convert("RGBA"))[..., 3] == 255 if clear else None
+    if image.mode.startswith("I"):  # 16 bits: Pillow's own conversion cuts them off at 255
+        level = (np.asarray(image).astype(np.uint32) >> 8).astype(np.uint8)
+    else:
+        level = np.asarray(image.convert("L"))
+    return Grey(level, opaque)
+
+
+def _large(size: str, most: int) -> str:
+    return f"has {size} pixels; allowed: {most} in all"
+
+
+def _refused(path: Path, wrong: str) -> FileError:
+    return FileError([Finding(str(path), 1, 1, f"the picture {wrong}")])
