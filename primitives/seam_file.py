@@ -2,23 +2,22 @@
 
 from __future__ import annotations
 
-import csv
 import math
-from io import StringIO
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
+from files.csv_table import CsvRow, number_in, read_csv
 from files.errors import FileError, Finding
 from files.findings import Findings
-from files.regular_file import decode_text, read_regular_file
 from robotics.geometry.transform import transform
 from robotics.manipulation.tool_path import ToolPath, tool_path
 from robotics.manipulation.untrackable import Untrackable
 
 COLUMNS = ("x_m", "y_m", "z_m", "roll_deg", "pitch_deg", "yaw_deg")
-MAX_BYTES = 1 << 22
+MOST = 50_000  # points
+LARGEST = 1e6  # [m] or [deg]
 
 
 def load_seam(path: Path | str) -> ToolPath:
@@ -31,15 +30,15 @@ def load_seam(path: Path | str) -> ToolPath:
         FileError: it is no such file, or the first bad point: NaN, a repeated position, a jump.
     """
     file = str(path)
-    text = decode_text(read_regular_file(path, MAX_BYTES), file)
-    lines = text.splitlines()
-    if not lines or tuple(cell.strip() for cell in lines[0].split(",")) != COLUMNS:
+    lines = read_csv(path, MOST)
+    first = next(lines, None)
+    if first is None or first.cells != COLUMNS:
         raise _refused(file, 1, f"these are no columns of a seam; allowed: {','.join(COLUMNS)}")
     findings = Findings()
-    rows = [_row(file, number, line, findings) for number, line in enumerate(lines[1:], start=2)]
+    rows = [_row(file, line, findings) for line in lines]
     findings.raise_all()
     if len(rows) < 2:
-        raise _refused(file, len(lines), f"{len(rows)} points; allowed: two or more, one a line")
+        raise _refused(file, 1 + len(rows), f"{len(rows)} points; allowed: two or more, one a line")
     try:
         return tool_path(np.array([_pose(row) for row in rows]))
     except Untrackable as error:
@@ -63,27 +62,16 @@ def write_seam(path: Path, poses: NDArray[np.float64]) -> None:
     path.write_text("\n".join(rows) + "\n", encoding="utf-8")
 
 
-def _row(file: str, number: int, line: str, findings: Findings) -> list[float]:
-    cells = next(csv.reader(StringIO(line)), [])
-    if len(cells) != len(COLUMNS):
-        findings.add(Finding(file, number, 1, f"{len(cells)} values; allowed: {len(COLUMNS)}"))
+def _row(file: str, row: CsvRow, findings: Findings) -> list[float]:
+    if len(row.cells) != len(COLUMNS):
+        findings.add(Finding(file, row.line, 1, f"{len(row.cells)} values; allowed: {len(COLUMNS)}"))
         return []
-    values, column = [], 1
-    for name, cell in zip(COLUMNS, cells, strict=True):
-        value = _number(cell)
-        if not math.isfinite(value):
-            wrong = f"{name} is {cell.strip()[:40]!r}; allowed: a finite number"
-            findings.add(Finding(file, number, column, wrong))
-        values.append(value)
-        column += len(cell) + 1
+    values = [number_in(cell) for cell in row.cells]
+    for name, cell, value, column in zip(COLUMNS, row.cells, values, row.columns, strict=True):
+        if not abs(value) <= LARGEST:
+            wrong = f"{name} is {cell[:40]!r}; allowed: a finite number up to {LARGEST:g}"
+            findings.add(Finding(file, row.line, column, wrong))
     return values
-
-
-def _number(cell: str) -> float:
-    try:
-        return float(cell)
-    except ValueError:
-        return math.nan
 
 
 def _pose(row: list[float]) -> NDArray[np.float64]:

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-import csv
 import math
+from collections import defaultdict
 from collections.abc import Iterator
 from pathlib import Path
 from typing import NamedTuple
 
-from files.errors import FileError, Finding
+from files.csv_table import number_in, read_csv
+from files.errors import Finding
 from files.findings import Findings
 from files.suggest import listed
 from files.yaml_document import read_document
@@ -25,6 +26,8 @@ DEGREES = ("latitude_deg", "longitude_deg")
 HEADING = "heading_deg"
 LEAST_APART = 0.3  # [m] between two targets
 MOST = 5000  # targets
+LONGEST_NAME = 60  # characters
+SHOWN = 60  # characters of what is wrong
 
 
 class Row(NamedTuple):
@@ -58,10 +61,11 @@ def load_targets(path: Path, field: Field, start: Pose2) -> dict[str, Target]:
     if len(rows) > MOST:
         findings.add(Finding(str(path), rows[MOST].line, 1, f"too many targets; allowed: {MOST}"))
     found: dict[str, Target] = {}
+    near = _Near()
     before = start
     for row in rows[:MOST]:
         try:
-            target = _target(row, field, earth, before, found)
+            target = _target(row, field, earth, before, found, near)
         except _Wrong as wrong:
             findings.add(Finding(str(path), row.line, row.columns.get(wrong.key, 1), str(wrong)))
             continue
@@ -83,26 +87,42 @@ class _Wrong(ValueError):
         super().__init__(words)
 
 
+class _Near:
+    """Targets by the square that they lie in, so that each is compared with few others."""
+
+    def __init__(self) -> None:
+        self._squares: defaultdict[tuple[int, int], list[tuple[str, float, float]]] = defaultdict(list)
+
+    def add(self, name: str, x: float, y: float) -> None:
+        self._squares[math.floor(x / LEAST_APART), math.floor(y / LEAST_APART)].append((name, x, y))
+
+    def to(self, x: float, y: float) -> list[str]:
+        """The names of those that lie nearer than allowed."""
+        column, row = math.floor(x / LEAST_APART), math.floor(y / LEAST_APART)
+        squares = [(column + i, row + j) for i in (-1, 0, 1) for j in (-1, 0, 1)]
+        others = [other for square in squares for other in self._squares.get(square, ())]
+        return [name for name, x_, y_ in others if math.hypot(x_ - x, y_ - y) < LEAST_APART]
+
+
 def _csv(path: Path, wrong: Findings) -> Iterator[Row]:
-    text = _text(path)
-    reader = csv.reader(text.splitlines())
-    header = [name.strip() for name in next(reader, [])]
+    rows = read_csv(path, MOST)
+    first = next(rows, None)
+    header = first.cells if first else ()
     wanted = [pair for pair in (METRES, DEGREES) if set(header) & {*METRES, *DEGREES} == set(pair)]
     unknown = [name for name in header if name not in ("name", HEADING, *METRES, *DEGREES)]
     if len(wanted) != 1 or unknown or len(set(header)) != len(header):
         allowed = "allowed: name, and x_m,y_m or latitude_deg,longitude_deg, perhaps heading_deg"
-        wrong.add(Finding(str(path), 1, 1, f"the header is {','.join(header)!r}; {allowed}"))
+        wrong.add(Finding(str(path), 1, 1, f"the header is {','.join(header)[:SHOWN]!r}; {allowed}"))
         return
-    for cells in reader:
-        if not any(cell.strip() for cell in cells):
+    for row in rows:
+        if not row.cells:
             continue
-        if len(cells) != len(header):
-            told = f"{len(cells)} cells; allowed: {len(header)}, as in the header"
-            wrong.add(Finding(str(path), reader.line_num, 1, told))
+        if len(row.cells) != len(header):
+            told = f"{len(row.cells)} cells; allowed: {len(header)}, as in the header"
+            wrong.add(Finding(str(path), row.line, 1, told))
             continue
-        starts = [1 + sum(len(cell) + 1 for cell in cells[:k]) for k in range(len(cells))]
-        words = {key: cell.strip() for key, cell in zip(header, cells, strict=True)}
-        yield Row(reader.line_num, dict(zip(header, starts, strict=True)), words)
+        words = dict(zip(header, row.cells, strict=True))
+        yield Row(row.line, dict(zip(header, row.columns, strict=True)), words)
 
 
 def _geojson(path: Path, wrong: Findings) -> Iterator[Row]:
@@ -131,17 +151,12 @@ def _word(node: Node) -> str:
     return str(node.content)
 
 
-def _text(path: Path) -> str:
-    try:
-        return path.read_text(encoding="utf-8-sig")
-    except (OSError, UnicodeDecodeError):
-        raise FileError([Finding(str(path), 0, 0, "can't be read; allowed: a text file")]) from None
-
-
 def _target(
-    row: Row, field: Field, earth: EarthFrame | None, before: Pose2, found: dict[str, Target]
+    row: Row, field: Field, earth: EarthFrame | None, before: Pose2, found: dict[str, Target], near: _Near
 ) -> Target:
     name = row.words.get("name") or str(len(found) + 1)
+    if len(name) > LONGEST_NAME:
+        raise _Wrong("name", f"the name has {len(name)} characters; allowed: {LONGEST_NAME}")
     if name in found:
         told = (
             f"the target {name!r} is there twice, first in line {found[name].line}; allowed: each name once"
@@ -155,22 +170,19 @@ def _target(
         (west, east), (south, north) = field.x_m, field.y_m
         inside = f"allowed: the field, x {west:g} to {east:g} m, y {south:g} to {north:g} m"
         raise _Wrong(key, f"the target {name!r} at ({x:.1f}, {y:.1f}) m lies outside; {inside}")
-    near = [other.name for other in found.values() if math.hypot(other.x - x, other.y - y) < LEAST_APART]
-    if near:
-        told = f"the target {name!r} lies where {listed(near)} does; allowed: {LEAST_APART} m apart at least"
+    if there := near.to(x, y):
+        told = f"the target {name!r} lies where {listed(there)} does; allowed: {LEAST_APART} m apart at least"
         raise _Wrong(key, told)
     heading = math.radians(_number(row, HEADING)) if row.words.get(HEADING) else None
     stand = _stand(x, y, field.aside_m, before, heading)
+    near.add(name, x, y)
     return Target(name, x, y, stand, row.line, row.columns.get("name", 1))
 
 
 def _number(row: Row, key: str) -> float:
-    try:
-        value = float(row.words[key])
-    except ValueError:
-        raise _Wrong(key, f"{key} is {row.words[key]!r}; allowed: a number") from None
+    value = number_in(row.words[key])
     if not math.isfinite(value):
-        raise _Wrong(key, f"{key} is {row.words[key]}; allowed: a finite number")
+        raise _Wrong(key, f"{key} is {row.words[key][:SHOWN]!r}; allowed: a finite number")
     return value
 
 

@@ -50,3 +50,20 @@ def test_a_repeated_point_and_a_seam_of_one_are_refused(tmp_path: Path) -> None:
     path.write_text(",".join(COLUMNS) + "\n0,0,1,0,0,0\n", encoding="utf-8")
     with pytest.raises(FileError, match=r"one.csv:2:1: 1 points; allowed: two or more"):
         load_seam(path)
+
+
+def test_a_seam_as_strangers_write_it_is_refused(tmp_path: Path) -> None:
+    """T2, T9"""
+    head, path = ",".join(COLUMNS) + "\n", tmp_path / "seam.csv"
+    for text, wanted in (
+        (head + "0,0,1,0,0,0\n" * 50_001, r"seam.csv:50002:1: more than 50000 rows"),
+        (head + "9" * 30_000, r"seam.csv:2:1: a line of more than 20000 characters"),
+        (
+            head + "1e300,0,1,0,0,0\n1,0,1,0,0,0\n",
+            r"seam.csv:2:1: x_m is '1e300'; allowed: a finite number up",
+        ),
+        (head + "1_0,0,1,0,0,0\n1,0,1,0,0,0\n", r"seam.csv:2:1: x_m is '1_0'"),
+    ):
+        path.write_text(text, encoding="utf-8")
+        with pytest.raises(FileError, match=wanted):
+            load_seam(path)

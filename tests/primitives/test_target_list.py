@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import os
 
 import pytest
 
@@ -64,7 +65,7 @@ def test_each_bad_line_is_told(tmp_path):
     found = faults(tmp_path, text)
     assert [line for line, _, _ in found] == [3, 4, 5, 6, 7, 8]
     words = [message for _, _, message in found]
-    for wrong, part in zip(words, ["twice", "finite", "apart", "outside", "a number", "cells"], strict=True):
+    for wrong, part in zip(words, ["twice", "finite", "apart", "outside", "ten", "cells"], strict=True):
         assert part in wrong
         assert "allowed" in wrong
     assert found[1][1] == 3  # the cell of x
@@ -107,3 +108,44 @@ def test_a_list_without_targets_is_refused(tmp_path, text):
 )
 def test_geojson_without_points_is_refused(tmp_path, text):
     assert faults(tmp_path, text, "targets.geojson")
+
+
+@pytest.mark.parametrize(
+    ("text", "line", "words"),
+    [
+        ("name,x_m,y_m\n" + "a" * 200_000 + ",1,2\n", 2, "a line of more than 20000 characters"),
+        ("name,x_m,y_m\n" + "a" * 61 + ",1,2\n", 2, "the name has 61 characters; allowed: 60"),
+        ('name,x_m,y_m\n"a' + ",1,2\n" * 40_000, 26216, "no CSV: field larger than field limit"),
+        ("name,x_m,y_m\n" + "\n" * 5001, 5002, "more than 5000 rows; allowed: fewer"),
+        ("name,x_m,y_m\na,1_0,2\n", 2, "x_m is '1_0'; allowed: a finite number"),
+        ("name,x_m,y_m\na,1\0,2\n", 2, "the character U+0000"),
+        ("x" * 19_000 + "\n", 1, "the header is 'xxxx"),
+    ],
+)
+def test_a_list_as_strangers_write_it_is_refused_at_its_line(tmp_path, text, line, words):
+    """T2, T14"""
+    told = faults(tmp_path, text)
+    assert [each for each, _, _ in told] == [line]
+    assert words in told[0][2]
+    assert len(told[0][2]) < 300
+
+
+def test_a_list_of_40_mb_is_not_read(tmp_path):
+    """T2"""
+    path = tmp_path / "targets.csv"
+    path.touch()
+    os.truncate(path, 40_000_000)
+    with pytest.raises(FileError, match=r"targets.csv:1:1: the file has 40000000 bytes; allowed: at most"):
+        load_targets(path, FIELD, START)
+
+
+def test_a_list_from_a_spreadsheet_begins_with_a_byte_order_mark(tmp_path):
+    assert read(tmp_path, "\ufeffname, x_m, y_m\na, 10, 0\n")["a"].x == 10.0
+
+
+def test_the_largest_list_is_read_and_one_target_too_near_is_found(tmp_path):
+    apart = [(x, y) for x in range(-19, 81) for y in range(-25, 25)]
+    rows = [f"t{number},{x},{y}" for number, (x, y) in enumerate(apart[:-1])]
+    last = f"last,{apart[0][0] + 0.2},{apart[0][1] - 0.2}"
+    ((line, _, message),) = faults(tmp_path, "\n".join(["name,x_m,y_m", *rows, last]))
+    assert (line, "lies where t0 does" in message) == (5001, True)

@@ -1,0 +1,63 @@
+"""Reading a CSV file: bounded in bytes, rows and cells, with the place of each cell."""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Iterator
+from itertools import accumulate
+from pathlib import Path
+from typing import NamedTuple
+
+from files.errors import FileError, Finding
+from files.regular_file import BYTE_ORDER_MARK, decode_text, read_regular_file
+
+MAX_BYTES = 1 << 22
+
+
+class CsvRow(NamedTuple):
+    """A row, with the line that it ends in and the column where each cell begins."""
+
+    line: int
+    cells: tuple[str, ...]
+    """Without spaces around them."""
+    columns: tuple[int, ...]
+
+
+def read_csv(path: Path | str, most: int, max_bytes: int = MAX_BYTES) -> Iterator[CsvRow]:
+    """The rows of a CSV file in UTF-8, the header first; one without anything in it has no cells.
+
+    Args:
+        path: the file.
+        most: rows, beside the header.
+        max_bytes: larger files are not read.
+
+    Raises:
+        FileError: it can't be read, is no text or too large, has a line too long or too many rows.
+    """
+    content = read_regular_file(path, max_bytes)
+    # Spreadsheets begin with one.
+    text = decode_text(content.removeprefix(BYTE_ORDER_MARK), str(path))
+    reader = csv.reader(text.splitlines(keepends=True))
+    try:
+        for number, cells in enumerate(reader):
+            if number > most:
+                raise _refused(path, reader.line_num, f"more than {most} rows; allowed: fewer")
+            starts = accumulate((len(cell) + 1 for cell in cells[:-1]), initial=1)
+            stripped = tuple(cell.strip() for cell in cells)
+            yield CsvRow(reader.line_num, stripped if any(stripped) else (), tuple(starts))
+    except csv.Error as error:
+        raise _refused(
+            path, reader.line_num, f"no CSV: {error}; allowed: cells with commas between"
+        ) from None
+
+
+def number_in(cell: str) -> float:
+    """What a cell tells; NaN where it tells none."""
+    try:
+        return float("nan" if "_" in cell else cell)
+    except ValueError:
+        return float("nan")
+
+
+def _refused(path: Path | str, line: int, wrong: str) -> FileError:
+    return FileError([Finding(str(path), line, 1, wrong)])
