@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import ExitStack
 from pathlib import Path
 
 from canopen.objectdictionary import ObjectDictionary
@@ -107,8 +108,7 @@ class Axes(Mapping[str, Axis]):
 
     def quick_stop(self) -> None:
         """Stop all, each in its own way."""
-        for axis in self.values():
-            axis.quick_stop()
+        _each(axis.quick_stop for axis in self.values())
 
     @property
     def at_rest(self) -> bool:
@@ -123,18 +123,23 @@ class Axes(Mapping[str, Axis]):
 
     def disable(self) -> None:
         """Take the torque away where it may be; what holds goes on holding."""
-        for axis in self.values():
-            axis.disable()
+        _each(axis.disable for axis in self.values())
 
     def leave(self) -> None:
         """Take commands no more: a PDO that comes late moves nothing."""
-        for axis in self.values():
-            axis.nmt.state = "PRE-OPERATIONAL"
+        _each(axis.leave for axis in self.values())
 
     @property
     def holding(self) -> tuple[Axis, ...]:
         """Those that keep their torque when the program ends."""
         return tuple(axis for axis in self.values() if axis.spec.stop == HOLD)
+
+
+def _each(acts: Iterable[Callable[[], None]]) -> None:
+    """Do all, whatever one raises; that is raised in the end."""
+    with ExitStack() as all_of_them:
+        for act in reversed(list(acts)):
+            all_of_them.callback(act)
 
 
 def _planned(robot: RobotFile, spec: CanSpec) -> Iterator[tuple[str, AxisSpec, AxisUnits, AxisLimits]]:

@@ -3,27 +3,35 @@
 from __future__ import annotations
 
 import math
+import struct
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any
 
 import canopen
-from canopen.objectdictionary import ObjectDictionary
+from canopen.objectdictionary import ObjectDictionary, ObjectDictionaryError
 from canopen.pdo import PdoMap
 from canopen.profiles.p402 import State402
+from canopen.sdo.base import SdoVariable
 from canopen.sdo.client import SdoClient
+from canopen.sdo.exceptions import SdoCommunicationError
 
 from backends.can_spec import AxisSpec
 
 from .axis_limits import AxisLimits
 from .axis_units import AxisUnits, unwrapped
-from .errors import TooManyCounts
+from .errors import SilentDrive, TooManyCounts, WrongDrive
 from .expected_motion import ExpectedMotion
 from .fault_words import fault_words
-from .line_sdo_client import LineSdoClient
+from .line_sdo_client import LineSdoClient, NoAnswer
 from .pdo_layout import CYCLIC_POSITION, PROFILE_POSITION, layout
 
 ENABLED, FAULT, QUICK_STOP = "OPERATION ENABLED", "FAULT", "QUICK STOP ACTIVE"
 HOLD = "hold"
 NEW_SETPOINT, AT_ONCE = 1 << 4, 1 << 5
 SETPOINT_TAKEN = 1 << 12
+_START, _PREPARE = 0x01, 0x80  # NMT commands (CiA 301)
+_WRITE_WORD = 0x2B  # command of an SDO that writes two bytes (CiA 301)
 _STANDS = 0.01  # of top speed: slower it stands
 _CREEP = 0.01  # of top speed: no way is planned slower
 
@@ -100,10 +108,59 @@ class Axis(canopen.RemoteNode):
     def _answers(self) -> list[PdoMap]:
         return [self.tpdo[each.number] for each in self.layout.answers]
 
+    # Single objects, at rest
+
+    def read(self, index: int, subindex: int = 0) -> int:
+        """What an object is.
+
+        Raises:
+            SilentDrive: nothing answers.
+            WrongDrive: what it answers is no answer.
+            SdoAbortedError: it refuses.
+            KeyError: it has no such object, by its EDS file.
+        """
+        with self._asked_for(index):
+            return int(self._object(index, subindex).raw)
+
+    def write(self, index: int, subindex: int, value: int) -> None:
+        """Write an object; raises as `read`."""
+        with self._asked_for(index):
+            self._object(index, subindex).raw = value
+
+    def order(self, controlword: int) -> None:
+        """Write a controlword by SDO, and don't wait for the answer; raises `can.CanError`."""
+        self.network.send_message(
+            0x600 + self.id, struct.pack("<BHBHH", _WRITE_WORD, 0x6040, 0, controlword, 0)
+        )
+
+    def _object(self, index: int, subindex: int) -> Any:
+        found = self.sdo[index]
+        return found if isinstance(found, SdoVariable) else found[subindex]
+
+    @contextmanager
+    def _asked_for(self, index: int) -> Iterator[None]:
+        try:
+            yield
+        except NoAnswer:
+            raise SilentDrive(self.name, "answer to an SDO", None) from None
+        except (SdoCommunicationError, ObjectDictionaryError, struct.error) as error:
+            raise WrongDrive(self.name, f"its answer about {index:04X}h", str(error), "by CiA 301") from None
+
+    # On the network
+
+    def start(self) -> None:
+        """From now on it takes commands, and answers (NMT)."""
+        self.network.send_message(0, bytes([_START, self.id]))
+
+    def leave(self) -> None:
+        """From now on it takes no commands (NMT)."""
+        self.network.send_message(0, bytes([_PREPARE, self.id]))
+
     def save_pdos(self) -> None:
-        """Write the mapping of all PDOs that are used; raises `canopen.SdoError`."""
+        """Write the mapping of all PDOs that are used; raises as `read`."""
         for pdo in (*self._commands, *self._answers):
-            pdo.save()
+            with self._asked_for(pdo.com_record.od.index):
+                pdo.save()
         for pdo in self._commands:
             # The library would take what a stranger commands for ours.
             self.network.unsubscribe(pdo.cob_id, pdo.on_message)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager, suppress
+from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
@@ -23,7 +23,7 @@ from .axes import Axes
 from .bus_guard import BusGuard
 from .can_line import CanLine
 from .can_parts import CanParts, capabilities_of
-from .errors import BusFault, CanFault, LateLoop, NoDrives
+from .errors import BrokenOff, BusFault, CanFault, LateLoop, NoDrives
 from .frame_log import FrameLog
 from .frame_names import names_of
 from .heartbeat import Heartbeat
@@ -172,16 +172,8 @@ class CanBackend(Backend):
         Raises:
             CanFault: something is wrong with a drive or the bus, now or in an earlier step.
         """
-        if self._fault is not None:
-            raise self._fault
-        try:
-            with _bus("driving"):
-                self._period()
-        except CanFault as fault:
-            self._fault = fault
-            if self._enabled:
-                self._stop_for_good()
-            raise
+        with self._or_stopped("driving"):
+            self._period()
 
     def _period(self) -> None:
         if not self._enabled:
@@ -214,12 +206,13 @@ class CanBackend(Backend):
         """
         if self._enabled:
             return
-        with _bus("enabling the drives"):
+        with self._or_stopped("enabling the drives"):
+            self._guard.check()
             self.axes.enable(self.simulated, self._heartbeat.beat)
-        self._enabled = True
-        self._guard.begin()
-        if self._pace is not None:
-            self._pace.begin()
+            self._enabled = True
+            self._guard.begin()
+            if self._pace is not None:
+                self._pace.begin()
 
     def watch(self, beat: bool = True) -> None:
         """A period without commands and checks: to see how enabled drives stop by themselves.
@@ -227,35 +220,39 @@ class CanBackend(Backend):
         Args:
             beat: whether our heartbeat is sent.
         """
-        if beat:
-            self._heartbeat.beat()
-        if self._pace is not None:
-            self._pace.wait()
-        self.axes.sync()
+        with self._or_stopped("looking on"):
+            if beat:
+                self._heartbeat.beat()
+            if self._pace is not None:
+                self._pace.wait()
+            self.axes.sync()
 
     def stop(self) -> None:
         """See `Backend`; raises `BusFault` if the interface fails."""
         self.epoch += 1
-        self._parts.halt()
-        if self._fault is None and self._enabled and not self._closed:
+        if self._fault is not None or not self._enabled or self._closed:
+            self._parts.halt()
+            return
+        with self._or_stopped("stopping"):
+            self._parts.halt()
             self._line.flush()
-            with _bus("stopping"):
-                self._parts.pass_on()
-                self.axes.send()
+            self._parts.pass_on()
+            self.axes.send()
 
     def close(self) -> None:
         """See `Backend`; all axes stop, each in its own way."""
         if self._closed:
             return
         self._closed = True
-        if self._fault is None and self._enabled:
-            self._stop_for_good()
-        for sensor in self._sensors:
-            sensor.close()
-        if hasattr(self, "_line"):
-            self._line.close()
-        if self.bench is not None:
-            self.bench.close()
+        with ExitStack() as leaving:  # all of it, whatever one of them raises; from below up
+            if self.bench is not None:
+                leaving.callback(self.bench.close)
+            if hasattr(self, "_line"):
+                leaving.callback(self._line.close)
+            for sensor in self._sensors:
+                leaving.callback(sensor.close)
+            if self._fault is None and self._enabled:
+                self._stop_for_good()
 
     def view(self) -> NDArray[np.uint8] | None:
         """See `Backend`."""
@@ -284,24 +281,47 @@ class CanBackend(Backend):
         """See `Backend`."""
         return {} if self._pace is None else {"loop": self._pace.figures()}
 
+    @contextmanager
+    def _or_stopped(self, doing: str) -> Iterator[None]:
+        """Whatever is raised inside: drives that have torque are stopped for good, each in its own way."""
+        if self._fault is not None:
+            raise self._fault
+        try:
+            with _bus(doing):
+                yield
+        except BaseException as error:
+            if self._fault is None:
+                self._fault = error if isinstance(error, CanFault) else BrokenOff(doing, error)
+                if self._enabled:
+                    self._stop_for_good()
+            raise
+
     def _stop_for_good(self) -> None:
-        """Nothing that is queued may move the robot any more; an interface that fails can't be asked."""
+        """Nothing that is queued may move the robot any more; an interface that fails can't be asked.
+
+        Each step is done whatever the one before it has raised.
+        """
         self.epoch += 1
-        self._parts.halt()
-        self._line.flush()
-        with suppress(can.CanError, BusFault):
-            self.axes.quick_stop()
-            for _ in range(self.axes.periods_to_rest):
-                self._heartbeat.beat()
-                self.axes.sync()
-                if self.axes.at_rest:
-                    break
-                if self._pace is not None:
-                    self._pace.wait()
-            self.axes.disable()
+        axes = self.axes
+        steps = (self._line.flush, axes.quick_stop, self._brake, axes.disable, axes.sync, axes.leave)
+        with suppress(can.CanError, BusFault), ExitStack() as stopping:
+            for step in (self._deliver, *reversed(steps)):
+                stopping.callback(step)
+            self._parts.halt()
+
+    def _brake(self) -> None:
+        """Go on until all have told that they stand."""
+        for _ in range(self.axes.periods_to_rest):
+            self._heartbeat.beat()
             self.axes.sync()
-            self.axes.leave()
-            self._line.wait(lambda: False, 0.0)
+            if self.axes.at_rest:
+                return
+            if self._pace is not None:
+                self._pace.wait()
+
+    def _deliver(self) -> None:
+        """See to it that what was sent is taken in."""
+        self._line.wait(lambda: False, 0.0)
 
     def _now(self) -> float:
         """In [s]: the bench's time, or the monotonic clock's."""

@@ -57,8 +57,9 @@ class CanLine(canopen.Network):
             QueueFull: that has happened several times in a row.
             can.CanError: of the interface.
         """
+        # A copy: what waits in the interface's queue stays what it was when the buffer is filled anew.
         frame = can.Message(
-            arbitration_id=can_id, data=data, is_remote_frame=remote, is_extended_id=can_id > 0x7FF
+            arbitration_id=can_id, data=bytes(data), is_remote_frame=remote, is_extended_id=can_id > 0x7FF
         )
         try:
             self._bus.send(frame)

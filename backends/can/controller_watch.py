@@ -29,7 +29,7 @@ class ControllerWatch(Watch):
         if not frame.is_error_frame:
             return
         kind = frame.arbitration_id
-        detail = frame.data[1] if kind & CONTROLLER and frame.dlc > 1 else 0
+        detail = frame.data[1] if kind & CONTROLLER and len(frame.data) > 1 else 0
         if kind & BUS_OFF:
             self._trouble = "off the bus (bus-off)"
         elif detail & _PASSIVE:

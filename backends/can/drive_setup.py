@@ -2,21 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
-from typing import Any, TypeVar
+from collections.abc import Iterable, Iterator
+from contextlib import suppress
 
 from canopen.profiles.p402 import OperationMode
-from canopen.sdo.base import SdoVariable
-from canopen.sdo.exceptions import SdoAbortedError, SdoCommunicationError
+from canopen.sdo.exceptions import SdoAbortedError
 
 from backends.can_spec import CanSpec
 
 from .axis import Axis
 from .axis_settings import Setting, mapping, settings
-from .errors import Difference, ReadBackDiffers, SilentDrive, WrongDrive
+from .errors import Difference, ReadBackDiffers, WrongDrive
 from .pdo_layout import CYCLIC_POSITION, CYCLIC_VELOCITY, PROFILE_POSITION, PROFILE_VELOCITY
-
-T = TypeVar("T")
 
 _SERVO = 402  # low word of the device type (1000h)
 _SUPPORTED = {
@@ -42,11 +39,11 @@ def set_up(axes: Iterable[Axis], spec: CanSpec, period: float) -> None:
     """
     axes = list(axes)
     for axis in axes:
-        axis.nmt.state = "PRE-OPERATIONAL"
+        axis.leave()
         _check_kind(axis)
         for each in settings(axis, spec, period):
             _write(axis, each)
-        _try(axis, axis.save_pdos)
+        _save_pdos(axis)
     differences = [each for axis in axes for each in read_back(axis, spec, period)]
     if differences:
         raise ReadBackDiffers(differences)
@@ -94,36 +91,25 @@ def _known(axis: Axis, what: Setting) -> int:
 
 def _write(axis: Axis, setting: Setting) -> None:
     """Write an object; one that is refused is told when it is read back."""
+    with suppress(SdoAbortedError, KeyError):
+        axis.write(setting.index, setting.subindex, setting.value)
 
-    def write() -> None:
-        _object(axis, setting).raw = setting.value
 
+def _save_pdos(axis: Axis) -> None:
     try:
-        _try(axis, write)
-    except (SdoAbortedError, KeyError):
-        return
+        axis.save_pdos()
+    except SdoAbortedError as abort:
+        raise WrongDrive(axis.name, "the mapping of its PDOs", f"refused: {abort}", "as planned") from None
 
 
 def _read(axis: Axis, setting: Setting) -> int | str:
     """What an object is, or why nobody knows."""
     try:
-        return _try(axis, lambda: int(_object(axis, setting).raw))
+        return axis.read(setting.index, setting.subindex)
     except SdoAbortedError as abort:
         return f"refused: {abort}"
     except KeyError:
         return "not in its EDS file"
-
-
-def _try(axis: Axis, what: Callable[[], T]) -> T:
-    try:
-        return what()
-    except SdoCommunicationError:
-        raise SilentDrive(axis.name, "answer to an SDO", None) from None
-
-
-def _object(axis: Axis, setting: Setting) -> Any:
-    found = axis.sdo[setting.index]
-    return found if isinstance(found, SdoVariable) else found[setting.subindex]
 
 
 def _name(axis: Axis, setting: Setting) -> str:

@@ -33,7 +33,7 @@ class EmergencyWatch(Watch):
         kind, node = frame.arbitration_id & ~_NODES, frame.arbitration_id & _NODES
         if sent or not self._begun or not plain(frame):
             return
-        if kind != _EMCY or node == 0 or frame.dlc != 8:
+        if kind != _EMCY or node == 0 or len(frame.data) != 8:
             return
         code = int.from_bytes(frame.data[:2], "little")
         if code & 0xFF00 and code not in self._allowed:

@@ -5,13 +5,14 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Sequence
 from contextlib import suppress
+from typing import cast
 
-import can
 from canopen.profiles.p402 import State402
-from canopen.sdo.exceptions import SdoAbortedError, SdoCommunicationError
+from canopen.sdo.exceptions import SdoAbortedError
 
 from .axis import ENABLED, FAULT, HOLD, QUICK_STOP, Axis, state_of
-from .errors import BusFault, DriveNotReady, SilentDrive, WrongDrive
+from .can_line import CanLine
+from .errors import DriveNotReady, WrongDrive
 from .fault_words import fault_words
 
 _WITHIN = 2.0  # [s] that drives may take, brakes included
@@ -40,12 +41,11 @@ def enable(axes: Sequence[Axis], simulated: bool, beat: Callable[[], None]) -> N
     """
     try:
         _enable(axes, simulated, beat)
-    except BaseException:
         for axis in axes:
-            _withdraw(axis)
+            axis.start()
+    except BaseException:
+        _withdraw(axes)
         raise
-    for axis in axes:
-        axis.nmt.state = "OPERATIONAL"
 
 
 def _enable(axes: Sequence[Axis], simulated: bool, beat: Callable[[], None]) -> None:
@@ -64,25 +64,29 @@ def _enable(axes: Sequence[Axis], simulated: bool, beat: Callable[[], None]) -> 
             time.sleep(_PAUSE)
 
 
-def _withdraw(axis: Axis) -> None:
-    """Not all of them became ready: those that did stop, each in its own way."""
-    word = State402.CW_QUICK_STOP if axis.spec.stop == HOLD else State402.CW_DISABLE_VOLTAGE
-    with suppress(SdoCommunicationError, SdoAbortedError, can.CanError, BusFault):
-        axis.sdo[0x6040].raw = word
+def _withdraw(axes: Sequence[Axis]) -> None:
+    """Not all of them became ready: those that did stop, each in its own way, whatever the others do."""
+    for axis in axes:
+        word = State402.CW_QUICK_STOP if axis.spec.stop == HOLD else State402.CW_DISABLE_VOLTAGE
+        with suppress(Exception):
+            axis.leave()
+            axis.order(word)
+    with suppress(Exception):
+        cast(CanLine, axes[0].network).wait(lambda: False, _PAUSE)
 
 
 def _prepare(axis: Axis) -> str:
     """Nothing is to move when it is enabled."""
-    counts = int(axis.sdo[0x6064].raw)
+    counts = axis.read(0x6064)
     position, before = axis.units.position(counts), axis.position
     if axis.positioned and abs(position - before) > axis.slack:
         allowed = f"{before:.4g}, as when it was set up: somebody has moved it"
         raise WrongDrive(axis.name, "its position (6064h)", f"{position:.4g}", allowed)
-    axis.place(counts, 0, int(axis.sdo[0x6077].raw))
+    axis.place(counts, 0, axis.read(0x6077))
     if not axis.limits.lower - axis.slack <= position <= axis.limits.upper + axis.slack:
         allowed = f"{axis.limits.lower:.4g} to {axis.limits.upper:.4g}: has it lost its reference?"
         raise WrongDrive(axis.name, "its position (6064h)", f"{position:.4g}", allowed)
-    axis.sdo[0x607A if axis.positioned else 0x60FF].raw = counts if axis.positioned else 0
+    axis.write(0x607A if axis.positioned else 0x60FF, 0, counts if axis.positioned else 0)
     axis.stand(position)
     return ENABLED
 
@@ -93,7 +97,7 @@ def _advance(axis: Axis) -> str:
     if state in (FAULT, "FAULT REACTION ACTIVE"):
         raise DriveNotReady(axis.name, FAULT, _fault(axis))
     if state != ENABLED:
-        axis.sdo[0x6040].raw = _next(axis, state)
+        axis.write(0x6040, 0, _next(axis, state))
         state = _state(axis)
     return state
 
@@ -105,17 +109,15 @@ def _next(axis: Axis, state: str) -> int:
 
 
 def _state(axis: Axis) -> str:
-    return state_of(int(axis.sdo[0x6041].raw))
+    return state_of(axis.read(0x6041))
 
 
 def _fault(axis: Axis) -> str:
-    return fault_words(int(axis.sdo[0x603F].raw))
+    return fault_words(axis.read(0x603F))
 
 
 def _asked(axis: Axis, what: Callable[[Axis], str]) -> str:
     try:
         return what(axis)
-    except SdoCommunicationError:
-        raise SilentDrive(axis.name, "answer to an SDO", None) from None
     except SdoAbortedError as abort:
         raise WrongDrive(axis.name, "its answer", str(abort), "no abort") from None

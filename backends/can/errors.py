@@ -21,7 +21,8 @@
             ├── Stranger            somebody else commands the drives
             ├── Overloaded          the bus is too busy, or full of nonsense
             ├── OffDemand           an axis doesn't do what it is told
-            └── LateLoop            this program doesn't keep its periods
+            ├── LateLoop            this program doesn't keep its periods
+            └── BrokenOff           something else ended a period before it was over
 
 After a `CanFault` a person has to look; the backend has to be built anew.
 """
@@ -180,6 +181,13 @@ class OffDemand(CanFault):
 
     def __init__(self, drive: str, what: str) -> None:
         super().__init__(f"{drive} doesn't follow: {what}")
+
+
+class BrokenOff(CanFault):
+    """A period was not brought to its end, by a person or by a fault in the program."""
+
+    def __init__(self, doing: str, why: BaseException) -> None:
+        super().__init__(f"{doing} was broken off: {type(why).__name__}: {why}")
 
 
 class LateLoop(CanFault):

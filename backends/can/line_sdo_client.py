@@ -9,18 +9,46 @@ from canopen.sdo.exceptions import SdoCommunicationError
 
 from .can_line import CanLine
 
+_LENGTH = 8  # bytes of each SDO frame (CiA 301)
+_FRAMES = 16  # of one answer: what is asked for are numbers
+
+
+class NoAnswer(SdoCommunicationError):  # type: ignore[misc]
+    """Nothing has come in time."""
+
 
 class LineSdoClient(SdoClient):
-    """The library's, that takes its answer in itself instead of waiting for another thread to do so."""
+    """The library's, that takes its answer in itself instead of waiting for another thread to do so.
+
+    Answers that are none by CiA 301, and those without end, are `SdoCommunicationError`.
+    """
 
     RESPONSE_TIMEOUT = 0.8
     """[s]"""
     MAX_RETRIES = 2
     """One more try: no drive is asked under way."""
+    _left = _FRAMES
+
+    def upload(self, index: int, subindex: int) -> bytes:
+        """See the library."""
+        self._left = _FRAMES
+        return cast(bytes, super().upload(index, subindex))
+
+    def download(self, index: int, subindex: int, data: bytes, force_segment: bool = False) -> None:
+        """See the library."""
+        self._left = _FRAMES
+        super().download(index, subindex, data, force_segment)
 
     def read_response(self) -> bytes:
         """The answer to the last request; raises `canopen.SdoError`."""
         line = cast(CanLine, self.network)
+        self._left -= 1
+        if self._left < 0:
+            raise SdoCommunicationError(f"an answer of more than {_FRAMES} frames")
         if not line.wait(lambda: not self.responses.empty(), self.RESPONSE_TIMEOUT):
-            raise SdoCommunicationError("No SDO response received")
+            raise NoAnswer("No SDO response received")
+        length = len(self.responses.queue[0])
+        if length != _LENGTH:
+            self.responses.get()
+            raise SdoCommunicationError(f"an answer of {length} bytes")
         return cast(bytes, super().read_response())

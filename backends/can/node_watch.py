@@ -28,6 +28,8 @@ class NodeWatch(Watch):
         """
         self._names, self._allowed = names, allowed
         self._begun = False
+        self._set: set[int] = set()
+        """Nodes that something has been written to, or read of: who boots then has forgotten it."""
         self._last: dict[int, float] = {}
         self._answers: Counter[int] = Counter()
         self._open: Counter[int] = Counter()
@@ -53,9 +55,10 @@ class NodeWatch(Watch):
             self._answers.clear()
         elif kind == SDO_REQUEST:
             self._open[node] += 1
+            self._set.add(node)
 
     def _came(self, kind: int, node: int, frame: can.Message, now: float) -> None:
-        if kind == HEARTBEAT and frame.dlc == 1:
+        if kind == HEARTBEAT and len(frame.data) == 1:
             if self._begun:
                 self._last[node] = now
             self._state(node, frame.data[0] & _NODES)
@@ -69,7 +72,8 @@ class NodeWatch(Watch):
                 self._wrong(TwoNodes(self._names[node], "two answers to one SDO request"))
 
     def _state(self, node: int, state: int) -> None:
-        if not self._begun or state == OPERATIONAL:
+        matters = node in self._set if state == BOOTED else self._begun
+        if not matters or state == OPERATIONAL:
             return
         what = "has booted" if state == BOOTED else _STATES.get(state, f"is in the state {state}")
         self._wrong(NodeRestarted(self._names[node], what))
