@@ -303,16 +303,20 @@ class CanBackend(Backend):
         """
         self.epoch += 1
         axes = self.axes
-        steps = (self._line.flush, axes.quick_stop, self._brake, axes.disable, axes.sync, axes.leave)
+        steps = (self._line.flush, self._brake, axes.disable, axes.sync, axes.leave)
         with suppress(can.CanError, BusFault), ExitStack() as stopping:
             for step in (self._deliver, *reversed(steps)):
                 stopping.callback(step)
             self._parts.halt()
 
     def _brake(self) -> None:
-        """Go on until all have told that they stand."""
+        """Go on until all have told that they stand.
+
+        The order is repeated: drives that hear no command for a while leave OPERATIONAL, and then take none.
+        """
         for _ in range(self.axes.periods_to_rest):
             self._heartbeat.beat()
+            self.axes.quick_stop()
             self.axes.sync()
             if self.axes.at_rest:
                 return

@@ -59,29 +59,68 @@ def test_one_frame_that_finds_no_room_is_lost_and_three_stop_the_robot(make, rob
     assert "3 frames in a row" in str(fault)
 
 
-def test_what_was_queued_moves_nothing_when_the_cable_is_back(make, robot):
+def commands(bus):
+    """Set-points that wait in the interface's queue: for wheels those of a speed."""
+    return [
+        frame
+        for frame in bus.held
+        if 0x200 < frame.arbitration_id < 0x280 and frame.data[0] & 0x0F == 0x0F and any(frame.data[2:])
+    ]
+
+
+@pytest.mark.parametrize("flushes", [True, False])
+def test_what_was_queued_moves_nothing_when_the_cable_is_back(make, robot, flushes):
     """C6: what the interface still holds is thrown away; where it can't, the drives don't take it."""
-    for flushes in (True, False):
-        backend = make(robot=robot, room=False)
-        move(backend, BEFORE)
-        bus, drives = backend.bench.master, backend.bench.drives
-        bus.holds = True
-        if not flushes:
-            bus.flush_tx_buffer = lambda: None
-        with pytest.raises(SilentDrive) as told:
-            move(backend, 10)
-        for _ in range(60):
-            backend.bench.tick(0.05)  # the drives miss our heartbeat meanwhile
-        there = [drive.position for drive in drives.values()]
-        assert not flushes or not any(frame.data[:1] == b"\x0f" for frame in bus.held)
-        bus.plug_in()
-        for _ in range(20):
-            backend.bench.serve()
-            backend.bench.tick(0.05)
-        assert [drive.position for drive in drives.values()] == there
-        with pytest.raises(CanFault) as again:
-            backend.step()
-        assert again.value is told.value
+    backend = make(robot=robot, room=False)
+    move(backend, BEFORE)
+    bus, drives = backend.bench.master, backend.bench.drives
+    bus.holds = True
+    if not flushes:
+        bus.flush_tx_buffer = lambda: None
+    move(backend, 1)
+    assert len(commands(bus)) >= 2  # both wheels'
+    with pytest.raises(SilentDrive) as told:
+        move(backend, 10)
+    assert bool(commands(bus)) is not flushes
+    for _ in range(60):
+        backend.bench.tick(0.05)  # the drives miss our heartbeat meanwhile
+    there = [drive.position for drive in drives.values()]
+    bus.plug_in()
+    for _ in range(20):
+        backend.bench.serve()
+        backend.bench.tick(0.05)
+    assert [drive.position for drive in drives.values()] == there
+    assert "OPERATION ENABLED" not in {drive.life.state for drive in drives.values()}
+    with pytest.raises(CanFault) as again:
+        backend.step()
+    assert again.value is told.value
+
+
+def test_a_stop_throws_away_what_is_queued(make, robot):
+    """C6: on any stop, not at the end alone."""
+    backend = make(robot=robot, room=False)
+    move(backend, BEFORE)
+    bus = backend.bench.master
+    bus.holds = True
+    move(backend, 1)
+    assert commands(bus)
+    backend.stop()
+    wheels = [frame for frame in commands(bus) if frame.arbitration_id in (0x201, 0x202)]
+    assert wheels == []
+    assert [frame for frame in bus.held if frame.arbitration_id in (0x201, 0x202)]  # to stand
+
+
+def test_what_is_queued_stays_what_it_was(make):
+    """C6: each set-point is a frame of its own, though they are made in one buffer."""
+    backend = make(room=False)
+    backend.step()
+    bus = backend.bench.master
+    bus.holds = True
+    for speed in (0.1, 0.2):
+        backend.axes.left.command(speed)
+        backend.axes.left.send()
+    told = [bytes(frame.data) for frame in bus.held if frame.arbitration_id == 0x201]
+    assert len(told) == len(set(told)) == 2
 
 
 def test_random_frames_raise_nothing_but_a_count(make, robot):
