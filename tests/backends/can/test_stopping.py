@@ -1,0 +1,164 @@
+"""What a stop sends, and in which order, so that nothing that comes later moves an axis."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from backends.arm import Arm
+from backends.base import Base
+from backends.can.errors import CanFault, OffDemand
+from backends.can.simulated.profile_position import ProfilePosition
+from backends.gripper import Gripper
+from backends.kinematic.kinematic_gripper import KinematicGripper
+
+from .conftest import LEFT, RIGHT
+from .faulty import BEFORE, JOINT_1, fault_of, move
+
+
+def orders(line):
+    """From now on: the controlwords that are sent, by node."""
+    sent: dict[int, list[int]] = {}
+
+    def heard(frame, ours):
+        if ours and 0x200 < frame.arbitration_id < 0x280:
+            sent.setdefault(frame.arbitration_id - 0x200, []).append(int.from_bytes(frame.data[:2], "little"))
+
+    line.listen(heard)
+    return sent
+
+
+def test_set_points_that_are_not_taken_are_told(make, robot, monkeypatch):
+    """C5 B6: the drive goes where it should, but says of three in a row that it didn't take them."""
+    backend = make(robot=robot, room=False)
+    move(backend, BEFORE)
+    plain = ProfilePosition.status.fget
+    monkeypatch.setattr(ProfilePosition, "status", property(lambda self: plain(self) & ~0x1000))
+    with pytest.raises(OffDemand, match=r"the joint 1 drive .* 3 set-points in a row were not taken"):
+        move(backend, 4)
+
+
+def test_set_points_that_are_taken_are_forgiven(make, robot, monkeypatch):
+    """Two that were lost, one that was taken, and again: no three in a row."""
+    backend = make(robot=robot, room=False)
+    move(backend, BEFORE)
+    plain = ProfilePosition.status.fget
+    for number in range(12):
+        lost = 0x1000 if number % 3 else 0
+        monkeypatch.setattr(ProfilePosition, "status", property(lambda self, bit=lost: plain(self) & ~bit))
+        move(backend, 1)
+
+
+def test_a_quick_stop_ends_the_handshake(make, robot):
+    """C12 C22: a set-point that was asked for is not taken back by enabling the drive again."""
+    backend = make(robot=robot, room=False)
+    move(backend, BEFORE)
+    joint = backend.axes["joint 1"]
+    joint.command(joint.position + 0.01)
+    joint.send()
+    sent = orders(backend._line)
+    joint.quick_stop()
+    backend.axes.sync()
+    joint.end_handshake()
+    backend.bench.serve()
+    assert sent[JOINT_1] == [0x02]
+    assert backend.bench.drives[JOINT_1].life.state == "QUICK STOP ACTIVE"
+
+
+def test_after_a_fault_the_drives_take_no_commands(make, robot):
+    """C6 C12: a command that comes late, in the last queue of all, finds nobody who takes it."""
+    backend = make(robot=robot, room=False)
+    fault_of(backend, "emergency")
+    drives = backend.bench.drives
+    assert {drive.nmt.state for drive in drives.values()} == {"PRE-OPERATIONAL"}
+    for node in (LEFT, RIGHT, JOINT_1):  # 0Fh: from QUICK STOP ACTIVE back to OPERATION ENABLED
+        backend.bench.line.send_message(0x200 + node, b"\x0f\x00\xff\xff\x00\x00")
+        drives[node]._on_pdo(drives[node].rpdo[1])
+    backend.bench.tick(0.05)
+    assert "OPERATION ENABLED" not in {drive.life.state for drive in drives.values()}
+
+
+def test_at_the_end_wheels_lose_their_torque_even_if_their_quick_stop_keeps_it(make, robot):
+    """C12: they are told so, whatever their own quick stop ends in."""
+    for ends in ("close", "fault"):
+        backend = make(robot=robot, room=False)
+        move(backend, BEFORE)
+        wheels = [backend.bench.drives[node] for node in (LEFT, RIGHT)]
+        for wheel in wheels:
+            wheel.life.quick_stop_option = 6
+        if ends == "close":
+            backend.close()
+        else:
+            fault_of(backend, "emergency", JOINT_1)
+        assert [wheel.life.state for wheel in wheels] == ["SWITCH ON DISABLED"] * 2
+        assert [wheel.velocity for wheel in wheels] == [0.0, 0.0]
+        assert backend.bench.drives[JOINT_1].life.state == "QUICK STOP ACTIVE"  # it would fall
+
+
+def test_the_torque_goes_when_the_wheels_stand_not_before(make):
+    """C12: without torque they would roll on."""
+    backend = make(room=False)
+    for _ in range(20):
+        backend.get(Base).drive(0.6, 0.0)
+        backend.step()
+    sent = orders(backend._line)
+    drive, speeds = backend.bench.drives[LEFT], []
+    plain = drive.life.control
+    drive.life.control = lambda word: (speeds.append((word, drive.velocity)), plain(word))
+    backend.close()
+    assert set(sent[LEFT][:-1]) == {0x02}
+    assert sent[LEFT][-1] == 0x00
+    (quick, moving), *_, (disable, standing) = speeds
+    assert (quick, disable) == (0x02, 0x00)
+    assert abs(moving) > 1000.0
+    assert standing == 0.0
+
+
+def turned(robot, **drives):
+    """The robot with some drives' sign turned."""
+    spec = robot.can
+    joints = tuple(
+        joint.model_copy(update={"sign": -joint.sign}) if number in drives.get("joints", ()) else joint
+        for number, joint in enumerate(spec.joints)
+    )
+    gripper = spec.gripper.model_copy(update={"sign": -spec.gripper.sign if "gripper" in drives else 1})
+    return robot.model_copy(update={"can": spec.model_copy(update={"joints": joints, "gripper": gripper})})
+
+
+def test_torques_have_the_sign_of_the_file(make, robot):
+    """A joint that counts down where the file counts up feels the same force."""
+    robot = turned(robot.without_errors(), joints=(1, 2, 4))
+    backend = make(robot=robot)
+    arm, inner = backend.get(Arm), backend.bench.inner
+    backend.step()
+    for force in ([0.0, 0.0, 0.0], [-20.0, 3.0, 8.0]):
+        for _ in range(2):
+            backend.scene.hand_force = np.array(force)
+            inner._arm._settled = True  # what touches stays as it is
+            backend.step()
+        backend.scene.hand_force = np.array(force)
+        assert arm.hand_force() == pytest.approx(force, abs=0.5)
+
+
+@pytest.mark.parametrize("sign", ["as it is", "turned"])
+def test_fingers_that_press_are_felt_whatever_their_sign(make, robot, monkeypatch, sign):
+    robot = robot if sign == "as it is" else turned(robot, gripper=True)
+    backend = make(robot=robot)
+    gripper = backend.get(Gripper)
+    gripper.move(0.02)
+    for _ in range(30):
+        backend.step()
+    assert not gripper.closed_on_something()
+    monkeypatch.setattr(KinematicGripper, "closed_on_something", lambda self: True)
+    backend.step()
+    backend.step()
+    assert gripper.closed_on_something()
+
+
+def test_a_fault_in_stopping_is_still_the_first_fault(make):
+    backend = make(room=False)
+    fault = fault_of(backend, "bus-off")
+    with pytest.raises(CanFault) as again:
+        backend.stop()
+        backend.step()
+    assert again.value is fault
