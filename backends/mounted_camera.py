@@ -25,7 +25,7 @@ class MountedCamera(NamedTuple):
 def camera_model(spec: CameraSpec) -> CameraModel:
     """The model as stated: with its optical axis through the middle of the picture."""
     middle = (spec.width_px - 1) / 2, (spec.height_px - 1) / 2
-    return _model(spec, spec.focal_px, middle, (spec.k1, spec.k2))
+    return _model(spec, spec, middle)
 
 
 def stated_camera(spec: CameraSpec, arm: ArmModel) -> MountedCamera:
@@ -40,7 +40,7 @@ def known_camera(spec: CameraSpec, arm: ArmModel) -> MountedCamera:
     stated, found = stated_camera(spec, arm), spec.calibrated
     if found is None:
         return stated
-    model = _model(spec, found.focal_px, (found.cx_px, found.cy_px), (found.k1, found.k2))
+    model = _model(spec, found, (found.cx_px, found.cy_px))
     return MountedCamera(model, stated.hand_T_camera @ correction(found))
 
 
@@ -52,8 +52,8 @@ def correction(found: CalibratedCamera) -> Transform:
     )
 
 
-def _model(
-    spec: CameraSpec, focal: float, centre: tuple[float, float], distortion: tuple[float, float]
-) -> CameraModel:
+def _model(spec: CameraSpec, lens: CameraSpec | CalibratedCamera, centre: tuple[float, float]) -> CameraModel:
+    focal = lens.focal_px
     K = np.array([[focal, 0.0, centre[0]], [0.0, focal, centre[1]], [0.0, 0.0, 1.0]])
-    return CameraModel(K, np.array([*distortion, 0.0, 0.0, 0.0]), spec.width_px, spec.height_px)
+    distortion = np.array([lens.k1, lens.k2, lens.p1, lens.p2, lens.k3])
+    return CameraModel(K, distortion, spec.width_px, spec.height_px)

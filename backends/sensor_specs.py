@@ -21,7 +21,11 @@ class CalibratedCamera(FileModel):
     cy_px: float
     """Its row."""
     k1: float = 0.0
+    """Of the lens, as the others: Brown's model, as OpenCV and ROS (`plumb_bob`) have it."""
     k2: float = 0.0
+    p1: float = 0.0
+    p2: float = 0.0
+    k3: float = 0.0
     xyz_mm: tuple[float, float, float] = (0.0, 0.0, 0.0)
     """By how much the camera sits beside the URDF's frame `camera`, along the axes of that frame."""
     rpy_deg: tuple[float, float, float] = (0.0, 0.0, 0.0)
@@ -36,6 +40,9 @@ class CameraSpec(FileModel):
     focal_px: Positive
     k1: float = 0.0
     k2: float = 0.0
+    p1: float = 0.0
+    p2: float = 0.0
+    k3: float = 0.0
     calibrated: CalibratedCamera | None = None
     """As it is, where that was measured."""
 

@@ -17,8 +17,8 @@ ASIDE = 0.03  # [m] by which it looks past the board's middle, so that the pictu
 _GOLDEN = math.pi * (3.0 - math.sqrt(5.0))
 
 
-def board_views(base_T_board: Transform, count: int) -> Iterator[Transform]:
-    """base_T_camera (4, 4) from all sides, near and far, the camera turned too.
+def board_views(base_T_board: Transform, count: int, scale: float = 1.0) -> Iterator[Transform]:
+    """base_T_camera (4, 4) from all sides, near and far, the camera turned too; `scale` times as far.
 
     Directions are spread evenly over a cap (a sunflower's seeds: Vogel, "A better way to construct the
     sunflower head", 1979). The board is taken to lie level; how it is turned doesn't matter.
@@ -27,7 +27,8 @@ def board_views(base_T_board: Transform, count: int) -> Iterator[Transform]:
     for n in range(count):
         around, tilt = n * _GOLDEN, TILT * math.sqrt((n + 0.5) / count)
         leaned = transform(rpy=(tilt * math.cos(around), tilt * math.sin(around), 0.0))
-        aside = transform((ASIDE * math.cos(2.0 * around), ASIDE * math.sin(2.0 * around), 0.0))
+        far = ASIDE * scale
+        aside = transform((far * math.cos(2.0 * around), far * math.sin(2.0 * around), 0.0))
         turned = transform(rpy=(0.0, 0.0, TURNS[n % len(TURNS)]))
-        camera_T_above = facing(DISTANCES[n % len(DISTANCES)]) @ leaned @ turned @ aside
+        camera_T_above = facing(scale * DISTANCES[n % len(DISTANCES)]) @ leaned @ turned @ aside
         yield np.asarray(above @ inverse(camera_T_above))

@@ -7,6 +7,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
+from backends.board_layout import BoardLayout
 from files.model import FileModel
 from robotics.geometry.pose2 import Pose2
 from robotics.geometry.transform import Transform, transform
@@ -50,8 +51,8 @@ class Slot(Standing):
     """One that stands beside it, if any."""
 
 
-class BoardPlan(Standing):
-    """A calibration board with 9 by 6 squares, on the map; good to a few centimetres."""
+class BoardPlan(Standing, BoardLayout):
+    """A calibration board, on the map; good to a few centimetres."""
 
     square_mm: Positive = 20.0
 

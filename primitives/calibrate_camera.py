@@ -15,7 +15,7 @@ from backends.mounted_camera import stated_camera
 from backends.robot import Robot
 from files.suggest import suggest
 from robotics.geometry.transform import Transform, difference, inverse
-from robotics.perception.calibration_board import CalibrationBoard, calibration_board
+from robotics.perception.calibration_board import CalibrationBoard
 from robotics.perception.camera_calibration import CameraCalibration, calibrate_camera
 from robotics.perception.hand_eye_calibration import (
     HandEyeCalibration,
@@ -35,7 +35,8 @@ from .snapshot import settle
 from .world_model import ModelView
 
 SPARE = 2  # times as many postures are tried as views are wanted: the arm doesn't reach all
-CORNERS = 20  # fewer of the board in a picture don't count
+CORNERS = 0.5  # of the board's: fewer in a picture don't count
+USUAL_WIDTH = 0.18  # [m] of the board that `board_views` looks at
 
 
 class Found(NamedTuple):
@@ -78,10 +79,10 @@ class CalibrateCamera(ActionPrimitive):
         self, robot: Robot, model: ModelView, plan: BoardPlan, base_T_board: Transform
     ) -> Generator[None, None, list[HandEyeView]]:
         """Pictures from as many postures as are wanted, if the arm reaches so many."""
-        board, around = calibration_board(plan.square_mm / 1e3), surroundings(robot, model)
+        board, around = plan.board(plan.square_mm), surroundings(robot, model)
         camera_T_hand = inverse(robot.camera.hand_T_camera)
         views: list[HandEyeView] = []
-        for base_T_camera in board_views(base_T_board, SPARE * self.views):
+        for base_T_camera in board_views(base_T_board, SPARE * self.views, max(board.size) / USUAL_WIDTH):
             if len(views) == self.views:
                 break
             try:
@@ -100,7 +101,7 @@ class CalibrateCamera(ActionPrimitive):
     def _picture(self, robot: Robot, board: CalibrationBoard) -> HandEyeView | None:
         image = robot.picture()
         seen = board.find(image)
-        if seen is None or len(seen.points) < CORNERS:
+        if seen is None or len(seen.points) < CORNERS * board.corners:
             return None
         self.evidence.pictures["board"] = draw_overlay(image, points=seen.pixels)
         return HandEyeView(robot.base_T("hand"), seen)
@@ -117,8 +118,7 @@ class CalibrateCamera(ActionPrimitive):
                 "camera.calibrated.focal_px": Calibrated(float(camera.K[1, 1]), float(sigmas[1])),
                 "camera.calibrated.cx_px": Calibrated(float(camera.K[0, 2]), float(sigmas[2])),
                 "camera.calibrated.cy_px": Calibrated(float(camera.K[1, 2]), float(sigmas[3])),
-                "camera.calibrated.k1": Calibrated(float(camera.distortion[0]), float(sigmas[4])),
-                "camera.calibrated.k2": Calibrated(float(camera.distortion[1]), float(sigmas[5])),
+                **_lens(found.camera),
                 "camera.calibrated.xyz_mm": Calibrated(
                     tuple((1e3 * off[:3, 3]).tolist()), tuple((1e3 * of_mount[:3]).tolist())
                 ),
@@ -136,6 +136,16 @@ class CalibrateCamera(ActionPrimitive):
             arm_error_mm=round(1e3 * found.hand_eye.arm_error, 2),
             frames=len(found.camera.rms_of_views),
         )
+
+
+def _lens(found: CameraCalibration) -> dict[str, Calibrated]:
+    """The coefficients that the pictures bear; the others stay 0."""
+    values, sigmas = found.camera.distortion, found.sigmas[4:]
+    return {
+        f"camera.calibrated.{name}": Calibrated(float(value), float(sigma))
+        for name, value, sigma in zip(("k1", "k2", "p1", "p2", "k3"), values, sigmas, strict=True)
+        if sigma > 0.0
+    }
 
 
 def _board_of(model: ModelView, name: str) -> BoardPlan:

@@ -4,15 +4,16 @@ from __future__ import annotations
 
 import math
 from functools import cached_property
-from typing import Annotated, Literal
+from typing import Annotated, Literal, Self
 
 import numpy as np
-from pydantic import Field
+from pydantic import Field, model_validator
 
 from backends.map_file import load_map as load_map
 from files.model import FileModel
 from robotics.geometry.pose2 import Pose2
 from robotics.geometry.transform import Transform
+from robotics.perception.tag_family import USUAL, TagFamily, tags_of
 
 Positive = Annotated[float, Field(gt=0.0)]
 
@@ -75,7 +76,7 @@ class Places(FileModel):
 class Book(FileModel):
     """A book in the catalogue."""
 
-    accession: Annotated[int, Field(ge=0, lt=250)]
+    accession: Annotated[int, Field(ge=0)]
     """Number of its tag."""
     call: str
     """Call number, as on its label."""
@@ -91,7 +92,16 @@ class Catalogue(FileModel):
     """All books that the library owns."""
 
     format: Literal["handcart-catalogue/1"]
+    tags: TagFamily = USUAL
+    """The family that the books' tags are of."""
     books: tuple[Book, ...]
+
+    @model_validator(mode="after")
+    def _tags_are_there(self) -> Self:
+        if beyond := [book.accession for book in self.books if book.accession >= tags_of(self.tags)]:
+            allowed = f"allowed: below {tags_of(self.tags)}"
+            raise ValueError(f"the family {self.tags} has no tag {', '.join(map(str, beyond))}; {allowed}")
+        return self
 
     @cached_property
     def by_accession(self) -> dict[int, Book]:

@@ -47,7 +47,7 @@ class PickUp(ActionPrimitive):
     """How the hand finds its way."""
 
     needs: ClassVar = (Arm, Gripper, Camera)
-    reads: ClassVar = ("book", "book_pose")
+    reads: ClassVar = ("book", "book_pose", "catalogue")
 
     _stands: bool = PrivateAttr(default=False)
     _held: bool = PrivateAttr(default=False)
@@ -60,7 +60,7 @@ class PickUp(ActionPrimitive):
         yield from settle(robot)
         for _ in range(LOOKS):
             yield
-            for tag in read_tags(robot.picture()):
+            for tag in read_tags(robot.picture(), family=model.catalogue.tags):
                 if tag.id == model.book.accession:
                     camera_T_tag = tag_pose(tag, robot.camera.model, TAG_SIDE)
                     place = robot.base_T("hand") @ robot.camera.hand_T_camera @ camera_T_tag[:, 3]

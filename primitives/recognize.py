@@ -16,6 +16,7 @@ from robotics.geometry.pose2 import Pose2
 from robotics.geometry.transform import Transform, transform
 from robotics.perception.camera_model import CameraModel
 from robotics.perception.overlay import draw_overlay
+from robotics.perception.tag_family import TagFamily
 from robotics.perception.tag_reader import Tag, read_tags, tag_pose
 
 from .action_primitive import ActionPrimitive, Periods
@@ -65,13 +66,13 @@ class Recognize(ActionPrimitive):
         start = robot.arm_model.forward(robot.arm.command())
         for aside, up in ASIDE:
             yield from move_straight(robot, start @ transform((0.0, aside, up)), around=around)
-            yield from self._read(robot)
+            yield from self._read(robot, model.catalogue.tags)
             if len(self._seen) >= ENOUGH:
                 break
         yield from move_straight(robot, start, around=around)
         self._conclude(model)
 
-    def _read(self, robot: Robot) -> Generator[None, None, None]:
+    def _read(self, robot: Robot, family: TagFamily) -> Generator[None, None, None]:
         """Look for a tag from here."""
         yield from settle(robot)
         base_T_camera = robot.base_T("hand") @ robot.camera.hand_T_camera
@@ -79,7 +80,7 @@ class Recognize(ActionPrimitive):
             yield
             image = robot.picture()
             self._looks += 1
-            tags = read_tags(image)
+            tags = read_tags(image, family=family)
             found = [(tag, _sighting(tag, robot.camera.model, base_T_camera)) for tag in tags]
             found = [(tag, sighting) for tag, sighting in found if _on_tray(robot, sighting.place)]
             self._show(image, [tag for tag, _ in found])

@@ -9,9 +9,9 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from backends.board_layout import BoardLayout
 from robotics.geometry.pose2 import Pose2
 from robotics.geometry.transform import Transform, transform
-from robotics.perception.calibration_board import calibration_board
 from robotics.perception.landmark import INK, PAPER, draw_landmark
 
 from .world_file import MarkSpec
@@ -33,7 +33,7 @@ class Mark:
 
     def levels(self) -> list[tuple[GreyImage, float]]:
         """The picture in falling resolution, each with its metres a pixel."""
-        return _levels(self.spec.kind, self.spec.size_mm)
+        return _levels(self.spec.kind, self.spec.size_mm, self.spec.board)
 
     def face(self) -> Transform:
         """Of the picture (4, 4): origin in its upper left corner, x along its rows, y down its columns."""
@@ -43,8 +43,10 @@ class Mark:
 
 
 @lru_cache(maxsize=64)
-def _levels(kind: str, size_mm: float) -> list[tuple[GreyImage, float]]:
-    picture = draw_landmark(size_mm / 1e3, MARGIN, M_PER_PX) if kind == "landmark" else _other(kind, size_mm)
+def _levels(kind: str, size_mm: float, board: BoardLayout) -> list[tuple[GreyImage, float]]:
+    picture = (
+        draw_landmark(size_mm / 1e3, MARGIN, M_PER_PX) if kind == "landmark" else _other(kind, size_mm, board)
+    )
     picture = _smooth(picture)
     half = cv2.resize(picture, None, fx=0.5, fy=0.5, interpolation=cv2.INTER_AREA).astype(np.uint8)
     quarter = cv2.resize(half, None, fx=0.5, fy=0.5, interpolation=cv2.INTER_AREA).astype(np.uint8)
@@ -57,11 +59,11 @@ def _smooth(picture: GreyImage) -> GreyImage:
     return cv2.GaussianBlur(picture, (0, 0), 1.0).astype(np.uint8, copy=False)
 
 
-def _other(kind: str, size_mm: float) -> GreyImage:
+def _other(kind: str, size_mm: float, board: BoardLayout) -> GreyImage:
     """A calibration board, a full square, a disc, or a square's outline."""
     margin = round(MARGIN / M_PER_PX)
     if kind == "board":
-        return np.pad(calibration_board(size_mm / 1e3).draw(M_PER_PX), margin, constant_values=PAPER)
+        return np.pad(board.board(size_mm).draw(M_PER_PX), margin, constant_values=PAPER)
     side = round(size_mm / 1e3 / M_PER_PX)
     ink: GreyImage = np.full((side, side), INK, dtype=np.uint8)
     if kind == "disc":

@@ -240,6 +240,7 @@ def spine_levels(spec: BookSpec) -> list[tuple[GreyImage, float]]:
         font=spec.font if spec.font.endswith(".ttf") else f"{spec.font}.ttf",
         smear=spec.tag == "smeared",
         seed=spec.accession,
+        family=spec.tags,
     )
     levels = [(picture, 1e-3 / PX_PER_MM)]
     for _ in range(3):

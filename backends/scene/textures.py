@@ -12,10 +12,11 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image, ImageDraw, ImageFont
 
+from robotics.perception.tag_family import USUAL, TagFamily, dictionary, modules_of
+
 GreyImage = NDArray[np.uint8]
 
 PX_PER_MM = 8
-TAG_DICTIONARY = cv2.aruco.DICT_5X5_250
 TAG_SIZE_MM = 10.0  # side of the black square
 TAG_QUIET_MM = 2.0  # white margin on each side of it
 TAG_CENTRE_FROM_HEAD_MM = 14.0
@@ -52,12 +53,14 @@ def draw_spine(
     px_per_mm: int = PX_PER_MM,
     smear: bool = False,
     seed: int = 0,
+    family: TagFamily = USUAL,
 ) -> GreyImage:
     """A spine as seen from straight ahead, head at the top: grey (height, width) image, `px_per_mm` pixels a
     mm.
 
     `font` is the path of a TTF or the name of one of matplotlib's. `smear` makes the tag unreadable. `seed`
-    decides the cover's grain, bands and title. Raises ValueError where tag or label don't fit the spine.
+    decides the cover's grain, bands and title, `family` which tag it is. Raises ValueError where tag or label
+    don't fit the spine.
     """
     if width_mm < TAG_SIZE_MM + 2 * TAG_QUIET_MM or height_mm < 2 * LABEL_LENGTHS_MM[1]:
         raise ValueError(f"a spine of {width_mm:g} x {height_mm:g} mm has no room for tag and label")
@@ -65,7 +68,8 @@ def draw_spine(
     spine = _cover(width_mm, height_mm, colour_grey, px_per_mm, rng)
     _decorate(spine, height_mm, px_per_mm, rng)
     if tag_id is not None:
-        tag = _smeared(_tag(tag_id, px_per_mm), rng) if smear else _tag(tag_id, px_per_mm)
+        tag = _tag(tag_id, family, px_per_mm)
+        tag = _smeared(tag, rng) if smear else tag
         _paste(spine, tag, TAG_CENTRE_FROM_HEAD_MM * px_per_mm)
     if call_number is not None:
         label = draw_label(call_number, font, px_per_mm)
@@ -154,11 +158,12 @@ def _decorate(spine: NDArray[np.float32], height_mm: float, px_per_mm: int, rng:
     spine[top : top + room, left : left + across] += np.float32(contrast) * mask
 
 
-def _tag(tag_id: int, px_per_mm: int) -> NDArray[np.float32]:
+def _tag(tag_id: int, family: TagFamily, px_per_mm: int) -> NDArray[np.float32]:
     side, quiet = round(TAG_SIZE_MM * px_per_mm), round(TAG_QUIET_MM * px_per_mm)
-    dictionary = cv2.aruco.getPredefinedDictionary(TAG_DICTIONARY)
-    # Seven modules don't divide the side: drawn large and averaged down, their edges stand where they should.
-    marker = cv2.aruco.generateImageMarker(dictionary, tag_id, 7 * side).astype(np.float32)
+    # Its modules may not divide the side: drawn large and averaged down, their edges stand where they should.
+    marker = cv2.aruco.generateImageMarker(dictionary(family), tag_id, modules_of(family) * side).astype(
+        np.float32
+    )
     square = cv2.resize(marker, (side, side), interpolation=cv2.INTER_AREA)
     ink = _INK + square * ((_PAPER - _INK) / 255.0)
     return cv2.copyMakeBorder(ink, quiet, quiet, quiet, quiet, cv2.BORDER_CONSTANT, value=_PAPER).astype(

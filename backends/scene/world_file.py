@@ -7,10 +7,12 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
+from backends.board_layout import BoardLayout
 from backends.ground_spec import GroundSpec
 from files.errors import InputError
 from files.inside import FilePath
 from files.model import FileModel
+from robotics.perception.tag_family import USUAL, TagFamily, tags_of
 
 
 class MissingWorld(InputError):
@@ -97,7 +99,9 @@ class MarkSpec(Place):
     height_m: Annotated[float, Field(ge=0.0, le=3.0)]
     """Of the surface."""
     size_mm: Annotated[float, Field(gt=0.0, le=500.0)] = 60.0
-    """Its side; of a board, the side of one of its 9 by 6 squares."""
+    """Its side; of a board, the side of one of its squares."""
+    board: BoardLayout = BoardLayout()
+    """A board's pattern."""
 
 
 class BlockSpec(Place):
@@ -116,8 +120,8 @@ class BlockSpec(Place):
 class BookSpec(FileModel):
     """A book: what is printed on its spine, and its measures."""
 
-    accession: Annotated[int, Field(ge=0, le=249)]
-    """The number in its tag (ArUco 5x5)."""
+    accession: Annotated[int, Field(ge=0)]
+    """The number in its tag."""
     call: Annotated[str, Field(min_length=3, max_length=16)]
     """Call number on the label, "512.7 NAG"."""
     title: str = ""
@@ -128,6 +132,15 @@ class BookSpec(FileModel):
     font: str = "DejaVuSans"
     """A TTF of matplotlib's, without its ending."""
     tag: Literal["readable", "smeared", "none"] = "readable"
+    tags: TagFamily = USUAL
+    """The family that its tag is of."""
+
+    @model_validator(mode="after")
+    def _tag_is_there(self) -> Self:
+        if self.accession >= tags_of(self.tags):
+            allowed = f"allowed: below {tags_of(self.tags)}"
+            raise ValueError(f"the family {self.tags} has no tag {self.accession}; {allowed}")
+        return self
 
 
 class GapSpec(FileModel):

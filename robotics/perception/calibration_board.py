@@ -1,15 +1,14 @@
-"""The board that cameras are calibrated with: a chessboard with tags in its white fields (ChArUco)."""
+"""A board that cameras are calibrated with: what all kinds have in common."""
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from typing import NamedTuple
 
-import cv2
 import numpy as np
+from numpy.typing import NDArray
 
 from robotics.perception.camera_model import Floats, GreyImage
-
-_FEWEST_CORNERS = 6
 
 
 class BoardView(NamedTuple):
@@ -21,28 +20,15 @@ class BoardView(NamedTuple):
     """(n, 2) where they are seen, in [px]."""
 
 
-def calibration_board(square: float) -> CalibrationBoard:
-    """The usual board, 9 by 6 squares with sides of `square` [m], its tags three quarters of that."""
-    return CalibrationBoard(square=square, tag=0.75 * square)
+class CalibrationBoard(ABC):
+    """A pattern of squares; `draw` it, print it, glue it on something flat."""
 
-
-class CalibrationBoard:
-    """A ChArUco board; `draw` it, print it, glue it on something flat.
-
-    Every corner is told by the tags around it, so the board may lie in any direction and stick out of the
-    image.
-    """
-
-    def __init__(self, columns: int = 9, rows: int = 6, square: float = 0.02, tag: float = 0.015) -> None:
-        """`columns` by `rows` squares with sides of `square` [m], each white one with a tag of `tag` [m]."""
-        dictionary = cv2.aruco.getPredefinedDictionary(cv2.aruco.DICT_5X5_250)
-        self._board = cv2.aruco.CharucoBoard((columns, rows), square, tag, dictionary)
+    def __init__(self, columns: int, rows: int, square: float) -> None:
+        """`columns` by `rows` squares with sides of `square` [m]."""
+        self._columns, self._square = columns, square
         self._size = np.array([columns, rows]) * square
-        self._columns = columns
-        self._square = square
-        parameters = cv2.aruco.DetectorParameters()
-        parameters.cornerRefinementMethod = cv2.aruco.CORNER_REFINE_SUBPIX
-        self._detector = cv2.aruco.CharucoDetector(self._board, detectorParams=parameters)
+        self.corners = (columns - 1) * (rows - 1)
+        """Inner corners: so many can be seen."""
 
     @property
     def size(self) -> tuple[float, float]:
@@ -52,18 +38,19 @@ class CalibrationBoard:
     def draw(self, m_per_px: float = 1.25e-4) -> GreyImage:
         """Grey image (h, w) to print with `m_per_px` [m] a pixel, without a margin."""
         width, height = np.rint(self._size / m_per_px).astype(int).tolist()
-        return np.asarray(self._board.generateImage((width, height)), dtype=np.uint8)
+        return self._drawn(width, height)
 
+    @abstractmethod
     def find(self, image: GreyImage) -> BoardView | None:
-        """The corners in an image (h, w), or None where there are fewer than six."""
-        pixels, ids, _, _ = self._detector.detectBoard(image)
-        if ids is None or len(ids) < _FEWEST_CORNERS:
-            return None
-        return BoardView(self._places(np.ravel(ids)), np.asarray(pixels, dtype=np.float64).reshape(-1, 2))
+        """The corners in an image (h, w), or None where there are too few to tell the board."""
 
-    def _places(self, ids: np.ndarray[tuple[int, ...], np.dtype[np.integer]]) -> Floats:
-        """(n, 3): OpenCV counts corners row by row from the upper left."""
-        row, column = np.divmod(ids, self._columns - 1)
+    @abstractmethod
+    def _drawn(self, width: int, height: int) -> GreyImage:
+        """The pattern in so many pixels."""
+
+    def _places(self, numbers: NDArray[np.integer]) -> Floats:
+        """(n, 3) of corners by their number, counted row by row from the upper left."""
+        row, column = np.divmod(numbers, self._columns - 1)
         x = (column + 1) * self._square - self._size[0] / 2
         y = self._size[1] / 2 - (row + 1) * self._square
-        return np.column_stack([x, y, np.zeros(len(ids))])
+        return np.column_stack([x, y, np.zeros(len(numbers))])

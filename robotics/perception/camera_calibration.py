@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import NamedTuple
 
@@ -18,6 +19,11 @@ LEAST_TILT = 0.25
 LEAST_COVER = 0.6
 """Of the image's fields, 6 by 4, that held a corner in some view."""
 _FIELDS = (6, 4)
+SIGNIFICANT = 4.0  # standard deviations that one more coefficient of the lens has to be from 0
+
+
+_MORE_OF_THE_LENS = ((cv2.CALIB_ZERO_TANGENT_DIST, [2, 3]), (cv2.CALIB_FIX_K3, [4]))
+"""OpenCV's flags that leave coefficients out, and which; in the order in which they are tried."""
 
 
 class CameraCalibration(NamedTuple):
@@ -38,19 +44,44 @@ def calibrate_camera(
     views: Sequence[BoardView],
     width: int,
     height: int,
-    tangential: bool = False,
     worst_rms: float = 0.5,
     square_pixels: bool = False,
 ) -> CameraCalibration:
-    """Intrinsics with k1 and k2, p1 and p2 where `tangential`; k3 is 0. One focal length: `square_pixels`.
+    """Intrinsics, and as much of the lens as the views bear. One focal length: `square_pixels`.
 
-    Zhang, "A flexible new technique for camera calibration" (2000). Raises ValueError where there are too few
-    views, where they are too much alike (a board that is always seen straight on tells no focal length; lens
-    distortion isn't seen where no corner was), or where the fit is worse than `worst_rms` [px].
+    Zhang, "A flexible new technique for camera calibration" (2000). k1 and k2 are always found; p1 and p2,
+    then k3 where they are significant and Bayes' information criterion (Schwarz, 1978) is the better for
+    them. Raises ValueError where there are too few views, where they are too much alike (a board that is
+    always seen straight on tells no focal length; lens distortion isn't seen where no corner was), or where
+    the fit is worse than `worst_rms` [px].
     """
     _check_views(views, width, height)
-    flags = cv2.CALIB_FIX_K3 | (0 if tangential else cv2.CALIB_ZERO_TANGENT_DIST)
-    flags |= cv2.CALIB_FIX_ASPECT_RATIO if square_pixels else 0
+    flags = cv2.CALIB_FIX_ASPECT_RATIO if square_pixels else 0
+    flags |= sum(flag for flag, _ in _MORE_OF_THE_LENS)
+    found = _fit(views, width, height, flags)
+    for flag, more in _MORE_OF_THE_LENS:
+        richer = _fit(views, width, height, flags & ~flag)
+        if _borne(found, richer, more, sum(len(view.pixels) for view in views)):
+            found, flags = richer, flags & ~flag
+    _check_tilt(found.camera_T_board)
+    if not found.rms <= worst_rms:
+        raise ValueError(
+            f"corners are {found.rms:.2f} px (rms) from where the model has them; {worst_rms:g} is allowed: "
+            "is the board flat, its size right, the picture sharp?"
+        )
+    return found
+
+
+def _borne(found: CameraCalibration, richer: CameraCalibration, more: list[int], corners: int) -> bool:
+    """Whether so many corners, of two coordinates each, tell the coefficients that a fit has `more`."""
+    numbers = 2 * corners
+    gain = 2 * numbers * math.log(found.rms / max(richer.rms, 1e-12))
+    value, sigma = richer.camera.distortion[more], richer.sigmas[4:][more]
+    significant = bool((np.abs(value) > SIGNIFICANT * sigma).any())
+    return significant and gain > len(more) * math.log(numbers)
+
+
+def _fit(views: Sequence[BoardView], width: int, height: int, flags: int) -> CameraCalibration:
     criteria = (cv2.TERM_CRITERIA_COUNT | cv2.TERM_CRITERIA_EPS, 100, 1e-12)
     rms, K, distortion, turns, origins, sigmas, _, of_views = cv2.calibrateCameraExtended(
         [view.points.astype(np.float32) for view in views],
@@ -65,12 +96,6 @@ def calibrate_camera(
         _pose(turn.astype(np.float64), origin.astype(np.float64))
         for turn, origin in zip(turns, origins, strict=True)
     ]
-    _check_tilt(poses)
-    if not rms <= worst_rms:
-        raise ValueError(
-            f"corners are {rms:.2f} px (rms) from where the model has them; {worst_rms:g} is allowed: is "
-            "the board flat, its size right, the picture sharp?"
-        )
     camera = CameraModel(K.astype(np.float64), distortion.ravel().astype(np.float64), width, height)
     first = sigmas.ravel()[:9].astype(np.float64)
     return CameraCalibration(camera, first, float(rms), of_views.ravel().astype(np.float64), poses)

@@ -1,4 +1,4 @@
-"""Reading small square tags (ArUco, 5 x 5 bits)."""
+"""Reading small square tags."""
 
 from __future__ import annotations
 
@@ -9,9 +9,10 @@ import cv2
 import numpy as np
 
 from robotics.perception.camera_model import CameraModel, Floats, GreyImage
+from robotics.perception.tag_family import USUAL, TagFamily, dictionary
 
 _ENLARGE = 2
-_LEAST_SIDE_PX, _MOST_SIDE_PX = 13, 160  # of the tag in the image as taken
+_LEAST_SIDE_PX = 13  # of the tag in the image as taken
 
 
 class Region(NamedTuple):
@@ -30,9 +31,10 @@ class Tag(NamedTuple):
     corners: Floats
 
 
-def read_tags(image: GreyImage, region: Region | None = None) -> list[Tag]:
-    """The tags in the image, or in one region of it, ordered by id. A tag of 10 mm may be 0.35 m away at f =
-    800 px.
+def read_tags(image: GreyImage, region: Region | None = None, family: TagFamily = USUAL) -> list[Tag]:
+    """The family's tags in the image, or in one region of it, ordered by id.
+
+    A tag of 10 mm may be 0.35 m away at f = 800 px.
 
     No bit is corrected: a smeared or half covered tag is no tag, never another one.
     """
@@ -43,7 +45,7 @@ def read_tags(image: GreyImage, region: Region | None = None) -> list[Tag]:
     if min(image.shape) < _LEAST_SIDE_PX:
         return []
     large = cv2.resize(image, None, fx=_ENLARGE, fy=_ENLARGE, interpolation=cv2.INTER_CUBIC)
-    found, ids, _ = _detector(max(large.shape)).detectMarkers(large)
+    found, ids, _ = _detector(max(large.shape), family).detectMarkers(large)
     if len(found) == 0:
         return []
     tags = [
@@ -72,12 +74,12 @@ def tag_pose(tag: Tag, camera: CameraModel, side: float) -> Floats:
 
 
 @cache
-def _detector(longest_px: int) -> cv2.aruco.ArucoDetector:
+def _detector(longest_px: int, family: TagFamily) -> cv2.aruco.ArucoDetector:
     parameters = cv2.aruco.DetectorParameters()
     # Rates are of the image's longer side: unscaled, a small region is searched for specks (and takes 500
     # times as long).
     parameters.minMarkerPerimeterRate = 4 * _LEAST_SIDE_PX * _ENLARGE / longest_px
-    parameters.maxMarkerPerimeterRate = 4 * _MOST_SIDE_PX * _ENLARGE / longest_px
+    parameters.maxMarkerPerimeterRate = 4.0
     parameters.adaptiveThreshWinSizeMin = parameters.adaptiveThreshWinSizeMax = 31
     parameters.cornerRefinementMethod = cv2.aruco.CORNER_REFINE_SUBPIX
     parameters.cornerRefinementWinSize = 6
@@ -85,5 +87,4 @@ def _detector(longest_px: int) -> cv2.aruco.ArucoDetector:
     parameters.maxErroneousBitsInBorderRate = 0.1
     parameters.perspectiveRemovePixelPerCell = 8
     parameters.perspectiveRemoveIgnoredMarginPerCell = 0.25
-    dictionary = cv2.aruco.getPredefinedDictionary(cv2.aruco.DICT_5X5_250)
-    return cv2.aruco.ArucoDetector(dictionary, parameters)
+    return cv2.aruco.ArucoDetector(dictionary(family), parameters)

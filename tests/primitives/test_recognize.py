@@ -67,3 +67,22 @@ def test_a_book_that_the_library_does_not_own_is_a_fail_for_good(with_tray: Call
     assert outcome.reason == "the book with the tag 117 is not in the catalogue"
     assert outcome.permanent
     assert rig.model.book is None
+
+
+@pytest.mark.parametrize("read_as", ["apriltag_36h11", "6x6_250"])
+def test_tags_of_another_family(with_tray: Callable[..., Any], read_as: str) -> None:
+    """A tag is read as what it is, and as nothing else."""
+    rig = with_tray(TRAY.format(210, "readable, tags: apriltag_36h11"))
+    rig.model.catalogue = Catalogue(format="handcart-catalogue/1", tags=read_as, books=(NAGEL,))
+    outcome = rig.run(Recognize())
+    if read_as == "apriltag_36h11":
+        assert isinstance(outcome, Success)
+        assert rig.model.book == NAGEL
+    else:
+        assert isinstance(outcome, Fail)
+        assert "no tag can be read" in outcome.reason
+
+
+def test_a_number_beyond_its_family_is_told() -> None:
+    with pytest.raises(ValueError, match="the family 4x4_50 has no tag 117; allowed: below 50"):
+        Catalogue(format="handcart-catalogue/1", tags="4x4_50", books=(NAGEL,))

@@ -10,7 +10,7 @@ from backends.scene.true_camera import true_camera
 from backends.scene.world_file import WorldFile
 from backends.sensor_specs import CalibratedCamera
 from robotics.geometry.transform import apply, difference, inverse, transform
-from robotics.perception.calibration_board import CalibrationBoard
+from robotics.perception.charuco_board import CharucoBoard
 from robotics.perception.landmark_pose import facing
 
 FOUND = CalibratedCamera(
@@ -87,7 +87,7 @@ def test_a_board_is_seen_where_it_lies(square):
     camera = camera_model(robot.camera)
     camera_T_board = facing(0.3) @ transform(rpy=(0.2, -0.3, 0.1))
     image = Renderer(camera, robot.errors, 0).render(scene, scene.marks[0].pose @ inverse(camera_T_board), 1)
-    view = CalibrationBoard(square=square / 1e3, tag=0.75e-3 * square).find(image)
+    view = CharucoBoard(square=square / 1e3).find(image)
     assert view is not None and len(view.points) == 40
     off = view.pixels - camera.project(apply(camera_T_board, view.points))
     assert np.linalg.norm(off, axis=1).mean() < 0.1

@@ -1,0 +1,54 @@
+"""Families of square tags: ArUco's dictionaries and AprilTag's (Olson, 2011)."""
+
+from __future__ import annotations
+
+from functools import cache
+from typing import Literal, get_args
+
+import cv2
+
+TagFamily = Literal[
+    "4x4_50",
+    "4x4_100",
+    "4x4_250",
+    "4x4_1000",
+    "5x5_50",
+    "5x5_100",
+    "5x5_250",
+    "5x5_1000",
+    "6x6_50",
+    "6x6_100",
+    "6x6_250",
+    "6x6_1000",
+    "7x7_50",
+    "7x7_100",
+    "7x7_250",
+    "7x7_1000",
+    "aruco_original",
+    "aruco_mip_36h12",
+    "apriltag_16h5",
+    "apriltag_25h9",
+    "apriltag_36h10",
+    "apriltag_36h11",
+]
+"""Bits along and down, and how many tags there are; AprilTag and MIP: bits in all, and their distance."""
+
+USUAL: TagFamily = "5x5_250"
+
+
+@cache
+def dictionary(family: TagFamily) -> cv2.aruco.Dictionary:
+    """The tags of a family. Raises ValueError for none."""
+    if family not in get_args(TagFamily):
+        raise ValueError(f"there is no family of tags {family!r}; allowed: {', '.join(get_args(TagFamily))}")
+    return cv2.aruco.getPredefinedDictionary(getattr(cv2.aruco, f"DICT_{family.upper()}"))
+
+
+def tags_of(family: TagFamily) -> int:
+    """How many tags it has; they are numbered from 0."""
+    return int(dictionary(family).bytesList.shape[0])
+
+
+def modules_of(family: TagFamily) -> int:
+    """Along the side of the black square: its bits and the frame."""
+    return int(dictionary(family).markerSize) + 2
