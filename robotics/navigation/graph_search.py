@@ -7,31 +7,56 @@ import heapq
 import numpy as np
 from numpy.typing import NDArray
 
+from robotics.navigation.blocked_squares import BlockedSquares, is_clear, line_clearance
 from robotics.navigation.compiled import compiled
-from robotics.navigation.line_of_sight import sees
 
 
 @compiled
-def nearest_free(free: NDArray[np.bool_], row: int, column: int, reach: int) -> tuple[int, int]:
-    """The free cell nearest to a cell, at most `reach` cells away; (-1, -1) if there is none."""
+def way_in(
+    free: NDArray[np.bool_], squares: BlockedSquares, spot: NDArray[np.float64], reach: int, need: float
+) -> tuple[int, int]:
+    """The nearest free cell that a spot can leave for without coming nearer to what is blocked.
+
+    Where there is none (in a corner's bend, say), the one with the clearest way to it.
+
+    Args:
+        free: (h, w) cells whose centres have the room needed.
+        squares: what is blocked.
+        spot: (2,) row and column in [cells], on the map and in no blocked cell.
+        reach: how many cells away it may be.
+        need: clearance of the way there, in [cells].
+
+    Returns:
+        Row and column; (-1, -1) if nothing but ways through blocked cells leads to a free one.
+    """
     height, width = free.shape
-    best = float(reach * reach) + 0.5
-    found = (-1, -1)
+    row, column = int(spot[0] + 0.5), int(spot[1] + 0.5)
+    near, clearest = float((reach + 1) ** 2), 0.0
+    found, other = (-1, -1), (-1, -1)
+    centre = np.empty(2)
     for ring in range(reach + 1):
-        if ring * ring > best:
+        if (ring - 0.5) ** 2 > near and ring > 0:
             break
         for r in range(max(row - ring, 0), min(row + ring, height - 1) + 1):
             step = 1 if abs(r - row) == ring else max(2 * ring, 1)
             for c in range(column - ring, column + ring + 1, step):
-                away = float((r - row) ** 2 + (c - column) ** 2)
-                if 0 <= c < width and free[r, c] and away < best:
-                    best, found = away, (r, c)
-    return found
+                if not (0 <= c < width and free[r, c]):
+                    continue
+                away = (spot[0] - r) ** 2 + (spot[1] - c) ** 2
+                centre[0], centre[1] = r, c
+                if away < near and is_clear(squares, spot, centre, need):
+                    near, found = away, (r, c)
+                if found[0] < 0:
+                    clear = line_clearance(squares, spot, centre, need, clearest)
+                    if clear > clearest:
+                        clearest, other = clear, (r, c)
+    return found if found[0] >= 0 else other
 
 
 @compiled
 def _first_seen(
-    free: NDArray[np.bool_],
+    squares: BlockedSquares,
+    need: float,
     cells: NDArray[np.int64],
     edge_of: NDArray[np.int64],
     order: NDArray[np.int64],
@@ -42,11 +67,13 @@ def _first_seen(
     """Indices into `cells` of the first cell in sight of each of the first `most` edges, in this order."""
     found = np.empty(most, dtype=np.int64)
     count = 0
+    here, there = np.array([float(row), float(column)]), np.empty(2)
     for i in order:
+        there[0], there[1] = cells[i, 0], cells[i, 1]
         known = False
         for k in range(count):
             known = known or edge_of[found[k]] == edge_of[i]
-        if not known and sees(free, row, column, cells[i, 0], cells[i, 1]):
+        if not known and is_clear(squares, here, there, need):
             found[count] = i
             count += 1
             if count == most:
@@ -55,7 +82,8 @@ def _first_seen(
 
 
 def in_sight(
-    free: NDArray[np.bool_],
+    squares: BlockedSquares,
+    need: float,
     cells: NDArray[np.int64],
     edge_of: NDArray[np.int64],
     cell: tuple[int, int],
@@ -65,7 +93,8 @@ def in_sight(
     """Where a cell can join the graph: on the nearest few edges in line of sight.
 
     Args:
-        free: (h, w) free cells.
+        squares: what is blocked.
+        need: clearance of the way there, in [cells].
         cells: (c, 2) cells of the graph.
         edge_of: (c,) their edges.
         cell: row and column, free.
@@ -79,11 +108,11 @@ def in_sight(
     if len(away) > tried:
         near = np.argpartition(away, tried)[:tried]
         near = near[np.argsort(away[near], kind="stable")]
-        found = _first_seen(free, cells, edge_of, near, cell[0], cell[1], edges)
+        found = _first_seen(squares, need, cells, edge_of, near, cell[0], cell[1], edges)
         if len(found):
             return found
     order = np.argsort(away, kind="stable")
-    return _first_seen(free, cells, edge_of, order, cell[0], cell[1], edges)
+    return _first_seen(squares, need, cells, edge_of, order, cell[0], cell[1], edges)
 
 
 @compiled

@@ -10,11 +10,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robotics.geometry.pose2 import Pose2
-from robotics.navigation.graph_search import cheapest_nodes, in_sight, nearest_free
-from robotics.navigation.line_of_sight import line_price
-from robotics.navigation.shortcuts import rounded, shortcuts
-from robotics.navigation.shortest_path import shortest_path
-from robotics.navigation.voronoi_graph import VoronoiGraph
+from robotics.navigation.blocked_squares import is_clear, line_clearance, path_clearance
+from robotics.navigation.graph_search import cheapest_nodes, in_sight, way_in
+from robotics.navigation.line_price import line_price
+from robotics.navigation.shortcuts import around_corners, rounded, shortcuts
+from robotics.navigation.shortest_path import shortest_clear_path
+from robotics.navigation.voronoi_graph import BREAK, VoronoiGraph
 
 SAMPLE = 4.0  # of the path, in [cells], before shortcuts
 LONGEST_LEAP = 50  # samples
@@ -27,7 +28,11 @@ class Route(NamedTuple):
     points: NDArray[np.float64]
     """(n, 2) in [m], evenly spaced by about a cell; the first is the start, the last the goal."""
     clearance: NDArray[np.float64]
-    """(n,) distance to the nearest obstacle at each point, in [m]."""
+    """(n,) least distance to any blocked cell's square along the stretches that meet at each point, in [m].
+
+    No spot between two points is nearer than the less of theirs. All of it is at least the graph's radius,
+    but for the way out of where the start itself has less room, and the way in to such a goal: never nearer
+    there than start or goal itself where that is possible."""
 
     @property
     def length(self) -> float:
@@ -41,13 +46,17 @@ class Route(NamedTuple):
 
 
 class _End(NamedTuple):
-    """How a start or goal joins the graph."""
+    """How a start or goal joins the graph; all positions are row and column."""
 
+    spot: NDArray[np.float64]
+    """The start or goal itself, in [cells]."""
+    roomy: bool
+    """Whether the way from there to `cell` has the room that the robot needs."""
     cell: NDArray[np.int64]
     joins: NDArray[np.int64]
     """(k,) indices into the edge table's cells."""
     ways: list[NDArray[np.int64]]
-    """Cells (2+, 2) from `cell` to each join."""
+    """Cells (2+, 2) from `cell` to each join, in straight lines with room."""
     costs: NDArray[np.float64]
     """(k,) price of each way."""
 
@@ -57,85 +66,109 @@ def plan_route(
     start: Pose2 | tuple[float, float],
     goal: Pose2 | tuple[float, float],
     reach: float = 0.3,
+    least: float = 0.0,
 ) -> Route | None:
     """A short way that keeps away from obstacles.
 
     Start and goal join the graph where they see it (or by a shortest path where they don't), Dijkstra finds
-    the way between, shortcuts straighten it and its corners are rounded.
+    the way between, shortcuts straighten it and its corners are rounded. Every line is followed from cell to
+    cell and its distance to blocked squares is exact, so what the route says of its clearance holds.
 
     Args:
         graph: of the map and the robot.
         start: only x and y count, in [m].
         goal: only x and y count, in [m].
-        reach: how far outside the graph's free component start and goal may be, in [m]: localisation noise, a
-            place close to furniture.
+        reach: how far outside the graph's free component start and goal may be, in [m], rounded up to whole
+            cells: localisation noise, a place close to furniture.
+        least: clearance without which a route is refused, in [m]: the footprint's radius, say, where the
+            graph was grown by more.
 
     Returns:
-        None if start or goal is farther than `reach` from the free component.
+        None if start or goal is farther than `reach` from the free component or cut off from it, if they are
+        cut off from each other, or if the way needs less clearance than `least`.
     """
     ends = [_join(graph, (point[0], point[1]), reach) for point in (start, goal)]
     if ends[0] is None or ends[1] is None:
         return None
-    path = _sample(_through_graph(graph, ends[0], ends[1]).astype(np.float64), SAMPLE)
-    cells_clear, free = graph.clearance, graph.free
-    corners = path[shortcuts(graph.price, free, path, LONGEST_LEAP)]
-    smooth = rounded(cells_clear, free, _sample(corners, 1.0), ROUNDS)
-    clearance = cells_clear[tuple((smooth + 0.5).astype(np.int64).T)].astype(np.float64)
-    return _with_ends(graph, smooth, clearance, start, goal)
+    way = _through_graph(graph, ends[0], ends[1])
+    if way is None:
+        return None
+    points = _with_ends(ends[0], _straightened(graph, _roomy_part(graph, ends[0], way, ends[1])), ends[1])
+    clearance = path_clearance(graph.squares, points) * graph.map.resolution
+    if clearance.min() < least:
+        return None
+    return Route(graph.map.to_point(points), clearance)
 
 
-def _with_ends(
-    graph: VoronoiGraph,
-    path: NDArray[np.float64],
-    clearance: NDArray[np.float64],
-    start: Pose2 | tuple[float, float],
-    goal: Pose2 | tuple[float, float],
-) -> Route:
-    """The exact start and goal in place of those positions (n, 2), in [cells], within a cell of them."""
-    points = graph.map.to_point(path)
-    ends = np.array([start[:2], goal[:2]])
-    far = [np.hypot(*(points - end).T) > graph.map.resolution for end in ends]
-    kept = far[0] & far[1]
-    around = np.concatenate([clearance[:1], clearance[kept], clearance[-1:]])
-    return Route(np.vstack([ends[:1], points[kept], ends[1:]]), around)
+def _roomy_part(graph: VoronoiGraph, start: _End, way: NDArray[np.int64], goal: _End) -> NDArray[np.float64]:
+    """The way (n, 2) around corners that are too narrow, with start and goal where these have room."""
+    parts = [around_corners(graph.free, graph.squares, graph.need, way)]
+    parts = [start.spot[None], *parts] if start.roomy else parts
+    parts = [*parts, goal.spot[None]] if goal.roomy else parts
+    path = np.vstack(parts)
+    return path[np.concatenate([[True], np.any(np.diff(path, axis=0) != 0.0, axis=1)])]
+
+
+def _straightened(graph: VoronoiGraph, path: NDArray[np.float64]) -> NDArray[np.float64]:
+    """A path (n, 2) in [cells] in straight leaps with round corners, a point about every cell."""
+    fine = _sampled(path, SAMPLE)
+    along = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(fine, axis=0).T))])
+    count = max(1, round(float(along[-1]) / SAMPLE))
+    samples = np.unique(np.searchsorted(along, np.linspace(0.0, along[-1], count + 1)))
+    kept = shortcuts(graph.price, graph.squares, graph.need, fine, samples, LONGEST_LEAP)
+    return rounded(graph.squares, graph.need, _sampled(fine[kept], 1.0), ROUNDS)
+
+
+def _with_ends(start: _End, path: NDArray[np.float64], goal: _End) -> NDArray[np.float64]:
+    """The path (n, 2) from start to goal, those included: at least two points."""
+    first = path if start.roomy else np.vstack([_sampled(np.array([start.spot, path[0]]), 1.0)[:-1], path])
+    whole = first if goal.roomy else np.vstack([first, _sampled(np.array([path[-1], goal.spot]), 1.0)[1:]])
+    return whole if len(whole) > 1 else np.vstack([start.spot, goal.spot])
 
 
 def _join(graph: VoronoiGraph, point: tuple[float, float], reach: float) -> _End | None:
-    row, column = graph.map.to_cell(np.array([point]))[0].tolist()
-    found = nearest_free(graph.free, row, column, math.ceil(reach / graph.map.resolution))
+    squares, need, table = graph.squares, graph.need, graph.edges
+    x, y = point
+    resolution = graph.map.resolution
+    spot = np.array([y - graph.map.origin_y, x - graph.map.origin_x]) / resolution - 0.5
+    if not np.all((spot >= -0.5) & (spot < np.array(graph.free.shape) - 0.5)):
+        return None
+    here = line_clearance(squares, spot, spot, need, 0.0)
+    if here <= 0.0:
+        return None
+    found = way_in(graph.free, squares, spot, math.ceil(reach / resolution), here * (1.0 - 1e-9))
     if found[0] < 0:
         return None
-    cell, table = np.array(found), graph.edges
-    if len(table.cells) == 0:
-        return _End(cell, np.empty(0, dtype=np.int64), [], np.empty(0))
-    joins = in_sight(graph.free, table.cells, table.edge_of, found)
+    cell = np.array(found)
+    roomy = is_clear(squares, spot, cell.astype(np.float64), need)
+    joins = in_sight(squares, need, table.cells, table.edge_of, found)
     ways = [np.array([cell, table.cells[i]]) for i in joins]
-    if len(joins) == 0:
+    if len(joins) == 0 and len(table.cells):
         nearest = np.argmin(((table.cells - cell) ** 2).sum(axis=1))
-        way = shortest_path(graph.free, cell, table.cells[nearest])
-        joins, ways = np.array([nearest]), [] if way is None else [way]
-    return _End(cell, joins, ways, np.array([_price(graph, way) for way in ways]))
+        way = shortest_clear_path(graph.free, squares, need, cell, table.cells[nearest])
+        joins, ways = (joins, []) if way is None else (np.array([nearest]), [way])
+    return _End(spot, roomy, cell, joins, ways, np.array([_price(graph, way) for way in ways]))
 
 
 def _price(graph: VoronoiGraph, way: NDArray[np.int64]) -> float:
     """Price of straight lines between cells (k, 2)."""
-    corners = way.astype(np.float64)
-    return sum(line_price(graph.price, graph.free, a, b, np.inf) for a, b in pairwise(corners))
+    return sum(line_price(graph.price, a, b, np.inf) for a, b in pairwise(way.astype(np.float64)))
 
 
-def _through_graph(graph: VoronoiGraph, start: _End, goal: _End) -> NDArray[np.int64]:
-    """Cells (n, 2) of the way from start to goal, shortest along the graph."""
-    if len(start.joins) == 0:
-        way = shortest_path(graph.free, start.cell, goal.cell)
-        assert way is not None, "both are cells of one component"
-        return way
+def _through_graph(graph: VoronoiGraph, start: _End, goal: _End) -> NDArray[np.int64] | None:
+    """Cells (n, 2) of the way from start to goal, cheapest along the graph.
+
+    Where the graph has none (it lies behind a corner that is too narrow), a shortest path on all free cells.
+    """
     table = graph.edges
     direct, a, b = _on_one_edge(graph, start, goal)
     start_cost, start_by = _node_costs(graph, start)
     goal_cost, goal_by = _node_costs(graph, goal)
-    last, _, back = cheapest_nodes(
+    last, total, back = cheapest_nodes(
         table.slots, table.slot_first, table.ends, table.price, start_cost, goal_cost, direct
     )
+    if not min(direct, total) < BREAK:
+        return shortest_clear_path(graph.free, graph.squares, graph.need, start.cell, goal.cell)
     if last < 0:
         return np.vstack([start.ways[a], _stretch(graph, start.joins[a], goal.joins[b]), goal.ways[b][::-1]])
     parts = [goal.ways[goal_by[last]][::-1], _to_node(graph, goal.joins[goal_by[last]], last)[::-1]]
@@ -191,9 +224,10 @@ def _to_node(graph: VoronoiGraph, join: int, node: int) -> NDArray[np.int64]:
     return _stretch(graph, join, int(table.first[edge + 1]) - 1)
 
 
-def _sample(path: NDArray[np.float64], spacing: float) -> NDArray[np.float64]:
-    """The path (n, 2), sampled evenly about every `spacing`, both ends kept."""
-    along = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(path, axis=0).T))])
-    count = max(1, round(float(along[-1]) / spacing))
-    at = np.linspace(0.0, along[-1], count + 1)
-    return np.column_stack([np.interp(at, along, path[:, 0]), np.interp(at, along, path[:, 1])])
+def _sampled(path: NDArray[np.float64], spacing: float) -> NDArray[np.float64]:
+    """The path (n, 2) with points between its own, so that none is farther than `spacing` from the next."""
+    steps = np.diff(path, axis=0)
+    counts = np.maximum(np.ceil(np.hypot(*steps.T) / spacing), 1.0).astype(np.int64)
+    of = np.repeat(np.arange(len(steps)), counts)
+    share = (np.arange(len(of)) - np.repeat(np.cumsum(counts) - counts, counts)) / counts[of]
+    return np.vstack([path[of] + share[:, None] * steps[of], path[-1:]])

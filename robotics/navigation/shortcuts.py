@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from robotics.navigation.blocked_squares import BlockedSquares, is_clear
 from robotics.navigation.compiled import compiled
-from robotics.navigation.line_of_sight import line_price
+from robotics.navigation.line_price import line_price
 
 
 @compiled
@@ -20,60 +21,108 @@ def _jumps(count: int) -> NDArray[np.int64]:
 
 @compiled
 def shortcuts(
-    price: NDArray[np.float32], free: NDArray[np.bool_], path: NDArray[np.float64], longest: int
+    price: NDArray[np.float32],
+    squares: BlockedSquares,
+    need: float,
+    path: NDArray[np.float64],
+    samples: NDArray[np.int64],
+    longest: int,
 ) -> NDArray[np.int64]:
-    """Which samples of a path to keep so that the chain of straight leaps between them is cheapest.
+    """Which points of a path to keep so that the chain of straight leaps between its samples is cheapest.
 
-    Found by dynamic programming; a leap may only lead over free cells.
+    Found by dynamic programming. A leap keeps `need` from what is blocked; where not even the next sample can
+    be leapt to, the path itself is walked between the two, point by point.
 
     Args:
         price: (h, w) of each cell of length.
-        free: (h, w).
+        squares: what is blocked.
+        need: clearance of every leap, in [cells]; the path's own stretches have it.
         path: (n, 2) positions in [cells], row and column.
+        samples: (k,) points of the path that leaps may begin and end at, first and last among them.
         longest: samples in the longest leap.
     """
-    count = len(path)
+    count = len(samples)
     cost = np.full(count, np.inf)
     cost[0] = 0.0
-    back = np.zeros(count, dtype=np.int64)
+    back = np.arange(-1, count - 1)
+    walked = np.zeros(count, dtype=np.bool_)
     jumps = _jumps(min(count - 1, longest))
     for j in range(1, count):
+        end = path[samples[j]]
+        walk = 0.0
+        for k in range(samples[j - 1], samples[j]):
+            walk += line_price(price, path[k], path[k + 1], np.inf)
+        cost[j], walked[j] = cost[j - 1] + walk, True
         for jump in jumps:
             if jump > j:
                 break
             i = j - jump
-            line = line_price(price, free, path[i], path[j], cost[j] - cost[i])
-            if jump == 1 and line == np.inf:
-                line = price[int(path[j, 0] + 0.5), int(path[j, 1] + 0.5)] * np.hypot(
-                    path[j, 0] - path[i, 0], path[j, 1] - path[i, 1]
-                )
-            if cost[i] + line < cost[j]:
-                cost[j], back[j] = cost[i] + line, i
-    kept = [count - 1]
-    while kept[-1] > 0:
-        kept.append(back[kept[-1]])
+            begin = path[samples[i]]
+            line = line_price(price, begin, end, cost[j] - cost[i])
+            if cost[i] + line <= cost[j] and is_clear(squares, begin, end, need):
+                cost[j], back[j], walked[j] = cost[i] + line, i, False
+    kept = [samples[count - 1]]
+    j = count - 1
+    while j > 0:
+        if walked[j]:
+            kept.extend(range(samples[j] - 1, samples[j - 1], -1))
+        j = back[j]
+        kept.append(samples[j])
     return np.array(kept[::-1])
 
 
 @compiled
+def around_corners(
+    free: NDArray[np.bool_], squares: BlockedSquares, need: float, way: NDArray[np.int64]
+) -> NDArray[np.float64]:
+    """A way over cells (n, 2), with the free cell beside put in where a step over a corner is too narrow.
+
+    Args:
+        free: (h, w) cells whose centres have the room needed.
+        squares: what is blocked.
+        need: clearance that a step must have, in [cells].
+        way: cells, row and column; stretches that are longer than a step have the clearance.
+    """
+    path = np.empty((2 * len(way), 2))
+    count = 0
+    for i in range(len(way)):
+        path[count] = way[i]
+        count += 1
+        if i + 1 == len(way) or abs(way[i, 0] - way[i + 1, 0]) != 1 or abs(way[i, 1] - way[i + 1, 1]) != 1:
+            continue
+        path[count] = way[i + 1]
+        if not is_clear(squares, path[count - 1], path[count], need):
+            if free[way[i, 0], way[i + 1, 1]]:
+                path[count, 0] = way[i, 0]
+            else:
+                path[count, 1] = way[i, 1]
+            count += 1
+    return path[:count]
+
+
+@compiled
 def rounded(
-    clearance: NDArray[np.float32], free: NDArray[np.bool_], path: NDArray[np.float64], rounds: int
+    squares: BlockedSquares, need: float, path: NDArray[np.float64], rounds: int
 ) -> NDArray[np.float64]:
     """Round the corners of an evenly sampled path (n, 2) in [cells], ends kept.
 
-    Each sample moves towards the middle of its neighbours, unless that leaves the free cells, or leads below
-    the path's least clearance.
+    Each sample moves towards the middle of its neighbours, unless a stretch to one of them would then keep
+    less than `need`, in [cells], or less than all of the path did.
     """
     smooth = path.copy()
     tight = np.inf
     for point in path:
-        tight = min(tight, float(clearance[int(point[0] + 0.5), int(point[1] + 0.5)]))
+        tight = min(tight, float(squares.distance[int(point[0] + 1.5), int(point[1] + 1.5)]))
+    keep = max(need, tight - 0.71)  # half a cell's diagonal: the point isn't the centre of its cell
+    moved = np.empty(2)
     for _ in range(rounds):
         for i in range(1, len(smooth) - 1):
-            row = 0.5 * smooth[i, 0] + 0.25 * (smooth[i - 1, 0] + smooth[i + 1, 0])
-            column = 0.5 * smooth[i, 1] + 0.25 * (smooth[i - 1, 1] + smooth[i + 1, 1])
-            cell = int(row + 0.5), int(column + 0.5)
-            before = clearance[int(smooth[i, 0] + 0.5), int(smooth[i, 1] + 0.5)]
-            if free[cell] and (clearance[cell] >= before or clearance[cell] > tight):
-                smooth[i, 0], smooth[i, 1] = row, column
+            moved[0] = 0.5 * smooth[i, 0] + 0.25 * (smooth[i - 1, 0] + smooth[i + 1, 0])
+            moved[1] = 0.5 * smooth[i, 1] + 0.25 * (smooth[i - 1, 1] + smooth[i + 1, 1])
+            if abs(moved[0] - smooth[i, 0]) + abs(moved[1] - smooth[i, 1]) < 1e-6:
+                continue
+            if is_clear(squares, smooth[i - 1], moved, keep) and is_clear(
+                squares, moved, smooth[i + 1], keep
+            ):
+                smooth[i, 0], smooth[i, 1] = moved[0], moved[1]
     return smooth

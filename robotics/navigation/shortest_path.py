@@ -8,13 +8,24 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from robotics.navigation.blocked_squares import BlockedSquares, blocked_squares, is_clear
 from robotics.navigation.compiled import compiled
-from robotics.navigation.line_of_sight import sees
+
+
+@compiled
+def _sees(squares: BlockedSquares, need: float, row: int, column: int, to_row: int, to_column: int) -> bool:
+    return is_clear(
+        squares, np.array([float(row), float(column)]), np.array([float(to_row), float(to_column)]), need
+    )
 
 
 @compiled
 def _theta_star(
-    free: NDArray[np.bool_], start: NDArray[np.int64], goal: NDArray[np.int64]
+    free: NDArray[np.bool_],
+    squares: BlockedSquares,
+    need: float,
+    start: NDArray[np.int64],
+    goal: NDArray[np.int64],
 ) -> NDArray[np.int64]:
     """Parents as flat indices, -1 where the search was not."""
     height, width = free.shape
@@ -40,8 +51,10 @@ def _theta_star(
             if closed[neighbour]:
                 continue
             via = parent[cell]
-            if not sees(free, via // width, via % width, next_row, next_column):
+            if not _sees(squares, need, via // width, via % width, next_row, next_column):
                 via = cell
+                if not _sees(squares, need, row, column, next_row, next_column):
+                    continue
             new = cost[via] + math.hypot(next_row - via // width, next_column - via % width)
             if new < cost[neighbour] - 1e-9:
                 cost[neighbour], parent[neighbour] = new, via
@@ -55,13 +68,34 @@ def shortest_path(
 ) -> NDArray[np.int64] | None:
     """Corners (k, 2) of a nearly shortest path between two cells, or None if there is none.
 
+    The path is that of a point: it leads through no cell that isn't free, but may touch its rim or corner.
+
     Args:
         free: (h, w) cells that the path may use.
         start: (2,) row and column, free.
         goal: (2,) row and column, free.
     """
+    return shortest_clear_path(free, blocked_squares(~free), 0.0, start, goal)
+
+
+def shortest_clear_path(
+    free: NDArray[np.bool_],
+    squares: BlockedSquares,
+    need: float,
+    start: NDArray[np.int64],
+    goal: NDArray[np.int64],
+) -> NDArray[np.int64] | None:
+    """Corners (k, 2) of a nearly shortest path for a robot that has a size, or None if there is none.
+
+    Args:
+        free: (h, w) cells at whose centres the path may bend.
+        squares: what is blocked.
+        need: distance that every spot of the path keeps from it, in [cells].
+        start: (2,) row and column, free.
+        goal: (2,) row and column, free.
+    """
     width = free.shape[1]
-    parent = _theta_star(free, np.asarray(start), np.asarray(goal))
+    parent = _theta_star(free, squares, need, np.asarray(start), np.asarray(goal))
     cell = int(goal[0]) * width + int(goal[1])
     if parent[cell] < 0:
         return None
@@ -69,15 +103,15 @@ def shortest_path(
     while parent[cell] != cell:
         cell = int(parent[cell])
         corners.append(cell)
-    return _pull_tight(free, np.column_stack(np.divmod(np.array(corners[::-1]), width)))
+    return _pull_tight(squares, need, np.column_stack(np.divmod(np.array(corners[::-1]), width)))
 
 
-def _pull_tight(free: NDArray[np.bool_], corners: NDArray[np.int64]) -> NDArray[np.int64]:
+def _pull_tight(squares: BlockedSquares, need: float, corners: NDArray[np.int64]) -> NDArray[np.int64]:
     """Leave out corners as long as their neighbours see each other."""
     kept = corners.tolist()
     i = 1
     while i < len(kept) - 1:
-        if sees(free, *kept[i - 1], *kept[i + 1]):
+        if _sees(squares, need, *kept[i - 1], *kept[i + 1]):
             del kept[i]
             i = max(1, i - 1)
         else:

@@ -9,11 +9,14 @@ import networkx as nx
 import numpy as np
 from numpy.typing import NDArray
 
+from robotics.navigation.blocked_squares import TOUCHING, BlockedSquares, blocked_squares, is_clear
 from robotics.navigation.grid_map import GridMap
 from robotics.navigation.skeleton_trace import Trace, link, prune_leaves, trace
 from robotics.navigation.thinning import thin
 
 POWER = 0.75  # of room in the price of a way: buys the clearance that 1.15 of the shortest length can
+EXACT = 1e-6  # of the radius, by which 32-bit distances may be off
+BREAK = 1e9  # price of what can't be passed: more than any way on a map costs
 TOUCH = 2.0  # a leaf this near to the grown obstacles, in [cells], touches them: rounding of two distances
 
 
@@ -28,11 +31,14 @@ class EdgeTable:
         along: (c,) length along the edge up to each cell, in [cells].
         edge_of: (c,) number of the edge that a cell belongs to.
         length: (e,) in [cells].
-        price_along: (c,) as `along`, each step times the price of its cell.
+        price_along: (c,) as `along`, each step times the price of its cell; `BREAK` more behind a step over
+            a corner that is too narrow.
         price: (e,) of a whole edge.
     """
 
-    def __init__(self, found: Trace, width: int, price: NDArray[np.float32]) -> None:
+    def __init__(
+        self, found: Trace, width: int, price: NDArray[np.float32], squares: BlockedSquares, need: float
+    ) -> None:
         self.nodes = _unflatten(found.nodes, width)
         self.cells = _unflatten(found.cells, width)
         self.first = found.first
@@ -45,7 +51,10 @@ class EdgeTable:
         self.along: NDArray[np.float64] = total - np.repeat(total[self.first[:-1]], sizes)
         self.edge_of: NDArray[np.int64] = np.repeat(np.arange(len(sizes)), sizes)
         self.length: NDArray[np.float64] = self.along[self.first[1:] - 1]
-        priced = np.cumsum(step * price[self.cells[:, 0], self.cells[:, 1]])
+        priced = np.cumsum(
+            step * price[self.cells[:, 0], self.cells[:, 1]]
+            + BREAK * _too_narrow(squares, need, self.cells, step)
+        )
         self.price_along: NDArray[np.float64] = priced - np.repeat(priced[self.first[:-1]], sizes)
         self.price: NDArray[np.float64] = self.price_along[self.first[1:] - 1]
         self.slots, self.slot_first = _incidence(self.ends, len(self.nodes))
@@ -57,14 +66,20 @@ class VoronoiGraph:
 
     Its topology is that of the free component it was built in: one component, and as many independent cycles
     as the rest of the map (everything outside that component, the world beyond the border included) has
-    components, less one. Free cells are connected over corners (8), the rest over sides only (4).
+    components, less one. Free cells are connected over corners (8), the rest over sides only (4). Where two
+    free cells share nothing but a corner and the robot doesn't fit between what is blocked beside it, the
+    graph's edge has a `BREAK`: no route takes it.
     """
 
     map: GridMap
     radius: float
     """By which obstacles were grown, in [m]."""
+    squares: BlockedSquares
+    """What is blocked, for exact distances."""
+    need: float
+    """Clearance of every way, in [cells]: the radius less rounding, and always more than touching."""
     clearance: NDArray[np.float32]
-    """(h, w) distance from each cell's centre to the nearest blocked cell's centre, in [m]."""
+    """(h, w) distance from each cell's centre to the nearest blocked cell's square, in [m]."""
     price: NDArray[np.float32]
     """(h, w) of each cell of length: less where there is more room."""
     free: NDArray[np.bool_]
@@ -97,24 +112,41 @@ def voronoi_graph(
     Raises:
         ValueError: no cell is left free for a robot of this radius.
     """
-    padded = np.pad(~grid.blocked, 1).view(np.uint8)
-    distance = np.asarray(cv2.distanceTransform(padded, cv2.DIST_L2, cv2.DIST_MASK_PRECISE), dtype=np.float32)
-    limit = radius / grid.resolution + 1e-3
-    free = _component(distance > limit, grid, seed_point)
+    squares = blocked_squares(grid.blocked)
+    distance = squares.distance
+    need = max(radius / grid.resolution * (1.0 - 2.0 * EXACT), TOUCHING)
+    free = _component(
+        (distance >= radius / grid.resolution * (1.0 - EXACT)) & (distance > 0.0), grid, seed_point
+    )
     cells, links = link(thin(free, distance))
     width = free.shape[1]
-    cells = prune_leaves(cells, links, width, distance.ravel() <= limit + TOUCH)
+    cells = prune_leaves(cells, links, width, distance.ravel() <= need + TOUCH)
     clearance = np.ascontiguousarray(distance[1:-1, 1:-1]) * np.float32(grid.resolution)
     price = room_price(clearance, grid.resolution)
-    table = EdgeTable(trace(cells, links, width), width, price)
+    table = EdgeTable(trace(cells, links, width), width, price, squares, need)
     inner = np.ascontiguousarray(free[1:-1, 1:-1])
-    return VoronoiGraph(grid, radius, clearance, price, inner, _network(grid, table, clearance), table)
+    network = _network(grid, table, clearance)
+    return VoronoiGraph(grid, radius, squares, need, clearance, price, inner, network, table)
 
 
 def room_price(clearance: NDArray[np.float32], resolution: float) -> NDArray[np.float32]:
     """What a cell of length costs where there is this much clearance (h, w), in [m]."""
     price: NDArray[np.float32] = np.maximum(clearance, np.float32(resolution)) ** np.float32(-POWER)
     return price
+
+
+def _too_narrow(
+    squares: BlockedSquares, need: float, cells: NDArray[np.int64], step: NDArray[np.float64]
+) -> NDArray[np.bool_]:
+    """(c,) whether a step to a cell (c, 2) leads over a corner too narrowly, and no free cell lies beside."""
+    rows, columns = cells.T + 1
+    before_row, before_column = np.roll(rows, 1), np.roll(columns, 1)
+    beside = np.maximum(squares.distance[before_row, columns], squares.distance[rows, before_column])
+    narrow = (step > 1.0) & (beside < need)
+    for i in np.flatnonzero(narrow):
+        ends = cells[i - 1 : i + 1].astype(np.float64)
+        narrow[i] = not is_clear(squares, ends[0], ends[1], need)
+    return narrow
 
 
 def _component(

@@ -1,6 +1,7 @@
 import numpy as np
 import pytest
 
+from benchmarks.random_grids import KINDS, distance_to_squares, random_grid, rooms
 from robotics.geometry.pose2 import Pose2
 from robotics.navigation.grid_map import GridMap, from_boxes
 from robotics.navigation.route import Route, plan_route
@@ -9,13 +10,18 @@ from robotics.navigation.voronoi_graph import VoronoiGraph, voronoi_graph
 
 
 def assert_drivable(graph: VoronoiGraph, route: Route) -> None:
-    """No point of the route, nor between its points, comes nearer to obstacles than half a cell allows."""
-    dense = np.concatenate(
-        [np.linspace(a, b, 4) for a, b in zip(route.points[1:-2], route.points[2:-1], strict=True)]
-    )
-    rows, columns = graph.map.to_cell(dense).T
-    assert graph.clearance[rows, columns].min() > graph.radius - 1.5 * graph.map.resolution
-    assert len(route.clearance) == len(route.points)
+    """The robot's room is kept, and no spot is nearer to what is blocked than the route says."""
+    assert route.clearance.min() >= graph.radius * (1.0 - 1e-5)
+    assert shortfall(graph.map, route, np.random.default_rng(0), 40) < 1e-9
+
+
+def shortfall(grid: GridMap, route: Route, rng: np.random.Generator, samples: int) -> float:
+    """By how much any of some random spots of the route is nearer than it says, in [m]."""
+    i, share = rng.integers(len(route.points) - 1, size=samples), rng.random(samples)
+    spots = route.points[i] + share[:, None] * (route.points[i + 1] - route.points[i])
+    said = route.clearance[i] + share * (route.clearance[i + 1] - route.clearance[i])
+    cells = (spots - (grid.origin_x, grid.origin_y))[:, ::-1] / grid.resolution - 0.5
+    return float((said - distance_to_squares(grid.blocked, cells) * grid.resolution).max())
 
 
 def random_cells(graph: VoronoiGraph, count: int, seed: int) -> list[tuple[np.ndarray, np.ndarray]]:
@@ -149,3 +155,98 @@ def test_the_same_query_gives_the_same_route(depot):
     one, two = (plan_route(voronoi_graph(depot, 0.25), (3.0, 4.0), (25.0, 12.0)) for _ in range(2))
     assert one is not None and two is not None
     assert np.array_equal(one.points, two.points)
+
+
+@pytest.mark.parametrize("kind", range(len(KINDS)))
+def test_what_a_route_says_of_its_clearance_is_true_on_cells_of_any_size(kind):
+    """Walls one cell thick, diagonal ones, cells larger than the robot; starts anywhere in their cells."""
+    planned = 0
+    for seed in range(kind, 25 * len(KINDS), len(KINDS)):
+        grid, radius = random_grid(seed)
+        try:
+            graph = voronoi_graph(grid, radius)
+        except ValueError:
+            continue
+        rng, cells = np.random.default_rng(seed), np.argwhere(graph.free)
+        for off in (0.0, 0.49):
+            ends = grid.to_point(cells[rng.integers(len(cells), size=2)] + rng.uniform(-off, off, (2, 2)))
+            route = plan_route(graph, tuple(ends[0]), tuple(ends[1]))
+            if route is None:
+                continue
+            planned += 1
+            assert np.allclose(route.points[[0, -1]], ends)
+            assert len(route.clearance) == len(route.points)
+            assert shortfall(grid, route, rng, 200) < 1e-9
+            assert off > 0.0 or route.clearance.min() >= radius * (1.0 - 1e-5)
+    assert planned > 20
+
+
+@pytest.mark.parametrize(("resolution", "radius"), [(0.2, 0.1), (0.2, 0.25), (0.25, 0.25), (0.4, 0.19)])
+def test_no_route_cuts_a_wall_one_cell_thick(resolution, radius):
+    occupied = rooms(np.random.default_rng(1), (45, 45), room=8, door=3)
+    graph = voronoi_graph(GridMap(occupied, np.zeros_like(occupied), resolution, -3.0, 2.0), radius)
+    for start, goal in random_cells(graph, 30, 2):
+        route = plan_route(graph, centre(graph, start), centre(graph, goal))
+        assert route is not None
+        assert_drivable(graph, route)
+
+
+def diagonal_wall(size: int) -> GridMap:
+    occupied = np.zeros((size, size), dtype=bool)
+    occupied[np.arange(size), np.arange(size)] = True
+    return GridMap(occupied, np.zeros_like(occupied), 0.2, 0.0, 0.0)
+
+
+@pytest.mark.parametrize("radius", [0.0, 0.05, 0.1])
+def test_nothing_slips_through_a_diagonal_wall(radius):
+    graph = voronoi_graph(diagonal_wall(20), radius)
+    assert plan_route(graph, (3.5, 0.5), (0.5, 3.5)) is None
+    route = plan_route(graph, (3.5, 0.5), (1.1, 0.5))
+    assert route is not None
+    assert_drivable(graph, route)
+
+
+def test_a_diagonal_wall_is_gone_around():
+    grid = diagonal_wall(20)
+    grid.occupied[19, 19] = False
+    graph = voronoi_graph(grid, 0.1)
+    route = plan_route(graph, (3.5, 0.5), (0.5, 3.5))
+    assert route is not None
+    assert_drivable(graph, route)
+    assert route.points.max() > 3.75
+
+
+def test_a_start_beside_a_thin_wall_does_not_leave_through_it():
+    """On its own side nothing is free; on the other, 0.2 m away, all is."""
+    occupied = np.zeros((60, 60), dtype=bool)
+    occupied[:, 4] = True
+    graph = voronoi_graph(GridMap(occupied, np.zeros_like(occupied), 0.05, 0.0, 0.0), 0.15)
+    assert not graph.free[:, :4].any()
+    assert plan_route(graph, (0.16, 1.5), (2.0, 1.5)) is None
+
+
+def test_leaving_a_narrow_spot_leads_to_where_there_is_room_and_no_nearer(library):
+    graph = voronoi_graph(library, 0.34)
+    start = (1.93 + 0.26 + 0.24, 6.0)
+    route = plan_route(graph, start, (2.9, 4.0))
+    assert route is not None
+    narrow = route.clearance < 0.34 * (1.0 - 1e-5)
+    assert narrow[:2].all() and not narrow[6:].any()
+    cells = (np.array([start[::-1]]) - (graph.map.origin_y, graph.map.origin_x)) / 0.05 - 0.5
+    assert route.clearance.min() == pytest.approx(0.05 * distance_to_squares(library.blocked, cells)[0])
+
+
+def test_a_route_with_less_clearance_than_asked_is_refused(library):
+    graph = voronoi_graph(library, 0.34)
+    start, goal = (1.93 + 0.26 + 0.24, 6.0), (2.9, 4.0)
+    route = plan_route(graph, start, goal)
+    assert route is not None
+    least = float(route.clearance.min())
+    assert plan_route(graph, start, goal, least=least - 1e-6) is not None
+    assert plan_route(graph, start, goal, least=least + 1e-6) is None
+
+
+def test_a_start_in_a_blocked_cell_or_off_the_map_has_no_route(library):
+    graph = voronoi_graph(library, 0.1)
+    assert plan_route(graph, (1.93, 6.0), (6.0, 3.0), reach=5.0) is None
+    assert plan_route(graph, (-0.1, 3.0), (6.0, 3.0), reach=5.0) is None
