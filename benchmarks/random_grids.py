@@ -15,7 +15,8 @@ CELLS_PER_RADIUS = (0.0, 0.3, 0.5, 0.6, 0.8, 1.0, 1.3, 1.9, 2.5, 4.0, 7.6)
 
 def speckle(rng: np.random.Generator, shape: tuple[int, int]) -> Cells:
     """Lone cells anywhere."""
-    return rng.random(shape) < rng.choice([0.01, 0.03, 0.1, 0.2, 0.3])
+    lone: Cells = rng.random(shape) < rng.choice([0.01, 0.03, 0.1, 0.2, 0.3])
+    return lone
 
 
 def rooms(rng: np.random.Generator, shape: tuple[int, int], room: int = 0, door: int = 0) -> Cells:
@@ -62,6 +63,23 @@ def boxes(rng: np.random.Generator, shape: tuple[int, int]) -> Cells:
         for _ in range(int(rng.integers(3, 15)))
     ]
     return from_boxes(many, 1.0, (0.0, 0.0), size).occupied
+
+
+def streets(rng: np.random.Generator, shape: tuple[int, int], block: int = 32) -> Cells:
+    """Blocks of houses, some turned, some missing, with streets between them."""
+    size = (float(shape[1]), float(shape[0]))
+    houses = [
+        (
+            x + rng.uniform(0.3, 0.7) * block,
+            y + rng.uniform(0.3, 0.7) * block,
+            float(rng.choice([0.0, rng.uniform(0.0, np.pi)])),
+            *rng.uniform(0.25 * block, 0.9 * block, 2),
+        )
+        for x in range(0, shape[1], block)
+        for y in range(0, shape[0], block)
+        if rng.random() < 0.85
+    ]
+    return from_boxes(houses, 1.0, (0.0, 0.0), size).occupied
 
 
 KINDS: tuple[Callable[[np.random.Generator, tuple[int, int]], Cells], ...] = (

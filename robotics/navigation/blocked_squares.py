@@ -157,6 +157,7 @@ def _stretch_clearance(
         return limit
     best = limit * limit
     low, high = min(column0, column1), max(column0, column1)
+    top, bottom = min(row0, row1), max(row0, row1)
     for step in range(width):
         beyond = True
         for side in range(-1, 2, 2):
@@ -167,10 +168,11 @@ def _stretch_clearance(
             if gap > 0.0 and gap * gap >= best:
                 continue
             beyond = False
+            left = best - max(gap, 0.0) ** 2
             up, down = int(above[row, other]), int(below[row, other])
-            if up >= 0:
+            if up >= 0 and max(top - up - 0.5, 0.0) ** 2 < left:
                 best = min(best, _to_square(row0, column0, row1, column1, up, other, row, column))
-            if down < height and down != up:
+            if down < height and down != up and max(down - 0.5 - bottom, 0.0) ** 2 < left:
                 best = min(best, _to_square(row0, column0, row1, column1, down, other, row, column))
         if beyond:
             break

@@ -13,12 +13,13 @@ from robotics.geometry.pose2 import Pose2
 from robotics.navigation.blocked_squares import is_clear, line_clearance, path_clearance
 from robotics.navigation.graph_search import cheapest_nodes, in_sight, way_in
 from robotics.navigation.line_price import line_price
-from robotics.navigation.shortcuts import around_corners, rounded, shortcuts
+from robotics.navigation.shortcuts import around_corners, path_length, rounded, sampled, straightened
 from robotics.navigation.shortest_path import shortest_clear_path
 from robotics.navigation.voronoi_graph import BREAK, VoronoiGraph
 
-SAMPLE = 4.0  # of the path, in [cells], before shortcuts
-LONGEST_LEAP = 50  # samples
+MOST = 1.1  # of the shortest way's length, that a way with more room may have
+HASTE = (0.05, 0.15, 0.4)  # of the dearest cell's price, that length costs by itself while a way is too long
+HURRY = 1e4  # that length costs by itself where nothing else counts
 ROUNDS = 20  # of corner rounding: about half a metre of corner on cells of 5 cm
 
 
@@ -37,7 +38,7 @@ class Route(NamedTuple):
     @property
     def length(self) -> float:
         """In [m]."""
-        return float(np.hypot(*np.diff(self.points, axis=0).T).sum())
+        return path_length(self.points)
 
     @property
     def mean_clearance(self) -> float:
@@ -57,8 +58,10 @@ class _End(NamedTuple):
     """(k,) indices into the edge table's cells."""
     ways: list[NDArray[np.int64]]
     """Cells (2+, 2) from `cell` to each join, in straight lines with room."""
-    costs: NDArray[np.float64]
-    """(k,) price of each way."""
+    price: NDArray[np.float64]
+    """(k,) of each way."""
+    length: NDArray[np.float64]
+    """(k,) of each way, in [cells]."""
 
 
 def plan_route(
@@ -90,14 +93,39 @@ def plan_route(
     ends = [_join(graph, (point[0], point[1]), reach) for point in (start, goal)]
     if ends[0] is None or ends[1] is None:
         return None
-    way = _through_graph(graph, ends[0], ends[1])
-    if way is None:
+    path = _within_reason(graph, ends[0], ends[1])
+    if path is None:
         return None
-    points = _with_ends(ends[0], _straightened(graph, _roomy_part(graph, ends[0], way, ends[1])), ends[1])
+    smooth = rounded(graph.squares, graph.need, sampled(path, 1.0), ROUNDS)
+    points = _with_ends(ends[0], smooth, ends[1])
     clearance = path_clearance(graph.squares, points) * graph.map.resolution
     if clearance.min() < least:
         return None
     return Route(graph.map.to_point(points), clearance)
+
+
+def _within_reason(graph: VoronoiGraph, start: _End, goal: _End) -> NDArray[np.float64] | None:
+    """The way with the most room that isn't much longer than the shortest; (n, 2), in [cells]."""
+    points = _way(graph, start, goal, 0.0)
+    if points is None or path_length(points) <= MOST * math.hypot(*(points[-1] - points[0])):
+        return points
+    shortest = _way(graph, start, goal, HURRY)
+    assert shortest is not None, "where one way leads, the shortest does"
+    for share in HASTE:
+        if path_length(points) <= MOST * path_length(shortest):
+            return points
+        again = _way(graph, start, goal, share * graph.dearest)
+        assert again is not None
+        points = again
+    return points if path_length(points) <= MOST * path_length(shortest) else shortest
+
+
+def _way(graph: VoronoiGraph, start: _End, goal: _End, haste: float) -> NDArray[np.float64] | None:
+    """The cheapest way's roomy part (n, 2), in [cells], where length costs `haste` on top of its price."""
+    way = _through_graph(graph, start, goal, haste)
+    if way is None:
+        return None
+    return straightened(graph.price, haste, graph.squares, graph.need, _roomy_part(graph, start, way, goal))
 
 
 def _roomy_part(graph: VoronoiGraph, start: _End, way: NDArray[np.int64], goal: _End) -> NDArray[np.float64]:
@@ -105,24 +133,13 @@ def _roomy_part(graph: VoronoiGraph, start: _End, way: NDArray[np.int64], goal: 
     parts = [around_corners(graph.free, graph.squares, graph.need, way)]
     parts = [start.spot[None], *parts] if start.roomy else parts
     parts = [*parts, goal.spot[None]] if goal.roomy else parts
-    path = np.vstack(parts)
-    return path[np.concatenate([[True], np.any(np.diff(path, axis=0) != 0.0, axis=1)])]
-
-
-def _straightened(graph: VoronoiGraph, path: NDArray[np.float64]) -> NDArray[np.float64]:
-    """A path (n, 2) in [cells] in straight leaps with round corners, a point about every cell."""
-    fine = _sampled(path, SAMPLE)
-    along = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(fine, axis=0).T))])
-    count = max(1, round(float(along[-1]) / SAMPLE))
-    samples = np.unique(np.searchsorted(along, np.linspace(0.0, along[-1], count + 1)))
-    kept = shortcuts(graph.price, graph.squares, graph.need, fine, samples, LONGEST_LEAP)
-    return rounded(graph.squares, graph.need, _sampled(fine[kept], 1.0), ROUNDS)
+    return np.vstack(parts)
 
 
 def _with_ends(start: _End, path: NDArray[np.float64], goal: _End) -> NDArray[np.float64]:
     """The path (n, 2) from start to goal, those included: at least two points."""
-    first = path if start.roomy else np.vstack([_sampled(np.array([start.spot, path[0]]), 1.0)[:-1], path])
-    whole = first if goal.roomy else np.vstack([first, _sampled(np.array([path[-1], goal.spot]), 1.0)[1:]])
+    first = path if start.roomy else np.vstack([sampled(np.array([start.spot, path[0]]), 1.0)[:-1], path])
+    whole = first if goal.roomy else np.vstack([first, sampled(np.array([path[-1], goal.spot]), 1.0)[1:]])
     return whole if len(whole) > 1 else np.vstack([start.spot, goal.spot])
 
 
@@ -147,7 +164,10 @@ def _join(graph: VoronoiGraph, point: tuple[float, float], reach: float) -> _End
         nearest = np.argmin(((table.cells - cell) ** 2).sum(axis=1))
         way = shortest_clear_path(graph.free, squares, need, cell, table.cells[nearest])
         joins, ways = (joins, []) if way is None else (np.array([nearest]), [way])
-    return _End(spot, roomy, cell, joins, ways, np.array([_price(graph, way) for way in ways]))
+    price = np.array([_price(graph, way) for way in ways])
+    return _End(
+        spot, roomy, cell, joins, ways, price, np.array([path_length(way.astype(np.float64)) for way in ways])
+    )
 
 
 def _price(graph: VoronoiGraph, way: NDArray[np.int64]) -> float:
@@ -155,17 +175,18 @@ def _price(graph: VoronoiGraph, way: NDArray[np.int64]) -> float:
     return sum(line_price(graph.price, a, b, np.inf) for a, b in pairwise(way.astype(np.float64)))
 
 
-def _through_graph(graph: VoronoiGraph, start: _End, goal: _End) -> NDArray[np.int64] | None:
+def _through_graph(graph: VoronoiGraph, start: _End, goal: _End, haste: float) -> NDArray[np.int64] | None:
     """Cells (n, 2) of the way from start to goal, cheapest along the graph.
 
     Where the graph has none (it lies behind a corner that is too narrow), a shortest path on all free cells.
     """
     table = graph.edges
-    direct, a, b = _on_one_edge(graph, start, goal)
-    start_cost, start_by = _node_costs(graph, start)
-    goal_cost, goal_by = _node_costs(graph, goal)
+    direct, a, b = _on_one_edge(graph, start, goal, haste)
+    start_cost, start_by = _node_costs(graph, start, haste)
+    goal_cost, goal_by = _node_costs(graph, goal, haste)
+    price = table.price + haste * table.length
     last, total, back = cheapest_nodes(
-        table.slots, table.slot_first, table.ends, table.price, start_cost, goal_cost, direct
+        table.slots, table.slot_first, table.ends, price, start_cost, goal_cost, direct
     )
     if not min(direct, total) < BREAK:
         return shortest_clear_path(graph.free, graph.squares, graph.need, start.cell, goal.cell)
@@ -182,28 +203,33 @@ def _through_graph(graph: VoronoiGraph, start: _End, goal: _End) -> NDArray[np.i
     return np.vstack(parts[::-1])
 
 
-def _node_costs(graph: VoronoiGraph, end: _End) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
-    """For each node the length from `end` to it along a joined edge, inf where none, and by which join."""
+def _node_costs(
+    graph: VoronoiGraph, end: _End, haste: float
+) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+    """For each node the cost from `end` to it along a joined edge, inf where none, and by which join."""
     table = graph.edges
     cost = np.full(len(table.nodes), np.inf)
     by = np.zeros(len(table.nodes), dtype=np.int64)
-    for k, join in enumerate(end.joins.tolist()):
-        edge, along = table.edge_of[join], table.price_along[join]
-        for node, rest in zip(table.ends[edge], (along, table.price[edge] - along), strict=True):
-            if end.costs[k] + rest < cost[node]:
-                cost[node], by[node] = end.costs[k] + rest, k
+    for k, (join, way) in enumerate(zip(end.joins.tolist(), end.price + haste * end.length, strict=True)):
+        edge = table.edge_of[join]
+        whole = table.price[edge] + haste * table.length[edge]
+        along = table.price_along[join] + haste * table.along[join]
+        for node, rest in zip(table.ends[edge], (along, whole - along), strict=True):
+            if way + rest < cost[node]:
+                cost[node], by[node] = way + rest, k
     return cost, by
 
 
-def _on_one_edge(graph: VoronoiGraph, start: _End, goal: _End) -> tuple[float, int, int]:
-    """The shortest way that leaves an edge before reaching a node: length and which joins; inf if none."""
+def _on_one_edge(graph: VoronoiGraph, start: _End, goal: _End, haste: float) -> tuple[float, int, int]:
+    """The cheapest way that leaves an edge before reaching a node: cost and which joins; inf if none."""
     table = graph.edges
     best = (math.inf, 0, 0)
     for a, i in enumerate(start.joins.tolist()):
         for b, j in enumerate(goal.joins.tolist()):
             if table.edge_of[i] == table.edge_of[j]:
-                between = abs(float(table.price_along[i] - table.price_along[j]))
-                best = min(best, (float(start.costs[a] + goal.costs[b]) + between, a, b))
+                price = start.price[a] + goal.price[b] + abs(table.price_along[i] - table.price_along[j])
+                length = start.length[a] + goal.length[b] + abs(table.along[i] - table.along[j])
+                best = min(best, (float(price + haste * length), a, b))
     return best
 
 
@@ -222,12 +248,3 @@ def _to_node(graph: VoronoiGraph, join: int, node: int) -> NDArray[np.int64]:
     if at_first and (not at_last or before <= after):
         return _stretch(graph, join, int(table.first[edge]))
     return _stretch(graph, join, int(table.first[edge + 1]) - 1)
-
-
-def _sampled(path: NDArray[np.float64], spacing: float) -> NDArray[np.float64]:
-    """The path (n, 2) with points between its own, so that none is farther than `spacing` from the next."""
-    steps = np.diff(path, axis=0)
-    counts = np.maximum(np.ceil(np.hypot(*steps.T) / spacing), 1.0).astype(np.int64)
-    of = np.repeat(np.arange(len(steps)), counts)
-    share = (np.arange(len(of)) - np.repeat(np.cumsum(counts) - counts, counts)) / counts[of]
-    return np.vstack([path[of] + share[:, None] * steps[of], path[-1:]])

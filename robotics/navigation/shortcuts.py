@@ -2,12 +2,22 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from numpy.typing import NDArray
 
-from robotics.navigation.blocked_squares import BlockedSquares, is_clear
+from robotics.navigation.blocked_squares import ROUNDING, BlockedSquares, is_clear
 from robotics.navigation.compiled import compiled
 from robotics.navigation.line_price import line_price
+
+SAMPLE = 4.0  # of the path, in [cells], before shortcuts
+LONGEST_LEAP = 50  # samples
+
+
+@compiled
+def _apart(one: NDArray[np.float64], other: NDArray[np.float64]) -> float:
+    return math.sqrt((one[0] - other[0]) ** 2 + (one[1] - other[1]) ** 2)
 
 
 @compiled
@@ -20,47 +30,90 @@ def _jumps(count: int) -> NDArray[np.int64]:
 
 
 @compiled
-def shortcuts(
-    price: NDArray[np.float32],
-    squares: BlockedSquares,
-    need: float,
-    path: NDArray[np.float64],
-    samples: NDArray[np.int64],
-    longest: int,
-) -> NDArray[np.int64]:
-    """Which points of a path to keep so that the chain of straight leaps between its samples is cheapest.
+def path_length(path: NDArray[np.float64]) -> float:
+    """Of a path (n, 2)."""
+    total = 0.0
+    for i in range(len(path) - 1):
+        total += _apart(path[i], path[i + 1])
+    return total
+
+
+@compiled
+def sampled(path: NDArray[np.float64], spacing: float) -> NDArray[np.float64]:
+    """The path (n, 2) with points between its own, so that none is farther than `spacing` from the next.
+
+    Points that are there twice are left out.
+    """
+    parts = np.empty(max(len(path) - 1, 0), dtype=np.int64)
+    for i in range(len(parts)):
+        parts[i] = math.ceil(_apart(path[i], path[i + 1]) / spacing)
+    points = np.empty((parts.sum() + 1, 2))
+    points[0] = path[0]
+    count = 1
+    for i in range(len(parts)):
+        for k in range(1, parts[i] + 1):
+            share = k / parts[i]
+            points[count, 0] = path[i, 0] + share * (path[i + 1, 0] - path[i, 0])
+            points[count, 1] = path[i, 1] + share * (path[i + 1, 1] - path[i, 1])
+            if k == parts[i]:
+                points[count] = path[i + 1]
+            count += 1
+    return points
+
+
+@compiled
+def _evenly(path: NDArray[np.float64], spacing: float) -> NDArray[np.int64]:
+    """About every `spacing` one point of a path (n, 2), first and last included."""
+    chosen = [0]
+    along = 0.0
+    for i in range(1, len(path)):
+        along += _apart(path[i - 1], path[i])
+        if along >= spacing * (1.0 - 1e-9) or i == len(path) - 1:
+            chosen.append(i)
+            along = 0.0
+    return np.array(chosen)
+
+
+@compiled
+def straightened(
+    price: NDArray[np.float32], haste: float, squares: BlockedSquares, need: float, path: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Corners (k, 2) of the cheapest chain of straight leaps between samples of a path.
 
     Found by dynamic programming. A leap keeps `need` from what is blocked; where not even the next sample can
     be leapt to, the path itself is walked between the two, point by point.
 
     Args:
         price: (h, w) of each cell of length.
+        haste: what a cell of length costs on top of that.
         squares: what is blocked.
         need: clearance of every leap, in [cells]; the path's own stretches have it.
         path: (n, 2) positions in [cells], row and column.
-        samples: (k,) points of the path that leaps may begin and end at, first and last among them.
-        longest: samples in the longest leap.
     """
+    path = sampled(path, SAMPLE)
+    samples = _evenly(path, SAMPLE)
     count = len(samples)
     cost = np.full(count, np.inf)
     cost[0] = 0.0
     back = np.arange(-1, count - 1)
     walked = np.zeros(count, dtype=np.bool_)
-    jumps = _jumps(min(count - 1, longest))
+    jumps = _jumps(min(count - 1, LONGEST_LEAP))
     for j in range(1, count):
         end = path[samples[j]]
         walk = 0.0
         for k in range(samples[j - 1], samples[j]):
-            walk += line_price(price, path[k], path[k + 1], np.inf)
+            step = haste * _apart(path[k], path[k + 1])
+            walk += line_price(price, path[k], path[k + 1], np.inf) + step
         cost[j], walked[j] = cost[j - 1] + walk, True
         for jump in jumps:
             if jump > j:
                 break
             i = j - jump
             begin = path[samples[i]]
-            line = line_price(price, begin, end, cost[j] - cost[i])
-            if cost[i] + line <= cost[j] and is_clear(squares, begin, end, need):
-                cost[j], back[j], walked[j] = cost[i] + line, i, False
+            so_far = cost[i] + haste * _apart(begin, end)
+            line = line_price(price, begin, end, cost[j] - so_far)
+            if so_far + line <= cost[j] and is_clear(squares, begin, end, need):
+                cost[j], back[j], walked[j] = so_far + line, i, False
     kept = [samples[count - 1]]
     j = count - 1
     while j > 0:
@@ -68,7 +121,8 @@ def shortcuts(
             kept.extend(range(samples[j] - 1, samples[j - 1], -1))
         j = back[j]
         kept.append(samples[j])
-    return np.array(kept[::-1])
+    corners: NDArray[np.float64] = path[np.array(kept[::-1])]
+    return corners
 
 
 @compiled
@@ -121,8 +175,12 @@ def rounded(
             moved[1] = 0.5 * smooth[i, 1] + 0.25 * (smooth[i - 1, 1] + smooth[i + 1, 1])
             if abs(moved[0] - smooth[i, 0]) + abs(moved[1] - smooth[i, 1]) < 1e-6:
                 continue
-            if is_clear(squares, smooth[i - 1], moved, keep) and is_clear(
-                squares, moved, smooth[i + 1], keep
+            row, column = int(moved[0] + 0.5), int(moved[1] + 0.5)
+            far = max(_apart(moved, smooth[i - 1]), _apart(moved, smooth[i + 1]))
+            off = math.sqrt((moved[0] - row) ** 2 + (moved[1] - column) ** 2)
+            if squares.distance[row + 1, column + 1] > keep + far + off + ROUNDING or (
+                is_clear(squares, smooth[i - 1], moved, keep)
+                and is_clear(squares, moved, smooth[i + 1], keep)
             ):
                 smooth[i, 0], smooth[i, 1] = moved[0], moved[1]
     return smooth

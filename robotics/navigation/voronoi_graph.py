@@ -89,6 +89,11 @@ class VoronoiGraph:
     edges: EdgeTable
 
     @property
+    def dearest(self) -> float:
+        """Price of a cell of length where a robot of this radius just fits."""
+        return float(max(self.radius, self.map.resolution) ** -POWER)
+
+    @property
     def components(self) -> int:
         """Number of connected components of the graph."""
         return int(nx.number_connected_components(self.graph))
@@ -142,7 +147,7 @@ def _too_narrow(
     rows, columns = cells.T + 1
     before_row, before_column = np.roll(rows, 1), np.roll(columns, 1)
     beside = np.maximum(squares.distance[before_row, columns], squares.distance[rows, before_column])
-    narrow = (step > 1.0) & (beside < need)
+    narrow: NDArray[np.bool_] = (step > 1.0) & (beside < need)
     for i in np.flatnonzero(narrow):
         ends = cells[i - 1 : i + 1].astype(np.float64)
         narrow[i] = not is_clear(squares, ends[0], ends[1], need)

@@ -1,7 +1,9 @@
 import numpy as np
 import pytest
+from skimage.graph import MCP_Geometric
 
-from benchmarks.random_grids import KINDS, distance_to_squares, random_grid, rooms
+from benchmarks.random_grids import KINDS, distance_to_squares, random_grid, rooms, streets
+from benchmarks.routes import try_grid
 from robotics.geometry.pose2 import Pose2
 from robotics.navigation.grid_map import GridMap, from_boxes
 from robotics.navigation.route import Route, plan_route
@@ -39,12 +41,12 @@ def centre(graph: VoronoiGraph, cell: np.ndarray) -> tuple[float, float]:
 
 
 @pytest.mark.parametrize(
-    ("name", "radius", "gain"), [("library", 0.25, 1.25), ("turtlebot3", 0.105, 1.4), ("depot", 0.25, 1.45)]
+    ("name", "radius", "gain"), [("library", 0.25, 1.35), ("turtlebot3", 0.105, 1.25), ("depot", 0.25, 1.28)]
 )
 def test_routes_are_short_and_keep_away(name, radius, gain, request):
     graph = voronoi_graph(request.getfixturevalue(name), radius)
     lengths, rooms = [], []
-    for start, goal in random_cells(graph, 100, 1):
+    for start, goal in random_cells(graph, 50, 1):
         route = plan_route(graph, centre(graph, start), centre(graph, goal))
         corners = shortest_path(graph.free, start, goal)
         assert route is not None and corners is not None
@@ -55,7 +57,7 @@ def test_routes_are_short_and_keep_away(name, radius, gain, request):
         cells = np.column_stack([np.interp(along, at, corners[:, i]) + 0.5 for i in (0, 1)]).astype(int)
         lengths.append(route.length / (steps.sum() * graph.map.resolution))
         rooms.append(route.mean_clearance / graph.clearance[cells[:, 0], cells[:, 1]].mean())
-    assert np.mean(lengths) <= 1.15
+    assert np.mean(lengths) <= 1.1
     assert np.mean(rooms) >= gain
 
 
@@ -250,3 +252,46 @@ def test_a_start_in_a_blocked_cell_or_off_the_map_has_no_route(library):
     graph = voronoi_graph(library, 0.1)
     assert plan_route(graph, (1.93, 6.0), (6.0, 3.0), reach=5.0) is None
     assert plan_route(graph, (-0.1, 3.0), (6.0, 3.0), reach=5.0) is None
+
+
+def grid_optimum(graph: VoronoiGraph, start: np.ndarray, goal: np.ndarray) -> float:
+    """Length of the shortest 8-connected path over free cells, in [m]."""
+    search = MCP_Geometric(np.where(graph.free, 1.0, -1.0))
+    costs, _ = search.find_costs([tuple(start)], [tuple(goal)])
+    return float(costs[tuple(goal)]) * graph.map.resolution
+
+
+@pytest.mark.parametrize("made", ["streets", "rooms"])
+@pytest.mark.parametrize("radius", [0.0, 0.5])
+def test_routes_are_hardly_longer_than_the_grids_optimum(made, radius):
+    rng = np.random.default_rng(3)
+    occupied = streets(rng, (128, 128)) if made == "streets" else rooms(rng, (128, 128), room=16)
+    graph = voronoi_graph(GridMap(occupied, np.zeros_like(occupied), 1.0, 0.0, 0.0), radius)
+    ratios = []
+    for start, goal in random_cells(graph, 60, 4):
+        route = plan_route(graph, centre(graph, start), centre(graph, goal))
+        assert route is not None
+        ratios.append(route.length / grid_optimum(graph, start, goal))
+    assert np.median(ratios) <= 1.07
+    assert np.quantile(ratios, 0.95) <= 1.25
+
+
+def test_where_more_room_costs_little_it_is_taken():
+    """Down a hall, with furniture along one side."""
+    boxes = [(2.0 + 2.0 * k, 0.5, 0.0, 0.8, 1.0) for k in range(8)]
+    graph = voronoi_graph(from_boxes(boxes, 0.05, (0.0, 0.0), (18.0, 4.0)), 0.3)
+    route = plan_route(graph, (0.6, 1.4), (17.4, 1.4))
+    assert route is not None
+    assert route.length < 1.1 * 16.8
+    assert np.quantile(route.clearance, 0.25) > 0.9
+
+
+@pytest.mark.slow
+def test_ten_thousand_samples_of_routes_on_random_grids():
+    """As the benchmark does a million: nothing nearer than said, no room given away, no way missed."""
+    samples = 0
+    for seed in range(1000, 1012):
+        found = try_grid(seed)
+        samples += found.samples
+        assert (found.nearer, found.tight, found.missing) == (0, 0, 0)
+    assert samples > 10_000
