@@ -22,6 +22,7 @@ from robotics.navigation.grid_map import GridMap
 from robotics.navigation.localizer import Localizer, OdometryLocalizer, ScanLocalizer
 from robotics.navigation.positioning_localizer import PositioningLocalizer
 from robotics.navigation.scan_matching import LikelihoodField
+from robotics.navigation.way_guard import NOTHING, Held
 
 from .arm import Arm
 from .backend import Backend
@@ -33,6 +34,7 @@ from .field_belief import field_localizer
 from .gps import Gps
 from .gripper import Gripper
 from .ground_spec import OUTDOORS
+from .guarded_base import GuardedBase, steady_points
 from .imu import Imu
 from .noted_base import NotedBase
 from .positioning import Positioning
@@ -44,6 +46,8 @@ T = TypeVar("T")
 C = TypeVar("C", bound=Capability)
 
 STILL_SCANS = 20  # periods at rest after which further scans tell nothing new
+LOWERED = 0.6  # [m] of the hand above the ground: higher, and a scan goes below what it holds
+HAND = 0.15  # [m] about the hand, in which a scan sees it and what it holds
 LOOK_AGAIN = 10  # periods at rest between scans that tell whether somebody moved the base
 STALE = 1e-3  # [m], [rad] of motion in which scan or picture can't stay the same to the last bit
 SCAN_SIGMA = (0.004, 0.0015)  # [m], [rad]: spread of scan matches about one place
@@ -90,8 +94,11 @@ class Robot:
         self.period = backend.period
         self.time = 0.0
         self._wheels = NotedBase(self.get(Base))  # type: ignore[type-abstract]
+        self._guarded = GuardedBase(self._wheels, spec, grid, lambda: self.pose, self.surroundings)
         self.driven = (0.0, 0.0)
         """Speed in [m/s] and turn rate in [rad/s] that the base was commanded in the last period."""
+        self.held: Held | None = None
+        """What the base was held back from in the last period: it would have touched that."""
         self._localizer = self._make_localizer(start, grid)
         self.outdoors: FieldLocalizer | None = self._make_outdoors(start)
         """What wheels, gyros and satellites say together, where the robot's file names one that asks them."""
@@ -138,9 +145,9 @@ class Robot:
         return found
 
     @property
-    def base(self) -> Base:
-        """The wheels."""
-        return self._wheels
+    def base(self) -> GuardedBase:
+        """The wheels; they don't drive into what map or scan shows."""
+        return self._guarded
 
     @property
     def arm(self) -> Arm:
@@ -227,6 +234,24 @@ class Robot:
         match = self._localizer.last_match if isinstance(self._localizer, ScanLocalizer) else None
         return match.inliers if match is not None else np.nan
 
+    def surroundings(self) -> NDArray[np.float64]:
+        """(n, 2) in [m], in the base frame: what this period's scan shows without lone readings and a lowered
+        hand's own; nothing without a range sensor."""
+        sensor = self.backend.get(RangeSensor)  # type: ignore[type-abstract]
+        if sensor is None:
+            return NOTHING
+        points = steady_points(sensor.scan())
+        return self.without_hand(points) if self.outdoors is not None else points
+
+    def without_hand(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Those of the points (n, 2), in [m], in the base frame, that aren't a lowered hand's own."""
+        if self.spec.arm is None or self.backend.get(Arm) is None:  # type: ignore[type-abstract]
+            return points
+        hand = self.base_T("hand")[:3, 3]
+        if hand[2] >= LOWERED:
+            return points
+        return np.asarray(points[np.hypot(*(points - hand[:2]).T) > HAND])
+
     def base_T(self, frame: str) -> Transform:
         """Pose of a frame of the arm in the base frame by the measured joints, (4, 4)."""
         return self.arm_model.forward(self.arm.joints(), frame)
@@ -236,7 +261,7 @@ class Robot:
     def step(self, paused: bool = False) -> None:
         """Let one period pass and bring the estimates up to date; in a pause `time` stands still."""
         self._moved, self._movers = self._movers, set()
-        self.driven = self._wheels.taken()
+        self.driven, self.held = self._wheels.taken(), self._guarded.taken_held()
         self.backend.step()
         self.time += 0.0 if paused else self.period
         travel = self.base.wheel_travel()
@@ -370,6 +395,7 @@ class Robot:
     def stop(self) -> None:
         """Stop all motion."""
         self._wheels.taken()
+        self._guarded.taken_held()
         self.backend.stop()
 
     def compute(self, work: Callable[..., T], *args: object, takes: float = 0.2) -> Generator[None, None, T]:

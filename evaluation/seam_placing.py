@@ -11,7 +11,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from backends.robot_file import RobotFile
-from primitives.driving import ROOM
 from primitives.seam_file import load_seam, untrackable
 from primitives.seam_room import SeamRoom, placer_of
 from primitives.work_piece import WorkBox, WorkPiece
@@ -21,6 +20,7 @@ from robotics.manipulation.placer import Placements, Placer
 from robotics.manipulation.tool_path import ToolPath
 from robotics.manipulation.untrackable import Untrackable
 from robotics.navigation.grid_map import GridMap, from_boxes
+from robotics.navigation.ways import ROOM
 
 from .placement_plots import DividedPath, draw_divisions
 

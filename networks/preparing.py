@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TypeVar
+from typing import NamedTuple, TypeVar
 
 import numpy as np
 
@@ -13,7 +13,7 @@ from backends.backend import Backend
 from backends.registry import UnknownBackend, backend_class, backend_names, check_world, make_backend
 from backends.robot import Robot
 from backends.robot_file import RobotFile, load_robot
-from files.errors import FileError, InputError
+from files.errors import FileError, Finding, InputError
 from files.findings import Findings
 from files.loading import load, load_document
 from files.suggest import suggest
@@ -32,6 +32,7 @@ from robotics.navigation.grid_map import GridMap
 
 from .network import ActionNetwork
 from .place_findings import place_findings
+from .place_room import PlaceRoom, PlaceRooms, place_rooms
 from .target_findings import target_findings
 from .task_file import Primitives, Task, load_task
 
@@ -107,6 +108,7 @@ def prepare(
     read = _read(task_path, backend, settings, primitives, situation, errors)
     task, name, spec, told = read.task, read.backend, read.spec, read.told
     findings, world = read.findings, read.world
+    findings.add(*read.rooms.errors)
     made = None
     if spec is not None and world is not None and told is not None and not findings:
         start = start_pose(task, told[0])
@@ -136,6 +138,19 @@ class _Read:
     told: tuple[WorldModel, tuple[str, ...]] | None
     world: Path | None
     findings: Findings
+    rooms: PlaceRooms
+
+
+class Checked(NamedTuple):
+    """What is known of a task without a robot."""
+
+    task: Task
+    warnings: tuple[str, ...]
+    """What the user should know before it starts."""
+    places: tuple[PlaceRoom, ...]
+    """What can be said of each place of its map."""
+    errors: tuple[Finding, ...]
+    """Places that an action drives to, and that can't be reached: a run is refused."""
 
 
 def _read(
@@ -162,7 +177,10 @@ def _read(
     wanted = task.path("knowledge", "targets")
     if spec is not None and told is not None and told[0].field is not None and wanted is not None:
         findings.add(*target_findings(told[0].targets, told[0].field, spec, wanted))
-    return _Read(task, name, spec, told, world, findings)
+    rooms = PlaceRooms()
+    if spec is not None and told is not None and not findings:
+        rooms = place_rooms(task, spec, told[0], start_pose(task, told[0]))
+    return _Read(task, name, spec, told, world, findings, rooms)
 
 
 def check(
@@ -171,7 +189,7 @@ def check(
     settings: Mapping[str, str] | None = None,
     seed: int = 0,
     situation: str | None = None,
-) -> tuple[Task, tuple[str, ...]]:
+) -> Checked:
     """Read and check a task with all its files; no robot is spoken to, and none can move.
 
     Args:
@@ -181,12 +199,9 @@ def check(
         seed: of the simulated errors.
         situation: where a run would begin, instead of the task's start.
 
-    Returns:
-        The task, and what the user should know before it starts.
-
     Raises:
         UnknownSituation: the task has no such situation.
-        FileError: with every finding in all of the files.
+        FileError: with every finding in all of the files but those of places, which are given.
     """
     read = _read(task_path, backend, settings, primitive_class, situation, True)
     if read.spec is None or read.told is None or read.findings:
@@ -194,13 +209,19 @@ def check(
     assert read.spec is not None
     assert read.told is not None
     kinds = backend_class(read.backend).kinds(read.spec)
-    if kinds is None:
+    if kinds is None and not read.rooms.errors:
         with prepare(task_path, backend, settings, seed, situation=situation) as prepared:
-            return prepared.task, prepared.warnings
+            return _checked(replace(read, task=prepared.task))
     if read.world is not None:
         check_world(read.world, start_pose(read.task, read.told[0]))
-    read.task.check_kinds(kinds)
-    return read.task, read.told[1]
+    if kinds is not None:
+        read.task.check_kinds(kinds)
+    return _checked(read)
+
+
+def _checked(read: _Read) -> Checked:
+    warnings = (*(read.told[1] if read.told else ()), *map(str, read.rooms.warnings))
+    return Checked(read.task, warnings, read.rooms.places, read.rooms.errors)
 
 
 def make_robot(task: Task, backend: Backend, spec: RobotFile, model: WorldModel) -> Robot:

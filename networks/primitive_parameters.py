@@ -101,7 +101,7 @@ class ParameterReader:
 
     def _check_names(self, kind: type[ActionPrimitive], given: Node) -> None:
         for name, field in kind.model_fields.items():
-            node, entry = given.child(name), _named_entry(field)
+            node, entry = given.child(name), named_entry(field)
             if node is None or entry not in self._known or not isinstance(node.content, str | int):
                 continue
             known = self._known[entry]
@@ -127,7 +127,7 @@ def _adapter(kind: type[ActionPrimitive], late: frozenset[str]) -> TypeAdapter[A
     return TypeAdapter(create_model(kind.__name__, __base__=kind, __module__=kind.__module__, **missing))
 
 
-def _named_entry(field: FieldInfo) -> str:
+def named_entry(field: FieldInfo) -> str:
     """Of which entry a parameter is a name, as marked by the primitive; empty for others."""
     marks = [mark for part in (field, *_options(field)) for mark in getattr(part, "metadata", ())]
     marks += [mark for part in _options(field) for mark in getattr(part, "__metadata__", ())]

@@ -58,6 +58,7 @@ def attempt(
             yield
         rests = yield from settle(robot)
         start = take_snapshot(robot, {})
+        robot.base.starts_here()
     except Exception as early:  # nothing was commanded yet
         robot.stop()
         primitive.evidence.blame(early)
@@ -219,7 +220,8 @@ def _within_time(way_back: Periods, robot: Robot, primitive: ActionPrimitive, vi
             raise NeedsPerson(PUSHED, check="push")
         primitive.watch(robot, view)
         if robot.time > end:
-            raise Discrepancy("restoring takes too long", check="time")
+            why = "" if robot.held is None else f": {robot.held.words}"
+            raise Discrepancy(f"restoring takes too long{why}", check="time")
 
 
 def _alone(robot: Robot, primitive: ActionPrimitive) -> None:

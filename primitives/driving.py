@@ -7,7 +7,6 @@ from collections.abc import Generator
 import numpy as np
 from numpy.typing import NDArray
 
-from backends.arm import Arm
 from backends.robot import Robot
 from robotics.geometry.pose2 import Pose2
 from robotics.navigation.car_route import plan_car_route
@@ -16,46 +15,44 @@ from robotics.navigation.grid_map import GridMap
 from robotics.navigation.path_tracking import PathTracker
 from robotics.navigation.point_discs import point_discs
 from robotics.navigation.pose_regulator import PoseTolerance
-from robotics.navigation.route import Route, plan_route
 from robotics.navigation.scan_matching import LikelihoodField
 from robotics.navigation.tangent_path import CarPath
 from robotics.navigation.unexpected import path_blocked, unexpected_points
-from robotics.navigation.voronoi_graph import voronoi_graph
+from robotics.navigation.ways import Way, Ways
 
-from .discrepancy import Discrepancy
+from .discrepancy import Discrepancy, Measured
+from .knowledge import Place
 from .world_model import ModelView
 
-ROOM = 0.04  # [m] beside the footprint that a planned route keeps
-SENSED_ROOM = 0.10  # [m] that what was sensed is grown by: its far side wasn't seen
 WATCHED_ROOM = 0.015  # [m] beside the footprint that must be free while driving
-REACH = 0.15  # [m] that start or goal may lie too close to something on the map
 UNEXPLAINED = 0.12  # [m] from anything on the map: pose error, noise and half a cell together
+BESIDE_IT = 0.6  # [m] about what the base would touch, in which the scan is remembered
+LEAST_OFF = 0.05  # [m] from a wall of the map that a scan must show something, to be something else
 HORIZON = 1.0  # [m] of route that is watched ahead
 CAR_ROOM = 0.15  # [m] beside the footprint that a car's planned path keeps
 KEPT = 2.5  # [m] about what stands in a car's way, in which what was sensed is remembered
 ASTRAY = 0.4  # [m] by which a rock may stand elsewhere than a car believes, mostly by its own error
-LOWERED = 0.6  # [m] of the hand above the ground: higher, and a scan goes below what it holds
-HAND = 0.15  # [m] about the hand, in which a scan sees it and what it holds
 TURNING = 1.05  # of the turning circle that the steering allows: planned with something in hand
 
 
-def plan_drive(robot: Robot, grid: GridMap, sensed: NDArray[np.float64], goal: Pose2) -> Route | None:
-    """A route on the reduced generalized Voronoi graph, for the robot's footprint with arm and load.
+def plan_drive(robot: Robot, model: ModelView, goal: Place) -> Way:
+    """The way on the reduced generalized Voronoi graph, for the footprint with arm and load, past what
+    the map shows and what was sensed; or why there is none."""
+    ways = Ways(model.map, robot.spec.footprint_radius_m, robot.pose, model.obstacles)
+    return ways.to(goal.pose, None if goal.shelf is None else goal.front)
 
-    Args:
-        robot: where it stands.
-        grid: the map.
-        sensed: (n, 2) points on the map that are to be kept away from as well, in [m].
-        goal: map_T_base.
-    """
-    radius = robot.spec.footprint_radius_m + ROOM
-    try:
-        graph = voronoi_graph(
-            grid.with_points(sensed, SENSED_ROOM), radius, seed_point=(robot.pose.x, robot.pose.y)
-        )
-    except ValueError:
-        return None
-    return plan_route(graph, robot.pose, goal, REACH)
+
+def no_way(name: str, way: Way) -> Discrepancy:
+    """That no way leads to a place, for good, and why."""
+    words = f"no way leads to {name}" if way.fits else f"the base can't stand at {name}"
+    return Discrepancy(f"{words}: {way.reason}", permanent=True, measured=_shortage(way))
+
+
+def _shortage(way: Way) -> Measured | None:
+    """What is too little."""
+    if not way.fits:
+        return Measured("Base", "from the place to what is nearest", way.clearance, way.needed, "m")
+    return Measured("Base", "width of the way", way.width, way.width_needed, "m") if way.narrow else None
 
 
 def plan_tracker(
@@ -81,10 +78,10 @@ def plan_tracker(
     if model.detour and model.detour.goal == place:
         points = model.detour.points
     else:
-        route = yield from robot.compute(plan_drive, robot, model.map, model.obstacles, goal)
-        if route is None:
-            raise Discrepancy(f"no way leads to {place} on the map", permanent=True)
-        points = route.points
+        found = yield from robot.compute(plan_drive, robot, model, model.places[place])
+        if found.route is None:
+            raise no_way(place, found)
+        points = found.route.points
     return PathTracker(points, goal.theta, robot.drive_limits, reverse, tolerance), points
 
 
@@ -121,16 +118,15 @@ class FieldLookout:
 
     def unexpected(self, robot: Robot) -> NDArray[np.float64]:
         """(n, 2) points of this period's scan, in the field's frame, in [m]; without a lowered hand's own."""
-        points = robot.range_sensor.scan().points()
-        if robot.spec.arm is not None and robot.backend.get(Arm) is not None:  # type: ignore[type-abstract]
-            hand = robot.base_T("hand")[:3, 3]
-            if hand[2] < LOWERED:
-                points = points[np.hypot(*(points - hand[:2]).T) > HAND]
-        return robot.pose.apply(points)
+        return robot.pose.apply(robot.without_hand(robot.range_sensor.scan().points()))
 
     def kept(self, sensed: NDArray[np.float64], blocking: NDArray[np.float64]) -> NDArray[np.float64]:
         """(m, 2) those of the points that are near the one in the way (2,)."""
         return np.asarray(sensed[np.hypot(*(sensed - blocking).T) < KEPT])
+
+    def around(self, robot: Robot, blocking: NDArray[np.float64]) -> NDArray[np.float64]:
+        """(n, 2) what this period's scan shows around a point (2,) that the base would touch, in [m]."""
+        return np.vstack([blocking, self.kept(self.unexpected(robot), blocking)])
 
     def obstacle(
         self, route: NDArray[np.float64], sensed: NDArray[np.float64]
@@ -155,6 +151,16 @@ class Lookout:
     def kept(self, sensed: NDArray[np.float64], blocking: NDArray[np.float64]) -> NDArray[np.float64]:
         """(n, 2) those of the points that are remembered: all."""
         return sensed
+
+    def around(self, robot: Robot, blocking: NDArray[np.float64]) -> NDArray[np.float64]:
+        """(n, 2) what this period's scan shows around a point (2,) that the base would touch, in [m].
+
+        What stands close to a wall of the map is told from it by lying a cell before it.
+        """
+        points = robot.pose.apply(robot.surroundings())
+        near = points[np.hypot(*(points - blocking).T) < BESIDE_IT]
+        before = near[self._field.read(near) > max(LEAST_OFF, self._field.map.resolution)]
+        return np.vstack([blocking, before])
 
     def obstacle(
         self, route: NDArray[np.float64], sensed: NDArray[np.float64]

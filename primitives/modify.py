@@ -12,7 +12,7 @@ from backends.robot import Robot
 
 from .action_primitive import ActionPrimitive, Periods
 from .discrepancy import Discrepancy, Measured
-from .driving import goal_pose, plan_car_drive, plan_drive
+from .driving import goal_pose, no_way, plan_car_drive, plan_drive
 from .place_name import PlaceName
 from .world_model import Detour, ModelView
 
@@ -37,8 +37,10 @@ class Modify(ActionPrimitive):
             way = yield from robot.compute(plan_car_drive, robot, model, goal)
             self._take(model, None if way is None else way.poses[:, :2], way.length if way else 0.0)
             return
-        route = yield from robot.compute(plan_drive, robot, model.map, model.obstacles, goal)
-        self._take(model, None if route is None else route.points, route.length if route else 0.0)
+        found = yield from robot.compute(plan_drive, robot, model, model.places[self.place])
+        if found.route is None and not len(model.obstacles):
+            raise no_way(self.place, found)
+        self._take(model, found.route and found.route.points, found.route.length if found.route else 0.0)
 
     def _take(self, model: ModelView, points: NDArray[np.float64] | None, length: float) -> None:
         if points is None:
@@ -50,6 +52,6 @@ class Modify(ActionPrimitive):
 
     def _no_way(self, model: ModelView) -> str:
         if not len(model.obstacles):
-            return f"no way leads to {self.place} on the map"
+            return f"no way leads to {self.place} in the field"
         x, y = model.obstacles[-1]
         return f"no way around leads to {self.place}: something stands at ({x:.2f}, {y:.2f}) m"

@@ -37,6 +37,7 @@ DOCKED = PoseTolerance(position=0.004, heading=0.003)
 DOCKINGS = 4  # times that the front is measured and the pose corrected
 FRONT_SCANS = 20  # scans stacked for one measurement of the front
 STUCK = 6.0  # [s] without getting on, though nothing is seen in the way
+SLIPPED = 0.1  # [m] that the base was driven meanwhile: something stops it
 NEAR = 0.05  # [m] before the goal, where it turns and comes to stand
 
 
@@ -80,10 +81,12 @@ class MoveTo(ActionPrimitive):
             _check_arm(robot)
         goal = goal_pose(model, self.place)
         self._lookout = make_lookout(robot, model)
+        if model.places[self.place].shelf is not None:
+            robot.base.may_stand_at(goal)
         tracker, points = yield from plan_tracker(robot, model, self.place, goal, ARRIVED, self.reverse)
         self.evidence.points["planned"] = points
         arm = arm_on_the_way(robot, model, self.place, tracker) if self.together else iter(())
-        yield from self._follow(robot, tracker, arm)
+        yield from self._follow(robot, model, tracker, arm)
         self._ahead = np.empty((0, 2))
         if model.places[self.place].shelf is not None:
             yield from self._dock(robot, model.places[self.place])
@@ -91,27 +94,46 @@ class MoveTo(ActionPrimitive):
         if model.detour and model.detour.goal == self.place:
             model.detour = None
 
-    def _follow(self, robot: Robot, tracker: PathTracker | CarTracker, arm: Iterator[None]) -> Periods:
-        progress, since, driven, last = 0.0, robot.time, 0.0, robot.reckoned
+    def _follow(
+        self, robot: Robot, model: ModelView, tracker: PathTracker | CarTracker, arm: Iterator[None]
+    ) -> Periods:
+        progress, since, rolled, driven, last = 0.0, robot.time, 0.0, 0.0, robot.reckoned
         while not tracker.finished(robot.pose):
             self._ahead = tracker.ahead
             waits = self._blocked_since is not None
             drive = tracker.hold(robot.period) if waits else tracker.command(robot.pose, robot.period)
             robot.base.drive(*drive)
             if tracker.progress > progress + 0.01 or waits:
-                progress, since = tracker.progress, robot.time
-            if robot.time > since + (STUCK if tracker.remaining > NEAR else LONGEST_REACH):
-                stood = Measured("Base", "time without getting on", robot.time - since, STUCK, "s")
-                raise Discrepancy(
-                    "the base doesn't get on: it touches something that the scan doesn't show",
-                    measured=stood,
-                )
+                progress, since, rolled = tracker.progress, robot.time, 0.0
+            if robot.time > since + self._patience(robot, tracker):
+                raise self._stuck(robot, model, robot.time - since, rolled)
             next(arm, None)
             yield
+            rolled += abs(robot.driven[0]) * robot.period
             driven += robot.reckoned.distance(last)
             last = robot.reckoned
             self.found(path_length_m=round(driven, 3))
         yield from arm
+
+    def _patience(self, robot: Robot, tracker: PathTracker | CarTracker) -> float:
+        """How long the base may not get on, in [s]."""
+        if robot.held is not None:
+            return max(STUCK, self.wait_s)
+        return STUCK if tracker.remaining > NEAR else LONGEST_REACH
+
+    def _stuck(self, robot: Robot, model: ModelView, seconds: float, rolled: float) -> Discrepancy:
+        """Why the base doesn't get on; what the scan shows in its way is kept."""
+        held = robot.held
+        if held is None:
+            stood = Measured("Base", "time without getting on", seconds, STUCK, "s")
+            touches = "its wheels slip, or it touches something that neither map nor scan shows"
+            why = f": {touches}" if rolled > SLIPPED else ""
+            return Discrepancy(f"the base doesn't get on{why}", measured=stood)
+        if held.shown_by == "scan" and self._lookout is not None:
+            found = self._lookout.around(robot, np.array([held.x, held.y]))
+            model.obstacles = np.vstack([model.obstacles, found])
+        near = Measured("RangeSensor", f"room to what the {held.shown_by} shows", held.room, held.needed, "m")
+        return Discrepancy(f"the base doesn't get on to {self.place}: {held.words}", measured=near)
 
     def watch(self, robot: Robot, model: ModelView) -> None:
         """Something unexpected in the way: hold, and after `wait_s` it is a Discrepancy."""

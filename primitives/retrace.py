@@ -83,7 +83,8 @@ def reach_pose(
         if robot.time > end:
             off = robot.pose.distance(goal)
             away = Measured("Base", "off where it is to stand", off, tolerance.position, "m")
-            raise Discrepancy("the base doesn't come to stand where it is to", measured=away)
+            why = "" if robot.held is None else f": {robot.held.words}"
+            raise Discrepancy(f"the base doesn't come to stand where it is to{why}", measured=away)
         robot.base.drive(*regulator.command(robot.pose, robot.period))
         yield
 

@@ -16,9 +16,9 @@ from robotics.manipulation.placer import Placer, Work
 from robotics.manipulation.screw_arm import FreeTurn
 from robotics.manipulation.standing_places import has_way, stands_clear
 from robotics.navigation.grid_map import GridMap
+from robotics.navigation.ways import ROOM, SENSED_ROOM
 
 from .discrepancy import Discrepancy
-from .driving import ROOM, SENSED_ROOM
 
 MARGIN = 0.002  # [m] between the arm and the work piece
 AVOIDED = 0.15  # [m] from where it couldn't be done

@@ -52,7 +52,7 @@ def check(
         print(f"  warning: {warning}")
     for line in told.pop("lines", ()):
         print(f"  {line}")
-    for key in ("figures", "robot", "short"):
+    for key in ("figures", "robot", "short", "places"):
         told.pop(key, None)
     for name, value in told.items():
         print(f"  {name}: {value}")
@@ -134,9 +134,12 @@ def _task_facts(file: Path, settings: dict[str, str], quick: bool) -> dict[str, 
 
     from .check_task import task_facts
 
-    task, warnings = check_task(file, settings=settings)
-    told = task_facts(task) | ({} if quick else seam_facts(task))
-    return {**told, "warnings": [*warnings, *told["warnings"]]}
+    checked = check_task(file, settings=settings)
+    told = task_facts(checked.task) | ({} if quick else seam_facts(checked.task))
+    lines = [*(each.words() for each in checked.places), *told.get("lines", ())]
+    places = {"places": [each.for_programs() for each in checked.places]} if checked.places else {}
+    told |= {"lines": lines, "warnings": [*checked.warnings, *told["warnings"]]}
+    return {**told, **places, "errors": list(checked.errors)}
 
 
 def _table_facts(file: Path) -> dict[str, Any]:

@@ -20,17 +20,24 @@ def dry_run(
     """Check a task with all its files, print what would be done; the exit status that a run would have."""
     import orjson
 
+    from files.errors import FileError
     from files.settings import split_setting
     from networks.preparing import check
     from networks.script import follow, load_script
 
     outcomes = None if script is None else load_script(script)
     chosen = dict(split_setting(each) for each in settings)
-    checked, _ = check(task, backend, chosen, seed, situation)
-    network = checked.network
+    checked = check(task, backend, chosen, seed, situation)
+    network = checked.task.network
+    if not as_json:
+        for place in checked.places:
+            print(place.words())
+    if checked.errors:
+        raise FileError(checked.errors)
     told = follow(network, outcomes.outcomes if outcomes else ())
     if as_json:
-        print(orjson.dumps(told.summary()).decode())
+        places = [each.for_programs() for each in checked.places]
+        print(orjson.dumps({**told.summary(), "places": places}).decode())
     else:
         for line in told.lines:
             print(line)
