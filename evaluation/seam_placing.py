@@ -20,7 +20,7 @@ from robotics.manipulation.placer import Placements, Placer
 from robotics.manipulation.tool_path import ToolPath
 from robotics.manipulation.untrackable import Untrackable
 from robotics.navigation.grid_map import GridMap, from_boxes
-from robotics.navigation.ways import ROOM
+from robotics.navigation.ways import ROOM_AT_GOAL
 
 from .placement_plots import DividedPath, draw_divisions
 
@@ -106,7 +106,7 @@ def _outline(box: WorkBox) -> tuple[float, float, float, float, float]:
 
 def _corner(grid: GridMap, spec: RobotFile) -> Pose2:
     """In a corner of the floor, which is free by its making."""
-    away = spec.footprint_radius_m + ROOM + 2 * RESOLUTION
+    away = spec.footprint_radius_m + ROOM_AT_GOAL + 2 * RESOLUTION
     return Pose2(grid.origin_x + away, grid.origin_y + away, 0.0)
 
 

@@ -15,8 +15,9 @@ from robotics.manipulation.collision_model import CollisionModel
 from robotics.manipulation.placer import Placer, Work
 from robotics.manipulation.screw_arm import FreeTurn
 from robotics.manipulation.standing_places import has_way, stands_clear
+from robotics.navigation.clearances import Clearances
 from robotics.navigation.grid_map import GridMap
-from robotics.navigation.ways import ROOM, SENSED_ROOM
+from robotics.navigation.ways import ROOM_AT_GOAL, SENSED_ROOM
 
 from .discrepancy import Discrepancy
 
@@ -57,12 +58,14 @@ class SeamRoom:
         self._arm, self._boxes, self._avoided = arm, boxes, avoided
         self._home = np.array(spec.posture("home"))
         self._grid = grid.with_points(sensed, SENSED_ROOM)
-        self._radius = spec.footprint_radius_m + ROOM
+        self._radius = spec.footprint_radius_m + ROOM_AT_GOAL
+        self._clearances = Clearances(self._grid, self._grid.blocked, walled=True)
         self._start = self._way_out(here)
 
     def blocked(self, bases: Floats) -> Masks:
-        """Which of base poses (b, 3) no way leads to, by the map."""
+        """Which of base poses (b, 3) leave the base no room, or no way leads to, by the map."""
         no_way = ~has_way(bases, self._grid, self._start, self._radius)
+        no_way |= self._clearances.at(bases[:, :2]) < self._radius
         for each in self._avoided:
             no_way |= np.hypot(bases[:, 0] - each.x, bases[:, 1] - each.y) < AVOIDED
         return no_way

@@ -13,7 +13,9 @@ from robotics.navigation.clearances import Clearances, nearest_square
 from robotics.navigation.compiled import compiled
 from robotics.navigation.grid_map import GridMap
 
-AWAY = 0.2  # of each metre driven that the distance to what is too near must grow by: 12 degrees off its side
+AWAY = 0.2  # of each metre from where it stood too near to something, that it must be farther from it there
+ALONG = 0.02  # likewise of each metre driven where it is too near by now: all but along it
+NOISE = 0.015  # [m] by which what was measured where it stood may be less when it comes back
 STEP = 0.003  # [m] at least between two looks along the way
 NOTHING = np.empty((0, 2))
 
@@ -178,9 +180,10 @@ def _free_way(
             room = _rooms(solid, between_centres, at, scan, x, y, most)
         spare = np.inf
         for i in range(2):
-            least = min(needed, here[i] + AWAY * along) if here[i] < needed else needed
+            least = min(needed, here[i] + ALONG * along) if here[i] < needed else needed
             for k in range(len(stood)):
-                least = min(least, stood[k, 2 + i] + AWAY * math.hypot(x - stood[k, 0], y - stood[k, 1]))
+                away = math.hypot(x - stood[k, 0], y - stood[k, 1])
+                least = min(least, stood[k, 2 + i] - NOISE + AWAY * away)
             if room[i] < least - 1e-9:
                 return sign * max(0.0, along - STEP), 1 + i
             spare = min(spare, room[i] - least)

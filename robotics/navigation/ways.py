@@ -12,18 +12,17 @@ from numpy.typing import NDArray
 
 from robotics.geometry.pose2 import Pose2
 from robotics.navigation.clearances import Clearances
-from robotics.navigation.graph_search import nearest_free
 from robotics.navigation.grid_map import GridMap
 from robotics.navigation.route import Route, plan_route
-from robotics.navigation.voronoi_graph import VoronoiGraph, voronoi_graph
+from robotics.navigation.voronoi_graph import EXACT, VoronoiGraph, voronoi_graph
 from robotics.navigation.widest_way import narrowest_spot
 
-ROOM = 0.04  # [m] beside the footprint that a route and a place to stand at keep
+ROOM = 0.02  # [m] beside the footprint that a route keeps
+ROOM_AT_GOAL = 0.04  # [m] likewise where the robot is to stand: it comes to stand within half of that
 SENSED_ROOM = 0.10  # [m] that what was sensed is grown by: its far side wasn't seen
 ROOM_BEFORE = 0.02  # [m] likewise before what the robot is to stand before
-LEAST = 0.01  # [m] beside the footprint that is left everywhere on a route
+LEAST = 0.01  # [m] beside the footprint that is left in any case, but on the way out of a start without it
 LEAVING = 0.25  # [m] at most, from a start that is too near to something to where there is room
-ALONG = 0.01  # [m] between looks along a route
 
 NOTHING = np.empty((0, 2))
 
@@ -133,7 +132,7 @@ class Ways:
         at, needed, kind = (float(point[0]), float(point[1])), self._needed, self._kind(point)
         if front is not None:
             before, foot = _to_segment(goal, front)
-            if before - ROOM_BEFORE < distance - ROOM:
+            if before - ROOM_BEFORE < distance - ROOM_AT_GOAL:
                 distance, at, needed, kind = before, foot, self._radius + ROOM_BEFORE, "its front"
         near = distance < needed - 1e-9
         return Way(distance, needed, at, kind, None, None, "too near" if near else "")
@@ -156,9 +155,14 @@ class Ways:
     def _near_free(
         self, free: NDArray[np.bool_], point: tuple[float, float], reach: float
     ) -> tuple[int, int] | None:
+        rows, columns = np.nonzero(free)
         row, column = self._grid.to_cell(np.array([point]))[0].tolist()
-        found = nearest_free(free, row, column, math.ceil(reach / self._grid.resolution))
-        return None if found[0] < 0 else found
+        if len(rows) == 0:
+            return None
+        away = np.hypot(rows - row, columns - column)
+        nearest = int(np.argmin(away))
+        near = away[nearest] <= math.ceil(reach / self._grid.resolution)
+        return (int(rows[nearest]), int(columns[nearest])) if near else None
 
     def _without_way(self, found: Way, goal: tuple[float, float], reach: float) -> Way:
         """Why no route leads there: all ways are too narrow, or there is none at all."""
@@ -173,7 +177,7 @@ class Ways:
         return self._too_narrow(found, self._grid.to_point(np.array([spot]))[0])
 
     def _too_narrow(self, found: Way, at: NDArray[np.float64]) -> Way:
-        width, needed = self._width(at), 2.0 * self._needed
+        width, needed = self._width(at), 2.0 * (self._radius + ROOM)
         if width >= needed:  # ways are looked for from cell to cell
             needed += self._grid.resolution
         spot = (float(at[0]), float(at[1]))
@@ -193,8 +197,7 @@ class Ways:
 
     def _tight_spot(self, route: Route, front: NDArray[np.float64] | None) -> NDArray[np.float64] | None:
         """Where the way comes too near to something, except that it may begin so; None if nowhere."""
-        points = _sampled(route.points)
-        room = self._clearances.at(points)
+        points, room = route.points, route.clearance
         if front is not None:
             room = np.minimum(room, [_to_segment((x, y), front)[0] for x, y in points.tolist()])
         leaving = (np.hypot(*(points - self._start).T) < LEAVING) & (room >= room[0] - 1e-6)
@@ -203,7 +206,7 @@ class Ways:
 
     @property
     def _needed(self) -> float:
-        return self._radius + ROOM
+        return self._radius + ROOM_AT_GOAL
 
     @cached_property
     def _clearances(self) -> Clearances:
@@ -212,7 +215,7 @@ class Ways:
     @cached_property
     def _graph(self) -> VoronoiGraph | None:
         try:
-            return voronoi_graph(self._grown, self._needed, seed_point=self._start)
+            return voronoi_graph(self._grown, self._radius + ROOM, seed_point=self._start)
         except ValueError:
             return None
 
@@ -221,7 +224,7 @@ class Ways:
         """(h, w) part of the map that each cell belongs to, 1 the largest; 0 where the robot can't be."""
         if self._graph is None:
             return np.zeros(self._grid.occupied.shape, dtype=np.int64)
-        free = (self._graph.clearance > self._needed).astype(np.uint8)
+        free = (self._graph.clearance >= self._graph.radius * (1.0 - EXACT)).astype(np.uint8)
         count, labels, stats, _ = cv2.connectedComponentsWithStats(free, connectivity=8)
         order = 1 + np.argsort(-stats[1:, cv2.CC_STAT_AREA], kind="stable")
         numbers = np.zeros(count, dtype=np.int64)
@@ -250,10 +253,3 @@ def _to_segment(
     at = float(np.clip((np.array(point) - segment[0]) @ ray / max(ray @ ray, 1e-12), 0.0, 1.0))
     foot = segment[0] + at * ray
     return math.hypot(point[0] - foot[0], point[1] - foot[1]), (float(foot[0]), float(foot[1]))
-
-
-def _sampled(points: NDArray[np.float64]) -> NDArray[np.float64]:
-    """A route (n, 2) in [m], no two points farther apart than `ALONG`."""
-    along = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(points, axis=0).T))])
-    at = np.union1d(along, np.arange(0.0, along[-1], ALONG))
-    return np.column_stack([np.interp(at, along, points[:, i]) for i in (0, 1)])

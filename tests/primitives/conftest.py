@@ -122,15 +122,21 @@ class Rig:
 def make_rig(tmp_path: Path) -> Callable[..., Rig]:
     """Builds a rig: more lines for the world's file, a seed."""
 
-    def make(more: str = "", seed: int = 0, walls: tuple[Box, ...] = ()) -> Rig:
+    def make(
+        more: str = "", seed: int = 0, walls: tuple[Box, ...] = (), furniture: str = "", start_y: float = 1.0
+    ) -> Rig:
         world = tmp_path / "world.yaml"
-        world.write_text(WORLD + more, encoding="utf-8")
+        told = WORLD.replace("shelves:\n", furniture + "shelves:\n").replace(
+            "y_m: 1.0,", f"y_m: {start_y},", 1
+        )
+        world.write_text(told + more, encoding="utf-8")
         spec = load_robot("librarian")
         backend = make_backend("kinematic", spec, world, seed)
         grid = from_boxes(MAPPED + walls, 0.02, (-0.3, -0.3), (8.6, 6.6))
         catalogue = Catalogue(format="handcart-catalogue/1", books=())
         model = WorldModel(grid, {"home": HOME, "shelf_1": SHELF}, catalogue, np.empty((0, 2)))
-        return Rig(Robot(backend, spec, HOME.pose, grid), model, backend.scene)  # type: ignore[attr-defined]
+        start = HOME.pose._replace(y=start_y) if start_y != 1.0 else HOME.pose
+        return Rig(Robot(backend, spec, start, grid), model, backend.scene)  # type: ignore[attr-defined]
 
     return make
 
