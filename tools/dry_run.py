@@ -29,18 +29,18 @@ def dry_run(
     chosen = dict(split_setting(each) for each in settings)
     checked = check(task, backend, chosen, seed, situation)
     network = checked.task.network
-    if not as_json:
-        for place in checked.places:
-            print(place.words())
+    places = [place.words() for place in checked.places]
     if checked.errors:
+        print("\n".join([] if as_json else places), end="" if as_json else "\n")
         raise FileError(checked.errors)
     told = follow(network, outcomes.outcomes if outcomes else ())
     if as_json:
-        places = [each.for_programs() for each in checked.places]
-        print(orjson.dumps({**told.summary(), "places": places}).decode())
+        rooms = [each.for_programs() for each in checked.places]
+        print(orjson.dumps({**told.summary(), "places": rooms}).decode())
     else:
         for line in told.lines:
             print(line)
         print(f"{told.outcome} in situation {told.situation}{told.reason and ': '}{told.reason}")
         print(f"imagined: nothing has moved; a real run takes at most {network.bound()} actions")
+        print("\n".join(places), end="\n" if places else "")
     return STATUS[told.outcome]

@@ -84,17 +84,38 @@ def test_as_it_stands_it_drives_through_an_office_and_draws_it(tmp_path: Path) -
     assert all(word in drawn for word in ("Voronoi graph", "planned", "driven", "scan on arrival", "kitchen"))
 
 
-def test_a_place_without_room_is_left_out_and_the_rest_is_driven(
-    tmp_path: Path, places: Callable[[str], str]
-) -> None:
+def test_a_place_without_room_is_refused_at_its_line(places: Callable[[str], str]) -> None:
     told = places("""
   home: {x_m: 1.0, y_m: 5.2, heading_deg: 0.0}
   nook: {x_m: 15.85, y_m: 0.8, heading_deg: 0.0}
   desk: {x_m: 2.0, y_m: 2.4, heading_deg: -90.0}
 """)
-    summary, status = run_task(TASK, tmp_path, None, {"places": told, "tour": "[nook, desk]"}, 1)
+    with pytest.raises(FileError) as refused:
+        prepare(TASK, settings={"places": told, "tour": "[nook, desk]"})
+    assert "places.yaml:4:3: the robot can't stand at the place 'nook': something at (" in str(refused.value)
+    prepare(TASK, settings={"places": told, "tour": "[desk]"}).backend.close()  # nothing drives there
+
+
+def test_a_place_that_something_stands_at_is_left_out_and_the_rest_is_driven(
+    tmp_path: Path, places: Callable[[str], str]
+) -> None:
+    told = places("""
+  home: {x_m: 1.0, y_m: 5.2, heading_deg: 0.0}
+  taken: {x_m: 3.0, y_m: 5.2, heading_deg: 0.0}
+  desk: {x_m: 2.0, y_m: 2.4, heading_deg: -90.0}
+""")
+    world = tmp_path / "world.yaml"
+    for name in ("map.yaml", "map.png"):
+        (tmp_path / name).write_bytes((TASK.parent / name).read_bytes())
+    world.write_text(
+        "format: handcart-world/1\nmap: map.yaml\nstart: {x_m: 1.0, y_m: 5.2}\n"
+        "surprises: [{name: pallet, x_m: 3.0, y_m: 5.2, size_m: [0.6, 0.6, 0.5]}]\n",
+        encoding="utf-8",
+    )
+    settings = {"world": str(world), "places": told, "tour": "[taken, desk]", "wait_s": "1.0"}
+    summary, status = run_task(TASK, tmp_path / "runs", None, settings, 1)
     assert status == 3
-    assert summary["skipped"] == ["place[1] (nook)"]
+    assert summary["skipped"] == ["place[1] (taken)"]
     assert summary["metrics"]["untrue"] == []
 
 
