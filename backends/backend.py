@@ -118,14 +118,19 @@ class Backend(ABC):
         """Let go of everything. A second call does nothing."""
 
     def state(self) -> object | None:
-        """Where a simulated world stands, for a checkpoint: values that `saved_state.pack` takes.
+        """Where a simulated world stands, for a checkpoint: plain data that `saved_state.pack` takes (see
+        `plain_values.attributes`).
 
         None where the world is no simulation, or can't be kept.
         """
         return None
 
     def set_state(self, state: object) -> None:
-        """Put a world, built anew from the same files and seed, where `state` was taken."""
+        """Put a world, built anew from the same files and seed, where `state` was taken.
+
+        Raises:
+            NotAState: it is of something else.
+        """
         raise NotImplementedError(f"the backend {self.name!r} keeps no state")
 
     def figures(self) -> Mapping[str, Any]:

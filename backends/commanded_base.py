@@ -6,14 +6,15 @@ from typing import ClassVar
 
 from .base import Base, WheelTravel
 from .limits import checked_drive
+from .plain_values import Kinds
 from .robot_file import RobotFile
 
 
 class CommandedBase(Base):
     """Wheels that are simulated: a command counts for the period that comes, and only for it."""
 
-    STATE: ClassVar[tuple[str, ...]] = ("_command", "_travel")
-    """Attributes that a checkpoint keeps."""
+    STATE: ClassVar[Kinds] = {"_command": tuple[float, float], "_travel": WheelTravel}
+    """Attributes that a checkpoint keeps, with their types."""
 
     def __init__(self, robot: RobotFile) -> None:
         self._drive, self._period = robot.drive, robot.period_s

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Generator, Mapping
+from collections.abc import Callable, Generator
 from functools import cached_property
 from typing import Any, TypeVar
 
@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from files.errors import HandcartError
+from robotics.far import FarArray
 from robotics.geometry.pose2 import Pose2
 from robotics.geometry.transform import Transform
 from robotics.kinematics.arm_model import ArmModel
@@ -26,7 +27,7 @@ from robotics.navigation.way_guard import NOTHING, Held
 
 from .arm import Arm
 from .backend import Backend
-from .base import Base
+from .base import Base, WheelTravel
 from .beside import beside
 from .camera import Camera
 from .capability import Capability
@@ -37,10 +38,11 @@ from .ground_spec import OUTDOORS
 from .guarded_base import GuardedBase, steady_points
 from .imu import Imu
 from .noted_base import NotedBase
+from .plain_values import Kinds, attributes, set_attributes
 from .positioning import Positioning
 from .range_sensor import RangeSensor
 from .robot_file import RobotFile
-from .saved_state import attributes, set_attributes
+from .saved_state import NotAState
 
 T = TypeVar("T")
 C = TypeVar("C", bound=Capability)
@@ -51,7 +53,15 @@ HAND = 0.15  # [m] about the hand, in which a scan sees it and what it holds
 LOOK_AGAIN = 10  # periods at rest between scans that tell whether somebody moved the base
 STALE = 1e-3  # [m], [rad] of motion in which scan or picture can't stay the same to the last bit
 SCAN_SIGMA = (0.004, 0.0015)  # [m], [rad]: spread of scan matches about one place
-_STATE = ("time", "pushes", "_travel", "_still", "_ranges", "_seen_at")
+_STATE = {
+    "time": float,
+    "pushes": int,
+    "_travel": WheelTravel,
+    "_still": int,
+    "_ranges": FarArray,
+    "_seen_at": WheelTravel,
+}
+"""What a checkpoint keeps, with the types."""
 START_SIGMA = np.diag([0.05**2, 0.05**2, 0.035**2])  # [m², rad²] of where a task says the robot starts
 
 
@@ -366,26 +376,33 @@ class Robot:
         return image
 
     def state(self) -> dict[str, Any]:
-        """What was estimated so far, for a checkpoint."""
-        localizer = attributes(self._localizer, self._localizer.STATE)
-        odometry = attributes(self._localizer.odometry, self._localizer.odometry.STATE)
-        attitude = attributes(self.attitude, self.attitude.STATE)
-        robot = attributes(self, _STATE)
-        state = {"robot": robot, "localizer": localizer, "odometry": odometry, "attitude": attitude}
-        if self.outdoors is not None:
-            state["outdoors"] = attributes(self.outdoors, self.outdoors.STATE)
-            state["reckoned"] = attributes(self.outdoors.odometry, self.outdoors.odometry.STATE)
-        return state
+        """What was estimated so far, for a checkpoint, as plain data."""
+        return {name: attributes(part, kinds) for name, (part, kinds) in self._parts().items()}
 
-    def set_state(self, state: Mapping[str, Any]) -> None:
-        """Take over what `state` gave, on a backend that stands as it did then."""
-        set_attributes(self, state["robot"])
-        set_attributes(self._localizer, state["localizer"])
-        set_attributes(self._localizer.odometry, state["odometry"])
-        set_attributes(self.attitude, state["attitude"])
+    def set_state(self, state: object) -> None:
+        """Take over what `state` gave, on a backend that stands as it did then.
+
+        Raises:
+            NotAState: it is of something else.
+        """
+        parts = self._parts()
+        if not isinstance(state, dict) or state.keys() != parts.keys():
+            raise NotAState(f"no state of this robot; needed: {', '.join(parts)}")
+        for name, (part, kinds) in parts.items():
+            set_attributes(part, kinds, state[name])
+
+    def _parts(self) -> dict[str, tuple[object, Kinds]]:
+        """What changes in a run."""
+        parts: dict[str, tuple[object, Kinds]] = {
+            "robot": (self, _STATE),
+            "localizer": (self._localizer, self._localizer.STATE),
+            "odometry": (self._localizer.odometry, self._localizer.odometry.STATE),
+            "attitude": (self.attitude, self.attitude.STATE),
+        }
         if self.outdoors is not None:
-            set_attributes(self.outdoors, state["outdoors"])
-            set_attributes(self.outdoors.odometry, state["reckoned"])
+            parts["outdoors"] = (self.outdoors, self.outdoors.STATE)
+            parts["reckoned"] = (self.outdoors.odometry, self.outdoors.odometry.STATE)
+        return parts
 
     def moved_by(self, who: object) -> bool:
         """Note who moves the robot in this period; whether nobody else does, nor did in the last one."""

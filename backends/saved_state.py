@@ -1,70 +1,144 @@
-"""The state of a simulated world as bytes: of values, not of programs."""
+"""Plain data as bytes and back: a line with a checksum, JSON, and the arrays as they are in memory.
+
+Nothing in such bytes names a class or a function: what reads them makes numbers, words, lists, mappings and
+arrays, and nothing else.
+"""
 
 from __future__ import annotations
 
-import io
-import pickle
-from collections.abc import Iterable, Mapping
+import hashlib
+import math
+import re
+from collections.abc import Mapping
 from typing import Any
+
+import numpy as np
+import orjson
 
 from files.errors import InputError
 
-OURS = ("backends.", "robotics.", "primitives.")
-"""Packages whose classes a saved state may hold."""
-_PLAIN = {
-    ("builtins", "frozenset"),
-    ("builtins", "set"),
-    ("numpy", "dtype"),
-    ("numpy", "ndarray"),
-    ("numpy._core.multiarray", "_reconstruct"),
-    ("numpy._core.multiarray", "scalar"),
-    ("numpy._core.numeric", "_frombuffer"),
-}
+FORMAT = "handcart-state/1"
+MAX_BYTES = 256 * 2**20
+"""Of a saved state."""
+DEPTH = 48  # levels of lists and mappings
+_DTYPES = ("float64", "float32", "int64", "uint8", "bool")
+_HEAD = re.compile(rb"handcart-state/(\d{1,3}) ([0-9a-f]{64})\n(?=(\d{1,9})\n)")
+_MARKS = {"array", "bytes", "float", "int"}
+_NOT_FINITE = {"inf": math.inf, "-inf": -math.inf, "nan": math.nan}
 
 
 class NotAState(InputError):
-    """Bytes that no saved state can be."""
-
-
-def attributes(thing: object, names: Iterable[str]) -> dict[str, Any]:
-    """Some attributes of an object, by name."""
-    return {name: getattr(thing, name) for name in names}
-
-
-def set_attributes(thing: object, values: Mapping[str, Any]) -> None:
-    """Give an object back what `attributes` took."""
-    for name, value in values.items():
-        setattr(thing, name, value)
+    """Bytes that no saved state can be, or one of something else."""
 
 
 def pack(state: object) -> bytes:
-    """A state as bytes; what is the same object in it stays the same object."""
-    return pickle.dumps(state, protocol=5)
+    """Plain data as bytes: None, bool, int, float, str, bytes, arrays; lists, and mappings by words, of them.
+
+    Raises:
+        TypeError: there is something else in it.
+    """
+    blobs: list[bytes] = []
+    text = orjson.dumps(_written(state, blobs))
+    body = b"".join((b"%d\n" % len(text), text, *blobs))
+    return b"%b %b\n%b" % (FORMAT.encode(), digest(body).encode(), body)
 
 
 def unpack(content: bytes) -> Any:
-    """A state from bytes that `pack` made.
+    """The plain data in bytes that `pack` made.
 
     Raises:
-        NotAState: they hold something else, such as a function that would run.
+        NotAState: they are something else, or damaged.
     """
+    head = _HEAD.match(content[:200])
+    if head is None:
+        raise NotAState(f"no saved state: it doesn't begin with {FORMAT}")
+    if f"handcart-state/{int(head[1])}" != FORMAT:
+        raise NotAState(f"no saved state of the format {FORMAT}, but of handcart-state/{int(head[1])}")
+    if digest(memoryview(content)[head.end() :]) != head[2].decode():
+        raise NotAState("no saved state: it is damaged, its checksum is another one")
+    body = memoryview(content)[head.end() + len(head[3]) + 1 :]
     try:
-        return _Unpickler(io.BytesIO(content)).load()
-    except NotAState:
-        raise
-    except Exception as error:
-        raise NotAState(f"no saved state: {type(error).__name__}: {error}") from None
+        reader = _Reader(body[int(head[3]) :])
+        state = reader.read(orjson.loads(body[: int(head[3])]), DEPTH)
+    except (ValueError, TypeError, KeyError, OverflowError) as error:
+        raise NotAState(f"no saved state: {error}") from None
+    if reader.taken != len(reader.blobs):
+        raise NotAState(f"no saved state: {len(reader.blobs) - reader.taken} bytes follow its arrays")
+    return state
 
 
-class _Unpickler(pickle.Unpickler):
-    """Makes numbers, arrays and our own value classes, and nothing else."""
-
-    def find_class(self, module: str, name: str) -> Any:
-        found = super().find_class(module, name) if _allowed(module, name) else None
-        if (module, name) in _PLAIN or isinstance(found, type):
-            return found
-        raise NotAState(f"no saved state: it holds {module}.{name}")
+def digest(content: bytes | memoryview) -> str:
+    """What names these bytes: their SHA-256 in hexadecimal."""
+    return hashlib.sha256(content).hexdigest()
 
 
-def _allowed(module: str, name: str) -> bool:
-    return (module, name) in _PLAIN or (module.startswith(OURS) and "." not in name)
+def _written(value: object, blobs: list[bytes]) -> Any:
+    match value:
+        case None | bool() | str():
+            return value
+        case int():
+            return value if abs(value) < 2**53 else {"int": str(value)}
+        case float():
+            return float(value) if math.isfinite(value) else {"float": str(float(value))}
+        case bytes():
+            blobs.append(value)
+            return {"bytes": len(value)}
+        case np.ndarray():
+            if value.dtype.name not in _DTYPES:
+                raise TypeError(f"arrays of {value.dtype} can't be kept; allowed: {', '.join(_DTYPES)}")
+            blobs.append(value.tobytes())
+            return {"array": value.dtype.name, "shape": list(value.shape)}
+        case list() | tuple():
+            return [_written(each, blobs) for each in value]
+        case Mapping():
+            if _MARKS & value.keys() or not all(isinstance(key, str) for key in value):
+                raise TypeError(f"keys are words other than {', '.join(sorted(_MARKS))}")
+            return {key: _written(each, blobs) for key, each in value.items()}
+        case np.generic():
+            return _written(value.item(), blobs)
+    raise TypeError(f"a {type(value).__name__} can't be kept; allowed: plain data")
+
+
+class _Reader:
+    """Takes the arrays off the end of a saved state, one after the other."""
+
+    def __init__(self, blobs: memoryview) -> None:
+        self.blobs, self.taken = blobs, 0
+
+    def read(self, value: Any, depth: int) -> Any:
+        """What `_written` wrote."""
+        if depth < 0:
+            raise ValueError(f"more than {DEPTH} levels of lists and mappings")
+        if isinstance(value, list):
+            return [self.read(each, depth - 1) for each in value]
+        if not isinstance(value, dict):
+            return value
+        if not _MARKS & value.keys():
+            return {key: self.read(each, depth - 1) for key, each in value.items()}
+        return self._marked(value, depth)
+
+    def _marked(self, value: dict[str, Any], depth: int) -> Any:
+        match value:
+            case {"int": str(digits)} if re.fullmatch(r"-?\d{1,40}", digits):
+                return int(digits)
+            case {"float": str(name)} if name in _NOT_FINITE:
+                return _NOT_FINITE[name]
+            case {"bytes": int(size)}:
+                return bytes(self._take(size))
+            case {"array": str(dtype), "shape": list(shape)} if dtype in _DTYPES:
+                return self._array(np.dtype(dtype), shape)
+        raise ValueError("something in it stands for no number and no array")
+
+    def _array(self, dtype: np.dtype[Any], shape: list[Any]) -> Any:
+        if len(shape) > 4 or not all(type(each) is int and 0 <= each < 2**31 for each in shape):
+            raise ValueError("an array of a shape that none has")
+        content = self._take(dtype.itemsize * math.prod(shape))
+        if dtype == np.bool_ and not set(bytes(content)) <= {0, 1}:
+            raise ValueError("an array of truths holds something else")
+        return np.frombuffer(content, dtype).reshape(shape).copy()
+
+    def _take(self, size: int) -> memoryview:
+        if not 0 <= size <= len(self.blobs) - self.taken:
+            raise ValueError("it ends within an array")
+        self.taken += size
+        return self.blobs[self.taken - size : self.taken]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import time
 from collections.abc import Mapping
 from contextlib import ExitStack
@@ -12,11 +13,12 @@ import orjson
 
 from backends.robot import Robot
 from files.errors import InputError
+from files.printable import printable
 from networks.events import Event, Observer
-from networks.network import ActionNetwork
 from networks.permits import Permits
-from networks.preparing import Prepared, prepare
+from networks.preparing import Prepared, beginning_at, prepare
 from networks.recon import reconnoitre, standing_as_left
+from networks.resuming import NothingToResume as NothingToResume
 from networks.resuming import Past, read_past, task_of
 from networks.retracing import NeedsOperator
 from networks.robot_claim import claimed
@@ -26,10 +28,6 @@ from networks.syncing import sync_for
 from networks.task_file import load_task
 
 from .judge import Judge
-
-
-class NothingToResume(InputError):
-    """A run came to its end."""
 
 
 class Teller(Protocol):
@@ -178,27 +176,31 @@ def resume_task(
         The summary that also stands in the run's folder, and the exit status.
 
     Raises:
+        NoRun: it is no run's folder.
         JournalError: the journal can't be read, or is damaged inside.
+        NotAState: the checkpoint is damaged, or of something else.
+        RunAlive: the run still goes on.
         NothingToResume: the run came to its end.
         NeedsOperator: a person has to decide something first.
         FileError: the task or a file that it names is wrong by now.
     """
     header = task_of(folder)
     task_path = Path(header["task_path"])
-    _read_unended(folder, load_task(task_path, header["settings"]).network)  # before a robot is woken
+    network = load_task(task_path, header["settings"]).network
+    begun = None if header["start"] == network.start else header["start"]
+    read_past(folder, network if begun is None else beginning_at(network, begun))  # before a robot is woken
     made = prepare(
         task_path,
         header["backend"],
         header["settings"],
         header["seed"],
-        errors=header.get("errors", True),
-        bench=header.get("bench"),
+        situation=begun,
+        errors=header["errors"],
+        bench=header["bench"],
     )
     with made as prepared, claimed(prepared.backend, folder) as claim:
-        past = _read_unended(folder, prepared.task.network)
-        if header.get("robot_sha256", robot_fingerprint(prepared.robot.spec)) != robot_fingerprint(
-            prepared.robot.spec
-        ):
+        past = read_past(folder, prepared.task.network)
+        if header["robot_sha256"] != robot_fingerprint(prepared.robot.spec):
             raise NeedsOperator(
                 f"the robot is not the one that was run: the file {header['robot']} has changed"
             )
@@ -233,15 +235,6 @@ def resume_task(
     return orjson.loads((folder / "summary.json").read_bytes()), end.exit_status
 
 
-def _read_unended(folder: Path, network: ActionNetwork) -> Past:
-    past = read_past(folder, network)
-    over = past.standing.over
-    if over is not None and over["outcome"] in ("Success", "Fail"):
-        words = f"the run in {folder} is over: {over['outcome']} in situation {over['situation']}"
-        raise NothingToResume(f"{words}; allowed: one that broke off, was stopped or gave up")
-    return past
-
-
 def _check_world(past: Past, told: Teller) -> None:
     """Whether a simulated world could be put back to where the run may go on from (R10)."""
     for words in past.doubts():
@@ -252,9 +245,14 @@ def _check_world(past: Past, told: Teller) -> None:
 
 
 def new_folder(runs: Path, name: str) -> Path:
-    """A folder that doesn't exist yet: NAME, NAME.2, NAME.3 ..."""
+    """A folder that doesn't exist yet: NAME, NAME.2, NAME.3 ...; raises `InputError` for no UTF-8."""
+    try:
+        str(runs).encode()
+    except UnicodeEncodeError:
+        shown = os.fsencode(runs).decode(errors="backslashreplace")
+        raise InputError(printable(f"the path {shown} is no UTF-8; allowed: one that is")) from None
     number, folder = 1, runs / name
-    while folder.exists():
+    while os.path.lexists(folder):
         number += 1
         folder = runs / f"{name}.{number}"
     return folder

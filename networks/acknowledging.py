@@ -7,8 +7,8 @@ from pathlib import Path
 from files.errors import InputError
 
 from .journal import Journal
-from .journal_record import read_journal
-from .resuming import JOURNAL
+from .retracing import TORN
+from .run_folder import JOURNAL, read_run_journal
 from .waiting import waiting
 
 
@@ -20,16 +20,19 @@ def acknowledge(folder: Path, record: int) -> str:
     """Note in a run's journal that a person has seen to what waits for one; gives why it waits (N13, U12).
 
     Raises:
+        NoRun: it is no run's folder.
         JournalError: the journal can't be read or written.
+        RunAlive: the run goes on.
         NothingToAcknowledge: that record doesn't wait, or was acknowledged before.
     """
-    contents = read_journal(folder / JOURNAL)
-    waits = waiting(contents.records)
+    contents = read_run_journal(folder)
+    waits = waiting(contents)
     if record not in waits:
         allowed = ", ".join(map(str, waits)) or "none waits"
         raise NothingToAcknowledge(f"record {record} doesn't wait for a person; allowed: {allowed}")
-    seen = contents.records[record]
+    whole = record < len(contents.records)
+    of = contents.records[record] if whole else {"kind": TORN, "h": contents.records[-1]["h"]}
     with Journal.go_on(folder / JOURNAL, contents, "always") as journal:
-        fields = {"record": record, "of": seen["kind"], "cause": seen["h"], "reason": waits[record]}
+        fields = {"record": record, "of": of["kind"], "cause": of["h"], "reason": waits[record]}
         journal.append("ACK", contents.records[-1]["t"], fields)
     return waits[record]

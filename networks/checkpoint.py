@@ -8,12 +8,22 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from backends.saved_state import NotAState, pack, unpack
+from backends.saved_state import MAX_BYTES, NotAState, digest, pack, unpack
+from files.errors import HandcartError
+from files.printable import printable
 
+from .journal import plain_json
 from .preparing import Prepared
+from .run_folder import read_file
+from .run_records import RECORDS
 
 NAME = "checkpoint"
-_FORMAT = "handcart-checkpoint/1"
+_FORMAT = "handcart-checkpoint/2"
+_KEYS = {"format", "after", "result", "time_s", "backend", "robot", "model"}
+
+
+class NotKeptError(HandcartError):
+    """A checkpoint can't be written. Exit status 5."""
 
 
 @dataclass(frozen=True)
@@ -23,16 +33,26 @@ class Checkpoint:
     A real robot's holds what is known, and no world.
     """
 
+    digest: str
+    """What names it: the SHA-256 of its file."""
+    after: str
+    """Checksum of the journal's record before the action's RESULT."""
     result: Mapping[str, Any]
     time_s: float
     """The robot's, in [s]."""
     backend: object
     """None of a real robot, whose world stands by itself."""
-    robot: Mapping[str, Any]
-    model: Mapping[str, Any]
+    robot: object
+    model: object
 
     def put_back(self, prepared: Prepared) -> None:
-        """Put a run, prepared anew from the same files and seed, where it stood; a real robot only learns."""
+        """Put a run, prepared anew from the same files and seed, where it stood; a real robot only learns.
+
+        Raises:
+            NotAState: it is of something else.
+        """
+        if (self.backend is None) is prepared.backend.simulated:
+            raise NotAState("the checkpoint is of another kind of robot: simulated, or not")
         if self.backend is not None:
             prepared.backend.set_state(self.backend)
             prepared.robot.set_state(self.robot)
@@ -48,23 +68,48 @@ class CheckpointKeeper:
     def __init__(self, folder: Path, prepared: Prepared) -> None:
         self._path, self._prepared = folder / NAME, prepared
 
-    def keep(self, result: Mapping[str, Any]) -> None:
-        """Replace the checkpoint in one step; does nothing where a simulated world can't be kept."""
+    def keep(self, result: Mapping[str, Any], after: str) -> str | None:
+        """Replace the checkpoint in one step; None where a simulated world can't be kept.
+
+        Args:
+            result: of the action that has ended, as the journal is to hold it.
+            after: checksum of the journal's last record.
+
+        Returns:
+            The checkpoint's digest, by which the journal names it.
+
+        Raises:
+            NotKeptError: it can't be written.
+        """
         backend = self._prepared.backend.state()
         if (backend is None and self._prepared.backend.simulated) or result["outcome"] == "GiveUp":
-            return
+            return None
         robot, model = self._prepared.robot, self._prepared.model
-        content = {
-            "format": _FORMAT,
-            "result": dict(result),
-            "time_s": robot.time,
-            "backend": backend,
-            "robot": robot.state(),
-            "model": model.state(),
-        }
-        new = self._path.with_suffix(".new")
-        new.write_bytes(pack(content))
-        os.replace(new, self._path)
+        content = pack(
+            {
+                "format": _FORMAT,
+                "after": after,
+                "result": plain_json(result),
+                "time_s": robot.time,
+                "backend": backend,
+                "robot": robot.state(),
+                "model": model.state(),
+            }
+        )
+        try:
+            _replace(self._path, content)
+        except OSError as error:
+            raise NotKeptError(printable(f"{self._path} can't be written: {error.strerror}")) from None
+        return digest(content)
+
+
+def _replace(path: Path, content: bytes) -> None:
+    new = path.with_suffix(".new")
+    new.unlink(missing_ok=True)
+    file = os.open(new, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC | os.O_NOFOLLOW, 0o600)
+    with os.fdopen(file, "wb") as stream:
+        stream.write(content)
+    os.replace(new, path)
 
 
 def load_checkpoint(folder: Path) -> Checkpoint | None:
@@ -72,11 +117,18 @@ def load_checkpoint(folder: Path) -> Checkpoint | None:
 
     Raises:
         NotAState: it isn't one.
+        NoRun: it is no file that can be read.
     """
-    path = folder / NAME
-    if not path.exists():
+    bytes_ = read_file(folder, NAME, MAX_BYTES, missing=True)
+    if bytes_ is None:
         return None
-    content = unpack(path.read_bytes())
-    if not isinstance(content, dict) or content.pop("format", None) != _FORMAT:
-        raise NotAState(f"{path} is no checkpoint of the format {_FORMAT}")
-    return Checkpoint(**content)
+    try:
+        kept = unpack(bytes_)
+        if not isinstance(kept, dict) or kept.keys() != _KEYS or kept.pop("format") != _FORMAT:
+            raise NotAState(f"no checkpoint of the format {_FORMAT}")
+        kept["result"] = RECORDS["RESULT"].validate_python(kept["result"])
+    except ValueError as error:
+        raise NotAState(printable(f"{folder / NAME}: {str(error).splitlines()[0]}")) from None
+    if not isinstance(kept["time_s"], float) or not isinstance(kept["after"], str):
+        raise NotAState(printable(f"{folder / NAME}: no checkpoint: its time is no number"))
+    return Checkpoint(digest(bytes_), **kept)

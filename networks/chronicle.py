@@ -25,8 +25,12 @@ from .planner import NoWay, Plan
 from .retracing import Standing
 from .run_end import RunEnd
 
-Keep = Callable[[Mapping[str, Any]], None]
-"""Keeps a checkpoint; called with an action's result before the journal has it."""
+Keep = Callable[[Mapping[str, Any], str], str | None]
+"""Keeps a checkpoint; called with an action's result before the journal has it, and the checksum of the
+journal's last record. Gives the checkpoint's digest, None where none is kept."""
+
+
+_NOTHING: Mapping[str, Any] = {}
 
 
 class Chronicle(Intents):
@@ -109,9 +113,10 @@ class Chronicle(Intents):
         if not isinstance(outcome, Success):
             fields |= cause_fields(primitive.evidence)
         fields |= _at(at)
-        if self._keep is not None:
-            self._keep(fields)
-        self._write("RESULT", fields)
+        after = "" if self._journal is None else self._journal.last
+        kept = None if self._keep is None else self._keep(fields, after)
+        # Outside the chain: a physics engine's state is not the same bytes in two runs of one seed.
+        self._write("RESULT", fields, {} if kept is None else {"checkpoint": kept})
 
     def result_kept(self, action: Action, primitive: ActionPrimitive, outcome: Outcome) -> None:
         """Its result is in the journal for good: now the observers hear of it."""
@@ -166,9 +171,9 @@ class Chronicle(Intents):
             self._said[action.index] = orjson.Fragment(orjson.dumps(words))
         return words
 
-    def _write(self, kind: str, fields: Mapping[str, Any]) -> None:
+    def _write(self, kind: str, fields: Mapping[str, Any], wall: Mapping[str, Any] = _NOTHING) -> None:
         if self._journal is not None:
-            self._journal.append(kind, self._robot.time, fields)
+            self._journal.append(kind, self._robot.time, fields, wall)
 
     def _tell(self, event: Callable[[], Event]) -> None:
         if self._observers:

@@ -13,6 +13,9 @@ from typing import Any
 import orjson
 from pydantic import BaseModel
 
+from files.errors import InputError
+from files.printable import printable
+
 from .journal_record import FIRST, JournalContents, JournalError, seal
 from .syncing import DiskSync, Sync
 
@@ -22,6 +25,16 @@ _FLAGS = os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_APPEND | os.O_CLOEXEC | os.
 _AGAIN = os.O_WRONLY | os.O_APPEND | os.O_CLOEXEC | os.O_NOFOLLOW
 _OPTIONS = orjson.OPT_SERIALIZE_NUMPY
 _NOTHING: Mapping[str, Any] = {}
+
+
+class RunAlive(InputError):
+    """A run can't be gone on with, because it still goes on."""
+
+    def __init__(self, folder: Path) -> None:
+        how = f"wait for its end, or handcart stop {folder}"
+        super().__init__(
+            printable(f"the run in {folder} is alive: another process writes it; allowed: {how}")
+        )
 
 
 class Journal:
@@ -75,7 +88,7 @@ class Journal:
         except OSError as error:
             raise JournalError(path, f"can't be opened: {error.strerror}") from None
         try:
-            fcntl.flock(self._file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            _lock(self._file, path.parent)
             self._identity = _identity(os.fstat(self._file))
             if os.fstat(self._file).st_size != contents.size:
                 raise JournalError(path, "has changed since it was read")
@@ -84,7 +97,7 @@ class Journal:
         except OSError as error:
             os.close(self._file)
             raise JournalError(path, f"can't be gone on with: {error.strerror}") from None
-        except JournalError:
+        except (JournalError, RunAlive):
             os.close(self._file)
             raise
         self._size = os.fstat(self._file).st_size
@@ -94,7 +107,9 @@ class Journal:
     def _quarantine(self, offset: int) -> None:
         """Keep what a crash left half written, beside the journal, and cut it off."""
         torn = self.path.with_name(f"{self.path.name}.torn-{offset}")
-        torn.write_bytes(self.path.read_bytes()[offset:])
+        torn.unlink(missing_ok=True)  # of a resume that didn't come to cut it off
+        with os.fdopen(os.open(torn, _FLAGS, 0o600), "wb") as kept:
+            kept.write(self.path.read_bytes()[offset:])
         os.ftruncate(self._file, offset)
         os.fsync(self._file)
 
@@ -128,6 +143,11 @@ class Journal:
         self._write(line)
         self._next, self._last = number + 1, checksum
         return number
+
+    @property
+    def last(self) -> str:
+        """Checksum of the record that was written last; empty before the first."""
+        return self._last
 
     @property
     def durable(self) -> bool:
@@ -177,6 +197,30 @@ class Journal:
     def _poison(self, reason: str) -> JournalError:
         self._poisoned = reason
         return JournalError(self.path, reason)
+
+
+def check_not_alive(folder: Path) -> None:
+    """Raise `RunAlive` where another process writes the journal in a run's folder."""
+    try:
+        file = os.open(folder / "journal.jsonl", os.O_RDONLY | os.O_CLOEXEC | os.O_NOFOLLOW | os.O_NONBLOCK)
+    except OSError:
+        return  # who reads it tells of that
+    try:
+        _lock(file, folder, fcntl.LOCK_SH)
+    finally:
+        os.close(file)
+
+
+def _lock(file: int, folder: Path, kind: int = fcntl.LOCK_EX) -> None:
+    try:
+        fcntl.flock(file, kind | fcntl.LOCK_NB)
+    except BlockingIOError:
+        raise RunAlive(folder) from None
+
+
+def plain_json(value: Any) -> Any:
+    """What a record's fields are when they are read back: words, numbers, lists and mappings."""
+    return orjson.loads(orjson.dumps(value, default=_plain, option=_OPTIONS))
 
 
 def _identity(stat: os.stat_result) -> tuple[int, int]:

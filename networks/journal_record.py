@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import re
 import zlib
+from bisect import bisect_right
 from collections.abc import Mapping
 from dataclasses import dataclass
 from hashlib import blake2b
@@ -14,6 +16,7 @@ import orjson
 from files.errors import HandcartError
 from files.printable import printable
 
+_BEGINS, _ENDS = re.compile(rb'\{"q":'), re.compile(rb'"crc":"[0-9a-f]{8}"\}\}')
 FIRST = ""
 """What the first record names as the checksum before it."""
 
@@ -60,30 +63,49 @@ def read_journal(path: Path) -> JournalContents:
     """All records, each checked byte for byte, and the chain.
 
     Raises:
-        JournalError: it can't be read, or a record that others follow isn't what was written; a damaged tail
-            is what a crash leaves, and only reported.
+        JournalError: it can't be read, or a record that others follow isn't what was written; a damaged last
+            record can't be told from what a crash leaves, and is only reported.
     """
     try:
         content = path.read_bytes()
     except OSError as error:
         raise JournalError(path, f"can't be read: {error.strerror}") from None
-    lines = content.splitlines(keepends=True)
+    return parse_journal(path, content)
+
+
+def parse_journal(path: Path, content: bytes) -> JournalContents:
+    """As `read_journal`, from the bytes of the file at `path`."""
     records: list[dict[str, Any]] = []
     offset, last = 0, FIRST
-    for number, line in enumerate(lines):
-        record = _checked(line)
+    while offset < len(content):
+        end = content.find(b"\n", offset) + 1 or len(content)
+        record = _checked(content[offset:end])
+        number = len(records)
         if record is None or record["q"] != number or record["p"] != last:
-            if any(_follows(later, number) for later in lines[number + 1 :]):
+            if _more_than_torn(content[offset:], number):
                 raise JournalError(path, f"record {number} at byte {offset} isn't what was written")
             return JournalContents(tuple(records), offset, len(content))
         records.append(record)
-        offset, last = offset + len(line), record["h"]
+        offset, last = end, record["h"]
     return JournalContents(tuple(records), None, len(content))
 
 
-def _follows(line: bytes, number: int) -> bool:
-    record = _checked(line)
-    return record is not None and bool(record["q"] > number)
+def _more_than_torn(tail: bytes, number: int) -> bool:
+    """Whether what should begin with a record holds more than a crash leaves of one.
+
+    That is a later record, wherever it begins: the newline before it may be what is damaged. Or the record
+    itself, whole, and more than one byte after it that somebody wrote.
+    """
+    ends = [found.end() for found in _ENDS.finditer(tail)]
+    for start in (found.start() for found in _BEGINS.finditer(tail)):
+        first = bisect_right(ends, start)
+        for end in ends[first : first + 3]:
+            record = _checked(tail[start:end] + b"\n")
+            if record is not None and record["q"] > number:
+                return True
+            if record is not None and record["q"] == number and start == 0:
+                return len(tail.rstrip(b"\0")) > end + 1
+    return False
 
 
 def _checked(line: bytes) -> dict[str, Any] | None:
@@ -96,4 +118,4 @@ def _checked(line: bytes) -> dict[str, Any] | None:
     except (orjson.JSONDecodeError, KeyError, TypeError, AttributeError):
         return None
     whole = again == line and checksum == record["h"] and {"q", "p", "t", "kind"} <= body.keys()
-    return record if whole else None
+    return record if whole and type(record["q"]) is int else None

@@ -7,24 +7,13 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from files.errors import InputError
-from files.printable import printable
-
 from .journal import SCHEMA
-from .journal_record import JournalError, read_journal
+from .journal_record import JournalError
 from .journaled_network import JournaledNetwork, network_of
+from .run_folder import JOURNAL, read_run_journal
+from .run_folder import NoRun as NoRun
 
-JOURNAL = "journal.jsonl"
 Record = Mapping[str, Any]
-
-
-class NoRun(InputError):
-    """A folder holds no run that can be read; nothing of it was changed."""
-
-    def __init__(self, folder: Path, wrong: str) -> None:
-        super().__init__(
-            printable(f"{folder}: {wrong}; allowed: the folder of a run, such as runs/return_book-0")
-        )
 
 
 @dataclass(frozen=True)
@@ -97,13 +86,10 @@ def read_run(folder: Path) -> PastRun:
     """Read a run's journal.
 
     Raises:
-        NoRun: there is no journal that says what was run.
+        NoRun: there is no journal that says what was run, or something in the folder is no plain file.
         JournalError: it is damaged inside, or what it says makes no sense.
     """
-    path = folder / JOURNAL
-    if not path.is_file():
-        raise NoRun(folder, f"there is no {JOURNAL} in it" if folder.is_dir() else "there is no such folder")
-    contents = read_journal(path)
+    contents = read_run_journal(folder)
     if not contents.records:
         raise NoRun(folder, f"{JOURNAL} holds no whole record")
     header = contents.records[0]
@@ -120,7 +106,7 @@ def read_run(folder: Path) -> PastRun:
                 actions.append(_action(record, contents.records))
     except (LookupError, TypeError, ValueError, AttributeError) as error:
         wrong = f"record {record['q']} ({record['kind']}) makes no sense: {type(error).__name__}: {error}"
-        raise JournalError(path, wrong) from None
+        raise JournalError(folder / JOURNAL, wrong) from None
     return PastRun(folder, header, contents.records, tuple(actions), network, contents.torn_at)
 
 

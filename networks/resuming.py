@@ -4,22 +4,36 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
+from importlib.metadata import version
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from files.errors import InputError
+from files.printable import printable
+
 from .checkpoint import Checkpoint, load_checkpoint
-from .journal_record import JournalContents, read_journal
+from .journal import SCHEMA, check_not_alive
+from .journal_record import JournalContents
 from .network import ActionNetwork
 from .planner import NoWay
 from .retracing import NeedsOperator, Standing, standing
-from .waiting import broken_off
+from .run_folder import JOURNAL, read_run_journal
+from .waiting import broken_off, may_have_begun
 
 if TYPE_CHECKING:
     from .recon import Recon
 
-JOURNAL = "journal.jsonl"
+_NEEDED = {
+    *("schema", "handcart", "task_path", "settings", "network", "backend", "bench", "seed", "errors"),
+    *("robot", "robot_sha256", "start", "simulated"),
+}
+"""What a header has that a run can be gone on with."""
 _DOUBTFUL = {"INTENT": "effect", "PNR": "what"}
 """Records that leave unknown what has happened, and where they tell it."""
+
+
+class NothingToResume(InputError):
+    """A run came to its end."""
 
 
 @dataclass(frozen=True)
@@ -46,15 +60,16 @@ class Past:
         return float(self.contents.records[-1]["t"])
 
     @property
-    def to_tell(self) -> list[tuple[str, Mapping[str, Any]]]:
-        """Records that the journal gets before the run goes on."""
-        records: list[tuple[str, Mapping[str, Any]]] = []
-        if self.recovered is not None:
-            records.append(("RESULT", {**self.recovered, "recovered": True}))
-        records += self.closing
+    def to_tell(self) -> list[tuple[str, Mapping[str, Any], Mapping[str, Any]]]:
+        """Records that the journal gets before the run goes on: kind, fields, what stands under `wall`."""
+        records: list[tuple[str, Mapping[str, Any], Mapping[str, Any]]] = []
+        if self.recovered is not None and self.checkpoint is not None:
+            wall = {"checkpoint": self.checkpoint.digest}
+            records.append(("RESULT", {**self.recovered, "recovered": True}, wall))
+        records += [(kind, fields, {}) for kind, fields in self.closing]
         doubt = self.standing.in_doubt
-        records.append(("EPOCH", {"after": self.last, "in_doubt": None if doubt is None else doubt["n"]}))
-        return records
+        told = {"after": self.last, "in_doubt": None if doubt is None else doubt["n"]}
+        return [*records, ("EPOCH", told, {})]
 
     def doubts(self) -> Iterator[str]:
         """What may have happened since the last that is known."""
@@ -66,6 +81,8 @@ class Past:
         for record in self.contents.records[doubt["q"] :]:
             if record["kind"] in _DOUBTFUL:
                 yield f"whether it happened: {record[_DOUBTFUL[record['kind']]]}"
+        if self.contents.torn_at is not None:
+            yield f"what record {self.last + 1}, which is damaged, told of it"
 
     def words(self, now_s: float, boot: str | None) -> list[str]:
         """What is known and recovered, and what would come next, a line each.
@@ -134,35 +151,92 @@ def read_past(folder: Path, network: ActionNetwork) -> Past:
     """What is known of the run in a folder.
 
     Raises:
+        NoRun: it is no run's folder.
         JournalError: the journal can't be read, or is damaged inside.
         NotAState: the checkpoint is none.
-        NeedsOperator: the journal doesn't fit the task, or the run gave up and nobody has acknowledged that.
+        NeedsOperator: the journal doesn't fit the task, the checkpoint isn't the journal's, or the run gave
+            up and nobody has acknowledged that.
     """
-    contents = read_journal(folder / JOURNAL)
+    contents = read_run_journal(folder)
     here = standing(network, contents.records)
     if here.gave_up is not None:
         record = here.gave_up
         how = f"when all is as it was before that action: handcart ack {folder} {record['q']}"
         raise NeedsOperator(f"the run gave up: {record['reason']}; {how}")
+    if contents.torn_at is not None and here.in_doubt is None:
+        here.in_doubt = _maybe_begun(here, contents)
     checkpoint = load_checkpoint(folder)
     recovered = None
-    if checkpoint is not None and checkpoint.result["n"] > here.done:
-        recovered = checkpoint.result
+    if checkpoint is not None and checkpoint.digest != _named(contents):
+        recovered = _recovered(folder, checkpoint, here, contents)
         here.followed([{"kind": "RESULT", "q": len(contents.records), **recovered}])
     return Past(folder, contents, here, checkpoint, recovered)
 
 
-def task_of(folder: Path) -> Mapping[str, Any]:
-    """The header of a run's journal: task, settings, backend, seed.
+def _named(contents: JournalContents) -> str | None:
+    """The checkpoint that belongs to the last result, by its digest."""
+    results = (each for each in reversed(contents.records) if each["kind"] == "RESULT")
+    kept = (each for each in results if each["outcome"] != "GiveUp" and each.get("by") != "recon")
+    last = next(kept, None)
+    return None if last is None else last["wall"].get("checkpoint")
+
+
+def _recovered(
+    folder: Path, checkpoint: Checkpoint, here: Standing, contents: JournalContents
+) -> Mapping[str, Any]:
+    """The result of the action in doubt: its checkpoint was kept, and a crash came before the journal had it.
 
     Raises:
-        JournalError: the journal can't be read.
-        NeedsOperator: there is none, or no task stands in it.
+        NeedsOperator: it is any other checkpoint than that.
     """
-    records = read_journal(folder / JOURNAL).records
-    if not records or records[0]["kind"] != "RUN" or "task_path" not in records[0]:
+    doubt = here.in_doubt
+    whole = doubt is not None and checkpoint.after == contents.records[-1]["h"]
+    if doubt is None or not whole or checkpoint.result["n"] != doubt["n"]:
+        told = (
+            f"it is of action {checkpoint.result['n']}, and the journal's last result of action {here.done}"
+        )
+        raise NeedsOperator(f"the checkpoint in {folder} is not the one that its journal names: {told}")
+    return checkpoint.result
+
+
+def _maybe_begun(here: Standing, contents: JournalContents) -> Mapping[str, Any] | None:
+    """The START that a damaged last record may have been (row D3)."""
+    route = here.route
+    if not route.planned or not may_have_begun(contents.records):
+        return None
+    action = route.next
+    words = {"index": action.index, "do": action.do, "from": action.source, "to": action.target}
+    return {"kind": "START", "q": len(contents.records), "n": here.started + 1, "action": words}
+
+
+def task_of(folder: Path) -> Mapping[str, Any]:
+    """The header of the journal of a run that isn't over: task, settings, backend, seed.
+
+    Nothing but the journal is read.
+
+    Raises:
+        NoRun: it is no run's folder.
+        JournalError: the journal can't be read, or is damaged inside.
+        RunAlive: it still goes on.
+        NothingToResume: it came to its end.
+        NeedsOperator: no task stands in it, or another handcart has written it (row D12).
+    """
+    records = read_run_journal(folder).records
+    check_not_alive(folder)
+    if not records or not records[0].keys() >= _NEEDED:
         raise NeedsOperator(f"{folder / JOURNAL} doesn't tell which task was run")
-    return records[0]
+    header = records[0]
+    for what, said, ours in (
+        ("journal is of the format", header["schema"], SCHEMA),
+        ("run is one of handcart", header["handcart"], version("handcart")),
+    ):
+        if said != ours:
+            raise NeedsOperator(printable(f"the {what} {said[:40]!r}; only {ours!r} can go on with it here"))
+    last = next(each for each in reversed(records) if each["kind"] in ("END", "EPOCH", "RUN"))
+    if last["kind"] == "END" and last["outcome"] in ("Success", "Fail"):
+        words = f"the run in {folder} is over: {last['outcome']} in situation {last['situation']}"
+        raise NothingToResume(printable(f"{words}; allowed: one that broke off, was stopped or gave up"))
+    return header
 
 
 def _wall(record: Mapping[str, Any]) -> Mapping[str, Any]:

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from files.errors import HandcartError
+from files.printable import printable
 from primitives.outcome import Success
 from primitives.snapshot import Snapshot
 
@@ -15,6 +16,9 @@ from .measured import snapshot_of
 from .network import ActionNetwork
 from .route import Route
 
+TORN = "TORN"
+"""What an ACK calls a damaged last record."""
+_OF_ONE = ("INTENT", "PNR", "RESTORE", "RESULT")
 Record = Mapping[str, Any]
 
 
@@ -53,9 +57,9 @@ class Standing:
         for record in records:
             try:
                 _follow(self, record)
-            except (KeyError, IndexError, TypeError) as error:
+            except (LookupError, TypeError, ValueError) as error:
                 words = f"record {record['q']} ({record['kind']}) doesn't fit the task's network"
-                raise NeedsOperator(f"{words}: {error!r}") from None
+                raise NeedsOperator(printable(f"{words}: {error}")) from None
         return self
 
 
@@ -72,6 +76,7 @@ def standing(network: ActionNetwork, records: Sequence[Record]) -> Standing:
 
 def _follow(found: Standing, record: Record) -> None:
     route, kind = found.route, record["kind"]
+    _check(found, record)
     if kind == "PLAN":
         found.plans += 1
         route.plan()
@@ -102,6 +107,23 @@ def _follow(found: Standing, record: Record) -> None:
         found.seen[route.situation] = found.at
 
 
+def _check(found: Standing, record: Record) -> None:
+    """Raise `ValueError` for a record that can't follow those before it."""
+    kind, route = record["kind"], found.route
+    if "situation" in record and record["situation"] not in (None, *route.network.situations):
+        raise ValueError(f"there is no situation {record['situation']!r}")
+    if kind == "PLAN" and record["situation"] != route.situation:
+        raise ValueError(f"it stands in situation {route.situation}")
+    if kind in ("START", "NOT_STARTED", "SKIP", "RECON") and "action" in record:
+        index = record["action"]["index"] if kind == "START" else record["action"]
+        if not route.planned or route.next.index != index:
+            raise ValueError("another action was next")
+    if kind == "START" and record["n"] != found.started + 1:
+        raise ValueError(f"action {found.started + 1} was next")
+    if kind in _OF_ONE and (found.in_doubt is None or record["n"] != found.in_doubt["n"]):
+        raise ValueError(f"action {record['n']} is not the one that was started")
+
+
 def _take(found: Standing, record: Record) -> None:
     if record["outcome"] == "GiveUp":
         found.gave_up = record
@@ -123,6 +145,8 @@ def _look(found: Standing, record: Record) -> None:
 
 def _acknowledge(found: Standing, record: Record) -> None:
     found.gave_up, found.over, found.in_doubt = None, None, None
+    if record["of"] == TORN and not found.route.planned:
+        return
     if record.get("of") != "END":
         found.fails += 1
         found.route.failed(record["reason"])

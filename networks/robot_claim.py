@@ -12,9 +12,9 @@ from backends.backend import Backend
 from files.errors import InputError
 from files.printable import printable
 
-from .journal_record import JournalError, read_journal
-from .resuming import JOURNAL
+from .journal_record import JournalError
 from .retracing import NeedsOperator
+from .run_folder import JOURNAL, NoRun, read_run_journal
 from .waiting import waiting
 
 _FLAGS = os.O_RDWR | os.O_CREAT | os.O_CLOEXEC | os.O_NOFOLLOW
@@ -79,10 +79,10 @@ class RobotClaim:
         run = self._noted()
         if run is None or (own is not None and run == own.resolve()):
             return
-        if not (run / JOURNAL).exists():
+        if not os.path.lexists(run / JOURNAL):
             how = f"if it may move: rm {self.path}"
             raise NeedsOperator(f"the robot's last run, {run}, is not over, and its journal is gone; {how}")
-        open_ends = waiting(read_journal(run / JOURNAL).records)
+        open_ends = waiting(read_run_journal(run))
         if open_ends:
             number, reason = next(iter(open_ends.items()))
             how = f"when all is safe: handcart ack {run} {number}"
@@ -121,8 +121,8 @@ class RobotClaim:
         if not (run / JOURNAL).exists():  # this process has made none: nothing has moved
             return False
         try:
-            return bool(waiting(read_journal(run / JOURNAL).records))
-        except JournalError:
+            return bool(waiting(read_run_journal(run)))
+        except (JournalError, NoRun):
             return True
 
     def _noted(self) -> Path | None:

@@ -8,7 +8,7 @@ import threading
 import time
 import traceback
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 from types import FrameType
 from typing import Any
@@ -139,8 +139,8 @@ def _journal(prepared: Prepared, run_dir: Path, past: Past | None, sync: Sync) -
         journal.append("RUN", prepared.robot.time, header(prepared), process_facts())
         return journal
     journal = Journal.go_on(path, past.contents, sync)
-    for kind, fields in past.to_tell:
-        journal.append(kind, prepared.robot.time, fields, process_facts() if kind == "EPOCH" else {})
+    for kind, fields, wall in past.to_tell:
+        journal.append(kind, prepared.robot.time, fields, process_facts() if kind == "EPOCH" else wall)
     return journal
 
 
@@ -205,7 +205,8 @@ def _guarded(
         robot.stop()
         known = isinstance(error, HandcartError)
         if not isinstance(error, JournalError):
-            (run_dir / "error.txt").write_text(traceback.format_exc(), encoding="utf-8")
+            with suppress(OSError):  # a disk that takes no more doesn't keep the run from ending (row D6)
+                (run_dir / "error.txt").write_text(traceback.format_exc(), encoding="utf-8")
         reason = str(error) if known else f"{type(error).__name__}: {error}"
         return coordinator.broken_off(reason, "GiveUp" if isinstance(error, RobotFault) else "Error")
 

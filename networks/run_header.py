@@ -30,6 +30,7 @@ def header(prepared: Prepared) -> dict[str, Any]:
         "task_text": task.document.content.decode(),
         "settings": dict(prepared.settings),
         "network": task.network.fingerprint(),
+        "start": task.network.start,
         "plan_on": network_fields(task.network),
         "bound": task.network.bound(),
         "robot": task.file.robot,

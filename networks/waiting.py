@@ -5,14 +5,18 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from .journal_record import JournalContents
+
 Record = Mapping[str, Any]
 
 
-def waiting(records: Sequence[Record]) -> dict[int, str]:
+def waiting(contents: JournalContents) -> dict[int, str]:
     """Record to reason: a GiveUp, or the START of an action that was broken off, that nobody acknowledged.
 
-    Of a simulated run only a GiveUp waits: its world is put back to where the action began.
+    A damaged last record may be such a START, or have told what it did: it waits, too (row D3). Of a
+    simulated run only a GiveUp waits: its world is put back to where the action began.
     """
+    records = contents.records
     found: dict[int, str] = {}
     started: Record | None = None
     for record in records:
@@ -30,9 +34,18 @@ def waiting(records: Sequence[Record]) -> dict[int, str]:
             started = None if started and started["q"] == record["record"] else started
         elif kind == "EPOCH":  # somebody went on with it
             started = None
-    if started is not None and not _simulated(records):
+    if not records or _simulated(records):
+        return found
+    if started is not None:
         found[started["q"]] = broken_off(started)
+    elif contents.torn_at is not None and may_have_begun(records):
+        found[len(records)] = f"record {len(records)} is damaged: an action may have begun"
     return found
+
+
+def may_have_begun(records: Sequence[Record]) -> bool:
+    """Whether the record after these can be the START of an action."""
+    return records[-1]["kind"] != "END" and any(each["kind"] == "PLAN" for each in records)
 
 
 def broken_off(start: Record) -> str:

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from backends.plain_values import attributes, set_attributes
 from files.errors import HandcartError
 from files.suggest import suggest
 from robotics.geometry.pose2 import Pose2
@@ -134,7 +135,19 @@ class WorldModel:
     """Sensors that were let go; kept for the run."""
 
     ELEMENT: typing.ClassVar = ("book", "book_pose", "slot", "detour")
-    LEARNED: typing.ClassVar = ("places", "obstacles", "fixed", "placed", "seam_work", "laid", *ELEMENT)
+    LEARNED: typing.ClassVar = {
+        "places": dict[str, Place],
+        "obstacles": NDArray[np.float64],
+        "fixed": Fixed | None,
+        "placed": tuple[Placed, ...],
+        "seam_work": SeamWork,
+        "laid": tuple[Laid, ...],
+        "book": Book | None,
+        "book_pose": Pose2 | None,
+        "slot": Slot | None,
+        "detour": Detour | None,
+    }
+    """What a checkpoint keeps, with the types."""
 
     def __post_init__(self) -> None:
         self._told = self._state()
@@ -179,13 +192,16 @@ class WorldModel:
         return kind
 
     def state(self) -> dict[str, Any]:
-        """What was learned so far, for a checkpoint."""
-        return {name: getattr(self, name) for name in self.LEARNED}
+        """What was learned so far, for a checkpoint, as plain data."""
+        return attributes(self, self.LEARNED)
 
-    def set_state(self, state: Mapping[str, Any]) -> None:
-        """Take over what `state` gave."""
-        for name in self.LEARNED:
-            setattr(self, name, state[name])
+    def set_state(self, state: object) -> None:
+        """Take over what `state` gave.
+
+        Raises:
+            NotAState: it is something else.
+        """
+        set_attributes(self, self.LEARNED, state)
         self._told = self._state()
 
     def taken_changes(self) -> dict[str, Any]:

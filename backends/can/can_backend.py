@@ -15,7 +15,9 @@ from numpy.typing import NDArray
 from backends.backend import Backend, NoBench
 from backends.can_spec import VIRTUAL, CanSpec
 from backends.capability import Capability
+from backends.plain_values import attributes, from_plain, set_attributes
 from backends.robot_file import RobotFile
+from backends.saved_state import NotAState
 from backends.scene.scene import Scene
 from files.suggest import suggest
 
@@ -264,18 +266,20 @@ class CanBackend(Backend):
         inner = None if self.bench is None or self.bench.inner is None else self.bench.inner.state()
         if inner is None or self.bench is None:
             return None
-        return {"inner": inner, "time": self.bench.time, "parts": self._parts.state()}
+        return {"inner": inner, "time": self.bench.time, "parts": attributes(self._parts, CanParts.STATE)}
 
     def set_state(self, state: object) -> None:
         """See `Backend`."""
-        kept: dict[str, Any] = state  # type: ignore[assignment]
         if self.bench is None or self.bench.inner is None:
             super().set_state(state)
             return
+        if not isinstance(state, dict) or state.keys() != {"inner", "time", "parts"}:
+            raise NotAState("no state of simulated drives; needed: inner, time, parts")
+        kept = {**state, "time": from_plain(state["time"], float, "time")}
         self.bench.inner.set_state(kept["inner"])
         self.bench.stand_as_left(kept["time"])
         self.axes.look()
-        self._parts.set_state(kept["parts"])
+        set_attributes(self._parts, CanParts.STATE, kept["parts"])
 
     def figures(self) -> Mapping[str, Any]:
         """See `Backend`."""

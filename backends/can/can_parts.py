@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import Any
+from typing import ClassVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from backends.arm import Arm
 from backends.base import Base, WheelTravel
@@ -50,21 +50,41 @@ class CanParts:
             if each is not None:
                 each.begin()
 
-    def state(self) -> dict[str, Any]:
-        """What is commanded, and how far the wheels have rolled."""
-        return {
-            "travel": tuple(self.base.wheel_travel()),
-            "arm": None if self.arm is None else self.arm.command(),
-            "gripper": None if self.gripper is None else self.gripper.command(),
-        }
+    STATE: ClassVar = {
+        "travel": WheelTravel,
+        "joints": NDArray[np.float64] | None,
+        "opening": float | None,
+    }
+    """Attributes that a checkpoint keeps, with their types."""
 
-    def set_state(self, state: Mapping[str, Any]) -> None:
-        """Take over what `state` gave."""
-        self.base.set_travel(WheelTravel(*state["travel"]))
-        if self.arm is not None:
-            self.arm.holds(state["arm"])
-        if self.gripper is not None:
-            self.gripper.holds(state["gripper"])
+    @property
+    def travel(self) -> WheelTravel:
+        """How far the wheels have rolled."""
+        return self.base.wheel_travel()
+
+    @travel.setter
+    def travel(self, rolled: WheelTravel) -> None:
+        self.base.set_travel(rolled)
+
+    @property
+    def joints(self) -> NDArray[np.float64] | None:
+        """What the arm is commanded, (n,) in [rad]."""
+        return None if self.arm is None else self.arm.command()
+
+    @joints.setter
+    def joints(self, commanded: NDArray[np.float64] | None) -> None:
+        if self.arm is not None and commanded is not None:
+            self.arm.holds(commanded)
+
+    @property
+    def opening(self) -> float | None:
+        """What the gripper is commanded, in [m]."""
+        return None if self.gripper is None else self.gripper.command()
+
+    @opening.setter
+    def opening(self, commanded: float | None) -> None:
+        if self.gripper is not None and commanded is not None:
+            self.gripper.holds(commanded)
 
     def pass_on(self) -> None:
         """Hand the period's commands to the drives."""

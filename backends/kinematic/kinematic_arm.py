@@ -12,7 +12,7 @@ from backends.scene.simulated_arm import SimulatedArm, Vector
 class KinematicArm(SimulatedArm):
     """Joints that reach their command within the period, but for a contact and for `ArmError`."""
 
-    STATE: ClassVar = (*SimulatedArm.STATE, "_settled", "_touching")
+    STATE: ClassVar = {**SimulatedArm.STATE, "_settled": bool, "_touching": frozenset[tuple[str, str]]}
 
     def __init__(self, robot: RobotFile, hand: Hand, seed: int) -> None:
         super().__init__(robot, hand.arm, hand.scene.joints, seed)

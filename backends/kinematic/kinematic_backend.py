@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 from backends.backend import Backend
 from backends.capability import Capability
 from backends.ground_spec import GroundSpec
+from backends.plain_values import Kinds, attributes, set_attributes
 from backends.robot_file import RobotFile
-from backends.saved_state import attributes, set_attributes
+from backends.saved_state import NotAState
 from backends.scene.base_contact import move_base
 from backends.scene.field_imu import FieldImu
 from backends.scene.hand import Hand
@@ -18,7 +20,7 @@ from backends.scene.magazine import Magazine
 from backends.scene.mounts import base_T_frame
 from backends.scene.person import Person
 from backends.scene.rough_ride import RoughRide
-from backends.scene.scene import build_scene
+from backends.scene.scene import Scene, build_scene
 from backends.scene.simulated_gps import SimulatedGps
 from backends.scene.simulated_imu import SimulatedImu
 from backends.scene.simulated_positioning import SimulatedPositioning
@@ -33,26 +35,9 @@ from .kinematic_car import KinematicCar
 from .kinematic_gripper import KinematicGripper
 from .kinematic_range_sensor import KinematicRangeSensor
 
-_STATE = {
-    "backend": ("_periods",),
-    "scene": (
-        "base",
-        "joints",
-        "width",
-        "time",
-        "books",
-        "held",
-        "hand_T_held",
-        "blocks",
-        "lean",
-        "base_T_tray_book",
-        "hand_force",
-        "contacts",
-        "touching",
-        "to_come",
-        "loaded",
-        "changes",
-    ),
+_STATE: Mapping[str, Kinds] = {
+    "backend": {"_periods": int},
+    "scene": Scene.STATE,
     "base": KinematicBase.STATE,
     "car": KinematicCar.STATE,
     "ride": RoughRide.STATE,
@@ -60,13 +45,13 @@ _STATE = {
     "gps": SimulatedGps.STATE,
     "magazine": Magazine.STATE,
     "arm": KinematicArm.STATE,
-    "gripper": ("_command", "_now", "_pressing"),
-    "camera": ("_now",),
-    "range": ("_now",),
-    "imu": ("_turn", "_turned", "_now"),
+    "gripper": KinematicGripper.STATE,
+    "camera": {"_now": int},
+    "range": {"_now": int},
+    "imu": SimulatedImu.STATE,
     "positioning": SimulatedPositioning.STATE,
-    "hand": ("entry", "entries", "strain"),
-    "person": ("_given", "_stood", "_since"),
+    "hand": Hand.STATE,
+    "person": Person.STATE,
 }
 """Attributes that a checkpoint keeps, by part; what follows from them isn't kept."""
 LEVEL = GroundSpec(roughness_deg=0.0)
@@ -204,9 +189,11 @@ class KinematicBackend(Backend):
 
     def set_state(self, state: object) -> None:
         """See `Backend`."""
-        kept: dict[str, Any] = state  # type: ignore[assignment]
-        for name, part in self._parts().items():
-            set_attributes(part, kept[name])
+        parts = self._parts()
+        if not isinstance(state, dict) or state.keys() != parts.keys():
+            raise NotAState(f"no state of this robot in {self.name}; needed: {', '.join(parts)}")
+        for name, part in parts.items():
+            set_attributes(part, _STATE[name], state[name])
         if self._hand is not None:
             self._hand.forget_derived()
 

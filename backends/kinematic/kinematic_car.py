@@ -18,7 +18,7 @@ class KinematicCar(CommandedBase):
     the speed.
     """
 
-    STATE: ClassVar = (*CommandedBase.STATE, "_bend")
+    STATE: ClassVar = {**CommandedBase.STATE, "_bend": float}
 
     def __init__(self, robot: RobotFile, ride: RoughRide) -> None:
         super().__init__(robot)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import ClassVar
+
 from backends.gripper import Gripper
 from backends.limits import checked_width
 from backends.robot_file import GripperSpec
@@ -14,6 +16,9 @@ _PRESSES = 2e-4  # commanded this far beyond where they stand, the fingers press
 
 class KinematicGripper(Gripper):
     """Fingers that close at constant speed, and hold what is between them as if it were glued."""
+
+    STATE: ClassVar = {"_command": float, "_now": int, "_pressing": bool}
+    """Attributes that a checkpoint keeps, with their types."""
 
     def __init__(self, spec: GripperSpec, hand: Hand, period: float, seed: int) -> None:
         self._sigma = hand.scene.robot.errors.opening_mm / 1e3

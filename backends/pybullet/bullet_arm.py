@@ -26,7 +26,7 @@ class BulletArm(SimulatedArm):
     how far it is off, up to the URDF's effort: it gives like a spring where something is in its way.
     """
 
-    STATE: ClassVar = (*SimulatedArm.STATE, "force", "load")
+    STATE: ClassVar = {**SimulatedArm.STATE, "force": Vector, "load": tuple[float, Vector]}
 
     def __init__(
         self, robot: RobotFile, model: ArmModel, body: RobotBody, physics: Physics, seed: int

@@ -30,7 +30,7 @@ class BulletCar(CommandedBase):
     the engine's.
     """
 
-    STATE: ClassVar = (*CommandedBase.STATE, "_bend")
+    STATE: ClassVar = {**CommandedBase.STATE, "_bend": float}
 
     def __init__(self, robot: RobotFile, body: RobotBody, physics: Physics) -> None:
         """Take wheels and steering over."""

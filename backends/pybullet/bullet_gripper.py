@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import ClassVar
+
 from backends.gripper import Gripper
 from backends.limits import checked_width
 from backends.robot_file import GripperSpec
@@ -20,6 +22,9 @@ _GEAR_FORCE = 500.0  # with which the linkage keeps both fingers alike [N]
 
 class BulletGripper(Gripper):
     """Two fingers with pads of rubber, one drive, and a linkage by which one mirrors the other."""
+
+    STATE: ClassVar = {"_command": float, "_target": float, "_stood": float, "_now": int, "_pressing": bool}
+    """Attributes that a checkpoint keeps, with their types."""
 
     def __init__(
         self, spec: GripperSpec, errors: Errors, body: RobotBody, physics: Physics, period: float, seed: int

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import ClassVar
+
 import numpy as np
 
 from backends.scene.scene import Scene
@@ -11,6 +13,8 @@ from backends.sensor_specs import ImuSpec
 
 class BulletImu(SimulatedImu):
     """Its accelerometers also feel how the base's motion changes, on the mean over two periods."""
+
+    STATE: ClassVar = {**SimulatedImu.STATE, "_place": Vector, "_speed": Vector, "_sped": Vector}
 
     def __init__(self, spec: ImuSpec, scene: Scene, period: float, seed: int) -> None:
         super().__init__(spec, scene, period, seed)

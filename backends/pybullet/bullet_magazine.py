@@ -23,7 +23,7 @@ FRESH = 8  # periods that they get to press on it
 class BulletMagazine:
     """Holds the next sensor between the open fingers until they close on it; till then it touches nothing."""
 
-    STATE: ClassVar = ("_given",)
+    STATE: ClassVar = {"_given": int}
 
     def __init__(
         self,

@@ -14,6 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from backends.plain_values import from_plain, to_plain
+from backends.saved_state import NotAState
 from robotics.geometry.transform import Transform
 from robotics.kinematics.shapes import Box
 
@@ -250,28 +252,34 @@ class Physics:
 
     # States
 
-    def state(self) -> tuple[bytes, Pinned | None]:
+    def state(self) -> dict[str, Any]:
         """Where all bodies are, as Bullet writes it into a file, and what is held together: Bullet keeps no
         constraints.
         """
         with tempfile.TemporaryDirectory() as folder, quiet():
             path = Path(folder) / "state.bullet"
             self.p.saveBullet(str(path), physicsClientId=self.client)
-            return path.read_bytes(), self.pinned
+            return {"bullet": path.read_bytes(), "pinned": to_plain(self.pinned, Pinned | None)}
 
-    def set_state(self, state: tuple[bytes, Pinned | None]) -> None:
+    def set_state(self, state: object) -> None:
         """Bring back what `state` gave, of this engine or of one whose bodies were made in the same order.
 
         Where a body stands on one of several shapes, what follows may differ in the last digits: Bullet keeps
         such contacts, but not as they were.
         """
-        content, pinned = state
+        if not isinstance(state, dict) or state.keys() != {"bullet", "pinned"}:
+            raise NotAState("no state of this engine; needed: bullet, pinned")
+        content = from_plain(state["bullet"], bytes, "engine")
+        pinned = from_plain(state["pinned"], Pinned | None, "pinned")
         self.pin(None)
         with tempfile.TemporaryDirectory() as folder, quiet():
             path = Path(folder) / "state.bullet"
             path.write_bytes(content)
-            self.p.restoreState(fileName=str(path), physicsClientId=self.client)
-        self.pin(pinned)
+            try:
+                self.p.restoreState(fileName=str(path), physicsClientId=self.client)
+                self.pin(pinned)
+            except self.p.error as error:
+                raise NotAState(f"no saved state: the engine refuses it: {error}") from None
 
 
 def placed(pose: Transform) -> tuple[list[float], list[float]]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import sys
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -12,14 +13,15 @@ from numpy.typing import NDArray
 
 from backends.backend import Backend, NoWindow
 from backends.capability import Capability
+from backends.plain_values import Kinds, attributes, set_attributes
 from backends.robot_file import RobotFile
 from backends.robot_shape import finger_shape
-from backends.saved_state import attributes, set_attributes
+from backends.saved_state import NotAState
 from backends.scene.load_world import load_world
 from backends.scene.magazine import Magazine
 from backends.scene.mounts import base_T_frame
 from backends.scene.person import Person
-from backends.scene.scene import build_scene
+from backends.scene.scene import Scene, build_scene
 from backends.scene.simulated_gps import SimulatedGps
 from backends.scene.simulated_positioning import SimulatedPositioning
 from backends.scene.thing import Rest, Thing
@@ -52,27 +54,9 @@ WHEELS = np.array([[x, y] for x in (0.0, 0.6) for y in (-0.3, 0.3)])  # of a car
 _VIEW_SIZE = (640, 480)
 _VIEW_K = np.array([[520.0, 0.0, 319.5], [0.0, 520.0, 239.5], [0.0, 0.0, 1.0]])
 _VIEW_FROM, _VIEW_TO = np.array([-1.3, 1.3, 2.0]), np.array([0.5, -0.1, 0.6])  # in the frame `base` [m]
-_STATE = {
-    "backend": ("_periods", "_held"),
-    "scene": (
-        "base",
-        "tilted_base",
-        "joints",
-        "width",
-        "time",
-        "books",
-        "blocks",
-        "lean",
-        "held",
-        "hand_T_held",
-        "base_T_tray_book",
-        "hand_force",
-        "contacts",
-        "touching",
-        "to_come",
-        "loaded",
-        "changes",
-    ),
+_STATE: Mapping[str, Kinds] = {
+    "backend": {"_periods": int, "held_name": str | None},
+    "scene": Scene.STATE,
     "base": BulletBase.STATE,
     "car": BulletCar.STATE,
     "drives": WheelDrives.STATE,
@@ -81,12 +65,12 @@ _STATE = {
     "magazine": Magazine.STATE,
     "given": BulletMagazine.STATE,
     "arm": BulletArm.STATE,
-    "gripper": ("_command", "_target", "_stood", "_now", "_pressing"),
-    "camera": ("_now",),
-    "range": ("_now",),
-    "imu": ("_turn", "_turned", "_now", "_place", "_speed", "_sped"),
+    "gripper": BulletGripper.STATE,
+    "camera": {"_now": int},
+    "range": {"_now": int},
+    "imu": BulletImu.STATE,
     "positioning": SimulatedPositioning.STATE,
-    "person": ("_given", "_stood", "_since"),
+    "person": Person.STATE,
 }
 """Attributes that a checkpoint keeps, by part; the rest is the engine's."""
 _FELT = 4  # of a period's chunks, the last ones in which the force on the hand is measured
@@ -340,21 +324,33 @@ class PyBulletBackend(Backend):
     def state(self) -> dict[str, Any]:
         """See `Backend`."""
         kept = {name: attributes(part, _STATE[name]) for name, part in self._parts().items()}
-        return {**kept, "made": list(self._world.made), "engine": self._physics.state()}
+        return {**kept, "made": attributes(self._world, WorldBodies.STATE), "engine": self._physics.state()}
 
     def set_state(self, state: object) -> None:
         """See `Backend`."""
-        kept: dict[str, Any] = state  # type: ignore[assignment]
-        for name, part in self._parts().items():
-            set_attributes(part, kept[name])
-        self._world.make(kept["made"])
-        self._physics.set_state(kept["engine"])
+        parts = self._parts()
+        if not isinstance(state, dict) or state.keys() != {*parts, "made", "engine"}:
+            needed = ", ".join((*parts, "made", "engine"))
+            raise NotAState(f"no state of this robot in {self.name}; needed: {needed}")
+        for name, part in parts.items():
+            set_attributes(part, _STATE[name], state[name])
+        set_attributes(self._world, WorldBodies.STATE, state["made"])
+        self._physics.set_state(state["engine"])
+
+    @property
+    def held_name(self) -> str | None:
+        """What is between the fingers, by its name."""
+        return None if self._held is None else self._held.name
+
+    @held_name.setter
+    def held_name(self, name: str | None) -> None:
+        self._held = self.scene.thing_named(name)
 
     def _parts(self) -> dict[str, object]:
         """What changes in a run, by the names of `_STATE`."""
         named = {
-            "backend": self,
             "scene": self.scene,
+            "backend": self,
             "car" if isinstance(self._base, BulletCar) else "base": self._base,
             "drives": self._base.drives,
             "arm": self._arm,

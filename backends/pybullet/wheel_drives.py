@@ -22,7 +22,7 @@ Floats = NDArray[np.float64]
 class WheelDrives:
     """Velocity drives that follow the angle, not only the speed, and encoders that count whole steps."""
 
-    STATE: ClassVar = ("speeds", "_goal", "_first", "_given")
+    STATE: ClassVar = {"speeds": Floats, "_goal": Floats, "_first": Floats, "_given": Floats}
 
     def __init__(self, body: RobotBody, physics: Physics, names: Sequence[str]) -> None:
         """Take the wheels at these joints over; they rub on the floor as tyres do."""

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import ClassVar
 
 import numpy as np
 
+from backends.saved_state import NotAState
 from backends.scene.block import Block
 from backends.scene.book import Book
 from backends.scene.scene import Scene
@@ -20,6 +22,8 @@ from .rounded_book import rounded_book
 from .terrain import Terrain
 
 FLOOR = "floor"
+FARTHEST = 10_000  # tile of the ground
+MOST = 1000  # tiles and things that come after the beginning
 FLOOR_FRICTION = 1.0
 SOLID_FRICTION = 0.65
 THING_FRICTION = 0.65  # squared, 0.42: paper on paper, paper on wood, wood on wood
@@ -38,14 +42,16 @@ class WorldBodies:
     Surprises come and go; books and blocks are rigid bodies that stand, lean and fall.
     """
 
+    STATE: ClassVar = {"made": list[tuple[int, int] | str]}
+    """Attributes that a checkpoint keeps, with their types."""
+
     def __init__(self, physics: Physics, scene: Scene, terrain: Terrain | None = None) -> None:
         """Build them as the scene has them; `terrain` is there instead of a level floor."""
         self._physics, self._scene, self._terrain = physics, scene, terrain
         self.names: dict[int, str] = {}
         if terrain is None:
             self.names[physics.add_floor(FLOOR_FRICTION)] = FLOOR
-        self.made: list[tuple[int, int] | str] = []
-        """What came after the beginning, in this order: tiles of the terrain, and things by name."""
+        self._made: list[tuple[int, int] | str] = []
         self._surprises: list[tuple[int, Solid]] = []
         for solid in scene.solids:
             if solid is THE_GROUND and terrain is not None:
@@ -63,7 +69,7 @@ class WorldBodies:
         """The books' looks, by name."""
         for thing in scene.things():
             self.add(thing)
-        self.made.clear()
+        self._made.clear()
         self.keep_time()
 
     def add(self, thing: Thing) -> None:
@@ -82,26 +88,42 @@ class WorldBodies:
         )
         self.bodies[thing.name] = body
         self.names[body] = thing.name
-        self.made.append(thing.name)
+        self._made.append(thing.name)
 
     def reach(self, x: float, y: float) -> None:
         """See that there is ground about a place, in [m]."""
         for tile in self._terrain.reach(x, y) if self._terrain is not None else ():
             self._add_tile(tile)
 
-    def make(self, wanted: Sequence[tuple[int, int] | str]) -> None:
+    @property
+    def made(self) -> list[tuple[int, int] | str]:
+        """What came after the beginning, in this order: tiles of the terrain, and things by name."""
+        return list(self._made)
+
+    @made.setter
+    def made(self, wanted: Sequence[tuple[int, int] | str]) -> None:
         """Make what is missing of what another run had made, in its order; the scene has the things."""
-        things = {thing.name: thing for thing in self._scene.things()}
-        for each in wanted[len(self.made) :]:
+        begun = list(wanted[: len(self._made)]) == self._made
+        if not begun or len(set(wanted)) != len(wanted) or len(wanted) > MOST:
+            raise NotAState("no saved state: its world was made in another order")
+        for each in wanted[len(self._made) :]:
             if isinstance(each, str):
-                self.add(things[each])
+                self._add_named(each)
             else:
                 self._add_tile(each)
 
+    def _add_named(self, name: str) -> None:
+        thing = self._scene.thing_named(name)
+        assert thing is not None
+        if name in self.bodies:
+            raise NotAState(f"no saved state: {name} was made twice")
+        self.add(thing)
+
     def _add_tile(self, tile: tuple[int, int]) -> None:
-        assert self._terrain is not None
+        if self._terrain is None or max(map(abs, tile)) > FARTHEST:
+            raise NotAState(f"no saved state: there is no ground at the tile {tile}")
         self.names[self._terrain.add(tile)] = FLOOR
-        self.made.append(tile)
+        self._made.append(tile)
 
     def _add_book(self, book: Book) -> int:
         """One that stands in a row as a box, one to be returned with rounded edges."""

@@ -8,6 +8,7 @@ from typing import ClassVar
 import numpy as np
 
 from backends.sensor_specs import ImuSpec
+from robotics.geometry.pose2 import Pose2
 
 from .keyed_noise import keyed
 from .scene import Scene
@@ -20,7 +21,13 @@ class FieldImu(SimulatedImu):
     These feel speeding up, curves and, while the base moves, vibration.
     """
 
-    STATE: ClassVar = ("_turn", "_turned", "_now", "_walk", "_place", "_speed", "_felt")
+    STATE: ClassVar = {
+        **SimulatedImu.STATE,
+        "_walk": Vector,
+        "_place": Pose2,
+        "_speed": float,
+        "_felt": Vector,
+    }
 
     def __init__(self, spec: ImuSpec, scene: Scene, period: float, seed: int) -> None:
         super().__init__(spec, scene, period, seed)

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-from typing import NamedTuple
+from typing import ClassVar, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from backends.saved_state import NotAState
 from robotics.geometry.pose2 import Pose2
 from robotics.geometry.transform import Transform, transform
 from robotics.kinematics.arm_model import ArmModel
@@ -15,7 +15,7 @@ from robotics.kinematics.arm_model import ArmModel
 from .arm_contact import FINGERS, HELD, ArmContact
 from .book import Book
 from .insertion import Entrance, Entry
-from .row import FORCE_CAP, JAM_FRICTION, PUSH_FRICTION, STIFFNESS, Member, Pusher, members, push
+from .row import FORCE_CAP, JAM_FRICTION, PUSH_FRICTION, STIFFNESS, Member, Pusher, Slot, members, push
 from .scene import Scene
 from .shelf import Shelf
 
@@ -43,6 +43,9 @@ class Hand:
     shelf: nothing but friction holds it.
     """
 
+    STATE: ClassVar = {"entered": tuple[str, Slot, bool] | None, "entries": int, "strain": float}
+    """Attributes that a checkpoint keeps, with their types."""
+
     def __init__(self, scene: Scene, arm: ArmModel, seed: int) -> None:
         self.scene, self.arm = scene, arm
         self.contact = ArmContact(scene, arm)
@@ -50,6 +53,17 @@ class Hand:
         self.strain = 0.0
         """How far a hand wrenches the book in its slot, as a share of what stops the arm."""
         self._entrance = Entrance(seed)
+
+    @property
+    def entered(self) -> tuple[str, Slot, bool] | None:
+        """`entry` in a checkpoint: the shelf by its name."""
+        return None if self.entry is None else (self.entry.shelf.name, self.entry.slot, self.entry.admitted)
+
+    @entered.setter
+    def entered(self, told: tuple[str, Slot, bool] | None) -> None:
+        if told is not None and told[0] not in self.scene.shelves:
+            raise NotAState(f"no saved state: there is no shelf {told[0]!r} in this world")
+        self.entry = None if told is None else Entry(self.scene.shelves[told[0]], *told[1:])
 
     @property
     def entries(self) -> int:
@@ -63,8 +77,6 @@ class Hand:
     def forget_derived(self) -> None:
         """The scene was put elsewhere: forget what was derived from it."""
         self.contact = ArmContact(self.scene, self.arm)
-        if self.entry is not None:
-            self.entry = replace(self.entry, shelf=self.scene.shelves[self.entry.shelf.name])
 
     # Motion
 

@@ -23,7 +23,7 @@ class Magazine:
     What the fingers let go there, it takes back.
     """
 
-    STATE: ClassVar = ("_held",)
+    STATE: ClassVar = {"_held": str}
 
     def __init__(self, scene: Scene, spec: SensorSpec) -> None:
         self._scene, self._spec = scene, spec

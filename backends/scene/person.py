@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import ClassVar
+
 from robotics.geometry.pose2 import Pose2
 
 from .scene import Scene, set_on_tray
@@ -13,6 +15,9 @@ AFTER = 1.0  # [s] that the robot stands there with an empty tray and hand befor
 
 class Person:
     """Puts the next book onto the robot's tray when it stands at its start again, tray and hand empty."""
+
+    STATE: ClassVar = {"_given": int, "_stood": Pose2, "_since": float}
+    """Attributes that a checkpoint keeps, with their types."""
 
     def __init__(self, scene: Scene, seed: int) -> None:
         """Hand over the books in `scene.to_come`; `seed` is that of how they are put down."""

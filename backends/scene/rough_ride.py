@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from backends.ground_spec import GroundSpec
 from backends.robot_file import RobotFile
+from robotics.far import Far
 from robotics.geometry.pose2 import Pose2
 from robotics.navigation.field_noise import SHARPEST
 
@@ -24,7 +25,15 @@ class RoughRide:
     The same model as `robotics.navigation.field_drive`. `tilt` is roll and pitch in [rad].
     """
 
-    STATE: ClassVar = ("tilt", "_waves", "_slip", "_side", "_turn_slip", "_stood", "_legs")
+    STATE: ClassVar = {
+        "tilt": tuple[float, float],
+        "_waves": NDArray[np.float64],
+        "_slip": float,
+        "_side": float,
+        "_turn_slip": float,
+        "_stood": Far,
+        "_legs": int,
+    }
 
     def __init__(self, robot: RobotFile, ground: GroundSpec, seed: int) -> None:
         """On some ground; a robot whose simulation errs nowhere doesn't slip on it."""

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import NamedTuple
+from typing import ClassVar, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from backends.plain_values import Kinds
 from backends.robot_file import RobotFile
+from backends.saved_state import NotAState
 from robotics.geometry.pose2 import Pose2
 from robotics.geometry.transform import Transform, transform
 from robotics.kinematics.arm_model import ArmModel
@@ -60,6 +62,27 @@ class Scene:
     `hand_force` (3,) in [N] in the hand frame, without noise; `contacts` all that the robot ran into.
     """
 
+    STATE: ClassVar[Kinds] = {
+        "base": Pose2,
+        "tilted_base": Transform | None,
+        "joints": NDArray[np.float64],
+        "width": float,
+        "time": float,
+        "books": dict[int, Book],
+        "blocks": dict[str, Block],
+        "held_name": str | None,
+        "hand_T_held": Transform,
+        "lean": tuple[float, float],
+        "base_T_tray_book": Transform,
+        "hand_force": NDArray[np.float64],
+        "contacts": list[Contact],
+        "touching": frozenset[tuple[str, str]],
+        "to_come": list[BookSpec],
+        "loaded": int,
+        "changes": int,
+    }
+    """Attributes that a checkpoint keeps, with their types."""
+
     robot: RobotFile
     arm: ArmModel | None
     shelves: dict[str, Shelf]
@@ -96,6 +119,22 @@ class Scene:
     def __post_init__(self) -> None:
         self.body_plan = FloorPlan(self.solids, 0.02, self.robot.body_height)
         self.full_plan = FloorPlan(self.solids, 0.02, 2.0)
+
+    @property
+    def held_name(self) -> str | None:
+        """What is held, by its name: a thing of the world, not a copy of it."""
+        return None if self.held is None else self.held.name
+
+    @held_name.setter
+    def held_name(self, name: str | None) -> None:
+        self.held = self.thing_named(name)
+
+    def thing_named(self, name: str | None) -> Thing | None:
+        """A book or block by its name; None has none. Raises `NotAState` where there is no such thing."""
+        found = next((thing for thing in self.things() if thing.name == name), None)
+        if name is not None and found is None:
+            raise NotAState(f"no saved state: there is no {name!r} in this world")
+        return found
 
     # Where things are
 

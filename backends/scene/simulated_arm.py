@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from backends.arm import Arm
 from backends.limits import checked_joints
+from backends.plain_values import Kinds
 from backends.robot_file import RobotFile
 from backends.scene.arm_error import ArmError
 from backends.scene.keyed_noise import keyed
@@ -26,18 +27,18 @@ class SimulatedArm(Arm):
     sets out from rest: gears and links give, which no encoder sees.
     """
 
-    STATE: ClassVar[tuple[str, ...]] = (
-        "_command",
-        "_from",
-        "_motions",
-        "_moving",
-        "_set_out",
-        "swung",
-        "_offset",
-        "_readings",
-        "_now",
-    )
-    """Attributes that a checkpoint keeps."""
+    STATE: ClassVar[Kinds] = {
+        "_command": Vector,
+        "_from": Vector,
+        "_motions": int,
+        "_moving": bool,
+        "_set_out": Vector,
+        "swung": bool,
+        "_offset": Vector,
+        "_readings": dict[str, tuple[int, Vector]],
+        "_now": int,
+    }
+    """Attributes that a checkpoint keeps, with their types."""
 
     def __init__(self, robot: RobotFile, model: ArmModel, stands: Vector, seed: int) -> None:
         """`stands` (n,) in [rad] is what its encoders should read at first."""

@@ -6,9 +6,11 @@ import math
 from typing import ClassVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from backends.gps import Fix, Gps
 from backends.ground_spec import GpsSpec
+from robotics.far import Far
 
 from .keyed_noise import keyed
 from .scene import Scene
@@ -18,7 +20,14 @@ from .world_file import SkySpec
 class SimulatedGps(Gps):
     """White and slow errors by the receiver; reflections, outliers and outages by the sky above it."""
 
-    STATE: ClassVar = ("_fix", "_drift", "_count", "_spell", "_until", "_off")
+    STATE: ClassVar = {
+        "_fix": Fix | None,
+        "_drift": NDArray[np.float64],
+        "_count": int,
+        "_spell": int,
+        "_until": Far,
+        "_off": NDArray[np.float64],
+    }
 
     def __init__(self, spec: GpsSpec, sky: SkySpec, scene: Scene, period: float, seed: int) -> None:
         self._spec, self._sky, self._scene, self._seed = spec, sky, scene, seed

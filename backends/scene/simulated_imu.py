@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from typing import ClassVar
+
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from backends.imu import Imu
+from backends.plain_values import Kinds
 from backends.sensor_specs import ImuSpec
 
 from .keyed_noise import keyed
@@ -19,6 +22,9 @@ Vector = NDArray[np.float64]
 
 class SimulatedImu(Imu):
     """Gyros with white noise and a constant bias; accelerometers that feel nothing but gravity, and noise."""
+
+    STATE: ClassVar[Kinds] = {"_turn": Vector, "_turned": Vector, "_now": int}
+    """Attributes that a checkpoint keeps, with their types."""
 
     def __init__(self, spec: ImuSpec, scene: Scene, period: float, seed: int) -> None:
         self._scene, self._period, self._seed = scene, period, seed

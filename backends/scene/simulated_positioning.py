@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import ClassVar
 
 from backends.positioning import PoseReading, Positioning
 from backends.sensor_specs import PositioningSpec
@@ -20,8 +21,13 @@ class SimulatedPositioning(Positioning):
     It is never out of sight and never slips; the map's frame is its own.
     """
 
-    STATE = ("_now", "_taken", "_under_way", "_last")
-    """Attributes that change."""
+    STATE: ClassVar = {
+        "_now": int,
+        "_taken": int,
+        "_under_way": tuple[tuple[int, Pose2, float], ...],
+        "_last": tuple[int, Pose2, float] | None,
+    }
+    """Attributes that change, with their types."""
 
     def __init__(self, spec: PositioningSpec, scene: Scene, period: float, seed: int) -> None:
         """Told every `period`, in [s], that time passes."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,7 +24,14 @@ class Attitude:
     small, and right only where the base isn't accelerated.
     """
 
-    STATE = ("yaw", "moved", "_bias", "_known", "_felt")
+    STATE: ClassVar = {
+        "yaw": float,
+        "moved": float,
+        "_bias": float,
+        "_known": float,
+        "_felt": NDArray[np.float64],
+    }
+    """Attributes that change, with their types; so in all that a checkpoint keeps."""
 
     def __init__(self) -> None:
         self.yaw = 0.0

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import math
 from abc import ABC, abstractmethod
-from typing import ClassVar
+from collections.abc import Mapping
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,8 +23,8 @@ class FieldLocalizer(ABC):
     Between two steps of the filter its pose is carried on by gyro odometry: there is a new one each period.
     """
 
-    STATE: ClassVar[tuple[str, ...]] = ("_since",)
-    """Attributes that change, besides the odometry's."""
+    STATE: ClassVar[Mapping[str, Any]] = {"_since": Pose2}
+    """Attributes that change, besides the odometry's, with their types."""
 
     def __init__(self, start: Pose2, euler: bool = True) -> None:
         """Start at a pose; for `euler` see `GyroOdometry`."""

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import ClassVar
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -19,6 +21,9 @@ class FixMonitor:
     innovations of a filter that is right have no mean. From then on fixes are doubted, until some in a row
     are where the filter, left alone, expects them.
     """
+
+    STATE: ClassVar = {"_sums": list[Array], "_doubted": list[Array], "doubting": bool}
+    """Attributes that change, with their types."""
 
     def __init__(self) -> None:
         """No fix yet."""

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from typing import ClassVar, NamedTuple
+from collections.abc import Mapping
+from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -40,21 +41,19 @@ class GpsFilter(FieldLocalizer):
     again from them. A reading that isn't finite is not looked at.
     """
 
-    STATE: ClassVar[tuple[str, ...]] = (
-        *FieldLocalizer.STATE,
-        *(
-            "_mean",
-            "_spread",
-            "_rested",
-            "_still",
-            "_lost",
-            "_monitor",
-            "_past",
-            "_record",
-            "refused",
-            "restarts",
-        ),
-    )
+    STATE: ClassVar[Mapping[str, Any]] = {
+        **FieldLocalizer.STATE,
+        "_mean": Array,
+        "_spread": Array,
+        "_rested": bool,
+        "_still": Array,
+        "_lost": LostTrack,
+        "_monitor": FixMonitor,
+        "_past": list[tuple[_Moment, list[Advance | None]]],
+        "_record": TrackRecord | None,
+        "refused": int,
+        "restarts": int,
+    }
 
     def __init__(
         self,

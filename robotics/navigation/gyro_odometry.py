@@ -8,7 +8,7 @@ negative pitch, and eq. 3 carries a minus.
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from typing import ClassVar, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -46,8 +46,8 @@ class GyroOdometry:
     gives roll and pitch, and the heading stays as it is.
     """
 
-    STATE = ("_state", "_felt", "_seen")
-    """Attributes that change."""
+    STATE: ClassVar = {"_state": Array, "_felt": Array, "_seen": Array}
+    """Attributes that change, with their types."""
 
     def __init__(self, start: Pose2 = Pose2(0.0, 0.0, 0.0), euler: bool = True) -> None:
         """Start at a pose; without `euler` body rates count as rates of angles, as the paper has them."""

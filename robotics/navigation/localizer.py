@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from typing import ClassVar
+from collections.abc import Mapping
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,8 +23,8 @@ DISPLACED = (0.010, 0.010)  # [m], [rad] by which scans of one place never diffe
 class Localizer(ABC):
     """Estimates map_T_base from wheel travel and range scans."""
 
-    STATE: ClassVar[tuple[str, ...]] = ()
-    """Attributes that change, besides the odometry's."""
+    STATE: ClassVar[Mapping[str, Any]] = {}
+    """Attributes that change, besides the odometry's, with their types."""
 
     def __init__(
         self,
@@ -69,7 +70,7 @@ class OdometryLocalizer(Localizer):
     With a map, scans only tell whether the base was moved while its wheels stood.
     """
 
-    STATE = ("_stands",)
+    STATE: ClassVar[Mapping[str, Any]] = {"_stands": Pose2 | None}
 
     def __init__(
         self,
@@ -124,7 +125,7 @@ class ScanLocalizer(Localizer):
         last_match: what the latest scan gave, taken over or not; None before the first.
     """
 
-    STATE = ("last_match", "_poor")
+    STATE: ClassVar[Mapping[str, Any]] = {"last_match": ScanMatch | None, "_poor": int}
 
     def __init__(
         self,

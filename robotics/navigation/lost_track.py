@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from typing import ClassVar, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -33,6 +33,9 @@ class LostTrack:
     A wrong heading shows as soon as the robot moves: the fixes lie on the odometry's track, but turned about.
     A shift without a turn is what a reflection looks like too: it is believed only after `patience` fixes.
     """
+
+    STATE: ClassVar = {"_patience": int, "_tracks": list[tuple[float, ...]]}
+    """Attributes that a checkpoint keeps, with their types."""
 
     def __init__(self, patience: int = 200) -> None:
         """No fix yet; `patience` in fixes, more than a reflection lasts."""

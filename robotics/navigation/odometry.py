@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from typing import ClassVar, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,8 +32,8 @@ class Odometry:
     otherwise (`correct`) also teaches them: the wheels are calibrated while driving.
     """
 
-    STATE = ("pose", "_scales", "_state")
-    """Attributes that change."""
+    STATE: ClassVar = {"pose": Pose2, "_scales": NDArray[np.float64], "_state": NDArray[np.float64]}
+    """Attributes that change, with their types."""
 
     def __init__(
         self,

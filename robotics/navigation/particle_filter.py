@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
@@ -40,7 +41,13 @@ class ParticleFilter(FieldLocalizer):
     every step. Headings are averaged on the circle.
     """
 
-    STATE: ClassVar[tuple[str, ...]] = (*FieldLocalizer.STATE, "_particles", "_mean", "_covariance", "dice")
+    STATE: ClassVar[Mapping[str, Any]] = {
+        **FieldLocalizer.STATE,
+        "_particles": Array,
+        "_mean": Array,
+        "_covariance": Array,
+        "dice": tuple[int, int, int, int],
+    }
 
     def __init__(
         self,
@@ -66,13 +73,20 @@ class ParticleFilter(FieldLocalizer):
         return self._covariance.copy()
 
     @property
-    def dice(self) -> dict[str, Any]:
-        """State of the random numbers."""
-        return dict(self._rng.bit_generator.state)
+    def dice(self) -> tuple[int, int, int, int]:
+        """State of the random numbers: two numbers of 128 bits, and 32 bits that may be left over."""
+        state = self._rng.bit_generator.state
+        return state["state"]["state"], state["state"]["inc"], state["has_uint32"], state["uinteger"]
 
     @dice.setter
-    def dice(self, state: dict[str, Any]) -> None:
-        self._rng.bit_generator.state = state
+    def dice(self, state: tuple[int, int, int, int]) -> None:
+        here, step, left_over, bits = state
+        self._rng.bit_generator.state = {
+            "bit_generator": "PCG64",
+            "state": {"state": here, "inc": step},
+            "has_uint32": left_over,
+            "uinteger": bits,
+        }
 
     @property
     def particles(self) -> Array:

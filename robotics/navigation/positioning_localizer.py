@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import ClassVar
+from collections.abc import Mapping
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,7 +25,7 @@ class PositioningLocalizer(Localizer):
     Readings that nothing explains, three in a row, say that the base was moved: the pose is then theirs.
     """
 
-    STATE: ClassVar[tuple[str, ...]] = ("_number", "_poses", "_strange")
+    STATE: ClassVar[Mapping[str, Any]] = {"_number": int, "_poses": tuple[Pose2, ...], "_strange": int}
 
     def __init__(
         self,

@@ -14,6 +14,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from robotics.far import FarArray
 from robotics.geometry.pose2 import Pose2, wrap
 from robotics.navigation.compiled import compiled
 from robotics.navigation.grid_map import GridMap
@@ -58,7 +59,7 @@ class ScanMatch(NamedTuple):
     """(3, 3) of x, y in [m] and heading in [rad]; prior, sensor noise and the map's cells all in it."""
     inliers: float
     """Share of the points that the map explains, 0 to 1."""
-    residuals: NDArray[np.float64]
+    residuals: FarArray
     """(n,) distance of each point to the nearest surface, in [m]; inf outside the map."""
 
 

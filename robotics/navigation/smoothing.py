@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import ClassVar, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -52,6 +52,14 @@ class TrackRecord:
     What is seen between two of them is put together as it comes, so a record grows with the moments that are
     wanted, not with the time.
     """
+
+    STATE: ClassVar = {
+        "_over": list[list[Belief]],
+        "_links": list[_Link],
+        "_latest": _Watched | None,
+        "_starts": int,
+    }
+    """Attributes that change, with their types."""
 
     def __init__(self) -> None:
         """Nothing taken down yet."""

@@ -1,0 +1,251 @@
+"""Values of declared types as plain data, and back: what comes back is of these types, or refused.
+
+What may be kept is told in the program, never by the data: numbers, words, arrays, enumerations, lists,
+tuples, sets and mappings, named tuples, dataclasses, models of files, and objects with a `STATE`.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+import types
+import typing
+from collections.abc import Callable, Iterable, Mapping
+from enum import Enum
+from functools import cache
+from typing import Annotated, Any, NamedTuple, Union
+
+import numpy as np
+from pydantic import BaseModel
+
+from robotics.far import FAR
+
+from .saved_state import NotAState
+
+LARGEST = 1e15
+"""Beyond that a finite number in a state makes no sense, whatever its unit."""
+LONGEST = 100_000  # characters of a word
+
+Kinds = Mapping[str, Any]
+"""Names of attributes, each with the type of its values."""
+
+
+class _Codec(NamedTuple):
+    """How values of one type are written and read."""
+
+    write: Callable[[Any], Any]
+    read: Callable[[Any], Any]
+    """Raises ValueError, TypeError or KeyError for what is no such value."""
+
+
+def attributes(thing: object, kinds: Kinds) -> dict[str, Any]:
+    """Some attributes of an object as plain data, by name."""
+    return {name: _codec(kind).write(getattr(thing, name)) for name, kind in kinds.items()}
+
+
+def set_attributes(thing: object, kinds: Kinds, values: object) -> None:
+    """Give an object back what `attributes` took.
+
+    Raises:
+        NotAState: something is missing, or of another type, or an array of another shape than it has now.
+    """
+    if not isinstance(values, dict) or values.keys() != kinds.keys():
+        raise NotAState(f"no state of a {type(thing).__name__}; needed: {', '.join(kinds) or 'nothing'}")
+    for name, kind in kinds.items():
+        value = from_plain(values[name], kind, f"{type(thing).__name__}.{name}")
+        now = getattr(thing, name)
+        if isinstance(now, np.ndarray) and not _same_shape(now, value):
+            shape = getattr(value, "shape", None)
+            raise NotAState(f"no state of a {type(thing).__name__}: {name} {shape}, needed: {now.shape}")
+        setattr(thing, name, value)
+
+
+def from_plain(data: object, kind: Any, name: str) -> Any:
+    """A value of a type from plain data; `name` is what messages call it.
+
+    Raises:
+        NotAState: the data tell no such value.
+    """
+    try:
+        return _codec(kind).read(data)
+    except (ValueError, TypeError, KeyError, ArithmeticError) as error:
+        words = str(error).splitlines()[0] if str(error) else type(error).__name__
+        raise NotAState(f"no saved state: {name}: {words}") from None
+
+
+def to_plain(value: object, kind: Any) -> Any:
+    """A value of a type as plain data."""
+    return _codec(kind).write(value)
+
+
+def _same_shape(now: np.ndarray, then: object) -> bool:
+    """Whether an array fits where another one is; what is empty now may grow."""
+    if not isinstance(then, np.ndarray) or now.ndim != then.ndim:
+        return False
+    return all(a in (0, b) for a, b in zip(now.shape, then.shape, strict=True))
+
+
+@cache
+def _codec(kind: Any) -> _Codec:
+    marks: tuple[Any, ...] = ()
+    if typing.get_origin(kind) is Annotated:
+        kind, *more = typing.get_args(kind)
+        marks = tuple(more)
+    origin, args = typing.get_origin(kind) or kind, typing.get_args(kind)
+    if origin in (Union, types.UnionType):
+        return _union(args)
+    if origin is np.ndarray:
+        return _array(np.dtype(typing.get_args(args[1])[0]), marks)
+    if origin is dict:
+        return _mapping(*map(_codec, args))
+    if origin is tuple and args[-1] is not ...:
+        return _fixed(tuple, [_codec(each) for each in args])
+    if origin in (list, tuple, frozenset):
+        return _many(origin, _codec(args[0]))
+    if origin is float:
+        return _Codec(float, _float if FAR not in marks else _any_float)
+    if origin in (bool, int, str, bytes, types.NoneType, None):
+        return _exactly(types.NoneType if origin is None else origin)
+    return _of_class(kind)
+
+
+def _of_class(kind: Any) -> _Codec:
+    if issubclass(kind, Enum):
+        return _Codec(lambda value: value.value, kind)
+    if issubclass(kind, BaseModel):
+        return _Codec(lambda value: value.model_dump(mode="json", by_alias=True), kind.model_validate)
+    if issubclass(kind, tuple):
+        return _fixed(lambda values: kind(*values), [_codec(each) for each in _hints(kind, kind._fields)])
+    if dataclasses.is_dataclass(kind):
+        return _dataclass(kind)
+    return _Codec(lambda value: attributes(value, kind.STATE), lambda data: _object(kind, data))
+
+
+def _hints(kind: Any, names: Iterable[str]) -> list[Any]:
+    hints = typing.get_type_hints(kind, include_extras=True)
+    return [hints[name] for name in names]
+
+
+def _object(kind: Any, data: object) -> Any:
+    made = kind()
+    set_attributes(made, kind.STATE, data)
+    return made
+
+
+def _dataclass(kind: Any) -> _Codec:
+    names = [each.name for each in dataclasses.fields(kind) if each.init]
+    codecs = [_codec(each) for each in _hints(kind, names)]
+    inner = _fixed(lambda values: kind(**dict(zip(names, values, strict=True))), codecs)
+    return _Codec(lambda value: inner.write([getattr(value, name) for name in names]), inner.read)
+
+
+def _exactly(kind: type) -> _Codec:
+    def read(data: object) -> object:
+        if type(data) is not kind:
+            raise TypeError(f"{_shown(data)} is no {kind.__name__}")
+        if isinstance(data, str) and len(data) > LONGEST:
+            raise ValueError(f"a word of {len(data)} characters")
+        if isinstance(data, int) and abs(data) > 2**128:
+            raise ValueError("a number of more than 128 bits")
+        return data
+
+    return _Codec((lambda _: None) if kind is types.NoneType else kind, read)
+
+
+def _any_float(data: object) -> float:
+    if type(data) is not float or math.isnan(data):
+        raise TypeError(f"{_shown(data)} is no number with a point")
+    return data
+
+
+def _float(data: object) -> float:
+    value = _any_float(data)
+    if not abs(value) <= LARGEST:
+        raise ValueError(f"{value} is beyond {LARGEST:g}")
+    return value
+
+
+def _array(dtype: np.dtype[Any], marks: tuple[Any, ...]) -> _Codec:
+    shape = next((each for each in marks if isinstance(each, tuple)), None)
+
+    def read(data: object) -> Any:
+        if not isinstance(data, np.ndarray) or data.dtype != dtype:
+            raise TypeError(f"{_shown(data)} is no array of {dtype}")
+        if shape is not None and data.shape != shape:
+            raise ValueError(f"an array {data.shape}, needed: {shape}")
+        if dtype.kind == "f":
+            bad = np.isnan(data) if FAR in marks else ~(np.abs(data) <= LARGEST)
+            if bad.any():
+                raise ValueError("an array with something in it that is no number, or beyond all sense")
+        return data
+
+    return _Codec(lambda value: np.ascontiguousarray(value, dtype=dtype), read)
+
+
+def _fixed(make: Callable[[Any], Any], parts: list[_Codec]) -> _Codec:
+    def read(data: object) -> Any:
+        each_with = zip(parts, _list(data), strict=True)
+        return make([codec.read(each) for codec, each in each_with])
+
+    def write(value: Any) -> list[Any]:
+        return [codec.write(each) for codec, each in zip(parts, value, strict=True)]
+
+    return _Codec(write, read)
+
+
+def _many(kind: Any, part: _Codec) -> _Codec:
+    def write(value: Any) -> list[Any]:
+        return [part.write(each) for each in (sorted(value) if kind is frozenset else value)]
+
+    return _Codec(write, lambda data: kind([part.read(each) for each in _list(data)]))
+
+
+def _mapping(key: _Codec, value: _Codec) -> _Codec:
+    def write(mapping: Any) -> list[Any]:
+        return [[key.write(each), value.write(item)] for each, item in mapping.items()]
+
+    def read(data: object) -> dict[Any, Any]:
+        pairs = [_list(pair) for pair in _list(data)]
+        return {key.read(each): value.read(item) for each, item in pairs}
+
+    return _Codec(write, read)
+
+
+def _union(kinds: tuple[Any, ...]) -> _Codec:
+    """One of several types: which one it is stands before the value; None stands for itself."""
+    others = [each for each in kinds if each is not types.NoneType]
+    codecs = [_codec(each) for each in others]
+
+    def write(value: Any) -> Any:
+        if value is None:
+            return None
+        number = next(
+            i for i, each in enumerate(others) if isinstance(value, typing.get_origin(each) or each)
+        )
+        return [number, codecs[number].write(value)]
+
+    def read(data: Any) -> Any:
+        if data is None and len(others) < len(kinds):
+            return None
+        number, value = _list(data)
+        if type(number) is not int or not 0 <= number < len(codecs):
+            raise ValueError(f"{_shown(number)} names none of {len(codecs)} types")
+        return codecs[number].read(value)
+
+    if len(others) == 1:
+        inner = codecs[0]
+        return _Codec(
+            lambda value: None if value is None else inner.write(value),
+            lambda data: None if data is None else inner.read(data),
+        )
+    return _Codec(write, read)
+
+
+def _list(data: object) -> list[Any]:
+    if not isinstance(data, list):
+        raise TypeError(f"{_shown(data)} is no list")
+    return data
+
+
+def _shown(data: object) -> str:
+    return f"a {type(data).__name__}" if isinstance(data, list | dict | np.ndarray) else repr(data)[:40]
