@@ -15,6 +15,7 @@ from files.errors import HandcartError, InputError
 from .capability import Capability
 from .recording import Recording
 from .robot_file import RobotFile
+from .saved_state import NotAState
 
 C = TypeVar("C", bound=Capability)
 
@@ -131,7 +132,7 @@ class Backend(ABC):
         Raises:
             NotAState: it is of something else.
         """
-        raise NotImplementedError(f"the backend {self.name!r} keeps no state")
+        raise NotAState(f"the backend {self.name!r} keeps no state")
 
     def figures(self) -> Mapping[str, Any]:
         """Figures for the run's summary, such as how late periods were; by name, with the unit at its end."""

@@ -51,8 +51,8 @@ class Checkpoint:
         Raises:
             NotAState: it is of something else.
         """
-        if (self.backend is None) is prepared.backend.simulated:
-            raise NotAState("the checkpoint is of another kind of robot: simulated, or not")
+        if self.backend is None and prepared.backend.simulated:
+            raise NotAState("the checkpoint is of a real robot: it holds no world")
         if self.backend is not None:
             prepared.backend.set_state(self.backend)
             prepared.robot.set_state(self.robot)

@@ -19,6 +19,7 @@ from backends.saved_state import NotAState
 from robotics.geometry.transform import Transform
 from robotics.kinematics.shapes import Box
 
+from .bullet_state import check_state
 from .engine import bullet, quiet
 
 STEP = 0.0025  # of the solver, at most [s]
@@ -256,10 +257,14 @@ class Physics:
         """Where all bodies are, as Bullet writes it into a file, and what is held together: Bullet keeps no
         constraints.
         """
+        return {"bullet": self._saved(), "pinned": to_plain(self.pinned, Pinned | None)}
+
+    def _saved(self) -> bytes:
+        """The file that the engine writes now."""
         with tempfile.TemporaryDirectory() as folder, quiet():
             path = Path(folder) / "state.bullet"
             self.p.saveBullet(str(path), physicsClientId=self.client)
-            return {"bullet": path.read_bytes(), "pinned": to_plain(self.pinned, Pinned | None)}
+            return path.read_bytes()
 
     def set_state(self, state: object) -> None:
         """Bring back what `state` gave, of this engine or of one whose bodies were made in the same order.
@@ -271,7 +276,9 @@ class Physics:
             raise NotAState("no state of this engine; needed: bullet, pinned")
         content = from_plain(state["bullet"], bytes, "engine")
         pinned = from_plain(state["pinned"], Pinned | None, "pinned")
+        self._check_pinned(pinned)
         self.pin(None)
+        check_state(content, self._saved())
         with tempfile.TemporaryDirectory() as folder, quiet():
             path = Path(folder) / "state.bullet"
             path.write_bytes(content)
@@ -280,6 +287,19 @@ class Physics:
                 self.pin(pinned)
             except self.p.error as error:
                 raise NotAState(f"no saved state: the engine refuses it: {error}") from None
+
+    def _check_pinned(self, pinned: Pinned | None) -> None:
+        """Whether there are such bodies, and a link; raises `NotAState`."""
+        if pinned is None:
+            return
+        there = {self.p.getBodyUniqueId(n, physicsClientId=self.client) for n in range(self._bodies())}
+        if not {pinned.body, pinned.other} <= there or len(pinned.points) != len(pinned.other_points):
+            raise NotAState("no saved state: what is held together isn't there")
+        if not -1 <= pinned.link < self.p.getNumJoints(pinned.body, physicsClientId=self.client):
+            raise NotAState("no saved state: what is held together has no such link")
+
+    def _bodies(self) -> int:
+        return int(self.p.getNumBodies(physicsClientId=self.client))
 
 
 def placed(pose: Transform) -> tuple[list[float], list[float]]:
