@@ -138,7 +138,7 @@ def _picture(run: PastRun, action: PastAction) -> Path | None:
     named = action.result.get("picture")
     if named:
         return _kept(run, f"{_stem(action)}_{named}.png")
-    pictures = list((run.folder / FOLDER).glob(f"{action.number:03d}_*.png"))
+    pictures = [path for path in (run.folder / FOLDER).glob(f"{action.number:03d}_*.png") if path.is_file()]
     return max(pictures, key=lambda path: (path.stat().st_mtime_ns, path.name), default=None)
 
 
@@ -149,7 +149,8 @@ def _at_the_end(run: PastRun, action: PastAction, suffix: str) -> Path | None:
 
 def _kept(run: PastRun, name: str) -> Path | None:
     path = run.folder / FOLDER / name
-    return path if path.is_file() else None
+    # A journal that somebody made may name anything.
+    return path if path.name == name and path.is_file() else None
 
 
 def as_json(told: Explanation, chart: Path | None) -> dict[str, Any]:

@@ -199,18 +199,8 @@ def resume_task(
         bench=header["bench"],
     )
     with made as prepared, claimed(prepared.backend, folder) as claim:
-        past = read_past(folder, prepared.task.network)
-        if header["robot_sha256"] != robot_fingerprint(prepared.robot.spec):
-            raise NeedsOperator(
-                f"the robot is not the one that was run: the file {header['robot']} has changed"
-            )
-        for words in past.words(time.time(), boot_id()):
-            told.say(words)
-        if past.checkpoint is not None:
-            past.checkpoint.put_back(prepared)
-        if prepared.backend.simulated:
-            _check_world(past, told)
-        else:
+        past = put_back(folder, header, prepared, told)
+        if not prepared.backend.simulated:
             prepared = standing_as_left(prepared, past)
             recon = reconnoitre(prepared.robot, past)
             for words in (*recon.words(), past.next_words()):
@@ -233,6 +223,32 @@ def resume_task(
         )
         _report(prepared, folder, judge, told)
     return orjson.loads((folder / "summary.json").read_bytes()), end.exit_status
+
+
+def put_back(folder: Path, header: Mapping[str, Any], prepared: Prepared, told: Teller) -> Past:
+    """Put a run, prepared anew, where it stood when it broke off; of a real robot only what it knew.
+
+    Args:
+        folder: the run's.
+        header: of its journal.
+        prepared: from the files that it names.
+        told: hears what is known.
+
+    Raises:
+        NoRun, JournalError, NotAState, NeedsOperator: see `resume_task`.
+    """
+    past = read_past(folder, prepared.task.network)
+    if header["robot_sha256"] != robot_fingerprint(prepared.robot.spec):
+        words = f"the robot is not the one that was run: the file {header['robot']} has changed"
+        raise NeedsOperator(printable(words))
+    past.check_robot(prepared.robot)
+    for words in past.words(time.time(), boot_id()):
+        told.say(words)
+    if past.checkpoint is not None:
+        past.checkpoint.put_back(prepared)
+    if prepared.backend.simulated:
+        _check_world(past, told)
+    return past
 
 
 def _check_world(past: Past, told: Teller) -> None:

@@ -21,6 +21,8 @@ from .run_folder import JOURNAL, read_run_journal
 from .waiting import broken_off, may_have_begun
 
 if TYPE_CHECKING:
+    from backends.robot import Robot
+
     from .recon import Recon
 
 _NEEDED = {
@@ -108,6 +110,14 @@ class Past:
         if before != boot:
             lines.append("known: the machine was started anew since")
         return lines
+
+    def check_robot(self, robot: Robot) -> None:
+        """Raise `NeedsOperator` where the journal tells of a robot with other joints."""
+        joints = 0 if robot.spec.arm is None else len(robot.spec.arm.joints)
+        for at in (self.standing.at, *self.standing.seen.values()):
+            if at is not None and (at.joints.size, at.joint_command.size) != (joints, joints):
+                told = f"{self.folder / JOURNAL} tells of {at.joints.size} joints, and the robot has {joints}"
+                raise NeedsOperator(printable(told))
 
     def next_words(self) -> str:
         """What would be done next."""

@@ -94,6 +94,7 @@ class CauseWords(TypedDict):
 class _Result(TypedDict):
     n: Number
     at: NotRequired[At]
+    picture: NotRequired[str]
     learned: NotRequired[dict[str, Any]]
     evidence: NotRequired[dict[str, Any]]
     cause: NotRequired[list[CauseWords]]

@@ -58,7 +58,10 @@ def _calibration(run: Path) -> Calibration:
     from files.errors import InputError
     from files.loading import load
     from networks.calibration import NAME, Calibration, calibration_path
+    from networks.run_folder import check_folder
 
+    if run.is_dir():
+        check_folder(run)
     path = calibration_path(run)
     if not path.is_file():
         raise InputError(

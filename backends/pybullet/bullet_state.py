@@ -4,7 +4,7 @@ Bullet's reader follows what stands in a file, sizes and pointers included. A ke
 against the one that the engine itself writes now, its bodies made in the same order: the same chunks, of the
 same types and lengths, that point at each other in the same way; only numbers may differ, and contacts come
 and go.
-The layout is in the file (Bullet's `DNA1`), and must be the engine's own.
+The layout is the file's last chunk, and must be the engine's own.
 """
 
 from __future__ import annotations
@@ -23,7 +23,6 @@ from backends.saved_state import NotAState
 
 HEADER = 12  # bytes: BULLET, size of numbers, of pointers, their order, version
 CONTACTS = b"CONT"
-LAYOUT = b"DNA1"
 MOST_CONTACTS = 20_000
 _HEAD = struct.Struct("<4siQii")
 _POINTER = 8  # bytes
@@ -79,7 +78,7 @@ def check_state(kept: bytes, now: bytes) -> None:
         NotAState: it is another world's, or no such file.
     """
     theirs, ours = _chunks(kept), _chunks(now)
-    if kept[:HEADER] != now[:HEADER] or theirs[-1] != ours[-1] or ours[-1].code != LAYOUT:
+    if kept[:HEADER] != now[:HEADER] or theirs[-1].form != ours[-1].form or theirs[-1].data != ours[-1].data:
         raise NotAState("no saved state: the engine that wrote it is of another version")
     layout = _layout(ours[-1].data)
     bodies, others = _without_contacts(theirs), _without_contacts(ours)

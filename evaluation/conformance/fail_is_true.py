@@ -86,7 +86,7 @@ class Batch:
 
     def _tried(self, underway: Underway, fault: Fault | None) -> Ending:
         try:
-            return forked(lambda: underway.finish(fault), self.seconds)
+            return forked(lambda: underway.finish(fault), Ending, self.seconds)
         except Hung:
             return Ending("none", "", 0, wrong=("it hangs",))
         except Died as died:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import os
-import pickle
 import resource
 import select
 import signal
@@ -14,6 +13,9 @@ import traceback
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import TypeVar
+
+from backends.plain_values import from_plain, to_plain
+from backends.saved_state import pack, unpack
 
 T = TypeVar("T")
 EGL = "eglRenderer"
@@ -29,13 +31,14 @@ class Died(Exception):
     """The copy came to an end that it shouldn't; the message is its traceback."""
 
 
-def forked(work: Callable[[], T], seconds: float) -> T:
+def forked(work: Callable[[], T], kind: type[T], seconds: float) -> T:
     """What `work` returns in a copy of this process; nothing that it does is seen here.
 
     The process must have no other threads.
 
     Args:
-        work: its value must be one that can be pickled.
+        work: what is to be done.
+        kind: of its value: one that `plain_values` knows.
         seconds: of CPU time that it gets; ten times as many on the wall.
 
     Raises:
@@ -47,7 +50,7 @@ def forked(work: Callable[[], T], seconds: float) -> T:
     if child == 0:
         os.close(ours)
         _limit(seconds)
-        _tell(theirs, work)
+        _tell(theirs, work, kind)
     os.close(theirs)
     try:
         told = _listen(ours, time.monotonic() + ASLEEP * seconds)
@@ -61,10 +64,10 @@ def forked(work: Callable[[], T], seconds: float) -> T:
         if used.ru_utime + used.ru_stime >= NEARLY * seconds:
             raise Hung
         raise Died(f"the process ended with status {status}")
-    ok, value = pickle.loads(told)
-    if not ok:
-        raise Died(value)
-    result: T = value
+    answer = unpack(told)
+    if "died" in answer:
+        raise Died(answer["died"])
+    result: T = from_plain(answer["value"], kind, "what the copy told")
     return result
 
 
@@ -91,13 +94,13 @@ def _limit(seconds: float) -> None:
     resource.setrlimit(resource.RLIMIT_CPU, (limit, limit))
 
 
-def _tell(pipe: int, work: Callable[[], object]) -> None:
+def _tell(pipe: int, work: Callable[[], object], kind: type) -> None:
     """In the copy: work, send what comes of it, end at once."""
     try:
         try:
-            told = pickle.dumps((True, work()))
+            told = pack({"value": to_plain(work(), kind)})
         except BaseException:
-            told = pickle.dumps((False, traceback.format_exc()))
+            told = pack({"died": traceback.format_exc()})
         with os.fdopen(pipe, "wb") as stream:
             stream.write(told)
     finally:

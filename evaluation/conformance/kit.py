@@ -140,7 +140,7 @@ class OneCheck:
         """Make it in a copy of the process: one that hangs or dies is a finding too."""
         check = CHECKS[self.name]
         try:
-            return forked(lambda: check(self.bench), LONGEST)
+            return forked(lambda: check(self.bench), Finding, LONGEST)
         except Hung:
             return Finding(self.name, check.holds, [f"no end after {LONGEST:.0f} s of CPU time"])
         except Died as died:
@@ -159,7 +159,7 @@ class OneMutant:
 
     def __call__(self) -> Caught:
         """Plant it and look, in a copy of the process."""
-        return forked(lambda: try_mutant(self.name, self.bench), LONGEST)
+        return forked(lambda: try_mutant(self.name, self.bench), Caught, LONGEST)
 
 
 Job = OneCheck | OneMutant | Batch | OneRun

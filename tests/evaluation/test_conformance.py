@@ -113,16 +113,16 @@ def test_each_kind_of_fault_goes_through_its_ways() -> None:
 
 
 def test_a_copy_of_the_process_may_hang_or_die() -> None:
-    assert forked(lambda: 3, 10.0) == 3
+    assert forked(lambda: 3, int, 10.0) == 3
     with pytest.raises(Died, match="ZeroDivisionError"):
-        forked(lambda: 1 // 0, 10.0)
+        forked(lambda: 1 // 0, int, 10.0)
 
     def hang() -> None:
         while True:
             pass
 
     with pytest.raises(Hung):
-        forked(hang, 0.3)
+        forked(hang, type(None), 0.3)
 
 
 def test_a_report_tells_what_is_wrong() -> None:
