@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import zipfile
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -12,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from files.errors import HandcartError
-from networks.flight_recorder import Readings, load_readings
+from networks.flight_recorder import Readings, load_arrays, load_readings
 from robotics.geometry.pose2 import Pose2
 
 from .explanation import Explanation
@@ -23,6 +24,9 @@ JOINTS = "tab10"
 WIDE = 90  # characters of a line of words
 AROUND = 2.0  # [m] about the robot that is drawn
 AHEAD = np.radians(20.0)  # to both sides of the robot's nose, where the nearest range is told apart
+
+
+MOST_PIXELS = 50_000_000
 
 
 class UnreadableEvidence(HandcartError):
@@ -51,6 +55,14 @@ def draw_chart(told: Explanation, path: Path) -> None:
         UnreadableEvidence: readings, points or the picture are damaged.
         OSError: the file can't be written.
     """
+    try:
+        _draw(told, path)
+    except (LookupError, TypeError, ValueError, ArithmeticError, AttributeError) as error:
+        kept = told.readings or told.points or told.picture or told.run.folder
+        raise UnreadableEvidence(kept, error) from None
+
+
+def _draw(told: Explanation, path: Path) -> None:
     import matplotlib
     from matplotlib.figure import Figure
 
@@ -114,7 +126,11 @@ def _draw_seen(axis: Any, told: Explanation, readings: Readings) -> None:
 
 def _pixels(path: Path) -> NDArray[np.uint8]:
     import cv2
+    from PIL import Image
 
+    with Image.open(path) as picture:
+        if math.prod(picture.size) > MOST_PIXELS:
+            raise ValueError(f"it has {picture.size[0]} x {picture.size[1]} pixels")
     pixels = cv2.imread(str(path))
     if pixels is None:
         raise ValueError("it is no picture")
@@ -123,7 +139,7 @@ def _pixels(path: Path) -> NDArray[np.uint8]:
 
 def _draw_plan(axis: Any, told: Explanation, readings: Readings) -> None:
     """The robot from above when it decided, with its scan and what a primitive kept of the map."""
-    points = _read(told.points, _arrays) if told.points else {}
+    points = _read(told.points, load_arrays) if told.points else {}
     middle = next(iter(points.values()))[0] if points else np.zeros(2)
     if len(readings.get("time_s", ())):
         now = _deciding(told, readings)
@@ -147,11 +163,6 @@ def _draw_plan(axis: Any, told: Explanation, readings: Readings) -> None:
     axis.set_ylabel("y [m]")
     axis.set_title("from above, when it decided", fontsize=8)
     axis.legend(fontsize=7)
-
-
-def _arrays(path: Path) -> dict[str, NDArray[np.float64]]:
-    with path.open("rb") as file, np.load(file) as arrays:
-        return {name: arrays[name] for name in arrays.files}
 
 
 def _deciding(told: Explanation, readings: Readings) -> int:

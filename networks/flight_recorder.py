@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import zipfile
 from collections import deque
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
@@ -22,6 +23,7 @@ from primitives.outcome import Success
 from .events import Ended, Event, Restoring, Started
 from .evidence_files import FOLDER, stem
 
+MAX_ARRAYS = 256 * 2**20  # bytes
 SECONDS = 10.0  # of the robot's time
 END = "end"
 """The stem of the file with the run's last seconds."""
@@ -134,15 +136,29 @@ def _columns(rows: Sequence[Row]) -> dict[str, Any]:
     return {name: np.array([row[name] for row in rows]) for name in rows[0]}
 
 
+def load_arrays(path: Path) -> dict[str, NDArray[Any]]:
+    """The arrays in an .npz file: numbers, no objects, and no more than a run ever keeps.
+
+    Raises:
+        OSError, ValueError, zipfile.BadZipFile: it is no such file, damaged, or larger.
+    """
+    # NumPy leaves a file open that it opened itself and finds damaged.
+    with path.open("rb") as file:
+        with zipfile.ZipFile(file) as packed:
+            size = sum(each.file_size for each in packed.infolist())
+        if size > MAX_ARRAYS:
+            raise ValueError(f"{size} bytes when unpacked, more than {MAX_ARRAYS}")
+        with np.load(file, allow_pickle=False) as arrays:
+            return {name: arrays[name] for name in arrays.files}
+
+
 def load_readings(path: Path) -> Readings:
     """What the recorder wrote.
 
     Raises:
         OSError, ValueError, zipfile.BadZipFile: it is no such file, or damaged.
     """
-    # NumPy leaves a file open that it opened itself and finds damaged.
-    with path.open("rb") as file, np.load(file) as arrays:
-        columns = {name: arrays[name] for name in arrays.files}
+    columns = load_arrays(path)
     if "time_s" not in columns:
         raise ValueError("there is no column time_s")
     return columns

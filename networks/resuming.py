@@ -8,6 +8,7 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from backends.arm import Arm
 from files.errors import InputError
 from files.printable import printable
 
@@ -113,7 +114,8 @@ class Past:
 
     def check_robot(self, robot: Robot) -> None:
         """Raise `NeedsOperator` where the journal tells of a robot with other joints."""
-        joints = 0 if robot.spec.arm is None else len(robot.spec.arm.joints)
+        arm = robot.backend.get(Arm)  # type: ignore[type-abstract]
+        joints = 0 if arm is None else arm.command().size
         for at in (self.standing.at, *self.standing.seen.values()):
             if at is not None and (at.joints.size, at.joint_command.size) != (joints, joints):
                 told = f"{self.folder / JOURNAL} tells of {at.joints.size} joints, and the robot has {joints}"

@@ -1,0 +1,175 @@
+"""Real run folders, as they are when a run is killed, has ended, or has given up."""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import orjson
+
+from backends.saved_state import digest, pack
+from evaluation.running import put_back, run_task
+from networks.events import Ended, Event
+from networks.journal import Journal
+from networks.preparing import Prepared, beginning_at, prepare
+from networks.resuming import task_of
+from networks.run_folder import JOURNAL, read_run_journal
+from networks.task_file import load_task
+
+LEFT, OVER, GAVE_UP = "left", "over", "gave up"
+
+
+@dataclass(frozen=True)
+class Recipe:
+    """A run to take folders from."""
+
+    name: str
+    task: str
+    """In the folder of tasks."""
+    after: tuple[int, ...]
+    """Actions after which it is left."""
+    backend: str | None = None
+    bench: str | None = None
+    settings: tuple[tuple[str, str], ...] = ()
+    weight: float = 1.0
+    """How often folders of it are taken."""
+
+
+RECIPES = (
+    Recipe(
+        "blocks", "stack_blocks/unload.yaml", (1, 3, 5), settings=(("method", "fix_once"), ("look", "false"))
+    ),
+    Recipe("field", "deploy_straight/task.yaml", (1, 2), weight=2.0),
+    Recipe("seam", "track_seam/task.yaml", (1, 3), weight=2.0),
+    Recipe("books", "return_book/task.yaml", (2, 4, 7), weight=0.4),
+    Recipe("drives", "drive_map/task.yaml", (1,), "can", "kinematic", (("robot", "cart"),), 0.2),
+    Recipe("physics", "stack_blocks/unload.yaml", (2, 4), "pybullet", weight=0.6),
+)
+
+
+@dataclass(frozen=True)
+class Original:
+    """A sound run folder."""
+
+    folder: Path
+    recipe: str
+    kind: str
+    weight: float
+    state: str = ""
+    """Digest of what is put back from it; empty where nothing is."""
+
+
+class Quiet:
+    """Hears nothing; copies the folder of a run after some actions."""
+
+    def __init__(self, after: Sequence[int] = (), to: Path = Path()) -> None:
+        self._after, self._to, self._folder = after, to, Path()
+
+    def say(self, words: str) -> None:
+        """See `Teller`."""
+
+    def begin(self, prepared: Prepared, folder: Path) -> None:
+        """See `Teller`."""
+        self._folder = folder
+
+    def look(self, robot: object) -> None:
+        """See `Teller`."""
+
+    def __call__(self, event: Event) -> None:
+        """Copy what would be left if the run were killed now."""
+        if isinstance(event, Ended) and event.number in self._after:
+            _copy(self._folder, self._to / f"{event.number}")
+
+
+def make(recipe: Recipe, tasks: Path, where: Path) -> list[Original]:
+    """Run a recipe, and give its folders: left, over, and one that gave up."""
+    copies = where / recipe.name
+    run_task(
+        tasks / recipe.task,
+        where / "runs",
+        recipe.backend,
+        dict(recipe.settings),
+        seed=3,
+        told=Quiet(recipe.after, copies),
+        checkpoints=True,
+        bench=recipe.bench,
+    )
+    (whole,) = (where / "runs").glob("*")
+    _copy(whole, copies / OVER)
+    shutil.rmtree(where / "runs")
+    left = [copies / f"{each}" for each in recipe.after if (copies / f"{each}").is_dir()]
+    gave_up = copies / "gave-up"
+    _copy(left[0], gave_up)
+    _give_up(gave_up)
+    share = recipe.weight / (len(left) + 1)
+    found = [Original(each, recipe.name, LEFT, share) for each in left]
+    found.append(Original(copies / OVER, recipe.name, OVER, share / 2))
+    found.append(Original(gave_up, recipe.name, GAVE_UP, share / 2))
+    return found
+
+
+def _copy(folder: Path, to: Path) -> None:
+    shutil.copytree(folder, to, ignore=shutil.ignore_patterns("control"))
+
+
+def _give_up(folder: Path) -> None:
+    """As if the next action had given up."""
+    contents = read_run_journal(folder)
+    done = sum(each["kind"] == "START" for each in contents.records)
+    plan = next(each for each in contents.records if each["kind"] == "PLAN")
+    rows = contents.records[0]["plan_on"]["actions"]
+    index = plan["way"][done]
+    do, source, target, *_ = rows[index]
+    action = {"index": index, "do": do, "from": source, "to": target, "with": {}}
+    last = contents.records[-1]["t"]
+    with Journal.go_on(folder / JOURNAL, contents) as journal:
+        journal.append("START", last, {"n": done + 1, "action": action})
+        fields = {"n": done + 1, "outcome": "GiveUp", "reason": "it fell", "residuals": {}}
+        journal.append("RESULT", last, fields)
+        journal.append("END", last, {"outcome": "GiveUp", "situation": source, "reason": "it fell"})
+
+
+def prepared_for(folder: Path) -> tuple[Mapping[str, Any], Prepared]:
+    """What a run in a folder is gone on with: its header, and the robot made anew."""
+    header = task_of(folder)
+    task = Path(header["task_path"])
+    network = load_task(task, header["settings"]).network
+    begun = None if header["start"] == network.start else header["start"]
+    if begun is not None:
+        beginning_at(network, begun)
+    made = prepare(
+        task,
+        header["backend"],
+        header["settings"],
+        header["seed"],
+        situation=begun,
+        errors=header["errors"],
+        bench=header["bench"],
+    )
+    return header, made
+
+
+def state_of(prepared: Prepared) -> str:
+    """What names the state that a run was put back to; the engine's own part has its own checks."""
+    backend = prepared.backend.state()
+    kept = (
+        {key: value for key, value in backend.items() if key != "engine"} if isinstance(backend, dict) else {}
+    )
+    return digest(pack({"backend": kept, "robot": prepared.robot.state(), "model": prepared.model.state()}))
+
+
+def key_of(header: Mapping[str, Any]) -> bytes:
+    """What two headers share whose runs are gone on with alike."""
+    names = ("task_path", "backend", "settings", "seed", "start", "errors", "bench")
+    return orjson.dumps({name: header[name] for name in names})
+
+
+def true_state(folder: Path) -> str:
+    """Digest of what is put back from a sound folder."""
+    header, prepared = prepared_for(folder)
+    with prepared:
+        put_back(folder, header, prepared, Quiet())
+        return state_of(prepared)
