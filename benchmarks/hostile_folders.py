@@ -1,10 +1,10 @@
 """Attack run folders: `python -m benchmarks.hostile_folders [--folders 10000] [--seed 0] [--quick]`.
 
 Real runs are made and left at several instants, ended and given up; copies of their folders are damaged by
-accident (bits, cuts, swaps, losses) or made to do harm (pickles, links, pipes, huge files, forged journals and
-checkpoints with right checksums), and read by all that reads run folders. Counted are: code that ran, things
-outside that were touched, tracebacks, hangs, and runs that were put back elsewhere than they stood. Exit
-status 1 if there is one.
+accident (bits, cuts, swaps, losses) or made to do harm (pickles, links, pipes, huge files, forged journals
+and checkpoints with right checksums), and read by all that reads run folders. Counted are: code that ran,
+things outside that were touched, tracebacks, hangs, and runs that were put back elsewhere than they stood.
+Exit status 1 if there is one.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ import tempfile
 import time
 from collections import Counter
 from collections.abc import Iterator, Sequence
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
 
@@ -28,7 +28,6 @@ from evaluation.hostile.trial import Trials
 TASKS = Path(__file__).resolve().parents[1] / "tasks"
 LONGEST = 120.0  # [s] on the wall that one folder gets
 FRESH = 2000  # folders for one process
-QUICK = ("blocks",)
 
 
 def worker(first: int, last: int, seed: int, originals: Path, work: Path) -> None:
@@ -51,8 +50,7 @@ def originals(names: Sequence[str], where: Path) -> list[Original]:
             continue
         began = time.monotonic()
         for each in make(recipe, TASKS, where):
-            state = true_state(each.folder) if each.kind == "left" else ""
-            found.append(Original(each.folder, each.recipe, each.kind, each.weight, state))
+            found.append(replace(each, state=true_state(each, where)))
         print(f"{recipe.name}: {len(found)} folders so far, {time.monotonic() - began:.0f} s", flush=True)
     return found
 
@@ -104,13 +102,12 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--folders", type=int, default=10_000)
     parser.add_argument("--seed", type=int, default=0)
-    parser.add_argument("--quick", action="store_true", help="folders of one task alone")
+    parser.add_argument("--of", nargs="*", default=[each.name for each in RECIPES], help="names of recipes")
     given = parser.parse_args()
     attacks, ends, wrong = Counter[str](), Counter[tuple[str, str]](), 0
     with tempfile.TemporaryDirectory() as scratch:
         known = Path(scratch) / "originals.json"
-        names = QUICK if given.quick else [each.name for each in RECIPES]
-        made = originals(names, Path(scratch) / "originals")
+        made = originals(given.of, Path(scratch) / "originals")
         known.write_text(json.dumps([{**asdict(each), "folder": str(each.folder)} for each in made]))
         for done, each in enumerate(verdicts(given.folders, given.seed, known, Path(scratch)), start=1):
             attacks[each["attack"]] += 1

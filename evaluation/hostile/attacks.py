@@ -294,8 +294,8 @@ def forged_engine(scene: Scene) -> None:
                     "<q", content, rng.randrange(len(content) - 8), rng.choice((0, 5, -1, 2**48))
                 )
             case _:
-                pinned = [rng.choice((0, 1, -1, 10**6)), rng.choice((-2, 0, 99)), 3, [], [], 1e9]
-                engine["pinned"] = pinned
+                bodies = rng.choice((0, 1, -1, 10**6)), rng.choice((-2, 0, 99)), 3
+                engine["pinned"] = [*bodies, [], [], 1e9]
         engine["bullet"] = bytes(content)
 
     forge_state(scene.folder, change)

@@ -59,7 +59,7 @@ class Original:
     kind: str
     weight: float
     state: str = ""
-    """Digest of what is put back from it; empty where nothing is."""
+    """Digest of what its checkpoint holds, once put back."""
 
 
 class Quiet:
@@ -167,8 +167,14 @@ def key_of(header: Mapping[str, Any]) -> bytes:
     return orjson.dumps({name: header[name] for name in names})
 
 
-def true_state(folder: Path) -> str:
-    """Digest of what is put back from a sound folder."""
+def true_state(original: Original, scratch: Path) -> str:
+    """Digest of what is put back from a sound folder; of one that is over, without its end."""
+    folder = scratch / "state"
+    shutil.rmtree(folder, ignore_errors=True)
+    shutil.copytree(original.folder, folder)
+    lines = (folder / JOURNAL).read_bytes().splitlines(keepends=True)
+    ends = 0 if original.kind == LEFT else 1 if original.kind == OVER else 3
+    (folder / JOURNAL).write_bytes(b"".join(lines[: len(lines) - ends]))
     header, prepared = prepared_for(folder)
     with prepared:
         put_back(folder, header, prepared, Quiet())
