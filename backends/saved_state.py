@@ -23,7 +23,7 @@ MAX_BYTES = 256 * 2**20
 DEPTH = 48  # levels of lists and mappings
 _DTYPES = ("float64", "float32", "int64", "uint8", "bool")
 _HEAD = re.compile(rb"handcart-state/(\d{1,3}) ([0-9a-f]{64})\n(?=(\d{1,9})\n)")
-_MARKS = {"array", "bytes", "float", "int"}
+_MARKS = {"$array", "$bytes", "$float", "$int"}
 _NOT_FINITE = {"inf": math.inf, "-inf": -math.inf, "nan": math.nan}
 
 
@@ -77,17 +77,17 @@ def _written(value: object, blobs: list[bytes]) -> Any:
         case None | bool() | str():
             return value
         case int():
-            return value if abs(value) < 2**53 else {"int": str(value)}
+            return value if abs(value) < 2**53 else {"$int": str(value)}
         case float():
-            return float(value) if math.isfinite(value) else {"float": str(float(value))}
+            return float(value) if math.isfinite(value) else {"$float": str(float(value))}
         case bytes():
             blobs.append(value)
-            return {"bytes": len(value)}
+            return {"$bytes": len(value)}
         case np.ndarray():
             if value.dtype.name not in _DTYPES:
                 raise TypeError(f"arrays of {value.dtype} can't be kept; allowed: {', '.join(_DTYPES)}")
             blobs.append(value.tobytes())
-            return {"array": value.dtype.name, "shape": list(value.shape)}
+            return {"$array": value.dtype.name, "shape": list(value.shape)}
         case list() | tuple():
             return [_written(each, blobs) for each in value]
         case Mapping():
@@ -119,13 +119,13 @@ class _Reader:
 
     def _marked(self, value: dict[str, Any], depth: int) -> Any:
         match value:
-            case {"int": str(digits)} if re.fullmatch(r"-?\d{1,40}", digits):
+            case {"$int": str(digits)} if re.fullmatch(r"-?\d{1,40}", digits):
                 return int(digits)
-            case {"float": str(name)} if name in _NOT_FINITE:
+            case {"$float": str(name)} if name in _NOT_FINITE:
                 return _NOT_FINITE[name]
-            case {"bytes": int(size)}:
+            case {"$bytes": int(size)}:
                 return bytes(self._take(size))
-            case {"array": str(dtype), "shape": list(shape)} if dtype in _DTYPES:
+            case {"$array": str(dtype), "shape": list(shape)} if dtype in _DTYPES:
                 return self._array(np.dtype(dtype), shape)
         raise ValueError("something in it stands for no number and no array")
 

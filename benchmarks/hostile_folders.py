@@ -1,4 +1,4 @@
-"""Attack run folders: `python -m benchmarks.hostile_folders [--folders 10000] [--seed 0] [--quick]`.
+"""Attack run folders: `python -m benchmarks.hostile_folders [--folders 10000] [--seed 0] [--of NAME ...]`.
 
 Real runs are made and left at several instants, ended and given up; copies of their folders are damaged by
 accident (bits, cuts, swaps, losses) or made to do harm (pickles, links, pipes, huge files, forged journals
@@ -49,8 +49,7 @@ def originals(names: Sequence[str], where: Path) -> list[Original]:
         if recipe.name not in names:
             continue
         began = time.monotonic()
-        for each in make(recipe, TASKS, where):
-            found.append(replace(each, state=true_state(each, where)))
+        found += [replace(each, state=true_state(each, where)) for each in make(recipe, TASKS, where)]
         print(f"{recipe.name}: {len(found)} folders so far, {time.monotonic() - began:.0f} s", flush=True)
     return found
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import shutil
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -34,19 +35,19 @@ class Recipe:
     backend: str | None = None
     bench: str | None = None
     settings: tuple[tuple[str, str], ...] = ()
+    whole: bool = False
+    """Whether it is run to its end; else it is left after the last of these actions."""
     weight: float = 1.0
     """How often folders of it are taken."""
 
 
 RECIPES = (
-    Recipe(
-        "blocks", "stack_blocks/unload.yaml", (1, 3, 5), settings=(("method", "fix_once"), ("look", "false"))
-    ),
-    Recipe("field", "deploy_straight/task.yaml", (1, 2), weight=2.0),
-    Recipe("seam", "track_seam/task.yaml", (1, 3), weight=2.0),
-    Recipe("books", "return_book/task.yaml", (2, 4, 7), weight=0.4),
-    Recipe("drives", "drive_map/task.yaml", (1,), "can", "kinematic", (("robot", "cart"),), 0.2),
-    Recipe("physics", "stack_blocks/unload.yaml", (2, 4), "pybullet", weight=0.6),
+    Recipe("blocks", "stack_blocks/unload.yaml", (1, 3, 5), settings=_OF_BLOCKS, whole=True, weight=3.0),
+    Recipe("field", "deploy_straight/task.yaml", (1,)),
+    Recipe("seam", "track_seam/task.yaml", (1, 2)),
+    Recipe("books", "return_book/task.yaml", (1, 2, 3), weight=0.4),
+    Recipe("drives", "drive_map/task.yaml", (1,), "can", "kinematic", (("robot", "cart"),), weight=0.2),
+    Recipe("physics", "stack_blocks/unload.yaml", (1, 2), "pybullet", weight=0.4),
 )
 
 
@@ -62,11 +63,15 @@ class Original:
     """Digest of what its checkpoint holds, once put back."""
 
 
-class Quiet:
-    """Hears nothing; copies the folder of a run after some actions."""
+class Enough(BaseException):
+    """A run is left where it is, as if it were killed."""
 
-    def __init__(self, after: Sequence[int] = (), to: Path = Path()) -> None:
-        self._after, self._to, self._folder = after, to, Path()
+
+class Quiet:
+    """Hears nothing; copies the folder of a run after some actions, and may leave it then."""
+
+    def __init__(self, after: Sequence[int] = (), to: Path = Path(), whole: bool = True) -> None:
+        self._after, self._to, self._whole, self._folder = after, to, whole, Path()
 
     def say(self, words: str) -> None:
         """See `Teller`."""
@@ -82,23 +87,26 @@ class Quiet:
         """Copy what would be left if the run were killed now."""
         if isinstance(event, Ended) and event.number in self._after:
             _copy(self._folder, self._to / f"{event.number}")
+            if not self._whole and event.number == max(self._after):
+                raise Enough
 
 
 def make(recipe: Recipe, tasks: Path, where: Path) -> list[Original]:
     """Run a recipe, and give its folders: left, over, and one that gave up."""
     copies = where / recipe.name
-    run_task(
-        tasks / recipe.task,
-        where / "runs",
-        recipe.backend,
-        dict(recipe.settings),
-        seed=3,
-        told=Quiet(recipe.after, copies),
-        checkpoints=True,
-        bench=recipe.bench,
-    )
-    (whole,) = (where / "runs").glob("*")
-    _copy(whole, copies / OVER)
+    with suppress(Enough):
+        run_task(
+            tasks / recipe.task,
+            where / "runs",
+            recipe.backend,
+            dict(recipe.settings),
+            seed=3,
+            told=Quiet(recipe.after, copies, recipe.whole),
+            checkpoints=True,
+            bench=recipe.bench,
+        )
+        (whole,) = (where / "runs").glob("*")
+        _copy(whole, copies / OVER)
     shutil.rmtree(where / "runs")
     left = [copies / f"{each}" for each in recipe.after if (copies / f"{each}").is_dir()]
     gave_up = copies / "gave-up"
@@ -106,7 +114,8 @@ def make(recipe: Recipe, tasks: Path, where: Path) -> list[Original]:
     _give_up(gave_up)
     share = recipe.weight / (len(left) + 1)
     found = [Original(each, recipe.name, LEFT, share) for each in left]
-    found.append(Original(copies / OVER, recipe.name, OVER, share / 2))
+    if (copies / OVER).is_dir():
+        found.append(Original(copies / OVER, recipe.name, OVER, share / 2))
     found.append(Original(gave_up, recipe.name, GAVE_UP, share / 2))
     return found
 

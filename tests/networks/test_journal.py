@@ -57,6 +57,16 @@ def test_any_flipped_bit(tmp_path):
                 assert read_journal(bad).torn_at is not None
 
 
+@pytest.mark.parametrize("byte", [0, 0x0B, 0x8A, 0x20])
+def test_a_newline_before_the_last_record_is_damage(tmp_path, byte):
+    """D2: it hides two records, of which one was whole."""
+    whole = bytearray(written(tmp_path / "j.jsonl", 3))
+    whole[whole[:-1].rindex(b"\n")] = byte
+    (tmp_path / "bad.jsonl").write_bytes(whole)
+    with pytest.raises(JournalError, match="record 1 at byte"):
+        read_journal(tmp_path / "bad.jsonl")
+
+
 @pytest.mark.parametrize("tail", [b"\0" * 4096, b"garbage\nmore\n", b"{}\n", b"[]\n", b"1\n", None])
 def test_tails(tmp_path, tail):
     """D4: None stands for the last record once more."""

@@ -2,6 +2,7 @@
 
 import signal
 from collections import deque
+from pathlib import Path
 
 import orjson
 import pytest
@@ -121,6 +122,24 @@ def test_fault_in_our_own_code(prepare, tmp_path):
     end = execute(prepared, tmp_path / "run", [broken])
     assert (end.outcome, end.reason) == ("Error", "ZeroDivisionError: oh")
     assert "ZeroDivisionError" in (tmp_path / "run" / "error.txt").read_text()
+
+
+def test_a_full_disk_takes_no_error_file_either_and_the_run_ends(prepare, tmp_path, monkeypatch):
+    """D6: whatever broke the run off, its end is told."""
+    stand, prepared = prepare()
+
+    def full(path, *_, **__):
+        raise OSError(28, "No space left on device", str(path))
+
+    def broken(event):
+        monkeypatch.setattr(Path, "write_text", full)
+        raise ZeroDivisionError("oh")
+
+    end = execute(prepared, tmp_path / "run", [broken])
+    assert (end.outcome, end.reason) == ("Error", "ZeroDivisionError: oh")
+    assert stand.backend.stops
+    assert not (tmp_path / "run" / "error.txt").exists()
+    assert read_journal(tmp_path / "run" / "journal.jsonl").records[-1]["kind"] == "END"
 
 
 def test_folder_of_another_run(prepare, tmp_path):

@@ -1,9 +1,10 @@
 import math
-import pickle
 
 import numpy as np
 import pytest
 
+from backends.plain_values import to_plain
+from backends.saved_state import pack
 from robotics.geometry.pose2 import Pose2
 from robotics.navigation.field_course import straight_course, zigzag_course
 from robotics.navigation.field_drive import PERIOD
@@ -143,6 +144,6 @@ def test_a_record_grows_with_the_moments_that_are_wanted_not_with_the_time():
         log, record = record_course(straight_course(5), noise, 1), TrackRecord()
         try_course(log, GpsFilter(start_pose(log), noise, record=record))
         assert len(record.smoothed()) == 5
-        sizes.append(len(pickle.dumps(record)))
+        sizes.append(len(pack(to_plain(record, TrackRecord))))
     assert sizes[0] == pytest.approx(sizes[1], rel=0.01)
     assert sizes[0] < 5 * 5_000
