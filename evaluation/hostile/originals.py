@@ -41,6 +41,7 @@ class Recipe:
     """How often folders of it are taken."""
 
 
+_OF_BLOCKS = (("method", "fix_once"), ("look", "false"))
 RECIPES = (
     Recipe("blocks", "stack_blocks/unload.yaml", (1, 3, 5), settings=_OF_BLOCKS, whole=True, weight=3.0),
     Recipe("field", "deploy_straight/task.yaml", (1,)),
