@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import fcntl
 import json
+import os
 import random
+import shutil
 import subprocess
 import sys
 import time
@@ -12,12 +15,33 @@ from pathlib import Path
 
 import pytest
 
+from backends.saved_state import NotAState
+from evaluation.hostile.forging import reseal
+from evaluation.running import run_task
 from networks.acknowledging import NothingToAcknowledge, acknowledge
+from networks.checkpoint import load_checkpoint
 from networks.journal import Journal
 from networks.journal_record import read_journal
+from networks.run_folder import read_run_journal
+from networks.waiting import waiting
 
 ROOT = Path(__file__).resolve().parents[2]
 TASK = ROOT / "tasks" / "return_book" / "task.yaml"
+
+
+THERE_AND_BACK = """\
+format: handcart-task/1
+title: There and back
+robot: librarian
+world: world.yaml
+knowledge: {map: map.yaml, places: places.yaml, catalogue: catalogue.yaml, start: home}
+start: here
+goal: back
+situations: {here: {base: home}, there: {base: home}, back: {base: home}}
+actions:
+  - {do: MOVE_TO, from: here, to: there, cost_s: 30, with: {place: home}}
+  - {do: MOVE_TO, from: there, to: back, cost_s: 30, with: {place: home}}
+"""
 
 
 def killed(runs: Path, seconds: float) -> Path:
@@ -45,11 +69,20 @@ def finished(folder: Path) -> Counter[int]:
     return done
 
 
-@pytest.fixture
-def whole(handcart, tmp_path):
+@pytest.fixture(scope="module")
+def once(tmp_path_factory):
     """A run that came to its end, and what it said."""
-    said = handcart("run", TASK, "--runs", tmp_path / "whole", "--json")
-    return tmp_path / "whole" / "return_book-0", json.loads(said.out.splitlines()[-1])
+    runs = tmp_path_factory.mktemp("runs")
+    end, _ = run_task(TASK, runs, None, {}, 0, checkpoints=True)
+    return runs / "return_book-0", end
+
+
+@pytest.fixture
+def whole(once, tmp_path):
+    """A copy of it."""
+    folder = tmp_path / "whole" / "return_book-0"
+    shutil.copytree(once[0], folder, ignore=shutil.ignore_patterns("control"))
+    return folder, once[1]
 
 
 def cut(folder: Path, kind: str, number: int) -> None:
@@ -171,3 +204,118 @@ def test_a_give_up_is_latched_until_a_person_acknowledges_that_record(handcart, 
     with pytest.raises(NothingToAcknowledge):
         acknowledge(folder, number)
     assert "holds no checkpoint" in handcart("resume", folder).err
+
+
+def test_a_run_begun_elsewhere_is_gone_on_with(handcart, tour, tmp_path):
+    """A run begun with `--from`; and one that is over says so."""
+    tour.write_text(THERE_AND_BACK, encoding="utf-8")
+    handcart("run", tour, "--from", "there", "--runs", tmp_path / "runs")
+    folder = tmp_path / "runs" / f"{tour.parent.name}-0"
+    said = handcart("resume", folder)
+    assert (said.status, "is over: Success" in said.err) == (2, True)
+    cut(folder, "END", 0)
+    said = handcart("resume", folder, "--json")
+    assert said.status == 0
+    assert json.loads(said.out.splitlines()[-1])["situation"] == "back"
+
+
+def test_a_run_that_is_over_says_so_though_its_task_and_checkpoint_are_gone(handcart, whole):
+    """Nothing but the journal is read of it."""
+    folder, _ = whole
+    (folder / "checkpoint").write_bytes(b"cposix\nsystem\n(Vtrue\ntR.")
+    assert "is over: Success" in handcart("resume", folder).err
+
+
+def test_a_checkpoint_that_is_not_the_journals_is_refused(handcart, whole):
+    """That of action 8 beside a journal that ends before action 4: nothing begins again."""
+    folder, _ = whole
+    cut(folder, "START", 3)
+    before = (folder / "journal.jsonl").read_bytes()
+    said = handcart("resume", folder)
+    assert said.status == 6
+    assert "is not the one that its journal names: it is of action 8" in said.err
+    assert (folder / "journal.jsonl").read_bytes() == before
+
+
+def test_a_damaged_checkpoint_is_refused(handcart, whole):
+    """300 flipped bits, none of them taken; one of them through the command."""
+    folder, _ = whole
+    cut(folder, "END", 0)
+    path = folder / "checkpoint"
+    content = path.read_bytes()
+    rng = random.Random(0)
+    for _ in range(300):
+        damaged = bytearray(content)
+        damaged[rng.randrange(len(damaged))] ^= 1 << rng.randrange(8)
+        path.write_bytes(damaged)
+        with pytest.raises(NotAState):
+            load_checkpoint(folder)
+    said = handcart("resume", folder)
+    assert (said.status, "no saved state" in said.err) == (2, True)
+    path.unlink()
+    assert "holds no checkpoint" in handcart("resume", folder).err
+
+
+def test_a_damaged_last_start_leaves_that_action_in_doubt(handcart, whole):
+    """D3: never "not done"."""
+    folder, _ = whole
+    cut(folder, "START", 4)
+    path = folder / "journal.jsonl"
+    path.write_bytes(path.read_bytes() + b'{"q":99,"p":"damaged')
+    (folder / "checkpoint").unlink()
+    said = handcart("resume", folder)
+    assert "how far action 5" in said.err
+    assert "which is damaged, told of it" in said.err
+
+
+def test_a_real_robots_damaged_last_start_waits_for_a_person(whole):
+    """D3, N13: until somebody has said that all is as it was before it."""
+    folder, _ = whole
+    cut(folder, "START", 4)
+    reseal(folder, lambda records: records[0].update(simulated=False))
+    path = folder / "journal.jsonl"
+    number = len(read_journal(path).records)
+    path.write_bytes(path.read_bytes() + b'{"q":99,"p":"damaged')
+    assert waiting(read_run_journal(folder)) == {
+        number: f"record {number} is damaged: an action may have begun"
+    }
+    acknowledge(folder, number)
+    assert waiting(read_run_journal(folder)) == {}
+
+
+@pytest.mark.parametrize("word", ["resume", "ack"])
+def test_a_run_that_is_alive_is_left_alone(handcart, whole, word):
+    folder, _ = whole
+    cut(folder, "END", 0)
+    with (folder / "journal.jsonl").open("ab") as held:
+        fcntl.flock(held, fcntl.LOCK_EX)
+        said = handcart(word, folder, *(["0"] if word == "ack" else []))
+    assert said.status == 2
+    assert word == "ack" or f"the run in {folder} is alive" in said.err
+
+
+def test_a_journal_of_another_version_is_told(handcart, whole):
+    """D12"""
+    folder, _ = whole
+    cut(folder, "END", 0)
+    reseal(folder, lambda records: records[0].update(handcart="9.0"))
+    said = handcart("resume", folder)
+    assert (said.status, "run is one of handcart '9.0'" in said.err) == (6, True)
+    reseal(folder, lambda records: records[0].update(schema="handcart-journal/7"))
+    said = handcart("resume", folder)
+    assert (said.status, "'handcart-journal/7'" in said.err) == (6, True)
+
+
+def test_a_path_that_is_no_folder_of_a_run(handcart, tour, tmp_path):
+    """A link to nothing where the run's folder would be, and a path that is no UTF-8."""
+    (tmp_path / "runs").mkdir()
+    link = tmp_path / "runs" / f"{tour.parent.name}-0"
+    link.symlink_to(tmp_path / "nothing")
+    said = handcart("resume", link)
+    assert (said.status, "it is a link to nothing" in said.err) == (2, True)
+    tour.write_text(tour.read_text().replace("place: shelf_3", "place: home"), encoding="utf-8")
+    assert handcart("run", tour, "--runs", tmp_path / "runs").status == 0
+    assert not (tmp_path / "nothing").exists()
+    odd = os.fsdecode(bytes(tmp_path) + b"/\xff")
+    said = handcart("run", tour, "--runs", odd)
+    assert (said.status, "is no UTF-8" in said.err) == (2, True)
