@@ -8,11 +8,13 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from files.errors import InputError
+from files.errors import HandcartError, InputError
 from networks.evidence_files import FOLDER
 from networks.flight_recorder import END, SUFFIX
 from networks.hindsight import Choice, Option, Way, choice_of
+from networks.journal_record import JournalError
 from networks.past_run import PastAction, PastRun
+from networks.run_folder import JOURNAL
 
 FRAMES = "_frames.log"
 
@@ -78,7 +80,18 @@ def explain(run: PastRun, number: int | None = None) -> Explanation:
 
     Raises:
         NoSuchAction: there is none of that number.
+        JournalError: what the journal says makes no sense.
     """
+    try:
+        return _explained(run, number)
+    except HandcartError:
+        raise
+    except (LookupError, TypeError, ValueError, ArithmeticError, AttributeError) as error:
+        words = f"what it says makes no sense: {type(error).__name__}: {error}"
+        raise JournalError(run.folder / JOURNAL, words) from None
+
+
+def _explained(run: PastRun, number: int | None) -> Explanation:
     action = run.last_fail if number is None else _numbered(run, number)
     if action is None:
         readings, frames = _kept(run, f"{END}{SUFFIX}"), _kept(run, f"{END}{FRAMES}")

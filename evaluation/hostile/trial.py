@@ -14,6 +14,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from backends.saved_state import NotAState
 from evaluation.explanation import as_json, explain
 from evaluation.explanation_chart import draw_chart
 from evaluation.explanation_words import in_words
@@ -67,18 +68,23 @@ class Watch:
         elif event == "open" and isinstance(words[0], str | bytes | os.PathLike):
             self._opened(words[0], bool((words[2] or 0) & _WRITES))
         elif event in _CHANGES:
+            if len(words) > 1 and isinstance(words[-1], int) and words[-1] >= 0:
+                return  # relative to an open folder, whose opening was seen
             for each in words[:2]:
-                if isinstance(each, str | bytes | os.PathLike):
+                if isinstance(each, str | bytes | os.PathLike) and not _cache(each):
                     self._opened(Path(os.fsdecode(each)).parent, True)
 
     def _opened(self, path: Any, writes: bool) -> None:
         real = Path(os.path.realpath(os.fsdecode(path)))
         if real.is_relative_to(self.forbidden):
             self.seen.append(f"{real} was opened")
-        elif writes and not (
-            any(real.is_relative_to(each) for each in self.allowed) or "__pycache__" in real.parts
-        ):
+        elif writes and not (any(real.is_relative_to(each) for each in self.allowed) or _cache(real)):
             self.seen.append(f"{real} was written")
+
+
+def _cache(path: Any) -> bool:
+    """Whether Python or Numba keeps what it compiled there."""
+    return "__pycache__" in Path(os.fsdecode(path)).parts
 
 
 def _compiling() -> bool:
@@ -196,6 +202,8 @@ class _Tried:
         self._told("explain", self._explain)
         self._told("status", lambda: ask(self._folder, {"do": "status"}, 1.0))
         self.ended = self._told("resume", self._resume)
+        if self._attack is nothing and (self.ended == "put back") is not (self._original.kind == LEFT):
+            self._wrong.append(f"resume: a sound folder ends with {self.ended}")
         self._told("adopt", self._adopt)
         self._told("ack", lambda: acknowledge(self._folder, self._rng.randrange(12)))
         return self._wrong
@@ -227,21 +235,27 @@ class _Tried:
             draw_chart(told, path)
 
     def _resume(self) -> str:
-        to_the_end = self._original.recipe == "blocks" and self._number % _ENDS < _ENDS // 100
+        to_the_end = (
+            self._original.recipe == "blocks"
+            and self._attack is not nothing
+            and self._number % _ENDS < _ENDS // 100
+        )
         if to_the_end:
             return str(resume_task(self._folder, None, Quiet())[0]["outcome"])
         header, prepared = self._trials.prepared(self._folder)
         sound = self._attack in ACCIDENTS
         try:
             past = put_back(self._folder, header, prepared, Quiet())
-        except HandcartError:
-            if self._attack is nothing and self._original.kind == LEFT:
-                self._wrong.append("resume: a sound folder is refused")
-            self._doubt(sound)
-            raise
+        except NotAState as error:
+            if "needed: " not in str(error) or not sound:
+                raise
+            self._trials.forget()  # maybe refused only because that robot has gone on with another run
+            header, prepared = self._trials.prepared(self._folder)
+            past = put_back(self._folder, header, prepared, Quiet())
         if sound and past.checkpoint is not None and not self._true(header, prepared):
             self._wrong.append("resume: put back elsewhere than it stood")
-        self._doubt(sound)
+        if not sound and self._original.recipe == "physics":
+            self._trials.forget()  # an engine's world that was put somewhere odd
         return "put back"
 
     def _true(self, header: Any, prepared: Prepared) -> bool:
@@ -251,11 +265,6 @@ class _Tried:
         header, prepared = self._trials.prepared(self._folder)
         put_back(self._folder, header, prepared, Quiet())
         return state_of(prepared) == self._original.state
-
-    def _doubt(self, sound: bool) -> None:
-        """An engine's world that was put somewhere odd is not put back by another state."""
-        if not sound and self._original.recipe == "physics":
-            self._trials.forget()
 
     def _adopt(self) -> None:
         check_folder(self._folder)
