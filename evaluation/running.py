@@ -206,7 +206,7 @@ def resume_task(
             for words in (*recon.words(), past.next_words()):
                 told.say(words)
             past = past.after_look(recon, confirm)
-        judge = Judge(prepared, folder)
+        judge = _judge_going_on(prepared, folder)
         told.begin(prepared, folder)
         if claim is not None:
             claim.begin(folder)
@@ -223,6 +223,17 @@ def resume_task(
         )
         _report(prepared, folder, judge, told)
     return orjson.loads((folder / "summary.json").read_bytes()), end.exit_status
+
+
+def _judge_going_on(prepared: Prepared, folder: Path) -> Judge:
+    """The judge of a run that goes on: it takes up what it had noted in the run's folder."""
+    try:
+        return Judge(prepared, folder)
+    except (LookupError, TypeError, ValueError, AttributeError) as error:
+        told = (
+            f"what was noted in {folder} to judge the run by makes no sense: {type(error).__name__}: {error}"
+        )
+        raise NeedsOperator(printable(told)) from None
 
 
 def put_back(folder: Path, header: Mapping[str, Any], prepared: Prepared, told: Teller) -> Past:

@@ -235,12 +235,8 @@ class _Tried:
             draw_chart(told, path)
 
     def _resume(self) -> str:
-        to_the_end = (
-            self._original.recipe == "blocks"
-            and self._attack is not nothing
-            and self._number % _ENDS < _ENDS // 100
-        )
-        if to_the_end:
+        to_the_end = self._original.recipe == "blocks" and self._number % _ENDS < _ENDS // 100
+        if to_the_end and self._attack is not nothing:
             return str(resume_task(self._folder, None, Quiet())[0]["outcome"])
         header, prepared = self._trials.prepared(self._folder)
         sound = self._attack in ACCIDENTS

@@ -10,6 +10,8 @@ import numpy as np
 import pytest
 
 from backends.kinematic.kinematic_backend import KinematicBackend
+from backends.plain_values import to_plain
+from backends.pybullet.physics import Pinned
 from backends.saved_state import pack, unpack
 from backends.scene.book import Rest
 
@@ -211,7 +213,7 @@ def test_a_constraint_grasp_holds_and_a_restored_state_has_it_as_it_was(make, sp
     assert hand.backend.scene.held is book
     assert (book.pose - there)[2, 3] == pytest.approx(0.08, abs=1e-3)
     physics.set_state(held)
-    assert physics.pinned == held[1] is not None
+    assert to_plain(physics.pinned, Pinned) == held["pinned"] is not None
     assert np.abs(hand.backend._world.pose(book) - there).max() < 1e-6
     physics.set_state(free)
     assert physics.pinned is None
