@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -82,8 +83,15 @@ def explain(run: PastRun, number: int | None = None) -> Explanation:
         NoSuchAction: there is none of that number.
         JournalError: what the journal says makes no sense.
     """
-    try:
+    with relying_on_the_journal(run):
         return _explained(run, number)
+
+
+@contextmanager
+def relying_on_the_journal(run: PastRun) -> Iterator[None]:
+    """Raise `JournalError` where what a journal says makes no sense: somebody may have chained it anew."""
+    try:
+        yield
     except HandcartError:
         raise
     except (LookupError, TypeError, ValueError, ArithmeticError, AttributeError) as error:
@@ -167,7 +175,12 @@ def _kept(run: PastRun, name: str) -> Path | None:
 
 
 def as_json(told: Explanation, chart: Path | None) -> dict[str, Any]:
-    """All of it for programs."""
+    """All of it for programs; raises `JournalError` where the journal makes no sense."""
+    with relying_on_the_journal(told.run):
+        return _json(told, chart)
+
+
+def _json(told: Explanation, chart: Path | None) -> dict[str, Any]:
     run, header = told.run, told.run.header
     end = run.end
     return {

@@ -11,7 +11,7 @@ from networks.hindsight import Choice, Option, Way
 from networks.past_run import PastAction, PastRun
 from networks.planner import SKIP_WEIGHT
 
-from .explanation import Explanation, Residual
+from .explanation import Explanation, Residual, relying_on_the_journal
 
 CHECKS = {
     "observe": "while looking at what it will touch",
@@ -32,7 +32,16 @@ LONGEST = 6  # actions of a way that are named
 
 
 def in_words(told: Explanation, chart: Path | None) -> str:
-    """The run in one line per action, then the action that is explained."""
+    """The run in one line per action, then the action that is explained.
+
+    Raises:
+        JournalError: what the journal says makes no sense.
+    """
+    with relying_on_the_journal(told.run):
+        return _in_words(told, chart)
+
+
+def _in_words(told: Explanation, chart: Path | None) -> str:
     parts = [_head(told.run), _time_line(told.run, told.action)]
     if told.action is not None:
         parts += [_about(told.action), _chosen(told), _happened(told), _restored(told)]

@@ -14,8 +14,10 @@ import numpy as np
 import pytest
 
 from evaluation.campaign import Setting, run_trial
+from evaluation.explanation import explain
 from networks.flight_recorder import load_readings
 from networks.journal import Journal
+from networks.past_run import read_run
 
 ROOT = Path(__file__).resolve().parents[2]
 TASK = ROOT / "tasks" / "return_book" / "task.yaml"
@@ -197,3 +199,35 @@ def test_no_simulator_is_imported(runs: Callable[[str], Path]) -> None:
     said = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, cwd=ROOT, check=True)
     assert said.stdout.splitlines()[-1] == "[]"
     assert "Why it ended in Fail" in said.stdout
+
+
+def forged(folder: Path, header: dict[str, Any], do: str = "MOVE_TO") -> Path:
+    """A run's folder with a journal that is whole, and that no run wrote."""
+    folder.mkdir()
+    with Journal(folder / "journal.jsonl") as journal:
+        journal.append("RUN", 0.0, {"schema": "handcart-journal/1", **header})
+        action = {"index": 0, "do": do, "from": "a", "to": "b", "with": {}}
+        journal.append("START", 0.0, {"n": 1, "action": action})
+        fields = {"outcome": "Fail", "reason": "it failed", "permanent": False, "residuals": {}}
+        journal.append("RESULT", 1.0, {"n": 1, **fields})
+    return folder
+
+
+def test_a_journal_that_somebody_chained_anew_is_told_in_words(
+    handcart: Callable[..., Any], tmp_path: Path
+) -> None:
+    """D15: its header lacks what every run tells."""
+    said = handcart("explain", forged(tmp_path / "run", {}))
+    assert said.status == 5
+    assert "makes no sense: KeyError" in said.err
+    assert "Traceback" not in said.err
+
+
+def test_evidence_is_looked_for_in_the_runs_folder_alone(tmp_path: Path) -> None:
+    """D15: whatever an action is called."""
+    (tmp_path / "001_secret_Fail_readings.npz").write_bytes(b"not for this")
+    folder = forged(tmp_path / "run", {"task": "t", "backend": "b", "seed": 0}, "/../../../001_secret")
+    (folder / "evidence" / "001_").mkdir(parents=True)
+    assert (folder / "evidence" / "001_/../../../001_secret_Fail_readings.npz").is_file()
+    told = explain(read_run(folder))
+    assert (told.readings, told.points, told.picture) == (None, None, None)
