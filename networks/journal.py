@@ -199,10 +199,10 @@ class Journal:
         return JournalError(self.path, reason)
 
 
-def check_not_alive(folder: Path) -> None:
+def check_not_alive(folder: Path, name: str = "journal.jsonl") -> None:
     """Raise `RunAlive` where another process writes the journal in a run's folder."""
     try:
-        file = os.open(folder / "journal.jsonl", os.O_RDONLY | os.O_CLOEXEC | os.O_NOFOLLOW | os.O_NONBLOCK)
+        file = os.open(folder / name, os.O_RDONLY | os.O_CLOEXEC | os.O_NOFOLLOW | os.O_NONBLOCK)
     except OSError:
         return  # who reads it tells of that
     try:

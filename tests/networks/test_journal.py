@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from networks.journal import Journal
+from networks.journal import Journal, RunAlive, check_not_alive
 from networks.journal_record import JournalError, read_journal
 
 
@@ -179,3 +179,89 @@ def test_replaced_file(tmp_path):
 def test_what_is_no_json(tmp_path):
     with Journal(tmp_path / "j.jsonl") as journal, pytest.raises(JournalError, match="no JSON"):
         journal.append("ONE", 0.0, {"thing": object()})
+
+
+def test_going_on_holds_the_lock(tmp_path):
+    """K11: two processes never write one journal."""
+    path = tmp_path / "j.jsonl"
+    written(path)
+    contents = read_journal(path)
+    with Journal.go_on(path, contents):
+        with pytest.raises(RunAlive, match="is alive"):
+            Journal.go_on(path, contents)
+        with pytest.raises(RunAlive):
+            check_not_alive(tmp_path, path.name)
+    check_not_alive(tmp_path, path.name)
+    Journal.go_on(path, contents).close()
+
+
+def test_going_on_with_what_has_changed_since(tmp_path):
+    path = tmp_path / "j.jsonl"
+    written(path)
+    before = read_journal(path)
+    with Journal.go_on(path, before) as journal:
+        journal.append("MORE", 1.0, {})
+    with pytest.raises(JournalError, match="has changed since it was read"):
+        Journal.go_on(path, before)
+
+
+def test_going_on_follows_no_link(tmp_path):
+    """D14."""
+    path = tmp_path / "j.jsonl"
+    written(path)
+    contents = read_journal(path)
+    path.rename(tmp_path / "away")
+    path.symlink_to(tmp_path / "away")
+    with pytest.raises(JournalError, match="can't be opened"):
+        Journal.go_on(path, contents)
+
+
+def test_a_torn_tail_is_kept_beside_and_nothing_is_written_through_a_link(tmp_path):
+    """D1, D14: not even where the tail's copy goes."""
+    path = tmp_path / "j.jsonl"
+    whole = written(path)
+    path.write_bytes(whole + b'{"q":9')
+    contents = read_journal(path)
+    (tmp_path / "keep").write_bytes(b"mine")
+    torn = path.with_name(f"{path.name}.torn-{len(whole)}")
+    torn.symlink_to(tmp_path / "keep")
+    Journal.go_on(path, contents).close()
+    assert (tmp_path / "keep").read_bytes() == b"mine"
+    assert (torn.read_bytes(), path.read_bytes()) == (b'{"q":9', whole)
+
+
+def test_what_is_cut_off_and_the_folder_are_brought_to_the_disk(tmp_path, monkeypatch):
+    """D13: a journal that is new, or shorter, is so after a power cut too."""
+    synced, real = [], os.fsync
+    monkeypatch.setattr(os, "fsync", lambda file: (synced.append(os.fstat(file).st_ino), real(file)))
+    path = tmp_path / "j.jsonl"
+    whole = written(path)
+    assert tmp_path.stat().st_ino in synced
+    synced.clear()
+    path.write_bytes(whole + b"torn")
+    Journal.go_on(path, read_journal(path)).close()
+    assert path.stat().st_ino in synced
+
+
+def test_a_short_write_after_going_on_is_cut_back_to_what_was_there(tmp_path, monkeypatch):
+    """D7"""
+    path, real = tmp_path / "j.jsonl", os.write
+    whole = written(path)
+    with Journal.go_on(path, read_journal(path)) as journal:
+        monkeypatch.setattr(os, "write", lambda file, line: real(file, line[:5]))
+        with pytest.raises(JournalError, match="No space left"):
+            journal.append("MORE", 1.0, {})
+        monkeypatch.setattr(os, "write", real)
+    assert path.read_bytes() == whole
+
+
+def test_a_sound_record_of_another_journal_breaks_the_chain(tmp_path):
+    """D2: its own checksum is right, and so is its number."""
+    lines = written(tmp_path / "j.jsonl").splitlines(keepends=True)
+    with Journal(tmp_path / "other.jsonl", clock=lambda: 0.0) as other:
+        for number in range(2):
+            other.append("STEP", 9.0, {"n": number})
+    foreign = (tmp_path / "other.jsonl").read_bytes().splitlines(keepends=True)[1]
+    (tmp_path / "j.jsonl").write_bytes(b"".join([lines[0], foreign, *lines[2:]]))
+    with pytest.raises(JournalError, match="record 1"):
+        read_journal(tmp_path / "j.jsonl")

@@ -237,6 +237,15 @@ def test_a_checkpoint_that_is_not_the_journals_is_refused(handcart, whole):
     assert (folder / "journal.jsonl").read_bytes() == before
 
 
+def test_a_checkpoint_one_ahead_of_another_journal_is_refused(handcart, whole):
+    """Only the one that was kept right after the journal's last record is taken."""
+    folder, _ = whole
+    cut(folder, "RESULT", -1)
+    reseal(folder, lambda records: records[-1].update(t=records[-1]["t"] + 1.0))
+    said = handcart("resume", folder)
+    assert (said.status, "is not the one that its journal names" in said.err) == (6, True)
+
+
 def test_a_damaged_checkpoint_is_refused(handcart, whole):
     """300 flipped bits, none of them taken; one of them through the command."""
     folder, _ = whole
