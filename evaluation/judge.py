@@ -2,88 +2,34 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Mapping
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-
 from backends.robot import Robot
-from backends.robot_file import RobotFile
 from networks.events import Ended, Event, Started
 from networks.preparing import Prepared
 from networks.run_end import RunEnd
 from networks.telemetry import Telemetry
 from primitives.outcome import Fail, Success
-from robotics.geometry.pose2 import Pose2
-from robotics.geometry.transform import difference
 
 from .block_survey import BlockSurvey
 from .camera_survey import camera_figures
+from .contact_survey import ContactSurvey
+from .effects import STACKED_MM, arrival, false_effect
 from .field_survey import FieldSurvey
+from .ground_truth import GroundTruth, ground_truth, not_restored
 from .laser_survey import LaserSurvey
+from .localisation_survey import LocalisationSurvey
 from .seam_survey import SeamSurvey
 from .shelving import Shelving, shelving
 from .stop_errors import stop_errors
 from .survey_notes import SurveyNotes
 
-SIGMAS = 5.0
-BASE_SIGMA_MM, BASE_SIGMA_DEG = 4.0, 0.09  # of a base pose measured by matching scans with the map
-JOINT_SIGMA_DEG = 0.01  # encoders and repeatability
 CALIBRATE_CAMERA, CALIBRATE_SUSPENSION = "CALIBRATE_CAMERA", "CALIBRATE_SUSPENSION"
 NOTES = "judged.jsonl"
 NOTED = ("_driven", "_labels", "_frames", "_uncorrected", "_figures", "untrue")
+MOVE_TO = "MOVE_TO"
 RELEASE, STACK = "RELEASE", "STACK"  # a task without them returns no book, stacks no block
-OBJECT_SIGMA_MM = 1.5  # of an object seen by the camera
-MOST_OFF_MM = (
-    8.0 + SIGMAS * 0.5
-)  # of a block that counts as put where it goes: STACK's own limit and its sensor's
-
-
-@dataclass(frozen=True)
-class Truth:
-    """The true state of robot and world at one instant."""
-
-    base: Pose2
-    joints: NDArray[np.float64]
-    held: str | None
-    things: Mapping[str, NDArray[np.float64]]
-    """world_T_thing of books and blocks by name; of the held one, hand_T_held."""
-
-
-def truth_of(scene: Any) -> Truth:
-    """Read the scene of a simulated backend."""
-    held = scene.held.name if scene.held is not None else None
-    every = (*scene.books.values(), *scene.blocks.values())
-    things = {thing.name: thing.pose.copy() for thing in every}
-    if held is not None:
-        things[held] = scene.hand_T_held.copy()
-    return Truth(scene.base, scene.joints.copy(), held, things)
-
-
-def broken_promises(before: Truth, after: Truth, robot: RobotFile) -> list[str]:
-    """What a Fail claims to have restored and did not: beyond tolerance plus 5 sigma of its sensors."""
-    tolerance = robot.tolerance
-    far = 1e3 * before.base.distance(after.base)
-    turned = math.degrees(before.base.turn(after.base))
-    off = math.degrees(float(np.abs(before.joints - after.joints).max())) if before.joints.size else 0.0
-    checks = [
-        ("base_mm", far, tolerance.base_mm + SIGMAS * BASE_SIGMA_MM),
-        ("base_deg", turned, tolerance.base_deg + SIGMAS * BASE_SIGMA_DEG),
-        ("joints_deg", off, tolerance.joints_deg + SIGMAS * JOINT_SIGMA_DEG),
-    ]
-    # What stands on the robot rides on the base, so the base's own tolerance comes on top.
-    room = tolerance.object_mm + SIGMAS * OBJECT_SIGMA_MM + tolerance.base_mm + SIGMAS * BASE_SIGMA_MM
-    for name, pose in before.things.items():
-        moved = 1e3 * difference(pose, after.things[name])[0]
-        checks.append((f"{name} mm", moved, room))
-    wrong = [f"{name} {size:.1f} (at most {most:.1f})" for name, size, most in checks if size > most]
-    if before.held != after.held:
-        wrong.append(f"held {before.held}, then {after.held}")
-    return wrong
 
 
 class Judge:
@@ -94,9 +40,9 @@ class Judge:
 
         In the run's `folder` is noted what a run that breaks off couldn't tell again.
         """
-        self._robot = prepared.robot.spec
+        self._prepared, self._robot = prepared, prepared.robot.spec
         self._scene: Any = getattr(prepared.backend, "scene", None)
-        self._start: Truth | None = None
+        self._start: GroundTruth | None = None
         self._at, self._driven = prepared.robot.reckoned, 0.0
         self._labels = 0
         self._figures: dict[str, float] = {}
@@ -118,6 +64,11 @@ class Judge:
         """What was seen of sensors that are laid."""
         if self._scene is not None and prepared.model.targets:
             self.field = FieldSurvey(self._scene, prepared.model, prepared.seed, folder)
+        self._contacts: ContactSurvey | None = None
+        self._localisation: LocalisationSurvey | None = None
+        if self._scene is not None:
+            self._contacts = ContactSurvey(self._scene, prepared.model)
+            self._localisation = LocalisationSurvey(self._scene)
         self._shelving: Shelving | None = None
         shelves = any(action.do == RELEASE for action in prepared.task.network.actions)
         if shelves and self._scene is not None and self._scene.tray_book() is not None:
@@ -131,6 +82,10 @@ class Judge:
         """A period has passed."""
         self._driven += robot.reckoned.distance(self._at)
         self._at = robot.reckoned
+        if self._contacts is not None:
+            self._contacts.look(robot)
+        if self._localisation is not None:
+            self._localisation.look(robot)
         if self._survey is not None:
             self._survey.look()
         if self.seam is not None:
@@ -142,10 +97,11 @@ class Judge:
 
     def __call__(self, event: Event) -> None:
         """Take the truth down when an action starts, compare when it has ended."""
-        if self._scene is None:
+        if self._scene is None or self._contacts is None:
             return
         if isinstance(event, Started):
-            self._start = truth_of(self._scene)
+            self._start = ground_truth(self._prepared.backend)
+            self._contacts.started(event.number, event.primitive)
             if self.seam is not None:
                 self.seam.started(event.primitive)
             if event.action.do == CALIBRATE_SUSPENSION:
@@ -157,18 +113,49 @@ class Judge:
             self._frames += int(event.primitive.facts.get("frames", 0))
             if getattr(event.primitive, "onto", "") == "goal":
                 self._uncorrected &= getattr(event.primitive, "method", "") == "fix_once"
+            wrong = self._wrong(event)
             if isinstance(event.outcome, Success):
                 self._figures |= stop_errors(self._scene, event) | self._calibrated(event)
-            if isinstance(event.outcome, Fail) and self._start is not None:
-                for wrong in broken_promises(self._start, truth_of(self._scene), self._robot):
-                    self.untrue.append(f"{event.number}. {event.action.do} Fail: {wrong}")
+                self._take_arrival(event)
+            word = type(event.outcome).__name__
+            self.untrue += [f"{event.number}. {event.action.do} {word}: {each}" for each in wrong]
             self._note()
+
+    def _wrong(self, event: Ended) -> list[str]:
+        """What the outcome of an action claims and isn't so, in words."""
+        assert self._contacts is not None
+        touched = self._contacts.ended()
+        after = ground_truth(self._prepared.backend)
+        if self._start is None or after is None:
+            return []
+        if isinstance(event.outcome, Fail):
+            return not_restored(self._start, after, self._robot)
+        if not isinstance(event.outcome, Success):
+            return []
+        model = self._prepared.model
+        false = false_effect(event.primitive, self._prepared.robot, model, self._start)
+        return false + [str(each) for each in touched]
+
+    def _take_arrival(self, event: Ended) -> None:
+        """How far from its places the base came to stand: the worst of the run."""
+        if event.action.do != MOVE_TO:
+            return
+        place = str(getattr(event.primitive, "place", ""))
+        off, turned = arrival(self._prepared.robot, place, self._prepared.model)
+        for name, size in (("arrival_mm_max", round(off, 2)), ("arrival_deg_max", round(turned, 3))):
+            self._figures[name] = max(size, self._figures.get(name, 0.0))
 
     def _note(self) -> None:
         """Note what a run that breaks off after this action couldn't tell again."""
         if self._notes is None:
             return
-        parts = {"blocks": self._survey, "seam": self.seam, "books": self._shelving}
+        parts = {
+            "blocks": self._survey,
+            "seam": self.seam,
+            "books": self._shelving,
+            "contacts": self._contacts,
+            "localisation": self._localisation,
+        }
         note = {name: part.notes() for name, part in parts.items() if part is not None}
         self._notes.add(self._scene.time, {name: getattr(self, name) for name in NOTED} | note)
 
@@ -184,6 +171,10 @@ class Judge:
             self._survey.go_on(last["blocks"])
         if self.seam is not None:
             self.seam.go_on(last["seam"])
+        if self._contacts is not None:
+            self._contacts.go_on(last["contacts"])
+        if self._localisation is not None:
+            self._localisation.go_on(last["localisation"])
         if "books" in last:
             self._shelving = Shelving.noted(last["books"])
 
@@ -205,6 +196,8 @@ class Judge:
     def metrics(self, prepared: Prepared, end: RunEnd, telemetry: Telemetry) -> dict[str, Any]:
         """The figures of a run that has ended."""
         figures: dict[str, Any] = {"path_length_m": round(self._driven, 3), **self._figures}
+        if self._localisation is not None:
+            figures |= self._localisation.figures()
         if self._survey is not None:
             figures |= self._survey.figures(self._uncorrected) | {"frames": self._frames}
             self._judge_blocks(end)
@@ -218,6 +211,8 @@ class Judge:
             figures |= stands.figures() | {"labels_read": self._labels}
             if end.outcome == "Success" and not stands.right:
                 self.untrue.append(f"Success: {stands}")
+        if self._contacts is not None:
+            figures |= self._contacts.figures()
         figures["untrue"] = self.untrue
         return figures
 
@@ -233,7 +228,7 @@ class Judge:
         goals = len(self._survey.plan.goals)
         errors = self._survey.errors()
         far = [
-            f"block {error.number} is {error.size:.1f} mm off" for error in errors if error.size > MOST_OFF_MM
+            f"block {error.number} is {error.size:.1f} mm off" for error in errors if error.size > STACKED_MM
         ]
         missing = goals - len(errors)
         if end.outcome == "Success" and (far or missing):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from abc import ABC, abstractmethod
-from collections.abc import Generator, Mapping
+from collections.abc import Generator, Mapping, Sequence
 from typing import ClassVar
 
 from pydantic import PrivateAttr
@@ -15,10 +15,11 @@ from files.model import FileModel
 
 from .evidence import Evidence
 from .intents import UNKEPT, Intents
+from .meant_contact import MeantContact
 from .retrace import retrace
 from .snapshot import Seen, Snapshot
 from .trace import Trace
-from .world_model import ModelView
+from .world_model import ModelView, WorldModel
 
 Periods = Generator[None, None, None]
 
@@ -80,6 +81,13 @@ class ActionPrimitive(FileModel, ABC):
     def restore(self, robot: Robot, model: ModelView, start: Snapshot, trace: Trace) -> Periods:
         """Bring everything back to `start`; by default the recorded motion is played backwards."""
         yield from retrace(robot, start, trace)
+
+    def meant_contacts(self, model: WorldModel) -> Sequence[MeantContact]:
+        """What it means to touch; whatever else the robot runs into makes its Success untrue.
+
+        Asked by those who see the ground truth, when something is touched; nobody acts on it.
+        """
+        return ()
 
     def finish(self, robot: Robot, model: ModelView) -> Periods:
         """After a point of no return: bring the robot out of the way; nothing is retraced."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import Annotated, ClassVar
 
 import numpy as np
@@ -20,11 +21,12 @@ from .action_primitive import ActionPrimitive, Periods
 from .discrepancy import Discrepancy, Measured
 from .field import Field
 from .grip import open_to
+from .meant_contact import MeantContact
 from .place_name import TargetName
-from .sensor_arm import TOUCHES, SensorArm
+from .sensor_arm import TOUCHES, SensorArm, sensor_contact
 from .snapshot import settle
 from .target import Laid, Target
-from .world_model import ModelView
+from .world_model import ModelView, WorldModel
 
 SLOW = 0.03  # [m/s] of the slide
 NEAR = 0.03  # [m] above the ground, from where the sensor is lowered slowly
@@ -32,6 +34,7 @@ UNEVEN = 0.12  # [m] by which the ground may be higher or lower there than under
 REFINED = 0.002  # [m] by which a better estimate moves the tip once more
 REFINED_MOST = 0.3  # [m] by which it may, just above the ground
 ROOM = 0.010  # [m] that the fingers open wider than the sensor
+GROUND = ("the ground", "floor")  # as worlds call it
 LIFTED = 0.20  # [m] that the open fingers are lifted off the sensor before the base drives on
 
 Vector = NDArray[np.float64]
@@ -90,6 +93,10 @@ class Deploy(ActionPrimitive):
             yield from arm.slide(max(0.0, float(robot.arm.command()[2]) - LIFTED))
         else:
             yield from arm.stow()
+
+    def meant_contacts(self, model: WorldModel) -> Sequence[MeantContact]:
+        """The sensor, and the ground that it is put on."""
+        return sensor_contact(model, self.target), *(MeantContact("held", name) for name in GROUND)
 
     def finish(self, robot: Robot, model: ModelView) -> Periods:
         """Lift the slide and bring the arm back."""

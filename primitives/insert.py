@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Generator
+from collections.abc import Generator, Sequence
 from typing import ClassVar, Literal
 
 import numpy as np
@@ -17,8 +17,10 @@ from robotics.geometry.transform import Transform, inverse, transform
 
 from .action_primitive import ActionPrimitive, Periods
 from .arm_motion import held_box, move_straight, move_to_joints
+from .book_row import row_contacts
 from .discrepancy import Discrepancy, Measured, NeedsPerson
 from .grip import hand_to_spine, hand_to_tips, holds, opening
+from .meant_contact import MeantContact
 from .place_name import PlaceName
 from .pushing import Pushed, push, relax
 from .retrace import retrace
@@ -26,7 +28,7 @@ from .shelf_front import measure_shelf
 from .snapshot import Snapshot
 from .taught import taught_postures
 from .trace import Trace
-from .world_model import ModelView
+from .world_model import ModelView, WorldModel
 
 TIPS_BEFORE = 0.007  # [m] that the finger tips stay before the shelf's front: spines stand 3 mm before it
 SPEED = 0.02  # [m/s]
@@ -126,6 +128,10 @@ class Insert(ActionPrimitive):
             raise Discrepancy("the hand doesn't reach where the push ends", measured=left)
         return holds(robot, model.book)
         yield
+
+    def meant_contacts(self, model: WorldModel) -> Sequence[MeantContact]:
+        """The book, held: the board and what bounds its slot."""
+        return row_contacts(model, self.shelf)
 
     def restore(self, robot: Robot, model: ModelView, start: Snapshot, trace: Trace) -> Periods:
         """Pull straight back."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import Annotated, ClassVar
 
 import numpy as np
@@ -25,12 +25,14 @@ from .action_primitive import ActionPrimitive, Periods
 from .discrepancy import Discrepancy, Measured, NeedsPerson
 from .driving import HORIZON, FieldLookout, Lookout, goal_pose, make_lookout, plan_tracker
 from .knowledge import Place
+from .meant_contact import MeantContact
 from .on_the_way import arm_on_the_way
 from .place_name import PlaceName
 from .retrace import LONGEST_REACH, reach_pose, retrace
+from .sensor_arm import sensor_contact
 from .snapshot import Snapshot, settle
 from .trace import Trace
-from .world_model import ModelView
+from .world_model import ModelView, WorldModel
 
 ARRIVED = PoseTolerance(position=0.02, heading=0.01)
 DOCKED = PoseTolerance(position=0.004, heading=0.003)
@@ -160,6 +162,10 @@ class MoveTo(ActionPrimitive):
                 f"an obstacle stands on the path to {self.place}, at ({x:.2f}, {y:.2f}) m",
                 measured=Measured("RangeSensor", "free way ahead", found[0], HORIZON, "m"),
             )
+
+    def meant_contacts(self, model: WorldModel) -> Sequence[MeantContact]:
+        """Nothing but the sensor that the arm takes meanwhile."""
+        return (sensor_contact(model, self.place),) if self.together else ()
 
     def restore(self, robot: Robot, model: ModelView, start: Snapshot, trace: Trace) -> Periods:
         """Drive back the way it came; what stands there now is waited for."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Generator
+from collections.abc import Generator, Sequence
 from typing import ClassVar, Literal
 
 from pydantic import PrivateAttr
@@ -20,12 +20,13 @@ from .arm_motion import held_box, move_straight, move_to_joints, move_to_pose, m
 from .discrepancy import Discrepancy, Measured
 from .grip import GRIP_HEIGHT, close_on, hand_to_spine, holds, open_to, opening
 from .knowledge import Book
+from .meant_contact import MeantContact, name_of_book
 from .pushing import push
 from .retrace import retrace
 from .snapshot import Seen, Snapshot, settle
 from .taught import taught_postures
 from .trace import Trace
-from .world_model import ModelView
+from .world_model import ModelView, WorldModel
 
 BEFORE = 0.05  # [m] before the grip from which the hand goes in straight
 LIFT = 0.12  # [m]: clear of the tray's rim and of what lies on it
@@ -116,6 +117,11 @@ class PickUp(ActionPrimitive):
         """The fingers press on something as thick as the book."""
         return model.book is not None and holds(robot, model.book)
         yield
+
+    def meant_contacts(self, model: WorldModel) -> Sequence[MeantContact]:
+        """Its book, which stands on the tray."""
+        book = "" if model.book is None else name_of_book(model.book)
+        return MeantContact("hand", book), MeantContact("held", "tray")
 
     def restore(self, robot: Robot, model: ModelView, start: Snapshot, trace: Trace) -> Periods:
         """Played backwards, the lifted book stands on the tray again before the fingers open."""

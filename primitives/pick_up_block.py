@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Generator
+from collections.abc import Generator, Sequence
 from typing import ClassVar, Literal
 
 import numpy as np
@@ -21,12 +21,14 @@ from .building import Building
 from .discrepancy import Discrepancy, Measured, NeedsPerson
 from .grip import close, open_to
 from .hand_down import building, gripping, held_block, on_level, standing, surroundings
+from .meant_contact import MeantContact, name_of_block
 from .place_name import BlockNumber
 from .pushing import push
 from .retrace import retrace
 from .snapshot import Snapshot
+from .supports import TRAY, held_on
 from .trace import Trace
-from .world_model import ModelView
+from .world_model import ModelView, WorldModel
 
 ABOVE = 0.06  # [m] over the grip, where the hand waits before it goes straight down and after it came up
 OPEN = 0.020  # [m] wider than the block
@@ -88,6 +90,15 @@ class PickUpBlock(ActionPrimitive):
         """The fingers press on something as long as a block."""
         return _grips(robot, building(model))
         yield
+
+    def meant_contacts(self, model: WorldModel) -> Sequence[MeantContact]:
+        """Its block, and what that stands on."""
+        own, plan = MeantContact("hand", name_of_block(self.number)), model.building
+        if self.at == "robot":
+            return own, MeantContact("held", TRAY)
+        if plan is None or self.number > len(plan.supply):
+            return (own,)
+        return own, *held_on(plan, plan.supply[self.number - 1], plan.supply)
 
     def restore(self, robot: Robot, model: ModelView, start: Snapshot, trace: Trace) -> Periods:
         """Played backwards, the block stands where it stood; then a picture tells whether it does."""

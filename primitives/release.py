@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Generator
+from collections.abc import Sequence as Several
 from typing import ClassVar
 
 import numpy as np
@@ -23,14 +24,16 @@ from robotics.perception.overlay import draw_overlay
 
 from .action_primitive import Periods
 from .arm_motion import move_straight, move_to_posture, shelf_boxes
+from .book_row import row_contacts
 from .discrepancy import Discrepancy, Measured
 from .grip import GRIP_HEIGHT, close, hand_to_tips, holds, open_to, opening
+from .meant_contact import MeantContact, name_of_book
 from .place_name import PlaceName
 from .pushing import push, relax
 from .shelf_front import measure_shelf
 from .snapshot import settle
 from .tree_primitive import GeneratorBehaviour, TreePrimitive
-from .world_model import ModelView
+from .world_model import ModelView, WorldModel
 
 LOWER_SPEED = 0.01  # [m/s]
 STANDS = 3.0  # [N] from below that mean that the book stands on the board
@@ -149,6 +152,11 @@ class Release(TreePrimitive):
         stands = self._stands(labels, model)
         yield from self._put_away(robot, model)
         return stands
+
+    def meant_contacts(self, model: WorldModel) -> Several[MeantContact]:
+        """Its book, which the fingers push home; held, the board and what bounds its slot."""
+        own = "" if model.book is None else name_of_book(model.book)
+        return MeantContact("hand", own), *row_contacts(model, self.shelf)
 
     def finish(self, robot: Robot, model: ModelView) -> Periods:
         """Pull the hand back from the shelf, and put the arm away."""

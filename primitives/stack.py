@@ -37,11 +37,13 @@ from .hand_down import (
     standing,
     surroundings,
 )
+from .meant_contact import MeantContact, name_of_block
 from .pick_up_block import ABOVE, OPEN
 from .place_name import BlockNumber
 from .pushing import push, relax
 from .snapshot import settle
-from .world_model import Fixed, ModelView, Placed
+from .supports import TRAY, held_on
+from .world_model import Fixed, ModelView, Placed, WorldModel
 
 NEAR = 0.010  # [m] above the expected contact, where the guarded descent begins
 PAST = 0.012  # [m] below it, where there should have been contact
@@ -111,6 +113,15 @@ class Stack(ActionPrimitive):
             yield from self._check(robot, model, plan, goal)
         if self.stow:
             yield from move_to_posture(robot, "home", around=surroundings(robot, model))
+
+    def meant_contacts(self, model: WorldModel) -> Sequence[MeantContact]:
+        """Its block, and what carries that where it goes."""
+        own, plan = MeantContact("hand", name_of_block(self.number)), model.building
+        if self.onto == "robot":
+            return own, MeantContact("held", TRAY)
+        if plan is None or self.number > len(plan.goals):
+            return (own,)
+        return own, *held_on(plan, plan.goals[self.number - 1], plan.goals)
 
     def _goal(self, plan: Building) -> Standing:
         if self.onto == "robot":

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Mapping
+from collections.abc import Mapping, Set
 from pathlib import Path
 from typing import Any
 
@@ -24,7 +24,7 @@ from backends.scene.person import Person
 from backends.scene.scene import Scene, build_scene
 from backends.scene.simulated_gps import SimulatedGps
 from backends.scene.simulated_positioning import SimulatedPositioning
-from backends.scene.thing import Rest, Thing
+from backends.scene.thing import Thing
 from backends.scene.world_file import MissingWorld, WorldFile
 from robotics.geometry.transform import Transform, inverse
 
@@ -43,7 +43,7 @@ from .robot_body import RobotBody
 from .scene_sync import SceneSync
 from .suspension_springs import SuspensionSprings
 from .terrain import Terrain
-from .touch import Pairs, Touch
+from .touch import Touch
 from .wheel_drives import WheelDrives
 from .world_bodies import WorldBodies
 
@@ -255,7 +255,9 @@ class PyBulletBackend(Backend):
         if self._arm is not None and self._arm.swung:
             self._base.give(self._arm.swing_yaw())
         held = None if self._held is None else self._world.bodies[self._held.name]
+        riding = self._riding()
         chunks, felt = self._physics.chunks, np.zeros(3)
+        touched: set[tuple[str, str]] = set()
         for chunk in range(chunks):
             if self._magazine is not None:
                 self._magazine.hold()
@@ -267,11 +269,13 @@ class PyBulletBackend(Backend):
             if self._arm is not None:
                 self._arm.act(chunk / chunks, self.period)
             self._physics.step()
+            self._touch.stepped()
+            touched |= self._touch.pairs(held, riding)
             if self._arm is not None and chunk >= chunks - _FELT:
                 felt += self._touch.force(held) / min(_FELT, chunks)
-        self._end_period(felt)
+        self._end_period(felt, touched)
 
-    def _end_period(self, felt: np.ndarray) -> None:
+    def _end_period(self, felt: np.ndarray, touched: Set[tuple[str, str]]) -> None:
         self._base.read()
         self._sync.base()
         if self._springs is not None:
@@ -293,7 +297,8 @@ class PyBulletBackend(Backend):
             turn = self._body.link_pose("hand")[:3, :3]
             self.scene.hand_force = self._arm.force = turn.T @ felt
             self._arm.load = self._load()
-        self.scene.touch(self._touching())
+        taken = "" if self._held is None else self._held.name
+        self.scene.touch(frozenset(pair for pair in touched if pair[1] != taken))
 
     def _find_held(self) -> Thing | None:
         """The book or block between fingers that press."""
@@ -315,11 +320,9 @@ class PyBulletBackend(Backend):
         middle = self._held.pose @ self._held.thing_T_middle
         return self._world.mass(self._held), (inverse(self._body.base_pose()) @ middle)[:3, 3]
 
-    def _touching(self) -> Pairs:
-        bodies = self._world.bodies
-        held = None if self._held is None else bodies[self._held.name]
-        riding = [bodies[each.name] for each in self.scene.things() if each.rest is Rest.TRAY]
-        return self._touch.pairs(held, riding)
+    def _riding(self) -> list[int]:
+        """Bodies of what stands on the robot."""
+        return [self._world.bodies[each.name] for each in self.scene.riding()]
 
     def state(self) -> dict[str, Any]:
         """See `Backend`."""

@@ -26,6 +26,11 @@ class Touch:
         self._hand = set() if last_joint is None else body.links_behind(last_joint)
         self._rolling = {*body.casters, *(name for name in body.link_index if name.endswith("wheel"))}
         self._fingers = [body.link_index[name] for name in FINGERS if name in body.link_index]
+        self._read: dict[int, list[tuple[Any, ...]]] = {}
+
+    def stepped(self) -> None:
+        """The engine has moved on: what was read of it is old."""
+        self._read.clear()
 
     def gripped(self) -> int | None:
         """Body of the book or block that both fingers touch from its two sides."""
@@ -53,7 +58,7 @@ class Touch:
         return total * self._physics.substeps
 
     def pairs(self, held: int | None, riding: Collection[int]) -> Pairs:
-        """Names of what touches: a link, "base" or "held book", and what it ran into.
+        """Names of what touches now: a link, "base" or "held book", and what it ran into.
 
         Args:
             held: the body in the hand.
@@ -74,7 +79,9 @@ class Touch:
         return frozenset(found)
 
     def _points(self, body: int) -> list[tuple[Any, ...]]:
-        return [point for point in self._physics.contacts(body) if point[9] > 0.0]
+        if body not in self._read:
+            self._read[body] = [point for point in self._physics.contacts(body) if point[9] > 0.0]
+        return self._read[body]
 
 
 def _force(point: tuple[Any, ...]) -> NDArray[np.float64]:

@@ -1,4 +1,4 @@
-"""Whether the arm, or what it holds, stands in something solid."""
+"""Whether the arm, what it holds, or what rides on the base stands in something solid."""
 
 from __future__ import annotations
 
@@ -10,10 +10,10 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from robotics.geometry.pose2 import Pose2
-from robotics.geometry.transform import Transform
+from robotics.geometry.transform import Transform, inverse
 from robotics.kinematics.arm_model import ArmModel
 from robotics.kinematics.coal_bodies import coal_body
-from robotics.kinematics.shapes import Box, Shape, radius_about
+from robotics.kinematics.shapes import Box, Shape, radius_about, top
 
 from .scene import Scene
 from .thing import Rest
@@ -29,7 +29,7 @@ Body = tuple[str, object, Transform, float]
 
 
 class Touch(NamedTuple):
-    """The deepest overlap of the arm with a solid."""
+    """The deepest overlap with a solid."""
 
     depth: float
     """[m]"""
@@ -43,9 +43,10 @@ FREE = Touch(0.0, "", "")
 class ArmContact:
     """Overlaps of the moved links, fingers and held book with the world's solids and the books in it.
 
-    The arm against itself and its own base is not checked (a planner's task), the hand and the held book
-    against all that the arm doesn't move (base, tray, column) are. Spheres about the bodies sort out what is
-    far; coal measures the rest.
+    Where the base is moved, those of what is mounted above its body (tray, column) and of what stands on it
+    as well. The arm against itself and its own base is not checked (a planner's task), the hand and the held
+    book against all that the arm doesn't move (base, tray, column) are. Spheres about the bodies sort out
+    what is far; coal measures the rest.
     """
 
     def __init__(self, scene: Scene, arm: ArmModel) -> None:
@@ -54,9 +55,13 @@ class ArmContact:
         still = _still(arm, shapes)
         self._links = [i for i, s in enumerate(shapes) if s.name not in still]
         self._own = [i for i, s in enumerate(shapes) if s.name in still]
+        above = scene.robot.body_height + _GIVE
+        self._mounted = [i for i in self._own if top(shapes[i]) > above and shapes[i].name != "base"]
         self._names = [shape.name for shape in shapes]
         self._geometry = [coal_body(shape) for shape in shapes]
         self._radius = np.array([radius_about(shape) for shape in shapes])
+        out = [float(np.hypot(*shapes[i].pose[:2, 3]) + self._radius[i]) for i in self._mounted]
+        self._mounted_reach = max(out, default=0.0)
         self._fixed = [solid.box for solid in scene.solids]
         self._boxes: list[Box] = []
         self._changes = -1
@@ -69,6 +74,24 @@ class ArmContact:
         far = scene.full_plan.clearance(base.x, base.y, scene.time)[0] > self._extent(joints)
         return FREE if far else self._check(scene.leaning_at(base), joints, skip)
 
+    def deepest_of_robot(self, base: Pose2, joints: NDArray[np.float64], skip: Skip | None = None) -> Touch:
+        """The same, with what is mounted on the base and what stands on it; all of it moves with the base."""
+        scene = self._scene
+        reach = max(self._extent(joints), self._extent_on_base())
+        if scene.full_plan.clearance(base.x, base.y, scene.time)[0] > reach:
+            return FREE
+        self._refresh()
+        world_T_base, riding = scene.leaning_at(base), self._riding(scene.leaning_at(base))
+        poses = world_T_base @ self._link_poses(joints)
+        mounted = [(self._names[i], self._geometry[i], poses[i], self._radius[i]) for i in self._mounted]
+        own = {name for name, *_ in riding}
+        bodies = [*self._bodies(world_T_base, poses, joints), *mounted, *riding]
+
+        def left_out(body: str, other: str) -> bool:
+            return other in own or (skip is not None and skip(body, other))
+
+        return self._against_world(bodies, left_out)
+
     def deepest_of_arm(self, joints: NDArray[np.float64], skip: Skip | None = None) -> Touch:
         """The same where the base is, the robot's own tray and what stands on it included."""
         world_T_base = self._scene.world_T_base
@@ -79,9 +102,32 @@ class ArmContact:
         hand = [body for body in self._bodies(world_T_base, poses, joints) if body[0] in _HANDS]
         return max(worst, self._against_robot(hand, poses))
 
-    def inside_footprint(self, joints: NDArray[np.float64]) -> bool:
-        """Whether the base's circle holds the arm and its load, so that its contacts are the base's."""
-        return self._extent(joints) <= self._scene.robot.footprint_radius_m
+    def travel(self, start: NDArray[np.float64], end: NDArray[np.float64]) -> float:
+        """How far the middle of any link goes between two postures at most, about, in [m]."""
+        before, after = self._link_poses(start)[:, :3, 3], self._link_poses(end)[:, :3, 3]
+        return float(np.linalg.norm(after - before, axis=1).max())
+
+    def _riding(self, world_T_base: Transform) -> list[Body]:
+        """What stands on the robot, the base being there."""
+        back = world_T_base @ inverse(self._scene.world_T_base)
+        return [
+            (
+                thing.name,
+                pin.coal.Box(*(np.array(thing.size) - _GIVE)),
+                back @ thing.pose @ thing.thing_T_middle,
+                float(np.linalg.norm(thing.size)) / 2,
+            )
+            for thing in self._scene.riding()
+        ]
+
+    def _extent_on_base(self) -> float:
+        """Radius about the base's centre that what is mounted and what rides on it stay in, in [m]."""
+        here = inverse(self._scene.world_T_base)
+        reach = self._mounted_reach
+        for thing in self._scene.riding():
+            middle = here @ thing.pose @ thing.thing_T_middle[:, 3]
+            reach = max(reach, float(np.hypot(*middle[:2]) + np.linalg.norm(thing.size[:2]) / 2))
+        return reach
 
     def _extent(self, joints: NDArray[np.float64]) -> float:
         """Radius about the base's centre that the arm and its load stay in, in [m], on the safe side."""

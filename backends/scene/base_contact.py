@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from robotics.geometry.pose2 import Pose2
 
+from .arm_contact import FREE
 from .hand import Hand
 from .scene import Scene
 
@@ -13,8 +14,9 @@ _HALVINGS = 8
 def move_base(scene: Scene, motion: Pose2, hand: Hand | None) -> frozenset[tuple[str, str]]:
     """Move the base by `motion` (pose of its end in its start), or up to where it meets something.
 
-    The base is a disc of the footprint's radius up to 0.55 m high; `hand` tells whether the arm can be
-    carried along. At a contact the base turns but comes no nearer: its wheels slip. Gives what touches.
+    The base is a disc of the footprint's radius as high as its body; `hand` tells whether the arm, and what
+    stands on the base, can be carried along. At a contact the base turns but comes no nearer: its wheels
+    slip. Gives what touches.
     """
     start, end = scene.base, scene.base.compose(motion)
     radius = scene.robot.footprint_radius_m
@@ -23,8 +25,9 @@ def move_base(scene: Scene, motion: Pose2, hand: Hand | None) -> frozenset[tuple
     if clearance < radius and clearance < scene.body_plan.clearance(start.x, start.y, scene.time)[0]:
         end = _nearest_free(scene, start, end)
         touches = frozenset({("base", other)})
-    if hand is not None and not hand.base_may_stand(end):
-        return touches | frozenset({("base", "arm's contact")})
+    met = FREE if hand is None else hand.met_at(end)
+    if met.depth > 0.0:
+        return touches | {(met.body, met.other)}
     scene.move_base(end)
     return touches
 

@@ -12,7 +12,7 @@ from robotics.geometry.pose2 import Pose2
 from robotics.geometry.transform import Transform, transform
 from robotics.kinematics.arm_model import ArmModel
 
-from .arm_contact import FINGERS, HELD, ArmContact
+from .arm_contact import FINGERS, FREE, HELD, ArmContact, Touch
 from .book import Book
 from .insertion import Entrance, Entry
 from .row import FORCE_CAP, JAM_FRICTION, PUSH_FRICTION, STIFFNESS, Member, Pusher, Slot, members, push
@@ -22,6 +22,8 @@ from .shelf import Shelf
 SLOT_FRICTION = 2.0  # of a book that slides in its slot [N]
 _WRENCH = np.radians(10.0)  # turned further than this against its slot, a book stops the arm
 _FACING = np.cos(np.radians(30.0))
+_STEP = 0.02  # that a link goes between two looks: panels and boards are as thick [m]
+_HALVINGS = 7
 
 Vector = NDArray[np.float64]
 
@@ -103,15 +105,16 @@ class Hand:
         scene.hand_force = self._reaction(target, posture, pushed) + drag
         return pairs
 
-    def base_may_stand(self, base: Pose2) -> bool:
-        """Whether the base can go there without driving the arm into something, or deeper into it."""
-        if self.contact.inside_footprint(self.scene.joints):
-            return True
-        there = self.contact.deepest(base, self.scene.joints, self._skip_tray)
+    def met_at(self, base: Pose2) -> Touch:
+        """What of the robot the base there would drive into something, or deeper into it; `FREE` if nothing.
+
+        The base itself is left out: it is a disc (`move_base`).
+        """
+        there = self.contact.deepest_of_robot(base, self.scene.joints, self._skip)
         if there.depth == 0.0:
-            return True
-        here = self.contact.deepest(self.scene.base, self.scene.joints, self._skip_tray)
-        return there.depth <= here.depth
+            return FREE
+        here = self.contact.deepest_of_robot(self.scene.base, self.scene.joints, self._skip)
+        return FREE if there.depth <= here.depth else there
 
     def follow_base(self) -> None:
         """Take along what is held after the base was moved."""
@@ -139,19 +142,32 @@ class Hand:
 
     def _stop_at_solids(self, start: Vector, target: Vector) -> tuple[Vector, frozenset[tuple[str, str]]]:
         """How far the straight joint line is free; a motion that lessens an overlap always is."""
-        none = frozenset[tuple[str, str]]()
-        there = self.contact.deepest_of_arm(target, self._skip)
+        free, blocked, there = self._first_hit(start, target)
         if there.depth == 0.0:
-            return target, none
+            return target, frozenset()
         here = self.contact.deepest_of_arm(start, self._skip)
-        if here.depth > 0.0 and there.depth <= here.depth:
-            return target, frozenset({(there.body, there.other)})
-        free, blocked = 0.0, 1.0
-        for _ in range(7 if here.depth == 0.0 else 0):
+        if here.depth > 0.0:
+            there = self.contact.deepest_of_arm(target, self._skip)
+            end = target if there.depth <= here.depth else start
+            return end, frozenset({(here.body, here.other)})
+        for _ in range(_HALVINGS):
             middle = (free + blocked) / 2
             hit = self.contact.deepest_of_arm(start + middle * (target - start), self._skip)
             free, blocked = (middle, blocked) if hit.depth == 0.0 else (free, middle)
         return start + free * (target - start), frozenset({(there.body, there.other)})
+
+    def _first_hit(self, start: Vector, target: Vector) -> tuple[float, float, Touch]:
+        """The first overlap on the line, looked for in steps that no thin board is missed by.
+
+        Gives two shares of the line, the last one that was free and the one that isn't, and what is met.
+        """
+        steps = max(1, int(np.ceil(self.contact.travel(start, target) / _STEP)))
+        for number in range(1, steps + 1):
+            share = number / steps
+            there = self.contact.deepest_of_arm(start + share * (target - start), self._skip)
+            if there.depth > 0.0:
+                return share - 1.0 / steps, share, there
+        return 0.0, 1.0, FREE
 
     def _skip(self, body: str, other: str) -> bool:
         """Pairs that the row's rules decide instead of rigid geometry."""
@@ -161,12 +177,6 @@ class Hand:
         if body != HELD or self.entry is None:
             return False
         return other.startswith(("book ", "left panel", "right panel"))
-
-    def _skip_tray(self, body: str, other: str) -> bool:
-        """For a moving base: what stands on its tray moves with it."""
-        tray = self.scene.tray_book()
-        own = tray is not None and other == f"book {tray.accession}"
-        return own or (body == HELD and self._skip(body, other))
 
     def _stop_at_row(
         self, front: Front, start: Vector, target: Vector

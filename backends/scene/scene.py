@@ -177,6 +177,10 @@ class Scene:
         """All books and blocks that are there."""
         return [*self.books.values(), *self.blocks.values()]
 
+    def riding(self) -> list[Thing]:
+        """What stands on the robot."""
+        return [thing for thing in self.things() if thing.rest is Rest.TRAY]
+
     # What changes it
 
     def move_base(self, base: Pose2) -> None:

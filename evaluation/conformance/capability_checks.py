@@ -16,10 +16,10 @@ from backends.mounted_camera import known_camera
 from backends.positioning import Positioning
 from backends.range_sensor import RangeSensor
 from backends.simulated_errors import Errors
+from evaluation.ground_truth import ground_truth
 
 from .bench import Bench
 from .check import Check, Finding
-from .ground_truth import ground_truth
 from .parts import arm_of, base_of, gripper_of, parts_of, range_sensor_of
 from .periods import all_readings, driven, move_joints, steps
 

@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from backends.scene.ranges import cast_rays
 from backends.scene.solids import FloorPlan
+from evaluation.ground_truth import scene_of
 from evaluation.stage import Stage
 from robotics.geometry.transform import apply, inverse
 from robotics.kinematics.arm_model import ArmModel
@@ -14,7 +15,6 @@ from robotics.perception.tag_reader import read_tags
 
 from .bench import Bench
 from .check import Check, Finding, Skipped
-from .ground_truth import scene_of
 from .parts import arm_of, camera_of, range_sensor_of
 from .periods import move_joints, steps
 

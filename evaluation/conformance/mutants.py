@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import partial
 
+from evaluation.ground_truth import ground_truth
 from primitives.action_primitive import ActionPrimitive
 
 from . import primitive_liars, snapshot_checks
@@ -14,7 +15,6 @@ from .bench import Bench
 from .check import Finding, Skipped
 from .fail_is_true import Batch
 from .fault import FaultKind
-from .ground_truth import ground_truth
 from .parts import needed, parts_of
 from .reach import Reach
 from .rehearsal import RETURN_BOOK, Rehearsal, Solo

@@ -5,10 +5,10 @@ from __future__ import annotations
 import math
 
 from backends.positioning import PoseReading
+from evaluation.ground_truth import scene_of
 
 from .bench import Bench
 from .check import Check, Finding, Skipped
-from .ground_truth import scene_of
 from .parts import base_of, positioning_of
 
 PERIODS = 60

@@ -11,11 +11,11 @@ from pydantic import PrivateAttr
 
 from backends.base import Base
 from backends.robot import Robot
+from evaluation.ground_truth import GroundTruth
 from primitives.action_primitive import ActionPrimitive, Periods
 from primitives.discrepancy import Discrepancy
 from primitives.world_model import ModelView
 
-from .ground_truth import GroundTruth
 from .parts import parts_of
 
 SPEED, CREEP, SWINGS = 0.2, 0.02, 0.3  # [m/s], [m/s], [rad/s]

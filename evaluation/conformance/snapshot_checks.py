@@ -7,13 +7,13 @@ from dataclasses import replace
 
 import numpy as np
 
+from evaluation.ground_truth import ground_truth, not_restored
 from evaluation.stage import Stage
 from primitives.outcome import Fail
 from primitives.snapshot import Snapshot, limits, residuals, take_snapshot
 
 from .bench import Bench
 from .check import Check, Finding
-from .ground_truth import ground_truth, not_restored
 from .parts import parts_of
 from .periods import move_joints, steps
 from .reach import Reach

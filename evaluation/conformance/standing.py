@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from backends.backend import Backend
+from evaluation.ground_truth import GroundTruth, ground_truth, not_still
 
-from .ground_truth import GroundTruth, ground_truth, not_still
 from .parts import parts_of
 
 HELD = {"wheels": 2e-3, "joints": 2e-3, "width": 5e-4}

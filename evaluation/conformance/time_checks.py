@@ -11,10 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from backends.backend import Backend
+from evaluation.ground_truth import scene_of
 
 from .bench import Bench
 from .check import Check, Finding
-from .ground_truth import scene_of
 from .parts import base_of, parts_of
 from .periods import all_readings, steps
 

@@ -7,16 +7,17 @@ from dataclasses import dataclass, field
 
 from backends.robot import Robot
 from backends.robot_file import RobotFile
+from evaluation.contact_survey import ContactSurvey
+from evaluation.effects import false_effect
+from evaluation.ground_truth import GroundTruth, ground_truth, not_restored, scene_of
 from primitives.action_primitive import ActionPrimitive
 from primitives.attempt import LONGEST_RESTORE, attempt
 from primitives.discrepancy import Discrepancy
 from primitives.outcome import Fail, GiveUp, Outcome, Success
 from primitives.world_model import WorldModel
 
-from .effects import false_effect
 from .fault import HARMLESS, Fault, FaultKind
 from .faulty_backend import FaultyBackend
-from .ground_truth import GroundTruth, ground_truth, not_restored
 from .periods import SETTLES, steps
 from .standing import Standing
 
@@ -58,11 +59,16 @@ class Underway:
     before: GroundTruth | None = field(init=False)
     _bumps: int | None = field(default=None, init=False)
     """Of the base, before it was restored."""
+    _contacts: ContactSurvey | None = field(default=None, init=False)
     _no_return: bool = field(default=False, init=False)
     """Whether a point of no return was declared, be it taken back."""
 
     def __post_init__(self) -> None:
         self.before = ground_truth(self.backend)
+        scene = scene_of(self.backend)
+        if scene is not None:
+            self._contacts = ContactSurvey(scene, self.model)
+            self._contacts.started(1, self.primitive)
         self.periods = attempt(self.primitive, self.robot, self.model, self._restores)
 
     def _restores(self, reason: str) -> None:
@@ -73,6 +79,8 @@ class Underway:
         self._no_return |= self.primitive._no_return is not None
         self.backend.asked = False
         self.robot.step()
+        if self._contacts is not None:
+            self._contacts.look(self.robot)
         self.backend.asked = True
 
     def advance(self) -> Outcome | None:
@@ -140,8 +148,10 @@ class Underway:
             if isinstance(outcome, Success):
                 wrong += [
                     f"Success, but {each}"
-                    for each in false_effect(self.primitive, self.backend, self.model, self.before)
+                    for each in false_effect(self.primitive, self.robot, self.model, self.before)
                 ]
+                touched = [] if self._contacts is None else self._contacts.ended()
+                wrong += [f"Success, but {each}" for each in touched]
         return wrong + self._unquiet(outcome)
 
     def _unquiet(self, outcome: Outcome) -> list[str]:

@@ -2,22 +2,28 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pytest
 
 from backends.robot_file import load_robot
-from evaluation.judge import Judge, broken_promises, truth_of
+from evaluation.ground_truth import ground_truth, not_restored
+from evaluation.judge import Judge
 from evaluation.shelving import longest_rising, shelving
+from networks.events import Ended, Started
 from networks.run import prepare
 from networks.run_end import RunEnd
 from networks.telemetry import Telemetry
+from primitives.move_to import MoveTo
+from primitives.outcome import Success
 from robotics.geometry.pose2 import Pose2
 from robotics.perception.call_number import parse
 
 LIBRARY = Path(__file__).resolve().parents[2] / "tasks" / "return_book"
+DRIVE_MAP = LIBRARY.parent / "drive_map" / "task.yaml"
 TOUR = """\
 format: handcart-task/1
 title: Drive to a shelf
@@ -33,19 +39,27 @@ actions:
 
 
 def test_a_fail_that_did_not_restore_is_found(set_stage: Callable[..., Any]) -> None:
-    scene, robot = set_stage().backend.scene, load_robot("librarian")
-    before = truth_of(scene)
-    assert broken_promises(before, truth_of(scene), robot) == []
+    backend, robot = set_stage().backend, load_robot("librarian")
+    scene, before = backend.scene, ground_truth(backend)
+    assert before is not None
+
+    def wrong() -> list[str]:
+        after = ground_truth(backend)
+        assert before is not None
+        assert after is not None
+        return not_restored(before, after, robot)
+
+    assert wrong() == []
     scene.base = Pose2(scene.base.x + 0.1, scene.base.y, scene.base.theta)
-    assert any("base_mm" in each for each in broken_promises(before, truth_of(scene), robot))
+    assert any("base mm" in each for each in wrong())
     scene.base = before.base
     scene.joints = scene.joints + np.array([0.0, 0.02, 0.0, 0.0, 0.0, 0.0])
-    assert any("joints_deg" in each for each in broken_promises(before, truth_of(scene), robot))
+    assert any("joints deg" in each for each in wrong())
     scene.joints = before.joints
     book = scene.books[next(iter(scene.books))]
     book.pose = book.pose.copy()
     book.pose[2, 3] -= 0.5
-    assert any("book" in each for each in broken_promises(before, truth_of(scene), robot))
+    assert any("book" in each for each in wrong())
 
 
 def test_a_book_on_the_tray_is_not_in_its_slot(set_stage: Callable[..., Any]) -> None:
@@ -63,6 +77,73 @@ def test_a_task_that_only_drives_returns_no_book(tmp_path: Path) -> None:
         judge = Judge(prepared)
         end = RunEnd("Success", "at_shelf", "", 1, 0, 0, ())
         assert judge.metrics(prepared, end, Telemetry())["untrue"] == []
+
+
+class Claims:
+    """A judge who hears that MOVE_TO has succeeded, whatever the robot did."""
+
+    def __init__(self, prepared: Any) -> None:
+        self.prepared, self.robot, self.scene = prepared, prepared.robot, prepared.backend.scene
+        self.judge = Judge(prepared)
+        self.action = next(each for each in prepared.task.network.actions if each.do == "MOVE_TO")
+        self.place = next(name for name, place in prepared.model.places.items() if place.shelf is None)
+
+    def start(self) -> None:
+        self.primitive = MoveTo(place=self.place)
+        self.judge(Started(self.robot.time, 1, self.action, self.primitive, 0))
+
+    def drive(self, speed: float, periods: int) -> None:
+        for _ in range(periods):
+            self.robot.base.drive(speed, 0.0)
+            self.robot.step()
+            self.judge.look(self.robot)
+
+    def end(self) -> list[str]:
+        self.judge(Ended(self.robot.time, 1, self.action, self.primitive, Success(), {}))
+        return self.judge.untrue
+
+    def metrics(self) -> Mapping[str, Any]:
+        return self.judge.metrics(self.prepared, RunEnd("Success", "", "", 1, 0, 0, ()), Telemetry())
+
+
+@pytest.fixture
+def claims() -> Iterator[Claims]:
+    with prepare(DRIVE_MAP) as prepared:
+        yield Claims(prepared)
+
+
+def test_a_success_that_rammed_a_mapped_wall_is_untrue(claims: Claims) -> None:
+    """Contacts stand in the metrics, and make MOVE_TO's Success untrue."""
+    scene, reach = claims.scene, claims.scene.robot.footprint_radius_m
+    x, y = scene.base.x, scene.base.y
+    gap = scene.body_plan.clearance(x, y, 0.0)[0]
+    claims.start()
+    headings = np.linspace(0.0, 2 * np.pi, 64, endpoint=False)
+    ahead = [scene.body_plan.clearance(x + gap * np.cos(h), y + gap * np.sin(h), 0.0)[0] for h in headings]
+    scene.move_base(Pose2(x, y, float(headings[int(np.argmin(ahead))])))
+    claims.drive(0.5, round((gap - reach + 0.2) / 0.5 / claims.robot.period))
+    assert any("1. MOVE_TO Success: base touched wall on the map" in each for each in claims.end())
+    assert claims.metrics()["contacts_of_base"] > 0
+    assert claims.metrics()["untrue"]
+
+
+def test_arrival_is_held_against_the_truth(claims: Claims) -> None:
+    place = claims.prepared.model.places[claims.place].pose
+    claims.start()
+    claims.scene.move_base(place)
+    claims.robot.found_at(place, (0.001, 0.001))
+    assert claims.end() == []
+    claims.scene.move_base(place.compose(Pose2(0.0, 0.06, 0.03)))
+    claims.judge.look(claims.robot)
+    claims.start()
+    assert claims.end() == [
+        "1. MOVE_TO Success: the base is 60.0 mm from its place (at most 40.0)",
+        "1. MOVE_TO Success: the base is 1.72 deg off (at most 1.0)",
+    ]
+    metrics = claims.metrics()
+    assert metrics["arrival_mm_max"] == pytest.approx(60.0, abs=0.01)
+    assert metrics["localisation_mm_max"] >= 59.0
+    assert metrics["localisation_deg_max"] >= 1.7
 
 
 def test_the_longest_rising_row_leaves_the_misplaced_book_out() -> None:

@@ -11,10 +11,10 @@ from backends.robot import Robot, StaleReading
 from evaluation.conformance.bench import Bench
 from evaluation.conformance.fault import FOR_GOOD, Fault, FaultKind
 from evaluation.conformance.faulty_backend import FaultyBackend
-from evaluation.conformance.ground_truth import scene_of
 from evaluation.conformance.reach import Reach
 from evaluation.conformance.rehearsal import Solo
 from evaluation.conformance.underway import Ending, Underway
+from evaluation.ground_truth import scene_of
 from primitives.action_primitive import ActionPrimitive, Periods
 from primitives.move_to import MoveTo
 from primitives.world_model import ModelView

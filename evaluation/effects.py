@@ -6,42 +6,92 @@ import math
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from backends.backend import Backend
-from evaluation.judge import BASE_SIGMA_DEG, BASE_SIGMA_MM, MOST_OFF_MM, SIGMAS
-from evaluation.shelving import MOST_PUSHED_MM, Shelving, longest_rising
+import numpy as np
+
+from backends.robot import Robot
 from primitives.action_primitive import ActionPrimitive
+from primitives.move_to import ARRIVED, DOCKED
+from primitives.stack import MOST_OFF
 from primitives.world_model import WorldModel
 from robotics.geometry.transform import inverse
+from robotics.navigation.pose_regulator import PoseTolerance
 from robotics.perception.call_number import parse
 
 from .ground_truth import GroundTruth, disturbed, ground_truth, scene_of
+from .sensor_sigmas import SIGMAS
+from .shelving import MOST_PUSHED_MM, Shelving, longest_rising
 
 SEEN_MM = 8.0  # that a book may be seen away from where it stands
 SLOT_MM = 15.0  # the same of a slot's middle, along the shelf
 EDGE_MM = 8.0  # that a leading edge may be beside the middle of its slot: further out it jams
 FIXED_MM, FIXED_DEG = 6.0, 0.3  # that a landmark may tell wrongly of the base: it leans meanwhile
-ARRIVED_MM, ARRIVED_DEG = 25.0 + SIGMAS * BASE_SIGMA_MM, 1.5 + SIGMAS * BASE_SIGMA_DEG
+STACKED_MM = 1e3 * MOST_OFF + SIGMAS * 0.5  # STACK's own limit and its sensor's
+STOOD_MM, STOOD_DEG = 5.0, 0.3  # that a base creeps which stands
+TRACKED_MM = 45.0  # of the base from a place of the division, which its arm makes good
+LAID_MM = 30.0  # by which a sensor shifts while it is let go, on uneven ground
+CAR_ARRIVED = PoseTolerance(position=0.25, heading=0.15)
+"""What a car's MOVE_TO means by arrived: nothing is regulated at the end, it can't move sideways."""
 
 Effect = Callable[[Any, Any, WorldModel], list[str]]
 
 
 def false_effect(
-    primitive: ActionPrimitive, backend: Backend, model: WorldModel, before: GroundTruth
+    primitive: ActionPrimitive, robot: Robot, model: WorldModel, before: GroundTruth
 ) -> list[str]:
-    """What of a Success isn't so; of primitives that the kit doesn't know, only what they disturbed."""
-    after = ground_truth(backend)
+    """What of a Success isn't so; of primitives that aren't known here, only what they disturbed."""
+    after = ground_truth(robot.backend)
     if after is None:
         return []
-    own = f"book {model.book.accession}" if model.book else f"block {getattr(primitive, 'number', '')}"
+    own = {name for each in (before, after) for name, body in each.bodies.items() if body.support == "hand"}
+    own |= {f"book {model.book.accession}"} if model.book else set()
+    own |= {f"block {getattr(primitive, 'number', '')}"}
     wrong = [
         f"it moved {each} mm (at most {MOST_PUSHED_MM:.0f})"
         for each in disturbed(before, after, MOST_PUSHED_MM, own)
     ]
     own_word = getattr(primitive, "false_effect", None)
     if own_word is not None:
-        return wrong + list(own_word(scene_of(backend), before))
+        return wrong + list(own_word(scene_of(robot.backend), before))
+    if primitive.label() == "MOVE_TO":
+        return wrong + _move_to(robot, primitive, model)
+    if primitive.label() == "STAND":
+        return wrong + _stand(before, after)
     promised = EFFECTS.get(primitive.label())
-    return wrong + (promised(scene_of(backend), primitive, model) if promised else [])
+    return wrong + (promised(scene_of(robot.backend), primitive, model) if promised else [])
+
+
+def arrival(robot: Robot, place: str, model: WorldModel) -> tuple[float, float]:
+    """How far the base truly is from a place, in [mm] and in [deg]."""
+    goal, base = model.places[place].pose, scene_of(robot.backend).base
+    return 1e3 * goal.distance(base), math.degrees(goal.turn(base))
+
+
+def _move_to(robot: Robot, primitive: Any, model: WorldModel) -> list[str]:
+    """What was claimed is within a tolerance by what measured it."""
+    off, turned = arrival(robot, primitive.place, model)
+    sigma, heading_sigma = robot.pose_sigma
+    if not math.isfinite(sigma):
+        return ["it isn't known where the base is"]
+    claimed = _claimed(robot, primitive.place, model)
+    far = 1e3 * (claimed.position + SIGMAS * sigma)
+    askew = math.degrees(claimed.heading + SIGMAS * heading_sigma)
+    return [
+        *_most("the base is {:.1f} mm from its place", off, far),
+        *_most("the base is {:.2f} deg off", turned, askew),
+    ]
+
+
+def _claimed(robot: Robot, place: str, model: WorldModel) -> PoseTolerance:
+    if robot.spec.drive.kind == "ackermann":
+        return CAR_ARRIVED
+    return ARRIVED if model.places[place].shelf is None else DOCKED
+
+
+def _stand(before: GroundTruth, after: GroundTruth) -> list[str]:
+    return [
+        *_most("the base moved by {:.1f} mm", 1e3 * before.base.distance(after.base), STOOD_MM),
+        *_most("the base turned by {:.2f} deg", math.degrees(before.base.turn(after.base)), STOOD_DEG),
+    ]
 
 
 def _recognize(scene: Any, _: Any, model: WorldModel) -> list[str]:
@@ -59,14 +109,6 @@ def _pick_up(scene: Any, _: Any, model: WorldModel) -> list[str]:
     held = scene.held.accession if scene.held else None
     wanted = model.book.accession if model.book else None
     return [] if held is not None and held == wanted else [f"the hand holds {held}, not {wanted}"]
-
-
-def _move_to(scene: Any, primitive: Any, model: WorldModel) -> list[str]:
-    goal = model.places[primitive.place].pose
-    return [
-        *_most("the base is {:.1f} mm from its place", 1e3 * goal.distance(scene.base), ARRIVED_MM),
-        *_most("the base is {:.2f} deg off", math.degrees(goal.turn(scene.base)), ARRIVED_DEG),
-    ]
 
 
 def _search(scene: Any, primitive: Any, model: WorldModel) -> list[str]:
@@ -137,18 +179,38 @@ def _stack(scene: Any, primitive: Any, model: WorldModel) -> list[str]:
         off = inverse(seat) @ inverse(scene.world_T_base) @ block.pose
     else:
         off = inverse(model.building.goals[primitive.number - 1].pose) @ block.pose
-    return _most("the block is {:.1f} mm from its goal", 1e3 * math.hypot(*off[:2, 3]), MOST_OFF_MM)
+    return _most("the block is {:.1f} mm from its goal", 1e3 * math.hypot(*off[:2, 3]), STACKED_MM)
 
 
 def _divide(_: Any, __: Any, model: WorldModel) -> list[str]:
     return [] if model.seam_work.next is not None else ["no place is known to track the seam from"]
 
 
-def _track(scene: Any, _: Any, model: WorldModel) -> list[str]:
+def _track(scene: Any, primitive: Any, model: WorldModel) -> list[str]:
     stood = [place.pose for name, place in model.places.items() if name.startswith("place_")]
     far = min((scene.base.distance(pose) for pose in stood), default=math.inf)
     wrong = [] if model.seam_work.tracked > 0 else ["no part of the seam counts as tracked"]
-    return wrong + _most("the base is {:.1f} mm from any place of the division", 1e3 * far, ARRIVED_MM)
+    return wrong + _most("the base is {:.1f} mm from any place of the division", 1e3 * far, TRACKED_MM)
+
+
+def _deploy(scene: Any, primitive: Any, model: WorldModel) -> list[str]:
+    """The sensor stands on the ground, where it is believed to and should, as far as that is known."""
+    laid = next((each for each in model.laid if each.name == primitive.target), None)
+    if laid is None:
+        return ["no sensor counts as laid there"]
+    block = scene.blocks.get(str(1 + model.laid.index(laid)))
+    if block is None or block.rest.value != "table":
+        return ["the sensor doesn't stand on the ground"]
+    target, lies = model.targets[primitive.target], block.pose[:2, 3]
+    sigma = 1e3 * math.sqrt(float(np.linalg.eigvalsh(laid.spread)[-1]))
+    from_belief = 1e3 * math.dist(lies, (laid.x, laid.y))
+    from_target = 1e3 * math.dist(lies, (target.x, target.y))
+    return [
+        *_most(
+            "the sensor is {:.0f} mm from where it is believed to be", from_belief, LAID_MM + SIGMAS * sigma
+        ),
+        *_most("the sensor is {:.0f} mm from its target", from_target, LAID_MM + SIGMAS * sigma),
+    ]
 
 
 def _in_order(left: list[str], right: list[str], own: str) -> bool:
@@ -179,7 +241,6 @@ def _most(words: str, size: float, most: float) -> list[str]:
 EFFECTS: Mapping[str, Effect] = {
     "RECOGNIZE": _recognize,
     "PICK_UP": _pick_up,
-    "MOVE_TO": _move_to,
     "MODIFY": _modify,
     "SEARCH": _search,
     "APPROACH": _approach,
@@ -190,6 +251,7 @@ EFFECTS: Mapping[str, Effect] = {
     "STACK": _stack,
     "DIVIDE": _divide,
     "TRACK": _track,
+    "DEPLOY": _deploy,
 }
 """By the primitive's name. Somebody else's primitive may have a method `false_effect(scene, before)` instead,
 which says in words what its Success promises and isn't so."""

@@ -1,9 +1,9 @@
-"""The true state of a simulated robot and its world, as far as the kit looks at it."""
+"""The true state of a simulated robot and its world, as far as outcomes are held against it."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -12,9 +12,10 @@ from numpy.typing import NDArray
 
 from backends.backend import Backend
 from backends.robot_file import RobotFile
-from evaluation.judge import BASE_SIGMA_DEG, BASE_SIGMA_MM, JOINT_SIGMA_DEG, OBJECT_SIGMA_MM, SIGMAS
 from robotics.geometry.pose2 import Pose2
 from robotics.geometry.transform import Transform, difference, inverse
+
+from .sensor_sigmas import BASE_SIGMA_DEG, BASE_SIGMA_MM, JOINT_SIGMA_DEG, OBJECT_SIGMA_MM, SIGMAS
 
 GRIPPER_SIGMA_MM = 0.05  # of the measured opening
 STILL = {"base mm": 0.5, "base deg": 0.05, "joints deg": 0.05, "gripper mm": 0.2, "body mm": 1.0}
@@ -104,9 +105,9 @@ def not_still(before: GroundTruth, after: GroundTruth) -> list[str]:
     return _beyond(moved(before, after), STILL, STILL["body mm"])
 
 
-def disturbed(before: GroundTruth, after: GroundTruth, most_mm: float, without: str) -> list[str]:
-    """Bodies but one, `without`, that were moved further than `most_mm`."""
-    others = {f"{name} mm" for name in before.bodies if name != without}
+def disturbed(before: GroundTruth, after: GroundTruth, most_mm: float, without: Collection[str]) -> list[str]:
+    """Bodies but those named in `without` that were moved further than `most_mm`."""
+    others = {f"{name} mm" for name in before.bodies if name not in without}
     found = moved(before, after)
     return [f"{name} {found[name]:.1f}" for name in sorted(others) if not found[name] <= most_mm]
 

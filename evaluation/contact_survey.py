@@ -1,0 +1,132 @@
+"""What the robot touched in a run: with what of it, what, and when."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass, field
+from typing import Any
+
+import numpy as np
+
+from backends.robot import Robot
+from backends.scene.arm_contact import HELD
+from primitives.action_primitive import ActionPrimitive
+from primitives.meant_contact import RobotPart
+from primitives.world_model import WorldModel
+
+from .robot_links import RobotLinks
+
+LISTED = 8  # contacts that a run's metrics tell one by one
+Pair = tuple[str, str]
+
+
+@dataclass
+class Touched:
+    """One contact, from where it began, or the action did, to where one of them ended."""
+
+    part: RobotPart
+    body: str
+    """The link, or what is held, by its name."""
+    other: str
+    """What it touched, by its name in the world."""
+    action: int
+    """Number of the action; 0: none was running."""
+    do: str
+    """Its primitive."""
+    from_s: float
+    """The robot's time, in [s]."""
+    to_s: float
+    force_n: float | None
+    """Largest force on the hand meanwhile, in [N]; None where no force is known."""
+    meant: bool
+    """Whether the primitive means to touch that."""
+
+    def __str__(self) -> str:
+        how_long = f"from {self.from_s:.2f} s to {self.to_s:.2f} s"
+        return f"{self.body} touched {self.other}, which it didn't mean to, {how_long}"
+
+
+@dataclass
+class ContactSurvey:
+    """Looks at a scene once a period."""
+
+    scene: Any
+    """Ground truth."""
+    model: WorldModel
+    contacts: list[Touched] = field(default_factory=list)
+    """All of them that are over, and those that last."""
+    _running: tuple[int, ActionPrimitive] | None = None
+    _lasting: dict[Pair, Touched | None] = field(default_factory=dict)
+    """What touches now; None: since before this action ended."""
+
+    def __post_init__(self) -> None:
+        self._links = RobotLinks(self.scene.arm)
+        self._held = ""
+
+    def started(self, number: int, primitive: ActionPrimitive) -> None:
+        """An action with that number starts; what touches already counts as touched by it."""
+        self._running, self._lasting = (number, primitive), {}
+
+    def ended(self) -> list[Touched]:
+        """The running action has ended; gives what it touched without meaning to."""
+        number = 0 if self._running is None else self._running[0]
+        self._running = None
+        self._lasting = dict.fromkeys(self.scene.touching)
+        return [each for each in self.contacts if each.action == number and number and not each.meant]
+
+    def look(self, robot: Robot) -> None:
+        """A period has passed."""
+        if self.scene.held is not None:
+            self._held = self.scene.held.name
+        touching = self.scene.touching
+        if not touching and not self._lasting:
+            return
+        self._lasting = {pair: each for pair, each in self._lasting.items() if pair in touching}
+        for pair in sorted(touching):
+            if pair not in self._lasting:
+                self._lasting[pair] = self._begin(pair, robot.time)
+            each = self._lasting[pair]
+            if each is not None:
+                self._go_on_touching(each, robot.time)
+
+    def _begin(self, pair: Pair, now: float) -> Touched:
+        body, other = pair
+        part, number, do, meant = self._links.part(body), 0, "", False
+        if self._running is not None:
+            number, primitive = self._running
+            do, means = primitive.label(), primitive.meant_contacts(self.model)
+            meant = any(each.covers(part, other) for each in means)
+        name = f"held {self._held}" if body == HELD else body
+        touched = Touched(part, name, other, number, do, round(now, 3), now, None, meant)
+        self.contacts.append(touched)
+        return touched
+
+    def _go_on_touching(self, each: Touched, now: float) -> None:
+        each.to_s = round(now, 3)
+        if each.part in ("hand", "held"):
+            force = float(np.linalg.norm(self.scene.hand_force))
+            each.force_n = round(max(force, each.force_n or 0.0), 1)
+
+    def notes(self) -> list[dict[str, Any]]:
+        """All of it, as it can be noted."""
+        return [asdict(each) for each in self.contacts]
+
+    def go_on(self, notes: list[dict[str, Any]]) -> None:
+        """Take up the notes of the run that this one goes on with."""
+        self.contacts = [Touched(**each) for each in notes]
+        self._lasting = dict.fromkeys(self.scene.touching)
+
+    def figures(self) -> dict[str, Any]:
+        """For a run's metrics: how many contacts, and the first of those that weren't meant."""
+        unmeant = [each for each in self.contacts if not each.meant]
+        seconds = sum(each.to_s - each.from_s for each in unmeant)
+        counts = {f"contacts_of_{part}": _of(self.contacts, part) for part in ("base", "arm", "hand", "held")}
+        return {
+            **counts,
+            "contacts_unmeant": len(unmeant),
+            "contacts_unmeant_s": round(seconds, 2),
+            "contacts": [asdict(each) for each in unmeant[:LISTED]],
+        }
+
+
+def _of(contacts: list[Touched], part: str) -> int:
+    return sum(each.part == part for each in contacts)
