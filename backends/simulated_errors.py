@@ -40,6 +40,8 @@ class Errors(FileModel):
     book_place_mm: NotNegative = 2.0
     """How a person sets a book onto the tray."""
     book_turn_deg: NotNegative = 1.0
+    book_lean_deg: NotNegative = 1.0
+    """How far a book leans aside as the fingers let it go in a row; on `pybullet` physics tells."""
     hand_force_n: NotNegative = 0.3
     block_place_mm: NotNegative = 0.0
     """How a person sets down a block."""

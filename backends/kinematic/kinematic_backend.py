@@ -70,12 +70,15 @@ class KinematicBackend(Backend):
       checked, those of acceleration are not. Nothing swings, tips or heats up.
     - Contacts are quasi-static. The base is a disc and stops where it meets something, its wheels slipping.
       The arm stops where a contact begins; the force grows by 2 N a mm of further command, up to 60 N.
-      The arm is not checked against itself and its base.
+      The arm is not checked against itself and its base; it, what is mounted on the base above its body
+      and what stands there stop the base as well where it drives them into something.
     - A gripped book sits in the hand as if glued and centred: it neither slips nor sags.
     - Whether a book enters its slot is decided by a rule fitted to a physics engine
       (`scene.insertion.entry_chance`), once an entry; in the slot it aligns. Books that are pushed slide
       straight back against 3 N (10 N where an edge jams), and nothing stops them before the shelf's back.
-    - A book let go at most 20 mm above board or tray stands there upright. Else it lies on the floor, lost,
+    - A book let go at most 20 mm above a tray stands there upright. Above a board it is left leaning aside a
+      little (`errors.book_lean_deg`, and the hand's own tilt), beyond its edge it tips over; what stands
+      beside, and doesn't give, stops it (`scene.book_lean`). Else it lies on the floor, or the board, lost,
       and nothing runs into it there.
     - Encoders have no bias. The camera is as stated, unless `errors` has its mount or focal length off.
     - Light has no shadows; glass, mirrors and black lacquer are unknown to the range sensor.

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from scipy.spatial.transform import Rotation
 
@@ -12,6 +14,7 @@ from .block_support import put_down_block
 from .book import Book, Rest
 from .hand import Hand
 from .insertion import Entry
+from .keyed_noise import keyed
 from .putting_down import put_down
 from .row import Slot, members
 from .shelf import Shelf
@@ -146,9 +149,15 @@ class Fingers:
         slot = self._hand.entry.slot if self._hand.entry is not None and self._hand.entry.admitted else None
         self._scene.held, self._hand.entry = None, None
         if isinstance(thing, Book):
-            put_down(self._scene, thing, slot)
+            put_down(self._scene, thing, slot, self._left_aside(thing))
         elif isinstance(thing, Block):
             put_down_block(self._scene, thing)
+
+    def _left_aside(self, book: Book) -> float:
+        """How far to the left a book leans as the second finger leaves it, in [rad]."""
+        spread = math.radians(self._scene.robot.errors.book_lean_deg)
+        instant = round(self._scene.time / self._scene.robot.period_s)
+        return spread * float(keyed(self._hand.seed, f"{book.name} let go", instant).standard_normal())
 
     def _room(self) -> float:
         """How far the fingers can open: neighbours in the row stop them once the tips are between them."""

@@ -49,7 +49,7 @@ class Hand:
     """Attributes that a checkpoint keeps, with their types."""
 
     def __init__(self, scene: Scene, arm: ArmModel, seed: int) -> None:
-        self.scene, self.arm = scene, arm
+        self.scene, self.arm, self.seed = scene, arm, seed
         self.contact = ArmContact(scene, arm)
         self.entry: Entry | None = None
         self.strain = 0.0

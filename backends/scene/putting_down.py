@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from robotics.geometry.transform import inverse, transform
 
 from .book import Book, Rest
+from .book_lean import lean_in_row
 from .row import Slot, members, slots
 from .scene import Scene
 from .shelf import DEPTH, Shelf
@@ -15,18 +18,24 @@ HIGHEST_DROP = 0.020  # onto a support; from higher up a book falls over and off
 _BELOW = 0.003
 
 
-def put_down(scene: Scene, book: Book, slot: Slot | None) -> None:
+def put_down(scene: Scene, book: Book, slot: Slot | None, aside: float = 0.0) -> None:
     """Let a book drop from where it is.
 
-    On a shelf's board or the tray, if one carries its middle and is at most 20 mm below its foot: it stands
-    there, upright, on the board in line with its slot. Else it falls to the floor and is lost to the robot.
+    On a shelf's board or the tray, if one carries its middle and is at most 20 mm below its foot, it stands
+    there: on the board in line with its slot, leaning `aside` [rad, to the left] as far as its row lets it,
+    on the tray upright. Else it falls to the floor, or flat onto the board, and is lost to the robot.
     """
     scene.changes += 1
     shelf = next((s for s in scene.shelves.values() if _carries(scene, s, book, slot)), None)
     if shelf is not None:
-        x, y = (shelf.inverse_pose @ book.pose)[:2, 3]
-        book.pose = shelf.pose @ transform((float(x), float(y), 0.0))
-        book.rest, book.shelf = Rest.SHELF, shelf.name
+        held = shelf.inverse_pose @ book.pose
+        foot = transform((float(held[0, 3]), float(held[1, 3]), 0.0))
+        wish = aside - math.atan2(held[2, 1], held[2, 2])
+        leans = lean_in_row(book, foot, members(scene, shelf, book), wish)
+        if leans is None:
+            _fall(scene, book, float(shelf.pose[2, 3]))
+            return
+        book.pose, book.rest, book.shelf = shelf.pose @ leans, Rest.SHELF, shelf.name
     elif _on_tray(scene, book):
         base_T_book = inverse(scene.world_T_base) @ book.pose
         yaw = float(np.arctan2(base_T_book[1, 0], base_T_book[0, 0]))
@@ -58,9 +67,9 @@ def _on_tray(scene: Scene, book: Book) -> bool:
     return near and -_BELOW < middle[2] - tray.top < HIGHEST_DROP and foot[2, 2] > 0.98
 
 
-def _fall(scene: Scene, book: Book) -> None:
-    """It lies on its cover below where it was let go."""
+def _fall(scene: Scene, book: Book, height: float = 0.0) -> None:
+    """It lies on its cover below where it was let go, on what is `height` [m] above the floor."""
     x, y = book.pose[:2, 3]
     yaw = float(np.arctan2(book.pose[1, 0], book.pose[0, 0]))
-    lying = transform((float(x), float(y), book.thickness / 2), (np.pi / 2, 0.0, yaw))
+    lying = transform((float(x), float(y), height + book.thickness / 2), (np.pi / 2, 0.0, yaw))
     book.pose, book.rest, book.shelf = lying, Rest.FLOOR, None

@@ -72,12 +72,11 @@ class Push(NamedTuple):
 def members(scene: Scene, shelf: Shelf, without: Thing | None) -> list[Member]:
     """The row from right to left, the fixed parts included, `without` the book that the hand holds."""
     row = [Member(right, left, front, 0.35, None) for right, left, front in shelf.fixed_intervals()]
-    for each in scene.shelf_books(shelf.name):
-        if each.book is not without:
-            half = each.book.thickness / 2
-            row.append(
-                Member(each.lateral - half, each.lateral + half, each.front, each.book.height, each.book)
-            )
+    row += [
+        Member(*each.sides, each.front, each.book.height, each.book)
+        for each in scene.shelf_books(shelf.name)
+        if each.book is not without
+    ]
     return sorted(row, key=lambda member: member.right)
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 from typing import ClassVar, NamedTuple
 
@@ -52,6 +53,15 @@ class StandingBook(NamedTuple):
     """Of its height against the vertical, in [rad]."""
     yaw: float
     """Of its depth against the shelf's, in [rad]."""
+    lean: float
+    """Sideways, to the left, in [rad]."""
+
+    @property
+    def sides(self) -> tuple[float, float]:
+        """y of its rightmost and its leftmost point, in [m]."""
+        half = self.book.thickness / 2 * math.cos(self.lean)
+        over = self.book.height * math.sin(self.lean)
+        return self.lateral - half + min(0.0, over), self.lateral + half + max(0.0, over)
 
 
 @dataclass(eq=False)
@@ -166,7 +176,9 @@ class Scene:
             if book.rest is Rest.SHELF and book.shelf == shelf:
                 pose = frame @ book.pose
                 yaw = float(np.arctan2(pose[1, 0], pose[0, 0]))
-                standing.append(StandingBook(book, float(pose[1, 3]), float(pose[0, 3]), book.tilt(), yaw))
+                lean = -float(np.arctan2(pose[2, 1], pose[2, 2]))
+                y, x = float(pose[1, 3]), float(pose[0, 3])
+                standing.append(StandingBook(book, y, x, book.tilt(), yaw, lean))
         return sorted(standing, key=lambda each: -each.lateral)
 
     def tray_book(self) -> Book | None:

@@ -1,0 +1,56 @@
+"""How a book that the hand lets go comes to lean in its row."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from robotics.geometry.transform import Transform, transform
+
+from .book import Book
+from .row import Member
+
+LIES = math.radians(45.0)  # a book that leans further slides down and lies
+
+
+def lean_in_row(book: Book, S_T_foot: Transform, row: Sequence[Member], wish: float) -> Transform | None:
+    """The pose (4, 4) in S of a book that is let go upright at `S_T_foot`; None where it falls down flat.
+
+    Its foot is bowed, so it stays at the angle `wish` [rad, to the left] at which the fingers leave it; but
+    beyond the angle at which its middle stands over its edge it goes on. Either way what stands beside stops
+    it: with its upper edge it meets what is higher, else it rests on that one's edge. Neighbours stand firm,
+    and friction keeps its foot where it is.
+
+    Args:
+        book: that is let go.
+        S_T_foot: (4, 4), upright in its slot.
+        row: what else stands there.
+        wish: where the fingers leave it.
+    """
+    side = 1.0 if wish > 0.0 else -1.0
+    stopped = _until_met(book, float(S_T_foot[1, 3]), row, side)
+    tips = abs(wish) > math.atan2(book.thickness, book.height)
+    angle = stopped if tips else min(abs(wish), stopped)
+    if angle > LIES:
+        return None
+    edge = transform((0.0, side * book.thickness / 2, 0.0))
+    turn = transform(rpy=(-side * angle, 0.0, 0.0))
+    return np.asarray(S_T_foot @ edge @ turn @ transform((0.0, -side * book.thickness / 2, 0.0)))
+
+
+def _until_met(book: Book, middle: float, row: Sequence[Member], side: float) -> float:
+    """The angle at which a book that tips over to a side (1: left) meets something, at most a right angle."""
+    beside = [(_gap(each, middle, side) - book.thickness / 2, each.top) for each in row]
+    gap, top = min((each for each in beside if each[0] > -book.thickness / 2), default=(math.inf, 0.0))
+    gap = max(0.0, gap)
+    if gap >= book.height:
+        return math.pi / 2
+    met = math.asin(gap / book.height)
+    return met if book.height * math.cos(met) <= top else math.atan2(gap, top)
+
+
+def _gap(member: Member, middle: float, side: float) -> float:
+    """From the middle of the book to a member on that side; below zero on the other."""
+    return member.right - middle if side > 0.0 else middle - member.left
