@@ -42,12 +42,9 @@ def false_effect(
     after = ground_truth(robot.backend)
     if after is None:
         return []
-    own = {name for each in (before, after) for name, body in each.bodies.items() if body.support == "hand"}
-    own |= {f"book {model.book.accession}"} if model.book else set()
-    own |= {f"block {getattr(primitive, 'number', '')}"}
     wrong = [
         f"it moved {each} mm (at most {MOST_PUSHED_MM:.0f})"
-        for each in disturbed(before, after, MOST_PUSHED_MM, own)
+        for each in disturbed(before, after, MOST_PUSHED_MM, _own(primitive, model, before, after))
     ]
     own_word = getattr(primitive, "false_effect", None)
     if own_word is not None:
@@ -58,6 +55,13 @@ def false_effect(
         return wrong + _stand(before, after)
     promised = EFFECTS.get(primitive.label())
     return wrong + (promised(scene_of(robot.backend), primitive, model) if promised else [])
+
+
+def _own(primitive: ActionPrimitive, model: WorldModel, before: GroundTruth, after: GroundTruth) -> set[str]:
+    """What a primitive may move: what the hand holds before or after, or is to touch."""
+    held = {name for each in (before, after) for name, body in each.bodies.items() if body.support == "hand"}
+    meant = [each for each in primitive.meant_contacts(model) if each.part == "hand"]
+    return held | {name for name in before.bodies if any(each.covers("hand", name) for each in meant)}
 
 
 def arrival(robot: Robot, place: str, model: WorldModel) -> tuple[float, float]:

@@ -23,6 +23,7 @@ SLOT_FRICTION = 2.0  # of a book that slides in its slot [N]
 _WRENCH = np.radians(10.0)  # turned further than this against its slot, a book stops the arm
 _FACING = np.cos(np.radians(30.0))
 _STEP = 0.02  # that a link goes between two looks: panels and boards are as thick [m]
+_GRAZES = 0.003  # [m]
 _HALVINGS = 7
 
 Vector = NDArray[np.float64]
@@ -91,7 +92,7 @@ class Hand:
         front = self.front(target)
         self._follow_entry(front)
         posture, pairs = self._stop_at_solids(start, target)
-        pushed = 0.0
+        pushed, rigid = 0.0, posture is not target
         if front is not None:
             posture, pushed, met = self._stop_at_row(front, start, posture)
             pairs |= met
@@ -102,7 +103,7 @@ class Hand:
             scene.joints = posture = start
             drag = self.carry(start)
             pairs |= {(HELD, "the sides of its slot")}
-        scene.hand_force = self._reaction(target, posture, pushed) + drag
+        scene.hand_force = self._reaction(target, posture, 0.0 if rigid else pushed) + drag
         return pairs
 
     def met_at(self, base: Pose2) -> Touch:
@@ -159,13 +160,14 @@ class Hand:
     def _first_hit(self, start: Vector, target: Vector) -> tuple[float, float, Touch]:
         """The first overlap on the line, looked for in steps that no thin board is missed by.
 
-        Gives two shares of the line, the last one that was free and the one that isn't, and what is met.
+        What the arm only grazes on its way doesn't stop it: nothing here slides along anything. Gives two
+        shares of the line, the last one that was free and the one that isn't, and what is met.
         """
         steps = max(1, int(np.ceil(self.contact.travel(start, target) / _STEP)))
         for number in range(1, steps + 1):
             share = number / steps
             there = self.contact.deepest_of_arm(start + share * (target - start), self._skip)
-            if there.depth > 0.0:
+            if there.depth > (0.0 if number == steps else _GRAZES):
                 return share - 1.0 / steps, share, there
         return 0.0, 1.0, FREE
 
