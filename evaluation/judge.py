@@ -13,6 +13,7 @@ from networks.telemetry import Telemetry
 from primitives.outcome import Fail, Success
 
 from .block_survey import BlockSurvey
+from .calibration_claims import camera_faults, suspension_faults
 from .camera_survey import camera_figures
 from .contact_survey import ContactSurvey
 from .effects import STACKED_MM, arrival, false_effect
@@ -115,7 +116,8 @@ class Judge:
                 self._uncorrected &= getattr(event.primitive, "method", "") == "fix_once"
             wrong = self._wrong(event)
             if isinstance(event.outcome, Success):
-                self._figures |= stop_errors(self._scene, event) | self._calibrated(event)
+                self._figures |= stop_errors(self._scene, event)
+                wrong += self._take_calibrated(event)
                 self._take_arrival(event)
             word = type(event.outcome).__name__
             self.untrue += [f"{event.number}. {event.action.do} {word}: {each}" for each in wrong]
@@ -178,20 +180,21 @@ class Judge:
         if "books" in last:
             self._shelving = Shelving.noted(last["books"])
 
-    def _calibrated(self, event: Ended) -> dict[str, float]:
-        """What a calibration found, beside the truth, or beside another way of measuring it."""
+    def _take_calibrated(self, event: Ended) -> list[str]:
+        """What a calibration found, beside the truth or another way of measuring it; gives what isn't so."""
         found = event.primitive.evidence.calibrated
-        figures: dict[str, float] = {}
         if event.action.do == CALIBRATE_CAMERA and self._robot.camera is not None:
             camera, errors = self._robot.camera, self._robot.errors
-            figures |= camera_figures(camera, self._robot.arm_model(), errors, self._seed, found)
+            self._figures |= camera_figures(camera, self._robot.arm_model(), errors, self._seed, found)
+            return camera_faults(self._robot, self._seed, found)
         if event.action.do == CALIBRATE_SUSPENSION and self._lasers is not None:
             for key, each in found.items():
                 if isinstance(each.value, float):
-                    figures[key.rpartition(".")[2]] = round(each.value, 4)
-            figures |= self._lasers.figures()
-            self._lasers = None
-        return figures
+                    self._figures[key.rpartition(".")[2]] = round(each.value, 4)
+            spots, self._lasers = self._lasers.figures(), None
+            self._figures |= spots
+            return suspension_faults(spots, found)
+        return []
 
     def metrics(self, prepared: Prepared, end: RunEnd, telemetry: Telemetry) -> dict[str, Any]:
         """The figures of a run that has ended."""
