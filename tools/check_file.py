@@ -129,6 +129,8 @@ def _map_facts(file: Path) -> dict[str, Any]:
 
 
 def _task_facts(file: Path, settings: dict[str, str], quick: bool) -> dict[str, Any]:
+    from backends.robot_file import load_robot
+    from evaluation.robot_report.posture_findings import posture_findings
     from evaluation.seam_check import seam_facts
     from networks.preparing import check as check_task
 
@@ -136,9 +138,11 @@ def _task_facts(file: Path, settings: dict[str, str], quick: bool) -> dict[str, 
 
     checked = check_task(file, settings=settings)
     told = task_facts(checked.task) | ({} if quick else seam_facts(checked.task))
+    robot = checked.task.robot
+    postures = map(str, posture_findings(robot, load_robot(robot)))
     lines = [*(each.words() for each in checked.places), *told.get("lines", ())]
     places = {"places": [each.for_programs() for each in checked.places]} if checked.places else {}
-    told |= {"lines": lines, "warnings": [*checked.warnings, *told["warnings"]]}
+    told |= {"lines": lines, "warnings": [*checked.warnings, *postures, *told["warnings"]]}
     return {**told, **places, "errors": list(checked.errors)}
 
 

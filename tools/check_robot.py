@@ -38,6 +38,7 @@ def robot_facts(file: Path, picture: Path | None, quick: bool = False) -> dict[s
     """
     from backends.robot_file import load_robot
     from evaluation.robot_report.picture import draw_robot
+    from evaluation.robot_report.posture_findings import posture_findings
     from evaluation.robot_report.report import report_of
 
     from .check_bus import bus_figures, bus_of, bus_tables
@@ -55,9 +56,10 @@ def robot_facts(file: Path, picture: Path | None, quick: bool = False) -> dict[s
         except OSError as error:
             raise NotWritable(picture, error.strerror) from None
     bus = bus_of(robot)
+    postures = map(str, posture_findings(str(file), robot))
     return {
         "format": robot.format,
-        "warnings": list(report.warnings),
+        "warnings": [*report.warnings, *postures],
         "lines": [*_lines(report), *(_lines_of(*bus_tables(bus)) if bus else ())],
         "robot": {**report.figures(), **({"bus": bus_figures(bus)} if bus else {})},
         **({"picture": str(picture)} if picture is not None else {}),

@@ -20,6 +20,8 @@ def dry_run(
     """Check a task with all its files, print what would be done; the exit status that a run would have."""
     import orjson
 
+    from backends.robot_file import load_robot
+    from evaluation.robot_report.posture_findings import posture_findings
     from files.errors import FileError
     from files.settings import split_setting
     from networks.preparing import check
@@ -28,16 +30,19 @@ def dry_run(
     outcomes = None if script is None else load_script(script)
     chosen = dict(split_setting(each) for each in settings)
     checked = check(task, backend, chosen, seed, situation)
-    network = checked.task.network
+    network, robot = checked.task.network, checked.task.robot
     places = [place.words() for place in checked.places]
     if checked.errors:
         print("\n".join([] if as_json else places), end="" if as_json else "\n")
         raise FileError(checked.errors)
+    doubts = [*checked.warnings, *map(str, posture_findings(robot, load_robot(robot)))]
     told = follow(network, outcomes.outcomes if outcomes else ())
     if as_json:
         rooms = [each.for_programs() for each in checked.places]
-        print(orjson.dumps({**told.summary(), "places": rooms}).decode())
+        print(orjson.dumps({**told.summary(), "places": rooms, "warnings": doubts}).decode())
     else:
+        for doubt in doubts:
+            print(f"warning: {doubt}")
         for line in told.lines:
             print(line)
         print(f"{told.outcome} in situation {told.situation}{told.reason and ': '}{told.reason}")

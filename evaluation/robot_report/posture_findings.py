@@ -1,0 +1,100 @@
+"""Whether a robot's named postures touch anything of it, and stand out over its footprint."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from backends.robot_file import RobotFile, shipped_path
+from files.errors import Finding
+from files.suggest import listed
+from files.yaml_document import read_document
+from robotics.kinematics.arm_model import ArmModel
+from robotics.manipulation.collision_model import CollisionModel
+
+from .masses import corners_of
+
+FINGERS = ("left_finger", "right_finger")
+TRAVELS = ("home", "carry")  # in which primitives leave the arm before the base drives
+ROUNDING = 1e-3  # [m]
+
+
+class PostureFacts(NamedTuple):
+    """A named posture, the fingers open."""
+
+    name: str
+    touching: tuple[tuple[str, str], ...]
+    """Pairs of links."""
+    reach: float
+    """How far from the base's axis anything of the arm is, in [m]."""
+    farthest: str
+    """The link that is."""
+    travels: bool
+    """Whether the base drives with it."""
+
+
+def posture_facts(robot: RobotFile) -> list[PostureFacts]:
+    """Look at all postures of a robot's file; nothing where it has no arm."""
+    if robot.arm is None:
+        return []
+    arm = _opened(robot)
+    collision = CollisionModel(arm)
+    moved = _moved(arm)
+    return [_facts(name, np.array(robot.posture(name)), arm, collision, moved) for name in robot.arm.postures]
+
+
+def posture_findings(robot_name: str, robot: RobotFile) -> Iterator[Finding]:
+    """What is doubtful about them, at their lines in the robot's file.
+
+    Args:
+        robot_name: of a shipped robot, or the path of its file.
+        robot: by that file.
+    """
+    facts = posture_facts(robot)
+    if not facts:
+        return
+    path = Path(robot_name) if robot_name.endswith((".yaml", ".yml")) else shipped_path(robot_name)
+    document = read_document(path)
+    for each in facts:
+        key = ("arm", "postures", each.name)
+        if each.touching:
+            pairs = listed(f"{one} with {other}" for one, other in each.touching)
+            yield document.finding(key, f"in posture {each.name!r} the robot touches itself: {pairs}")
+        if each.travels and each.reach > robot.footprint_radius_m + ROUNDING:
+            wrong = f"the base drives in posture {each.name!r}, and {each.farthest} is {each.reach:.3f} m"
+            allowed = f"from its middle; allowed: within the footprint, {robot.footprint_radius_m:g} m"
+            yield document.finding(key, f"{wrong} {allowed}")
+
+
+def _opened(robot: RobotFile) -> ArmModel:
+    arm = robot.arm_model()
+    if robot.gripper is None:
+        return arm
+    try:
+        return arm.with_others(dict.fromkeys(FINGERS, robot.gripper.opening_mm / 2e3))
+    except ValueError:  # fingers of another kind, or none
+        return arm
+
+
+def _moved(arm: ArmModel) -> set[str]:
+    """Links that the arm's joints move."""
+    here = 0.5 * (arm.lower + arm.upper)
+    names = [shape.name for shape in arm.link_shapes(here)]
+    poses = zip(names, arm.link_poses(here), arm.link_poses(here + 0.1), strict=True)
+    return {name for name, one, other in poses if not np.allclose(one, other)}
+
+
+def _facts(
+    name: str, joints: NDArray[np.float64], arm: ArmModel, collision: CollisionModel, moved: Collection[str]
+) -> PostureFacts:
+    shapes = [shape for shape in arm.link_shapes(joints) if shape.name in moved]
+    out = {shape.name: 0.0 for shape in shapes}
+    for shape in shapes:
+        out[shape.name] = max(out[shape.name], float(np.hypot(*corners_of(shape)[:, :2].T).max()))
+    farthest = max(out, key=lambda link: out[link], default="")
+    touching = tuple(collision.contacts(joints))
+    return PostureFacts(name, touching, out.get(farthest, 0.0), farthest, name in TRAVELS)
