@@ -1,12 +1,13 @@
-"""The operator's line to a run that is alive: a socket in the run's folder."""
+"""The operator's line to a run that is alive: two sockets in the run's folder."""
 
 from __future__ import annotations
 
 import os
 import selectors
 import socket
-from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
+import time
+from collections.abc import Callable, Mapping
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -14,64 +15,76 @@ import orjson
 
 from files.errors import InputError
 
-NAME = "control"
-LONGEST = 4096  # of a message [bytes]
-MOST = 8  # who may be connected at once
-PATIENCE = 5.0  # [s] that the other end gets for an answer
+from .asking import NotAlive as NotAlive
+from .asking import ask as ask
+from .control_line import LONGEST, ControlLine
+from .socket_path import CONTROL, STOP, socket_path
+
+MOST = 64  # lines that are open at once
+MOST_NEW = 16  # of them that are taken in a period
+SILENT = 60.0  # [s] after which a line is closed on which nothing comes or goes
 
 Message = Mapping[str, Any]
 Answer = Callable[[Message], Message]
 
 
-class NotAlive(InputError):
-    """No run listens in that folder."""
-
-
 class Control:
-    """Listens on `FOLDER/control`, a Unix socket that only its owner may use; asked once a period, no thread.
+    """Listens in a run's folder on two Unix sockets that only its owner may use; asked once a period.
 
-    A message is a JSON object in a line, such as `{"do": "stop"}`; each gets one back, in a line. Whoever
-    hangs up changes nothing. A context manager: leaving it removes the socket.
+    `control`: a message is a JSON object in a line, such as `{"do": "status"}`; each gets one back, in a
+    line, also what is no message. A line gets one answer a period, and who hangs up, sends half or floods
+    changes nothing for the others; when there are too many, the one that was silent longest is closed.
+    `control.stop`: whatever arrives there stops the run: nothing to read, to answer or to wait for.
+
+    A context manager: leaving it removes the sockets.
     """
 
-    def __init__(self, folder: Path, answer: Answer) -> None:
-        """Listen; `answer` is called with each message, and gives what is sent back.
+    def __init__(
+        self,
+        folder: Path,
+        answer: Answer,
+        stop: Callable[[], object],
+        clock: Callable[[], float] = time.monotonic,
+    ) -> None:
+        """Listen; `answer` is called with each message, and gives what is sent back; `stop` stops the run.
 
         Raises:
             InputError: the folder can't hold a socket.
         """
-        self._path, self._answer = folder / NAME, answer
-        self._waiting: dict[socket.socket, bytes] = {}
+        self._answer, self._stop, self._clock = answer, stop, clock
+        self._lines: dict[socket.socket, ControlLine] = {}
+        self._paths = (folder / CONTROL, folder / STOP)
         self._selector = selectors.DefaultSelector()
-        self._listening = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
-        self._listening.setblocking(False)
-        before = os.umask(0o177)
+        self._listening = _bound(self._paths[0], socket.SOCK_STREAM)
         try:
-            self._path.unlink(missing_ok=True)  # of a run that was killed: its journal is ours now
-            with _short(self._path) as path:
-                self._listening.bind(path)
-        except OSError as error:
-            raise InputError(f"{self._path} can't be made: {error.strerror}") from None
-        finally:
-            os.umask(before)
+            self._stopping = _bound(self._paths[1], socket.SOCK_DGRAM)
+        except InputError:
+            self._listening.close()
+            raise
         self._listening.listen(MOST)
         self._selector.register(self._listening, selectors.EVENT_READ)
+        self._selector.register(self._stopping, selectors.EVENT_READ)
 
     def poll(self, patience: float = 0.0) -> None:
         """Answer what has come in; with `patience`, in [s] of the wall clock, wait so long for the first."""
-        for key, _ in self._selector.select(patience):
-            if key.fileobj is self._listening:
-                self._accept()
-            else:
-                self._read(key.fileobj)  # type: ignore[arg-type]
+        busy = any(line.waits for line in self._lines.values())
+        ready = [key.fileobj for key, _ in self._selector.select(0.0 if busy else patience)]
+        if self._stopping in ready:
+            self._hear_stop()
+        if self._listening in ready:
+            self._take()
+        now = self._clock()
+        for line in list(self._lines.values()):
+            self._serve(line, now)
 
     def close(self) -> None:
         """Hang up; a second call does nothing."""
-        for each in list(self._waiting):
-            self._drop(each)
+        for line in list(self._lines.values()):
+            self._drop(line)
         self._selector.close()
-        self._listening.close()
-        self._path.unlink(missing_ok=True)
+        for each, path in zip((self._listening, self._stopping), self._paths, strict=True):
+            each.close()
+            path.unlink(missing_ok=True)
 
     def __enter__(self) -> Control:
         return self
@@ -79,81 +92,72 @@ class Control:
     def __exit__(self, *_: object) -> None:
         self.close()
 
-    def _accept(self) -> None:
-        try:
-            other, _ = self._listening.accept()
-        except OSError:
-            return
-        if len(self._waiting) >= MOST:
-            other.close()
-            return
-        other.setblocking(False)
-        self._waiting[other] = b""
-        self._selector.register(other, selectors.EVENT_READ)
+    def _hear_stop(self) -> None:
+        self._stop()
+        with suppress(OSError):
+            for _ in range(MOST):
+                self._stopping.recv(1)
 
-    def _read(self, other: socket.socket) -> None:
-        try:
-            new = other.recv(LONGEST)
-        except OSError:
-            new = b""
-        *lines, rest = (self._waiting[other] + new).split(b"\n")
-        if not new or len(rest) >= LONGEST:
-            self._drop(other)
-            return
-        self._waiting[other] = rest
-        for line in lines:
+    def _take(self) -> None:
+        for _ in range(MOST_NEW):
             try:
-                other.send(orjson.dumps(self._reply(line)) + b"\n")
-            except OSError:
-                self._drop(other)
+                other, _address = self._listening.accept()
+            except OSError:  # no more of them, or no descriptor left for one
                 return
+            if len(self._lines) >= MOST:
+                self._drop(min(self._lines.values(), key=lambda line: line.moved))
+            line = ControlLine(other, self._clock())
+            self._lines[other] = line
+            self._selector.register(other, line.interest)
 
-    def _reply(self, line: bytes) -> Message:
+    def _serve(self, line: ControlLine, now: float) -> None:
+        line.exchange(now)
+        if line.waits:
+            line.answer(self._reply(line.message()), now)
+        if line.over or now - line.moved > SILENT:
+            self._drop(line)
+        else:
+            self._selector.modify(line.socket, line.interest)
+
+    def _reply(self, message: bytes | None) -> bytes:
+        if message is None:
+            return _refusal(f"a message of more than {LONGEST} bytes")
         try:
-            message = orjson.loads(line)
-        except orjson.JSONDecodeError:
-            message = None
-        if not isinstance(message, dict):
-            return {"ok": False, "error": 'no JSON object; allowed: {"do": "status"} and so on'}
-        return self._answer(message)
-
-    def _drop(self, other: socket.socket) -> None:
-        self._selector.unregister(other)
-        self._waiting.pop(other, None)
-        other.close()
-
-
-def ask(folder: Path, message: Message, patience: float = PATIENCE) -> dict[str, Any]:
-    """Send a message to the run that is alive in a folder; its answer.
-
-    Raises:
-        NotAlive: nobody listens there, or nobody answered within `patience` [s].
-    """
-    with socket.socket(socket.AF_UNIX, socket.SOCK_STREAM) as line:
-        line.settimeout(patience)
+            told = orjson.loads(message)
+        except orjson.JSONDecodeError as error:
+            return _refusal(f"this is no JSON ({error})")
+        if not isinstance(told, dict):
+            return _refusal("this is no JSON object")
         try:
-            with _short(folder / NAME) as path:
-                line.connect(path)
-            line.sendall(orjson.dumps(message) + b"\n")
-            answer = b""
-            while not answer.endswith(b"\n"):
-                new = line.recv(LONGEST)
-                if not new:
-                    raise NotAlive(f"the run in {folder} hung up before it answered")
-                answer += new
-        except TimeoutError:
-            raise NotAlive(f"the run in {folder} doesn't answer within {patience:g} s") from None
-        except OSError:
-            raise NotAlive(f"no run is alive in {folder}; allowed: the folder of one that goes on") from None
-    told: dict[str, Any] = orjson.loads(answer)
-    return told
+            return orjson.dumps(self._answer(told))
+        except Exception as error:  # a fault of ours must not end the run of who asked
+            return orjson.dumps(
+                {"ok": False, "error": f"a fault in handcart: {type(error).__name__}: {error}"}
+            )
+
+    def _drop(self, line: ControlLine) -> None:
+        self._selector.unregister(line.socket)
+        del self._lines[line.socket]
+        line.socket.close()
 
 
-@contextmanager
-def _short(path: Path) -> Iterator[str]:
-    """A name of at most 108 bytes for a socket's path, which may be longer."""
-    folder = os.open(path.parent, os.O_RDONLY | os.O_DIRECTORY)
+def _refusal(wrong: str) -> bytes:
+    allowed = 'an object in a line of at most 4096 bytes, such as {"do": "status"}'
+    return orjson.dumps({"ok": False, "error": f"{wrong}; allowed: {allowed}"})
+
+
+def _bound(path: Path, kind: socket.SocketKind) -> socket.socket:
+    """A socket that hears what is sent to `path`; one that a killed run left there is removed."""
+    listening = socket.socket(socket.AF_UNIX, kind)
+    listening.setblocking(False)
+    before = os.umask(0o177)
     try:
-        yield f"/proc/self/fd/{folder}/{path.name}"
+        path.unlink(missing_ok=True)  # the journal is ours, so nobody listens there
+        with socket_path(path) as name:
+            listening.bind(name)
+    except OSError as error:
+        listening.close()
+        raise InputError(f"{path} can't be made: {error.strerror}") from None
     finally:
-        os.close(folder)
+        os.umask(before)
+    return listening

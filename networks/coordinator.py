@@ -74,9 +74,12 @@ class Coordinator:
         self._watch = WorldWatch(robot, network, standing.seen if standing else {})
         self._permission = permission
 
-    def request(self, what: Request) -> None:
-        """Ask for a pause, a stop and so on; honoured at the next period. Safe in a signal handler."""
-        self._supervision.ask(what)
+    def request(self, what: Request) -> bool:
+        """Ask for a pause, a stop and so on; honoured at the next period. Safe in a signal handler.
+
+        Whether it was taken: too much may wait already. A stop always is, and goes before all else.
+        """
+        return self._supervision.ask(what)
 
     @property
     def situation(self) -> str:
@@ -109,6 +112,7 @@ class Coordinator:
         if self._left:
             self._forget(self._left)
         while not self._route.arrived:
+            self._supervision.between_actions()
             if not self._route.planned:
                 plan = self._plan()
                 if isinstance(plan, GiveUp):
@@ -124,7 +128,6 @@ class Coordinator:
             self._route.took(outcome)
             self._watch.arrived(self.situation)
             self._forget(left)
-            self._supervision.between_actions()
         skipped = self._chronicle.skipped
         if skipped:
             return self._end("Fail", f"left undone: {', '.join(skipped)}")

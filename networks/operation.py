@@ -7,6 +7,7 @@ from types import TracebackType
 from typing import Any
 
 from backends.robot import Robot
+from files.printable import clipped, printable
 
 from .control import Control, Message
 from .coordinator import Coordinator
@@ -22,6 +23,7 @@ REQUESTS = {
     "cancel": Request.CANCEL,
     "restore": Request.RESTORE,
 }
+WORDS = (*REQUESTS, "permit", "refuse", "status")
 _IDLE = (RunState.WAITING_FOR_PERMISSION, RunState.PAUSED_WHILE_ACTING, RunState.PAUSED_WHILE_RESTORING)
 
 
@@ -34,7 +36,7 @@ class Operation:
 
     def __init__(self, folder: Path, coordinator: Coordinator, permits: Permits, robot: Robot) -> None:
         self._coordinator, self._permits, self._robot = coordinator, permits, robot
-        self._control = Control(folder, self.answer)
+        self._control = Control(folder, self.answer, lambda: coordinator.request(Request.STOP))
 
     def look(self) -> None:
         """Once a period: hear who has something to say."""
@@ -46,17 +48,12 @@ class Operation:
 
     def answer(self, message: Message) -> dict[str, Any]:
         """Do what a message asks for, and tell how things stand."""
-        word = message.get("do")
-        if word in ("permit", "refuse"):
+        word, wrong = str(message.get("do")), _wrong(message)
+        if not wrong and word in ("permit", "refuse"):
             wrong = self._permit(word == "permit", message.get("action"))
-            if wrong:
-                return {"ok": False, "error": wrong}
-        elif word in REQUESTS:
-            self._coordinator.request(REQUESTS[word])
-        elif word != "status":
-            allowed = ", ".join([*REQUESTS, "permit", "refuse", "status"])
-            return {"ok": False, "error": f"unknown word {word!r}; allowed: {allowed}"}
-        return {"ok": True, **self.status()}
+        elif not wrong and word != "status" and not self._coordinator.request(REQUESTS[word]):
+            wrong = "too much is asked for at once; allowed: to wait until it is done, and to stop"
+        return {"ok": False, "error": wrong} if wrong else {"ok": True, **self.status()}
 
     def status(self) -> dict[str, Any]:
         """How things stand."""
@@ -85,6 +82,30 @@ class Operation:
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         self._control.close()
+
+
+def _wrong(message: Message) -> str:
+    """What makes a message none, "what is wrong; what is allowed"; nothing where it is one.
+
+    A stop is one whatever else it says.
+    """
+    word = message.get("do")
+    if word == "stop":
+        return ""
+    if not isinstance(word, str) or word not in WORDS:
+        wrong = f"unknown word {_shown(word)}" if "do" in message else "the key 'do' is missing"
+        return f"{wrong}; allowed: {', '.join(WORDS)}"
+    known = {"do", "action"} if word in ("permit", "refuse") else {"do"}
+    if unknown := message.keys() - known:
+        return f"unknown key {_shown(min(unknown))}; allowed: {', '.join(sorted(known))}"
+    number = message.get("action")
+    if number is not None and (isinstance(number, bool) or not isinstance(number, int)):
+        return f"the action {_shown(number)} is no number; allowed: an action's number"
+    return ""
+
+
+def _shown(value: object) -> str:
+    return printable(clipped(repr(value)))
 
 
 def _words(action: Action) -> dict[str, Any]:

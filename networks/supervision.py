@@ -38,6 +38,8 @@ class Request(Enum):
 _ENDING = {Request.STOP: "stopped by request", Request.CANCEL: "cancelled by request"}
 
 
+MOST = 64
+"""Requests that may wait to be honoured."""
 CHECK = "supervision"
 """Who finds what is asked from outside, in the journal."""
 
@@ -58,14 +60,24 @@ class Supervision:
     ) -> None:
         """Nothing is asked for yet; `on_stop` hears of each stop: why, and when it was asked for, in [s]."""
         self._requests: deque[tuple[Request, float]] = deque()
+        self._stop: float | None = None  # when it was asked for; waits in no queue
         self._robot = robot
         self._life = life
         self._on_stop = on_stop
         self._after_restoring: Request | None = None
 
-    def ask(self, request: Request) -> None:
-        """Somebody asks for something; honoured at the next period. Safe in a signal handler."""
+    def ask(self, request: Request) -> bool:
+        """Somebody asks for something; honoured at the next period. Safe in a signal handler.
+
+        Whether it was taken: too much may wait already. A stop always is, and goes before all else.
+        """
+        if request is Request.STOP:
+            self._stop = self._robot.time if self._stop is None else self._stop
+            return True
+        if len(self._requests) >= MOST:
+            return False
         self._requests.append((request, self._robot.time))
+        return True
 
     def to_its_end(
         self, attempt: Attempt, time_out: float | None = None
@@ -84,8 +96,8 @@ class Supervision:
             next(attempt)
             while True:
                 yield
-                while self._requests:
-                    outcome = yield from self._honour(*self._requests.popleft(), attempt)
+                while (wanted := self._next()) is not None:
+                    outcome = yield from self._honour(*wanted, attempt)
                     if outcome is not None:
                         return outcome
                 if self._robot.time > latest and self._life.state is RunState.ACTING:
@@ -107,11 +119,17 @@ class Supervision:
         """
         if self._after_restoring is not None:
             raise Interrupted(_ENDING[self._after_restoring])
-        for request, asked in self._requests:
+        stop = [] if self._stop is None else [(Request.STOP, self._stop)]
+        for request, asked in [*stop, *self._requests]:  # a copy: a signal may add to it
             if request in _ENDING:
                 self._robot.stop()
                 self._on_stop(_ENDING[request], asked)
                 raise Interrupted(_ENDING[request])
+
+    def _next(self) -> tuple[Request, float] | None:
+        if self._stop is not None:
+            return Request.STOP, self._stop
+        return self._requests.popleft() if self._requests else None
 
     def _honour(self, request: Request, asked: float, attempt: Attempt) -> Periods:
         if request is Request.STOP:
@@ -153,7 +171,7 @@ class Supervision:
         """Whether something is asked for but one more pause."""
         while self._requests and self._requests[0][0] is Request.PAUSE:
             self._requests.popleft()
-        return bool(self._requests)
+        return self._stop is not None or bool(self._requests)
 
 
 def come_to_rest(robot: Robot) -> Generator[None, None, None]:

@@ -40,7 +40,7 @@ class Copier:
 
     def __call__(self, event: Event) -> None:
         if isinstance(event, Ended) and event.number == self.number:
-            shutil.copytree(self.folder, self.to, ignore=shutil.ignore_patterns("control"))
+            shutil.copytree(self.folder, self.to, ignore=shutil.ignore_patterns("control*"))
 
 
 @pytest.fixture

@@ -24,9 +24,12 @@ def go_on(run: Run, as_json: Json = False) -> None:
 
 
 def stop(run: Run, as_json: Json = False) -> None:
-    """Stop the robot where it is; it holds, and the run ends."""
-    _say("stop", run, as_json)
+    """Stop the robot where it is; it holds, and the run ends. Waits until it is over."""
+    from networks.asking import tell_to_stop
+
+    tell_to_stop(run)
     _wait_for_end(run)
+    _tell_end(run, as_json)
 
 
 def cancel(run: Run, as_json: Json = False) -> None:
@@ -52,7 +55,7 @@ def status(run: Run, as_json: Json = False) -> None:
 def _say(word: str, run: Path, as_json: bool, action: int | None = None) -> None:
     import orjson
 
-    from networks.control import ask
+    from networks.asking import ask
 
     told = ask(run, {"do": word} if action is None else {"do": word, "action": action})
     if as_json:
@@ -69,14 +72,24 @@ def _say(word: str, run: Path, as_json: bool, action: int | None = None) -> None
 def _wait_for_end(run: Path) -> None:
     import time
 
-    from networks.control import NotAlive, ask
+    from networks.asking import goes_on
 
     end = time.monotonic() + SOON
-    while time.monotonic() < end:
-        try:
-            ask(run, {"do": "status"}, 1.0)
-        except NotAlive:
-            return
-        time.sleep(0.05)
-    print(f"the run in {run} was told to stop, and is not over yet", file=sys.stderr)
-    sys.exit(5)
+    while goes_on(run):
+        if time.monotonic() > end:
+            print(f"the run in {run} was told to stop, and is not over yet", file=sys.stderr)
+            sys.exit(5)
+        time.sleep(0.02)
+
+
+def _tell_end(run: Path, as_json: bool) -> None:
+    import orjson
+
+    from networks.journal_record import read_journal
+
+    last = read_journal(run / "journal.jsonl").records[-1]
+    told = {key: last.get(key) for key in ("outcome", "situation", "reason")} | {"sim_time_s": last["t"]}
+    if as_json:
+        print(orjson.dumps({"ok": True, "state": "ended", **told}).decode())
+    else:
+        print(f"{told['outcome']} in {told['situation']} at {last['t']:.1f} s: {told['reason']}")

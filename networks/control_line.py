@@ -1,0 +1,84 @@
+"""One line that somebody has opened to a run: what came in on it, and what is still to go out."""
+
+from __future__ import annotations
+
+import selectors
+import socket
+
+LONGEST = 4096  # of a message [bytes]
+
+
+class ControlLine:
+    """Takes in at most one message's worth of bytes at a time, and nothing while an answer waits to go out:
+    who floods it, or doesn't read, makes only itself wait."""
+
+    def __init__(self, other: socket.socket, now: float) -> None:
+        """Use a connected socket; `now` is the wall clock's time, in [s]."""
+        other.setblocking(False)
+        self.socket = other
+        self.moved = now
+        """When something came in or went out last, in [s] of the wall clock."""
+        self._came, self._goes = b"", b""
+        self._ended, self._deaf, self._refused = False, False, False
+
+    @property
+    def waits(self) -> bool:
+        """Whether a message is here that can be answered now."""
+        return not self._goes and (
+            b"\n" in self._came or self._too_long or (self._ended and self._came != b"")
+        )
+
+    @property
+    def over(self) -> bool:
+        """Whether nothing comes any more, and nothing goes."""
+        return not self._goes and ((self._ended and not self._came) or self._refused)
+
+    @property
+    def interest(self) -> int:
+        """What to wait for: that bytes can go out, or that some come in."""
+        return selectors.EVENT_WRITE if self._goes else selectors.EVENT_READ
+
+    def exchange(self, now: float) -> None:
+        """Let go out and come in what can do so at once."""
+        if self._goes:
+            self._send(now)
+        if not self._goes and not self.waits and not self._ended:
+            self._receive(now)
+
+    def message(self) -> bytes | None:
+        """The next message, without its line's end; None: it is too long to be one, and no other follows."""
+        if self._too_long:
+            self._came, self._refused = b"", True
+            return None
+        line, _, self._came = self._came.partition(b"\n")
+        return line
+
+    def answer(self, line: bytes, now: float) -> None:
+        """Send a line as soon as the other end takes it."""
+        self._goes = b"" if self._deaf else line + b"\n"
+        self._send(now)
+
+    @property
+    def _too_long(self) -> bool:
+        return len(self._came.partition(b"\n")[0]) > LONGEST
+
+    def _receive(self, now: float) -> None:
+        try:
+            new = self.socket.recv(LONGEST)
+        except BlockingIOError:
+            return
+        except OSError:
+            new = b""
+        self._ended = not new
+        self._came += new
+        self.moved = now if new else self.moved
+
+    def _send(self, now: float) -> None:
+        try:
+            sent = self.socket.send(self._goes) if self._goes else 0
+        except BlockingIOError:
+            return
+        except OSError:  # it has hung up; what it said before is heard all the same
+            self._deaf, sent = True, len(self._goes)
+        self._goes = self._goes[sent:]
+        self.moved = now if sent else self.moved

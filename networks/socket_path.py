@@ -1,0 +1,27 @@
+"""The sockets in a run's folder, and how to name one whose path is longer than a socket's name may be."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+CONTROL = "control"
+"""Messages go in, answers come out."""
+STOP = "control.stop"
+"""Whatever arrives stops the run."""
+
+
+@contextmanager
+def socket_path(path: Path) -> Iterator[str]:
+    """A name of at most 108 bytes for a socket's path, which may be longer.
+
+    Raises:
+        OSError: its folder can't be opened.
+    """
+    folder = os.open(path.parent, os.O_RDONLY | os.O_DIRECTORY)
+    try:
+        yield f"/proc/self/fd/{folder}/{path.name}"
+    finally:
+        os.close(folder)
