@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from .as_laid_report import NAME, AsLaid
 from .field_survey import FieldSurvey, Place
+from .figure_file import save_figure
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -47,7 +48,7 @@ def draw_as_laid(folder: Path, survey: FieldSurvey, sensors: list[AsLaid]) -> Pa
         each.grid(alpha=0.3)
     path = folder / f"{NAME}.svg"
     with matplotlib.rc_context({"svg.hashsalt": "handcart"}):
-        figure.savefig(path, metadata={"Date": None})
+        save_figure(figure, path)
     return path
 
 

@@ -13,6 +13,7 @@ import orjson
 from numpy.typing import NDArray
 
 from backends.robot import Robot
+from files.whole_file import write_whole
 from networks.preparing import Prepared
 from primitives.earth_frame import EarthFrame
 from primitives.target import Laid
@@ -77,9 +78,9 @@ def write_as_laid(prepared: Prepared, folder: Path) -> list[AsLaid]:
     field, sensors = prepared.model.field, as_laid(prepared.robot, prepared.model)
     origin = None if field is None else field.origin
     earth = EarthFrame(origin.latitude_deg, origin.longitude_deg) if origin else None
-    (folder / f"{NAME}.csv").write_text(_csv(sensors, earth), encoding="utf-8")
+    write_whole(folder / f"{NAME}.csv", _csv(sensors, earth))
     if earth is not None:
-        (folder / f"{NAME}.geojson").write_bytes(orjson.dumps(_geojson(sensors, earth), option=_OPTIONS))
+        write_whole(folder / f"{NAME}.geojson", orjson.dumps(_geojson(sensors, earth), option=_OPTIONS))
     return sensors
 
 

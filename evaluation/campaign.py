@@ -3,17 +3,25 @@
 from __future__ import annotations
 
 import math
+import os
+import signal
 import tempfile
+import threading
+import time
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
-from concurrent.futures import ProcessPoolExecutor, as_completed
+from concurrent.futures import FIRST_COMPLETED, ProcessPoolExecutor, wait
 from dataclasses import dataclass
-from multiprocessing import get_context
+from itertools import islice
+from multiprocessing import active_children, get_context, parent_process
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from scipy.stats import binomtest
+
+from networks.interrupts import Interrupts
+from networks.supervision import INTERRUPTED
 
 from .library_generator import make_library
 from .running import run_task
@@ -45,6 +53,16 @@ class Trial:
         return self.status == 0
 
     @property
+    def cancelled(self) -> bool:
+        """Whether somebody stopped it: then it says nothing of the task."""
+        return bool(self.summary["outcome"] == "Cancelled")
+
+    @property
+    def interrupted(self) -> bool:
+        """Whether a signal stopped it, and so all that it is part of."""
+        return self.cancelled and self.summary["reason"] == INTERRUPTED
+
+    @property
     def untrue(self) -> Sequence[str]:
         """What the ground truth contradicts."""
         return list(self.summary["metrics"].get("untrue", []))
@@ -66,24 +84,61 @@ def run_trial(setting: Setting, seed: int) -> Trial:
 
 
 def run_campaign(setting: Setting, seeds: Sequence[int], jobs: int) -> Iterator[Trial]:
-    """Run the trials in a pool of processes; each is handed out when it has ended."""
-    if jobs == 1:
-        yield from (run_trial(setting, seed) for seed in seeds)
-        return
-    with ProcessPoolExecutor(jobs, get_context("spawn"), _one_thread) as pool:
-        running = [pool.submit(run_trial, setting, seed) for seed in seeds]
+    """Run the trials in a pool of processes; each is handed out when it has ended.
+
+    A trial that was cancelled by itself is left out. An interrupt (Ctrl-C, SIGTERM, SIGHUP) stops the trials
+    that run, and ends the campaign.
+
+    Raises:
+        KeyboardInterrupt: there was one.
+    """
+    with Interrupts():
+        every = _one_by_one(setting, seeds) if jobs == 1 else _side_by_side(setting, seeds, jobs)
+        for trial in every:
+            if trial.interrupted:
+                raise KeyboardInterrupt
+            if not trial.cancelled:
+                yield trial
+
+
+def _one_by_one(setting: Setting, seeds: Sequence[int]) -> Iterator[Trial]:
+    for seed in seeds:
+        yield run_trial(setting, seed)
+
+
+def _side_by_side(setting: Setting, seeds: Sequence[int], jobs: int) -> Iterator[Trial]:
+    others = set(active_children())
+    with ProcessPoolExecutor(jobs, get_context("spawn"), _begin) as pool:
+        left = iter(seeds)
+        running = {pool.submit(run_trial, setting, seed) for seed in islice(left, jobs)}
         try:
-            for each in as_completed(running):
-                yield each.result()
-        finally:
-            for each in running:
-                each.cancel()
+            while running:
+                done, running = wait(running, return_when=FIRST_COMPLETED)
+                running |= {pool.submit(run_trial, setting, seed) for seed in islice(left, len(done))}
+                for each in done:
+                    yield each.result()
+        except BaseException:
+            for process in set(active_children()) - others:
+                process.terminate()
+            raise
 
 
-def _one_thread() -> None:
+def _begin() -> None:
+    """In each of the pool's processes: it computes beside others, and ends when it is ended or left alone."""
     import cv2
 
     cv2.setNumThreads(1)
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # it comes to all of a terminal's processes; one is enough
+    threading.Thread(target=_end_with_parent, daemon=True).start()
+
+
+def _end_with_parent() -> None:
+    parent = parent_process()
+    assert parent is not None
+    parent.join()
+    while True:
+        os.kill(os.getpid(), signal.SIGTERM)
+        time.sleep(1.0)
 
 
 @dataclass(frozen=True)
@@ -111,7 +166,9 @@ class Report:
 
     @property
     def wilson(self) -> tuple[float, float]:
-        """95 % interval of the success rate, by Wilson."""
+        """95 % interval of the success rate, by Wilson; of no trials at all it is everything."""
+        if not self.trials:
+            return 0.0, 1.0
         interval = binomtest(self.successes, len(self.trials)).proportion_ci(method="wilson")
         return float(interval.low), float(interval.high)
 

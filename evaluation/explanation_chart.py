@@ -18,6 +18,7 @@ from robotics.geometry.pose2 import Pose2
 
 from .explanation import Explanation
 from .explanation_words import cause_words
+from .figure_file import save_figure
 
 COMMAND, READING, RESTORED, LIMIT, SENSED = "#999999", "#3b6fd4", "#fbe8cf", "#c8382e", "#d62828"
 JOINTS = "tab10"
@@ -83,7 +84,7 @@ def _draw(told: Explanation, path: Path) -> None:
         axes[-1].set_xlabel("time [s]; grey: commanded, shaded: restoring, red: broken off")
     figure.suptitle(_title(told), fontsize=10)
     with matplotlib.rc_context({"svg.hashsalt": "handcart", "svg.fonttype": "none"}):
-        figure.savefig(path, metadata={"Date": None} if path.suffix == ".svg" else None)
+        save_figure(figure, path)
 
 
 def _read(path: Path, read: Callable[[Path], Any]) -> Any:

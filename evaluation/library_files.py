@@ -5,14 +5,15 @@ from __future__ import annotations
 import math
 from pathlib import Path
 
-import cv2
 import numpy as np
 
+from files.whole_file import write_whole
 from robotics.geometry.pose2 import Pose2
 
 from .library_books import GeneratedBook
 from .library_generator import RESOLUTION, Library, place_before
 from .library_room import BOARD, CLEAR, FURNITURE, HOME, OUTER, SHELVES, STAND_OFF
+from .picture_file import write_png
 
 NOBODYS = 249  # a tag's number that no catalogue of ours has
 
@@ -26,9 +27,9 @@ def write_library(library: Library, folder: Path) -> None:
         ("catalogue.yaml", _catalogue(library)),
         ("map.yaml", _map_yaml(library)),
     ):
-        (folder / name).write_text(text, encoding="utf-8")
+        write_whole(folder / name, text)
     picture = np.where(library.map.occupied, 0, 254).astype(np.uint8)
-    cv2.imwrite(str(folder / "map.png"), picture[::-1])
+    write_png(folder / "map.png", picture[::-1])
 
 
 def _made(library: Library, what: str) -> str:

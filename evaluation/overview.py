@@ -19,6 +19,8 @@ from primitives.knowledge import Place
 from robotics.navigation.grid_map import GridMap
 from robotics.navigation.voronoi_graph import voronoi_graph
 
+from .figure_file import save_figure
+
 COLOURS = {"Success": "#2a9d5c", "Fail": "#e0a100", "GiveUp": "#c8382e", "running": "#999999"}
 PLANNED, DRIVEN, RESTORED, SENSED, GRAPH = "#3b6fd4", "#111111", "#e07b00", "#d62828", "#b9c7dd"
 SCAN = "#2a9d5c"
@@ -70,7 +72,7 @@ def draw_overview(run_dir: Path, grid: GridMap, places: Mapping[str, Place], rad
         axes["picture"].set_axis_off()
     path = run_dir / "overview.svg"
     with matplotlib.rc_context({"svg.hashsalt": "handcart", "svg.fonttype": "none"}):
-        figure.savefig(path, metadata={"Date": None})
+        save_figure(figure, path)
     for each in stretches:
         if each.outcome != "Success":
             _draw_fail(run_dir, each, grid)
@@ -169,7 +171,7 @@ def _draw_fail(run_dir: Path, stretch: Stretch, grid: GridMap) -> None:
     axis.set_xlim(x - 2.0, x + 2.0)
     axis.set_ylim(y - 2.0, y + 2.0)
     axis.legend(fontsize=8)
-    figure.savefig(run_dir / FOLDER / f"{name}.svg", metadata={"Date": None})
+    save_figure(figure, run_dir / FOLDER / f"{name}.svg")
 
 
 def _named(run_dir: Path, name: str) -> list[NDArray[np.float64]]:

@@ -14,6 +14,8 @@ from robotics.manipulation.placement_division import Division
 from robotics.manipulation.planar_arm import PlanarArm
 from robotics.manipulation.tool_path import ToolPath
 
+from .figure_file import save_figure
+
 Floats = NDArray[np.float64]
 
 COLOURS = ("#3b6fd4", "#c8382e", "#2e8b57", "#9a5fb4", "#d98e04", "#3aa0a8")
@@ -150,4 +152,4 @@ def _draw_arm(ax: Any, arm: PitchArm, base: Floats, part: ToolPath, colour: str)
 
 
 def _save(figure: Any, target: Path) -> None:
-    figure.savefig(target, dpi=110)
+    save_figure(figure, target, dpi=110)

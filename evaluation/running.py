@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import time
 from collections.abc import Mapping
 from contextlib import ExitStack
@@ -12,9 +11,10 @@ from typing import Any, Protocol
 import orjson
 
 from backends.robot import Robot
-from files.errors import InputError
+from files.errors import HandcartError
 from files.printable import printable
 from networks.events import Event, Observer
+from networks.interrupts import Interrupts
 from networks.permits import Permits
 from networks.preparing import Prepared, beginning_at, prepare
 from networks.recon import reconnoitre, standing_as_left
@@ -28,6 +28,10 @@ from networks.syncing import sync_for
 from networks.task_file import load_task
 
 from .judge import Judge
+
+
+class NoFolder(HandcartError):
+    """A run can't have a folder of its own; nothing has moved."""
 
 
 class Teller(Protocol):
@@ -62,6 +66,7 @@ def run_task(
     sync: bool | None = None,
     errors: bool = True,
     bench: str | None = None,
+    interrupts: Interrupts | None = None,
 ) -> tuple[dict[str, Any], int]:
     """Run a task once.
 
@@ -81,6 +86,7 @@ def run_task(
         sync: whether the journal is brought to the disk; None: as the backend needs it.
         errors: whether the simulated robot errs.
         bench: simulated drives are put before the simulated backend of that name.
+        interrupts: who hears of Ctrl-C; left out: somebody of its own, until the folder is whole.
 
     Returns:
         The summary that also stands in the run's folder, and the exit status.
@@ -94,6 +100,7 @@ def run_task(
     observers: list[Observer] = [] if told is None else [told]
     onlookers: list[Onlooker] = [] if told is None else [told.look]
     with ExitStack() as stack:
+        heard = interrupts or stack.enter_context(Interrupts())
         prepared = stack.enter_context(
             prepare(
                 task, backend, settings, seed, window=window, situation=situation, errors=errors, bench=bench
@@ -121,6 +128,7 @@ def run_task(
             onlookers=[*onlookers, judge.look],
             checkpoints=checkpoints,
             sync=sync_for(prepared.backend.simulated, sync),
+            interrupts=heard,
         )
         _report(prepared, folder, judge, told)
         if draw:
@@ -162,6 +170,7 @@ def resume_task(
     told: Teller,
     permits: Permits | None = None,
     sync: bool | None = None,
+    interrupts: Interrupts | None = None,
 ) -> tuple[dict[str, Any], int]:
     """Go on with a run that broke off; a simulated world is put back to its last checkpoint.
 
@@ -171,6 +180,7 @@ def resume_task(
         told: hears what is known, and what happens.
         permits: who permits actions that need it; left out: all are permitted.
         sync: whether the journal is brought to the disk; None: as the backend needs it.
+        interrupts: who hears of Ctrl-C; left out: somebody of its own, until the folder is whole.
 
     Returns:
         The summary that also stands in the run's folder, and the exit status.
@@ -198,7 +208,10 @@ def resume_task(
         errors=header["errors"],
         bench=header["bench"],
     )
-    with made as prepared, claimed(prepared.backend, folder) as claim:
+    with ExitStack() as stack:
+        heard = interrupts or stack.enter_context(Interrupts())
+        prepared = stack.enter_context(made)
+        claim = stack.enter_context(claimed(prepared.backend, folder))
         past = put_back(folder, header, prepared, told)
         if not prepared.backend.simulated:
             prepared = standing_as_left(prepared, past)
@@ -220,6 +233,7 @@ def resume_task(
             checkpoints=True,
             past=past,
             sync=sync_for(prepared.backend.simulated, sync),
+            interrupts=heard,
         )
         _report(prepared, folder, judge, told)
     return orjson.loads((folder / "summary.json").read_bytes()), end.exit_status
@@ -272,14 +286,24 @@ def _check_world(past: Past, told: Teller) -> None:
 
 
 def new_folder(runs: Path, name: str) -> Path:
-    """A folder that doesn't exist yet: NAME, NAME.2, NAME.3 ...; raises `InputError` for no UTF-8."""
-    try:
-        str(runs).encode()
-    except UnicodeEncodeError:
-        shown = os.fsencode(runs).decode(errors="backslashreplace")
-        raise InputError(printable(f"the path {shown} is no UTF-8; allowed: one that is")) from None
+    """Make a folder that didn't exist yet: NAME, NAME.2, NAME.3 ...
+
+    Raises:
+        NoFolder: it can't be made, or its name is no text.
+    """
     number, folder = 1, runs / name
-    while os.path.lexists(folder):
-        number += 1
-        folder = runs / f"{name}.{number}"
-    return folder
+    try:
+        str(folder.absolute()).encode()
+        runs.mkdir(parents=True, exist_ok=True)
+        while True:
+            try:
+                folder.mkdir()
+                return folder
+            except FileExistsError:
+                number += 1
+                folder = runs / f"{name}.{number}"
+    except UnicodeEncodeError:
+        shown = str(folder.absolute()).encode(errors="backslashreplace").decode()
+        raise NoFolder(f"the name of {shown} is no UTF-8; allowed: a folder whose name is") from None
+    except OSError as error:
+        raise NoFolder(f"no folder can be made in {runs}: {error.strerror}") from None

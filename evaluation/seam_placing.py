@@ -6,11 +6,11 @@ import math
 from pathlib import Path
 from typing import NamedTuple
 
-import cv2
 import numpy as np
 from numpy.typing import NDArray
 
 from backends.robot_file import RobotFile
+from files.whole_file import write_whole
 from primitives.seam_file import load_seam, untrackable
 from primitives.seam_room import SeamRoom, placer_of
 from primitives.work_piece import WorkBox, WorkPiece
@@ -22,6 +22,7 @@ from robotics.manipulation.untrackable import Untrackable
 from robotics.navigation.grid_map import GridMap, from_boxes
 from robotics.navigation.ways import ROOM_AT_GOAL
 
+from .picture_file import write_png
 from .placement_plots import DividedPath, draw_divisions
 
 RESOLUTION = 0.05  # [m] of the map
@@ -144,8 +145,8 @@ def write_task(placed: PlacedSeam, file: Path, robot: str, folder: Path) -> None
         boxes = "\n".join(f"  - {_box(box)}" for box in piece.boxes)
         texts["work_piece.yaml"] = f"format: handcart-work-piece/1\nboxes:\n{boxes}\n"
     for name, text in texts.items():
-        (folder / name).write_text(text, encoding="utf-8")
-    cv2.imwrite(str(folder / "map.png"), np.where(placed.grid.occupied, 0, 254).astype(np.uint8)[::-1])
+        write_whole(folder / name, text)
+    write_png(folder / "map.png", np.where(placed.grid.occupied, 0, 254).astype(np.uint8)[::-1])
     draw_placements(placed, folder / "placements.svg")
 
 

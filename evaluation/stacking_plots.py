@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
+from .figure_file import save_figure
 from .stacking_experiment import Experiment
 
 LABELS = ("$E_x$ [mm]", "$E_y$ [mm]", "processed $E_x$ [mm]", "processed $E_y$ [mm]")
@@ -26,7 +27,7 @@ def plot_against_motion(experiment: Experiment, path: Path) -> None:
         axis.axhline(0.0, color="0.7", linewidth=0.8)
         axis.set(xlabel=r"turn of the base $\Delta\psi$ [mrad]", ylabel=label)
         figure.colorbar(dots, ax=axis, label=r"lean $\Delta\phi$ [mrad]")
-    figure.savefig(path, metadata={"Date": None} if path.suffix == ".svg" else None)
+    save_figure(figure, path)
 
 
 def plot_by_block(experiment: Experiment, path: Path) -> None:
@@ -49,4 +50,4 @@ def plot_by_block(experiment: Experiment, path: Path) -> None:
     for axis in axes[:, 0]:
         axis.set_ylabel("block")
     figure.colorbar(pictures[0], ax=axes, label="[mm]")
-    figure.savefig(path, metadata={"Date": None} if path.suffix == ".svg" else None)
+    save_figure(figure, path)

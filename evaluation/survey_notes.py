@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Mapping
 from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
 import orjson
+
+from files.whole_file import write_whole
 
 
 class SurveyNotes:
@@ -31,9 +32,7 @@ class SurveyNotes:
                 note = orjson.loads(line)
                 if note["time_s"] <= time_s + 1e-9:
                     kept.append(note)
-        new = self._path.with_suffix(".new")
-        new.write_bytes(b"".join(map(_line, kept)))
-        os.replace(new, self._path)
+        write_whole(self._path, b"".join(map(_line, kept)))
         return kept
 
     def add(self, time_s: float, note: Mapping[str, Any]) -> None:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+from contextlib import suppress
 from pathlib import Path
 
 import cv2
@@ -43,7 +45,8 @@ class Video:
             raise NoVideo(f"--video: the backend {robot.backend.name!r} renders nothing, and has no camera")
         height, width = frame.shape[:2]
         codec = cv2.VideoWriter.fourcc(*_CODEC)
-        self._writer = cv2.VideoWriter(str(path), codec, FRAMES, (width, height))
+        self._path, self._new = path, path.with_name(f".{path.stem[:40]}.{os.getpid()}.new.mp4")
+        self._writer = cv2.VideoWriter(str(self._new), codec, FRAMES, (width, height))
         if not self._writer.isOpened():
             raise NoVideo(f"--video {path}: can't be written; needed: a folder that exists, with room in it")
 
@@ -52,6 +55,8 @@ class Video:
 
     def __exit__(self, *_: object) -> None:
         self._writer.release()
+        with suppress(FileNotFoundError):  # the encoder may have made none
+            os.replace(self._new, self._path)
 
     def note(self, event: Event) -> None:
         """Keep what is being done, for the line below the pictures."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from files.loading import load
+from files.whole_file import write_whole
 from primitives.outcome import Success
 
 from .calibration import NAME, Calibration, Value, rounded
@@ -42,4 +43,4 @@ class CalibrationKeeper:
             backend=self._backend,
             found=before | found,
         )
-        self._path.write_text(whole.text(), encoding="utf-8")
+        write_whole(self._path, whole.text())

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from io import BytesIO
 from pathlib import Path
 from typing import Any
 
 import cv2
 import numpy as np
 
+from files.whole_file import write_whole
 from primitives.evidence import Evidence
 from primitives.outcome import Outcome, Success
 
@@ -47,7 +49,9 @@ class EvidenceFiles:
         self._folder.mkdir(exist_ok=True)
         for key, picture in evidence.pictures.items():
             _, png = cv2.imencode(".png", picture)
-            (self._folder / f"{name}_{key}.png").write_bytes(png.tobytes())
+            write_whole(self._folder / f"{name}_{key}.png", png.tobytes(), sync=False)
         if evidence.points:
             points: dict[str, Any] = dict(evidence.points)
-            np.savez_compressed(self._folder / f"{name}.npz", **points)
+            packed = BytesIO()
+            np.savez_compressed(packed, **points)
+            write_whole(self._folder / f"{name}.npz", packed.getvalue(), sync=False)

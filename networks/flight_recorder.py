@@ -6,6 +6,7 @@ import zipfile
 from collections import deque
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
+from io import BytesIO
 from pathlib import Path
 from types import TracebackType
 from typing import Any
@@ -18,6 +19,7 @@ from backends.base import Base
 from backends.gripper import Gripper
 from backends.range_sensor import RangeSensor
 from backends.robot import Robot
+from files.whole_file import write_whole
 from primitives.outcome import Success
 
 from .events import Ended, Event, Restoring, Started
@@ -126,7 +128,9 @@ class FlightRecorder:
             return
         try:
             self._folder.mkdir(exist_ok=True)
-            np.savez_compressed(self._folder / f"{name}{SUFFIX}", **_columns(rows), **self._same)
+            packed = BytesIO()
+            np.savez_compressed(packed, **_columns(rows), **self._same)
+            write_whole(self._folder / f"{name}{SUFFIX}", packed.getvalue(), sync=False)
             self._kept = self._time
         except OSError as error:
             self.lost = error.strerror

@@ -2,15 +2,11 @@
 
 from __future__ import annotations
 
-import os
-import signal
-import threading
 import time
 import traceback
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import ExitStack, contextmanager, suppress
+from contextlib import ExitStack, suppress
 from pathlib import Path
-from types import FrameType
 from typing import Any
 
 import orjson
@@ -19,6 +15,7 @@ from backends.backend import RobotFault
 from backends.recording import Recording
 from backends.robot import Robot
 from files.errors import HandcartError
+from files.whole_file import write_whole
 
 from .calibration_keeper import CalibrationKeeper
 from .checkpoint import CheckpointKeeper
@@ -26,6 +23,7 @@ from .coordinator import Coordinator
 from .events import Observer
 from .evidence_files import EvidenceFiles
 from .flight_recorder import FlightRecorder
+from .interrupts import Interrupts
 from .journal import Journal
 from .journal_record import JournalError
 from .operation import Operation
@@ -73,8 +71,11 @@ def execute(
     past: Past | None = None,
     sync: Sync | None = None,
     clock: Callable[[], float] = time.monotonic,
+    interrupts: Interrupts | None = None,
 ) -> RunEnd:
     """Step the robot until the run ends; an interrupt (Ctrl-C) stops it where it is, and it holds.
+
+    `interrupts` is who hears of that; None: somebody of its own, until the run's folder is whole.
 
     While it goes on, the operator is heard over the socket `control` in `run_dir`.
 
@@ -91,34 +92,36 @@ def execute(
     run_dir.mkdir(parents=True, exist_ok=True)
     telemetry = Telemetry()
     sync = sync or sync_for(prepared.backend.simulated)
-    with ExitStack() as stack:
-        journal = stack.enter_context(_journal(prepared, run_dir, past, sync))
-        recorders = list(_recorders(prepared, run_dir))
-        keeper = CalibrationKeeper(run_dir, prepared)
-        looking_on: list[Observer] = [*observers, EvidenceFiles(run_dir), keeper, *recorders]
-        permits = permits or Permits()
-        coordinator = Coordinator(
-            prepared.task.network,
-            prepared.robot,
-            prepared.model,
-            journal,
-            looking_on,
-            permits,
-            standing=past.standing if past else None,
-            keep=CheckpointKeeper(run_dir, prepared).keep if checkpoints else None,
-        )
-        stack.enter_context(_interrupts_stop(coordinator))
-        operation = stack.enter_context(Operation(run_dir, coordinator, permits, prepared.robot))
-        for each in recorders:
-            stack.enter_context(each)
-        watching = [*(each.look for each in recorders), *onlookers, lambda _: operation.look()]
-        end = _guarded(coordinator, prepared.robot, telemetry, run_dir, watching)
-    figures = dict(metrics(prepared, end, telemetry)) if metrics else {}
-    try:
-        _write(run_dir / "summary.json", summary(prepared, end, run_dir, clock() - began, figures))
-        telemetry.save(run_dir / "telemetry.npz")
-    except OSError as error:
-        raise NotKept(run_dir, end, error) from None
+    with ExitStack() as whole:
+        heard = interrupts or whole.enter_context(Interrupts())
+        with ExitStack() as stack:
+            journal = stack.enter_context(_journal(prepared, run_dir, past, sync))
+            recorders = list(_recorders(prepared, run_dir))
+            keeper = CalibrationKeeper(run_dir, prepared)
+            looking_on: list[Observer] = [*observers, EvidenceFiles(run_dir), keeper, *recorders]
+            permits = permits or Permits()
+            coordinator = Coordinator(
+                prepared.task.network,
+                prepared.robot,
+                prepared.model,
+                journal,
+                looking_on,
+                permits,
+                standing=past.standing if past else None,
+                keep=CheckpointKeeper(run_dir, prepared).keep if checkpoints else None,
+            )
+            heard.stop_by(lambda: coordinator.request(Request.INTERRUPT))
+            operation = stack.enter_context(Operation(run_dir, coordinator, permits, prepared.robot))
+            for each in recorders:
+                stack.enter_context(each)
+            watching = [*(each.look for each in recorders), *onlookers, lambda _: operation.look()]
+            end = _guarded(coordinator, prepared.robot, telemetry, run_dir, watching)
+        figures = dict(metrics(prepared, end, telemetry)) if metrics else {}
+        try:
+            _write(run_dir / "summary.json", summary(prepared, end, run_dir, clock() - began, figures))
+            telemetry.save(run_dir / "telemetry.npz")
+        except OSError as error:
+            raise NotKept(run_dir, end, error) from None
     return end
 
 
@@ -211,29 +214,6 @@ def _guarded(
         return coordinator.broken_off(reason, "GiveUp" if isinstance(error, RobotFault) else "Error")
 
 
-@contextmanager
-def _interrupts_stop(coordinator: Coordinator) -> Iterator[None]:
-    """An interrupt asks for a stop at the next period; a second one doesn't cut the stop short (row K3)."""
-    if threading.current_thread() is not threading.main_thread():
-        yield
-        return
-    kinds = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
-    before = {kind: signal.getsignal(kind) for kind in kinds}
-
-    def stop(_number: int, _frame: FrameType | None) -> None:
-        coordinator.request(Request.STOP)
-
-    for kind in kinds:
-        signal.signal(kind, stop)
-    try:
-        yield
-    finally:
-        for kind in kinds:
-            signal.signal(kind, before[kind])
-
-
 def _write(path: Path, content: Mapping[str, Any]) -> None:
     options = orjson.OPT_INDENT_2 | orjson.OPT_SERIALIZE_NUMPY | orjson.OPT_APPEND_NEWLINE
-    new = path.with_suffix(".new")
-    new.write_bytes(orjson.dumps(content, option=options))
-    os.replace(new, path)
+    write_whole(path, orjson.dumps(content, option=options))

@@ -29,13 +29,22 @@ class Request(Enum):
     RESUME = "resume"
     STOP = "stop"
     """Stop where it is and hold: the run ends."""
+    INTERRUPT = "interrupt"
+    """The same, asked for by a signal: what the run is part of ends too."""
     CANCEL = "cancel"
     """Bring back what the running action did, then end."""
     RESTORE = "restore"
     """Bring back what the running action did, count that as its Fail, and go on."""
 
 
-_ENDING = {Request.STOP: "stopped by request", Request.CANCEL: "cancelled by request"}
+INTERRUPTED = "interrupted"
+"""Why a run ended that a signal stopped."""
+_STOPS = (Request.STOP, Request.INTERRUPT)
+_ENDING = {
+    Request.STOP: "stopped by request",
+    Request.INTERRUPT: INTERRUPTED,
+    Request.CANCEL: "cancelled by request",
+}
 
 
 MOST = 64
@@ -60,7 +69,7 @@ class Supervision:
     ) -> None:
         """Nothing is asked for yet; `on_stop` hears of each stop: why, and when it was asked for, in [s]."""
         self._requests: deque[tuple[Request, float]] = deque()
-        self._stop: float | None = None  # when it was asked for; waits in no queue
+        self._stop: tuple[Request, float] | None = None  # waits in no queue
         self._robot = robot
         self._life = life
         self._on_stop = on_stop
@@ -71,8 +80,8 @@ class Supervision:
 
         Whether it was taken: too much may wait already. A stop always is, and goes before all else.
         """
-        if request is Request.STOP:
-            self._stop = self._robot.time if self._stop is None else self._stop
+        if request in _STOPS:
+            self._stop = self._stop or (request, self._robot.time)
             return True
         if len(self._requests) >= MOST:
             return False
@@ -119,7 +128,7 @@ class Supervision:
         """
         if self._after_restoring is not None:
             raise Interrupted(_ENDING[self._after_restoring])
-        stop = [] if self._stop is None else [(Request.STOP, self._stop)]
+        stop = [] if self._stop is None else [self._stop]
         for request, asked in [*stop, *self._requests]:  # a copy: a signal may add to it
             if request in _ENDING:
                 self._robot.stop()
@@ -128,11 +137,11 @@ class Supervision:
 
     def _next(self) -> tuple[Request, float] | None:
         if self._stop is not None:
-            return Request.STOP, self._stop
+            return self._stop
         return self._requests.popleft() if self._requests else None
 
     def _honour(self, request: Request, asked: float, attempt: Attempt) -> Periods:
-        if request is Request.STOP:
+        if request in _STOPS:
             self._robot.stop()  # before all else; closing the attempt may take its time
             attempt.close()
             self._robot.stop()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from io import BytesIO
 from pathlib import Path
 from typing import NamedTuple
 
@@ -9,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from backends.robot import Robot
+from files.whole_file import write_whole
 
 
 class Track(NamedTuple):
@@ -42,7 +44,9 @@ class Telemetry:
 
     def save(self, path: Path) -> None:
         """Write the track into an .npz file."""
-        np.savez_compressed(path, **self.track()._asdict())
+        packed = BytesIO()
+        np.savez_compressed(packed, **self.track()._asdict())
+        write_whole(path, packed.getvalue())
 
 
 def load_track(path: Path) -> Track:

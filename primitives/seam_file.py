@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from files.csv_table import CsvRow, number_in, read_csv
 from files.errors import FileError, Finding
 from files.findings import Findings
+from files.whole_file import write_whole
 from robotics.geometry.transform import transform
 from robotics.manipulation.tool_path import ToolPath, tool_path
 from robotics.manipulation.untrackable import Untrackable
@@ -59,7 +60,7 @@ def write_seam(path: Path, poses: NDArray[np.float64]) -> None:
     for pose in poses.tolist():
         numbers = [f"{value:.5f}" for value in pose[:3]]
         rows.append(",".join(numbers + [f"{math.degrees(value):.4f}" for value in pose[3:]]))
-    path.write_text("\n".join(rows) + "\n", encoding="utf-8")
+    write_whole(path, "\n".join(rows) + "\n")
 
 
 def _row(file: str, row: CsvRow, findings: Findings) -> list[float]:

@@ -69,7 +69,7 @@ def test_tasks_in_documents_are_right(tmp_path: Path, document: str) -> None:
     ],
 )
 def test_commands_in_documents_exist(document: str) -> None:
-    from tools.handcart import COMMANDS
+    from tools.command_line import COMMANDS
 
     shown = re.findall(r"`handcart ([\w-]+)", (ROOT / document).read_text(encoding="utf-8"))
     assert set(shown) <= set(COMMANDS)

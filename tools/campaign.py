@@ -10,7 +10,7 @@ import typer
 
 if TYPE_CHECKING:
     from evaluation.action_shares import ActionShare
-    from evaluation.campaign import Report, Setting
+    from evaluation.campaign import Report, Setting, Trial
 
 
 def campaign(
@@ -45,9 +45,20 @@ def campaign(
     running = run_campaign(setting, range(first, first + trials), jobs)
     from rich.console import Console
 
-    done = tuple(track(running, "trials", trials, console=Console(stderr=True)))
+    done: list[Trial] = []
+    interrupted = False
+    try:
+        done.extend(track(running, "trials", trials, console=Console(stderr=True)))
+    except KeyboardInterrupt:
+        interrupted = True
+        print(f"interrupted after {len(done)} of {trials} trials", file=sys.stderr)
     report = Report(tuple(sorted(done, key=lambda each: each.seed)))
-    _print_json(report) if as_json else _print_table(report, setting)
+    if as_json:
+        _print_json(report, trials, interrupted)
+    elif done:
+        _print_table(report, setting)
+    if interrupted:
+        sys.exit(130)
     sys.exit(0 if not report.untrue else 5)
 
 
@@ -92,12 +103,14 @@ def _rerun(setting: Setting, seed: int) -> str:
     return f"handcart campaign {setting.task} --trials 1 --first {seed} --jobs 1{options}{chosen}"
 
 
-def _print_json(report: Report) -> None:
+def _print_json(report: Report, asked: int, interrupted: bool) -> None:
     import orjson
 
     low, high = report.wilson
     told = {
         "trials": len(report.trials),
+        "asked": asked,
+        "interrupted": interrupted,
         "successes": report.successes,
         "wilson": [low, high],
         "untrue": {trial.seed: list(trial.untrue) for trial in report.untrue},

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -64,17 +63,13 @@ def _drawn(told: Explanation, picture: Path | None) -> Path | None:
     path = picture or told.run.folder / name
     if path.suffix not in (".svg", ".png", ".pdf"):
         raise NotWritable(path, f"no picture has the suffix {path.suffix!r}", "*.svg, *.png or *.pdf")
-    new = path.with_name(f".new.{path.name}")
     try:
-        draw_chart(told, new)
-        os.replace(new, path)
+        draw_chart(told, path)
     except OSError as error:
         if picture is not None:
             raise NotWritable(path, error.strerror) from None
         _warn(f"{path} can't be written: {error.strerror}; allowed: another place, --picture FILE.svg")
         return None
-    finally:
-        new.unlink(missing_ok=True)
     return path
 
 

@@ -1,101 +1,64 @@
-"""The command `handcart`: each subcommand is one module, imported when it is called."""
+"""The command `handcart`: whatever goes wrong in it is told in words."""
 
 from __future__ import annotations
 
 import sys
-from importlib import import_module
-from typing import Any
 
-import typer
-from typer.core import TyperGroup
+from files.errors import HandcartError, InputError
 
-COMMANDS = {
-    "run": ("tools.run_task", "run", "Run a task."),
-    "do": ("tools.do_primitive", "do", "Run one primitive alone."),
-    "check": ("tools.check_file", "check", "Tell what is wrong with a file, without moving."),
-    "resume": ("tools.resume", "resume", "Go on with a run that broke off."),
-    "ack": ("tools.resume", "ack", "Acknowledge a GiveUp."),
-    "status": ("tools.operate", "status", "Tell what a run is doing."),
-    "pause": ("tools.operate", "pause", "Hold a run where it is."),
-    "continue": ("tools.operate", "go_on", "Go on after a pause."),
-    "stop": ("tools.operate", "stop", "Stop a run; the robot holds."),
-    "cancel": ("tools.operate", "cancel", "Bring a run's action back, then end it."),
-    "permit": ("tools.operate", "permit", "Permit the action that a run asks for."),
-    "refuse": ("tools.operate", "refuse", "Refuse it."),
-    "draw": ("tools.draw_network", "draw", "Draw a task's action network."),
-    "list": ("tools.list_names", "list_names", "List primitives, backends, robots or tasks."),
-    "describe": ("tools.describe", "describe", "Tell what a primitive takes, needs and does."),
-    "explain": ("tools.explain", "explain", "Tell why a run went as it did, from its folder."),
-    "schema": ("tools.schema", "schema", "Print the JSON Schema of a kind of file."),
-    "teach": ("tools.teach", "teach", "Record a posture into a robot's file."),
-    "adopt": ("tools.adopt", "adopt", "Take what a calibration found into a robot's file."),
-    "make-library": ("tools.make_library", "make_library", "Write a library: world, map, places, catalogue."),
-    "place": ("tools.place", "place", "Divide a seam among places of the base; write a task."),
-    "bench": ("tools.bench", "bench", "Simulate a robot's CAN drives, as a process of its own."),
-    "jog": ("tools.jog", "jog", "Move one axis of a real robot while a key is held."),
-    "bringup": ("tools.bringup", "bringup", "Bring a real robot up, rung by rung."),
-    "campaign": ("tools.campaign", "campaign", "Run a task many times, with seeds, and count."),
-    "conformance": ("tools.conformance", "conformance", "Try whether a backend keeps what it promises."),
-}
-"""Name to module, function and what help says of it."""
+from .libraries import NoLibrary, check_libraries
+from .streams import Streams
 
 
-HELP = "Action primitives for mobile manipulators: run, check, draw and count tasks."
-
-
-class LazyGroup(TyperGroup):
-    """Subcommands from the table; none is imported before it is called."""
-
-    def list_commands(self, ctx: Any) -> list[str]:
-        """In the table's order."""
-        return list(COMMANDS)
-
-    def get_command(self, ctx: Any, cmd_name: str) -> Any:
-        """The command, imported now."""
-        if cmd_name not in COMMANDS:
-            from files.suggest import suggest
-
-            ctx.fail(f"unknown command {cmd_name!r}{suggest(cmd_name, COMMANDS)}")
-        module, function, told = COMMANDS[cmd_name]
-        app = typer.Typer(add_completion=False, rich_markup_mode=None, pretty_exceptions_enable=False)
-        app.command(cmd_name, help=told)(getattr(import_module(module), function))
-        return typer.main.get_command(app)
-
-    def format_commands(self, ctx: Any, formatter: Any) -> None:
-        """Names and help from the table, without importing anything."""
-        with formatter.section("Commands"):
-            formatter.write_dl([(name, told) for name, (_, _, told) in COMMANDS.items()])
-
-
-app = typer.Typer(
-    cls=LazyGroup,
-    help=HELP,
-    no_args_is_help=True,
-    add_completion=False,
-    rich_markup_mode=None,
-    pretty_exceptions_enable=False,
-)
-
-
-@app.callback()
-def about() -> None:
-    """Take the subcommand; the group has no options of its own."""
+class NotText(InputError):
+    """A word of the command line that no file can hold."""
 
 
 def main(arguments: list[str] | None = None) -> None:
     """Run the command line and exit with its status (see the README); bad input is told in words."""
+    words = sys.argv[1:] if arguments is None else arguments
+    with Streams() as streams:
+        status = _run(words)
+    lost = streams.lost
+    if lost:
+        print(f"stdout can't be written: {lost}; what was to be told there is lost", file=sys.stderr)
+    sys.exit(5 if lost and not status and not streams.nobody_reads else status)
+
+
+def _run(words: list[str]) -> int:
     try:
-        app(arguments, standalone_mode=True)
+        _check_text(words)
+        check_libraries()
+        from .command_line import app
+
+        app(words, standalone_mode=True)
+    except SystemExit as end:
+        return _status(end)
     except KeyboardInterrupt:
-        sys.exit(130)
+        return 130
     except Exception as error:
-        sys.exit(_told(error))
+        return _told(NoLibrary.of(error) or error)
+    return 0
+
+
+def _status(end: SystemExit) -> int:
+    if end.code is None or isinstance(end.code, int):
+        return end.code or 0
+    print(end.code, file=sys.stderr)
+    return 1
+
+
+def _check_text(words: list[str]) -> None:
+    for word in words:
+        try:
+            word.encode()
+        except UnicodeEncodeError:
+            shown = word.encode(errors="backslashreplace").decode()
+            raise NotText(f"the word {shown} is no UTF-8; allowed: names of files in UTF-8") from None
 
 
 def _told(error: Exception) -> int:
     """Tell of an error in words, of a fault of our own with its traceback too; gives the exit status."""
-    from files.errors import HandcartError
-
     if isinstance(error, HandcartError):
         print(error, file=sys.stderr)
         return error.exit_status

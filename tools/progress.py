@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import select
 import sys
+from contextlib import suppress
 from pathlib import Path
 from types import TracebackType
 
@@ -40,7 +41,12 @@ class Progress:
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        self._status.stop()
+        self.end()
+
+    def end(self) -> None:
+        """Nothing goes on any more; a second call does nothing."""
+        with suppress(OSError):
+            self._status.stop()
 
     def __call__(self, event: Event) -> None:
         """Tell of an event."""
@@ -68,21 +74,21 @@ class Progress:
 
     def say(self, words: str) -> None:
         """Tell something that should be known before anything moves."""
-        self._console.print(escape(words))
+        self._print(escape(words))
 
     def begin(self, prepared: Prepared, folder: Path) -> None:
         """Tell what the user should know before the run starts."""
         for words in prepared.warnings:
-            self._console.print(f"[yellow]warning: {escape(words)}[/yellow]")
+            self._print(f"[yellow]warning: {escape(words)}[/yellow]")
         far = stopping_distance(prepared.robot)
         words = f"{folder}: Ctrl-C or `handcart stop` with that folder stops the base within {far:.2f} m"
-        self._console.print(f"[dim]{escape(words)}[/dim]")
+        self._print(f"[dim]{escape(words)}[/dim]")
 
     def ask(self, action: Action) -> None:
         """Ask the operator for permission."""
         how = "y or n and Enter, or " if sys.stdin.isatty() else ""
         self._status.stop()
-        self._console.print(f"[bold]may {escape(str(action))} start? {how}handcart permit|refuse[/bold]")
+        self._print(f"[bold]may {escape(str(action))} start? {how}handcart permit|refuse[/bold]")
 
     def typed(self) -> bool | None:
         """What somebody typed: y or n and Enter; None for nothing yet, or anything else."""
@@ -96,4 +102,8 @@ class Progress:
         self._line(time, f"{number}. {what}: {word}{reason}", COLOURS[word])
 
     def _line(self, time: float, words: str, colour: str = "default") -> None:
-        self._console.print(f"[dim]{time:8.1f} s[/dim]  [{colour}]{escape(words)}[/{colour}]")
+        self._print(f"[dim]{time:8.1f} s[/dim]  [{colour}]{escape(words)}[/{colour}]")
+
+    def _print(self, words: str) -> None:
+        with suppress(OSError):  # nobody reads it any more: that must not end a run (row K14)
+            self._console.print(words)

@@ -31,19 +31,21 @@ def resume(
     import orjson
 
     from evaluation.running import resume_task
+    from networks.interrupts import Interrupts
     from networks.permits import Permits
 
     from .progress import Progress
 
     permits = Permits(permit)
-    with Progress() as progress:
+    with Interrupts() as interrupts, Progress() as progress:
         permits.asking, permits.typed = progress.ask, progress.typed
-        summary, status = resume_task(run, confirm, progress, permits, sync)
-    if as_json:
-        print(orjson.dumps(summary).decode())
-    else:
-        reason = f": {summary['reason']}" if summary["reason"] else ""
-        print(f"{summary['outcome']} in situation {summary['situation']}{reason}; see {run}")
+        summary, status = resume_task(run, confirm, progress, permits, sync, interrupts)
+        progress.end()
+        if as_json:
+            print(orjson.dumps(summary).decode(), flush=True)
+        else:
+            reason = f": {summary['reason']}" if summary["reason"] else ""
+            print(f"{summary['outcome']} in situation {summary['situation']}{reason}; see {run}", flush=True)
     sys.exit(status)
 
 

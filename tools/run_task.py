@@ -60,6 +60,7 @@ def run(
 
     from evaluation.running import run_task
     from files.settings import split_setting
+    from networks.interrupts import Interrupts
     from networks.permits import Permits
 
     from .progress import Progress
@@ -68,7 +69,7 @@ def run(
     check_folder(runs)
     chosen = dict(split_setting(each) for each in settings)
     permits = Permits(permit, step, breaks or ())
-    with Progress() as progress:
+    with Interrupts() as interrupts, Progress() as progress:
         permits.asking, permits.typed = progress.ask, progress.typed
         summary, status = run_task(
             task,
@@ -86,10 +87,13 @@ def run(
             sync=sync,
             errors=not no_errors,
             bench=bench,
+            interrupts=interrupts,
         )
-    if as_json:
-        print(orjson.dumps(summary).decode())
-    else:
-        reason = f": {summary['reason']}" if summary["reason"] else ""
-        print(f"{summary['outcome']} in situation {summary['situation']}{reason}; see {summary['run_dir']}")
+        progress.end()
+        if as_json:
+            print(orjson.dumps(summary).decode(), flush=True)
+        else:
+            reason = f": {summary['reason']}" if summary["reason"] else ""
+            ended = f"{summary['outcome']} in situation {summary['situation']}{reason}"
+            print(f"{ended}; see {summary['run_dir']}", flush=True)
     sys.exit(status)

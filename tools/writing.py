@@ -6,6 +6,7 @@ import os
 from pathlib import Path
 
 from files.errors import InputError
+from files.whole_file import write_whole
 
 
 class NotWritable(InputError):
@@ -21,7 +22,7 @@ def check_folder(folder: Path) -> None:
     Raises:
         NotWritable: its nearest parent that exists is no folder, or may not be written into.
     """
-    there = next(each for each in (folder, *folder.absolute().parents) if each.exists())
+    there = next(each for each in (folder, *folder.absolute().parents) if os.path.lexists(each))
     if not there.is_dir():
         raise NotWritable(folder, f"{there} is no folder", "a folder that exists or can be made")
     if not os.access(there, os.W_OK | os.X_OK):
@@ -34,10 +35,7 @@ def write_text(path: Path, text: str) -> None:
     Raises:
         NotWritable: the folder is missing, or may not be written.
     """
-    new = path.with_name(f".{path.name}.new")
     try:
-        new.write_text(text, encoding="utf-8")
-        os.replace(new, path)
+        write_whole(path.resolve(), text)
     except OSError as error:
-        new.unlink(missing_ok=True)
         raise NotWritable(path, error.strerror) from None

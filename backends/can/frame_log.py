@@ -13,6 +13,7 @@ import can
 from can.io.canutils import CanutilsLogWriter
 
 from backends.recording import Recording
+from files.whole_file import write_whole
 
 from .frame_names import FrameNames
 
@@ -97,7 +98,7 @@ class FrameLog(Recording):
         """See `Recording`."""
         self._folder = folder
         try:
-            (folder / NAMES).write_text(self._names().model_dump_json(indent=1) + "\n", encoding="utf-8")
+            write_whole(folder / NAMES, self._names().model_dump_json(indent=1) + "\n", sync=False)
             self._file = self._part_path(0).open("w", encoding="ascii")
         except OSError as error:
             self._give_up(error)
@@ -128,7 +129,7 @@ class FrameLog(Recording):
         lines = [f"({each.time + self._later:f}){each.line.partition(')')[2]}" for each in noted]
         try:
             stem.parent.mkdir(exist_ok=True)
-            stem.with_name(stem.name + self.suffix).write_text("".join(lines), encoding="ascii")
+            write_whole(stem.with_name(stem.name + self.suffix), "".join(lines), sync=False)
         except OSError as error:
             self._give_up(error)
 

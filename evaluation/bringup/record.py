@@ -9,6 +9,7 @@ from typing import Any, Literal
 
 from files.loading import load
 from files.model import FileModel
+from files.whole_file import write_whole
 
 Answer = bool | float
 
@@ -44,9 +45,7 @@ def save(record: RungRecord, path: Path) -> None:
     yaml.width = 4096  # what is folded reads badly
     out = StringIO()
     yaml.dump(record.model_dump(mode="json"), out)
-    new = path.with_name(f".{path.name}.new")
-    new.write_text(out.getvalue(), encoding="utf-8")
-    new.replace(path)
+    write_whole(path, out.getvalue())
 
 
 def read(path: Path) -> RungRecord:

@@ -14,6 +14,7 @@ from backends.can.can_backend import CanBackend
 from backends.range_sensor import RangeSensor
 from evaluation.running import run_task
 from evaluation.stage import LIBRARY, Stage
+from files.whole_file import write_whole
 from networks.calibration import NAME, Calibration, rounded
 from networks.planner import NoWay, Planner
 from networks.preparing import prepare
@@ -56,7 +57,7 @@ class CalibrationRung(Rung):
         calibration = Calibration(
             format="handcart-calibration/1", robot=site.name, backend=kind, found=rounded(found)
         )
-        file.write_text(calibration.text(), encoding="utf-8")
+        write_whole(file, calibration.text())
         facts["review"] = f"handcart adopt {file}"
         return facts
 

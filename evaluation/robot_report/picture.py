@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from scipy.spatial import ConvexHull
 
 from backends.robot_file import RobotFile
+from evaluation.figure_file import save_figure
 from robotics.kinematics.shapes import Shape
 from robotics.kinematics.urdf_contents import bodies_of
 
@@ -52,7 +53,7 @@ def draw_robot(path: Path, robot: RobotFile, reach: Reach | None) -> None:
     for each in axes[-1]:
         each.set_xlabel("x [m], ahead", fontsize=8)
     with matplotlib.rc_context({"svg.hashsalt": "handcart", "svg.fonttype": "none"}):
-        figure.savefig(path, metadata={"Date": None} if path.suffix == ".svg" else None)
+        save_figure(figure, path)
 
 
 def _columns(robot: RobotFile) -> dict[str, Sequence[Shape]]:

@@ -89,11 +89,26 @@ def test_interrupt_stops_and_holds(prepare, tmp_path):
     end = execute(prepared, tmp_path / "run")
     assert (end.outcome, end.exit_status) == ("Cancelled", 130)
     stop, end = read_journal(tmp_path / "run" / "journal.jsonl").records[-2:]
-    assert (stop["kind"], stop["cause"], end["kind"]) == ("STOP", "stopped by request", "END")
+    assert (stop["kind"], stop["cause"], end["kind"]) == ("STOP", "interrupted", "END")
     assert 0.95 < stop["asked_s"] <= stop["sent_s"] < stop["asked_s"] + 3 * 0.05 + 1e-6
     assert end["t"] - stop["sent_s"] < 0.5
     assert stand.backend.stops
     assert signal.getsignal(signal.SIGINT) is before
+
+
+def test_an_interrupt_after_the_last_action_changes_nothing(prepare, tmp_path):
+    """K3: the run is over when its END is there; what is still to be written is written."""
+    _, prepared = prepare()
+
+    def metrics(*_):
+        for kind in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+            signal.raise_signal(kind)
+        return {"whole": True}
+
+    end = execute(prepared, tmp_path / "run", metrics=metrics)
+    assert (end.outcome, end.exit_status) == ("Success", 0)
+    assert orjson.loads((tmp_path / "run" / "summary.json").read_bytes())["metrics"] == {"whole": True}
+    assert (tmp_path / "run" / "telemetry.npz").exists()
 
 
 def test_disk_full_while_it_runs(prepare, tmp_path, monkeypatch):

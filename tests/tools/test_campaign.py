@@ -3,8 +3,18 @@
 from __future__ import annotations
 
 import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
 
 import pytest
+
+from evaluation.campaign import Setting, Trial, run_campaign
+
+ROOT = Path(__file__).resolve().parents[2]
 
 ROUNDS = """\
 format: handcart-task/1
@@ -20,6 +30,88 @@ actions:
   - {do: MOVE_TO, from: there, to: done, cost_s: 30, with: {place: home}}
 repeat: {over: [shelf_1, shelf_5], as: shelf, start: here, goal: done}
 """
+
+
+class Trials:
+    """Stands for trials that end as it is told: by their summaries, a signal before the third's end."""
+
+    def __init__(self, reason, signals=()):
+        self.reason, self.signals, self.seeds = reason, signals, []
+
+    def __call__(self, setting, seed):
+        self.seeds.append(seed)
+        summary = {"outcome": "Success", "reason": "", "metrics": {}, "run_dir": "none", "seed": seed}
+        summary |= {"sim_time_s": 1.0, "wall_time_s": 1.0, "actions": 1, "fails": 0}
+        if seed != 2:
+            return Trial(seed, 0, summary)
+        for each in self.signals:
+            signal.raise_signal(each)
+        return Trial(seed, 130, summary | {"outcome": "Cancelled", "reason": self.reason})
+
+
+@pytest.fixture
+def trials(monkeypatch):
+    def made(*args):
+        told = Trials(*args)
+        monkeypatch.setattr("evaluation.campaign.run_trial", told)
+        return told
+
+    return made
+
+
+@pytest.mark.parametrize("kind", [None, signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
+def test_an_interrupt_ends_a_campaign_at_once(trials, kind, tmp_path):
+    """K3: in a trial, which stops by itself then, and between two."""
+    told, done = trials("interrupted", () if kind is None else (kind,)), []
+    with pytest.raises(KeyboardInterrupt):
+        done.extend(run_campaign(Setting(tmp_path / "task.yaml"), range(5), 1))
+    assert [each.seed for each in done] == [0, 1]
+    assert told.seeds == [0, 1, 2]
+
+
+def test_a_trial_that_somebody_stopped_is_left_out(trials, tmp_path):
+    trials("stopped by request")
+    done = list(run_campaign(Setting(tmp_path / "task.yaml"), range(5), 1))
+    assert [each.seed for each in done] == [0, 1, 3, 4]
+
+
+def test_what_ended_before_an_interrupt_is_told(trials, handcart, tmp_path, monkeypatch):
+    trials("interrupted")
+    monkeypatch.setattr("tools.campaign._shares", lambda report: [])
+    said = handcart("campaign", tmp_path / "task.yaml", "--trials", "5", "--jobs", "1", "--json")
+    told = json.loads(said.out)
+    assert (said.status, told["trials"], told["asked"], told["interrupted"]) == (130, 2, 5, True)
+    assert "interrupted after 2 of 5 trials" in said.err
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("jobs", "kind"), [(1, signal.SIGTERM), (2, signal.SIGTERM), (2, signal.SIGINT)])
+def test_a_campaign_of_processes_is_ended_by_a_signal(tour, tmp_path, jobs, kind):
+    """K3: none of its processes is left."""
+    words = ["campaign", tour, "--trials", "500", "--jobs", str(jobs), "--runs", tmp_path / "runs", "--json"]
+    process = subprocess.Popen(
+        [sys.executable, "-m", "tools.handcart", *words],
+        cwd=ROOT,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.DEVNULL,
+        start_new_session=True,
+    )
+    end = time.monotonic() + 120.0
+    while len(list((tmp_path / "runs").glob("*/summary.json"))) < 2:
+        assert process.poll() is None
+        assert time.monotonic() < end
+        time.sleep(0.02)
+    if kind is signal.SIGINT:
+        os.killpg(process.pid, kind)  # as a terminal does
+    else:
+        process.send_signal(kind)
+    out, _ = process.communicate(timeout=60.0)
+    told = json.loads(out)
+    assert (process.returncode, told["interrupted"]) == (130, True)
+    assert 2 <= told["trials"] < 500
+    assert list(told["outcomes"]) == ["Success"]
+    with pytest.raises(ProcessLookupError):
+        os.killpg(process.pid, 0)
 
 
 @pytest.mark.parametrize("as_json", [False, True])

@@ -12,7 +12,7 @@ from typing import Any
 
 import pytest
 
-from tools.handcart import COMMANDS
+from tools.command_line import COMMANDS
 
 ROOT = Path(__file__).resolve().parents[2]
 HEAVY = ("numpy", "networkx", "cv2", "pydantic", "scipy", "matplotlib", "pinocchio", "ompl", "onnxruntime")

@@ -16,6 +16,7 @@ import pytest
 
 from backends.can.can_backend import CanBackend
 from networks.robot_claim import RobotClaim, state_folder
+from tools.command_line import COMMANDS
 
 ON_CAN = ("--robot", "cart", "--backend", "can")
 LATEST_S = 120.0
@@ -99,6 +100,88 @@ def test_a_library_that_is_missing_is_named(
     assert said.status == 2
     assert "the backend 'can' needs the package 'can'" in said.err
     assert "pip install" in said.err
+
+
+def say(*words: str, **options: Any) -> subprocess.CompletedProcess[bytes]:
+    """A command in a process of its own, with pipes and environment as they are given."""
+    line = f"from tools.handcart import main; main({list(words)!r})"
+    given = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE} | options
+    return subprocess.run([sys.executable, "-c", line], check=False, timeout=LATEST_S, **given)
+
+
+def shadow(folder: Path, name: str, text: str) -> dict[str, str]:
+    """An environment in which a module is found that says this, before the true one."""
+    (folder / f"{name}.py").write_text(text, encoding="utf-8")
+    return {**os.environ, "PYTHONPATH": str(folder)}
+
+
+@pytest.mark.parametrize(
+    ("library", "command"), [("typer", "list"), ("pydantic", "schema"), ("networkx", "check"), ("cv2", "run")]
+)
+def test_a_library_that_cannot_be_imported_is_named(tmp_path: Path, library: str, command: str) -> None:
+    """K13: with the line that installs it, and no traceback."""
+    task = str(Path(__file__).resolve().parents[2] / "tasks" / "return_book" / "task.yaml")
+    words = {"list": ["robots"], "schema": ["task"]}.get(command, [task])
+    said = say(command, *words, env=shadow(tmp_path, library, "raise ImportError('broken', name=__name__)"))
+    assert said.returncode == 2
+    assert f"the library {library} can't be imported: broken; to install: ".encode() in said.stderr
+    assert b"-m pip install" in said.stderr
+    assert b"Traceback" not in said.stderr
+
+
+def test_every_command_names_libraries_that_are_too_old_or_missing(
+    handcart: Callable[..., Any], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """K13: all of them at once, before anything is done."""
+    (tmp_path / "numpy-1.26.4.dist-info").mkdir()
+    (tmp_path / "opencv_python_headless-5.0.0.1.dist-info").mkdir()
+    handcart_itself = tmp_path / "handcart-0.1.0.dist-info"
+    handcart_itself.mkdir()
+    needs = ["numpy>=2.0", "opencv-python-headless<5,>=4.10", "scipy>=1.14", "no-such-library>=1.0"]
+    lines = "".join(f"Requires-Dist: {each}\n" for each in needs)
+    (handcart_itself / "METADATA").write_text(f"Name: handcart\n{lines}\nRequires-Dist: text>=1\n")
+    monkeypatch.syspath_prepend(tmp_path)
+    for command in COMMANDS:
+        said = handcart(command, "--help")
+        assert said.status == 2
+        assert "the library numpy is 1.26.4; needed: >=2.0; " in said.err
+        assert "opencv-python-headless is 5.0.0.1; needed: <5,>=4.10" in said.err
+        assert "the library no-such-library is missing; to install: " in said.err
+        assert "pip install 'numpy>=2.0' 'opencv-python-headless<5,>=4.10' 'no-such-library>=1.0'" in said.err
+
+
+@pytest.mark.parametrize("how", ["closed", "full", "unread"])
+def test_stdout_that_takes_nothing_is_told_in_a_sentence(how: str) -> None:
+    """K14: status 5 only where somebody wanted what is lost."""
+    options: dict[str, Any] = {}
+    if how == "closed":
+        options["preexec_fn"] = lambda: os.close(1)
+    reading, writing = os.pipe()
+    os.close(reading)
+    with open("/dev/full", "wb") as full:
+        options["stdout"] = {"full": full, "unread": writing}.get(how)
+        said = say("list", "robots", **options)
+    os.close(writing)
+    assert said.returncode == (5 if how == "full" else 0)
+    assert b"stdout can't be written: " in said.stderr
+    assert len(said.stderr.splitlines()) == 1
+
+
+def test_a_name_that_is_no_text_is_refused(tour: Path) -> None:
+    """K14: before the run, not at its summary."""
+    said = say("run", str(tour), "--runs", os.fsdecode(b"r\xff"))
+    assert said.returncode == 2
+    assert said.stderr == b"the word r\\udcff is no UTF-8; allowed: names of files in UTF-8\n"
+
+
+def test_a_link_that_leads_nowhere_is_no_runs_folder(
+    handcart: Callable[..., Any], tour: Path, tmp_path: Path
+) -> None:
+    (tmp_path / "runs").symlink_to(tmp_path / "nowhere")
+    said = handcart("run", tour, "--runs", tmp_path / "runs")
+    assert said.status == 2
+    assert "runs is no folder" in said.err
+    assert not (tmp_path / "nowhere").exists()
 
 
 @pytest.mark.parametrize("stream", ["stdout", "stderr"])

@@ -1,0 +1,21 @@
+"""Saving a matplotlib figure."""
+
+from __future__ import annotations
+
+from io import BytesIO
+from pathlib import Path
+from typing import Any
+
+from files.whole_file import write_whole
+
+
+def save_figure(figure: Any, path: Path, **options: Any) -> None:
+    """Write a figure whole or not at all, as what the path's suffix says; equal figures give equal files.
+
+    Raises:
+        OSError: it can't be written.
+    """
+    drawn, kind = BytesIO(), path.suffix.removeprefix(".")
+    metadata = {"Date": None} if kind == "svg" else {"CreationDate": None} if kind == "pdf" else None
+    figure.savefig(drawn, format=kind, metadata=metadata, **options)
+    write_whole(path, drawn.getvalue())

@@ -1,0 +1,21 @@
+"""Writing a picture."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import cv2
+from numpy.typing import NDArray
+
+from files.whole_file import write_whole
+
+
+def write_png(path: Path, picture: NDArray[Any]) -> None:
+    """Write a picture, grey or BGR, as PNG, whole or not at all.
+
+    Raises:
+        OSError: it can't be written.
+    """
+    _, png = cv2.imencode(".png", picture)
+    write_whole(path, png.tobytes())

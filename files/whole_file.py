@@ -1,0 +1,56 @@
+"""Writing a file whole or not at all."""
+
+from __future__ import annotations
+
+import errno
+import os
+import stat
+from contextlib import suppress
+from pathlib import Path
+
+_FLAGS = os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC | os.O_NOFOLLOW
+
+
+def write_whole(path: Path, content: bytes | str, *, sync: bool = True) -> None:
+    """Put a file where the name points, all at once: whoever looks, and whatever ends this process, finds the
+    old content or the new.
+
+    The new file keeps the old one's mode. A link there is replaced, never followed.
+
+    Args:
+        path: its name.
+        content: its bytes, or its text, written as UTF-8.
+        sync: whether a power cut, too, leaves one of the two; that takes a moment.
+
+    Raises:
+        OSError: it can't be written, or what stands there is no regular file; nothing has changed.
+    """
+    raw = content.encode() if isinstance(content, str) else content
+    mode = _mode(path)
+    new = path.with_name(f".{path.name[:40]}.{os.getpid()}.new")
+    new.unlink(missing_ok=True)  # of a process that had the same number, and was killed
+    try:
+        with open(os.open(new, _FLAGS, 0o666), "wb") as file:
+            if mode is not None:
+                os.fchmod(file.fileno(), mode)
+            file.write(raw)
+            if sync:
+                file.flush()
+                os.fsync(file.fileno())
+        os.replace(new, path)
+    except BaseException:
+        with suppress(OSError):
+            new.unlink(missing_ok=True)
+        raise
+
+
+def _mode(path: Path) -> int | None:
+    try:
+        there = path.lstat().st_mode
+    except FileNotFoundError:
+        return None
+    if stat.S_ISLNK(there):
+        return None
+    if not stat.S_ISREG(there):
+        raise OSError(errno.EINVAL, "it is no regular file")
+    return stat.S_IMODE(there)

@@ -1,0 +1,43 @@
+"""What Ctrl-C and a signal to end do to a run."""
+
+from __future__ import annotations
+
+import signal
+import threading
+from collections.abc import Callable
+from types import FrameType
+from typing import Any
+
+KINDS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
+
+
+class Interrupts:
+    """Before a run has begun, an interrupt is a KeyboardInterrupt; from then on it stops the run, and a
+    second one doesn't cut the stop short (row K3). Once the run is over nothing is left to stop: what is
+    still to be written is written, and the run's own outcome stands.
+
+    A context manager, of the main thread; in others it does nothing.
+    """
+
+    def __init__(self) -> None:
+        """Nothing is listened to before it is entered."""
+        self._stop: Callable[[], object] | None = None
+        self._before: dict[signal.Signals, Any] = {}
+
+    def stop_by(self, stop: Callable[[], object]) -> None:
+        """A run begins: this stops it, and does no harm after its end."""
+        self._stop = stop
+
+    def __enter__(self) -> Interrupts:
+        if threading.current_thread() is threading.main_thread():
+            self._before = {kind: signal.signal(kind, self._heard) for kind in KINDS}
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        for kind, handler in self._before.items():
+            signal.signal(kind, handler)
+
+    def _heard(self, _number: int, _frame: FrameType | None) -> None:
+        if self._stop is None:
+            raise KeyboardInterrupt
+        self._stop()

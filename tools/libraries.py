@@ -1,0 +1,134 @@
+"""Whether the libraries are there that handcart needs."""
+
+from __future__ import annotations
+
+import os
+import re
+import sys
+from collections.abc import Iterable, Iterator
+from importlib.util import find_spec
+from pathlib import Path
+from typing import NamedTuple
+
+from files.errors import InputError
+
+OURS = ("robotics", "files", "backends", "primitives", "networks", "evaluation", "tools")
+MODULES = {
+    "opencv-python-headless": "cv2",
+    "pin": "pinocchio",
+    "python-can": "can",
+    "pyserial": "serial",
+    "scikit-image": "skimage",
+    "pillow": "PIL",
+    "py-trees": "py_trees",
+    "ruamel-yaml": "ruamel.yaml",
+}
+"""Where a library is imported under another name than it is installed."""
+_REQUIRED = re.compile(r"Requires-Dist: ([\w.-]+)(?:\[[\w,]*\])?([<>=!~\d.,]*)$", re.MULTILINE)
+
+
+class NoLibrary(InputError):
+    """A library that handcart needs is missing, too old, or can't be imported. Status 2 (row K13)."""
+
+    def __init__(self, wrong: Iterable[str], install: Iterable[str]) -> None:
+        line = " ".join(f"'{each}'" for each in install)
+        super().__init__(f"{'; '.join(wrong)}; to install: {sys.executable} -m pip install {line}")
+
+    @classmethod
+    def of(cls, error: Exception) -> NoLibrary | None:
+        """What an import that failed comes to; None for anything else, and for a module of ours."""
+        if not isinstance(error, ImportError):
+            return None
+        root = (error.name or "").partition(".")[0]
+        if root in OURS:
+            return None
+        found = {_module(each.name).partition(".")[0]: each for each in required()}
+        install = str(found[root]) if root in found else root or "handcart"
+        return cls([f"the library {root or '?'} can't be imported: {error}"], [install])
+
+
+class Requirement(NamedTuple):
+    """A library that the installation asks for."""
+
+    name: str
+    versions: str
+    """Such as `>=2.0,<3`."""
+
+    def __str__(self) -> str:
+        return self.name + self.versions
+
+
+def check_libraries() -> None:
+    """Compare what is installed with what is needed, by the names of folders alone: that takes 1 ms.
+
+    Raises:
+        NoLibrary: with all that is missing, too old or too new.
+    """
+    installed, wrong, install = dict(_installed()), [], []
+    for each in required():
+        version = installed.get(_plain(each.name))
+        if version is None and _is_there(_module(each.name)):
+            continue  # from a distribution of another name
+        if version is None:
+            wrong.append(f"the library {each.name} is missing")
+        elif not _fits(version, each.versions):
+            wrong.append(f"the library {each.name} is {version}; needed: {each.versions}")
+        else:
+            continue
+        install.append(str(each))
+    if wrong:
+        raise NoLibrary(wrong, install)
+
+
+def required() -> list[Requirement]:
+    """What handcart's installation says it needs; nothing where it isn't installed."""
+    for folder in sys.path:
+        for found in Path(folder or ".").glob("handcart-*.dist-info/METADATA"):
+            head = found.read_text(encoding="utf-8").partition("\n\n")[0]
+            return [Requirement(*each) for each in _REQUIRED.findall(head)]
+    return []
+
+
+def _installed() -> Iterator[tuple[str, str]]:
+    for folder in reversed(sys.path):  # what comes first on the path comes last here, and counts
+        try:
+            names = os.listdir(folder or ".")
+        except OSError:
+            continue
+        for each in names:
+            if each.endswith((".dist-info", ".egg-info")):
+                name, _, version = each.rpartition(".")[0].partition("-")
+                yield _plain(name), version.partition("-")[0]
+
+
+def _plain(name: str) -> str:
+    return re.sub(r"[-_.]+", "-", name).lower()
+
+
+def _module(name: str) -> str:
+    return MODULES.get(_plain(name), _plain(name).replace("-", "_"))
+
+
+def _is_there(module: str) -> bool:
+    try:
+        return find_spec(module) is not None
+    except (ImportError, ValueError):
+        return False
+
+
+def _fits(version: str, wanted: str) -> bool:
+    has = _numbers(version)
+    for each in filter(None, wanted.split(",")):
+        how, than = re.match(r"([<>=!~]+)(.*)", each).groups()  # type: ignore[union-attr]
+        least = _numbers(than)
+        if (how == ">=" and has < least) or (how == "<" and has >= least):
+            return False
+    return True
+
+
+def _numbers(version: str) -> tuple[int, ...]:
+    found = re.match(r"(?:\d+!)?(\d+(?:\.\d+)*)", version)
+    numbers = [int(each) for each in found.group(1).split(".")] if found else []
+    while numbers and not numbers[-1]:
+        numbers.pop()  # 2.0 is 2
+    return tuple(numbers)

@@ -1,0 +1,91 @@
+"""What a command writes to, when nobody reads it, or it isn't there at all."""
+
+from __future__ import annotations
+
+import errno
+import io
+import os
+import sys
+from contextlib import suppress
+from typing import Any, TextIO
+
+
+class Streams:
+    """A context manager: while it lasts, what can't be written to stdout or stderr is dropped, and noted.
+
+    A pipe that is closed at its other end, a full disk behind it, a descriptor that was closed before the
+    start: none of them ends a command (row K14). Descriptors that are missing are opened on nothing, so that
+    no file of ours, a journal say, becomes stdout for a library that writes to it.
+    """
+
+    def __enter__(self) -> Streams:
+        missing = [number for number in (0, 1, 2) if not _is_open(number)]
+        for _ in missing:
+            os.open(os.devnull, os.O_RDWR)  # the lowest that is free
+        if 0 in missing:
+            sys.stdin = open(0, closefd=False)
+        self._before = sys.stdout, sys.stderr
+        self._files: dict[int, _Lenient] = {}
+        if sys.stdout is sys.__stdout__:
+            sys.stdout = self._lenient(1, sys.stdout, 1 in missing)
+        if sys.stderr is sys.__stderr__:
+            sys.stderr = self._lenient(2, sys.stderr, 2 in missing)
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        for stream in (sys.stdout, sys.stderr):
+            with suppress(OSError, ValueError):
+                stream.flush()
+        self._ours = sys.stdout, sys.stderr  # closing them would close nothing, but warn
+        if self._before[0] is not None:
+            sys.stdout = self._before[0]
+        if self._before[1] is not None:
+            sys.stderr = self._before[1]
+
+    @property
+    def lost(self) -> str:
+        """Why not all could be written to stdout; empty where it could."""
+        error = self._error
+        return "" if error is None else os.strerror(error)
+
+    @property
+    def nobody_reads(self) -> bool:
+        """Whether that is because nobody wanted it."""
+        return self._error in (errno.EPIPE, errno.EBADF)
+
+    @property
+    def _error(self) -> int | None:
+        return self._files[1].failed if 1 in self._files else None
+
+    def _lenient(self, number: int, stream: TextIO | None, missing: bool) -> TextIO:
+        file = self._files[number] = _Lenient(number, missing)
+        encoding = "utf-8" if stream is None else stream.encoding
+        by_line = number == 2 or file.isatty()
+        buffered = io.BufferedWriter(file)
+        return io.TextIOWrapper(buffered, encoding, errors="backslashreplace", line_buffering=by_line)
+
+
+class _Lenient(io.FileIO):
+    """A descriptor that takes whatever is written, and notes when that is lost."""
+
+    def __init__(self, number: int, missing: bool) -> None:
+        super().__init__(number, "w", closefd=False)
+        self._missing = missing
+        self.failed: int | None = None
+
+    def write(self, content: Any, /) -> int:
+        try:
+            if self._missing or self.failed is not None:
+                raise OSError(self.failed or errno.EBADF, "")
+            return super().write(content)
+        except OSError as error:
+            self.failed = error.errno
+            return len(content)
+
+
+def _is_open(number: int) -> bool:
+    try:
+        os.fstat(number)
+    except OSError:
+        return False
+    return True
