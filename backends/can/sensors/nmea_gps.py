@@ -4,10 +4,8 @@ from __future__ import annotations
 
 import math
 import time
-from typing import Any
 
 import numpy as np
-from pynmeagps import NMEAMessageError, NMEAParseError, NMEAReader, NMEAStreamError, NMEATypeError
 from pyproj import Transformer
 
 from backends.can_sensor_spec import GpsSource
@@ -15,15 +13,17 @@ from backends.gps import Fix, Gps
 
 from .line_port import LinePort
 from .live_sensor import Clock, LiveSensor
+from .nmea_sentence import Accuracy, Position, read_sentence
+from .utc_order import UtcOrder
 
-_BROKEN = (NMEAMessageError, NMEAParseError, NMEAStreamError, NMEATypeError, ValueError, UnicodeDecodeError)
 _BETTER = {0: 0, 1: 1, 2: 2, 5: 3, 4: 4}  # qualities of GGA, the best last: 4 is RTK fixed, 5 RTK float
 
 
 class NmeaGps(LiveSensor, Gps):
     """Takes GGA, and GST where the receiver sends it; positions are told in a plane about the task's origin.
 
-    In that plane a distance is right to 1 mm up to 10 km from the origin.
+    In that plane a distance is right to 1 mm up to 10 km from the origin. A fix counts once, and only if its
+    time of day goes on as this machine's clock does: see `UtcOrder`.
     """
 
     def __init__(self, source: GpsSource, clock: Clock = time.monotonic) -> None:
@@ -35,7 +35,8 @@ class NmeaGps(LiveSensor, Gps):
         self._plane = Transformer.from_crs(
             "EPSG:4326", f"+proj=aeqd {origin} +datum=WGS84 +units=m", always_xy=True
         )
-        self._sigma: float | None = None
+        self._order = UtcOrder(source.stale_ms / 1e3)
+        self._accuracy: Accuracy | None = None
         self._fix: Fix | None = None
 
     def fix(self) -> Fix | None:
@@ -56,26 +57,32 @@ class NmeaGps(LiveSensor, Gps):
 
     def _take(self, line: bytes) -> None:
         try:
-            told: Any = NMEAReader.parse(line + b"\r\n")
-            if told is None:
-                raise ValueError("no sentence")
-            if told.msgID == "GST":
-                self._sigma = math.hypot(float(told.stdLat), float(told.stdLong)) / math.sqrt(2.0)
-            elif told.msgID == "GGA":
+            told = read_sentence(line)
+            if isinstance(told, Accuracy):
+                self._accuracy = told
+            elif told is not None:
                 self._take_position(told)
-        except _BROKEN:
+        except ValueError:
             self.rejected += 1
 
-    def _take_position(self, told: Any) -> None:
-        quality = _BETTER.get(int(told.quality), 0)
-        if quality < _BETTER[self._source.quality]:
+    def _take_position(self, told: Position) -> None:
+        if _BETTER.get(told.quality, 0) < _BETTER[self._source.quality]:
             return
-        east, north = self._plane.transform(float(told.lon), float(told.lat))
-        sigma = self._sigma if self._sigma is not None else self._source.sigma_m * float(told.HDOP)
-        if not (math.isfinite(east) and math.isfinite(north) and sigma > 0.0):
+        east, north = self._plane.transform(told.lon, told.lat)
+        sigma = self._sigma(told)
+        if not (math.isfinite(east) and math.isfinite(north) and 0.0 < sigma < math.inf):
             raise ValueError("no place")
+        if not self._order.is_new(told.utc, self._now):
+            raise ValueError("an old one")
         self._fix = Fix(np.array([east, north]), sigma)
         self._good()
+
+    def _sigma(self, told: Position) -> float:
+        """What the receiver said of about that time, else by the satellites' geometry."""
+        accuracy = self._accuracy
+        if accuracy is not None and abs(told.utc - accuracy.utc) <= self._stale:
+            return accuracy.sigma
+        return self._source.sigma_m * told.hdop
 
     def close(self) -> None:
         """See `LiveSensor`."""

@@ -11,12 +11,18 @@ nothing came back. IMU: turn rates about x, y, z in [rad/s], then accelerations 
 from __future__ import annotations
 
 import math
+import re
 from functools import reduce
 from operator import xor
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
+
+from .strict_number import strict_number
+
+_FRAMED = re.compile(rb"\$([^*]*)\*([0-9A-Fa-f]{2})")
+_STAMP = re.compile(r"\d{1,15}", re.ASCII)
 
 
 class SensorLine(NamedTuple):
@@ -44,14 +50,19 @@ def sensor_line(kind: str, stamp: int, values: NDArray[np.float64]) -> bytes:
 
 def read_line(line: bytes) -> SensorLine | None:
     """A line; None where it is damaged, or of another kind of talk."""
-    body, star, told = line[1:].partition(b"*")
-    if line[:1] != b"$" or not star:
-        return None
     try:
-        if int(told, 16) != checksum(body):
+        kind, stamp, *fields = body_of(line).decode("ascii").split(",")
+        if not _STAMP.fullmatch(stamp):
             return None
-        kind, stamp, *fields = body.decode("ascii").split(",")
-        values = np.array([float(each) if each else math.inf for each in fields])
+        values = np.array([strict_number(each) if each else math.inf for each in fields])
         return SensorLine(kind, int(stamp), values)
     except ValueError:
         return None
+
+
+def body_of(line: bytes) -> bytes:
+    """What stands between `$` and `*`; raises ValueError where that isn't what the check sum is of."""
+    framed = _FRAMED.fullmatch(line)
+    if framed is None or int(framed.group(2), 16) != checksum(framed.group(1)):
+        raise ValueError("damaged")
+    return framed.group(1)

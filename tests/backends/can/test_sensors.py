@@ -24,12 +24,15 @@ from backends.can.sensors.live_sensors import await_first, open_sensors, sensor_
 from backends.can.sensors.nmea_gps import NmeaGps
 from backends.can.sensors.range_server import RangeServer
 from backends.can.sensors.sensor_lines import checksum, read_line, sensor_line
+from backends.can.sensors.strict_number import strict_number
+from backends.can.sensors.utc_order import UtcOrder
 from backends.can.sensors.video_camera import VideoCamera
 from backends.can_sensor_spec import CameraSource, GpsSource, LineSource, SensorsSpec
 from backends.mounted_camera import MountedCamera, camera_model
 from backends.range_sensor import RangeSensor, Scan
 from backends.robot_file import load_robot
 from backends.sensor_specs import CameraSpec, RangeSpec
+from evaluation.fuzzed_sentences import fuzzed_sentences
 from robotics.geometry.pose2 import Pose2
 
 RANGE = RangeSpec(beams=4, reach_m=5.0, sigma_mm=10.0)
@@ -177,8 +180,8 @@ def test_a_receiver(device: Device, clock: Any) -> None:
     """10 arc seconds north are 308.9 m in the middle latitudes, 10 east of them at 48 degrees 207 m."""
     source = GpsSource(port=device.port, origin_lat_deg=48.0, origin_lon_deg=11.0)
     receiver = NmeaGps(source, clock)
-    gga = "GPGGA,123519,4800.16667,N,01100.16667,E,{},08,0.9,545.4,M,46.9,M,,"
-    device.say(nmea(gga.format(1)))
+    gga = "GPGGA,{},4800.16667,N,01100.16667,E,{},08,0.9,545.4,M,46.9,M,,"
+    device.say(nmea(gga.format(123519, 1)))
     receiver.advance()
     fix = receiver.fix()
     assert fix is not None
@@ -186,13 +189,16 @@ def test_a_receiver(device: Device, clock: Any) -> None:
     assert fix.sigma == pytest.approx(2.5 * 0.9)
     receiver.advance()
     assert receiver.fix() is None  # none came in this period
-    device.say(nmea("GPGST,123520,0.5,,,,0.30,0.40,0.9") + nmea(gga.format(4)))
+    device.say(nmea("GPGST,123520,0.5,,,,0.30,0.40,0.9") + nmea(gga.format("123520.00", 4)))
     receiver.advance()
     fix = receiver.fix()
     assert fix is not None
     assert fix.sigma == pytest.approx(np.hypot(0.3, 0.4) / np.sqrt(2))
     device.say(
-        nmea(gga.format(0)) + b"$GPGGA,1*00\r\n" + b"\xff\xfe$!!\r\n" + nmea("GPGGA,1,x,N,y,E,1,,,,,,,,")
+        nmea(gga.format(123521, 0))
+        + b"$GPGGA,1*00\r\n"
+        + b"\xff\xfe$!!\r\n"
+        + nmea("GPGGA,1,x,N,y,E,1,,,,,,,,")
     )
     receiver.advance()
     assert receiver.fix() is None
@@ -208,6 +214,158 @@ def test_a_receiver_that_isnt_good_enough(device: Device, clock: Any) -> None:
         receiver.advance()
         assert (receiver.fix() is not None) is good
     receiver.close()
+
+
+ORIGIN = {"origin_lat_deg": 48.0, "origin_lon_deg": 11.0}
+
+
+@pytest.fixture
+def receiver(device: Device, clock: Any) -> Iterator[NmeaGps]:
+    made = NmeaGps(GpsSource(port=device.port, **ORIGIN), clock)
+    yield made
+    made.close()
+
+
+def gga(utc: str, **told: str) -> bytes:
+    told = {"lat": "4800.1", "lon": "01100.1", "quality": "1", "hdop": "0.9"} | told
+    place = f"{told['lat']},N,{told['lon']},E,{told['quality']},08,{told['hdop']}"
+    return nmea(f"GPGGA,{utc},{place},545.4,M,46.9,M,,")
+
+
+@pytest.mark.parametrize(
+    "sentence",
+    [
+        b"$GPGGA*56\r\n",
+        b"$GPGST,1*4A\r\n",
+        b"$PUBX*1F\r\n",
+        nmea(""),
+        nmea("G"),
+        nmea("GPGGA,,,"),
+        nmea("GPGGA,123519,,,,,0,00,99.99,,,,,,"),
+        nmea("GPGST,123519,,,,,,,"),
+        nmea("GPTXT,01,01,02,\x7f"),
+        nmea("GPZZZ,1"),
+        gga("123519", lat="4860.0"),
+        gga("123519", lat="9100.0"),
+        gga("123519", lon="18100.0"),
+        gga("123519", lat="48_0.1"),
+        gga("123519", hdop="1_0"),
+        gga("123519", hdop=""),
+        gga("123519", hdop="0.0"),
+        gga("123519", quality="7"),
+        gga("123519", quality=""),
+        gga("243519"),
+        gga("126019"),
+        gga("123562"),
+        gga(""),
+        nmea("GPGGA,123519,4800.1,N,01100.1,E,1,08,0.9,545.4,M,46.9"),
+        gga("123519").replace(b"*", b"*+"),
+        gga("123519")[1:],
+        b"$\xff\xfe*01\r\n",
+    ],
+)
+def test_s3_sentences_that_tell_no_place_end_nothing(
+    device: Device, receiver: NmeaGps, sentence: bytes
+) -> None:
+    """S3: damaged, cut off, of other kinds, of places and times that there aren't."""
+    device.say(sentence)
+    receiver.advance()
+    assert receiver.fix() is None
+    device.say(gga("123519"))
+    receiver.advance()
+    assert receiver.fix() is not None
+
+
+def test_s5_a_sentence_counts_once(device: Device, receiver: NmeaGps, clock: Any) -> None:
+    """S5: the same time of day again, 50 times; then the receiver is stale."""
+    taken = 0
+    for _ in range(50):
+        device.say(gga("123519.00"))
+        receiver.advance()
+        taken += receiver.fix() is not None
+        clock.now += 0.1
+    assert taken == 1
+    assert receiver.rejected == 49
+    assert receiver.age == pytest.approx(4.9)
+
+
+@pytest.mark.parametrize("old", ["003519", "123518", "123459", "113520"])
+def test_s5_an_old_sentence_does_not_count(device: Device, receiver: NmeaGps, clock: Any, old: str) -> None:
+    """S5: a second, twelve hours old, though it goes on as the clock does."""
+    device.say(gga("123519"))
+    receiver.advance()
+    for second in range(3):
+        clock.now += 1.0
+        device.say(gga(str(int(old) + second).zfill(6)))
+        receiver.advance()
+        assert (receiver.fix() is None) or (old == "123518" and second == 2)
+
+
+def test_s5_what_was_held_back_does_not_count(device: Device, receiver: NmeaGps, clock: Any) -> None:
+    """S1 S5: sentences of some seconds ago, each newer than the last, out of somebody's buffer."""
+    device.say(gga("123500"))
+    receiver.advance()
+    clock.now += 10.0
+    for second in range(1, 11):
+        device.say(gga(f"1235{second:02d}"))
+        receiver.advance()
+        # 2 s are allowed
+        assert (receiver.fix() is not None) is (second >= 8)
+
+
+def test_a_jump_ahead_counts_when_more_bear_it_out(device: Device, receiver: NmeaGps, clock: Any) -> None:
+    """One damaged time of day doesn't make all that follow old; after a sleep of the machine they count."""
+    seen = []
+    for utc in (120000, 120001, 180002, 120003, *range(130004, 130010), 120010):
+        device.say(gga(str(utc)))
+        receiver.advance()
+        seen.append(receiver.fix() is not None)
+        clock.now += 1.0
+    assert seen == [True, True, False, True, False, False, False, False, True, True, False]
+
+
+def test_midnight_and_clocks_that_drift(device: Device, receiver: NmeaGps, clock: Any) -> None:
+    """Three days, a sentence each ten minutes, by a clock that is 50 ppm fast, or slow."""
+    for rate in (1.00005, 0.99995):
+        begun = UtcOrder(2.0)
+        assert all(begun.is_new(600.0 * n % 86400.0, 5.0 + rate * 600.0 * n) for n in range(432))
+
+
+def test_how_sure_a_fix_is_is_of_its_time(device: Device, receiver: NmeaGps, clock: Any) -> None:
+    """S1: a GST that stays away isn't the one of now."""
+    device.say(nmea("GPGST,120000,0.5,,,,0.02,0.02,0.9") + gga("120000"))
+    receiver.advance()
+    first = receiver.fix()
+    clock.now += 10.0
+    device.say(gga("120010"))
+    receiver.advance()
+    second = receiver.fix()
+    assert first is not None
+    assert second is not None
+    assert (first.sigma, second.sigma) == pytest.approx((0.02, 2.5 * 0.9))
+
+
+@pytest.mark.parametrize(
+    "field", ["1_0.5", " 1.5", "1.5 ", "nan", "inf", "1e999", "0x1", "\u0661", "--1", "1e", ".", "+"]
+)
+def test_s3_numbers_are_decimal(field: str) -> None:
+    """S3: what Python would take for a number besides; of ranges and of an inertial unit."""
+    for kind, values in (("RANGE", f"1.0,{field},2.0"), ("IMU", f"{field},0.0,0.0,0.0,0.0,9.81")):
+        body = f"{kind},1250,{values}".encode()
+        read = read_line(b"$%b*%02X" % (body, checksum(body)))
+        assert read is None
+    for stamp in ("1_0", "+5", " 5", "-5", "5.0", ""):
+        body = f"RANGE,{stamp},1.0".encode()
+        assert read_line(b"$%b*%02X" % (body, checksum(body))) is None
+    assert strict_number("-1.5e-3") == -0.0015
+    assert read_line(b"$RANGE,1,2*0x1") is None
+
+
+def test_random_sentences_end_nothing() -> None:
+    """S3 S5: 1,000,000 by `python -m benchmarks.gps_fuzz`."""
+    seen = list(fuzzed_sentences(4000, seed=1))
+    assert [each.wrong for each in seen if each.wrong] == []
+    assert 0 < sum(each.fixes for each in seen) < 4000
 
 
 @pytest.mark.parametrize("port", ["/dev/none", "socket://127.0.0.1:1", "nonsense://x"])

@@ -1,0 +1,99 @@
+"""The sentences of NMEA 0183 that tell where a receiver is: GGA, and GST, how sure that is."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Mapping
+from typing import NamedTuple
+
+from .sensor_lines import body_of
+from .strict_number import strict_number
+
+_TIME = r"(?P<hour>\d\d)(?P<minute>\d\d)(?P<second>\d\d(?:\.\d+)?)"
+_LAT = r"(?P<lat_deg>\d\d)(?P<lat_min>\d\d(?:\.\d+)?),(?P<north>[NS])"
+_LON = r"(?P<lon_deg>\d{3})(?P<lon_min>\d\d(?:\.\d+)?),(?P<east>[EW])"
+_GGA = re.compile(
+    rf"[A-Z]{{2}}GGA,{_TIME},{_LAT},{_LON},(?P<quality>\d),\d*,(?P<hdop>\d+(?:\.\d+)?)(?:,[^,]*){{6}}",
+    re.ASCII,
+)
+_GST = re.compile(rf"[A-Z]{{2}}GST,{_TIME}(?:,[^,]*){{4}},(?P<lat>[\d.]*),(?P<lon>[\d.]*),[^,]*", re.ASCII)
+_NOWHERE = re.compile(r"[A-Z]{2}GGA,[\d.]*,,,,,.*", re.ASCII)
+
+
+class Position(NamedTuple):
+    """GGA: a fix."""
+
+    utc: float
+    """Time of day, in [s]."""
+    lat: float
+    """North positive, in [deg]."""
+    lon: float
+    """East positive, in [deg]."""
+    quality: int
+    hdop: float
+
+
+class Accuracy(NamedTuple):
+    """GST: how sure a fix is."""
+
+    utc: float
+    """Of which time of day, in [s]."""
+    sigma: float
+    """Of an axis, in [m]."""
+
+
+def read_sentence(line: bytes) -> Position | Accuracy | None:
+    """A sentence; None where it is another one, or tells no place: the receiver sees no sky.
+
+    Raises:
+        ValueError: it is damaged, or of another shape than NMEA 0183 says.
+    """
+    body = body_of(line).decode("ascii")
+    match body[2:5]:
+        case "GGA":
+            return None if _NOWHERE.fullmatch(body) else _position(_fields(_GGA, body))
+        case "GST":
+            return _accuracy(_fields(_GST, body))
+    return None
+
+
+def _fields(pattern: re.Pattern[str], body: str) -> Mapping[str, str]:
+    found = pattern.fullmatch(body)
+    if found is None:
+        raise ValueError("no such sentence")
+    return found.groupdict()
+
+
+def _position(told: Mapping[str, str]) -> Position:
+    lat, lon = (_degrees(told, axis) for axis in ("lat", "lon"))
+    if lat > 90.0 or lon > 180.0:
+        raise ValueError("no such place")
+    return Position(
+        _utc(told),
+        lat if told["north"] == "N" else -lat,
+        lon if told["east"] == "E" else -lon,
+        int(told["quality"]),
+        strict_number(told["hdop"]),
+    )
+
+
+def _accuracy(told: Mapping[str, str]) -> Accuracy | None:
+    if not told["lat"] or not told["lon"]:
+        return None
+    sigma = math.hypot(strict_number(told["lat"]), strict_number(told["lon"])) / math.sqrt(2.0)
+    return Accuracy(_utc(told), sigma)
+
+
+def _degrees(told: Mapping[str, str], axis: str) -> float:
+    minutes = strict_number(told[f"{axis}_min"])
+    if minutes >= 60.0:
+        raise ValueError("no such angle")
+    return strict_number(told[f"{axis}_deg"]) + minutes / 60.0
+
+
+def _utc(told: Mapping[str, str]) -> float:
+    hour, minute, second = (strict_number(told[each]) for each in ("hour", "minute", "second"))
+    if hour >= 24.0 or minute >= 60.0 or second >= 61.0:  # a leap second is one
+        raise ValueError("no such time")
+    return 3600.0 * hour + 60.0 * minute + second
