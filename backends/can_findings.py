@@ -27,7 +27,7 @@ def can_findings(robot: RobotFile, document: Document) -> list[Finding]:
 
 def _nodes(spec: CanSpec) -> Iterator[tuple[Place, str]]:
     seen = {spec.our_node: "our_node"}
-    for (place, axis), (name, _) in zip(_placed(spec), spec.axes(), strict=True):
+    for (place, axis), (name, _) in zip(placed_axes(spec), spec.axes(), strict=True):
         if axis.node in seen:
             words = f"{seen[axis.node]} and {name} have the node {axis.node}; allowed: each its own"
             yield (*place, "node"), words
@@ -60,12 +60,13 @@ def _fits(period_ms: float) -> bool:
 
 
 def _files(robot: RobotFile, spec: CanSpec) -> Iterator[tuple[Place, str]]:
-    for place, axis in _placed(spec):
+    for place, axis in placed_axes(spec):
         if axis.eds is not None and not (robot.folder / axis.eds).is_file():
             yield (*place, "eds"), f"there is no file {axis.eds!r}; allowed: one beside the robot's file"
 
 
-def _placed(spec: CanSpec) -> Iterator[tuple[Place, AxisSpec]]:
+def placed_axes(spec: CanSpec) -> Iterator[tuple[Place, AxisSpec]]:
+    """All drives, with their places in the section `can`."""
     yield ("left",), spec.left
     yield ("right",), spec.right
     for number, joint in enumerate(spec.joints):

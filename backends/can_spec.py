@@ -18,6 +18,20 @@ VIRTUAL = "virtual"
 Positive = Annotated[float, Field(gt=0.0)]
 NodeId = Annotated[int, Field(ge=1, le=127)]
 Word = Annotated[int, Field(ge=0, lt=2**32)]
+Without = Literal[
+    "consumer_heartbeat",
+    "abort_option",
+    "quick_stop_option",
+    "quick_stop_ramp",
+    "fault_reaction",
+    "error_code",
+    "torque",
+    "torque_limit",
+    "speed_limit",
+    "position_limits",
+    "following_error",
+]
+"""What a drive may be used without; `backends/can/lacks.py` has the objects, and what follows."""
 
 
 class AxisSpec(FileModel):
@@ -45,6 +59,8 @@ class AxisSpec(FileModel):
     """Of its identity (1018h:1); left out: not looked at."""
     product_code: Word | None = None
     """Of its identity (1018h:2); left out: not looked at."""
+    without: tuple[Without, ...] = ()
+    """What the drive doesn't have, and the robot is used without: docs/hardware.md tells what follows."""
 
     @property
     def counts_per_turn(self) -> float:
@@ -57,6 +73,11 @@ class AxisSpec(FileModel):
             raise ValueError(
                 f"an axis under gravity without a brake would fall with stop: {self.stop}; allowed: "
                 "stop: hold, or brake: true, or gravity: false"
+            )
+        if self.gravity and not self.brake and "quick_stop_option" in self.without:
+            raise ValueError(
+                "an axis under gravity without a brake may fall at a stop without: [quick_stop_option]; "
+                "allowed: brake: true, or gravity: false"
             )
         return self
 

@@ -9,7 +9,7 @@ from files.errors import FileError
 from files.suggest import suggest
 from robotics.kinematics.urdf_assembly import link_names
 
-from .can_findings import can_findings
+from .can_findings import can_findings, placed_axes
 from .ground_spec import OUTDOORS
 from .robot_parts import UrdfError
 
@@ -42,19 +42,25 @@ def robot_findings(robot: RobotFile, document: Document) -> list[Finding]:
         *_positioning_findings(robot, document),
         *_bus_findings(robot, document),
         *can_findings(robot, document),
-        *_eds_findings(robot),
+        *_eds_findings(robot, document),
     ]
 
 
-def _eds_findings(robot: RobotFile) -> list[Finding]:
-    """What is wrong in the EDS files of its drives."""
-    named = [] if robot.can is None else [axis for _, axis in robot.can.axes() if axis.eds is not None]
-    files = {robot.folder / str(axis.eds): axis for axis in named}
-    there = {path: axis for path, axis in files.items() if path.is_file()}
+def _eds_findings(robot: RobotFile, document: Document) -> list[Finding]:
+    """What is wrong in the EDS files of its drives, and what those drives lack."""
+    axes = () if robot.can is None else placed_axes(robot.can)
+    named = [(place, axis, robot.folder / axis.eds) for place, axis in axes if axis.eds is not None]
+    there = [each for each in named if each[2].is_file()]
     if not there:
         return []
-    read = import_module("backends.can.eds_needs").eds_findings
-    return [finding for path, axis in there.items() for finding in read(path, axis)]
+    needs = import_module("backends.can.eds_needs")
+    wrong = {finding for _, axis, path in there for finding in needs.eds_findings(path, axis)}
+    lacks = [
+        document.finding(("can", *place), words)
+        for place, axis, path in there
+        for words in needs.lack_findings(path, axis)
+    ]
+    return [*sorted(wrong), *lacks]
 
 
 def _bus_findings(robot: RobotFile, document: Document) -> list[Finding]:

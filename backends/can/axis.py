@@ -23,8 +23,9 @@ from .axis_units import AxisUnits, unwrapped
 from .errors import SilentDrive, TooManyCounts, WrongDrive
 from .expected_motion import ExpectedMotion
 from .fault_words import fault_words
+from .lacks import left_out
 from .line_sdo_client import LineSdoClient, NoAnswer
-from .pdo_layout import CYCLIC_POSITION, PROFILE_POSITION, layout
+from .pdo_layout import CYCLIC_POSITION, PROFILE_POSITION, Pdo, layout
 
 ENABLED, FAULT, QUICK_STOP = "OPERATION ENABLED", "FAULT", "QUICK STOP ACTIVE"
 HOLD = "hold"
@@ -77,7 +78,9 @@ class Axis(canopen.RemoteNode):
             raise TooManyCounts(self.name, max([most, *map(abs, ends)]))
         self.positioned = mode in (PROFILE_POSITION, CYCLIC_POSITION)
         """Whether it is told positions, not speeds."""
-        self.layout = layout(mode)
+        self.left_out = left_out(spec)
+        """Objects that it is used without."""
+        self.layout = layout(mode, self.left_out)
         self.expected = ExpectedMotion(mode, limits)
         """What it should do by now."""
         self._target, self._top = 0.0, limits.speed
@@ -160,7 +163,7 @@ class Axis(canopen.RemoteNode):
         """Write the mapping of all PDOs that are used; raises as `read`."""
         for pdo in (*self._commands, *self._answers):
             with self._asked_for(pdo.com_record.od.index):
-                pdo.save()
+                pdo.save() if pdo.com_record[1].writable else _save_mapping(pdo)
         for pdo in self._commands:
             # The library would take what a stranger commands for ours.
             self.network.unsubscribe(pdo.cob_id, pdo.on_message)
@@ -262,10 +265,9 @@ class Axis(canopen.RemoteNode):
         return self._answered > 0
 
     @property
-    def missing(self) -> list[int]:
-        """The first objects of those answers to the last SYNC that are not there."""
-        firsts = (each.objects[0] for each in self.layout.answers)
-        return [each for each in firsts if each not in self._fresh]
+    def missing(self) -> list[Pdo]:
+        """Those answers to the last SYNC that are not there."""
+        return [each for each in self.layout.answers if each.objects[0] not in self._fresh]
 
     @property
     def answered(self) -> bool:
@@ -319,8 +321,13 @@ class Axis(canopen.RemoteNode):
 
     @property
     def torque(self) -> float:
-        """Share of its rated torque, positive where its position grows."""
-        return math.copysign(1.0, self.units.scale) * self._told[0x6077] / 1000.0
+        """Share of its rated torque, positive where its position grows; 0 where it tells none."""
+        return math.copysign(1.0, self.units.scale) * self._told.get(0x6077, 0) / 1000.0
+
+    @property
+    def tells_torque(self) -> bool:
+        """Whether it has a torque actual value."""
+        return 0x6077 not in self.left_out
 
     @property
     def _status(self) -> int:
@@ -345,13 +352,23 @@ class Axis(canopen.RemoteNode):
     def fault(self) -> str:
         """What it says about its fault, "" if nothing: its error code, else its last emergency message."""
         active = self.emcy.active[-1].code if self.emcy.active else 0
-        return fault_words(self._told[0x603F] or active)
+        return fault_words(self._told.get(0x603F, 0) or active)
 
 
 def state_of(statusword: int) -> str:
     """The state that a statusword tells, as in CiA 402."""
     matches = (name for name, (mask, bits) in State402.SW_MASK.items() if statusword & mask == bits)
     return next(matches, f"unknown (statusword {statusword:04X}h)")
+
+
+def _save_mapping(pdo: PdoMap) -> None:
+    """Write what is in a PDO; its COB-ID is the drive's own."""
+    pdo.com_record[2].raw = pdo.trans_type
+    pdo.map_array[0].raw = 0
+    for place, each in enumerate(pdo.map, 1):
+        pdo.map_array[place].raw = each.index << 16 | each.subindex << 8 | each.length
+    pdo.map_array[0].raw = len(pdo.map)
+    pdo.subscribe()
 
 
 def _map(pdo: PdoMap, objects: tuple[int, ...], transmission: int) -> None:

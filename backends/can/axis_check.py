@@ -7,12 +7,16 @@ from collections import deque
 
 from .axis import ENABLED, Axis
 from .errors import DriveNotReady, LostAnswers, OffDemand, SilentDrive
+from .pdo_layout import Pdo
 
 STALE = 0.1
 """[s] for which a statusword counts at most; two periods where those are longer."""
 _NAMES = {
-    0x6041: "statusword and position (6041h, 6064h)",
-    0x606C: "velocity, torque and error code (606Ch, 6077h, 603Fh)",
+    0x6041: "statusword",
+    0x6064: "position",
+    0x606C: "velocity",
+    0x6077: "torque",
+    0x603F: "error code",
 }
 _KEPT, _LOST = 100, 5  # answers to so many SYNCs are looked back on, of which so many may be lost
 _IGNORED = 3  # set-points in a row that a drive may not take
@@ -64,7 +68,7 @@ class AxisCheck:
         axis = self._axis
         age = axis.unanswered * self._period
         if age >= max(STALE, 2 * self._period) - 1e-9:
-            missing = " and no ".join(_NAMES[each] for each in axis.missing)
+            missing = " and no ".join(_names(pdo) for pdo in axis.missing)
             raise SilentDrive(axis.name, missing, age if axis.ever_answered else None)
         lost = sum(self._missed)
         if lost > _LOST:
@@ -84,3 +88,11 @@ class AxisCheck:
         if 1e3 * self._off_for > axis.spec.following_ms - 1e-6:
             told = f"it is {off:.3g} away from where it should be"
             raise OffDemand(axis.name, f"{told}; allowed: {window:.3g} (in m or rad)")
+
+
+def _names(pdo: Pdo) -> str:
+    """What it would tell, such as "statusword and position (6041h, 6064h)"."""
+    told = [index for index in pdo.objects if index in _NAMES]
+    *first, last = (_NAMES[index] for index in told)
+    names = f"{', '.join(first)} and {last}" if first else last
+    return f"{names} ({', '.join(f'{index:04X}h' for index in told)})"

@@ -17,7 +17,13 @@ _SLOW_DOWN = 2  # fault reaction (605Eh): on the quick stop ramp
 _QUICK_STOP = 3  # abort connection option (6007h)
 _PRE_OPERATIONAL = 0  # error behaviour (1029h): commands that were queued are not taken any more
 _ANY = 0xFFFFFFFF
-_IF_THERE = ((0x1400, 5), (0x6080, 0))  # not every drive has them
+_IF_THERE = (
+    (0x1006, 0),  # only tells the drive how often SYNC comes
+    (0x1029, 1),  # without it a node becomes PRE-OPERATIONAL (CiA 301)
+    (0x1400, 5),  # besides the heartbeat
+    (0x6080, 0),  # besides 607Fh
+    (0x6084, 0),  # without it a drive slows down as it speeds up
+)
 
 
 @dataclass(frozen=True)
@@ -31,7 +37,8 @@ class Setting:
 
 def settings(axis: Axis, spec: CanSpec, period: float) -> list[Setting]:
     """All settings of a drive but its PDOs, for a period in [s] between two SYNCs."""
-    wanted = [*_communication(spec, period), *_stopping(axis), *_ramps(axis), *_mode(axis, period)]
+    planned = [*_communication(spec, period), *_stopping(axis), *_ramps(axis), *_mode(axis, period)]
+    wanted = [each for each in planned if each.index not in axis.left_out]
     optional = [each for each in wanted if (each.index, each.subindex) in _IF_THERE]
     return [each for each in wanted if each not in optional or _has(axis, each)]
 

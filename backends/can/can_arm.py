@@ -22,7 +22,8 @@ class CanArm(Arm):
     """Joints whose drives plan their ramps to what is commanded, or follow it from SYNC to SYNC.
 
     The force on the hand follows from the joints' torques (6077h), the arm's own weight taken out by the
-    URDF. What the hand holds is not weighed: its weight is felt.
+    URDF. What the hand holds is not weighed: its weight is felt. Joints whose drives tell no torque are left
+    out; where none does, no force is felt.
     """
 
     def __init__(self, model: ArmModel, joints: Sequence[Axis], rated: Vector, period: float) -> None:
@@ -61,10 +62,11 @@ class CanArm(Arm):
     def hand_force(self) -> Vector:
         """See `Arm`."""
         q = self.joints()
+        telling = [place for place, joint in enumerate(self._joints) if joint.tells_torque]
         told = np.array([joint.torque for joint in self._joints]) * self._rated
-        outside = self._model.gravity_torque(q) - told
+        outside = (self._model.gravity_torque(q) - told)[telling]
         # J^T w = torques, w force and moment at the hand; of these the force is asked for.
-        wrench, *_ = np.linalg.lstsq(self._model.jacobian(q).T, outside, rcond=_SINGULAR)
+        wrench, *_ = np.linalg.lstsq(self._model.jacobian(q).T[telling], outside, rcond=_SINGULAR)
         force: Vector = self._model.forward(q)[:3, :3].T @ wrench[:3]
         return force
 

@@ -11,12 +11,14 @@ from .axis_limits import FULL_TORQUE
 
 _PRESSES = 0.5  # share of its greatest torque
 _BLOCKED = 0.2  # of top speed: slower fingers don't move
+_AWAY = 1e-3  # [m]
 
 
 class CanGripper(Gripper):
     """Fingers whose drive strives for a width with limited torque: blocked, it presses.
 
-    That they press is told by torque (6077h) at rest.
+    That they press is told by torque (6077h) at rest; a drive that tells none presses when its fingers stand
+    away from where they should have got to.
     """
 
     def __init__(self, spec: GripperSpec, axis: Axis) -> None:
@@ -48,6 +50,9 @@ class CanGripper(Gripper):
         """See `Gripper`."""
         most = self._axis.limits.torque / FULL_TORQUE
         stands = abs(self._axis.velocity) <= _BLOCKED * self._axis.limits.speed
+        if not self._axis.tells_torque:
+            expected = self._axis.expected
+            return stands and expected.velocity == 0.0 and self.width() - expected.position > _AWAY
         return stands and self._axis.torque <= -_PRESSES * most
 
     def halt(self) -> None:

@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from backends.can_spec import AxisSpec, CanSpec, WheelDriveSpec
 
 from .bus_load import BusLoad, CyclicFrame
+from .lacks import left_out
 from .pdo_layout import MODES, layout
 
 _SYNC, _HEARTBEAT = 0x080, 0x700
@@ -34,7 +35,7 @@ def cyclic_frames(spec: CanSpec, period: float) -> Iterator[CyclicFrame]:
 
 
 def _pdos(name: str, axis: AxisSpec, period: float) -> Iterator[CyclicFrame]:
-    frames = layout(mode_of(axis))
+    frames = layout(mode_of(axis), left_out(axis))
     for first, what, pdos in ((0x200, "command", frames.commands), (0x180, "answer", frames.answers)):
         for pdo in pdos:
             cob_id = first + 0x100 * (pdo.number - 1) + axis.node

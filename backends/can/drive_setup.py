@@ -13,6 +13,7 @@ from backends.can_spec import CanSpec
 from .axis import Axis
 from .axis_settings import Setting, mapping, settings
 from .errors import Difference, ReadBackDiffers, WrongDrive
+from .lacks import accepting
 from .pdo_layout import CYCLIC_POSITION, CYCLIC_VELOCITY, PROFILE_POSITION, PROFILE_VELOCITY
 
 _SERVO = 402  # low word of the device type (1000h)
@@ -53,8 +54,11 @@ def set_up(axes: Iterable[Axis], spec: CanSpec, period: float) -> None:
 def look(axes: Iterable[Axis]) -> None:
     """See where drives stand; raises `CanFault`."""
     for axis in axes:
-        position, velocity, torque = (_known(axis, Setting(each, 0, 0)) for each in (0x6064, 0x606C, 0x6077))
-        axis.place(position, velocity, torque)
+        told = [
+            0 if each in axis.left_out else _known(axis, Setting(each, 0, 0))
+            for each in (0x6064, 0x606C, 0x6077)
+        ]
+        axis.place(*told)
 
 
 def read_back(axis: Axis, spec: CanSpec, period: float) -> Iterator[Difference]:
@@ -107,9 +111,9 @@ def _read(axis: Axis, setting: Setting) -> int | str:
     try:
         return axis.read(setting.index, setting.subindex)
     except SdoAbortedError as abort:
-        return f"refused: {abort}"
+        return f"refused: {abort}{accepting(setting.index)}"
     except KeyError:
-        return "not in its EDS file"
+        return f"not in its EDS file{accepting(setting.index)}"
 
 
 def _name(axis: Axis, setting: Setting) -> str:

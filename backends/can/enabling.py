@@ -82,7 +82,7 @@ def _prepare(axis: Axis) -> str:
     if axis.positioned and abs(position - before) > axis.slack:
         allowed = f"{before:.4g}, as when it was set up: somebody has moved it"
         raise WrongDrive(axis.name, "its position (6064h)", f"{position:.4g}", allowed)
-    axis.place(counts, 0, axis.read(0x6077))
+    axis.place(counts, 0, axis.read(0x6077) if axis.tells_torque else 0)
     if not axis.limits.lower - axis.slack <= position <= axis.limits.upper + axis.slack:
         allowed = f"{axis.limits.lower:.4g} to {axis.limits.upper:.4g}: has it lost its reference?"
         raise WrongDrive(axis.name, "its position (6064h)", f"{position:.4g}", allowed)
@@ -113,7 +113,7 @@ def _state(axis: Axis) -> str:
 
 
 def _fault(axis: Axis) -> str:
-    return fault_words(axis.read(0x603F))
+    return axis.fault if 0x603F in axis.left_out else fault_words(axis.read(0x603F))
 
 
 def _asked(axis: Axis, what: Callable[[Axis], str]) -> str:

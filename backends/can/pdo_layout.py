@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from typing import NamedTuple
 
 AT_ONCE, ON_SYNC = 255, 1
@@ -56,11 +57,15 @@ class Layout(NamedTuple):
 _ANSWERS = (Pdo(1, (0x6041, 0x6064, 0x6061), ON_SYNC), Pdo(2, (0x606C, 0x6077, 0x603F), ON_SYNC))
 
 
-def layout(mode: int) -> Layout:
-    """The frames of a drive in a mode of operation."""
+def layout(mode: int, left_out: Collection[int] = ()) -> Layout:
+    """The frames of a drive in a mode of operation, without objects that it doesn't have."""
     target = 0x607A if mode in (PROFILE_POSITION, CYCLIC_POSITION) else 0x60FF
     when = ON_SYNC if mode in (CYCLIC_POSITION, CYCLIC_VELOCITY) else AT_ONCE
     command = Pdo(1, (0x6040, target), when)
+    answers = tuple(
+        each._replace(objects=tuple(index for index in each.objects if index not in left_out))
+        for each in _ANSWERS
+    )
     if mode == PROFILE_POSITION:
-        return Layout((command, Pdo(2, (0x6081,), AT_ONCE)), _ANSWERS)
-    return Layout((command,), _ANSWERS)
+        return Layout((command, Pdo(2, (0x6081,), AT_ONCE)), answers)
+    return Layout((command,), answers)

@@ -12,6 +12,7 @@ from canopen.sdo.exceptions import SdoAbortedError, SdoError
 from backends.can.axis_settings import mapping, settings
 from backends.can.can_line import CanLine
 from backends.can.drive_dictionary import drive_dictionary
+from backends.can.lacks import not_watched
 from backends.can.line_sdo_client import LineSdoClient
 
 from .rung import Facts, Rung, RungFailed
@@ -139,6 +140,10 @@ class ReadBackRung(Rung):
 
     def climb(self, site: Site) -> Facts:
         """See `Rung`."""
+        accepted = {name: not_watched(axis) for name, axis in site.spec.axes() if axis.without}
+        for name, words in accepted.items():
+            for each in words:
+                site.operator.tell(f"{name}: {each}")
         with site.backend() as backend:  # building it writes and reads back
             read = {
                 name: len([*settings(axis, site.spec, site.robot.period_s), *mapping(axis)])
@@ -148,7 +153,7 @@ class ReadBackRung(Rung):
                 name: {f"{each.index:04X}h:{each.subindex}": each.value for each in _supervision(axis, site)}
                 for name, axis in backend.axes.items()
             }
-        return {"settings": read, "supervision": reactions}
+        return {"settings": read, "supervision": reactions, **({"accepted": accepted} if accepted else {})}
 
 
 def _supervision(axis: Any, site: Site) -> list[Any]:

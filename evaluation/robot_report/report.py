@@ -93,7 +93,7 @@ def report_of(robot: RobotFile, tried: bool = True) -> RobotReport:
         meshes,
         camera,
         reach,
-        [*_of_links(links), *_of_meshes(meshes), *_of_robot(robot, joints)],
+        [*_of_links(links), *_of_meshes(meshes), *_of_robot(robot, joints), *_of_drives(robot)],
     )
 
 
@@ -111,6 +111,15 @@ def _of_links(links: Sequence[LinkRow]) -> list[str]:
 
 def _of_meshes(meshes: Sequence[MeshRow]) -> list[str]:
     return [f"link {each.link}: {each.kind} mesh {each.file}: {each.fault}" for each in meshes if each.fault]
+
+
+def _of_drives(robot: RobotFile) -> list[str]:
+    """What its drives lack, and its file accepts."""
+    if robot.can is None:
+        return []
+    from backends.can.lacks import not_watched
+
+    return [f"{name}: {words}" for name, axis in robot.can.axes() for words in not_watched(axis)]
 
 
 def _of_robot(robot: RobotFile, joints: Sequence[JointFacts]) -> list[str]:

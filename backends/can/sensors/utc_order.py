@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections import deque
+
 _DAY = 86400.0  # [s]
 _SAME = 1e-3  # [s]: nearer than that it is the same time
 _BEARS_OUT = 4  # times that have to follow one that is ahead
@@ -23,7 +25,9 @@ class UtcOrder:
         self._last: tuple[float, float] | None = None
         """Of the last that counted: UTC and the clock."""
         self._behind = 0.0
-        """The least that UTC was behind the clock."""
+        """How much UTC is behind the clock, if a time comes as soon as it ever does."""
+        self._sooner: deque[float] = deque(maxlen=_BEARS_OUT + 1)
+        """Of the last that counted: how much sooner than that they came, in [s]."""
         self._ahead: list[tuple[float, float]] = []
         """The last that didn't count because they were ahead, and go on as the clock does."""
 
@@ -35,7 +39,7 @@ class UtcOrder:
             now: by this machine's clock, in [s].
         """
         if self._last is None:
-            self._take(utc, now, now - utc)
+            self._begin(utc, now)
             return True
         last, when = self._last
         expected = now - self._behind
@@ -43,10 +47,23 @@ class UtcOrder:
         late = expected - utc
         if utc < last + _SAME or late > self._late:
             return False
-        if late < -self._late and not self._borne_out(utc, now):
+        if late < -self._late:
+            if self._borne_out(utc, now):
+                self._begin(utc, now)
+                return True
             return False
-        self._take(utc, now, now - utc if late < 0.0 else self._behind + min(late, _DRIFT * (now - when)))
+        self._last, self._ahead = (utc, now), []
+        self._behind += max(0.0, min(late, _DRIFT * (now - when)))
+        self._come_sooner(-late)
         return True
+
+    def _come_sooner(self, by: float) -> None:
+        """What all of the last came sooner they may not come later any more: one alone may be wrong."""
+        self._sooner.append(by)
+        least = min(self._sooner)
+        if len(self._sooner) > _BEARS_OUT and least > 0.0:
+            self._behind -= least
+            self._sooner.clear()
 
     def _borne_out(self, utc: float, now: float) -> bool:
         before, when = self._ahead[-1] if self._ahead else (utc, now)
@@ -54,8 +71,9 @@ class UtcOrder:
         self._ahead = [*(self._ahead if goes_on else ()), (utc, now)]
         return len(self._ahead) > _BEARS_OUT
 
-    def _take(self, utc: float, now: float, behind: float) -> None:
-        self._last, self._behind, self._ahead = (utc, now), behind, []
+    def _begin(self, utc: float, now: float) -> None:
+        self._last, self._behind, self._ahead = (utc, now), now - utc, []
+        self._sooner.clear()
 
 
 def _wrapped(seconds: float) -> float:

@@ -39,7 +39,8 @@ class Bench:
         axes = Axes(robot, spec)
         self._plant = plant = None if inner is None else BackendPlant(robot, spec, axes, inner)
         nodes = [axis.node for _, axis in spec.axes()]
-        self._drives = SimulatedDrives(nodes, robot.period_s, plant, bus)
+        dictionaries = {axis.spec.node: axis.object_dictionary for axis in axes.values()}
+        self._drives = SimulatedDrives(nodes, robot.period_s, plant, bus, dictionaries)
         if plant is not None:
             plant.place(self.drives)
         else:

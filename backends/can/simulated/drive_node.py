@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import struct
-from typing import Any
+from typing import Any, cast
 
 import canopen
+from canopen.objectdictionary import ObjectDictionary
+from canopen.objectdictionary.datatypes import INTEGER_TYPES
 from canopen.pdo import PdoMap
+from canopen.sdo.exceptions import SdoAbortedError
 
 from .cyclic_modes import CyclicPosition, CyclicVelocity
 from .drive_life import ENABLED, OFF, QUICK_STOP, REACTION, DriveLife
@@ -27,6 +30,9 @@ _MODES: dict[int, type[DriveMode]] = {
     9: CyclicVelocity,
 }
 _BY_PDO = (0x6040, 0x6060, 0x607A, 0x6081, 0x60FF)
+_SUPPORTED = 0x6502  # bit n - 1: mode n
+_NO_OBJECT, _NO_SUBINDEX, _NO_VALUE = 0x06020000, 0x06090011, 0x06090030
+"""Abort codes (CiA 301)."""
 _SLICE = 5e-3  # in which a drive looks at its timers [s]
 _LONGEST = 2**31
 HEARTBEAT_LOST, RPDO_LATE, FOLLOWING = 0x8130, 0x8250, 0x8611
@@ -40,14 +46,17 @@ class DriveNode(canopen.LocalNode):
     the motor is `driven`; where the motor then stands is told by `moved`, see `Plant`. Without torque
     (SWITCH ON DISABLED ...) a brake stops it as the quick stop does, and holds it.
 
+    It has the objects of its EDS and no others, and of its modes of operation those that it says it supports
+    (6502h); what isn't there is aborted.
+
     How it differs from metal: a motor of a `Plant` has no current; it takes any setting in any state;
     following errors are watched in position modes alone; of digital inputs there is the negative limit
     switch.
     """
 
-    def __init__(self, node: int) -> None:
-        """A drive with that node ID, standing at 0."""
-        self.objects = DriveObjects(node)
+    def __init__(self, node: int, dictionary: ObjectDictionary | None = None) -> None:
+        """A drive with that node ID, standing at 0; its objects by a maker's EDS, or by our own."""
+        self.objects = DriveObjects(node, dictionary)
         super().__init__(node, self.objects.dictionary)
         self.number = node
         """Its node ID."""
@@ -141,8 +150,27 @@ class DriveNode(canopen.LocalNode):
         else:
             self._take_all(values)
 
+    def get_data(self, index: int, subindex: int, check_readable: bool = False) -> bytes:
+        """See the library, which finds a variable under any sub-index."""
+        self._check_there(index, subindex)
+        return cast(bytes, super().get_data(index, subindex, check_readable))
+
+    def set_data(self, index: int, subindex: int, data: bytes, check_writable: bool = False) -> None:
+        """See the library, which finds a variable under any sub-index."""
+        self._check_there(index, subindex)
+        super().set_data(index, subindex, data, check_writable)
+
+    def _check_there(self, index: int, subindex: int) -> None:
+        if not self.objects.described(index, subindex):
+            there = index in self.object_dictionary
+            raise SdoAbortedError(_NO_SUBINDEX if there else _NO_OBJECT)
+
     def _written(self, index: int, subindex: int, od: Any, data: bytes) -> None:
+        if od.data_type not in INTEGER_TYPES:
+            return
         value = int(od.decode_raw(data))
+        if index == 0x6060 and value != 0 and not self._has_mode(value):
+            raise SdoAbortedError(_NO_VALUE)
         self._take_all([(index, subindex, self.wrong.keeps.get((index, subindex), value))])
 
     def _take_all(self, values: list[tuple[int, int, int]]) -> None:
@@ -169,8 +197,11 @@ class DriveNode(canopen.LocalNode):
                 mode.begin()
             mode.control(value, rising)
 
+    def _has_mode(self, number: int) -> bool:
+        return number in self._modes and bool(self.objects(_SUPPORTED) >> (number - 1) & 1)
+
     def _change_mode(self, number: int) -> None:
-        if number in self._modes and number != self._mode:
+        if self._has_mode(number) and number != self._mode:
             self._mode = number
             self._modes[number].begin()
 
@@ -269,14 +300,18 @@ class DriveNode(canopen.LocalNode):
         told = round(self.position + self.demand.home) + self.wrong.jump
         return (told + _LONGEST) % (2 * _LONGEST) - _LONGEST
 
-    def _read(self, index: int, subindex: int, **_: object) -> int | None:
+    def _read(self, index: int, subindex: int, od: Any) -> int | None:
         if subindex == 0:
             dynamic = self._value(index)
             if dynamic is not None:
                 return dynamic
         if (index, subindex) in self.wrong.keeps:
             return self.wrong.keeps[index, subindex]
-        return self.objects(index) if index in _BY_PDO else None
+        if index in _BY_PDO:
+            return self.objects(index)
+        unknown = od.value is None and not isinstance(od.default, int) and od.data_type in INTEGER_TYPES
+        written = subindex in self.data_store.get(index, {})
+        return self.objects(index, subindex) if unknown and not written else None
 
     def _value(self, index: int) -> int | None:
         match index:

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 
 import can
 from can.interfaces.virtual import VirtualBus
+from canopen.objectdictionary import ObjectDictionary
 
 from backends.can.can_line import CanLine
 
@@ -27,6 +28,7 @@ class SimulatedDrives:
         period: float,
         plant: Plant | None = None,
         bus: can.BusABC | None = None,
+        dictionaries: Mapping[int, ObjectDictionary] | None = None,
     ) -> None:
         """Put drives with these node IDs on a bus.
 
@@ -35,12 +37,14 @@ class SimulatedDrives:
             period: that a SYNC stands for, in [s].
             plant: what they turn; None: nothing but their motors.
             bus: taken over; None: a virtual one of their own.
+            dictionaries: by node ID the objects that drives have; others have those of our own EDS.
         """
         self._period, self._plant = period, plant or IdealMotors()
         self._channel = f"drives {id(self):#x}"
         self.line = CanLine(bus or VirtualBus(self._channel))
         """Their end of the bus."""
-        self.nodes = {node: DriveNode(node) for node in nodes}
+        described = dictionaries or {}
+        self.nodes = {node: DriveNode(node, described.get(node)) for node in nodes}
         """The drives by their node IDs."""
         self.time = 0.0
         """Simulated, in [s]."""

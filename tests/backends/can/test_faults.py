@@ -134,9 +134,9 @@ def _early(init):
     """What a drive does wrong has to be there before it boots."""
     from backends.can.simulated.misconduct import Misconduct
 
-    def made(self, node):
+    def made(self, *given):
         self.wrong = Misconduct()
-        init(self, node)
+        init(self, *given)
 
     return made
 
