@@ -53,14 +53,13 @@ def _eds_findings(robot: RobotFile, document: Document) -> list[Finding]:
     there = [each for each in named if each[2].is_file()]
     if not there:
         return []
-    needs = import_module("backends.can.eds_needs")
-    wrong = {finding for _, axis, path in there for finding in needs.eds_findings(path, axis)}
-    lacks = [
-        document.finding(("can", *place), words)
-        for place, axis, path in there
-        for words in needs.lack_findings(path, axis)
-    ]
-    return [*sorted(wrong), *lacks]
+    look = import_module("backends.can.eds_needs").eds_findings
+    wrong: set[Finding] = set()
+    for place, axis, path in there:
+        in_the_file, lacks = look(path, axis)
+        wrong.update(in_the_file)
+        wrong.update(document.finding(("can", *place), words) for words in lacks)
+    return sorted(wrong)
 
 
 def _bus_findings(robot: RobotFile, document: Document) -> list[Finding]:

@@ -31,30 +31,26 @@ _ALWAYS = {
 }
 
 
-def eds_findings(path: Path, axis: AxisSpec) -> list[Finding]:
-    """What is wrong with a drive's EDS file, each at its place in that file; [] where nothing is.
+def eds_findings(path: Path, axis: AxisSpec) -> tuple[list[Finding], list[str]]:
+    """What is wrong with a drive's EDS file.
 
     Args:
         path: of the file, which exists.
         axis: whose drive it describes.
+
+    Returns:
+        What is wrong, each at its place in that file; and what the drive lacks that its robot's file doesn't
+        accept.
     """
     try:
         dictionary = read_eds(path, axis.node)
     except FileError as error:
-        return list(error.findings)
+        return list(error.findings), []
     frames = layout(mode_of(axis), left_out(axis))
     mapped = (index for pdo in (*frames.commands, *frames.answers) for index in pdo.objects)
     needed = {index: "for a PDO" for index in mapped if lack_of(index) is None}
-    return missing_objects(dictionary, _ALWAYS | needed, str(path))
-
-
-def lack_findings(path: Path, axis: AxisSpec) -> list[str]:
-    """What the drive lacks, by an EDS file that can be read, and its robot's file doesn't accept."""
-    try:
-        dictionary = read_eds(path, axis.node)
-    except FileError:
-        return []
-    return list(_unaccepted(dictionary, axis, path.name))
+    missing = missing_objects(dictionary, _ALWAYS | needed, str(path))
+    return missing, list(_unaccepted(dictionary, axis, path.name))
 
 
 def _unaccepted(dictionary: ObjectDictionary, axis: AxisSpec, name: str) -> Iterator[str]:
