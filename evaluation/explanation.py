@@ -64,7 +64,9 @@ class Explanation:
     readings: Path | None
     """The last seconds of readings and commands."""
     frames: Path | None = None
-    """The CAN frames around it, as a candump log."""
+    """The CAN frames around it, as a candump log; or another recorder's log."""
+    frames_at: float | None = None
+    """Where to look in another recorder's log, in [s] of its stamps; None: it is the run's own."""
 
     @property
     def causes(self) -> Sequence[Mapping[str, Any]]:

@@ -218,11 +218,16 @@ def _frames(told: Explanation) -> str:
     action, last = told.action, float(told.run.records[-1]["t"])
     end = action.end if action else last
     instant = end if action is None or action.broken_off is None else action.broken_off
+    if told.frames_at is not None:
+        instant = told.frames_at
     try:
         around = frames_around(told.frames, told.run.folder, instant)
     except (OSError, ValueError) as error:
+        if told.frames_at is not None:
+            raise
         return f"Frames on the CAN bus\n  they can't be read: {error}"
-    head = f"Frames on the CAN bus around {instant:.3f} s, without what was said before"
+    where = f"around {instant:.3f} s" if math.isfinite(instant) else f"at the end of {told.frames}"
+    head = f"Frames on the CAN bus {where}, without what was said before"
     return "\n".join([head, *(f"  {line}" for line in in_words(around))])
 
 

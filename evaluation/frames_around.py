@@ -9,13 +9,13 @@ from pathlib import Path
 from statistics import median
 from typing import NamedTuple
 
-import can
-from can.io.canutils import CanutilsLogReader
 from pydantic import ValidationError
 
 from backends.can.frame_log import NAMES
 from backends.can.frame_names import FrameNames
 from backends.can.frame_words import FrameWords, Told
+
+from .bus_log import read_log
 
 MOST = 40  # lines at most, those nearest in time
 _SILENT = 2.5  # times its usual spacing that a frame is missing for
@@ -35,7 +35,7 @@ class FramesAround:
     """What passed on the bus around an instant, without what said the same again and again."""
 
     file: Path
-    """All of it, as `candump -L` writes it."""
+    """All of it."""
     frames: int
     """In that file."""
     lines: tuple[FrameLine, ...]
@@ -52,7 +52,7 @@ def frames_around(file: Path, run: Path, instant: float) -> FramesAround:
     Args:
         file: written when the action, or the run, had ended.
         run: the run's folder.
-        instant: at which something went wrong, in [s] of the robot's time.
+        instant: at which something went wrong, in [s] of the file's stamps; beyond its end: its last frame.
 
     Raises:
         OSError, ValueError: the file, or the names beside the journal, can't be read.
@@ -61,23 +61,15 @@ def frames_around(file: Path, run: Path, instant: float) -> FramesAround:
         names = FrameNames.model_validate_json((run / NAMES).read_bytes())
     except ValidationError as error:
         raise ValueError(f"{run / NAMES} is damaged: {error.error_count()} faults") from None
-    frames = _read(file)
+    frames = read_log(file)
     if not frames:
         return FramesAround(file, 0, (), 0, ())
     words = FrameWords(names)
     all_lines = [FrameLine(each.timestamp, each.arbitration_id, words.told(each)) for each in frames]
-    telling = list(_changes(all_lines))
+    telling, instant = list(_changes(all_lines)), min(instant, all_lines[-1].time)
     nearest = sorted(sorted(telling, key=lambda line: abs(line.time - instant))[:MOST])
     silent = tuple(_silent(all_lines))
     return FramesAround(file, len(frames), tuple(nearest), len(telling) - len(nearest), silent)
-
-
-def _read(file: Path) -> Sequence[can.Message]:
-    try:
-        with CanutilsLogReader(file) as reader:
-            return list(reader)
-    except (IndexError, UnicodeDecodeError) as error:
-        raise ValueError(f"{file} is no candump log: {error}") from None
 
 
 def _changes(lines: Sequence[FrameLine]) -> Iterator[FrameLine]:

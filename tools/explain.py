@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import math
 import sys
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -20,6 +22,16 @@ def explain(
     picture: Annotated[
         Path | None, typer.Option(help="where the chart is drawn; left out: in the run's folder")
     ] = None,
+    frames: Annotated[
+        Path | None,
+        typer.Option(
+            help="a log that another recorder wrote meanwhile (.asc, .blf, .csv, .db, .log, .trc); "
+            "left out: the run's own frames"
+        ),
+    ] = None,
+    at: Annotated[
+        float | None, typer.Option(help="where to look in that log, in s of its stamps; left out: at its end")
+    ] = None,
     as_json: Annotated[bool, typer.Option("--json", help="one JSON object on stdout")] = False,
 ) -> None:
     """Tell why an action was chosen, why it failed and how well it was restored, from the run's folder."""
@@ -36,6 +48,8 @@ def explain(
     if past.torn_at is not None:
         _warn(f"the journal's tail is torn at byte {past.torn_at}: what came after isn't known")
     told = explained(past, action)
+    if frames is not None:
+        told = replace(told, frames=frames, frames_at=math.inf if at is None else at)
     chart, damaged = None, None
     try:
         chart = _drawn(told, picture)

@@ -7,6 +7,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+import can
 import pytest
 from can.io.canutils import CanutilsLogReader
 
@@ -81,3 +82,20 @@ def test_equal_runs_have_equal_frames(run: Callable[..., Path]) -> None:
     first, second = (run("fault", 1.0, name) for name in ("first", "second"))
     assert (first / "frames_000.log").read_bytes() == (second / "frames_000.log").read_bytes()
     assert (first / "frames.json").read_bytes() == (second / "frames.json").read_bytes()
+
+
+def test_another_recorders_log_is_told_in_the_runs_names(
+    handcart: Callable[..., Any], run: Callable[..., Path], tmp_path: Path
+) -> None:
+    folder, log = run("fault", 1.0), tmp_path / "analyser.asc"
+    with can.LogReader(folder / "frames_000.log") as reader, can.Logger(log) as writer:
+        for frame in reader:
+            frame.channel = 1
+            writer(frame)
+    told = handcart("explain", folder, "--frames", log, "--at", 1.0)
+    assert "Frames on the CAN bus around 1.000 s" in told.out
+    assert "error 2310h, continuous over-current" in told.out
+    assert f"Frames on the CAN bus at the end of {log}" in handcart("explain", folder, "--frames", log).out
+    wrong = handcart("explain", folder, "--frames", folder / "journal.jsonl")
+    assert wrong.status == 2
+    assert "journal.jsonl is no log of CAN frames: its suffix is '.jsonl'; allowed: .asc" in wrong.err

@@ -1,0 +1,44 @@
+"""Logs of CAN frames, by whatever wrote them."""
+
+from __future__ import annotations
+
+from itertools import islice
+from pathlib import Path
+
+import can
+
+from files.errors import InputError
+
+MOST = 2_000_000
+"""Frames that are read at most."""
+KINDS = (".asc", ".blf", ".csv", ".db", ".log", ".trc")
+"""What python-can reads, by the file's suffix."""
+
+
+class UnreadableLog(InputError):
+    """A file is no log of CAN frames."""
+
+    def __init__(self, file: Path, why: object) -> None:
+        super().__init__(
+            f"{file} is no log of CAN frames: {why}; allowed: {', '.join(KINDS)}, as they are written"
+        )
+
+
+def read_log(file: Path) -> list[can.Message]:
+    """All frames of a log, in its order; of its kinds `KINDS`.
+
+    Raises:
+        UnreadableLog: it is missing, of another kind, damaged, or too long.
+    """
+    if file.suffix.lower() not in KINDS:
+        raise UnreadableLog(file, f"its suffix is {file.suffix!r}")
+    if not file.is_file():
+        raise UnreadableLog(file, "there is no such file")
+    try:
+        with can.LogReader(file) as reader:
+            frames = list(islice(reader, MOST + 1))
+    except Exception as error:  # each reader of the library stumbles in its own way
+        raise UnreadableLog(file, f"{type(error).__name__}: {error}") from None
+    if len(frames) > MOST:
+        raise UnreadableLog(file, f"it has more than {MOST} frames")
+    return frames
