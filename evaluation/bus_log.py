@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+from contextlib import ExitStack
 from itertools import islice
 from pathlib import Path
 
@@ -19,9 +21,7 @@ class UnreadableLog(InputError):
     """A file is no log of CAN frames."""
 
     def __init__(self, file: Path, why: object) -> None:
-        super().__init__(
-            f"{file} is no log of CAN frames: {why}; allowed: {', '.join(KINDS)}, as they are written"
-        )
+        super().__init__(f"{file} is no log of CAN frames: {why}; allowed: {', '.join(KINDS)}")
 
 
 def read_log(file: Path) -> list[can.Message]:
@@ -35,10 +35,16 @@ def read_log(file: Path) -> list[can.Message]:
     if not file.is_file():
         raise UnreadableLog(file, "there is no such file")
     try:
-        with can.LogReader(file) as reader:
-            frames = list(islice(reader, MOST + 1))
+        with ExitStack() as opened:
+            frames = list(islice(_reader(file, opened), MOST + 1))
     except Exception as error:  # each reader of the library stumbles in its own way
         raise UnreadableLog(file, f"{type(error).__name__}: {error}") from None
     if len(frames) > MOST:
         raise UnreadableLog(file, f"it has more than {MOST} frames")
     return frames
+
+
+def _reader(file: Path, opened: ExitStack) -> Iterable[can.Message]:
+    if file.suffix.lower() == ".blf":  # the library leaves a damaged one open
+        return opened.enter_context(can.BLFReader(opened.enter_context(file.open("rb"))))
+    return opened.enter_context(can.LogReader(file))
