@@ -134,6 +134,10 @@ class NoisyBus(can.BusABC):
         """See python-can."""
         return self._inner.state
 
+    @state.setter
+    def state(self, new_state: can.BusState) -> None:
+        self._inner.state = new_state
+
     def send(self, msg: can.Message, timeout: float | None = None) -> None:
         """See python-can."""
         self._inner.send(msg, timeout)

@@ -133,7 +133,7 @@ class Axis(canopen.RemoteNode):
     def order(self, controlword: int) -> None:
         """Write a controlword by SDO, and don't wait for the answer; raises `can.CanError`."""
         self.network.send_message(
-            0x600 + self.id, struct.pack("<BHBHH", _WRITE_WORD, 0x6040, 0, controlword, 0)
+            0x600 + self.spec.node, struct.pack("<BHBHH", _WRITE_WORD, 0x6040, 0, controlword, 0)
         )
 
     def _object(self, index: int, subindex: int) -> Any:
@@ -153,11 +153,11 @@ class Axis(canopen.RemoteNode):
 
     def start(self) -> None:
         """From now on it takes commands, and answers (NMT)."""
-        self.network.send_message(0, bytes([_START, self.id]))
+        self.network.send_message(0, bytes([_START, self.spec.node]))
 
     def leave(self) -> None:
         """From now on it takes no commands (NMT)."""
-        self.network.send_message(0, bytes([_PREPARE, self.id]))
+        self.network.send_message(0, bytes([_PREPARE, self.spec.node]))
 
     def save_pdos(self) -> None:
         """Write the mapping of all PDOs that are used; raises as `read`."""
@@ -363,7 +363,7 @@ def state_of(statusword: int) -> str:
 
 def _save_mapping(pdo: PdoMap) -> None:
     """Write what is in a PDO; its COB-ID is the drive's own."""
-    pdo.com_record[2].raw = pdo.trans_type
+    pdo.com_record[2].raw = pdo.trans_type or 0
     pdo.map_array[0].raw = 0
     for place, each in enumerate(pdo.map, 1):
         pdo.map_array[place].raw = each.index << 16 | each.subindex << 8 | each.length

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from pathlib import Path
 
-from canopen.objectdictionary import ObjectDictionary
+from canopen.objectdictionary import ObjectDictionary, ODVariable
 
 from backends.can_spec import AxisSpec, WheelDriveSpec
 from files.errors import FileError, Finding
@@ -68,4 +68,4 @@ def _described(dictionary: ObjectDictionary, index: int) -> bool:
     if index not in dictionary:
         return False
     found = dictionary[index]
-    return not hasattr(found, "subindices") or 1 in found
+    return isinstance(found, ODVariable) or 1 in found

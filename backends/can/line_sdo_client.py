@@ -13,7 +13,7 @@ _LENGTH = 8  # bytes of each SDO frame (CiA 301)
 _FRAMES = 16  # of one answer: what is asked for are numbers
 
 
-class NoAnswer(SdoCommunicationError):  # type: ignore[misc]
+class NoAnswer(SdoCommunicationError):
     """Nothing has come in time."""
 
 
@@ -32,7 +32,7 @@ class LineSdoClient(SdoClient):
     def upload(self, index: int, subindex: int) -> bytes:
         """See the library."""
         self._left = _FRAMES
-        return cast(bytes, super().upload(index, subindex))
+        return super().upload(index, subindex)
 
     def download(self, index: int, subindex: int, data: bytes, force_segment: bool = False) -> None:
         """See the library."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import struct
-from typing import Any, cast
+from typing import Any
 
 import canopen
 from canopen.objectdictionary import ObjectDictionary
@@ -153,7 +153,7 @@ class DriveNode(canopen.LocalNode):
     def get_data(self, index: int, subindex: int, check_readable: bool = False) -> bytes:
         """See the library, which finds a variable under any sub-index."""
         self._check_there(index, subindex)
-        return cast(bytes, super().get_data(index, subindex, check_readable))
+        return super().get_data(index, subindex, check_readable)
 
     def set_data(self, index: int, subindex: int, data: bytes, check_writable: bool = False) -> None:
         """See the library, which finds a variable under any sub-index."""

@@ -31,12 +31,12 @@ LEFT, RIGHT = 1, 2
 """Nodes of the cart's drives."""
 
 
-@pytest.fixture
+@pytest.fixture(scope="session")
 def cart() -> RobotFile:
     return load_robot("cart")
 
 
-@pytest.fixture
+@pytest.fixture(scope="session")
 def robot() -> RobotFile:
     return load_robot("librarian")
 

@@ -1,4 +1,4 @@
-"""The whole task through CAN frames."""
+"""The whole task through CAN frames; one motion alone: test_cart."""
 
 from __future__ import annotations
 
@@ -14,6 +14,7 @@ def run(folder, backend, bench=None):
     return (status, *(summary[each] for each in ("outcome", "situation", "reason", "actions", "fails")))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("bench", ["kinematic"])
 def test_without_errors_it_ends_on_the_bench_as_on_the_backend_behind_it(tmp_path, bench):
     ended = run(tmp_path, bench)
