@@ -126,7 +126,7 @@ def test_a_mapping_that_is_refused_is_told(make, monkeypatch):
         make(room=False)
 
 
-@pytest.mark.parametrize("error", [KeyboardInterrupt(), MemoryError(), KeyError(119)])
+@pytest.mark.parametrize("error", [MemoryError(), KeyError(119), KeyboardInterrupt()])
 def test_whatever_ends_a_period_ends_the_torque(make, robot, monkeypatch, error):
     """K4 C12: a person's Ctrl-C, a fault in the program: all axes stop, each in its own way, for good."""
     backend = make(robot=robot, room=False)
