@@ -44,6 +44,17 @@ def test_what_python_can_writes_is_read(tmp_path: Path, kind: str) -> None:
     assert any("error 8610h" in line.told.words for line in told.lines)
 
 
+def test_a_log_that_is_too_long_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """D6: it would fill the memory."""
+    monkeypatch.setattr("evaluation.bus_log.MOST", 10)
+    path = tmp_path / "bus.log"
+    path.write_text("(0.000000) can 080#\n" * 11, encoding="ascii")
+    with pytest.raises(UnreadableLog, match="it has more than 10 frames"):
+        read_log(path)
+    path.write_text("(0.000000) can 080#\n" * 10, encoding="ascii")
+    assert len(read_log(path)) == 10
+
+
 @pytest.mark.parametrize("kind", KINDS)
 def test_what_is_none_is_told(tmp_path: Path, kind: str) -> None:
     """T1 T14: missing, a folder, another kind, nonsense."""

@@ -81,6 +81,15 @@ def test_what_a_drive_lacks_is_told_until_it_is_accepted(tmp_path, word):
     assert not_watched(accepted.can.joints[0]) == [f"without {lack.what}: {lack.then}"]
 
 
+def test_accepting_one_thing_accepts_no_other(tmp_path):
+    """C9 C10: each by its name."""
+    eds = maker_eds(0x1016, 0x603F, 0x6077)
+    with pytest.raises(FileError) as error:
+        load_robot(written(tmp_path, eds, (LEFT,), without("error_code")))
+    told = [finding.message.rpartition("without: ")[2] for finding in error.value.findings]
+    assert sorted(told) == ["[consumer_heartbeat]", "[torque]"]
+
+
 def test_what_nobody_can_do_without_is_told_in_the_eds_file(tmp_path):
     """C10: a mode that it can't be commanded in, no producer heartbeat."""
     with pytest.raises(FileError) as error:

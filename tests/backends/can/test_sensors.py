@@ -324,6 +324,30 @@ def test_a_jump_ahead_counts_when_more_bear_it_out(device: Device, receiver: Nme
     assert seen == [True, True, False, True, False, False, False, False, True, True, False]
 
 
+def test_one_that_came_sooner_makes_the_others_no_later() -> None:
+    """Five in a row that come sooner than usual are the usual from then on, by the least of them."""
+    order = UtcOrder(2.0)
+    assert order.is_new(100.0, 10.0)
+    for second, sooner in enumerate((1.0, 0.1, 0.1, 0.1, 0.1), 1):
+        order.is_new(100.0 + 2.0 * second, 10.0 + 2.0 * second - sooner)
+    assert order.is_new(120.0, 30.0 + 1.8)
+    assert not order.is_new(130.0, 40.0 + 1.95)
+
+
+def test_south_and_west(device: Device, receiver: NmeaGps) -> None:
+    device.say(gga("123519", lat="4800.0", lon="01100.0"))
+    receiver.advance()
+    here = receiver.fix()
+    assert here is not None
+    np.testing.assert_allclose(here.position, [0.0, 0.0], atol=1e-6)
+    device.say(nmea("GPGGA,123520,4800.0,S,01100.0,W,1,08,0.9,545.4,M,46.9,M,,"))
+    receiver.advance()
+    there = receiver.fix()
+    assert there is not None
+    assert there.position[1] < -1e6
+    assert there.position[0] < -1e5
+
+
 def test_midnight_and_clocks_that_drift(device: Device, receiver: NmeaGps, clock: Any) -> None:
     """Three days, a sentence each ten minutes, by a clock that is 50 ppm fast, or slow."""
     for rate in (1.00005, 0.99995):
