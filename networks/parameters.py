@@ -7,52 +7,34 @@ from dataclasses import replace
 
 from files.errors import Finding
 from files.findings import Findings
-from files.suggest import suggest
 from files.yaml_document import Document
 from files.yaml_node import Node
+
+from .parameter_values import ParameterValues, reference
 
 SECTION = "parameters"
 REPEAT = "repeat"
 
 
-def reference(node: Node, kind: str) -> str | None:
-    """What `{kind: NAME}` names; None if the node is something else."""
-    content = node.content
-    if not isinstance(content, dict) or list(content) != [kind]:
-        return None
-    name = content[kind].content
-    return name if isinstance(name, str) else None
-
-
 def with_parameters(document: Document, findings: Findings) -> Document:
-    """The document with the value of each parameter wherever one is named; unknown ones are findings."""
+    """The document with the value of each parameter wherever one is named.
+
+    Unknown ones, and those that stand for themselves, are findings. Raises `FileError` where values put
+    in values make too much of it.
+    """
     root = document.root
     if not isinstance(root.content, dict):
         return document
     section = root.content.get(SECTION)
     given = section.content if section and isinstance(section.content, dict) else {}
-    # A parameter may stand for another one unless it is set: `world: {parameter: map}`.
-    declared = {key: _put_in(part, given, findings) for key, part in given.items()}
-    parts = {key: _put_in(part, declared, findings) for key, part in root.content.items() if key != SECTION}
+    values = ParameterValues(given, findings)
+    whole = replace(root, content={key: part for key, part in root.content.items() if key != SECTION})
+    put_in = values.put_in(whole).content
+    assert isinstance(put_in, dict)
+    parts = dict(put_in)
     if section is not None:
         parts[SECTION] = section
     return replace(document, root=replace(root, content=parts))
-
-
-def _put_in(node: Node, declared: dict[str, Node], findings: Findings) -> Node:
-    name = reference(node, "parameter")
-    if name is not None:
-        if name in declared:
-            given = declared[name]
-            return replace(given, key_line=node.key_line, key_column=node.key_column)
-        findings.add(_unknown(node, f"unknown parameter {name!r}{suggest(name, declared)}"))
-        return node
-    if isinstance(node.content, dict):
-        parts = {key: _put_in(part, declared, findings) for key, part in node.content.items()}
-        return replace(node, content=parts)
-    if isinstance(node.content, list):
-        return replace(node, content=[_put_in(part, declared, findings) for part in node.content])
-    return node
 
 
 def with_listed_repeats(document: Document) -> Document:

@@ -23,7 +23,8 @@ from primitives.place_name import Names
 from primitives.world_model import UnknownFact, WorldModel
 
 from .binding import Binding
-from .parameters import reference, with_element
+from .parameter_values import reference
+from .parameters import with_element
 from .repetition import Element
 
 

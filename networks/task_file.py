@@ -37,6 +37,7 @@ from .repeat_faults import Situations, repeat_faults
 from .repeating import Copied, Copies, repeated
 from .repetition import Repetition, repetitions
 from .task_model import ActionEntry, Repeat, TaskFile
+from .unwritten import unwritten
 
 M = TypeVar("M", bound=FileModel)
 Primitives = Callable[[str], type[ActionPrimitive]]
@@ -311,8 +312,19 @@ class _Reader:
                 ("goal",),
                 f"no actions lead from {network.start} to {goal}; allowed: a goal that can be reached",
             )
-            self._findings.raise_all()
-        return Task(file, self._document, network, tuple(copied.entry for copied in copies.actions))
+        entries = tuple(copied.entry for copied in copies.actions)
+        self._check_late(file, network, entries)
+        self._findings.raise_all()
+        return Task(file, self._document, network, entries)
+
+    def _check_late(self, file: TaskFile, network: ActionNetwork, entries: Sequence[int | None]) -> None:
+        told = file.knowledge.model_fields_set if file.knowledge else ()
+        for action, name, key in unwritten(network, told):
+            wrong = f"{name}: nothing that is done before finds out {key!r}"
+            needed = f"needed: before it an action whose primitive writes {key.split('.')[0]!r}"
+            number = entries[action.index]
+            assert number is not None
+            self._add(("actions", number, "with", name), f"{wrong}; {needed}")
 
 
 def _resolved(document: Document, key: KeyPath) -> Path | None:

@@ -218,3 +218,105 @@ def test_shipped_tasks_are_found_from_their_own_folder(load, tmp_path):
     assert task.path("world") == (tmp_path / "other" / "world.yaml").resolve()
     assert task.path("knowledge", "map") is None
     assert isinstance(task.path("world"), Path)
+
+
+@pytest.mark.parametrize(
+    ("parameters", "told"),
+    [
+        ("word: {parameter: word}", "'word' stands for itself: word, word; allowed"),
+        (
+            "word: {parameter: b}, b: [{parameter: c}], c: {parameter: word}",
+            "itself: word, b, c, word",
+        ),
+        (
+            "word: {parameter: b}, b: {parameter: wrod}",
+            "unknown parameter 'wrod'; did you mean 'word'?",
+        ),
+        (
+            ", ".join(f"p{n}: {{parameter: p{n + 1}}}" for n in range(40))
+            + ", p40: x, word: {parameter: p0}",
+            "more than 32 parameters stand for each other",
+        ),
+    ],
+)
+def test_parameters_in_a_circle_are_told(load, parameters, told):
+    """T12: once, where the circle closes."""
+    found = findings(load, TASK.replace("word: hello, words", f"{parameters}, words"))
+    assert [line for line, message in found if told in message] == [4]
+
+
+def test_a_parameter_stands_for_another_one_a_few_steps_on(load):
+    text = TASK.replace("word: hello", "word: {parameter: b}, b: {parameter: c}, c: bye")
+    assert load(text).network.actions[0].binding.fixed["text"] == "bye"
+    assert load(text, b="hi").network.actions[0].binding.fixed["text"] == "hi"
+
+
+@pytest.mark.parametrize(
+    ("lists", "told"),
+    [
+        (
+            ["[" + ", ".join(["{parameter: b}"] * 300) + "]", "[" + "x, " * 300 + "x]"],
+            "more than 50000 values",
+        ),
+        (["[[[[[[[[{parameter: b}]]]]]]]]", "[" * 27 + "x" + "]" * 27], "deeper than 32 levels"),
+    ],
+)
+def test_parameters_in_parameters_are_no_bomb(load, lists, told):
+    """T3, T4: of small lists in lists millions of values could be made."""
+    found = findings(load, TASK.replace("word: hello", f"word: hello, a: {lists[0]}, b: {lists[1]}"))
+    assert len(found) == 1
+    assert told in found[0][1]
+    assert found[0][0] == 4
+
+
+LATE = """\
+format: handcart-task/1
+title: Think of a book
+robot: librarian
+start: a
+goal: z
+situations: {a: {at: here}, b: {at: there}, c: {at: there}, z: {at: goal}}
+actions:
+  - {do: LOOK, from: a, to: b, cost_s: 1}
+  - {do: THINK, from: b, to: c, cost_s: 1, with: {name: {model: book.title}}}
+  - {do: THINK, from: c, to: z, cost_s: 1, with: {name: y}}
+"""
+
+
+class Look(ActionPrimitive):
+    writes: ClassVar = ("book",)
+    only_knowledge: ClassVar = True
+
+    def motion(self, robot, model):
+        return
+        yield
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "good"),
+    [
+        ("start: a", "start: a", True),
+        ("do: LOOK, from: a", "do: THINK, with: {name: x}, from: a", False),
+        # What is found out only afterwards helps nobody.
+        ("do: LOOK, from: a, to: b", "do: THINK, with: {name: x}, from: a, to: b", False),
+        ("do: LOOK, from: a, to: b", "do: LOOK, from: b, to: a", True),  # there and back
+        (
+            "from: a, to: b, cost_s: 1}",
+            "from: a, to: a, cost_s: 1}\n  - {do: DRIVE, from: a, to: b, cost_s: 1}",
+            True,
+        ),
+    ],
+)
+def test_what_nothing_finds_out_is_told(load, primitives, old, new, good):
+    """T12: `{model: book.title}` where no action that could come before writes `book`."""
+    primitives.LOOK = Look
+    text = LATE.replace(old, new)
+    if "from: b, to: a" in text:
+        text = text.replace("start: a", "start: b")
+    if good:
+        assert load(text)
+        return
+    text = text.replace("with: {name: y}", "with: {name: y}}\n  - {do: LOOK, from: z, to: z, cost_s: 1")
+    ((line, message),) = findings(load, text)
+    assert line == 9
+    assert message.startswith("name: nothing that is done before finds out 'book.title'; needed: before it")
