@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, NamedTuple
 
@@ -28,14 +29,18 @@ Share = Annotated[float, Field(ge=0.0, le=1.0)]
 CELL = 1.0  # [m] of a MovingAI map, which tells none
 
 
-def _picture(text: str) -> str:
+def _place(text: str) -> str:
     return text if text.startswith("/") and "\0" not in text else portable(text)
+
+
+MapPlace = Annotated[str, AfterValidator(_place)]
+"""A relative path on every system, or an absolute one; still to be resolved."""
 
 
 class MapFile(FileModel):
     """A map in ROS format (map_server)."""
 
-    image: Annotated[str, AfterValidator(_picture)]
+    image: MapPlace
     """The picture (PGM, PNG, BMP, JPEG), or a MovingAI map: in the file's own folder or below, or by its
     absolute path."""
     resolution: Annotated[float, Field(ge=1e-3, le=100.0)]
@@ -79,6 +84,21 @@ def is_map(document: Document) -> bool:
 def is_map_file(path: Path) -> bool:
     """Whether a file is a map; raises `FileError` where it can't be read."""
     return path.suffix == SUFFIX or is_map(read_document(path))
+
+
+def map_path(root: Path, name: str, *, start: Path) -> Path:
+    """Where a map is that another file names: inside `root`, from `start`, as all files.
+
+    Or, since maps lie where ROS put them, by its absolute path, if there is a map.
+
+    Raises:
+        UnsafePath: it leads elsewhere.
+    """
+    if name.startswith("/"):
+        with suppress(FileError):
+            if is_map_file(Path(name)):
+                return Path(name)
+    return resolve_inside(root, name, start=start)
 
 
 def load_map(path: Path) -> tuple[GridMap, str | None]:

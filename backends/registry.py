@@ -6,13 +6,17 @@ from functools import cache, partial
 from importlib import import_module
 from importlib.metadata import entry_points
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-from files.errors import InputError
+from files.errors import FileError, InputError
 from files.suggest import suggest
 from robotics.geometry.pose2 import Pose2
 
 from .backend import Backend
 from .robot_file import RobotFile
+
+if TYPE_CHECKING:
+    from robotics.navigation.grid_map import GridMap
 
 TABLE = {
     "can": "backends.can.can_backend:CanBackend",
@@ -92,12 +96,29 @@ def make_backend(
         return build(robot, file, seed)
 
 
-def check_world(world: Path, start: Pose2 = HERE) -> None:
-    """Read a world's file, or a map, and build nothing; raises `FileError`."""
-    from .map_world import as_world_file
+def check_world(
+    world: Path, robot: RobotFile, told: Pose2 | None = None, grid: GridMap | None = None
+) -> None:
+    """Read a world's file and hold it against the robot that is put into it; build nothing.
 
-    with as_world_file(world, start) as file:
-        import_module("backends.scene.load_world").load_world(file)
+    Args:
+        world: the file; a map, from which a world is made, is only read.
+        robot: who is put into it.
+        told: map_T_base at first, as the robot is told it; None where it is told nothing.
+        grid: the map that the robot is given, if any.
+
+    Raises:
+        FileError: with everything that is wrong.
+    """
+    from .map_file import is_map_file, load_map
+
+    if is_map_file(world):
+        load_map(world)
+        return
+    loaded, whole = import_module("backends.scene.load_world").read_world(world)
+    find = import_module("backends.scene.world_findings").world_findings
+    if wrong := list(find(loaded, whole, robot, told, grid)):
+        raise FileError(wrong)
 
 
 def backend_class(name: str) -> type[Backend]:

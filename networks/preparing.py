@@ -177,6 +177,9 @@ def _read(
     wanted = task.path("knowledge", "targets")
     if spec is not None and told is not None and told[0].field is not None and wanted is not None:
         findings.add(*target_findings(told[0].targets, told[0].field, spec, wanted))
+    if spec is not None and told is not None and world is not None:
+        start, grid = _told_start(task, told[0]), told[0].map if task.path("knowledge", "map") else None
+        _collected(findings, lambda: check_world(world, spec, start, grid))
     rooms = PlaceRooms()
     if spec is not None and told is not None and not findings:
         rooms = place_rooms(task, spec, told[0], start_pose(task, told[0]))
@@ -212,8 +215,6 @@ def check(
     if kinds is None and not read.rooms.errors:
         with prepare(task_path, backend, settings, seed, situation=situation) as prepared:
             return _checked(replace(read, task=prepared.task))
-    if read.world is not None:
-        check_world(read.world, start_pose(read.task, read.told[0]))
     if kinds is not None:
         read.task.check_kinds(kinds)
     return _checked(read)
@@ -233,6 +234,12 @@ def make_robot(task: Task, backend: Backend, spec: RobotFile, model: WorldModel)
 def start_pose(task: Task, model: WorldModel) -> Pose2:
     """map_T_base at first: at the place that the task names, or at the map's origin."""
     return start_place(task, model.places)
+
+
+def _told_start(task: Task, model: WorldModel) -> Pose2 | None:
+    """None where the task says nothing of where it starts."""
+    named = task.file.knowledge.start if task.file.knowledge else None
+    return model.places[named].pose if named and named in model.places else None
 
 
 def start_place(task: Task, places: Mapping[str, Place]) -> Pose2:

@@ -11,6 +11,7 @@ import networkx as nx
 
 from backends.backend import Backend
 from backends.capability import Capability
+from backends.map_file import map_path
 from backends.robot_file import ROBOTS, robot_names
 from files.errors import FileError, UnsafePath
 from files.findings import Findings
@@ -39,6 +40,8 @@ from .repetition import Repetition, repetitions
 from .task_model import ActionEntry, Repeat, TaskFile
 from .unwritten import unwritten
 
+MAPS: tuple[KeyPath, ...] = (("world",), ("knowledge", "map"))
+"""What may be a map, which may lie anywhere."""
 M = TypeVar("M", bound=FileModel)
 Primitives = Callable[[str], type[ActionPrimitive]]
 
@@ -335,7 +338,8 @@ def _resolved(document: Document, key: KeyPath) -> Path | None:
         return Path(node.content)
     folder = document.folder.resolve()
     # Neighbouring tasks may share a world.
-    return resolve_inside(folder.parent, node.content, start=folder)
+    find = map_path if key in MAPS else resolve_inside
+    return find(folder.parent, node.content, start=folder)
 
 
 def _set(document: Document, settings: dict[str, str]) -> Document:

@@ -6,9 +6,8 @@ from pathlib import Path
 
 import numpy as np
 
-from backends.map_file import load_map
+from backends.map_file import load_map, map_path
 from files.errors import UnsafePath
-from files.inside import resolve_inside
 from files.loading import Loaded, load_document
 from files.yaml_document import read_document
 from robotics.navigation.grid_map import GridMap
@@ -25,18 +24,23 @@ def load_world(path: Path) -> WorldFile:
     Raises:
         FileError: the file, its map or the map's picture is missing, or something in them is wrong.
     """
+    return read_world(path)[1]
+
+
+def read_world(path: Path) -> tuple[Loaded[WorldFile], WorldFile]:
+    """The file as it is, with the place of each value, and what `load_world` gives; raises `FileError`."""
     loaded = load_document(read_document(path), WorldFile)
     world = loaded.value
     if world.map is None:
-        return world
+        return loaded, world
     grid, _ = load_map(_map_path(loaded, world.map))
-    return world.model_copy(update={"furniture": (*world.furniture, *_standing(grid)), "map": None})
+    return loaded, world.model_copy(update={"furniture": (*world.furniture, *_standing(grid)), "map": None})
 
 
 def _map_path(loaded: Loaded[WorldFile], name: str) -> Path:
     folder = loaded.document.folder.resolve()
     try:
-        path = resolve_inside(folder.parent, name, start=folder)
+        path = map_path(folder.parent, name, start=folder)
     except UnsafePath as unsafe:
         raise loaded.refuse(("map",), str(unsafe)) from None
     if not path.is_file():

@@ -9,8 +9,8 @@ from pydantic import Field, model_validator
 
 from backends.board_layout import BoardLayout
 from backends.ground_spec import GroundSpec
+from backends.map_file import MapPlace
 from files.errors import InputError
-from files.inside import FilePath
 from files.model import FileModel
 from robotics.perception.tag_family import USUAL, TagFamily, tags_of
 
@@ -214,7 +214,7 @@ class WorldFile(FileModel):
     format: Literal["handcart-world/1"]
     start: Place
     """Where a person puts the robot at first, within `errors.start_mm` and `start_deg` of its file."""
-    map: FilePath | None = None
+    map: MapPlace | None = None
     """A map in ROS format: what is occupied on it stands here as well, 2 m high."""
     walls: tuple[Wall, ...] = ()
     furniture: tuple[Furniture, ...] = ()

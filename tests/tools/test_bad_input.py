@@ -220,7 +220,7 @@ def test_a_broken_urdf_is_told_with_its_place(
     words = ("MOVE_TO", "place=shelf_3", "--robot", path.parent / "mine.yaml") if command == "do" else (path,)
     said = handcart(command, *words)
     assert said.status == 2
-    assert "mine.yaml:3:7: the URDF is not well-formed" in said.err
+    assert "librarian.urdf:1:17: the file is not well-formed: unclosed token" in said.err
     assert "Traceback" not in said.err
 
 
@@ -240,3 +240,19 @@ def test_a_missing_version_is_told(handcart: Callable[..., Any], broken: Callabl
     said = handcart("check", broken(("format: handcart-task/1\n", "")))
     assert said.status == 2
     assert "the key 'format'" in said.err
+
+
+def test_a_task_whose_world_has_moved_is_refused(
+    handcart: Callable[..., Any], broken: Callable[..., Path]
+) -> None:
+    """T12: by `check`, by `--dry-run` and so before a run."""
+    task = broken()
+    world = (task.parent / "world.yaml").read_text(encoding="utf-8")
+    assert "start: {x_m: " in world
+    (task.parent / "world.yaml").write_text(
+        world.replace("start: {x_m: ", "start: {x_m: 9"), encoding="utf-8"
+    )
+    for words in (("check",), ("run", "--dry-run")):
+        said = handcart(*words, task)
+        assert said.status == 2
+        assert "world.yaml:3:8: the robot starts off the map that it is given; allowed: on it" in said.err
