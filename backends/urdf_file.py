@@ -33,7 +33,7 @@ def read_urdf_file(path: Path) -> str:
 
     Raises:
         FileError: it can't be read, or is no XML within the limits of `read_xml_text`; its root is another
-            than <robot>; or what should be a number in a link or joint is none.
+            than <robot>; or what should be a number in a link, joint or material is none.
     """
     return read_xml_text(path, _wrong)
 
@@ -41,8 +41,8 @@ def read_urdf_file(path: Path) -> str:
 def _wrong(tag: XmlTag) -> Iterator[str]:
     if not tag.parents and tag.name != "robot":
         yield f"the URDF's root is <{tag.name}>; allowed: <robot>"
-    part = tag.parents[1] if len(tag.parents) > 1 else None
-    if part is None or part.name not in ("link", "joint"):
+    part = tag.parents[1] if len(tag.parents) > 1 else None  # of the robot
+    if part is None or part.name not in ("link", "joint", "material"):
         return
     for key, count in _NUMBERS.get(tag.name, {}).items():
         words = tag.attributes.get(key, "").split()

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import random
+import resource
 import signal
 import traceback
 from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from hashlib import blake2b
 from pathlib import Path
@@ -16,6 +18,8 @@ from files.errors import HandcartError
 LIBRARY = Path(__file__).parent.parent / "tasks" / "return_book"
 ROBOT = Path(__file__).parent.parent / "backends" / "robots" / "librarian"
 LONGEST = 10  # [s] that a check may take
+SMALL = 1 << 22  # [bytes] of files that are read again to see whether they were written
+MEMORY = 1 << 30  # [bytes] beside what the process has already
 _WORDS = (
     "", "~", "null", "true", "-1", "0", "1e309", ".nan", ".inf", "-.inf", "1:30", "012", "0x1F", "1e-3",
     "2026-11-21", "'", '"', "[", "]", "{", "}", "&a", "*a", "<<: *a", "!!python/object/apply:os.system [ls]",
@@ -74,7 +78,8 @@ def fuzz(
 ) -> Iterator[Failure | None]:
     """Check that many damaged files in an empty folder; each gives None, or what went wrong.
 
-    Wrong is: another exception than an error for the user, more than 10 s, a file that was written.
+    Wrong is: another exception than an error for the user, more than `LONGEST` seconds or `MEMORY` bytes, a
+    file that was written.
     """
     rng, whole = random.Random(seed), sources()
     for name, content in whole.items():
@@ -84,29 +89,41 @@ def fuzz(
         name = rng.choice(names)
         content = damaged(whole[name], rng)
         (folder / name).write_bytes(content)
-        before = _fingerprint(folder)
-        why = _why(folder / name, check)
-        if not why and _fingerprint(folder) != before:
-            why = "a file was written"
+        why = why_not(folder, folder / name, check)
         (folder / name).write_bytes(whole[name])
         yield Failure(number, name, content, why) if why else None
 
 
-def _why(path: Path, check: Callable[[Path], object]) -> str:
-    before = signal.signal(signal.SIGALRM, _too_long)
-    signal.alarm(LONGEST)
+def why_not(folder: Path, path: Path, check: Callable[[Path], object]) -> str:
+    """What goes wrong when a file in a folder is checked; empty if it passes, or is refused in words."""
+    before = _fingerprint(folder)
     try:
-        check(path)
+        with _at_most(LONGEST, MEMORY):
+            check(path)
     except HandcartError as error:
-        return "" if str(error).strip() else "an error without words"
+        if not str(error).strip():
+            return "an error without words"
     except TimeoutError:
         return f"longer than {LONGEST} s"
     except Exception:
         return traceback.format_exc()
+    return "" if _fingerprint(folder) == before else "a file was written"
+
+
+@contextmanager
+def _at_most(seconds: int, memory: int) -> Iterator[None]:
+    """Raises TimeoutError after so many seconds; MemoryError where so many more bytes are asked for."""
+    handler = signal.signal(signal.SIGALRM, _too_long)
+    soft, hard = resource.getrlimit(resource.RLIMIT_AS)
+    taken = int(Path("/proc/self/statm").read_text(encoding="ascii").split()[0]) * resource.getpagesize()
+    resource.setrlimit(resource.RLIMIT_AS, (taken + memory, hard))
+    signal.alarm(seconds)
+    try:
+        yield
     finally:
         signal.alarm(0)
-        signal.signal(signal.SIGALRM, before)
-    return ""
+        resource.setrlimit(resource.RLIMIT_AS, (soft, hard))
+        signal.signal(signal.SIGALRM, handler)
 
 
 def _too_long(_number: int, _frame: FrameType | None) -> None:
@@ -116,5 +133,8 @@ def _too_long(_number: int, _frame: FrameType | None) -> None:
 def _fingerprint(folder: Path) -> bytes:
     digest = blake2b()
     for path in sorted(folder.rglob("*")):
-        digest.update(str(path).encode() + (path.read_bytes() if path.is_file() else b""))
+        status = path.lstat()
+        whole = path.is_file() and status.st_size < SMALL
+        digest.update(f"{path} {status.st_mode} {status.st_size} {status.st_mtime_ns}".encode())
+        digest.update(path.read_bytes() if whole else b"")
     return digest.digest()
