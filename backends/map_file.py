@@ -8,13 +8,14 @@ from typing import TYPE_CHECKING, Annotated, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import AfterValidator, Field
+from pydantic import AfterValidator, ConfigDict, Field
 
 from files.errors import FileError, Finding, UnsafePath
 from files.inside import portable, resolve_inside
 from files.loading import Loaded, load_document
 from files.model import FileModel
 from files.picture import Grey, read_grey
+from files.suggest import nearest
 from files.yaml_document import Document, read_document
 from robotics.navigation.grid_map import GridMap, from_occupancy, unknown_read_as_free
 from robotics.navigation.ros_occupancy import Mode, ros_occupancy
@@ -38,7 +39,9 @@ MapPlace = Annotated[str, AfterValidator(_place)]
 
 
 class MapFile(FileModel):
-    """A map in ROS format (map_server)."""
+    """A map in ROS format (map_server). Keys that other programs put there are left out of account."""
+
+    model_config = ConfigDict(extra="ignore")
 
     image: MapPlace
     """The picture (PGM, PNG, BMP, JPEG), or a MovingAI map: in the file's own folder or below, or by its
@@ -134,7 +137,10 @@ def read_occupancy(path: Path) -> OccupancyFile:
 
 
 def _wrong(loaded: Loaded[MapFile]) -> Iterator[Finding]:
-    spec = loaded.value
+    spec, keys = loaded.value, MapFile.model_fields
+    for key in loaded.document.data:
+        if key not in keys and (meant := nearest(key, keys)):
+            yield loaded.finding((key,), f"unknown key {key!r}; did you mean {meant!r}?", at_key=True)
     if spec.origin[2] != 0.0:
         yield loaded.finding(("origin", 2), f"the map is turned by {spec.origin[2]} rad; allowed: 0")
     if spec.free_thresh >= spec.occupied_thresh:

@@ -19,8 +19,9 @@ from files.suggest import suggest
 from primitives.action_primitive import ActionPrimitive
 from primitives.attempt import attempt
 from primitives.building import Building
-from primitives.knowledge import Catalogue, Places, load_map
+from primitives.knowledge import Catalogue, load_map
 from primitives.outcome import Outcome
+from primitives.place_file import load_places
 from primitives.world_model import WorldModel
 
 NO_BOOKS: Literal["handcart-catalogue/1"] = "handcart-catalogue/1"
@@ -108,7 +109,7 @@ def set_stage(
         FileError: something in the files is wrong.
     """
     spec = load_robot(robot)
-    places = load(files.places, Places).places
+    places = load_places(files.places).value.places
     if files.start not in places:
         raise NoSuchPlace(f"no place {files.start!r} to start at{suggest(files.start, places)}")
     grid, _ = load_map(files.map)

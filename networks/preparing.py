@@ -10,17 +10,19 @@ from typing import NamedTuple, TypeVar
 import numpy as np
 
 from backends.backend import Backend
+from backends.map_file import read_occupancy
 from backends.registry import UnknownBackend, backend_class, backend_names, check_world, make_backend
 from backends.robot import Robot
 from backends.robot_file import RobotFile, load_robot
 from files.errors import FileError, Finding, InputError
 from files.findings import Findings
-from files.loading import load, load_document
+from files.loading import load
 from files.suggest import suggest
-from files.yaml_document import read_document
 from primitives.building import Building
 from primitives.field import Field
-from primitives.knowledge import Catalogue, Place, Places, load_map
+from primitives.knowledge import Catalogue, Place, load_map
+from primitives.map_masks import keepout_findings, load_speed_limits
+from primitives.place_file import load_places
 from primitives.registry import primitive_class
 from primitives.seam_file import load_seam
 from primitives.target import Target
@@ -29,12 +31,13 @@ from primitives.work_piece import WorkPiece
 from primitives.world_model import WorldModel
 from robotics.geometry.pose2 import Pose2
 from robotics.navigation.grid_map import GridMap
+from robotics.navigation.keepout import with_keepout
 
 from .network import ActionNetwork
 from .place_findings import place_findings
 from .place_room import PlaceRoom, PlaceRooms, place_rooms
 from .target_findings import target_findings
-from .task_file import Primitives, Task, load_task
+from .task_file import MASK, Primitives, Task, load_task
 
 T = TypeVar("T")
 
@@ -177,6 +180,11 @@ def _read(
     wanted = task.path("knowledge", "targets")
     if spec is not None and told is not None and told[0].field is not None and wanted is not None:
         findings.add(*target_findings(told[0].targets, told[0].field, spec, wanted))
+    if spec is not None and spec.drive.kind == "ackermann":
+        for key in ("keepout", "speed_limits"):
+            if task.document.root.deepest(("knowledge", key))[1]:
+                wrong = f"{key}: a car-like base plans without a map; allowed: a base that turns on the spot"
+                findings.add(task.document.finding(("knowledge", key), wrong))
     if spec is not None and told is not None and world is not None:
         start, grid = _told_start(task, told[0]), told[0].map if task.path("knowledge", "map") else None
         _collected(findings, lambda: check_world(world, spec, start, grid))
@@ -253,7 +261,7 @@ def load_model(task: Task) -> tuple[WorldModel, tuple[str, ...]]:
     findings = Findings()
     chart, places, catalogue = (task.path("knowledge", key) for key in ("map", "places", "catalogue"))
     told = _collected(findings, lambda: load_map(chart)) if chart else (_nowhere(), None)
-    named = _collected(findings, lambda: load_document(read_document(places), Places)) if places else None
+    named = _collected(findings, lambda: load_places(places)) if places else None
     books = _collected(findings, lambda: load(catalogue, Catalogue)) if catalogue else None
     plan = task.path("knowledge", "building")
     building = _collected(findings, lambda: load(plan, Building)) if plan else None
@@ -270,6 +278,17 @@ def load_model(task: Task) -> tuple[WorldModel, tuple[str, ...]]:
         )
     elif wanted and field is not None:
         targets = _collected(findings, lambda: load_targets(wanted, field, start)) or {}
+    keepout, mask = task.path("knowledge", "keepout"), task.path(*MASK)
+    zones = _collected(findings, lambda: read_occupancy(keepout).grid) if keepout else None
+    spec = task.file.knowledge.speed_limits if task.file.knowledge else None
+    limits = _collected(findings, lambda: load_speed_limits(mask, spec)) if mask and spec else None
+    for key in ("keepout", "speed_limits"):
+        if not chart and task.document.root.deepest(("knowledge", key))[1]:
+            wrong = f"{key} is a mask over a map; needed: the key `map`"
+            findings.add(task.document.finding(("knowledge", key), wrong))
+    if keepout and zones is not None and told:
+        findings.add(*(keepout_findings(named, told[0], zones, keepout) if named else ()))
+        told = with_keepout(told[0], zones), told[1]
     if chart and told and named:
         findings.add(*place_findings(named, told[0], chart))
     findings.raise_all()
@@ -288,6 +307,7 @@ def load_model(task: Task) -> tuple[WorldModel, tuple[str, ...]]:
         work_piece=work_piece,
         field=field,
         targets=targets,
+        speed_limits=limits,
     )
     return model, (warning,) if warning else ()
 

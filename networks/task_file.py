@@ -25,7 +25,7 @@ from files.yaml_node import KeyPath
 from primitives.action_primitive import ActionPrimitive
 from primitives.building import Building
 from primitives.field import Field
-from primitives.knowledge import Places
+from primitives.place_file import load_places
 from primitives.registry import primitive_class
 from primitives.target_list import load_targets
 from robotics.geometry.pose2 import Pose2
@@ -40,7 +40,8 @@ from .repetition import Repetition, repetitions
 from .task_model import ActionEntry, Repeat, TaskFile
 from .unwritten import unwritten
 
-MAPS: tuple[KeyPath, ...] = (("world",), ("knowledge", "map"))
+MASK = ("knowledge", "speed_limits", "mask")
+MAPS: tuple[KeyPath, ...] = (("world",), ("knowledge", "map"), ("knowledge", "keepout"), MASK)
 """What may be a map, which may lie anywhere."""
 M = TypeVar("M", bound=FileModel)
 Primitives = Callable[[str], type[ActionPrimitive]]
@@ -235,7 +236,7 @@ class _Reader:
         """The names of the map's places; None where no file tells them."""
         try:
             path = _resolved(self._document, ("knowledge", "places"))
-            return list(load(path, Places).places) if path else None
+            return list(load_places(path).value.places) if path else None
         except FileError as error:
             self._findings.take(error)
         except UnsafePath:
@@ -292,9 +293,9 @@ class _Reader:
             self._add(("robot",), f"unknown robot {name!r}{allowed}, or the path of a robot's YAML file")
 
     def _check_files(self) -> None:
-        told = [("knowledge", name) for name in ("map", "places", "catalogue", "building")]
+        told = [("knowledge", name) for name in ("map", "keepout", "places", "catalogue", "building")]
         told += [("knowledge", name) for name in ("seam", "work_piece", "field", "targets")]
-        for key in (("world",), *told):
+        for key in (("world",), *told, MASK):
             try:
                 path = _resolved(self._document, key)
             except UnsafePath as unsafe:

@@ -7,6 +7,7 @@ from typing import Annotated, Any, Literal
 from pydantic import Field
 
 from files.model import FileModel
+from primitives.map_masks import SpeedMask
 
 from .network import MAX_ATTEMPTS, MAX_COST_S, Fact
 
@@ -15,9 +16,13 @@ class KnowledgeFiles(FileModel):
     """What the robot is told beforehand: files beside the task's."""
 
     map: str | None = None
-    """A map in ROS format."""
+    """A map in ROS format, or a `.map` of MovingAI."""
+    keepout: str | None = None
+    """A mask in ROS format over the map (nav2's keepout filter): no way leads where it is occupied."""
+    speed_limits: SpeedMask | None = None
+    """A mask over the map (nav2's speed filter): how fast the base may drive where."""
     places: str | None = None
-    """The map's named places."""
+    """The map's named places, or goals as users of nav2 keep them."""
     catalogue: str | None = None
     """The books of a library."""
     building: str | None = None

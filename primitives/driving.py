@@ -82,7 +82,7 @@ def plan_tracker(
         if found.route is None:
             raise no_way(place, found)
         points = found.route.points
-    return PathTracker(points, goal.theta, robot.drive_limits, reverse, tolerance), points
+    return PathTracker(points, goal.theta, robot.drive_limits, reverse, tolerance, model.speed_limits), points
 
 
 def plan_car_drive(robot: Robot, model: ModelView, goal: Pose2) -> CarPath | None:

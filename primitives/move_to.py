@@ -62,7 +62,7 @@ class MoveTo(ActionPrimitive):
     before the base arrives."""
 
     needs: ClassVar = (Base, RangeSensor)
-    reads: ClassVar = ("map", "places", "field", "targets")
+    reads: ClassVar = ("map", "places", "speed_limits", "field", "targets")
     writes: ClassVar = ("obstacles", "detour")
 
     _lookout: Lookout | FieldLookout | None = PrivateAttr(default=None)
@@ -171,7 +171,7 @@ class MoveTo(ActionPrimitive):
         """Drive back the way it came; what stands there now is waited for."""
         self._blocked_since = None
         behind = np.array([[moment.pose.x, moment.pose.y] for moment in trace.moments])[::-1]
-        way_back = retrace(robot, start, trace)
+        way_back = retrace(robot, start, trace, model.speed_limits)
         while True:
             nearest = int(np.argmin(np.hypot(*(behind - (robot.pose.x, robot.pose.y)).T)))
             self._ahead = behind[nearest:]

@@ -13,6 +13,7 @@ from backends.robot import Robot
 from robotics.geometry.pose2 import Pose2
 from robotics.navigation.path_tracking import PathTracker
 from robotics.navigation.pose_regulator import PoseRegulator, PoseTolerance
+from robotics.navigation.speed_limits import SpeedLimits
 
 from .arm_command import command_moment as _command
 from .arm_command import moves_fingers
@@ -32,11 +33,13 @@ LONGEST_REACH = 60.0  # [s] that the base gets to a pose near by
 STOOD = 1e-4  # [m], [rad]: between two periods, less is no motion
 
 
-def retrace(robot: Robot, start: Snapshot, trace: Trace) -> Generator[None, None, None]:
+def retrace(
+    robot: Robot, start: Snapshot, trace: Trace, allowed: SpeedLimits | None = None
+) -> Generator[None, None, None]:
     """Bring the robot back to the absolute snapshot along the way it came, on one time line.
 
-    Stretches in which the base moved are driven back with feedback of its pose, the arm where it was when the
-    base was there; in between, the commands of arm and gripper are played backwards.
+    Stretches in which the base moved are driven back with feedback of its pose, no faster than `allowed`, the
+    arm where it was when the base was there; in between, arm and gripper play their commands backwards.
     """
     if robot.spec.drive.kind == "ackermann":
         yield from car_retrace(robot, start, trace)
@@ -44,7 +47,7 @@ def retrace(robot: Robot, start: Snapshot, trace: Trace) -> Generator[None, None
     stretches = _stretches(trace.moments)
     for stretch in reversed(stretches):
         if _travelled(stretch):
-            yield from _drive_back(robot, stretch)
+            yield from _drive_back(robot, stretch, allowed)
         else:
             yield from _play_back(robot, stretch)
     yield from _command(robot, Moment(start.pose, start.joint_command, start.gripper_command))
@@ -107,13 +110,16 @@ def _travelled(stretch: Sequence[Moment]) -> bool:
     return ends[0].distance(ends[1]) > 0.01 or ends[0].turn(ends[1]) > 0.02
 
 
-def _drive_back(robot: Robot, stretch: Sequence[Moment]) -> Generator[None, None, None]:
+def _drive_back(
+    robot: Robot, stretch: Sequence[Moment], allowed: SpeedLimits | None
+) -> Generator[None, None, None]:
     goal, left = stretch[0].pose, list(stretch)
     points, way = _way_back(stretch)
     if way[0] < SHORT:
         yield from reach_pose(robot, goal)
     else:
-        tracker = PathTracker(points, goal.theta, robot.drive_limits, _forwards(stretch), TOLERANCE)
+        limits = robot.drive_limits
+        tracker = PathTracker(points, goal.theta, limits, _forwards(stretch), TOLERANCE, allowed)
         while not tracker.finished(robot.pose):
             robot.base.drive(*tracker.command(robot.pose, robot.period))
             if left and way[len(left) - 1] <= tracker.progress and not moves_fingers(robot, left[-1]):

@@ -17,6 +17,7 @@ from files.suggest import suggest
 from robotics.geometry.pose2 import Pose2
 from robotics.manipulation.tool_path import ToolPath
 from robotics.navigation.grid_map import GridMap
+from robotics.navigation.speed_limits import SpeedLimits
 
 from .building import Building
 from .field import Field
@@ -112,6 +113,8 @@ class WorldModel:
     """base_T_book while it stands on the tray: middle of its spine, x along its depth."""
     slot: Slot | None = None
     detour: Detour | None = None
+    speed_limits: SpeedLimits | None = None
+    """How fast the base may drive where; told beforehand."""
     # For who stacks blocks
     building: Building | None = None
     """The building plan; told beforehand."""
@@ -239,6 +242,7 @@ class ModelView:
         book_pose: Pose2 | None
         slot: Slot | None
         detour: Detour | None
+        speed_limits: SpeedLimits | None
         building: Building | None
         fixed: Fixed | None
         placed: tuple[Placed, ...]

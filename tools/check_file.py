@@ -87,12 +87,15 @@ def _facts(
     from files.loading import load
     from files.suggest import suggest
     from files.yaml_document import read_document
+    from primitives.ros_goals import is_goals
 
     from .file_kinds import KINDS, model_of
 
     if is_map_file(file):
         return _map_facts(file)
     document = read_document(file)
+    if is_goals(document):
+        return _goals_facts(file)
     data = document.data if isinstance(document.data, dict) else {}
     kind = str(data.get("format", "")).removeprefix("handcart-").split("/")[0]
     if kind not in KINDS:
@@ -126,6 +129,12 @@ def _map_facts(file: Path) -> dict[str, Any]:
     size = f"{width} x {height} of {grid.resolution:g} m"
     kind = "MovingAI map" if file.suffix == SUFFIX else "ROS map"
     return {"format": kind, "cells": size, **counts, "warnings": [warning] if warning else []}
+
+
+def _goals_facts(file: Path) -> dict[str, Any]:
+    from primitives.place_file import load_places
+
+    return {"format": "goals for nav2", "places": list(load_places(file).value.places)}
 
 
 def _task_facts(file: Path, settings: dict[str, str], quick: bool) -> dict[str, Any]:

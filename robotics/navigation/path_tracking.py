@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from robotics.geometry.pose2 import Pose2, wrap
 from robotics.navigation.drive_limits import BRAKING, DriveLimits, Ramp, rate_to_stop
 from robotics.navigation.pose_regulator import PoseRegulator, PoseTolerance
+from robotics.navigation.speed_limits import SpeedLimits
 
 SIDEWAYS_GAIN = 25.0  # [1/m²], Ky; with the next one critically damped, 0.2 m to die down
 HEADING_GAIN = 10.0  # [1/m], Kθ
@@ -18,6 +19,7 @@ TURN_FROM, TURN_UNTIL = 0.7, 0.08  # [rad] of heading error that is turned away 
 SPACING = 0.04  # [m] between reference points
 SMOOTHED = 2  # reference points on each side that a tangent is taken over
 SLOWEST = 0.04  # [m/s]
+MARGIN = 3  # reference points before and behind a zone in which its limit holds
 LOOK = 0.6  # [m] of route ahead in which the nearest point is looked for
 CLOSE = 0.015  # [m] left, from where the goal's pose itself is regulated
 
@@ -38,6 +40,7 @@ class PathTracker:
         limits: DriveLimits = DriveLimits(),
         reverse: bool = False,
         tolerance: PoseTolerance = PoseTolerance(),
+        allowed: SpeedLimits | None = None,
     ) -> None:
         """Track a route.
 
@@ -47,11 +50,15 @@ class PathTracker:
             limits: of the base.
             reverse: drive backwards: the rear leads.
             tolerance: what counts as arrived.
+            allowed: how fast it may drive where.
         """
         self._points, self._along = _resample(points)
         self._heading = _tangents(self._points)
         self._curvature = _curvatures(self._heading, self._along)
-        self._speed = _speed_profile(self._along, self._curvature, limits)
+        most = np.full(len(self._points), limits.speed)
+        if allowed is not None:
+            most = _around(allowed.at(self._points, limits.speed))
+        self._speed = _speed_profile(self._along, self._curvature, limits, most)
         self._limits = limits
         self._flip = math.pi if reverse else 0.0
         self._ramp = Ramp(limits)
@@ -163,11 +170,20 @@ def _curvatures(heading: NDArray[np.float64], along: NDArray[np.float64]) -> NDA
     return np.asarray(np.gradient(heading, along))
 
 
+def _around(most: NDArray[np.float64]) -> NDArray[np.float64]:
+    """(n,) the least of each point's and its neighbours': the robot is never quite at one."""
+    if len(most) < 2 * MARGIN + 1:
+        return np.full(len(most), most.min())
+    padded = np.pad(most, MARGIN, mode="edge")
+    least: NDArray[np.float64] = np.lib.stride_tricks.sliding_window_view(padded, 2 * MARGIN + 1).min(axis=1)
+    return least
+
+
 def _speed_profile(
-    along: NDArray[np.float64], curvature: NDArray[np.float64], limits: DriveLimits
+    along: NDArray[np.float64], curvature: NDArray[np.float64], limits: DriveLimits, most: NDArray[np.float64]
 ) -> NDArray[np.float64]:
-    """Speeds (n,) in [m/s] that curves allow and from which one can brake for what comes."""
-    speed = np.minimum(limits.speed, 0.6 * limits.turn_rate / np.maximum(np.abs(curvature), 1e-6))
+    """Speeds (n,) in [m/s] up to `most` (n,) that curves allow and from which one can brake in time."""
+    speed = np.minimum(most, 0.6 * limits.turn_rate / np.maximum(np.abs(curvature), 1e-6))
     speed[-1] = 0.0
     for i in range(len(speed) - 2, -1, -1):
         room = float(along[i + 1] - along[i])
