@@ -29,7 +29,7 @@ def read_movingai(path: Path) -> NDArray[np.int8]:
     file = str(path)
     lines = decode_text(read_regular_file(path, MAX_BYTES), file, longest_line=None).splitlines()
     height, width = _size(file, lines)
-    rows = lines[4 : 4 + height]
+    rows = [line.rstrip() for line in lines[4 : 4 + height]]
     if len(rows) < height or any(line.strip() for line in lines[4 + height :]):
         raise _refused(
             file, min(len(lines), 4 + height), f"{len(lines) - 4} rows; allowed: the {height} told"

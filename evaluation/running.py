@@ -207,6 +207,7 @@ def resume_task(
         situation=begun,
         errors=header["errors"],
         bench=header["bench"],
+        resumed=True,
     )
     with ExitStack() as stack:
         heard = interrupts or stack.enter_context(Interrupts())

@@ -88,6 +88,7 @@ def prepare(
     situation: str | None = None,
     errors: bool = True,
     bench: str | None = None,
+    resumed: bool = False,
 ) -> Prepared:
     """Read and check a task with all its files, and build its robot.
 
@@ -101,6 +102,7 @@ def prepare(
         situation: where the run begins, instead of the task's start.
         errors: whether the simulated robot errs as its file says, or not at all.
         bench: simulated drives are put before the simulated backend of that name.
+        resumed: a run goes on: the robot stands where that one left it, not where the task has it start.
 
     Raises:
         NoBench: the backend has no drives, or there can be no such bench.
@@ -108,7 +110,7 @@ def prepare(
         NoWindow: they can't be shown.
         FileError: with every finding in all of the files.
     """
-    read = _read(task_path, backend, settings, primitives, situation, errors)
+    read = _read(task_path, backend, settings, primitives, situation, errors, resumed)
     task, name, spec, told = read.task, read.backend, read.spec, read.told
     findings, world = read.findings, read.world
     findings.add(*read.rooms.errors)
@@ -163,6 +165,7 @@ def _read(
     primitives: Primitives,
     situation: str | None,
     errors: bool,
+    resumed: bool = False,
 ) -> _Read:
     task = load_task(task_path, settings, primitives)
     if situation is not None:
@@ -185,7 +188,7 @@ def _read(
             if task.document.root.deepest(("knowledge", key))[1]:
                 wrong = f"{key}: a car-like base plans without a map; allowed: a base that turns on the spot"
                 findings.add(task.document.finding(("knowledge", key), wrong))
-    if spec is not None and told is not None and world is not None:
+    if spec is not None and told is not None and world is not None and not resumed:
         start, grid = _told_start(task, told[0]), told[0].map if task.path("knowledge", "map") else None
         _collected(findings, lambda: check_world(world, spec, start, grid))
     rooms = PlaceRooms()
