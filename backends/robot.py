@@ -184,7 +184,7 @@ class Robot:
         """Kinematics of the arm, from the URDF; its tip is the frame `hand`."""
         if self.spec.arm is None:
             raise MissingCapability(Arm, self.backend)
-        return ArmModel(self.spec.urdf_text(), self.spec.arm.joints)
+        return self.spec.arm_model()
 
     @cached_property
     def drive_limits(self) -> DriveLimits:

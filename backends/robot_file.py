@@ -14,7 +14,7 @@ import numpy as np
 from pydantic import Field, PrivateAttr
 
 from files.errors import FileError, Finding, InputError
-from files.inside import FilePath, resolve_inside
+from files.inside import resolve_inside
 from files.loading import load_document
 from files.model import FileModel
 from files.suggest import suggest
@@ -25,7 +25,8 @@ from robotics.manipulation.suspension_model import SuspensionModel
 from .can_spec import CanSpec
 from .ground_spec import GpsSpec, GroundSpec
 from .robot_findings import robot_findings
-from .robot_parts import PartSpec, assembled
+from .robot_parts import PACKAGE, KeyPath, PartSpec, UrdfPlace
+from .robot_urdf import RobotUrdf, robot_urdf
 from .sensor_specs import CameraSpec, ImuSpec, PositioningSpec, RangeSpec
 from .simulated_errors import Errors
 
@@ -35,6 +36,7 @@ if TYPE_CHECKING:
     from .robot_shape import FingerShape, TrayShape
 
 Positive = Annotated[float, Field(gt=0.0)]
+Role = Literal["base", "hand", "tray", "range_sensor", "camera", "imu", "gps"]
 NotNegative = Annotated[float, Field(ge=0.0)]
 
 ROBOTS = Path(__file__).parent / "robots"
@@ -51,6 +53,10 @@ class Drive(FileModel):
     wheel_radius_m: Positive
     tread_m: Positive
     """Distance between the wheels."""
+    left: str | tuple[str, ...] | None = None
+    """The joint that drives the left side, or several, where the URDF doesn't call it `left_wheel`."""
+    right: str | tuple[str, ...] | None = None
+    """The same on the right."""
     top_speed_m_s: Positive
     top_turn_deg_s: Positive
     acceleration_m_s2: Positive
@@ -80,6 +86,10 @@ class GripperSpec(FileModel):
     force_n: Positive
     grasp: Literal["friction", "constraint"] = "friction"
     """What holds in a physics engine: the pads' friction, or a rigid link made when both fingers press."""
+    left: str | None = None
+    """The joint of the left finger, where the URDF doesn't call it `left_finger`."""
+    right: str | None = None
+    """The same on the right."""
 
 
 class ToolSpec(FileModel):
@@ -140,7 +150,13 @@ class RobotFile(FileModel):
     """A robot: drive, arm, sensors, limits, tolerances, postures, and how its simulation errs."""
 
     format: Literal["handcart-robot/1"]
-    urdf: FilePath
+    urdf: UrdfPlace
+    srdf: UrdfPlace | None = None
+    """MoveIt's file for it: which of its links may touch each other (`disable_collisions`)."""
+    links: dict[Role, str] = Field(default_factory=dict)
+    """Which link of the URDF stands for one that is expected by name: `hand: tool0`."""
+    allowed_contacts: tuple[tuple[str, str], ...] = ()
+    """Pairs of links that may touch: those of the hull of a concave mesh, say. `handcart check --allow`."""
     parts: tuple[PartSpec, ...] = ()
     """Further URDFs, as they are, each fixed onto a link of those before it."""
     period_s: Positive
@@ -170,7 +186,7 @@ class RobotFile(FileModel):
     errors: Errors = Errors()
     tolerance: Tolerance
     _folder: Path = PrivateAttr(default=ROBOTS)
-    _text: str | None = PrivateAttr(default=None)
+    _whole: RobotUrdf | None = PrivateAttr(default=None)
     _path: Path | None = PrivateAttr(default=None)
 
     @property
@@ -181,9 +197,17 @@ class RobotFile(FileModel):
     def urdf_path(self) -> Path:
         """A file with the URDF of the whole robot: that beside the robot's file, or a temporary one."""
         if self._path is None:
-            text, own = self.urdf_text().encode(), resolve_inside(self._folder, self.urdf)
-            self._path = own if own.read_bytes() == text else self._written()
+            text = self.urdf_text().encode()
+            own = None if self.urdf.startswith(PACKAGE) else resolve_inside(self._folder, self.urdf)
+            self._path = own if own is not None and own.read_bytes() == text else self._written()
         return self._path
+
+    @property
+    def whole(self) -> RobotUrdf:
+        """The robot put together from its URDFs; raises `UrdfError` where that can't be done."""
+        if self._whole is None:
+            self._whole = robot_urdf(self)
+        return self._whole
 
     def urdf_text(self) -> str:
         """The URDF of the whole robot: its parts put together, meshes named by absolute paths.
@@ -191,9 +215,21 @@ class RobotFile(FileModel):
         Raises:
             UrdfError: of a part that is missing, or can't be put there.
         """
-        if self._text is None:
-            self._text = assembled(self.urdf, self.parts, self._folder)
-        return self._text
+        return self.whole.text
+
+    def mapped_joints(self) -> list[tuple[KeyPath, str, str]]:
+        """Joints that its file names: where, the URDF's name, and the name that is expected of it."""
+        found: list[tuple[KeyPath, str, str]] = []
+        for side in ("left", "right"):
+            wheels = getattr(self.drive, side)
+            several = isinstance(wheels, tuple) and len(wheels) > 1
+            for number, joint in enumerate([wheels] if isinstance(wheels, str) else wheels or (), start=1):
+                name = f"{side}_{number}_wheel" if several else f"{side}_wheel"
+                found.append((("drive", side), joint, name))
+            finger = None if self.gripper is None else getattr(self.gripper, side)
+            if finger is not None:
+                found.append((("gripper", side), finger, f"{side}_finger"))
+        return found
 
     def arm_model(self) -> ArmModel:
         """Kinematics of the arm, a new object; raises ValueError where the robot has none."""
@@ -201,7 +237,7 @@ class RobotFile(FileModel):
 
         if self.arm is None:
             raise ValueError("the robot has no arm")
-        return ArmModel(self.urdf_text(), self.arm.joints)
+        return ArmModel(self.urdf_text(), self.arm.joints, allowed=self.whole.allowed)
 
     @cached_property
     def has_tray(self) -> bool:

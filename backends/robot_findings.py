@@ -31,8 +31,7 @@ def robot_findings(robot: RobotFile, document: Document) -> list[Finding]:
     except FileError as error:
         return list(error.findings)
     except UrdfError as error:
-        key = ("urdf",) if error.part is None else ("parts", error.part)
-        return [document.finding(key, str(error))]
+        return [document.finding(error.key or ("urdf",), str(error))]
     arm = _arm_findings(robot.arm, urdf, document) if robot.arm else []
     frames = _frame_findings(robot, urdf, document)
     boxes = _box_findings(robot, document)

@@ -1,61 +1,40 @@
-"""Reading a URDF: within limits, its numbers finite, each fault at its line."""
+"""Reading a URDF: within limits, found sound, each fault at its line."""
 
 from __future__ import annotations
 
-import math
-from collections.abc import Iterator
+from collections.abc import Sequence
 from pathlib import Path
+from typing import NamedTuple
 
-from files.xml_file import XmlTag, read_xml_text
-
-LARGEST = 1e18
-"""In any unit: makers write 1e16 for 'no limit'."""
-_NUMBERS = {
-    "origin": {"xyz": 3, "rpy": 3},
-    "axis": {"xyz": 3},
-    "limit": dict.fromkeys(("lower", "upper", "effort", "velocity"), 1),
-    "dynamics": dict.fromkeys(("damping", "friction"), 1),
-    "mimic": dict.fromkeys(("multiplier", "offset"), 1),
-    "mass": {"value": 1},
-    "inertia": dict.fromkeys(("ixx", "ixy", "ixz", "iyy", "iyz", "izz"), 1),
-    "box": {"size": 3},
-    "sphere": {"radius": 1},
-    "cylinder": dict.fromkeys(("radius", "length"), 1),
-    "capsule": dict.fromkeys(("radius", "length"), 1),
-    "mesh": {"scale": 3},
-    "color": {"rgba": 4},
-}
-"""How many numbers stand in each attribute, after http://wiki.ros.org/urdf/XML."""
+from files.errors import FileError, Finding
+from files.xml_file import read_xml_text
+from robotics.kinematics.urdf_faults import urdf_faults
 
 
-def read_urdf_file(path: Path) -> str:
+class UrdfText(NamedTuple):
+    """A URDF that can be used."""
+
+    text: str
+    doubts: Sequence[Finding]
+    """What is wrong in it, but keeps nobody from using it."""
+
+
+def read_urdf_file(path: Path, shown: str | None = None) -> UrdfText:
     """The text of a robot's URDF.
 
+    Args:
+        path: of the file.
+        shown: as what it is told of; left out: `path`.
+
     Raises:
-        FileError: it can't be read, or is no XML within the limits of `read_xml_text`; its root is another
-            than <robot>; or what should be a number in a link, joint or material is none.
+        FileError: it can't be read, or is no XML within the limits of `read_xml_text`, or no sound URDF.
     """
-    return read_xml_text(path, _wrong)
+    text = read_xml_text(path)
+    faults = [(_finding(shown or str(path), *each), each.mild) for each in urdf_faults(text)]
+    if grave := [finding for finding, mild in faults if not mild]:
+        raise FileError(grave)
+    return UrdfText(text, [finding for finding, _ in faults])
 
 
-def _wrong(tag: XmlTag) -> Iterator[str]:
-    if not tag.parents and tag.name != "robot":
-        yield f"the URDF's root is <{tag.name}>; allowed: <robot>"
-    part = tag.parents[1] if len(tag.parents) > 1 else None  # of the robot
-    if part is None or part.name not in ("link", "joint", "material"):
-        return
-    for key, count in _NUMBERS.get(tag.name, {}).items():
-        words = tag.attributes.get(key, "").split()
-        if key in tag.attributes and not (len(words) == count and all(map(_is_number, words))):
-            allowed = "a finite number" if count == 1 else f"{count} finite numbers"
-            told = f"{tag.name} {key} is {tag.attributes[key][:60]!r}"
-            yield f"{part.name} {part.attributes.get('name', '')!r}: {told}; allowed: {allowed}"
-
-
-def _is_number(word: str) -> bool:
-    try:
-        value = float(word)
-    except ValueError:
-        return False
-    # Python takes underscores, which are no part of a number in XML.
-    return math.isfinite(value) and abs(value) <= LARGEST and "_" not in word
+def _finding(file: str, line: int, column: int, message: str, _mild: bool) -> Finding:
+    return Finding(file, line, column, message)

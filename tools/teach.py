@@ -91,9 +91,8 @@ def _copied(arm: ArmSpec, posture: str) -> list[float]:
 
 def _check_posture(angles: list[float], spec: RobotFile, arm: ArmSpec) -> None:
     from backends.robot_findings import posture_faults
-    from robotics.kinematics.arm_model import ArmModel
 
-    faults = posture_faults(ArmModel(spec.urdf_text(), arm.joints), arm.joints, tuple(angles))
+    faults = posture_faults(spec.arm_model(), arm.joints, tuple(angles))
     if faults:
         raise typer.BadParameter("; ".join(faults))
 

@@ -6,6 +6,7 @@ import numpy as np
 import pinocchio as pin
 
 from robotics.geometry.transform import Transform
+from robotics.kinematics.urdf_tree import kinematic_urdf
 
 
 def base_T_frame(urdf_text: str, frame: str, base: str = "base") -> Transform:
@@ -14,7 +15,7 @@ def base_T_frame(urdf_text: str, frame: str, base: str = "base") -> Transform:
     Raises:
         ValueError: the URDF has no such link.
     """
-    model = pin.buildModelFromXML(urdf_text)
+    model = pin.buildModelFromXML(kinematic_urdf(urdf_text))
     if not model.existFrame(frame):
         raise ValueError(f"the URDF has no link {frame!r}")
     data = model.createData()

@@ -233,7 +233,7 @@ def build_scene(robot: RobotFile, world: WorldFile, seed: int) -> Scene:
     solids += [THE_GROUND] if world.ground is not None else []
     solids += [Solid(part) for shelf in shelves.values() for part in shelf.parts().values()]
     books = {book.accession: book for shelf in shelves.values() for book in _standing(shelf, seed)}
-    arm = None if robot.arm is None else ArmModel(robot.urdf_text(), robot.arm.joints)
+    arm = None if robot.arm is None else robot.arm_model()
     joints = np.zeros(0) if robot.arm is None else np.array(robot.posture("home"))
     width = 0.0 if robot.gripper is None else robot.gripper.opening_mm / 1e3
     scene = Scene(robot, arm, shelves, tuple(solids), books, _start(robot, world, seed), joints, width)

@@ -18,7 +18,6 @@ from backends.gripper import Gripper
 from backends.robot_file import RobotFile
 from files.errors import InputError
 from files.suggest import suggest
-from robotics.kinematics.arm_model import ArmModel
 
 from .operator import Held
 
@@ -88,9 +87,7 @@ class Jogger:
         self._base: Base = _part(self.backend.get(Base))  # type: ignore[type-abstract]
         self._arms = self.backend.get(Arm)  # type: ignore[type-abstract]
         self._grippers = self.backend.get(Gripper)  # type: ignore[type-abstract]
-        self._model = (
-            None if self.robot.arm is None else ArmModel(self.robot.urdf_text(), self.robot.arm.joints)
-        )
+        self._model = None if self.robot.arm is None else self.robot.arm_model()
 
     @property
     def _arm(self) -> Arm:

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 
 import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
 from robotics.geometry.transform import Transform
-from robotics.kinematics.coal_bodies import hull_of_mesh, shape_of
+from robotics.kinematics.coal_bodies import MESHES, hull_of_mesh, shape_of
 from robotics.kinematics.shapes import Shape
 from robotics.kinematics.urdf_tree import urdf_of_arm
 
@@ -19,13 +19,15 @@ Vector = NDArray[np.float64]
 class ArmModel:
     """The joints `joint_names` of a URDF robot, from its link `base` to its link `tip`.
 
-    All other joints (wheels, fingers) stand still: at `others[name]` in [rad] or [m], else at zero.
-    A continuous joint counts as one limited to a turn, -pi to pi. Poses are given in `base`.
-    A link's mesh counts as its convex hull; its file is named by an absolute path.
+    All other joints (wheels, fingers) stand still: at `others[name]` in [rad] or [m], else at zero; those
+    that mimic one of the arm's follow it. A joint that slides has [m] where others have [rad]. A continuous
+    joint counts as one limited to a turn, -pi to pi. Poses are given in `base`. A link's mesh counts as its
+    convex hull; its file is named by an absolute path.
     An object holds work space: use it from one thread at a time.
 
     Attributes:
         lower, upper: joint limits (n,), in [rad]; velocity: joint speed limits (n,), in [rad/s].
+        allowed: pairs of links that may touch each other.
     Raises:
         ValueError: a joint or link is not in the URDF, a mesh can't be read, or the arm moves `base` itself.
     """
@@ -37,16 +39,18 @@ class ArmModel:
         tip: str = "hand",
         base: str = "base",
         others: Mapping[str, float] | None = None,
+        allowed: Collection[tuple[str, str]] = (),
     ) -> None:
         self._urdf = urdf_text
+        self.allowed = frozenset(allowed)
         self.joint_names = tuple(joint_names)
         self.tip = tip
         self.base = base
         self._others = dict(others or {})
         reduced = urdf_of_arm(urdf_text, self.joint_names, self._others)
-        self._model = pin.buildModelFromXML(reduced)
+        self._model = pin.buildModelFromXML(reduced, True)
         self._geometry = pin.buildGeomFromUrdfString(
-            self._model, reduced, pin.GeometryType.COLLISION, None, [], _MESHES
+            self._model, reduced, pin.GeometryType.COLLISION, None, [], MESHES
         )
         for body in self._geometry.geometryObjects:
             if isinstance(body.geometry, pin.coal.BVHModelBase):
@@ -63,7 +67,8 @@ class ArmModel:
 
     def with_others(self, others: Mapping[str, float]) -> ArmModel:
         """The same arm with other joints standing elsewhere, for example fingers opened to hold a book."""
-        return ArmModel(self._urdf, self.joint_names, self.tip, self.base, others={**self._others, **others})
+        everyone = {**self._others, **others}
+        return ArmModel(self._urdf, self.joint_names, self.tip, self.base, everyone, self.allowed)
 
     @property
     def dof(self) -> int:
@@ -206,4 +211,3 @@ _DRAWN = 8
 _LONGEST_STEP = 0.5  # [rad]
 _TOLERANCE = 1e-8  # [m] and [rad]
 _DAMPING = 1e-7
-_MESHES = pin.coal.CachedMeshLoader()  # a mesh is read once, however many models have it

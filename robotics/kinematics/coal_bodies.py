@@ -11,7 +11,11 @@ from numpy.typing import NDArray
 from robotics.geometry.transform import Transform
 from robotics.kinematics.shapes import Box, Cylinder, Hull, Shape, Sphere
 
+MESHES = pin.coal.CachedMeshLoader()
+"""A mesh is read once, however many models have it."""
+
 _LEAST = 4  # corners of a body
+_WORDS = 200  # of what the library says
 
 
 def coal_body(shape: Shape) -> object:
@@ -47,15 +51,30 @@ def shape_of(geometry: object, pose: Transform, name: str) -> Shape:
     raise ValueError(f"a collision body of link {name!r} is a {kind}; allowed: box, cylinder, sphere, mesh")
 
 
+def read_mesh(path: str, scale: tuple[float, float, float] = (1.0, 1.0, 1.0)) -> object:
+    """Coal's mesh of a file: STL, OBJ, DAE and others.
+
+    Raises:
+        ValueError: it can't be read.
+    """
+    try:
+        return MESHES.load(path, np.array(scale))
+    except (RuntimeError, ValueError, TypeError) as error:
+        said = " ".join(str(error).split()).rpartition(path)[2].partition("Hint:")[0]
+        why = said.strip(' ."')[:_WORDS] or "no mesh is in it"
+        raise ValueError(f"it can't be read: {why}; allowed: STL, OBJ or DAE") from None
+
+
 def hull_of_mesh(mesh: object, name: str) -> object:
     """The convex hull of coal's mesh.
 
     Raises:
-        ValueError: its vertices (fewer than four, or all in a plane) enclose nothing.
+        ValueError: its vertices (fewer than four, all in a plane, or not finite) enclose nothing.
     """
     points = np.array(mesh.vertices())  # type: ignore[attr-defined]
     points = points - 0.0  # a copy of our own
-    if len(points) < _LEAST or np.linalg.matrix_rank(points - points.mean(axis=0), tol=1e-7) < 3:
+    sound = len(points) >= _LEAST and bool(np.isfinite(points).all())
+    if not sound or np.linalg.matrix_rank(points - points.mean(axis=0), tol=1e-7) < 3:
         raise ValueError(f"a mesh of link {name!r} encloses nothing; allowed: a closed surface")
     return _convex(points.tobytes(), len(points))
 

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import NamedTuple
 from xml.etree import ElementTree
+
+from robotics.kinematics.urdf_reading import read_urdf
 
 _REFERENCES = (("parent", "link"), ("child", "link"), ("mimic", "joint"))
 
@@ -21,21 +23,6 @@ class Part(NamedTuple):
     """Its roll, pitch and yaw there, in [rad], as in a URDF."""
     prefix: str = ""
     """Put before the names of its links and joints."""
-
-
-def read_urdf(text: str) -> ElementTree.Element:
-    """The URDF's root element.
-
-    Raises:
-        ValueError: it is not well-formed XML, or no robot.
-    """
-    try:
-        robot = ElementTree.fromstring(text)
-    except ElementTree.ParseError as error:
-        raise ValueError(f"the URDF is not well-formed: {error}") from error
-    if robot.tag != "robot":
-        raise ValueError(f"the URDF's root is <{robot.tag}>; allowed: <robot>")
-    return robot
 
 
 def link_names(urdf_text: str) -> list[str]:
@@ -76,6 +63,72 @@ def with_mesh_files(urdf_text: str, found: Callable[[str], str]) -> str:
     return ElementTree.tostring(robot, encoding="unicode")
 
 
+Names = dict[str, str]
+
+
+def with_names(
+    urdf_text: str, links: Sequence[tuple[str, str]], joints: Sequence[tuple[str, str]]
+) -> tuple[str, Names, Names]:
+    """A URDF with some links and joints named anew, and by their old names what these are called now.
+
+    A joint that is named anew takes the link that it moves along. A second name of a link becomes a frame
+    fixed on it. What has a name already that is given to another gets an underscore behind it.
+
+    Args:
+        urdf_text: where all of them are.
+        links: old and new name.
+        joints: old and new name.
+
+    Raises:
+        ValueError: the text is no URDF.
+    """
+    if not links and not joints:
+        return urdf_text, {}, {}
+    robot = read_urdf(urdf_text)
+    now: dict[str, Names] = {"link": {}, "joint": {}}
+    for old, new in joints:
+        child = robot.find(f"joint[@name='{now['joint'].get(old, old)}']/child")
+        moved = "" if child is None else child.get("link", "")
+        _rename(robot, "joint", old, new, now["joint"])
+        _rename(
+            robot, "link", next((a for a, b in now["link"].items() if b == moved), moved), new, now["link"]
+        )
+    for old, new in links:
+        if old in now["link"]:
+            robot.append(_frame(robot, now["link"][old], new))
+        else:
+            _rename(robot, "link", old, new, now["link"])
+    return ElementTree.tostring(robot, encoding="unicode"), now["link"], now["joint"]
+
+
+def _rename(robot: ElementTree.Element, kind: str, old: str, new: str, now: Names) -> None:
+    names = _names(robot, kind)
+    if new in names and old != new:
+        spare = f"{new}_"
+        while spare in names:
+            spare += "_"
+        _put_name(robot, kind, new, spare)
+        now[new] = spare
+    _put_name(robot, kind, now.get(old, old), new)
+    now[old] = new
+
+
+def _put_name(robot: ElementTree.Element, kind: str, old: str, new: str) -> None:
+    for each in robot.findall(kind):
+        if each.get("name") == old:
+            each.set("name", new)
+    for tag, key in _REFERENCES:
+        for each in robot.findall(f"joint/{tag}"):
+            if key == kind and each.get(key) == old:
+                each.set(key, new)
+
+
+def _frame(robot: ElementTree.Element, onto: str, name: str) -> ElementTree.Element:
+    """A joint that fixes a new link without mass onto another; the link is added."""
+    ElementTree.SubElement(robot, "link", {"name": name})
+    return _fixed(f"{name}_frame", onto, name, ("0 0 0", "0 0 0"))
+
+
 def root_link(robot: ElementTree.Element) -> str:
     """The link that no joint moves.
 
@@ -103,9 +156,13 @@ def _prefix(robot: ElementTree.Element, prefix: str) -> None:
 
 
 def _mount(part: Part, root: str) -> ElementTree.Element:
-    joint = ElementTree.Element("joint", {"name": f"{root}_on_{part.onto}", "type": "fixed"})
-    ElementTree.SubElement(joint, "parent", {"link": part.onto})
-    ElementTree.SubElement(joint, "child", {"link": root})
     xyz, rpy = (" ".join(repr(number) for number in numbers) for numbers in (part.xyz, part.rpy))
-    ElementTree.SubElement(joint, "origin", {"xyz": xyz, "rpy": rpy})
+    return _fixed(f"{root}_on_{part.onto}", part.onto, root, (xyz, rpy))
+
+
+def _fixed(name: str, parent: str, child: str, origin: tuple[str, str]) -> ElementTree.Element:
+    joint = ElementTree.Element("joint", {"name": name, "type": "fixed"})
+    ElementTree.SubElement(joint, "parent", {"link": parent})
+    ElementTree.SubElement(joint, "child", {"link": child})
+    ElementTree.SubElement(joint, "origin", {"xyz": origin[0], "rpy": origin[1]})
     return joint

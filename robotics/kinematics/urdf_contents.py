@@ -10,11 +10,10 @@ import pinocchio as pin
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from robotics.kinematics.coal_bodies import hull_of_mesh, shape_of
+from robotics.kinematics.coal_bodies import MESHES, hull_of_mesh, shape_of
 from robotics.kinematics.shapes import Shape
-from robotics.kinematics.urdf_assembly import read_urdf
-
-_MOVABLE = ("revolute", "continuous", "prismatic")
+from robotics.kinematics.urdf_reading import read_urdf
+from robotics.kinematics.urdf_tree import MOVABLE, kinematic_urdf
 
 
 class JointFacts(NamedTuple):
@@ -57,7 +56,7 @@ class MeshUse(NamedTuple):
 
 def joints_of(urdf_text: str) -> list[JointFacts]:
     """The joints that move, in the file's order; raises ValueError where the text is no URDF."""
-    moving = [each for each in read_urdf(urdf_text).findall("joint") if each.get("type") in _MOVABLE]
+    moving = [each for each in read_urdf(urdf_text).findall("joint") if each.get("type") in MOVABLE]
     return [_joint(each) for each in moving]
 
 
@@ -82,8 +81,9 @@ def bodies_of(urdf_text: str) -> list[Shape]:
     Raises:
         ValueError: a mesh can't be read, or encloses nothing.
     """
-    model = pin.buildModelFromXML(urdf_text)
-    geometry = pin.buildGeomFromUrdfString(model, urdf_text, pin.GeometryType.COLLISION)
+    plain = kinematic_urdf(urdf_text)
+    model = pin.buildModelFromXML(plain)
+    geometry = pin.buildGeomFromUrdfString(model, plain, pin.GeometryType.COLLISION, None, [], MESHES)
     return [_body(model, each) for each in geometry.geometryObjects]
 
 

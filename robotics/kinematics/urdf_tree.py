@@ -7,65 +7,168 @@ from collections.abc import Collection, Mapping
 from xml.etree import ElementTree
 
 import numpy as np
-from scipy.spatial.transform import Rotation
+import pinocchio as pin
+from numpy.typing import NDArray
 
-_MOVABLE = ("revolute", "continuous", "prismatic")
+from robotics.kinematics.urdf_reading import read_urdf
+
+MOVABLE = ("revolute", "continuous", "prismatic")
+_FREE = ("floating", "planar")
+_OF_JOINT = ("origin", "parent", "child", "axis", "limit", "mimic")
+_WORDS = ("name", "type", "link", "joint", "filename")
+_SPECK = 1e-300  # below that a number is none for the parser behind Pinocchio
+
+Element = ElementTree.Element
+
+
+def kinematic_urdf(urdf_text: str) -> str:
+    """The same robot with only what kinematics asks for, so that no library stumbles over anything else.
+
+    Left are links with masses and collision bodies, and joints; a joint that floats is fixed.
+
+    Raises:
+        ValueError: the text is no URDF.
+    """
+    return _text(_kinematic(read_urdf(urdf_text)))
 
 
 def urdf_of_arm(urdf_text: str, moving: Collection[str], standing: Mapping[str, float]) -> str:
-    """The URDF with only the joints `moving` left movable.
+    """The URDF with only the joints `moving` left movable, and those that follow one of them.
 
-    Every other joint becomes fixed where it stands: at `standing[name]` in [rad] or [m], else at zero.
-    A moving continuous joint becomes a revolute one limited to -pi to pi: Pinocchio would describe it by a
-    cosine and a sine, and we want one number a joint. Visual bodies are left out.
+    Every other joint becomes fixed where it stands: at `standing[name]` in [rad] or [m], else at zero; one
+    that mimics another where that has it. A moving continuous joint becomes a revolute one limited to -pi to
+    pi: Pinocchio would describe it by a cosine and a sine, and we want one number a joint. Visual bodies are
+    left out.
 
     Raises:
-        ValueError: the text is not XML, or one of the names is no movable joint of it.
+        ValueError: the text is no URDF, or one of the names is no movable joint of it, or one that follows
+            another.
     """
-    try:
-        robot = ElementTree.fromstring(urdf_text)
-    except ElementTree.ParseError as error:
-        raise ValueError(f"the URDF is not well-formed: {error}") from error
+    robot = _kinematic(read_urdf(urdf_text))
     joints = {joint.get("name", ""): joint for joint in robot.findall("joint")}
-    movable = [name for name, joint in joints.items() if joint.get("type") in _MOVABLE]
+    movable = [name for name, joint in joints.items() if joint.get("type") in MOVABLE]
     if missing := [name for name in (*moving, *standing) if name not in movable]:
         raise ValueError(f"the URDF has no movable joint {missing[0]!r}; it has {', '.join(movable)}")
+    leaders = _leaders(joints)
+    if led := [name for name in moving if name in leaders]:
+        raise ValueError(f"the joint {led[0]!r} follows {leaders[led[0]][0]!r} and can't be moved by itself")
     for name in movable:
-        if name not in moving:
-            _fix(joints[name], standing.get(name, 0.0))
-        elif joints[name].get("type") == "continuous":
-            _bound(joints[name])
-    for link in robot.iter("link"):
-        for visual in link.findall("visual"):
-            link.remove(visual)
+        leader, factor, offset = leaders.get(name, (name, 1.0, 0.0))
+        if leader in moving:
+            if joints[name].get("type") == "continuous":
+                _bound(joints[name])
+            if name != leader:
+                _follow(joints[name], leader, factor, offset)
+        else:
+            _fix(joints[name], standing.get(name, factor * standing.get(leader, 0.0) + offset))
+    return _text(robot)
+
+
+def joint_leaders(urdf_text: str) -> dict[str, tuple[str, float, float]]:
+    """By the name of each joint that mimics another: the one that leads, a factor and an offset.
+
+    Chains are followed to their head; one that mimics what isn't there counts as free.
+
+    Raises:
+        ValueError: the text is no URDF.
+    """
+    return _leaders({joint.get("name", ""): joint for joint in read_urdf(urdf_text).findall("joint")})
+
+
+def _leaders(joints: Mapping[str, Element]) -> dict[str, tuple[str, float, float]]:
+    found = {}
+    for name, joint in joints.items():
+        leader, factor, offset = name, 1.0, 0.0
+        seen = {name}
+        while (mimic := joints[leader].find("mimic")) is not None and mimic.get("joint") in joints:
+            offset += factor * float(mimic.get("offset", "0"))
+            factor *= float(mimic.get("multiplier", "1"))
+            leader = mimic.get("joint", "")
+            if leader in seen:
+                break
+            seen.add(leader)
+        if leader != name and joint.get("type") in MOVABLE:
+            found[name] = (leader, factor, offset)
+    return found
+
+
+def _kinematic(robot: Element) -> Element:
+    result = Element("robot", {"name": robot.get("name") or "robot"})
+    for link in robot.findall("link"):
+        kept = ElementTree.SubElement(result, "link", {"name": link.get("name", "")})
+        kept.extend(_copied(each) for each in link if each.tag in ("inertial", "collision"))
+    for joint in robot.findall("joint"):
+        kind = joint.get("type", "")
+        names = {"name": joint.get("name", ""), "type": "fixed" if kind in _FREE else kind}
+        kept = ElementTree.SubElement(result, "joint", names)
+        kept.extend(_copied(each) for each in joint if each.tag in _OF_JOINT)
+    return result
+
+
+def _copied(element: Element) -> Element:
+    """A copy whose numbers read the same for every parser."""
+    copy = Element(element.tag)
+    for key, value in element.attrib.items():
+        copy.set(key, value if key in _WORDS else " ".join(_plain(word) for word in value.split()))
+    copy.extend(_copied(each) for each in element)
+    return copy
+
+
+def _plain(word: str) -> str:
+    try:
+        number = float(word)
+    except ValueError:
+        return word
+    return repr(number if abs(number) > _SPECK else 0.0)
+
+
+def _text(robot: Element) -> str:
     return ElementTree.tostring(robot, encoding="unicode")
 
 
-def _fix(joint: ElementTree.Element, value: float) -> None:
-    origin = joint.find("origin")
+def _fix(joint: Element, value: float) -> None:
+    kind = joint.get("type")
+    joint.set("type", "fixed")
+    mimic = joint.find("mimic")
+    if mimic is not None:
+        joint.remove(mimic)
+    if value == 0.0:
+        return
+    origin, tag = joint.find("origin"), joint.find("axis")
     if origin is None:
         origin = ElementTree.SubElement(joint, "origin")
-    turn = Rotation.from_euler("xyz", _numbers(origin.get("rpy"), "0 0 0"))
-    shift = _numbers(origin.get("xyz"), "0 0 0")
-    axis_tag = joint.find("axis")
-    axis = _numbers(None if axis_tag is None else axis_tag.get("xyz"), "1 0 0")
-    if joint.get("type") == "prismatic":
-        shift = shift + turn.apply(value * axis)
+    axis = _numbers(None if tag is None else tag.get("xyz"), "1 0 0")
+    turn = pin.rpy.rpyToMatrix(_numbers(origin.get("rpy"), "0 0 0"))
+    motion = value * axis / np.linalg.norm(axis)
+    if kind == "prismatic":
+        shift = _numbers(origin.get("xyz"), "0 0 0") + turn @ motion
+        origin.set("xyz", _words(shift))
     else:
-        turn = turn * Rotation.from_rotvec(value * axis)
-    joint.set("type", "fixed")
-    origin.set("xyz", " ".join(repr(float(number)) for number in shift))
-    origin.set("rpy", " ".join(repr(float(number)) for number in turn.as_euler("xyz")))
+        origin.set("rpy", _words(pin.rpy.matrixToRpy(turn @ pin.exp3(motion))))
 
 
-def _numbers(text: str | None, default: str) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
+def _follow(joint: Element, leader: str, factor: float, offset: float) -> None:
+    mimic = joint.find("mimic")
+    assert mimic is not None
+    mimic.set("joint", leader)
+    mimic.set("multiplier", repr(factor))
+    mimic.set("offset", repr(offset))
+
+
+def _numbers(text: str | None, default: str) -> NDArray[np.float64]:
     return np.array([float(word) for word in (text or default).split()])
 
 
-def _bound(joint: ElementTree.Element) -> None:
+def _words(numbers: NDArray[np.float64]) -> str:
+    return " ".join(repr(float(number)) for number in numbers)
+
+
+def _bound(joint: Element) -> None:
     joint.set("type", "revolute")
     limit = joint.find("limit")
     if limit is None:
-        limit = ElementTree.SubElement(joint, "limit", {"effort": "0", "velocity": "0"})
+        limit = ElementTree.SubElement(joint, "limit")
+    limit.set("effort", limit.get("effort", "0"))
+    limit.set("velocity", limit.get("velocity", "0"))
     limit.set("lower", repr(-math.pi))
     limit.set("upper", repr(math.pi))

@@ -36,7 +36,7 @@ class CollisionModel:
         world_T_base: (4, 4) pose of the arm's base link in the frame of the obstacles; None: the same frame.
         margin: pairs closer than this count as in collision, in [m].
         allowed: pairs of names (links, obstacles' names, "held") that may touch, such as a held book and
-            the tray that it stands on.
+            the tray that it stands on; beside those of the arm itself.
     """
 
     def __init__(
@@ -50,7 +50,7 @@ class CollisionModel:
     ) -> None:
         self.arm = arm
         self.margin = margin
-        self._allowed = {frozenset(pair) for pair in allowed}
+        self._allowed = {frozenset(pair) for pair in (*arm.allowed, *allowed)}
         self._model, self._bodies, root_T_base = arm.for_collision()
         self._names = [self._model.frames[body.parentFrame].name for body in self._bodies.geometryObjects]
         self._links = range(len(self._names))

@@ -1,0 +1,126 @@
+"""The URDF of a whole robot, put together from its parts, and where everything in it stands."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, NamedTuple
+
+from files.errors import FileError, Finding
+from files.suggest import suggest
+from robotics.kinematics.srdf import disabled_pairs
+from robotics.kinematics.urdf_assembly import with_names, with_part
+from robotics.kinematics.urdf_reading import UrdfFaults
+
+from .robot_parts import KeyPath, PartSpec, UrdfError, read_part, read_srdf
+
+if TYPE_CHECKING:
+    from .robot_file import RobotFile
+
+Pair = tuple[str, str]
+
+
+class Place(NamedTuple):
+    """Where something stands in a maker's file; line and column count from 1."""
+
+    file: str
+    line: int
+    column: int
+
+    def finding(self, message: str) -> Finding:
+        """Something to be told about it."""
+        return Finding(self.file, self.line, self.column, message)
+
+
+@dataclass(frozen=True)
+class RobotUrdf:
+    """One robot from several URDFs."""
+
+    text: str
+    """The URDF; meshes named by absolute paths, links and joints as the robot's file maps them."""
+    places: Mapping[tuple[str, str], Place]
+    """By ("link" or "joint", name): where it stands."""
+    allowed: frozenset[Pair] = frozenset()
+    """Pairs of links that may touch each other, by SRDF files and by the robot's file."""
+    disabled: int = 0
+    """How many of these are of SRDF files."""
+    doubts: Sequence[Finding] = field(default_factory=tuple)
+    """What is wrong in the URDFs, but keeps nobody from using them."""
+
+    def finding(self, kind: str, name: str, message: str) -> Finding | None:
+        """Something to be told about a "link" or "joint", at its place; None for one that we have added."""
+        place = self.places.get((kind, name))
+        return None if place is None else place.finding(f"{kind} {name!r}: {message}")
+
+
+def robot_urdf(robot: RobotFile) -> RobotUrdf:
+    """Put a robot together as its file says.
+
+    Raises:
+        FileError: what is wrong in a URDF or SRDF.
+        UrdfError: one is missing, can't be put there, or lacks what is mapped.
+    """
+    own = PartSpec(urdf=robot.urdf, srdf=robot.srdf, onto="")
+    text, pairs = "", []
+    places: dict[tuple[str, str], Place] = {}
+    doubts: list[Finding] = []
+    for number, spec in enumerate((own, *robot.parts)):
+        try:
+            part = read_part(spec.urdf, robot.folder)
+            text = with_part(text, spec.part(part.text)) if number else part.text
+            pairs += _pairs(spec, robot.folder)
+        except FileError:  # has the URDF's own lines
+            raise
+        except UrdfError as error:
+            raise UrdfError(str(error), _key(number, error.key)) from error
+        except ValueError as error:
+            raise UrdfError(str(error), _key(number, None)) from error
+        doubts += part.doubts
+        for (kind, name), (line, column) in part.places.items():
+            places[kind, spec.prefix + name] = Place(part.file, line, column)
+    text, links, joints = with_names(text, *_mapped(robot, places))
+    now = {"link": links, "joint": joints}
+    stated = [(links.get(a, a), links.get(b, b)) for a, b in (*pairs, *robot.allowed_contacts)]
+    return RobotUrdf(
+        text,
+        {(kind, now[kind].get(name, name)): place for (kind, name), place in places.items()},
+        frozenset((min(pair), max(pair)) for pair in stated),
+        len(pairs),
+        doubts,
+    )
+
+
+def _key(number: int, key: KeyPath | None) -> KeyPath:
+    """Where the robot's file names its own URDF, or a part's."""
+    last = key or ("urdf",)
+    return last if number == 0 else ("parts", number - 1, *(key or ()))
+
+
+def _pairs(spec: PartSpec, folder: Path) -> list[Pair]:
+    if spec.srdf is None:
+        return []
+    try:
+        pairs = disabled_pairs(read_srdf(spec.srdf, folder))
+    except UrdfFaults as wrong:
+        findings = [Finding(spec.srdf, each.line, each.column, each.message) for each in wrong.faults]
+        raise FileError(findings) from wrong
+    except FileError:
+        raise
+    except ValueError as error:
+        raise UrdfError(str(error), ("srdf",)) from error
+    return [(spec.prefix + a, spec.prefix + b) for a, b in pairs]
+
+
+def _mapped(robot: RobotFile, places: Mapping[tuple[str, str], Place]) -> tuple[list[Pair], list[Pair]]:
+    """Links and joints that the robot's file calls otherwise than their URDF: old names and new ones."""
+    links = [(key, ("links", role), role) for role, key in robot.links.items()]
+    joints = [(joint, key, name) for key, joint, name in robot.mapped_joints()]
+    for kind, asked in (("link", links), ("joint", joints)):
+        known = [name for each, name in places if each == kind]
+        for old, key, _ in asked:
+            if old not in known:
+                wrong = f"the URDF has no {kind} {old!r}{suggest(old, known)}"
+                raise UrdfError(wrong, key)
+    roles = [(old, str(role)) for old, _, role in links if old != role]
+    return roles, [(old, name) for old, _, name in joints if old != name]

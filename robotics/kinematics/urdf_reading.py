@@ -1,0 +1,92 @@
+"""Reading a URDF so that each element knows where it stands in its file."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Any, NamedTuple
+from xml.etree import ElementTree
+from xml.parsers import expat
+
+_NOT_WELL_FORMED = "the URDF is not well-formed"
+
+
+class UrdfFault(NamedTuple):
+    """One thing wrong in a URDF; line and column count from 1."""
+
+    line: int
+    column: int
+    message: str
+    """Reads "what is wrong; what is allowed", and names the link or joint."""
+    mild: bool = False
+    """Whether the URDF can be used all the same."""
+
+
+class UrdfFaults(ValueError):
+    """A text that is no sound URDF, with all that was found."""
+
+    def __init__(self, faults: Iterable[UrdfFault]) -> None:
+        self.faults = tuple(faults)
+        super().__init__("; ".join(f"line {each.line}: {each.message}" for each in self.faults))
+
+
+class UrdfElement(ElementTree.Element):
+    """An element of XML, and where its tag begins; 0 for one that stands in no file."""
+
+    line: int = 0
+    column: int = 0
+
+    def fault(self, message: str) -> UrdfFault:
+        """Something wrong with it."""
+        return UrdfFault(self.line, self.column, message)
+
+
+def read_urdf(text: str) -> UrdfElement:
+    """The URDF's root element.
+
+    Raises:
+        UrdfFaults: it is not well-formed XML, declares entities, or is no robot.
+    """
+    robot = read_xml(text)
+    if robot.tag != "robot":
+        raise UrdfFaults([robot.fault(f"the URDF's root is <{robot.tag}>; allowed: <robot>")])
+    return robot
+
+
+def read_xml(text: str) -> UrdfElement:
+    """The root element of any XML; raises `UrdfFaults` where it is not well-formed or declares entities."""
+    reader = _Reader()
+    try:
+        reader.parser.Parse(text, True)
+    except expat.ExpatError as error:
+        what = expat.ErrorString(error.code)
+        fault = UrdfFault(error.lineno, error.offset + 1, f"{_NOT_WELL_FORMED}: {what}")
+        raise UrdfFaults([fault]) from error
+    except (ValueError, UnicodeEncodeError) as error:
+        if isinstance(error, UrdfFaults):
+            raise
+        raise UrdfFaults([UrdfFault(1, 1, f"{_NOT_WELL_FORMED}: {error}")]) from error
+    root: UrdfElement = reader.builder.close()  # type: ignore[assignment]
+    return root
+
+
+class _Reader:
+    """Builds a tree of elements that know their places."""
+
+    def __init__(self) -> None:
+        self.builder = ElementTree.TreeBuilder(element_factory=UrdfElement)
+        self.parser = expat.ParserCreate()
+        self.parser.buffer_text = True
+        self.parser.StartElementHandler = self._start
+        self.parser.EndElementHandler = self.builder.end
+        self.parser.CharacterDataHandler = self.builder.data
+        self.parser.EntityDeclHandler = self._entity
+
+    def _start(self, tag: str, attributes: dict[str, str]) -> None:
+        element: Any = self.builder.start(tag, attributes)
+        element.line = self.parser.CurrentLineNumber
+        element.column = self.parser.CurrentColumnNumber + 1
+
+    def _entity(self, name: str, *_: object) -> None:
+        line, column = self.parser.CurrentLineNumber, self.parser.CurrentColumnNumber + 1
+        wrong = f"declares the entity {name[:40]!r}; allowed: XML without entities of its own"
+        raise UrdfFaults([UrdfFault(line, column, wrong)])
