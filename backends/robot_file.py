@@ -20,10 +20,12 @@ from files.model import FileModel
 from files.suggest import suggest
 from files.yaml_document import read_document
 from robotics.kinematics.urdf_assembly import link_names
+from robotics.kinematics.urdf_contents import joints_of
 from robotics.manipulation.suspension_model import SuspensionModel
 
 from .can_spec import CanSpec
 from .ground_spec import GpsSpec, GroundSpec
+from .joint_units import JointUnits
 from .robot_findings import robot_findings
 from .robot_parts import PACKAGE, KeyPath, PartSpec, UrdfPlace
 from .robot_urdf import RobotUrdf, robot_urdf
@@ -31,6 +33,8 @@ from .sensor_specs import CameraSpec, ImuSpec, PositioningSpec, RangeSpec
 from .simulated_errors import Errors
 
 if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
     from robotics.kinematics.arm_model import ArmModel
 
     from .robot_shape import FingerShape, TrayShape
@@ -70,12 +74,16 @@ class ArmSpec(FileModel):
     """Names in the URDF, from the shoulder to the hand."""
     top_speed_deg_s: Positive
     acceleration_deg_s2: Positive
+    slide_speed_mm_s: Positive | None = None
+    """The same for joints that slide: a lift, say. Needed where there is one."""
+    slide_acceleration_mm_s2: Positive | None = None
     accuracy_mm: Positive = 0.5
     """How far off the hand may be from where the joints say it is, sigma along each axis."""
     working_deg: dict[str, tuple[float, float]] = Field(default_factory=dict)
-    """By joint, narrower limits for where the hand works; on the way there those of the URDF count."""
+    """By joint that turns, narrower limits for where the hand works; on the way those of the URDF count."""
     postures: dict[str, tuple[float, ...]]
-    """Joint angles in [deg], in the order of `joints`. `handcart teach` adds to them."""
+    """Joint angles in [deg], of joints that slide [mm], in the order of `joints`. `handcart teach` adds to
+    them."""
 
 
 class GripperSpec(FileModel):
@@ -138,6 +146,8 @@ class Tolerance(FileModel):
     base_mm: Positive
     base_deg: Positive
     joints_deg: Positive
+    slides_mm: Positive = 2.0
+    """Of the arm's joints that slide."""
     gripper_mm: Positive
     object_mm: Positive
 
@@ -240,6 +250,31 @@ class RobotFile(FileModel):
         return ArmModel(self.urdf_text(), self.arm.joints, allowed=self.whole.allowed)
 
     @cached_property
+    def joint_units(self) -> JointUnits:
+        """What people call the angles and ways of the arm's joints; none where there is no arm."""
+        names = () if self.arm is None else self.arm.joints
+        kinds = {each.name: each.kind for each in joints_of(self.urdf_text())} if names else {}
+        of_arm = [kinds.get(name) for name in names]
+        slides = tuple(kind == "prismatic" for kind in of_arm)
+        return JointUnits(names, slides, tuple(kind == "continuous" for kind in of_arm))
+
+    def joint_speeds(self) -> NDArray[np.float64]:
+        """(n,): how fast the arm's joints may move by the robot's file, in [rad/s] or [m/s]."""
+        arm = self.arm
+        return np.empty(0) if arm is None else self._each(arm.top_speed_deg_s, arm.slide_speed_mm_s)
+
+    def joint_accelerations(self) -> NDArray[np.float64]:
+        """(n,): how hard they may speed up, in [rad/s²] or [m/s²]."""
+        arm = self.arm
+        return (
+            np.empty(0) if arm is None else self._each(arm.acceleration_deg_s2, arm.slide_acceleration_mm_s2)
+        )
+
+    def _each(self, turning_deg: float, sliding_mm: float | None) -> NDArray[np.float64]:
+        turns, slides = math.radians(turning_deg), (sliding_mm or 0.0) / 1e3
+        return np.array([slides if each else turns for each in self.joint_units.slides])
+
+    @cached_property
     def has_tray(self) -> bool:
         """Whether it can carry a book on a tray."""
         return self.arm is not None and "tray" in link_names(self.urdf_text())
@@ -299,11 +334,11 @@ class RobotFile(FileModel):
         return ideal
 
     def posture(self, name: str) -> tuple[float, ...]:
-        """A named posture, in [rad]; raises `UnknownPosture`."""
+        """A named posture, in [rad] and [m]; raises `UnknownPosture`."""
         if self.arm is None or name not in self.arm.postures:
             known = ", ".join(self.arm.postures) if self.arm else "none: the robot has no arm"
             raise UnknownPosture(f"the robot's file has no posture {name!r}; allowed: {known}")
-        return tuple(math.radians(angle) for angle in self.arm.postures[name])
+        return self.joint_units.si(self.arm.postures[name])
 
 
 def load_robot(name: str) -> RobotFile:

@@ -6,22 +6,26 @@ from importlib import import_module
 from typing import TYPE_CHECKING
 
 from files.errors import FileError
-from files.suggest import suggest
+from files.suggest import listed, suggest
 from robotics.kinematics.urdf_assembly import link_names
+from robotics.kinematics.urdf_contents import joints_of
+from robotics.kinematics.urdf_tree import joint_leaders
 
 from .can_findings import can_findings, placed_axes
 from .ground_spec import OUTDOORS
 from .robot_parts import UrdfError
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator, Mapping, Sequence
+
     from files.errors import Finding
     from files.yaml_document import Document
     from robotics.kinematics.arm_model import ArmModel
 
+    from .joint_units import JointUnits
     from .robot_file import ArmSpec, RobotFile
 
 FINGERS = ("left_finger", "right_finger")
-UNREADABLE = "Could not load resource"  # coal's words about a mesh
 
 
 def robot_findings(robot: RobotFile, document: Document) -> list[Finding]:
@@ -32,12 +36,14 @@ def robot_findings(robot: RobotFile, document: Document) -> list[Finding]:
         return list(error.findings)
     except UrdfError as error:
         return [document.finding(error.key or ("urdf",), str(error))]
-    arm = _arm_findings(robot.arm, urdf, document) if robot.arm else []
     frames = _frame_findings(robot, urdf, document)
-    boxes = _box_findings(robot, document)
-    return arm or [
+    if robot.arm is not None:
+        arm = _arm_findings(robot, robot.arm, urdf, document, bool(frames))
+        if arm:
+            return [*frames, *arm]
+    return [
         *frames,
-        *boxes,
+        *([] if frames else _box_findings(robot, document)),
         *_positioning_findings(robot, document),
         *_bus_findings(robot, document),
         *can_findings(robot, document),
@@ -86,14 +92,15 @@ def _positioning_findings(robot: RobotFile, document: Document) -> list[Finding]
 def _frame_findings(robot: RobotFile, urdf: str, document: Document) -> list[Finding]:
     """Links and joints that our names are expected of."""
     links = link_names(urdf)
-    needed = {("urdf",): "base" if "base" not in links else None}
+    needed = {("urdf",): "base", **({} if robot.arm is None else {("arm",): "hand"})}
     for key in ("range_sensor", "camera", "imu", "gps"):
-        missing = getattr(robot, key) is not None and key not in links
-        needed[(key,)] = key if missing else None
+        if getattr(robot, key) is not None:
+            needed[(key,)] = key
+    how = "; or name one of them under the key `links`"
     return [
-        document.finding(key, f"the URDF has no link {link!r}{suggest(link, links)}")
+        document.finding(key, f"the URDF has no link {link!r}{suggest(link, links)}{how}")
         for key, link in needed.items()
-        if link is not None
+        if link not in links
     ]
 
 
@@ -111,39 +118,82 @@ def _box_findings(robot: RobotFile, document: Document) -> list[Finding]:
     return found
 
 
-def _arm_findings(arm: ArmSpec, urdf: str, document: Document) -> list[Finding]:
-    from robotics.kinematics.arm_model import ArmModel
-
+def _arm_findings(
+    robot: RobotFile, arm: ArmSpec, urdf: str, document: Document, only_joints: bool
+) -> list[Finding]:
+    """What is wrong with the arm; `only_joints`, where a link that it stands on or ends in is missing."""
+    facts = {each.name: each for each in joints_of(urdf)}
+    leaders = joint_leaders(urdf)
+    key = ("arm", "joints")
+    found = [document.finding(key, wrong) for wrong in _joint_faults(arm.joints, list(facts), leaders)]
+    found += [
+        document.finding(("arm", "working_deg", name), f"{name!r} doesn't turn; allowed: joints that do")
+        for name in arm.working_deg
+        if name in facts and facts[name].kind == "prismatic"
+    ]
+    if found or only_joints:
+        return found
+    found += _slide_findings(robot, arm, document)
     try:
-        model = ArmModel(urdf, arm.joints)
+        model = robot.arm_model()
     except ValueError as error:
-        if UNREADABLE in str(error):
-            lines = str(error).partition(UNREADABLE)[2].strip().splitlines()
-            wrong = f"a mesh can't be read: {', '.join(lines[:2])}; allowed: STL, OBJ or DAE files"
-            return [document.finding(("urdf",), wrong)]
-        return [document.finding(("arm", "joints"), f"{error}; allowed: joints of the file's urdf")]
-    return [
+        return [*found, document.finding(key, f"{error}; allowed: an arm that stands on the link `base`")]
+    found += [
+        robot.whole.finding("joint", name, "its limits leave it no room; allowed: lower below upper")
+        or document.finding(key, f"{name!r} has no room between its limits")
+        for name, low, high in zip(arm.joints, model.lower, model.upper, strict=True)
+        if not low < high
+    ]
+    return found + [
         document.finding(("arm", "postures", name), wrong)
         for name, angles in arm.postures.items()
-        for wrong in posture_faults(model, arm.joints, angles)
+        for wrong in posture_faults(model, robot.joint_units, angles)
     ]
 
 
-def posture_faults(model: ArmModel, joints: tuple[str, ...], angles: tuple[float, ...]) -> list[str]:
+def _joint_faults(
+    joints: Sequence[str], movable: Sequence[str], leaders: Mapping[str, tuple[str, float, float]]
+) -> Iterator[str]:
+    for name in dict.fromkeys(joints):
+        if name not in movable:
+            yield f"the URDF has no movable joint {name!r}{suggest(name, movable)}"
+        elif name in leaders:
+            yield f"{name!r} follows {leaders[name][0]!r} (mimic); allowed: joints that move by themselves"
+        if joints.count(name) > 1:
+            yield f"{name!r} stands there {joints.count(name)} times; allowed: each joint once"
+    if not joints:
+        yield f"an arm without joints; allowed: {listed(movable)}, or no section `arm`"
+
+
+def _slide_findings(robot: RobotFile, arm: ArmSpec, document: Document) -> list[Finding]:
+    units = robot.joint_units
+    slide = next((name for name, slides in zip(units.names, units.slides, strict=True) if slides), None)
+    if slide is None:
+        return []
+    return [
+        document.finding(("arm",), f"the joint {slide!r} slides; needed: {key}")
+        for key in ("slide_speed_mm_s", "slide_acceleration_mm_s2")
+        if getattr(arm, key) is None
+    ]
+
+
+def posture_faults(model: ArmModel, units: JointUnits, told: Sequence[float]) -> list[str]:
     """Why an arm can't take a posture, in words; nothing where it can.
 
     Args:
         model: of the arm, with its limits.
-        joints: their names.
-        angles: of the joints, in [deg].
+        units: of its joints.
+        told: a number for each of them, in [deg] or [mm].
     """
-    import numpy as np
-
-    if len(angles) != len(joints):
-        return [f"{len(angles)} angles; allowed: {len(joints)}, one for each joint"]
-    limits = zip(joints, angles, np.degrees(model.lower), np.degrees(model.upper), strict=True)
+    if len(told) != len(units.names):
+        return [f"{len(told)} angles; allowed: {len(units.names)}, one for each joint ({units.all})"]
+    limits = zip(units.names, units.si(told), told, model.lower, model.upper, strict=True)
     return [
-        f"{joint} can't stand at {angle:g} deg; allowed: {low:.1f} to {high:.1f}"
-        for joint, angle, low, high in limits
-        if not low <= angle <= high
+        f"{joint} can't stand at {said:g} {units.unit(number)}; allowed: {_told(units, number, low, high)}"
+        for number, (joint, value, said, low, high) in enumerate(limits)
+        if not low <= value <= high
     ]
+
+
+def _told(units: JointUnits, number: int, low: float, high: float) -> str:
+    return f"{units.told_of(number, low):.1f} to {units.told_of(number, high):.1f}"

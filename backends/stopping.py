@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import math
-
 from .robot import Robot
 
 LATEST = 3
@@ -18,7 +16,8 @@ def stopping_distance(robot: Robot) -> float:
 
 def stopping_ramp(robot: Robot) -> float:
     """The longest that anything moves on after the stop command has left, in [s]: from top speed."""
-    drive, arm = robot.spec.drive, robot.spec.arm
+    drive = robot.spec.drive
     base = drive.top_speed_m_s / drive.acceleration_m_s2
     turn = drive.top_turn_deg_s / drive.turn_acceleration_deg_s2
-    return max(base, turn, arm.top_speed_deg_s / arm.acceleration_deg_s2 if arm else -math.inf)
+    ramps = robot.spec.joint_speeds() / robot.spec.joint_accelerations()
+    return max([base, turn, *map(float, ramps)])

@@ -15,10 +15,24 @@ from backends.robot_file import RobotFile
 from robotics.geometry.pose2 import Pose2
 from robotics.geometry.transform import Transform, difference, inverse
 
-from .sensor_sigmas import BASE_SIGMA_DEG, BASE_SIGMA_MM, JOINT_SIGMA_DEG, OBJECT_SIGMA_MM, SIGMAS
+from .sensor_sigmas import (
+    BASE_SIGMA_DEG,
+    BASE_SIGMA_MM,
+    JOINT_SIGMA_DEG,
+    OBJECT_SIGMA_MM,
+    SIGMAS,
+    SLIDE_SIGMA_MM,
+)
 
 GRIPPER_SIGMA_MM = 0.05  # of the measured opening
-STILL = {"base mm": 0.5, "base deg": 0.05, "joints deg": 0.05, "gripper mm": 0.2, "body mm": 1.0}
+STILL = {
+    "base mm": 0.5,
+    "base deg": 0.05,
+    "joints deg": 0.05,
+    "slides mm": 0.2,
+    "gripper mm": 0.2,
+    "body mm": 1.0,
+}
 """Within which what stands may be seen to move, in two seconds."""
 
 
@@ -39,7 +53,9 @@ class GroundTruth:
     base: Pose2
     """world_T_base."""
     joints: NDArray[np.float64]
-    """(n,) in [rad]."""
+    """(n,) in [rad], or [m] of those that slide."""
+    slides: NDArray[np.bool_]
+    """(n,) which joints do."""
     width: float
     """Between the finger pads, in [m]."""
     bodies: Mapping[str, Body]
@@ -59,8 +75,9 @@ def ground_truth(backend: Backend) -> GroundTruth | None:
     if scene is None:
         return None
     bodies = {each.name: _body(scene, each) for each in (*scene.books.values(), *scene.blocks.values())}
+    slides = np.array(scene.robot.joint_units.slides[: scene.joints.size], dtype=np.bool_)
     bumps = sum(contact.body == "base" for contact in scene.contacts)
-    return GroundTruth(scene.base, scene.joints.copy(), float(scene.width), bodies, bumps)
+    return GroundTruth(scene.base, scene.joints.copy(), slides, float(scene.width), bodies, bumps)
 
 
 def _body(scene: Any, thing: Any) -> Body:
@@ -77,7 +94,8 @@ def moved(before: GroundTruth, after: GroundTruth) -> dict[str, float]:
     result = {
         "base mm": 1e3 * before.base.distance(after.base),
         "base deg": math.degrees(before.base.turn(after.base)),
-        "joints deg": math.degrees(float(joints.max(initial=0.0))),
+        "joints deg": math.degrees(float(joints[~before.slides].max(initial=0.0))),
+        "slides mm": 1e3 * float(joints[before.slides].max(initial=0.0)),
         "gripper mm": 1e3 * abs(before.width - after.width),
     }
     for name, body in before.bodies.items():
@@ -94,6 +112,7 @@ def not_restored(before: GroundTruth, after: GroundTruth, spec: RobotFile) -> li
         "base mm": tolerance.base_mm + SIGMAS * BASE_SIGMA_MM,
         "base deg": tolerance.base_deg + SIGMAS * BASE_SIGMA_DEG,
         "joints deg": tolerance.joints_deg + SIGMAS * JOINT_SIGMA_DEG,
+        "slides mm": tolerance.slides_mm + SIGMAS * SLIDE_SIGMA_MM,
         "gripper mm": tolerance.gripper_mm + SIGMAS * GRIPPER_SIGMA_MM,
     }
     body = tolerance.object_mm + SIGMAS * OBJECT_SIGMA_MM

@@ -59,7 +59,7 @@ def moved(robot: Robot, stood: Snapshot, now: Snapshot) -> dict[str, float]:
 
     That a pose isn't surely known is no motion.
     """
-    found = residuals(stood, replace(now, pose_sigma=(0.0, 0.0)))
+    found = residuals(stood, replace(now, pose_sigma=(0.0, 0.0)), robot.spec.joint_units.slides)
     allowed = limits(robot, found)
     return {name: size for name, size in found.items() if not size <= allowed[name]}
 

@@ -71,7 +71,7 @@ def reconnoitre(robot: Robot, past: Past) -> Recon:
     unknown = list(past.doubts())
     if expected is None:
         return Recon(None, now, {}, {}, (*unknown, "how the robot stood: the journal doesn't tell"), False)
-    found = residuals(expected, now)
+    found = residuals(expected, now, robot.spec.joint_units.slides)
     if robot.dead_reckoned:
         found = {name: size for name, size in found.items() if name not in _BY_SCANS}
         unknown.append("where the base stands: only its wheels tell, and they were not heard meanwhile")

@@ -98,11 +98,8 @@ def follow(robot: Robot, path: NDArray[np.float64]) -> Periods:
     Raises:
         Discrepancy: the arm doesn't follow.
     """
-    spec = robot.spec.arm
-    top = np.radians(spec.top_speed_deg_s) if spec else np.inf
-    hard = np.radians(spec.acceleration_deg_s2) if spec else np.inf
-    speed = np.minimum(robot.arm_model.velocity, top)
-    for joints in time_path(path, speed, np.full(len(speed), hard), robot.period)[1:]:
+    speed = np.minimum(robot.arm_model.velocity, robot.spec.joint_speeds())
+    for joints in time_path(path, speed, robot.spec.joint_accelerations(), robot.period)[1:]:
         robot.arm.move(joints)
         yield
         behind = float(np.abs(robot.arm.joints() - joints).max())

@@ -190,7 +190,7 @@ def _restore(
             primitive.evidence.blame(error, restoring=True)
             yield from _halt(robot)
             return GiveUp(f"{reason}; and restoring failed: {_words(error)}")
-        found = residuals(start, now)
+        found = residuals(start, now, robot.spec.joint_units.slides)
         primitive.evidence.limits = limits(robot, found)
         verdict = fail_if_restored(reason, permanent, found, primitive.evidence.limits)
         if isinstance(verdict, Fail):

@@ -104,7 +104,7 @@ def working_arm(spec: RobotFile) -> ArmModel:
     if spec.arm is None:
         raise Discrepancy("the robot's file has no arm", permanent=True)
     arm = spec.arm_model()
-    arm.velocity = np.minimum(arm.velocity, math.radians(spec.arm.top_speed_deg_s))
+    arm.velocity = np.minimum(arm.velocity, spec.joint_speeds())
     return arm
 
 

@@ -139,14 +139,14 @@ class SensorArm:
 
     def _top(self) -> float:
         """What the turning joints may do, in [rad/s]."""
-        spec = self._robot.spec.arm
-        most = math.radians(spec.top_speed_deg_s) if spec else math.inf
-        return min(float(self._robot.arm_model.velocity[:2].min()), most) * (1.0 - 1e-6)
+        most = np.minimum(self._robot.arm_model.velocity, self._robot.spec.joint_speeds())
+        return float(most[:2].min()) * (1.0 - 1e-6)
 
     def slide(self, goal: float, speed: float = FAST) -> Generator[None, None, float]:
         """Move the slide to `goal` [m], or until the hand meets something; gives the force from below [N]."""
         robot = self._robot
-        step = min(speed, float(robot.arm_model.velocity[2])) * robot.period * (1.0 - 1e-6)
+        most = min(float(robot.arm_model.velocity[2]), float(robot.spec.joint_speeds()[2]))
+        step = min(speed, most) * robot.period * (1.0 - 1e-6)
         while abs(goal - (at := robot.arm.command()[2])) > 1e-6:
             joints = robot.arm.command()
             joints[2] = at + max(-step, min(step, goal - at))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Generator, Mapping
+from collections.abc import Generator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -80,11 +80,16 @@ def take_snapshot(robot: Robot, seen: Seen) -> Snapshot:
     )
 
 
-def residuals(start: Snapshot, now: Snapshot) -> dict[str, float]:
+def residuals(start: Snapshot, now: Snapshot, slides: Sequence[bool] = ()) -> dict[str, float]:
     """How far `now` is from `start`: name with unit to size.
 
     What no longer is there, or isn't held any more, is infinitely far. Beside the base's residual stands how
     far it may be off unnoticed: 3 sigma of the measurement.
+
+    Args:
+        start: what was measured before.
+        now: what is measured now.
+        slides: which of the arm's joints slide; left out: none.
     """
     result = {
         "base_mm": 1e3 * now.pose.distance(start.pose),
@@ -94,8 +99,12 @@ def residuals(start: Snapshot, now: Snapshot) -> dict[str, float]:
         "gripper_mm": 1e3 * abs(now.gripper_width - start.gripper_width),
         "held": math.inf if start.holding != now.holding else 0.0,
     }
-    if start.joints.size:
-        result["joints_deg"] = math.degrees(float(np.abs(now.joints - start.joints).max()))
+    off = np.abs(now.joints - start.joints)
+    sliding = np.array(slides, dtype=bool) if len(slides) else np.zeros(off.shape, dtype=bool)
+    if not sliding.all():
+        result["joints_deg"] = math.degrees(float(off[~sliding].max()))
+    if sliding.any():
+        result["slides_mm"] = 1e3 * float(off[sliding].max())
     for name, place in start.seen.items():
         away = math.dist(place, now.seen[name]) if name in now.seen else math.inf
         result[f"object {name} mm"] = 1e3 * away
@@ -118,6 +127,7 @@ def limits(robot: Robot, names: Mapping[str, float]) -> dict[str, float]:
         "base_unsure_mm": tolerance.base_mm,
         "base_unsure_deg": tolerance.base_deg,
         "joints_deg": tolerance.joints_deg,
+        "slides_mm": tolerance.slides_mm,
         "gripper_mm": tolerance.gripper_mm,
         "held": 0.0,
     }

@@ -97,7 +97,7 @@ class Track(ActionPrimitive):
     def _limits(self, robot: Robot, model: ArmModel) -> TrackingLimits:
         arm, tool = robot.spec.arm, robot.spec.tool
         assert arm is not None and tool is not None, "checked by `placer_of`"
-        hard = np.full(model.dof, np.radians(arm.acceleration_deg_s2))
+        hard = robot.spec.joint_accelerations()
         speed = self.speed_m_s or tool.speed_m_s
         return TrackingLimits(speed, hard, ArmLoad(model).torque, tool.force_n)
 

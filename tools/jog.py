@@ -12,7 +12,10 @@ def jog(
     robot: Annotated[str, typer.Argument(help="the robot's YAML file, or a shipped robot")],
     axis: Annotated[str, typer.Argument(help="such as 'left wheel', 'joint 2', gripper")],
     way: Annotated[
-        float, typer.Argument(help="at most: [mm], of joints [deg]; below 0 the other way, after a --: -- -5")
+        float,
+        typer.Argument(
+            help="at most: [mm], of joints that turn [deg]; below 0 the other way, after a --: -- -5"
+        ),
     ],
     bench: Annotated[
         str | None, typer.Option(help="simulated drives before this simulated backend: kinematic, pybullet")
@@ -23,7 +26,7 @@ def jog(
     from pathlib import Path
 
     from backends.robot_file import load_robot
-    from evaluation.bringup.jog import HAND_SPEED, Jogger, UnknownAxis
+    from evaluation.bringup.jog import HAND_SPEED, Jogger, UnknownAxis, slides
     from evaluation.bringup.operator import BenchOperator, Operator
     from evaluation.bringup.site import Site
     from evaluation.stage import LIBRARY
@@ -35,7 +38,7 @@ def jog(
     operator: Operator = TerminalOperator() if bench is None else BenchOperator()
     spec = load_robot(robot)
     site = Site(robot, spec, operator, Path(), LIBRARY / "task.yaml", bench or "", LIBRARY / "world.yaml")
-    turns = axis.startswith("joint")
+    turns = axis.startswith("joint") and not slides(spec, axis)
     wanted = math.radians(way) if turns else way / 1e3
     with site.backend() as backend:
         jogger = Jogger(backend, spec)

@@ -21,7 +21,9 @@ def teach(
         ),
     ],
     robot: Annotated[str, typer.Option(help="the robot's YAML file, or a shipped robot")],
-    joints: Annotated[str | None, typer.Option(help="joint angles in degrees: 10,20.5,-30,...")] = None,
+    joints: Annotated[
+        str | None, typer.Option(help="joint angles in degrees, of joints that slide mm: 10,20.5,-30,...")
+    ] = None,
     hand: Annotated[
         str | None, typer.Option(help="X,Y,Z in metres: where the hand is to be, upright and pointing ahead")
     ] = None,
@@ -92,7 +94,7 @@ def _copied(arm: ArmSpec, posture: str) -> list[float]:
 def _check_posture(angles: list[float], spec: RobotFile, arm: ArmSpec) -> None:
     from backends.robot_findings import posture_faults
 
-    faults = posture_faults(spec.arm_model(), arm.joints, tuple(angles))
+    faults = posture_faults(spec.arm_model(), spec.joint_units, tuple(angles))
     if faults:
         raise typer.BadParameter("; ".join(faults))
 

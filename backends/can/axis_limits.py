@@ -56,8 +56,8 @@ def wheel_limits(robot: RobotFile, spec: WheelDriveSpec) -> AxisLimits:
 def joint_limits(robot: RobotFile, spec: JointDriveSpec, model: ArmModel, joint: int) -> AxisLimits:
     """Of the arm's joint with that index."""
     assert robot.arm is not None
-    speed = min(float(model.velocity[joint]), math.radians(robot.arm.top_speed_deg_s))
-    rate = math.radians(robot.arm.acceleration_deg_s2)
+    speed = min(float(model.velocity[joint]), float(robot.joint_speeds()[joint]))
+    rate = float(robot.joint_accelerations()[joint])
     lower, upper = float(model.lower[joint]), float(model.upper[joint])
     window = math.radians(spec.following_deg)
     return AxisLimits(speed, _STIFFER * rate, _QUICKER * rate, lower, upper, window, FULL_TORQUE)

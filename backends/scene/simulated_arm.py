@@ -43,7 +43,7 @@ class SimulatedArm(Arm):
     def __init__(self, robot: RobotFile, model: ArmModel, stands: Vector, seed: int) -> None:
         """`stands` (n,) in [rad] is what its encoders should read at first."""
         self._model, self._errors, self._seed = model, robot.errors, seed
-        top = np.inf if robot.arm is None else np.radians(robot.arm.top_speed_deg_s)
+        top = np.inf if robot.arm is None else robot.joint_speeds()
         self._most = np.minimum(model.velocity, top) * robot.period_s
         self._command, self._from = stands.copy(), stands.copy()
         self._motions, self._moving = 0, False

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -15,7 +17,7 @@ from evaluation.robot_report.masses import corners_of
 from evaluation.robot_report.postures import MARGIN
 from robotics.manipulation.collision_model import CollisionModel
 
-from .jog import HAND_SPEED, Jogged, Jogger
+from .jog import HAND_SPEED, Jogged, Jogger, slides
 from .rung import Facts, Rung, RungFailed
 from .site import Site
 
@@ -23,7 +25,9 @@ SCALE = 0.05
 """Share by which tape and encoder may differ."""
 _SHARE = 0.3  # of their range by which the fingers are moved
 _TURN = math.radians(5.0)
+_SLIDE = 0.02  # [m]
 _STEP = math.radians(1.0)
+_SLIDE_STEP = 0.005  # [m]
 _DEEPER = 1e-4  # [m]
 _NEAR = math.radians(0.5)
 
@@ -50,6 +54,9 @@ def move_of(jogger: Jogger, axis: str) -> Move:
     if axis == "gripper":
         way = _SHARE * (upper - lower)
         return Move(way if up else -way, "the fingers opened" if up else "the fingers closed", "mm", 1e3)
+    if slides(jogger.robot, axis):
+        slid = "along the URDF's axis" if up else "against the URDF's axis"
+        return Move(_SLIDE if up else -_SLIDE, f"the joint slid {slid}", "mm", 1e3)
     turned = "the way that the URDF's axis says" if up else "against the way that the URDF's axis says"
     way = _TURN if up else -_TURN
     return Move(way, f"the joint turned {turned}", "deg", math.degrees(1.0))
@@ -136,29 +143,31 @@ class LimitsRung(Rung):
     ) -> Facts:
         facts: Facts = {}
         begun = jogger.position(axis)
+        units = site.robot.joint_units
+        unit = units.unit(number)
         for end, limit in zip(("lower", "upper"), jogger.limits(axis), strict=True):
             posture = np.array([each.position for each in backend.axes.joints])
             touches = free.touches_at(posture, number, limit)
             if touches is not None:
-                facts[f"{end}_touches_deg"] = round(math.degrees(touches), 1)
+                facts[f"{end}_touches_{unit}"] = round(units.told_of(number, touches), 1)
                 continue
-            question = f"{axis}: is the way to its {end} limit, {math.degrees(limit):.0f} deg, free?"
+            question = f"{axis}: is the way to its {end} limit, {units.words(number, limit, 0)}, free?"
             if not site.confirm(f"{axis.replace(' ', '_')}_{end}", question):
                 raise RungFailed(f"{axis}: not free; bring the arm elsewhere with `handcart jog`")
-            facts[f"{end}_deg"] = round(math.degrees(_to_limit(site, jogger, axis, limit)), 2)
+            stands = _to_limit(site, jogger, axis, limit, partial(units.words, number))
+            facts[f"{end}_{unit}"] = round(units.told_of(number, stands), 2)
             _held(site, jogger, axis, begun - jogger.position(axis), back=True)
         return facts
 
 
-def _to_limit(site: Site, jogger: Jogger, axis: str, limit: float) -> float:
-    """Jog a joint against its limit; where it stands then, in [rad]."""
+def _to_limit(site: Site, jogger: Jogger, axis: str, limit: float, words: Callable[[float], str]) -> float:
+    """Jog a joint against its limit; where it stands then, in [rad] or [m]; `words` tells such a value."""
     way = limit - jogger.position(axis)
     with site.operator.hold(f"{axis}: hold the space bar, to its limit") as held:
         done = jogger.jog(axis, way + math.copysign(0.2, way), held)
     at = jogger.position(axis)
     if done.ended != "limit" or abs(at - limit) > _NEAR:
-        stands = f"{axis} stands at {math.degrees(at):.1f} deg ({done.ended})"
-        raise RungFailed(f"{stands}; its limit is {math.degrees(limit):.1f} deg")
+        raise RungFailed(f"{axis} stands at {words(at)} ({done.ended}); its limit is {words(limit)}")
     return at
 
 
@@ -170,17 +179,19 @@ class FreeWay:
         fingers = dict.fromkeys(FINGERS, half) if robot.gripper else {}
         self._model = robot.arm_model().with_others(fingers)
         self._own = CollisionModel(self._model, margin=MARGIN)
+        self._slides = robot.joint_units.slides
 
     def touches_at(self, posture: NDArray[np.float64], joint: int, limit: float) -> float | None:
-        """At which angle in [rad] on the way to `limit` something is touched; None where nothing is.
+        """At which angle in [rad], or way in [m], on the way to `limit` something is touched; None: nowhere.
 
         Args:
-            posture: of all joints, (n,) in [rad].
-            joint: which one turns, from 0.
-            limit: where to, in [rad].
+            posture: of all joints, (n,) in [rad] or [m].
+            joint: which one moves, from 0.
+            limit: where to.
         """
         floor = self._lowest(posture) - _DEEPER  # wheels and casters stand on it
-        steps = max(2, math.ceil(abs(limit - posture[joint]) / _STEP))
+        step = _SLIDE_STEP if self._slides[joint] else _STEP
+        steps = max(2, math.ceil(abs(limit - posture[joint]) / step))
         for angle in np.linspace(posture[joint], limit, steps):
             there = posture.copy()
             there[joint] = angle

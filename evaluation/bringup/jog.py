@@ -167,18 +167,17 @@ class Jogger:
             return min(HAND_SPEED * tread / max(tread, tread / 2 + self._reach()), self._rim_limit())
         if kind == "joint":
             assert self._model is not None
-            assert self.robot.arm is not None
             lever = float(np.linalg.norm(self._model.jacobian(self._arm.joints())[:3, number]))
-            top = min(TOP_TURN, math.radians(self.robot.arm.top_speed_deg_s))
+            top = min(TOP_TURN, float(self.robot.joint_speeds()[number]))
             return min(HAND_SPEED / max(lever, 0.1), top)
         assert self.robot.gripper is not None
         return min(HAND_SPEED, self.robot.gripper.speed_mm_s / 1e3)
 
     def _braked(self, axis: str, left: float, last: float) -> float:
         """From how fast it comes to rest on what is `left`; what it was told `last` acts for two periods."""
-        drive, arm = self.robot.drive, self.robot.arm
-        joint = axis.startswith("joint") and arm is not None
-        rate = math.radians(arm.acceleration_deg_s2) if joint and arm else drive.acceleration_m_s2
+        kind, number = _parts(axis)
+        of_joints, of_base = self.robot.joint_accelerations(), self.robot.drive.acceleration_m_s2
+        rate = float(of_joints[number]) if kind == "joint" else of_base
         room = left - 2 * self.backend.period * last
         return max(math.sqrt(2 * rate * max(room, 0.0)), _CREEP)
 
@@ -233,6 +232,12 @@ def _part(found: C | None) -> C:
     """What each axis of the section `can` has behind it."""
     assert found is not None
     return found
+
+
+def slides(robot: RobotFile, axis: str) -> bool:
+    """Whether an axis, by its name, is a joint that slides."""
+    kind, number = _parts(axis)
+    return kind == "joint" and number < len(robot.joint_units.slides) and robot.joint_units.slides[number]
 
 
 def _parts(axis: str) -> tuple[str, int]:

@@ -50,8 +50,8 @@ def _bad_commands(bench: Bench, backend: Backend) -> list[tuple[str, Callable[[]
     arm, gripper = parts_of(backend).arm, parts_of(backend).gripper
     if arm is not None and spec.arm is not None:
         held = arm.command()
-        step = 1.5 * math.radians(spec.arm.top_speed_deg_s) * spec.period_s
-        for number in range(len(held)):
+        for number, top_rate in enumerate(spec.joint_speeds()):
+            step = 1.5 * float(top_rate) * spec.period_s
             for bad in (*BAD, 10.0, -10.0, held[number] + step, held[number] - step):
                 joints = held.copy()
                 joints[number] = bad

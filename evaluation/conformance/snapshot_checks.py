@@ -41,9 +41,13 @@ def covers(bench: Bench, finding: Finding) -> None:
             home = arm.command()
             for number in range(len(home)):
                 goal = home.copy()
-                goal[number] += math.radians(2.0 * tolerance.joints_deg)
+                slides = stage.robot.spec.joint_units.slides[number]
+                goal[number] += (
+                    2e-3 * tolerance.slides_mm if slides else math.radians(2.0 * tolerance.joints_deg)
+                )
                 move_joints(backend, arm, goal)
-                finding.expect("joints_deg" in _beyond(stage, start), f"joint {number + 1} moves unseen")
+                residual = "slides_mm" if slides else "joints_deg"
+                finding.expect(residual in _beyond(stage, start), f"joint {number + 1} moves unseen")
                 move_joints(backend, arm, home)
         if gripper is not None:
             before = gripper.command()
@@ -111,7 +115,8 @@ def _wait(stage: Stage, periods: int) -> None:
 def _plain(stage: Stage, start: Snapshot) -> dict[str, float]:
     """Residuals without how unsure the base's are."""
     now = replace(take_snapshot(stage.robot, {}), pose_sigma=(0.0, 0.0))
-    return {name: size for name, size in residuals(start, now).items() if "unsure" not in name}
+    found = residuals(start, now, stage.robot.spec.joint_units.slides)
+    return {name: size for name, size in found.items() if "unsure" not in name}
 
 
 def _beyond(stage: Stage, start: Snapshot) -> list[str]:

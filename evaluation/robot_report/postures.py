@@ -17,10 +17,11 @@ MARGIN = 0.008  # [m] between the arm's own links
 
 
 def posture_at(robot: RobotFile, place: tuple[float, float, float]) -> list[float] | None:
-    """Joint angles in [deg] that have the hand at a place of the base frame in [m], upright, pointing ahead.
+    """A posture that has the hand at a place of the base frame in [m], upright, pointing ahead.
 
-    The arm doesn't touch itself or the robot. Of several such postures the one most like `home` is taken;
-    where that isn't known, the one that keeps closest to the base's axis. None where there is none.
+    It is given in [deg], in [mm] for joints that slide. The arm doesn't touch itself or the robot. Of several
+    such postures the one most like `home` is taken; where that isn't known, the one that keeps closest to
+    the base's axis. None where there is none.
 
     Raises:
         ValueError: the robot has no arm.
@@ -36,7 +37,7 @@ def posture_at(robot: RobotFile, place: tuple[float, float, float]) -> list[floa
     assert robot.arm is not None
     home = np.array(robot.posture("home")) if "home" in robot.arm.postures else None
     best = min(good, key=lambda q: _extent(arm, q) if home is None else float(np.abs(q - home).max()))
-    return [float(angle) for angle in np.degrees(best)]
+    return list(robot.joint_units.told(best.tolist()))
 
 
 def _extent(arm: ArmModel, q: NDArray[np.float64]) -> float:

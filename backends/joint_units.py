@@ -1,0 +1,50 @@
+"""In which units people tell and enter an arm's joints: [deg], or [mm] where one slides."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import NamedTuple
+
+
+class JointUnits(NamedTuple):
+    """The joints of an arm; programs have [rad] and [m]."""
+
+    names: tuple[str, ...]
+    slides: tuple[bool, ...]
+    """Which of them are prismatic."""
+    endless: tuple[bool, ...]
+    """Which of them are continuous: a turn more or less makes no difference."""
+
+    def si(self, told: Sequence[float]) -> tuple[float, ...]:
+        """[rad] and [m] of what people say; of a continuous joint within half a turn."""
+        both = zip(told, self.slides, self.endless, strict=True)
+        return tuple(
+            value / 1e3 if slides else math.radians(_wrapped(value) if endless else value)
+            for value, slides, endless in both
+        )
+
+    def told(self, values: Sequence[float]) -> tuple[float, ...]:
+        """[deg] and [mm] of [rad] and [m]."""
+        return tuple(self.told_of(joint, value) for joint, value in enumerate(values))
+
+    def told_of(self, joint: int, value: float) -> float:
+        """The same of one joint."""
+        return 1e3 * value if self.slides[joint] else math.degrees(value)
+
+    def unit(self, joint: int) -> str:
+        """Of a joint: deg or mm."""
+        return "mm" if self.slides[joint] else "deg"
+
+    def words(self, joint: int, value: float, digits: int = 1) -> str:
+        """A joint's value in [rad] or [m] as people read it: `12.5 deg`."""
+        return f"{self.told_of(joint, value):.{digits}f} {self.unit(joint)}"
+
+    @property
+    def all(self) -> str:
+        """For a message about all of them: `deg`, or `deg, deg, mm`."""
+        return "deg" if not any(self.slides) else ", ".join(map(self.unit, range(len(self.names))))
+
+
+def _wrapped(degrees: float) -> float:
+    return degrees if abs(degrees) <= 180.0 else math.remainder(degrees, 360.0)
