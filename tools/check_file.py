@@ -4,18 +4,36 @@ from __future__ import annotations
 
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
 import typer
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-    from files.errors import Finding, InputError
+    from files.errors import FileError, Finding, InputError
+
+MOST = 12  # lines of faults beyond which those that are alike are told in one
+
+
+class Asked(NamedTuple):
+    """What is wanted to be told beside what is wrong."""
+
+    picture: Path | None = None
+    every: bool = False
+    """Each joint, link and mesh of a robot."""
+    allow: bool = False
+    """Whether pairs that always touch are written into the robot's file."""
+    draft: Path | None = None
+    """A robot's file to be written for a URDF."""
+    quick: bool = False
+    """Whether what takes seconds is left out."""
 
 
 def check(
-    file: Annotated[Path, typer.Argument(help="a task, robot, world, map, places or catalogue file")],
+    file: Annotated[
+        Path, typer.Argument(help="a task, robot, world, map, places or catalogue file, or a URDF")
+    ],
     as_json: Annotated[bool, typer.Option("--json", help="one JSON object on stdout")] = False,
     settings: Annotated[
         list[str] | None, typer.Option("--set", help="KEY=VALUE: a parameter that the task declares")
@@ -23,23 +41,34 @@ def check(
     picture: Annotated[
         Path | None, typer.Option(help="draw a robot, from the side and from above, into this file")
     ] = None,
+    every: Annotated[bool, typer.Option("--all", help="of a robot: each joint, link and mesh")] = False,
+    allow: Annotated[
+        bool, typer.Option("--allow", help="write pairs of links that always touch into the robot's file")
+    ] = False,
+    draft: Annotated[
+        Path | None, typer.Option(help="write a first robot's file for a URDF, beside it or above")
+    ] = None,
 ) -> None:
     """Read a file with all that it names, and tell what is wrong with it: each finding with its place."""
     import orjson
 
-    from files.errors import InputError
+    from files.errors import FileError, InputError
     from files.settings import split_setting
 
     try:
-        told = _facts(file, dict(split_setting(each) for each in settings or []), picture)
+        given = dict(split_setting(each) for each in settings or [])
+        told = _facts(file, given, Asked(picture, every, allow, draft))
     except InputError as error:
         if not as_json:
+            if isinstance(error, FileError) and not every:
+                _tell_grouped(error)
             raise
         print(orjson.dumps({"ok": False, "findings": _findings(error)}).decode())
         sys.exit(error.exit_status)
     errors = told.pop("errors", [])
     if as_json:
         told.pop("lines", None)
+        told.pop("grouped", None)
         found = {"findings": _places(errors)} if errors else {}
         print(orjson.dumps({"ok": not errors, **found, **told}).decode())
         sys.exit(InputError.exit_status if errors else 0)
@@ -48,7 +77,8 @@ def check(
         print(each, file=sys.stderr)
     faults = f"{len(errors)} faults" if errors else "no fault found"
     print(f"{file}: {faults}{f', {len(warnings)} warnings' if warnings else ''}")
-    for warning in warnings:
+    grouped = told.pop("grouped", warnings)
+    for warning in warnings if every else grouped:
         print(f"  warning: {warning}")
     for line in told.pop("lines", ()):
         print(f"  {line}")
@@ -61,7 +91,21 @@ def check(
 
 def check_quietly(file: Path) -> dict[str, Any]:
     """What `check` would print about a file; raises what it would tell."""
-    return _facts(file, {}, quick=True)
+    return _facts(file, {}, Asked(quick=True))
+
+
+def _tell_grouped(error: FileError) -> None:
+    """End here with a line for each kind of fault, where many are alike."""
+    from evaluation.robot_report.remark import grouped_findings
+
+    lines = grouped_findings(error.findings)
+    if len(error.findings) <= MOST:
+        return
+    for line in lines[:MOST]:
+        print(line, file=sys.stderr)
+    if len(lines) > MOST:
+        print(f"and {len(lines) - MOST} kinds of faults more; --all tells them", file=sys.stderr)
+    sys.exit(error.exit_status)
 
 
 def _findings(error: InputError) -> list[dict[str, Any]]:
@@ -79,9 +123,7 @@ def _places(findings: Iterable[Finding]) -> list[dict[str, Any]]:
     ]
 
 
-def _facts(
-    file: Path, settings: dict[str, str], picture: Path | None = None, quick: bool = False
-) -> dict[str, Any]:
+def _facts(file: Path, settings: dict[str, str], asked: Asked) -> dict[str, Any]:
     from backends.map_file import is_map_file
     from files.errors import FileError
     from files.loading import load
@@ -89,8 +131,12 @@ def _facts(
     from files.yaml_document import read_document
     from primitives.ros_goals import is_goals
 
-    from .file_kinds import KINDS, model_of
+    from .file_kinds import KINDS, is_urdf, model_of
 
+    if is_urdf(file):
+        from .check_urdf import urdf_facts
+
+        return urdf_facts(file, asked.every, asked.draft)
     if is_map_file(file):
         return _map_facts(file)
     document = read_document(file)
@@ -103,13 +149,17 @@ def _facts(
         wrong = f"the key 'format' doesn't tell what this is{suggest(str(data.get('format', '')), allowed)}"
         raise FileError([document.finding(("format",) if "format" in data else (), wrong)])
     if kind == "task":
-        return _task_facts(file, settings, quick)
+        return _task_facts(file, settings, asked.quick)
     if kind == "table":
         return _table_facts(file)
     if kind == "robot":
         from .check_robot import robot_facts
 
-        return robot_facts(file, picture, quick)
+        if asked.allow:
+            from .allowing import allow_contacts
+
+            allow_contacts(file)
+        return robot_facts(file, asked.picture, asked.quick, asked.every)
     if kind == "world":
         from backends.scene.load_world import load_world
 

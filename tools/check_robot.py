@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import io
 import math
-from collections.abc import Sequence
+from collections import Counter
+from collections.abc import Collection, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -18,9 +19,11 @@ if TYPE_CHECKING:
     from rich.table import Table
 
     from evaluation.robot_report.reach import Reach
-    from evaluation.robot_report.report import RobotReport
+    from evaluation.robot_report.report import Contents, RobotReport
+    from robotics.kinematics.urdf_contents import JointFacts
 
 WIDTH = 110
+MOST = 3  # links that are named as heavy
 PICTURES = (".svg", ".png", ".pdf")
 
 
@@ -28,8 +31,14 @@ class NoSuchPicture(InputError):
     """A picture of that kind can't be drawn."""
 
 
-def robot_facts(file: Path, picture: Path | None, quick: bool = False) -> dict[str, Any]:
-    """Look at a robot, and draw it where a picture is wanted; `quick` doesn't try its reach.
+def robot_facts(file: Path, picture: Path | None, quick: bool = False, every: bool = False) -> dict[str, Any]:
+    """Look at a robot, and draw it where a picture is wanted.
+
+    Args:
+        file: the robot's.
+        picture: what to draw into.
+        quick: whether its reach isn't tried.
+        every: whether every joint, link and mesh is told, not only the arm's joints.
 
     Raises:
         FileError: something in its files is wrong.
@@ -39,6 +48,7 @@ def robot_facts(file: Path, picture: Path | None, quick: bool = False) -> dict[s
     from backends.robot_file import load_robot
     from evaluation.robot_report.picture import draw_robot
     from evaluation.robot_report.posture_findings import posture_findings
+    from evaluation.robot_report.remark import grouped, grouped_findings
     from evaluation.robot_report.report import report_of
 
     from .check_bus import bus_figures, bus_of, bus_tables
@@ -56,21 +66,38 @@ def robot_facts(file: Path, picture: Path | None, quick: bool = False) -> dict[s
         except OSError as error:
             raise NotWritable(picture, error.strerror) from None
     bus = bus_of(robot)
-    postures = map(str, posture_findings(str(file), robot))
+    postures = list(posture_findings(str(file), robot))
     return {
         "format": robot.format,
-        "warnings": [*report.warnings, *postures],
-        "lines": [*_lines(report), *(_lines_of(*bus_tables(bus)) if bus else ())],
+        "warnings": [*report.warnings, *map(str, postures)],
+        "grouped": [*grouped(report.remarks), *grouped_findings(postures)],
+        "lines": [*_lines(report, every), *(_lines_of(*bus_tables(bus)) if bus else ())],
         "robot": {**report.figures(), **({"bus": bus_figures(bus)} if bus else {})},
         **({"picture": str(picture)} if picture is not None else {}),
     }
 
 
-def _lines(report: RobotReport) -> list[str]:
-    """The report as tables."""
+def contents_lines(contents: Contents, chosen: Collection[str], every: bool) -> list[str]:
+    """Joints, links and meshes as tables: all of them, or the `chosen` joints and what the others come to."""
+    if every:
+        return _lines_of(*(part for table in _tables(contents) for part in (table, "")))
+    rows = [_joint(each) for each in contents.joints if each.name in chosen]
+    others = Counter(each.kind for each in contents.joints if each.name not in chosen)
+    weighed = sorted(((each.mass_kg or 0.0, each.name) for each in contents.links), reverse=True)
+    heaviest = ", ".join(f"{name} {mass:.3g} kg" for mass, name in weighed[:MOST] if mass > 0.0)
+    kinds = ", ".join(f"{count} {kind}" for kind, count in sorted(others.items()))
+    told: list[Any] = [_joint_table(rows), ""] if rows else []
+    told += [f"other joints that move: {kinds}"] if others else []
+    told.append(f"{len(weighed)} links, {sum(mass for mass, _ in weighed):.3g} kg; the heaviest: {heaviest}")
+    told += [f"{len(contents.meshes)} meshes"] if contents.meshes else []
+    return [*_lines_of(*told), "--all tells of each joint, link and mesh", ""]
+
+
+def _lines(report: RobotReport, every: bool) -> list[str]:
+    """The report for people."""
     told: list[Any] = []
-    for table in _tables(report):
-        told += [table, ""]
+    if report.contact is not None:
+        told.append(report.contact.words)
     if report.reach is not None:
         told += [_reach(report.reach), ""]
     if report.camera is not None:
@@ -79,24 +106,24 @@ def _lines(report: RobotReport) -> list[str]:
             f"camera: sees {camera.across_deg:.0f} by {camera.upright_deg:.0f} deg; "
             f"{camera.px_per_mm:.1f} px a mm at 0.3 m"
         )
-    return _lines_of(*told)
+    return [*contents_lines(report.contents, report.arm, every), *_lines_of(*told)]
 
 
 def _lines_of(*told: Any) -> list[str]:
     from rich.console import Console
+    from rich.text import Text
 
     console = Console(file=io.StringIO(), width=WIDTH, color_system=None)
     for each in told:
-        console.print(each)
+        # A maker's name may look like markup.
+        console.print(Text(each) if isinstance(each, str) else each)
     text = console.file.getvalue()  # type: ignore[attr-defined]
     return [line.rstrip() for line in text.splitlines()]
 
 
-def _tables(report: RobotReport) -> list[Table]:
+def _tables(contents: Contents) -> list[Table]:
     tables = [
-        table_of(
-            "joint", "kind", "from", "to", "speed", "effort", rows=[_joint(each) for each in report.joints]
-        ),
+        _joint_table([_joint(each) for each in contents.joints]),
         table_of(
             "link",
             "mass",
@@ -107,17 +134,21 @@ def _tables(report: RobotReport) -> list[Table]:
                     "frame only" if each.mass_kg is None else f"{each.mass_kg:.3g} kg",
                     "; ".join(each.faults),
                 )
-                for each in report.links
+                for each in contents.links
             ],
         ),
     ]
-    if report.meshes:
-        rows = [(each.link, each.kind, each.file, each.fault or "") for each in report.meshes]
+    if contents.meshes:
+        rows = [(each.link, each.kind, each.file, each.fault or "") for each in contents.meshes]
         tables.append(table_of("mesh of", "kind", "file", "remark", rows=rows))
     return tables
 
 
-def _joint(joint: Any) -> tuple[str, ...]:
+def _joint_table(rows: Sequence[Sequence[str]]) -> Table:
+    return table_of("joint", "kind", "from", "to", "speed", "effort", rows=rows)
+
+
+def _joint(joint: JointFacts) -> tuple[str, ...]:
     turns = joint.kind != "prismatic"
     scale, unit, force = (math.degrees(1.0), "deg", "Nm") if turns else (1e3, "mm", "N")
     limits = ("-" if end is None else f"{scale * end:.0f} {unit}" for end in (joint.lower, joint.upper))
@@ -136,12 +167,17 @@ def _reach(reach: Reach) -> Group:
     from evaluation.robot_report.reach import BEFORE_SHELF
 
     (near, far), (low, high) = reach.radii, reach.heights
+    words = (
+        f"reach: the hand gets {near:.2f} to {far:.2f} m from the base's axis, {low:.2f} to {high:.2f} m up"
+    )
+    if not reach.grasps:
+        return Group(words)
     rows = [
         (f"{row.board_m:.2f} m", f"{_span(row.ahead_m)}, y = {row.line_m:.2f}", _span(row.aside_m))
         for row in reach.grasps
     ]
     return Group(
-        f"reach: the hand gets {near:.2f} to {far:.2f} m from the base's axis, {low:.2f} to {high:.2f} m up;",
+        f"{words};",
         "upright, pointing ahead and holding a book on a board, its finger tips get to",
         table_of("board at", "x, straight ahead", f"y, {BEFORE_SHELF} m ahead", rows=rows),
     )
@@ -155,10 +191,11 @@ def table_of(*columns: str, rows: Sequence[Sequence[str]]) -> Table:
     """A plain table with these heads."""
     from rich import box
     from rich.table import Table
+    from rich.text import Text
 
     table = Table(box=box.SIMPLE_HEAD, pad_edge=False, show_edge=False)
     for column in columns:
         table.add_column(column, overflow="fold")
     for row in rows:
-        table.add_row(*row)
+        table.add_row(*(Text(cell) for cell in row))
     return table

@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 from importlib import import_module
+from pathlib import Path
 from typing import Any
+
+MOST = 20  # files beside a URDF that are looked at
 
 KINDS = {
     "task": "networks.task_model:TaskFile",
@@ -17,6 +20,29 @@ KINDS = {
     "calibration": "networks.calibration:Calibration",
 }
 """What stands behind `handcart-` under the key `format`, and the model that reads it."""
+
+
+def is_urdf(path: Path) -> bool:
+    """Whether a file is a URDF, by its ending."""
+    return path.suffix.lower() in (".urdf", ".xacro")
+
+
+def robots_beside(urdf: Path) -> list[Path]:
+    """The robots' files in a URDF's folder that name it."""
+    from ruamel.yaml.error import YAMLError
+
+    from files.errors import InputError
+    from files.yaml_document import read_document
+
+    found = []
+    for path in sorted((*urdf.parent.glob("*.yaml"), *urdf.parent.glob("*.yml")))[:MOST]:
+        try:
+            data = read_document(path).data
+        except (InputError, OSError, YAMLError):
+            continue
+        if isinstance(data, dict) and data.get("urdf") == urdf.name:
+            found.append(path)
+    return found
 
 
 def model_of(kind: str) -> Any:

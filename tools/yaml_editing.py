@@ -23,8 +23,8 @@ def edited(text: str, change: Callable[[Any], None]) -> str:
     return out.getvalue()
 
 
-def flow_list(values: Sequence[float]) -> CommentedSeq:
-    """Numbers in one line: [1.0, 2.0]."""
+def flow_list(values: Sequence[float] | Sequence[str]) -> CommentedSeq:
+    """Values in one line: [1.0, 2.0]."""
     result = CommentedSeq(values)
     result.fa.set_flow_style()
     return result

@@ -5,10 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
-import numpy as np
-import pinocchio as pin
-
-from robotics.kinematics.coal_bodies import hull_of_mesh
+from robotics.kinematics.coal_bodies import hull_of_mesh, read_mesh
 from robotics.kinematics.urdf_contents import MeshUse
 
 CONVEX = 0.9  # share of its hull that a mesh fills that counts as convex
@@ -44,9 +41,9 @@ def mesh_row(use: MeshUse) -> MeshRow:
         return MeshRow(use.link, use.kind, name, found=False)
     if use.kind == "visual":
         return MeshRow(use.link, use.kind, name, found=True)
-    mesh = pin.coal.MeshLoader().load(str(path), np.ones(3))
+    mesh = read_mesh(str(path))
     hull = hull_of_mesh(mesh, use.link)
     filled = mesh.computeVolume() / hull.computeVolume()  # type: ignore[attr-defined]
     closed = 0.0 < filled <= 1.0 + 1e-6
-    corners = int(mesh.num_vertices)
+    corners = int(mesh.num_vertices)  # type: ignore[attr-defined]
     return MeshRow(use.link, use.kind, name, True, corners, min(1.0, filled) if closed else None)

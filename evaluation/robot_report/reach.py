@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -48,6 +49,12 @@ class Reach:
     points: NDArray[np.float64]
     """(n, 3) places of it in the base frame in [m], of random joint angles."""
     grasps: Sequence[GraspRow]
+    """Of a robot with a tray."""
+
+    def figures(self) -> dict[str, Any]:
+        """The same for programs."""
+        grasps = [asdict(each) for each in self.grasps]
+        return {"radii_m": self.radii, "heights_m": self.heights, "grasps": grasps}
 
     @property
     def radii(self) -> tuple[float, float]:
@@ -61,20 +68,26 @@ class Reach:
         return float(self.points[:, 2].min()), float(self.points[:, 2].max())
 
 
-def reach_of(robot: RobotFile, seed: int = 0) -> Reach:
-    """Try random postures, and grasps of books that stand on a tray and on boards.
+def reach_of(robot: RobotFile, arm: ArmModel, seed: int = 0) -> Reach | None:
+    """Try random postures; for a robot with a tray also grasps of books that stand there and on boards.
 
-    Raises:
-        ValueError: the robot has no arm.
+    Args:
+        robot: by its file.
+        arm: its arm.
+        seed: of what is random.
+
+    Returns:
+        None where no posture was found that is free and has the hand above the floor.
     """
-    arm = robot.arm_model()
     free = CollisionModel(arm)
     rng = np.random.default_rng(seed)
     drawn = rng.uniform(arm.lower, arm.upper, (SAMPLES, arm.dof))
     points = [arm.forward(q)[:3, 3] for q in drawn if not free.in_collision(q)]
     above = [point for point in points if point[2] > 0.0]
-    reached = np.array(above).reshape(-1, 3)
-    return Reach(reached, _grasps(robot, _Trial(arm, free, reached)))
+    if not above:
+        return None
+    reached = np.array(above)
+    return Reach(reached, _grasps(robot, _Trial(arm, free, reached)) if robot.has_tray else ())
 
 
 class _Trial:
@@ -82,7 +95,7 @@ class _Trial:
 
     def __init__(self, arm: ArmModel, free: CollisionModel, reached: NDArray[np.float64]) -> None:
         self._arm, self._free = arm, free
-        self._reached = cKDTree(reached) if len(reached) else None
+        self._reached = cKDTree(reached)
         starts = np.random.default_rng(0).uniform(arm.lower, arm.upper, (TRIES, arm.dof))
         starts[: TRIES // 2] *= 0.5  # joints that turn several times: most work is done near the middle
         self._starts = starts
@@ -100,7 +113,7 @@ class _Trial:
         self, place: tuple[float, float, float], last: NDArray[np.float64]
     ) -> NDArray[np.float64] | None:
         """By descents from the last posture and from random ones."""
-        if self._reached is None or self._reached.query(place)[0] > FAR:
+        if self._reached.query(place)[0] > FAR:
             return None
         tried = (self._arm.inverse(transform(place), start, restarts=0) for start in (*last, *self._starts))
         return next((q for q in tried if q is not None and not self._free.in_collision(q)), None)
@@ -109,9 +122,8 @@ class _Trial:
 def _grasps(robot: RobotFile, trial: _Trial) -> list[GraspRow]:
     tip = robot.finger_shape.tip if robot.gripper is not None else 0.0
     rows = [_row(trial, board, tip, 0.0) for board in BOARDS]
-    if robot.has_tray:
-        tray = robot.tray_shape
-        rows.append(_row(trial, tray.top, tip, tray.middle[1]))
+    tray = robot.tray_shape
+    rows.append(_row(trial, tray.top, tip, tray.middle[1]))
     return sorted(rows, key=lambda row: (row.board_m, row.line_m))
 
 

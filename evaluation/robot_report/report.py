@@ -9,12 +9,17 @@ from typing import Any
 
 from backends.driven_wheels import driven_wheels
 from backends.robot_file import RobotFile
+from backends.robot_urdf import RobotUrdf
 from backends.sensor_specs import CameraSpec
+from files.suggest import listed
+from robotics.kinematics.arm_model import ArmModel
 from robotics.kinematics.urdf_contents import JointFacts, bodies_of, joints_of, links_of, meshes_of
 
 from .masses import mass_faults
 from .meshes import MeshRow, mesh_row
 from .reach import Reach, reach_of
+from .remark import Remark
+from .self_contact import SelfContact, self_contact
 
 AWAY = 0.3  # [m] from the camera: where it reads labels
 
@@ -40,32 +45,66 @@ class CameraFacts:
 
 
 @dataclass(frozen=True)
-class RobotReport:
-    """A robot by its files."""
+class Contents:
+    """What stands in a robot's URDF."""
 
     joints: Sequence[JointFacts]
     links: Sequence[LinkRow]
     meshes: Sequence[MeshRow]
-    camera: CameraFacts | None
-    reach: Reach | None
-    warnings: Sequence[str]
+    remarks: Sequence[Remark]
 
     def figures(self) -> dict[str, Any]:
         """The same for programs."""
-        reach = self.reach
         return {
             "joints": [each._asdict() for each in self.joints],
             "links": [asdict(each) for each in self.links],
             "meshes": [{**asdict(each), "fault": each.fault} for each in self.meshes],
-            "camera": asdict(self.camera) if self.camera else None,
-            "reach": None
-            if reach is None
-            else {
-                "radii_m": reach.radii,
-                "heights_m": reach.heights,
-                "grasps": [asdict(each) for each in reach.grasps],
-            },
         }
+
+
+@dataclass(frozen=True)
+class RobotReport:
+    """A robot by its files."""
+
+    contents: Contents
+    arm: Sequence[str]
+    """Names of the arm's joints."""
+    camera: CameraFacts | None
+    contact: SelfContact | None
+    reach: Reach | None
+    remarks: Sequence[Remark]
+
+    @property
+    def warnings(self) -> list[str]:
+        """All that is doubtful, in words."""
+        return [str(each) for each in self.remarks]
+
+    def figures(self) -> dict[str, Any]:
+        """The same for programs."""
+        reach, contact = self.reach, self.contact
+        return {
+            **self.contents.figures(),
+            "camera": asdict(self.camera) if self.camera else None,
+            "self_contact": asdict(contact) if contact else None,
+            "reach": None if reach is None else reach.figures(),
+        }
+
+
+def contents_of(whole: RobotUrdf) -> Contents:
+    """Look at what stands in a URDF.
+
+    Raises:
+        ValueError: something in it can't be read.
+    """
+    bodies = bodies_of(whole.text)
+    links = [
+        LinkRow(link.name, link.mass, mass_faults(link, [b for b in bodies if b.name == link.name]))
+        for link in links_of(whole.text)
+    ]
+    meshes = [mesh_row(each) for each in meshes_of(whole.text)]
+    doubts = [Remark("", each.message, each) for each in whole.doubts]
+    remarks = [*doubts, *_of_links(links, whole), *_of_meshes(meshes, whole)]
+    return Contents(joints_of(whole.text), links, meshes, remarks)
 
 
 def report_of(robot: RobotFile, tried: bool = True) -> RobotReport:
@@ -78,23 +117,29 @@ def report_of(robot: RobotFile, tried: bool = True) -> RobotReport:
     Raises:
         ValueError: something in the URDF can't be read.
     """
-    urdf = robot.urdf_text()
-    joints, bodies = joints_of(urdf), bodies_of(urdf)
-    links = [
-        LinkRow(link.name, link.mass, mass_faults(link, [b for b in bodies if b.name == link.name]))
-        for link in links_of(urdf)
-    ]
-    meshes = [mesh_row(each) for each in meshes_of(urdf)]
-    reach = reach_of(robot) if tried and robot.arm is not None else None
-    camera = None if robot.camera is None else _camera(robot.camera)
+    contents = contents_of(robot.whole)
+    arm = robot.arm_model() if tried and robot.arm is not None else None
+    contact = None if arm is None else self_contact(arm)
+    reach = None if contact is None or arm is None else _reach(robot, arm, contact)
     return RobotReport(
-        joints,
-        links,
-        meshes,
-        camera,
+        contents,
+        () if robot.arm is None else robot.arm.joints,
+        None if robot.camera is None else _camera(robot.camera),
+        contact,
         reach,
-        [*_of_links(links), *_of_meshes(meshes), *_of_robot(robot, joints), *_of_drives(robot)],
+        [
+            *contents.remarks,
+            *_of_contact(contact, reach),
+            *_of_robot(robot, contents.joints),
+            *_of_drives(robot),
+        ],
     )
+
+
+def _reach(robot: RobotFile, arm: ArmModel, contact: SelfContact) -> Reach | None:
+    """What the arm reaches, if pairs that always touch may."""
+    allowed = ArmModel(robot.urdf_text(), arm.joint_names, allowed=arm.allowed | set(contact.always))
+    return reach_of(robot, allowed)
 
 
 def _camera(camera: CameraSpec) -> CameraFacts:
@@ -105,36 +150,78 @@ def _camera(camera: CameraSpec) -> CameraFacts:
     return CameraFacts(round(across, 1), round(upright, 1), round(camera.focal_px / AWAY / 1e3, 2))
 
 
-def _of_links(links: Sequence[LinkRow]) -> list[str]:
-    return [f"link {each.name}: {fault}" for each in links for fault in each.faults]
+def _of_links(links: Sequence[LinkRow], whole: RobotUrdf) -> list[Remark]:
+    return [
+        Remark(f"link {each.name!r}", fault, whole.finding("link", each.name, fault))
+        for each in links
+        for fault in each.faults
+    ]
 
 
-def _of_meshes(meshes: Sequence[MeshRow]) -> list[str]:
-    return [f"link {each.link}: {each.kind} mesh {each.file}: {each.fault}" for each in meshes if each.fault]
+def _of_meshes(meshes: Sequence[MeshRow], whole: RobotUrdf) -> list[Remark]:
+    return [
+        Remark(
+            f"link {each.link!r}",
+            f"{each.kind} mesh {each.file!r}: {each.fault}",
+            whole.finding("link", each.link, each.fault),
+        )
+        for each in meshes
+        if each.fault
+    ]
 
 
-def _of_drives(robot: RobotFile) -> list[str]:
+def _of_drives(robot: RobotFile) -> list[Remark]:
     """What its drives lack, and its file accepts."""
     if robot.can is None:
         return []
     from backends.can.lacks import not_watched
 
-    return [f"{name}: {words}" for name, axis in robot.can.axes() for words in not_watched(axis)]
+    return [Remark(name, words) for name, axis in robot.can.axes() for words in not_watched(axis)]
 
 
-def _of_robot(robot: RobotFile, joints: Sequence[JointFacts]) -> list[str]:
+def _of_contact(contact: SelfContact | None, reach: Reach | None) -> list[Remark]:
+    if contact is None:
+        return []
+    told = []
+    if contact.always:
+        named = listed(f"{a} with {b}" for a, b in contact.always)
+        words = f"links that touch however the arm stands: {named}"
+        told.append(Remark("", f"{words}; if they may, `handcart check --allow` writes that into the file"))
+    if reach is None:
+        often = ", ".join(f"{a!r} with {b!r} in {share:.0%}" for (a, b), share in contact.often[:3])
+        told.append(Remark("", f"no posture was found that is free of the robot itself: {often}"))
+    return told
+
+
+def _of_robot(robot: RobotFile, joints: Sequence[JointFacts]) -> list[Remark]:
     wheels = driven_wheels(joint.name for joint in joints)._asdict()
     told = [
-        f"no joint '{side}_wheel': the backend pybullet can't drive" for side in wheels if not wheels[side]
+        f"no joint '{side}_wheel': the backend pybullet can't drive; name one: `drive: {{{side}: JOINT}}`"
+        for side in wheels
+        if not wheels[side]
     ]
     if robot.arm is None:
-        return told
+        return [Remark("", each) for each in told]
     of_arm = [joint for joint in joints if joint.name in robot.arm.joints]
-    told += [
-        f"joint {each.name} has no effort: in pybullet it is limp" for each in of_arm if each.effort <= 0
+    at = robot.whole.finding
+    moves = [
+        Remark(f"joint {joint.name!r}", wrong, at("joint", joint.name, wrong))
+        for joint in of_arm
+        for wrong in _of_joint(joint)
     ]
-    told += [f"joint {each.name} has no speed: it can't move" for each in of_arm if each.velocity <= 0]
+    return [*moves, *(Remark("", each) for each in (*told, *_of_books(robot)))]
+
+
+def _of_joint(joint: JointFacts) -> list[str]:
+    limp = ["no effort: in pybullet it is limp"] if joint.effort <= 0 else []
+    return limp + (["no speed: it can't move"] if joint.velocity <= 0 else [])
+
+
+def _of_books(robot: RobotFile) -> list[str]:
+    """What a robot lacks that is to return books: one with a tray, or that looks for tags on one."""
+    assert robot.arm is not None
     if not robot.has_tray:
-        told.append("no link 'tray': RECOGNIZE and PICK_UP take a book from one")
+        looks = "look_at_tag" in robot.arm.postures
+        return ["no link 'tray': RECOGNIZE and PICK_UP take a book from one"] if looks else []
     missing = [name for name in ("home", "look_at_tag", "carry") if name not in robot.arm.postures]
-    return told + [f"no posture {name!r}: return_book needs it" for name in missing]
+    return [f"no posture {name!r}: return_book needs it" for name in missing]

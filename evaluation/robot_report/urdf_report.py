@@ -1,0 +1,32 @@
+"""All that `handcart check` tells about a URDF that no robot's file names yet."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from backends.robot_parts import read_part
+from backends.robot_urdf import Place, RobotUrdf
+
+from .outline import Outline, outline_of
+from .report import Contents, contents_of
+
+
+@dataclass(frozen=True)
+class UrdfReport:
+    """A URDF, and what it lets one guess."""
+
+    contents: Contents
+    outline: Outline
+
+
+def urdf_report(path: Path) -> UrdfReport:
+    """Look at a URDF.
+
+    Raises:
+        UrdfError: it isn't there, or something is wrong in it.
+    """
+    part = read_part(path.name, path.parent)
+    places = {key: Place(part.file, *spot) for key, spot in part.places.items()}
+    whole = RobotUrdf(part.text, places, doubts=part.doubts)
+    return UrdfReport(contents_of(whole), outline_of(part.text))
