@@ -16,7 +16,9 @@ import multiprocessing
 import os
 import random
 import re
+import resource
 import shutil
+import signal
 import sys
 import tempfile
 import time
@@ -30,7 +32,7 @@ from evaluation.mutated_urdfs import mutated
 
 LONGEST = 60  # lines that a person is told without asking for more
 NAMED = re.compile(r"link|joint|URDF|mesh|xacro|entity|robot")
-EVERY = 20  # of the looks at the shorter words
+WAITS = 20  # times as long as a processor's time it may take on a busy machine
 
 
 class Case(NamedTuple):
@@ -58,7 +60,7 @@ def main() -> None:
     parser.add_argument("--most", type=int, default=1_000_000, help="URDFs as they are")
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--jobs", type=int, default=1)
-    parser.add_argument("--limit-s", type=float, default=120.0)
+    parser.add_argument("--limit-s", type=int, default=60, help="of a processor's time for one")
     given = parser.parse_args()
     folders = given.folders or [Path(str(find_spec("pybullet_data").submodule_search_locations[0]))]  # type: ignore
     with tempfile.TemporaryDirectory(prefix="urdfs-", dir=os.environ.get("TMPDIR")) as scratch:
@@ -98,7 +100,7 @@ def _cases(folders: list[Path], mutants: int, most: int, seed: int) -> list[Case
     return cases
 
 
-def _look(cases: list[Case], jobs: int, limit: float) -> int:
+def _look(cases: list[Case], jobs: int, limit: int) -> int:
     statuses: Counter[tuple[int, ...]] = Counter()
     bad, slowest = 0, (0.0, "")
     for number, (case, seen) in enumerate(_all(cases, jobs, limit), start=1):
@@ -115,7 +117,7 @@ def _look(cases: list[Case], jobs: int, limit: float) -> int:
     return 1 if bad else 0
 
 
-def _all(cases: list[Case], jobs: int, limit: float) -> Iterator[tuple[Case, Seen]]:
+def _all(cases: list[Case], jobs: int, limit: int) -> Iterator[tuple[Case, Seen]]:
     """Each in a process of its own, forked from one that has the libraries: what crashes is seen."""
     for name in ("tools.handcart", "tools.check_file", "tools.check_robot", "evaluation.robot_report.report"):
         __import__(name)
@@ -127,7 +129,7 @@ def _all(cases: list[Case], jobs: int, limit: float) -> Iterator[tuple[Case, See
         while waiting and len(running) < jobs:
             case = waiting.pop()
             mine, theirs = context.Pipe(duplex=False)
-            process = context.Process(target=_child, args=(case, theirs))
+            process = context.Process(target=_child, args=(case, theirs, limit))
             process.start()
             theirs.close()
             running.append((case, process, mine, time.monotonic()))  # type: ignore[arg-type]
@@ -135,34 +137,37 @@ def _all(cases: list[Case], jobs: int, limit: float) -> Iterator[tuple[Case, See
             case, process, mine, begun = each
             passed = time.monotonic() - begun
             ready = mine.poll(0.02)  # type: ignore[attr-defined]
-            if not ready and process.is_alive() and passed < limit:
+            if not ready and process.is_alive() and passed < WAITS * limit:
                 continue
             running.remove(each)
             yield case, _result(mine, process, passed, limit)
 
 
-def _result(mine: object, process: object, passed: float, limit: float) -> Seen:
+def _result(mine: object, process: object, passed: float, limit: int) -> Seen:
     try:
         if mine.poll(0.0):  # type: ignore[attr-defined]
             seen: Seen = mine.recv()  # type: ignore[attr-defined]
             process.join(10.0)  # type: ignore[attr-defined]
-            return seen._replace(seconds=passed)
+            return seen
     except EOFError:
         pass
     process.kill()  # type: ignore[attr-defined]
     process.join()  # type: ignore[attr-defined]
-    why = f"no end in {limit:.0f} s" if passed >= limit else f"it crashed: {process.exitcode}"  # type: ignore
+    late = passed >= WAITS * limit or process.exitcode == -signal.SIGXCPU  # type: ignore[attr-defined]
+    why = f"no end in {limit} s" if late else f"it crashed: {process.exitcode}"  # type: ignore[attr-defined]
     return Seen((-1,), (why,), passed)
 
 
-def _child(case: Case, answer: object) -> None:
+def _child(case: Case, answer: object, limit: int) -> None:
+    resource.setrlimit(resource.RLIMIT_CPU, (limit, limit + 5))
     path = case.path
     if case.text is not None:
         path = path.with_name(f"{path.stem}.mutant-{os.getpid()}.urdf")
         path.write_text(case.text, encoding="utf-8")
     draft = path.with_name(f"{path.stem}.robot-{os.getpid()}.yaml")
     try:
-        seen = _checked(path, draft)
+        begun = time.process_time()
+        seen = _checked(path, draft)._replace(seconds=time.process_time() - begun)
     finally:
         draft.unlink(missing_ok=True)
         if case.text is not None:

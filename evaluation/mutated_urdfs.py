@@ -65,7 +65,10 @@ def _rename(robot: ElementTree.Element, rng: random.Random) -> str:
 
 
 def _drop_attribute(robot: ElementTree.Element, rng: random.Random) -> str:
-    each = rng.choice([e for e in robot.iter() if e.attrib])
+    named = [each for each in robot.iter() if each.attrib]
+    if not named:
+        return ""
+    each = rng.choice(named)
     key = rng.choice(list(each.attrib))
     del each.attrib[key]
     return f"<{each.tag}> has no {key}"

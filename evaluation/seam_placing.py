@@ -10,7 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from backends.robot_file import RobotFile
+from files.errors import InputError
 from files.whole_file import write_whole
+from primitives.discrepancy import Discrepancy
 from primitives.seam_file import load_seam, untrackable
 from primitives.seam_room import SeamRoom, placer_of
 from primitives.work_piece import WorkBox, WorkPiece
@@ -32,6 +34,16 @@ SPARE = 1  # places more than needed, in case that one is taken
 LINE = 0.05  # [m] of floor on both sides of a seam that counts as occupied
 
 Floats = NDArray[np.float64]
+
+
+class NoToolArm(InputError):
+    """A robot can't follow a seam with a tool, wherever it stands."""
+
+    def __init__(self, robot: RobotFile, reason: str) -> None:
+        lacking = "arm" if robot.arm is None else "tool" if robot.tool is None else None
+        self.key = ("arm", "joints") if lacking is None else ()
+        """What says so in the robot's file."""
+        super().__init__(f"{reason}; needed: a section `{lacking}`" if lacking else reason)
 
 
 class PlacedSeam(NamedTuple):
@@ -74,10 +86,14 @@ def place_seam(
 
     Raises:
         FileError: the seam's file is wrong, or a point of it can't be tracked: the first one, and why.
-        Discrepancy: the robot has no tool, or no arm that can use it.
+        NoToolArm: the robot has no tool, or no arm that can use it.
+        UnknownPosture: its file has no posture `home`.
     """
     seam = load_seam(file)
-    placer = placer_of(spec)
+    try:
+        placer = placer_of(spec)
+    except Discrepancy as lacking:
+        raise NoToolArm(spec, lacking.reason) from None
     grid = _floor(seam, placer, work_piece)
     boxes = tuple(each.box for each in work_piece.boxes) if work_piece else ()
     room = SeamRoom(spec, placer.arm, grid, np.empty((0, 2)), _corner(grid, spec), boxes)

@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
+
+if TYPE_CHECKING:
+    from files.yaml_document import Document
 
 
 def place(
@@ -21,8 +24,9 @@ def place(
     ] = None,
 ) -> None:
     """Divide a path among places of the base; write task.yaml with its files, and placements.svg."""
-    from backends.robot_file import load_robot
-    from evaluation.seam_placing import place_seam, write_task
+    from backends.robot_file import UnknownPosture, load_robot
+    from evaluation.seam_placing import NoToolArm, place_seam, write_task
+    from files.errors import FileError
     from files.loading import load
     from primitives.work_piece import WorkPiece
 
@@ -31,7 +35,12 @@ def place(
     check_folder(output)
     spec = load_robot(robot)
     piece = load(work_piece, WorkPiece) if work_piece else None
-    placed = place_seam(spec, path, piece, placements)
+    try:
+        placed = place_seam(spec, path, piece, placements)
+    except NoToolArm as error:
+        raise FileError([_document(robot).finding(error.key, str(error))]) from None
+    except UnknownPosture as error:
+        raise FileError([_document(robot).finding(("arm", "postures"), str(error))]) from None
     try:
         write_task(placed, path, _named(robot, output), output)
     except OSError as error:
@@ -42,6 +51,14 @@ def place(
         print(f"  {line}")
     own = f" --robot {robot}" if robot.endswith((".yaml", ".yml")) else ""
     print(f"run it: handcart run {output / 'task.yaml'}{own}")
+
+
+def _document(robot: str) -> Document:
+    """The robot's file, for its lines."""
+    from backends.robot_file import shipped_path
+    from files.yaml_document import read_document
+
+    return read_document(robot if robot.endswith((".yaml", ".yml")) else shipped_path(robot))
 
 
 def _named(robot: str, folder: Path) -> str:

@@ -41,7 +41,7 @@ def mesh_row(use: MeshUse) -> MeshRow:
         return MeshRow(use.link, use.kind, name, found=False)
     if use.kind == "visual":
         return MeshRow(use.link, use.kind, name, found=True)
-    mesh = read_mesh(str(path))
+    mesh = read_mesh(str(path), use.scale)
     hull = hull_of_mesh(mesh, use.link)
     filled = mesh.computeVolume() / hull.computeVolume()  # type: ignore[attr-defined]
     closed = 0.0 < filled <= 1.0 + 1e-6

@@ -52,6 +52,7 @@ class MeshUse(NamedTuple):
     kind: str
     """collision or visual."""
     file: str
+    scale: tuple[float, float, float] = (1.0, 1.0, 1.0)
 
 
 def joints_of(urdf_text: str) -> list[JointFacts]:
@@ -68,7 +69,7 @@ def links_of(urdf_text: str) -> list[LinkFacts]:
 def meshes_of(urdf_text: str) -> list[MeshUse]:
     """The meshes, in the file's order; raises ValueError where the text is no URDF."""
     return [
-        MeshUse(link.get("name", ""), kind, mesh.get("filename", ""))
+        MeshUse(link.get("name", ""), kind, mesh.get("filename", ""), _scale(mesh))
         for link in read_urdf(urdf_text).findall("link")
         for kind in ("collision", "visual")
         for mesh in link.iterfind(f"{kind}//mesh")
@@ -121,6 +122,12 @@ def _link(link: ElementTree.Element) -> LinkFacts:
     own = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
     mass = _number(inertial.find("mass"), "value")
     return LinkFacts(link.get("name", ""), mass, _triple(origin, "xyz"), turn @ own @ turn.T)
+
+
+def _scale(mesh: ElementTree.Element) -> tuple[float, float, float]:
+    words = mesh.get("scale", "").split()
+    x, y, z = map(float, words) if len(words) == 3 else (1.0, 1.0, 1.0)
+    return x, y, z
 
 
 def _number(element: ElementTree.Element | None, key: str) -> float:

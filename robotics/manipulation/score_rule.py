@@ -46,9 +46,9 @@ class ScoreRule(NamedTuple):
         Raises:
             ValueError: a limit, the speed or the force isn't above zero, or they leave a joint no room.
         """
-        low, high = speed / np.asarray(velocity, float), np.asarray(torque, float) / force
         if not (min(*np.atleast_1d(velocity), *np.atleast_1d(torque), speed, force) > 0.0):
             raise ValueError("speed and torque limits, speed and force must be above zero")
+        low, high = speed / np.asarray(velocity, float), np.asarray(torque, float) / force
         if not (low < high).all():
             joint = int(np.argmin(low < high))
             raise ValueError(
