@@ -125,8 +125,10 @@ def _link(link: ElementTree.Element) -> LinkFacts:
 
 
 def _scale(mesh: ElementTree.Element) -> tuple[float, float, float]:
-    words = mesh.get("scale", "").split()
-    x, y, z = map(float, words) if len(words) == 3 else (1.0, 1.0, 1.0)
+    try:
+        x, y, z = map(float, mesh.get("scale", "1 1 1").split())
+    except ValueError:  # of a visual mesh: nobody looks at its size
+        return 1.0, 1.0, 1.0
     return x, y, z
 
 
