@@ -134,11 +134,13 @@ def _mesh_files(robot: UrdfElement, path: Path, root: Path, shown: str) -> dict[
             for mesh in link.iterfind(f"{kind}/geometry/mesh"):
                 assert isinstance(mesh, UrdfElement)
                 name = mesh.get("filename", "")
+                wrong = None
                 try:
                     found[name] = mesh_path(name, path, root)
-                    wrong = _mesh_fault(found[name], mesh.get("scale", "1 1 1")) if kind == "collision" else None
                 except UnsafePath as error:
                     wrong = str(error)
+                if wrong is None and kind == "collision":
+                    wrong = _mesh_fault(found[name], mesh.get("scale", "1 1 1"))
                 if wrong is not None:
                     words = f"link {link.get('name')!r}: mesh {name!r}: {wrong}"
                     faults.append(Finding(shown, mesh.line, mesh.column, words))

@@ -38,7 +38,7 @@ def urdf_facts(file: Path, every: bool = False, draft: Path | None = None) -> di
     try:
         report = urdf_report(file)
     except UrdfError as error:
-        raise FileError(error.findings or [Finding(str(file), 1, 1, str(error))]) from None
+        raise FileError([Finding(str(file), 1, 1, str(error))]) from None
     contents, outline = report.contents, report.outline
     if draft is not None:
         write_text(draft, draft_text(outline, contents.joints, _named(file, draft)))

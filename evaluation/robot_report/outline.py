@@ -18,7 +18,7 @@ from robotics.kinematics.urdf_tree import joint_leaders, kinematic_urdf
 
 from .masses import corners_of
 
-LEVEL = 0.2  # of a wheel's axis: largest part along z
+ACROSS = 0.9  # of a wheel's axis: least part along y
 _WHEEL = re.compile(r"wheel", re.IGNORECASE)
 _IDLE = re.compile(r"caster|castor|steer|swivel|rotation", re.IGNORECASE)
 _FRAMES = {
@@ -121,7 +121,7 @@ class _Tree:
 
 
 def _wheels(tree: _Tree, bodies: Sequence[Shape]) -> Wheels | None:
-    """Those of our names; else what is called a wheel, level, the farthest out on both sides."""
+    """Those of our names; else what is called a wheel and rolls ahead, the farthest out on both sides."""
     known = driven_wheels(tree.moving)
     if known.left and known.right:
         left, right = known.left, known.right
@@ -143,7 +143,7 @@ def _rolls(tree: _Tree, joint: JointFacts) -> bool:
     name = f"{joint.name} {joint.child}"
     if joint.kind == "prismatic" or not _WHEEL.search(name) or _IDLE.search(name):
         return False
-    return abs(float((tree.pose[joint.child][:3, :3] @ tree.axis[joint.name])[2])) < LEVEL
+    return abs(float((tree.pose[joint.child][:3, :3] @ tree.axis[joint.name])[1])) > ACROSS
 
 
 def _radius(bodies: Sequence[Shape]) -> float | None:

@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 from files.errors import Finding
 
-_DIFFERS = re.compile(r"'[^']*'|\d[\d.e+-]*|\S*/\S*")
+_DIFFERS = re.compile(r"'[^']*'|-?\d[\d.e+-]*|\S*/\S*")
 _SHOWN = 4
 
 

@@ -24,7 +24,8 @@ def urdf_report(path: Path) -> UrdfReport:
     """Look at a URDF.
 
     Raises:
-        UrdfError: it isn't there, or something is wrong in it.
+        FileError: something is wrong in it.
+        UrdfError: it isn't there.
     """
     part = read_part(path.name, path.parent)
     places = {key: Place(part.file, *spot) for key, spot in part.places.items()}

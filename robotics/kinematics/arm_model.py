@@ -88,6 +88,7 @@ class ArmModel:
         """(6, n): velocity of the tip [m/s; rad/s], in the axes of `base`, for each joint's [rad/s]."""
         aligned = pin.ReferenceFrame.LOCAL_WORLD_ALIGNED
         root_J = pin.computeFrameJacobian(self._model, self._data, self.ordered(q), self._tip_id, aligned)
+        root_J = root_J.reshape(6, -1)  # Pinocchio gives a single column as (6,)
         turn = self._base_T_root.rotation
         columns = self._order
         return np.vstack((turn @ root_J[:3, columns], turn @ root_J[3:, columns]))
@@ -202,7 +203,7 @@ class ArmModel:
         pin.computeJointJacobians(self._model, self._data, q)
         J = pin.getFrameJacobian(self._model, self._data, self._tip_id, pin.ReferenceFrame.LOCAL)
         root_T_tip = pin.updateFramePlacement(self._model, self._data, self._tip_id)
-        return pin.log6(root_T_tip.actInv(root_T_target)).vector, J
+        return pin.log6(root_T_tip.actInv(root_T_target)).vector, J.reshape(6, -1)
 
 
 _GRAVITY = 9.81  # [m/s²]

@@ -56,7 +56,7 @@ def _expression(robot: UrdfElement) -> UrdfFault | None:
     how = "allowed: what `xacro FILE > robot.urdf` makes of it"
     for each in _elements(robot):
         if "xacro" in str(each.tag):
-            name = str(each.tag).rpartition("}")[2]
+            name = str(each.tag).rpartition("}")[2].removeprefix("xacro:")
             return each.fault(f"<xacro:{name}> is xacro, not yet URDF; {how}")
         for key, value in each.attrib.items():
             if "$(" in value or "${" in value:

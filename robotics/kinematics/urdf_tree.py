@@ -57,8 +57,7 @@ def urdf_of_arm(urdf_text: str, moving: Collection[str], standing: Mapping[str, 
         if leader in moving:
             if joints[name].get("type") == "continuous":
                 _bound(joints[name])
-            if name != leader:
-                _follow(joints[name], leader, factor, offset)
+            _follow(joints[name], leader, factor, offset)
         else:
             _fix(joints[name], standing.get(name, factor * standing.get(leader, 0.0) + offset))
     return _text(robot)
@@ -87,7 +86,7 @@ def _leaders(joints: Mapping[str, Element]) -> dict[str, tuple[str, float, float
             if leader in seen:
                 break
             seen.add(leader)
-        if leader != name and joint.get("type") in MOVABLE:
+        if leader != name and {joint.get("type"), joints[leader].get("type")} <= set(MOVABLE):
             found[name] = (leader, factor, offset)
     return found
 
@@ -129,8 +128,7 @@ def _text(robot: Element) -> str:
 def _fix(joint: Element, value: float) -> None:
     kind = joint.get("type")
     joint.set("type", "fixed")
-    mimic = joint.find("mimic")
-    if mimic is not None:
+    for mimic in joint.findall("mimic"):
         joint.remove(mimic)
     if value == 0.0:
         return
@@ -148,11 +146,11 @@ def _fix(joint: Element, value: float) -> None:
 
 
 def _follow(joint: Element, leader: str, factor: float, offset: float) -> None:
-    mimic = joint.find("mimic")
-    assert mimic is not None
-    mimic.set("joint", leader)
-    mimic.set("multiplier", repr(factor))
-    mimic.set("offset", repr(offset))
+    for mimic in joint.findall("mimic"):
+        joint.remove(mimic)
+    if leader != joint.get("name"):
+        led = {"joint": leader, "multiplier": repr(factor), "offset": repr(offset)}
+        ElementTree.SubElement(joint, "mimic", led)
 
 
 def _numbers(text: str | None, default: str) -> NDArray[np.float64]:

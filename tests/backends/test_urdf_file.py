@@ -141,12 +141,13 @@ def test_a_ros_package_holds_its_meshes(shop: Path):
     assert mesh_path("../meshes/m.stl", shop, shop.parent).is_file()
 
 
-def test_a_mesh_that_leads_out_is_told_at_the_robots_file(robot: Path):
+def test_a_mesh_that_leads_out_is_told_at_its_link(robot: Path):
     """T13"""
     urdf = robot.parent / "librarian.urdf"
     text = urdf.read_text(encoding="utf-8")
     mesh = (
-        '<link name="x"><visual><geometry><mesh filename="../../x.stl"/></geometry></visual></link>\n</robot>'
+        '<link name="x"><visual><geometry><mesh filename="../../x.stl"/></geometry></visual></link>\n'
+        '<joint name="on_x" type="fixed"><parent link="base"/><child link="x"/></joint></robot>'
     )
     urdf.write_text(text.replace("</robot>", mesh), encoding="utf-8")
     assert "link 'x': mesh '../../x.stl': the path '../../x.stl' leads out of" in told(robot)

@@ -83,7 +83,7 @@ def test_a_missing_mesh_is_told() -> None:
 
 def test_the_librarian_is_without_fault(librarian: RobotReport) -> None:
     assert librarian.warnings == []
-    assert [joint.name for joint in librarian.joints][2:8] == [f"joint_{n}" for n in range(1, 7)]
+    assert [joint.name for joint in librarian.contents.joints][2:8] == [f"joint_{n}" for n in range(1, 7)]
     assert librarian.camera is not None
     assert (librarian.camera.across_deg, librarian.camera.px_per_mm) == (43.6, 2.67)
 
