@@ -9,6 +9,7 @@ import numpy as np
 from backends.robot_file import RobotFile
 from backends.scene.simulated_arm import SimulatedArm, Vector
 from robotics.kinematics.arm_model import ArmModel
+from robotics.kinematics.urdf_tree import joint_leaders
 
 from .physics import Physics
 from .robot_body import RobotBody
@@ -36,8 +37,13 @@ class BulletArm(SimulatedArm):
         super().__init__(robot, model, body.states(joints)[0], seed)
         self._body, self._physics, self._joints = body, physics, joints
         self._effort = np.array([body.effort[name] for name in model.joint_names])
+        leaders = joint_leaders(robot.urdf_text())
+        self._followers = {name: led for name, led in leaders.items() if led[0] in model.joint_names}
         for name, angle in zip(model.joint_names, self._command + self._offset, strict=True):
             body.reset(name, float(angle))
+        for name, (leader, factor, offset) in self._followers.items():
+            stands = self._command[model.joint_names.index(leader)]
+            body.reset(name, factor * float(stands) + offset)
         self.force: Vector = np.zeros(3)
         """What truly acts on the hand, (3,) in [N] in its frame, as measured in this period."""
         self.load: tuple[float, Vector] = (0.0, np.zeros(3))
@@ -75,6 +81,21 @@ class BulletArm(SimulatedArm):
         p.setJointMotorControlArray(
             self._body.id, self._joints, p.TORQUE_CONTROL, forces=self._weight(angles), physicsClientId=client
         )
+
+        self._lead(angles)
+
+    def _lead(self, angles: Vector) -> None:
+        """Have the joints that mimic one of the arm's stand where it has them."""
+        p, client = self._physics.p, self._physics.client
+        for name, (leader, factor, offset) in self._followers.items():
+            p.setJointMotorControl2(
+                self._body.id,
+                self._body.joint_index[name],
+                p.POSITION_CONTROL,
+                targetPosition=factor * float(angles[self._model.joint_names.index(leader)]) + offset,
+                force=self._body.effort[name] / self._physics.substeps,
+                physicsClientId=client,
+            )
 
     def end(self) -> None:
         """A period has ended."""

@@ -14,6 +14,8 @@ from backends.driven_wheels import driven_wheels
 from backends.robot_file import RobotFile
 from robotics.geometry.pose2 import Pose2
 from robotics.geometry.transform import Transform, inverse
+from robotics.kinematics.urdf_contents import joints_of
+from robotics.kinematics.urdf_tree import joint_leaders
 
 from .engine import quiet
 from .physics import ROBOT_GROUP, Physics, matrix
@@ -29,6 +31,8 @@ might take all the weight off them, and the base would slide on. Also of each of
 PAD_STIFFNESS = 1e5  # rubber, at each corner [N/m]: rigid pads would press with one corner each
 PAD_DAMPING = 1000.0  # [Ns/m]
 _ALL = -1
+_MOVED = ("left_finger", "right_finger", "left_steering", "right_steering")
+_HOLDS = 1000.0  # what a joint that stands is held with, where the URDF doesn't say [Nm] or [N]
 _SPECK = 1e-6  # mass of a link that is only a frame [kg], and its inertia [kg m²]; Bullet would take 1
 
 Vector = NDArray[np.float64]
@@ -86,6 +90,10 @@ class RobotBody:
                 self.free(info[0])
         if self.sprung:
             self._pass_through_itself()
+        for one, other in robot.whole.allowed:
+            if {one, other} <= set(self.link_index):
+                self._pass_through(one, other)
+        self._hold_the_rest(robot)
         self.put(base)
 
     def _root_T_base(self) -> Transform:
@@ -222,10 +230,30 @@ class RobotBody:
     def _pass_through_itself(self) -> None:
         """Let wheels and casters stand within the base, which is no longer their parent."""
         for name in (*self.wheels.all, *self.casters):
-            for other in self.link_index.values():
-                self._p.setCollisionFilterPair(
-                    self.id, self.id, self.link_index[name], other, 0, physicsClientId=self._physics.client
-                )
+            for other in self.link_index:
+                self._pass_through(name, other)
+
+    def _pass_through(self, one: str, other: str) -> None:
+        links = self.link_index[one], self.link_index[other]
+        self._p.setCollisionFilterPair(self.id, self.id, *links, 0, physicsClientId=self._physics.client)
+
+    def _hold_the_rest(self, robot: RobotFile) -> None:
+        """Have the limited joints that nobody moves (a head, another arm) stand where kinematics has them."""
+        leaders = joint_leaders(robot.urdf_text())
+        moved = {*(robot.arm.joints if robot.arm else ()), *_MOVED}
+        for joint in joints_of(robot.urdf_text()):
+            leader, _, offset = leaders.get(joint.name, (joint.name, 1.0, 0.0))
+            if leader in moved or joint.kind == "continuous":
+                continue
+            self.reset(joint.name, offset)
+            self._p.setJointMotorControl2(
+                self.id,
+                self.joint_index[joint.name],
+                self._p.POSITION_CONTROL,
+                targetPosition=offset,
+                force=_HOLDS if joint.effort <= 0.0 else joint.effort,
+                physicsClientId=self._physics.client,
+            )
 
 
 def _on_suspension(robot: RobotFile) -> str:
