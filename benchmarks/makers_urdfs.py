@@ -32,6 +32,7 @@ from evaluation.mutated_urdfs import mutated
 
 LONGEST = 60  # lines that a person is told without asking for more
 NAMED = re.compile(r"link|joint|URDF|mesh|xacro|entity|robot")
+EVERY = 4  # of the looks at what people are told
 WAITS = 20  # times as long as a processor's time it may take on a busy machine
 
 
@@ -42,6 +43,8 @@ class Case(NamedTuple):
     text: str | None
     """What stands in it instead; None: it is as it is."""
     what: str
+    people: bool
+    """Whether what people are told is looked at too, and `--allow`."""
 
 
 class Seen(NamedTuple):
@@ -86,7 +89,7 @@ def _cases(folders: list[Path], mutants: int, most: int, seed: int) -> list[Case
     found = [path for folder in folders for path in sorted(folder.rglob("*.urdf"))]
     rng = random.Random(seed)
     chosen = found if len(found) <= most else sorted(rng.sample(found, most))
-    cases = [Case(path, None, "as it is") for path in chosen]
+    cases = [Case(path, None, "as it is", n % EVERY == 0) for n, path in enumerate(chosen)]
     # What lies about in a thousand copies that differ in a mesh is one kind of robot.
     kinds = [path for path in found if "random_urdfs" not in path.parts]
     while mutants > 0:
@@ -95,9 +98,9 @@ def _cases(folders: list[Path], mutants: int, most: int, seed: int) -> list[Case
             text, what = mutated(path.read_text(encoding="utf-8"), rng.randrange(1 << 30))
         except (SyntaxError, UnicodeDecodeError):
             continue
-        cases.append(Case(path, text, what))
+        cases.append(Case(path, text, what, mutants % EVERY == 0))
         mutants -= 1
-    return cases
+    return sorted(cases, key=lambda case: case.path)
 
 
 def _look(cases: list[Case], jobs: int, limit: int) -> int:
@@ -124,10 +127,13 @@ def _all(cases: list[Case], jobs: int, limit: int) -> Iterator[tuple[Case, Seen]
     __import__("evaluation.robot_report.urdf_report")
     context = multiprocessing.get_context("fork")
     running: list[tuple[Case, multiprocessing.Process, object, float]] = []  # type: ignore[valid-type]
-    waiting = list(reversed(cases))
+    waiting, warm = list(reversed(cases)), None
     while waiting or running:
         while waiting and len(running) < jobs:
             case = waiting.pop()
+            if case.path != warm:
+                warm = case.path
+                _read_meshes(warm)
             mine, theirs = context.Pipe(duplex=False)
             process = context.Process(target=_child, args=(case, theirs, limit))
             process.start()
@@ -141,6 +147,14 @@ def _all(cases: list[Case], jobs: int, limit: int) -> Iterator[tuple[Case, Seen]
                 continue
             running.remove(each)
             yield case, _result(mine, process, passed, limit)
+
+
+def _read_meshes(path: Path) -> None:
+    """Once for all that are forked from here."""
+    from backends.robot_parts import read_part
+
+    with contextlib.suppress(ValueError):
+        read_part(path.name, path.parent)
 
 
 def _result(mine: object, process: object, passed: float, limit: int) -> Seen:
@@ -167,7 +181,7 @@ def _child(case: Case, answer: object, limit: int) -> None:
     draft = path.with_name(f"{path.stem}.robot-{os.getpid()}.yaml")
     try:
         begun = time.process_time()
-        seen = _checked(path, draft)._replace(seconds=time.process_time() - begun)
+        seen = _checked(path, draft, case.people)._replace(seconds=time.process_time() - begun)
     finally:
         draft.unlink(missing_ok=True)
         if case.text is not None:
@@ -175,21 +189,23 @@ def _child(case: Case, answer: object, limit: int) -> None:
     answer.send(seen)  # type: ignore[attr-defined]
 
 
-def _checked(path: Path, draft: Path) -> Seen:
-    status, violations = _check(path, path.name, "--draft", str(draft))
+def _checked(path: Path, draft: Path, people: bool = True) -> Seen:
+    status, violations = _check(path, path.name, "--draft", str(draft), people=people)
     statuses = [status]
     if status == 0:
-        status, more = _check(draft, path.name)
+        status, more = _check(draft, path.name, people=people)
         violations += [f"as a robot: {each}" for each in more]
         statuses.append(status)
-        if status == 0:
+        if status == 0 and people:
             status, more = _check(draft, path.name, "--allow", json_too=False)
             violations += [f"with --allow: {each}" for each in more]
             statuses.append(status)
     return Seen(tuple(statuses), tuple(violations), 0.0)
 
 
-def _check(path: Path, urdf: str, *options: str, json_too: bool = True) -> tuple[int, list[str]]:
+def _check(
+    path: Path, urdf: str, *options: str, json_too: bool = True, people: bool = True
+) -> tuple[int, list[str]]:
     status, out, err = _said("check", str(path), *options, *(["--json"] if json_too else []))
     wrong = []
     if status not in (0, 2):
@@ -200,7 +216,7 @@ def _check(path: Path, urdf: str, *options: str, json_too: bool = True) -> tuple
         if err.strip():
             wrong.append(f"on stderr: {err.strip()[:200]}")
         wrong += _of_json(status, out, urdf)
-        out, err = _for_people(status, path, wrong)
+        out, err = _for_people(status, path, wrong) if people else ("", "")
     # What `--allow` changes stands on stderr, a line a pair.
     if (lines := len((out if "--allow" in options else out + err).splitlines())) > LONGEST:
         wrong.append(f"{lines} lines")

@@ -16,7 +16,7 @@ from robotics.geometry.transform import transform
 from robotics.kinematics.arm_model import ArmModel
 from robotics.manipulation.collision_model import CollisionModel
 
-SAMPLES = 6000
+SAMPLES, FEWER = 6000, 1500  # postures; where nothing is looked for near them, fewer do
 TRIES = 16  # starts of the search for a posture
 BEFORE_SHELF = 0.46  # [m] ahead of the base that the tips are for `aside`: shelves of return_book are at 0.47
 BOARDS = (0.1, 0.3, 0.5, 0.7, 0.9, 1.1, 1.3, 1.5)  # heights of boards that are tried [m]
@@ -81,7 +81,7 @@ def reach_of(robot: RobotFile, arm: ArmModel, seed: int = 0) -> Reach | None:
     """
     free = CollisionModel(arm)
     rng = np.random.default_rng(seed)
-    drawn = rng.uniform(arm.lower, arm.upper, (SAMPLES, arm.dof))
+    drawn = rng.uniform(arm.lower, arm.upper, (SAMPLES if robot.has_tray else FEWER, arm.dof))
     points = [arm.forward(q)[:3, 3] for q in drawn if not free.in_collision(q)]
     above = [point for point in points if point[2] > 0.0]
     if not above:

@@ -23,8 +23,8 @@ allowed_contacts: [[mast, base_link], [boom, base_link], [boom, mast], [hook, ba
 period_s: 0.05
 footprint_radius_m: 0.5
 localiser: odometry
-drive: {left: l_joint, right: r_joint, wheel_radius_m: 0.1, tread_m: 0.6, top_speed_m_s: 0.5, top_turn_deg_s: 60,
-        acceleration_m_s2: 0.5, turn_acceleration_deg_s2: 90}
+drive: {left: l_joint, right: r_joint, wheel_radius_m: 0.1, tread_m: 0.6, top_speed_m_s: 0.5,
+        top_turn_deg_s: 60, acceleration_m_s2: 0.5, turn_acceleration_deg_s2: 90}
 arm:
   joints: [lift]
   top_speed_deg_s: 90
@@ -47,7 +47,8 @@ WHEEL = """\
 """
 CASTER = """\
   <link name="{0}">{1}<collision><geometry><sphere radius="0.05"/></geometry></collision></link>
-  <joint name="{0}_mount" type="fixed"><parent link="base_link"/><child link="{0}"/><origin xyz="{2} 0 0.05"/></joint>
+  <joint name="{0}_mount" type="fixed"><parent link="base_link"/><child link="{0}"/>
+    <origin xyz="{2} 0 0.05"/></joint>
 """
 UP = '<axis xyz="0 0 1"/><limit lower="-0.5" upper="0.5" effort="300" velocity="0.5"/>'
 CRANE = f"""\
@@ -55,12 +56,14 @@ CRANE = f"""\
   <link name="base_link">{MASS.format(30, 1)}
     <collision><origin xyz="0 0 0.2"/><geometry><box size="0.4 0.4 0.2"/></geometry></collision></link>
 {WHEEL.format("l", MASS.format(1, 0.01), 0.3)}{WHEEL.format("r", MASS.format(1, 0.01), -0.3)}
-{CASTER.format("front_caster", MASS.format(0.1, 0.001), 0.18)}{CASTER.format("rear_caster", MASS.format(0.1, 0.001), -0.18)}
+{CASTER.format("front_caster", MASS.format(0.1, 0.001), 0.18)}
+{CASTER.format("rear_caster", MASS.format(0.1, 0.001), -0.18)}
   <link name="mast">{MASS.format(2, 0.02)}{SOLID.format(0.1)}</link>
   <link name="boom">{MASS.format(2, 0.02)}{SOLID.format(0.1)}</link>
   <link name="hook"/>
   <link name="head">{MASS.format(1, 0.01)}</link>
-  <joint name="lift" type="prismatic"><parent link="base_link"/><child link="mast"/><origin xyz="0 0 0.25"/>{UP}</joint>
+  <joint name="lift" type="prismatic"><parent link="base_link"/><child link="mast"/>
+    <origin xyz="0 0 0.25"/>{UP}</joint>
   <joint name="stage" type="prismatic"><parent link="mast"/><child link="boom"/>{UP}
     <mimic joint="lift" multiplier="0.5" offset="0.05"/></joint>
   <joint name="tip" type="fixed"><parent link="boom"/><child link="hook"/></joint>
