@@ -36,7 +36,7 @@ def test_every_command_works(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) ->
                 main(words)
             assert not end.value.code, words
             done += 1
-    assert done == 7
+    assert done == 9
     assert (tmp_path / "my_robot.svg").is_file()
 
 

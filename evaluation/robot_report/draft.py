@@ -51,7 +51,8 @@ def _drive(outline: Outline) -> list[str]:
     wheels = outline.wheels
     lines = ["drive:"]
     if wheels is not None:
-        lines += [f"  {side}: {_flow(getattr(wheels, side))}" for side in ("left", "right")]
+        sides = {"left": wheels.left, "right": wheels.right}
+        lines += [f"  {s}: {_flow(names)}" for s, names in sides.items() if names != (f"{s}_wheel",)]
     radius = None if wheels is None else wheels.radius
     tread = None if wheels is None else wheels.tread
     for key, value, otherwise in (("wheel_radius_m", radius, RADIUS), ("tread_m", tread, TREAD)):
