@@ -13,7 +13,7 @@ from backends.driven_wheels import driven_wheels
 from robotics.geometry.transform import Transform
 from robotics.kinematics.shapes import Shape, Sphere
 from robotics.kinematics.urdf_contents import JointFacts, bodies_of, joints_of
-from robotics.kinematics.urdf_reading import read_urdf
+from robotics.kinematics.urdf_reading import known_urdf
 from robotics.kinematics.urdf_tree import joint_leaders, kinematic_urdf
 
 from .masses import corners_of
@@ -78,7 +78,7 @@ class _Tree:
     """Links and joints, and where they stand with all joints at zero."""
 
     def __init__(self, urdf_text: str) -> None:
-        robot = read_urdf(urdf_text)
+        robot = known_urdf(urdf_text)
         joints = robot.findall("joint")
         self.child = {each.get("name", ""): _end(each, "child") for each in joints}
         self.parent = {each.get("name", ""): _end(each, "parent") for each in joints}

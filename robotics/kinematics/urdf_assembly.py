@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from typing import NamedTuple
 from xml.etree import ElementTree
 
-from robotics.kinematics.urdf_reading import read_urdf
+from robotics.kinematics.urdf_reading import known_urdf, read_urdf
 
 _REFERENCES = (("parent", "link"), ("child", "link"), ("mimic", "joint"))
 
@@ -27,7 +27,7 @@ class Part(NamedTuple):
 
 def link_names(urdf_text: str) -> list[str]:
     """The names of all links; raises ValueError where the text is no URDF."""
-    return _names(read_urdf(urdf_text), "link")
+    return _names(known_urdf(urdf_text), "link")
 
 
 def with_part(urdf_text: str, part: Part) -> str:

@@ -12,7 +12,7 @@ from scipy.spatial.transform import Rotation
 
 from robotics.kinematics.coal_bodies import MESHES, hull_of_mesh, shape_of
 from robotics.kinematics.shapes import Shape
-from robotics.kinematics.urdf_reading import read_urdf
+from robotics.kinematics.urdf_reading import known_urdf
 from robotics.kinematics.urdf_tree import MOVABLE, kinematic_urdf
 
 
@@ -57,20 +57,20 @@ class MeshUse(NamedTuple):
 
 def joints_of(urdf_text: str) -> list[JointFacts]:
     """The joints that move, in the file's order; raises ValueError where the text is no URDF."""
-    moving = [each for each in read_urdf(urdf_text).findall("joint") if each.get("type") in MOVABLE]
+    moving = [each for each in known_urdf(urdf_text).findall("joint") if each.get("type") in MOVABLE]
     return [_joint(each) for each in moving]
 
 
 def links_of(urdf_text: str) -> list[LinkFacts]:
     """The links, in the file's order; raises ValueError where the text is no URDF."""
-    return [_link(each) for each in read_urdf(urdf_text).findall("link")]
+    return [_link(each) for each in known_urdf(urdf_text).findall("link")]
 
 
 def meshes_of(urdf_text: str) -> list[MeshUse]:
     """The meshes, in the file's order; raises ValueError where the text is no URDF."""
     return [
         MeshUse(link.get("name", ""), kind, mesh.get("filename", ""), _scale(mesh))
-        for link in read_urdf(urdf_text).findall("link")
+        for link in known_urdf(urdf_text).findall("link")
         for kind in ("collision", "visual")
         for mesh in link.iterfind(f"{kind}//mesh")
     ]

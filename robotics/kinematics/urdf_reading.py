@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from functools import lru_cache
 from typing import Any, NamedTuple
 from xml.etree import ElementTree
 from xml.parsers import expat
@@ -50,6 +51,12 @@ def read_urdf(text: str) -> UrdfElement:
     if robot.tag != "robot":
         raise UrdfFaults([robot.fault(f"the URDF's root is <{robot.tag}>; allowed: <robot>")])
     return robot
+
+
+@lru_cache(maxsize=8)
+def known_urdf(text: str) -> UrdfElement:
+    """The same of a text that may have been read before: nobody changes what is given."""
+    return read_urdf(text)
 
 
 def read_xml(text: str) -> UrdfElement:

@@ -10,7 +10,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from robotics.kinematics.urdf_reading import read_urdf
+from robotics.kinematics.urdf_reading import known_urdf
 
 MOVABLE = ("revolute", "continuous", "prismatic")
 _FREE = ("floating", "planar")
@@ -29,7 +29,7 @@ def kinematic_urdf(urdf_text: str) -> str:
     Raises:
         ValueError: the text is no URDF.
     """
-    return _text(_kinematic(read_urdf(urdf_text)))
+    return _text(_kinematic(known_urdf(urdf_text)))
 
 
 def urdf_of_arm(urdf_text: str, moving: Collection[str], standing: Mapping[str, float]) -> str:
@@ -44,7 +44,7 @@ def urdf_of_arm(urdf_text: str, moving: Collection[str], standing: Mapping[str, 
         ValueError: the text is no URDF, or one of the names is no movable joint of it, or one that follows
             another.
     """
-    robot = _kinematic(read_urdf(urdf_text))
+    robot = _kinematic(known_urdf(urdf_text))
     joints = {joint.get("name", ""): joint for joint in robot.findall("joint")}
     movable = [name for name, joint in joints.items() if joint.get("type") in MOVABLE]
     if missing := [name for name in (*moving, *standing) if name not in movable]:
@@ -71,7 +71,7 @@ def joint_leaders(urdf_text: str) -> dict[str, tuple[str, float, float]]:
     Raises:
         ValueError: the text is no URDF.
     """
-    return _leaders({joint.get("name", ""): joint for joint in read_urdf(urdf_text).findall("joint")})
+    return _leaders({joint.get("name", ""): joint for joint in known_urdf(urdf_text).findall("joint")})
 
 
 def _leaders(joints: Mapping[str, Element]) -> dict[str, tuple[str, float, float]]:
