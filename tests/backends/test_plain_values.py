@@ -14,6 +14,9 @@ from backends.plain_values import attributes, from_plain, set_attributes, to_pla
 from backends.saved_state import NotAState, pack, unpack
 from files.model import FileModel
 from robotics.far import Far, FarArray
+from robotics.geometry.pose2 import Pose2
+from robotics.navigation.gps_filter import GpsFilter
+from robotics.navigation.particle_filter import ParticleFilter
 
 Vector = NDArray[np.float64]
 
@@ -136,3 +139,24 @@ def test_beyond_all_sense():
     for value in (1e16, -1e300, float("inf")):
         with pytest.raises(NotAState, match="beyond"):
             from_plain(value, float, "x")
+
+
+@pytest.mark.parametrize("kind", [ParticleFilter, GpsFilter])
+def test_a_filter_goes_on_as_the_one_that_was_kept(kind):
+    """Its random numbers, what it doubts and what it looks back on included."""
+    rng = np.random.default_rng(3)
+
+    def drive(localizer, seed):
+        noise = np.random.default_rng(seed)
+        for period in range(60):
+            rates, felt = np.array([0.0, 0.0, 0.1]), np.array([0.0, 0.0, 9.81])
+            localizer.predict(rates, felt, np.array([0.02, 0.021]), 0.025)
+            if period % 20 == 0:
+                localizer.fix(np.array(localizer.pose[:2]) + 0.3 * noise.standard_normal(2))
+        return localizer.pose
+
+    first, again = kind(Pose2(1.0, 2.0, 0.5)), kind(Pose2(0.0, 0.0, 0.0))
+    drive(first, int(rng.integers(100)))
+    for part, other in ((first, again), (first.odometry, again.odometry)):
+        set_attributes(other, other.STATE, unpack(pack(attributes(part, part.STATE))))
+    assert drive(first, 7) == drive(again, 7)
