@@ -65,8 +65,9 @@ class CheckpointKeeper:
     A GiveUp is not kept: who acknowledges it has put everything back as it was before that action.
     """
 
-    def __init__(self, folder: Path, prepared: Prepared) -> None:
-        self._path, self._prepared = folder / NAME, prepared
+    def __init__(self, folder: Path, prepared: Prepared, durable: bool = False) -> None:
+        """`durable`: each is on the disk before its action's result is."""
+        self._path, self._prepared, self._durable = folder / NAME, prepared, durable
 
     def keep(self, result: Mapping[str, Any], after: str) -> str | None:
         """Replace the checkpoint in one step; None where a simulated world can't be kept.
@@ -97,19 +98,21 @@ class CheckpointKeeper:
             }
         )
         try:
-            _replace(self._path, content)
+            self._replace(content)
         except OSError as error:
             raise NotKeptError(printable(f"{self._path} can't be written: {error.strerror}")) from None
         return digest(content)
 
-
-def _replace(path: Path, content: bytes) -> None:
-    new = path.with_suffix(".new")
-    new.unlink(missing_ok=True)
-    file = os.open(new, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC | os.O_NOFOLLOW, 0o600)
-    with os.fdopen(file, "wb") as stream:
-        stream.write(content)
-    os.replace(new, path)
+    def _replace(self, content: bytes) -> None:
+        new = self._path.with_suffix(".new")
+        new.unlink(missing_ok=True)
+        file = os.open(new, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC | os.O_NOFOLLOW, 0o600)
+        with os.fdopen(file, "wb") as stream:
+            stream.write(content)
+            stream.flush()
+            if self._durable:
+                os.fsync(file)
+        os.replace(new, self._path)
 
 
 def load_checkpoint(folder: Path) -> Checkpoint | None:

@@ -12,7 +12,7 @@ from backends.arm import Arm
 from files.errors import InputError
 from files.printable import printable
 
-from .checkpoint import Checkpoint, load_checkpoint
+from .checkpoint import NAME, Checkpoint, load_checkpoint
 from .journal import SCHEMA, check_not_alive
 from .journal_record import JournalContents
 from .network import ActionNetwork
@@ -207,7 +207,10 @@ def _recovered(
         told = (
             f"it is of action {checkpoint.result['n']}, and the journal's last result of action {here.done}"
         )
-        raise NeedsOperator(f"the checkpoint in {folder} is not the one that its journal names: {told}")
+        words = f"the checkpoint in {folder} is not the one that its journal names: {told}"
+        if not contents.records[0].get("simulated", True):
+            words += f"; if the robot may go on without what it had learned: rm {folder / NAME}"
+        raise NeedsOperator(words)
     return checkpoint.result
 
 

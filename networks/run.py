@@ -108,7 +108,7 @@ def execute(
                 looking_on,
                 permits,
                 standing=past.standing if past else None,
-                keep=CheckpointKeeper(run_dir, prepared).keep if checkpoints else None,
+                keep=CheckpointKeeper(run_dir, prepared, sync == "always").keep if checkpoints else None,
             )
             heard.stop_by(lambda: coordinator.request(Request.INTERRUPT))
             operation = stack.enter_context(Operation(run_dir, coordinator, permits, prepared.robot))

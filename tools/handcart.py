@@ -59,8 +59,10 @@ def _check_text(words: list[str]) -> None:
 
 def _told(error: Exception) -> int:
     """Tell of an error in words, of a fault of our own with its traceback too; gives the exit status."""
+    from files.printable import printable
+
     if isinstance(error, HandcartError):
-        print(error, file=sys.stderr)
+        print("\n".join(map(printable, str(error).split("\n"))), file=sys.stderr)
         return error.exit_status
     import traceback
 

@@ -13,6 +13,7 @@ from rich.markup import escape
 
 from backends.robot import Robot
 from backends.stopping import stopping_distance
+from files.printable import printable
 from networks.events import Ended, Event, LeftOut, Planned, Restoring, RunEnded, Started
 from networks.network import Action
 from networks.planner import NoWay
@@ -74,7 +75,7 @@ class Progress:
 
     def say(self, words: str) -> None:
         """Tell something that should be known before anything moves."""
-        self._print(escape(words))
+        self._print(escape(printable(words)))
 
     def begin(self, prepared: Prepared, folder: Path) -> None:
         """Tell what the user should know before the run starts."""

@@ -31,6 +31,7 @@ def resume(
     import orjson
 
     from evaluation.running import resume_task
+    from files.printable import printable
     from networks.interrupts import Interrupts
     from networks.permits import Permits
 
@@ -45,7 +46,8 @@ def resume(
             print(orjson.dumps(summary).decode(), flush=True)
         else:
             reason = f": {summary['reason']}" if summary["reason"] else ""
-            print(f"{summary['outcome']} in situation {summary['situation']}{reason}; see {run}", flush=True)
+            words = f"{summary['outcome']} in situation {summary['situation']}{reason}; see {run}"
+            print(printable(words), flush=True)
     sys.exit(status)
 
 
@@ -57,7 +59,8 @@ def ack(
 
     Then the run may go on, and the robot into another one.
     """
+    from files.printable import printable
     from networks.acknowledging import acknowledge
 
     reason = acknowledge(run, record)
-    print(f"acknowledged: {reason}; handcart resume {run} goes on with it")
+    print(printable(f"acknowledged: {reason}; handcart resume {run} goes on with it"))

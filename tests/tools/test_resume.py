@@ -246,6 +246,20 @@ def test_a_checkpoint_one_ahead_of_another_journal_is_refused(handcart, whole):
     assert (said.status, "is not the one that its journal names" in said.err) == (6, True)
 
 
+def test_what_a_journal_says_does_nothing_to_a_terminal(handcart, whole):
+    """T18, D15: told with what a terminal would act on written out."""
+    folder, _ = whole
+    cut(folder, "END", 0)
+    path = folder / "journal.jsonl"
+    with Journal.go_on(path, read_journal(path)) as journal:
+        journal.append("END", 80.0, {"outcome": "GiveUp", "situation": "returned", "reason": "\x1b[2J"})
+    number = len(read_journal(path).records) - 1
+    for words in (("resume", folder), ("ack", folder, number)):
+        said = handcart(*words)
+        assert "\\x1b[2J" in said.out + said.err
+        assert "\x1b" not in said.out + said.err
+
+
 def test_a_damaged_checkpoint_is_refused(handcart, whole):
     """300 flipped bits, none of them taken; one of them through the command."""
     folder, _ = whole
