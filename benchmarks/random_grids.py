@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy import ndimage
+from scipy.spatial import cKDTree
 
 from robotics.navigation.grid_map import GridMap, from_boxes
 
+NEAREST = 12  # centres that are looked at first
+DIAGONAL = math.sqrt(0.5) - 0.5 + 1e-9  # [cells] that squares' distances may differ more than their centres'
 Cells = NDArray[np.bool_]
 CELLS_PER_RADIUS = (0.0, 0.3, 0.5, 0.6, 0.8, 1.0, 1.3, 1.9, 2.5, 4.0, 7.6)
 
@@ -102,20 +107,25 @@ def random_grid(seed: int) -> tuple[GridMap, float]:
 
 
 def distance_to_squares(blocked: Cells, points: NDArray[np.float64]) -> NDArray[np.float64]:
-    """(n,) distances of points (n, 2), in [cells], to the nearest blocked square, by trying them all.
+    """(n,) distances of points (n, 2), in [cells], to the nearest blocked square.
 
-    What lies beyond the map is blocked. Nothing of the planner's is used.
+    Nothing of the planner's is used. What lies beyond the map is blocked. The nearest square has one of the
+    nearest centres: a square is nearer than its centre by half a cell at least and half a cell's diagonal at
+    most. Where too many centres are about as near, all squares are tried.
     """
     padded = np.pad(blocked, 1, constant_values=True)
-    inner = np.zeros_like(padded)
-    inner[1:-1, 1:-1] = (
-        padded[1:-1, 1:-1] & padded[:-2, 1:-1] & padded[2:, 1:-1] & padded[1:-1, :-2] & padded[1:-1, 2:]
-    )
-    cells = np.argwhere(padded & ~inner) - 1.0
-    found = np.empty(len(points))
-    for low in range(0, len(points), 1000):
-        away = np.maximum(np.abs(points[low : low + 1000, None] - cells) - 0.5, 0.0)
-        found[low : low + 1000] = np.sqrt((away**2).sum(axis=2).min(axis=1))
+    cells = np.argwhere(padded & ~ndimage.binary_erosion(padded, border_value=1)) - 1.0
+    if len(cells) == 0:
+        return np.zeros(len(points))
+    count = min(NEAREST, len(cells))
+    away, index = cKDTree(cells).query(points, k=np.arange(1, count + 1))
+    found = _to_squares(points[:, None], cells[index]).min(axis=1)
+    for i in np.flatnonzero((away[:, -1] < away[:, 0] + DIAGONAL) & (count < len(cells))):
+        found[i] = _to_squares(points[i], cells).min()
     own = np.floor(points + 1.5).astype(np.int64)
     found[padded[own[:, 0], own[:, 1]]] = 0.0
     return found
+
+
+def _to_squares(points: NDArray[np.float64], cells: NDArray[np.float64]) -> NDArray[np.float64]:
+    return np.asarray(np.hypot(*np.moveaxis(np.maximum(np.abs(points - cells) - 0.5, 0.0), -1, 0)))
