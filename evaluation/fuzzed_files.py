@@ -17,7 +17,8 @@ from files.errors import HandcartError
 
 LIBRARY = Path(__file__).parent.parent / "tasks" / "return_book"
 ROBOT = Path(__file__).parent.parent / "backends" / "robots" / "librarian"
-LONGEST = 10  # [s] that a check may take
+LONGEST = 10  # [s] of the processor's time that a check may take
+WAITS = 100  # [s] that it may take on a busy machine; longer, and it hangs
 SMALL = 1 << 22  # [bytes] of files that are read again to see whether they were written
 MEMORY = 1 << 30  # [bytes] beside what the process has already
 _WORDS = (
@@ -112,18 +113,21 @@ def why_not(folder: Path, path: Path, check: Callable[[Path], object]) -> str:
 
 @contextmanager
 def _at_most(seconds: int, memory: int) -> Iterator[None]:
-    """Raises TimeoutError after so many seconds; MemoryError where so many more bytes are asked for."""
-    handler = signal.signal(signal.SIGALRM, _too_long)
+    """Raises TimeoutError after that much computing, or `WAITS`; MemoryError beyond that many more bytes."""
+    handlers = {each: signal.signal(each, _too_long) for each in (signal.SIGALRM, signal.SIGPROF)}
     soft, hard = resource.getrlimit(resource.RLIMIT_AS)
     taken = int(Path("/proc/self/statm").read_text(encoding="ascii").split()[0]) * resource.getpagesize()
     resource.setrlimit(resource.RLIMIT_AS, (taken + memory, hard))
-    signal.alarm(seconds)
+    signal.setitimer(signal.ITIMER_PROF, seconds)
+    signal.alarm(WAITS)
     try:
         yield
     finally:
         signal.alarm(0)
+        signal.setitimer(signal.ITIMER_PROF, 0.0)
         resource.setrlimit(resource.RLIMIT_AS, (soft, hard))
-        signal.signal(signal.SIGALRM, handler)
+        for number, handler in handlers.items():
+            signal.signal(number, handler)
 
 
 def _too_long(_number: int, _frame: FrameType | None) -> None:
