@@ -10,9 +10,9 @@ from typing import Any, NamedTuple
 from backends.base import Base
 from backends.robot_file import RobotFile
 from files.errors import Finding
-from files.loading import Loaded, load_document
-from files.yaml_document import read_document
+from files.loading import Loaded
 from primitives.knowledge import Places
+from primitives.place_file import load_places
 from primitives.world_model import WorldModel
 from robotics.geometry.pose2 import Pose2
 from robotics.navigation.ways import Way, Ways
@@ -92,7 +92,7 @@ def place_rooms(task: Task, robot: RobotFile, model: WorldModel, start: Pose2) -
     file = task.path("knowledge", PLACES)
     if file is None or task.path("knowledge", "map") is None or robot.drive.kind == "ackermann":
         return PlaceRooms()
-    told = load_document(read_document(file), Places)
+    told = load_places(file)
     named, driven = _named(task.network.actions), _named(task.network.actions, driving=True)
     ways = Ways(model.map, robot.footprint_radius_m, start)
     rooms = tuple(
