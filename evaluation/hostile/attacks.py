@@ -260,7 +260,7 @@ def forged_state(scene: Scene) -> None:
     def change(kept: dict[str, Any]) -> None:
         for _ in range(scene.rng.choice((1, 1, 2, 5))):
             part = scene.rng.choice(("backend", "backend", "robot", "model", "result", None))
-            below = kept if part is None else kept[part]
+            below = kept if part is None else kept.get(part)
             change_somewhere(scene.rng, below if isinstance(below, dict | list) else kept)
 
     forge_state(scene.folder, change)
