@@ -12,10 +12,11 @@ from files.printable import printable
 
 from .journal_record import JournalContents, JournalError, parse_journal
 from .run_records import makes_sense
+from .socket_path import CONTROL, STOP
 
 JOURNAL = "journal.jsonl"
-CONTROL = "control"
-"""The socket over which a run hears its operator: no file, and the only one that may be there."""
+SOCKETS = (CONTROL, STOP)
+"""Over which a run hears its operator: no files, and all that may be there beside them."""
 MAX_JOURNAL = 128 * 2**20
 _MOST = 50_000  # files of a run
 _DEEPEST = 4  # folders in it
@@ -78,7 +79,7 @@ def _check(folder: Path, path: Path, status: os.stat_result) -> None:
     elif stat.S_ISREG(status.st_mode):
         if status.st_nlink > 1:
             raise NoRun(folder, f"{name} in it has another name elsewhere (a hard link)")
-    elif not (stat.S_ISSOCK(status.st_mode) and str(name) == CONTROL):
+    elif not (stat.S_ISSOCK(status.st_mode) and str(name) in SOCKETS):
         kind = next(words for test, words in _KINDS if test(status.st_mode))
         raise NoRun(folder, f"{name} in it is {kind}")
 

@@ -123,7 +123,7 @@ def make(recipe: Recipe, tasks: Path, where: Path) -> list[Original]:
 
 
 def _copy(folder: Path, to: Path) -> None:
-    shutil.copytree(folder, to, ignore=shutil.ignore_patterns("control"))
+    shutil.copytree(folder, to, ignore=shutil.ignore_patterns("control*"))
 
 
 def _give_up(folder: Path) -> None:

@@ -29,8 +29,9 @@ def folder(tmp_path: Path) -> Path:
 
 
 def test_a_plain_folder_is_read(folder):
-    with socket.socket(socket.AF_UNIX) as control:
+    with socket.socket(socket.AF_UNIX) as control, socket.socket(socket.AF_UNIX) as stop:
         control.bind(os.path.relpath(folder / "control"))
+        stop.bind(os.path.relpath(folder / "control.stop"))
         contents = read_run_journal(folder)
     assert [each["kind"] for each in contents.records] == ["RUN", "PLAN"]
 

@@ -81,7 +81,7 @@ def once(tmp_path_factory):
 def whole(once, tmp_path):
     """A copy of it."""
     folder = tmp_path / "whole" / "return_book-0"
-    shutil.copytree(once[0], folder, ignore=shutil.ignore_patterns("control"))
+    shutil.copytree(once[0], folder, ignore=shutil.ignore_patterns("control*"))
     return folder, once[1]
 
 
