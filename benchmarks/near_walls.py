@@ -6,7 +6,7 @@ put beside what is occupied, by distances worked out here, cell by cell: as near
 nearer. What `handcart check` says of them is held against that; those that it calls reachable are driven to
 by `tasks/drive_map`, as `handcart run` does it, on the kinematic backend with the robot's own errors.
 Contacts are the simulated world's own. With --nearer places aren't checked: each that is too near is tried by
-MOVE_TO itself, as `handcart do` does it. Ended by Ctrl-C, it reports on the worlds that it had tried.
+MOVE_TO itself, as `handcart do` does it. Ended by Ctrl-C or SIGTERM, it reports on the worlds tried so far.
 """
 
 from __future__ import annotations
@@ -14,6 +14,7 @@ from __future__ import annotations
 import argparse
 import math
 import re
+import signal
 import sys
 import time
 from collections import Counter
@@ -386,6 +387,8 @@ def main() -> None:
     parser.add_argument("--seed", type=int, default=0, help="of the first world")
     parser.add_argument("--nearer", action="store_true", help="try places that `check` refuses")
     chosen = parser.parse_args()
+    for each in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(each, signal.default_int_handler)
     seeds = range(chosen.seed, chosen.seed + chosen.worlds)
     results = []
     with (
