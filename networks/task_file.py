@@ -118,8 +118,9 @@ class _Reader:
     def task(self) -> Task:
         file = self._whole()
         situations, entries = self._situations(), self._listed("actions", ActionEntry)
+        known = {name: Situation(name, facts) for name, facts in situations.items()}
         for number, entry in entries.items():
-            self._check_entry(number, entry, situations)
+            self._check_entry(number, entry, known)
         start = self._named("start", situations)
         goal = self._named("goal", situations)
         self._check_files()
@@ -168,10 +169,7 @@ class _Reader:
             self._add((key,), f"unknown situation {name!r}{suggest(name, situations)}")
         return name
 
-    def _check_entry(
-        self, number: int, entry: ActionEntry, situations: Mapping[str, Mapping[str, Fact]]
-    ) -> None:
-        known = {name: Situation(name, facts) for name, facts in situations.items()}
+    def _check_entry(self, number: int, entry: ActionEntry, known: Mapping[str, Situation]) -> None:
         plain = Action(entry.source, entry.target, None, entry.cost_s, entry.attempts, entry.on_fail)
         for key, fault in faults_of(plain, known):
             self._add(("actions", number, key), fault)

@@ -137,6 +137,8 @@ def _facts(file: Path, settings: dict[str, str], asked: Asked) -> dict[str, Any]
         from .check_urdf import urdf_facts
 
         return urdf_facts(file, asked.every, asked.draft)
+    if _says_task(file):
+        return _task_facts(file, settings, asked.quick)
     if is_map_file(file):
         return _map_facts(file)
     document = read_document(file)
@@ -169,6 +171,14 @@ def _facts(file: Path, settings: dict[str, str], asked: Asked) -> dict[str, Any]
     return {"format": data["format"]}
 
 
+def _says_task(file: Path) -> bool:
+    """Whether its first line says so: then it needn't be read twice, which takes long where it is long."""
+    from files.regular_file import read_regular_file
+    from files.yaml_document import MAX_BYTES
+
+    return read_regular_file(file, MAX_BYTES).startswith(b"format: handcart-task/1\n")
+
+
 def _map_facts(file: Path) -> dict[str, Any]:
     from backends.map_file import load_map
     from backends.movingai_map import SUFFIX
@@ -194,9 +204,12 @@ def _task_facts(file: Path, settings: dict[str, str], quick: bool) -> dict[str, 
     from networks.preparing import check as check_task
 
     from .check_task import task_facts
+    from .share_shown import share_shown
 
     checked = check_task(file, settings=settings)
-    told = task_facts(checked.task) | ({} if quick else seam_facts(checked.task))
+    with share_shown(f"{file}: how runs end") as watch:
+        told = task_facts(checked.task, watch)
+    told |= {} if quick else seam_facts(checked.task)
     robot = checked.task.robot
     postures = map(str, posture_findings(robot, load_robot(robot)))
     lines = [*(each.words() for each in checked.places), *told.get("lines", ())]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
@@ -9,15 +10,18 @@ if TYPE_CHECKING:
     from networks.analysis.forecast import Forecast
     from networks.task_file import Task
 
+Watch = Callable[[float], None]
+"""Hears now and then how much is done, 0 to 1."""
 SHORT = (
     "where a run may end short of the goal, with the fewest Fails (another way or more attempts would help):"
 )
 
 
-def task_facts(task: Task) -> dict[str, Any]:
+def task_facts(task: Task, watch: Watch = lambda share: None) -> dict[str, Any]:
     """Its size, what is doubtful (`warnings`), where runs may end short of the goal (`short`), and how runs
     end (`figures`, for people in `lines`)."""
-    from networks.analysis.policy import TooLarge
+    from networks.analysis.effort import Effort
+    from networks.analysis.policy import WORK
     from networks.analysis.task_findings import short_findings, task_findings, unused_findings
     from networks.analysis.worst_cases import worst_cases
 
@@ -28,14 +32,12 @@ def task_facts(task: Task) -> dict[str, Any]:
         "actions": len(network.actions),
     }
     warnings = task_findings(task)
-    try:
-        cases = worst_cases(network)
-    except TooLarge as large:
-        longest = {"longest run": f"at most {network.bound()} actions", "how runs end": f"not known: {large}"}
-        return told | longest | {"warnings": list(map(str, warnings))}
+    cases = worst_cases(network, Effort(WORK, lambda share: watch(share / 3.0)))
+    if cases.too_large:
+        told["worst cases"] = f"not known: {'; '.join(sorted({str(each) for each in cases.too_large}))}"
     warnings += unused_findings(task, cases)
     short = list(map(str, short_findings(task, cases)))
-    figures, lines = _figures(task)
+    figures, lines = _figures(task, watch)
     return {
         **told,
         "longest run": f"at most {cases.longest} actions",
@@ -50,10 +52,11 @@ def _indented(lines: list[str]) -> list[str]:
     return [f"  {line}" for line in lines]
 
 
-def _figures(task: Task) -> tuple[dict[str, Any], list[str]]:
+def _figures(task: Task, watch: Watch) -> tuple[dict[str, Any], list[str]]:
     """How runs end, where the file gives all probabilities: for programs, and in lines for people."""
+    from networks.analysis.effort import Effort
     from networks.analysis.figures import figures, missing_chances
-    from networks.analysis.policy import TooLarge
+    from networks.analysis.policy import WORK, TooLarge
 
     missing = missing_chances(task)
     if len(missing) == len(task.file.actions):
@@ -66,7 +69,11 @@ def _figures(task: Task) -> tuple[dict[str, Any], list[str]]:
         )
         return {"how runs end": f"not known: `p` is missing in {which}"}, []
     try:
-        found = figures(task)
+        found = figures(
+            task,
+            Effort(WORK, lambda share: watch((1.0 + share) / 3.0)),
+            Effort(WORK, lambda share: watch((2.0 + share) / 3.0)),
+        )
     except TooLarge as large:
         return {"how runs end": f"not known: {large}"}, []
     return {"figures": found.for_programs()}, _lines(found)
@@ -97,5 +104,7 @@ def _row(each: Influence, now: Forecast) -> str:
     return f"  {each.words:<48}{figures}{changes}"
 
 
-def _change(then: Forecast, now: Forecast) -> str:
+def _change(then: Forecast | None, now: Forecast) -> str:
+    if then is None:
+        return "not known"
     return f"{then.goal - now.goal:+.5f} {then.cost_s - now.cost_s:+.1f} s"

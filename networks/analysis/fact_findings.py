@@ -51,12 +51,15 @@ def fact_findings(task: Task) -> list[Finding]:
 def _more_than_elsewhere(task: Task) -> list[Finding]:
     """A primitive that changes the same facts as elsewhere, and one more: what does that one is missing."""
     entries = list(enumerate(task.file.actions))
+    changes = {number: each for number, _ in entries if (each := _changes(task, number))}
+    first: dict[tuple[str, frozenset[str]], int] = {}
+    for number in changes:
+        first.setdefault((task.file.actions[number].do, frozenset(changes[number])), number)
     found = []
-    for number, entry in entries:
-        here = _changes(task, number)
-        for other, alike in entries:
-            there = _changes(task, other)
-            if alike.do != entry.do or not there or not there.keys() < here.keys():
+    for number, here in changes.items():
+        entry = task.file.actions[number]
+        for (do, there), other in first.items():
+            if do != entry.do or not there < here.keys():
                 continue
             more = ", ".join(repr(name) for name in here if name not in there)
             line = task.document.position(("actions", other))[0]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
@@ -10,7 +10,9 @@ from networks.task_file import Task
 from networks.task_model import ActionEntry
 
 from .chance import Chance
-from .forecast import Forecast, Forecaster
+from .effort import Effort, TooMuch
+from .forecast import Change, Forecast, Forecaster
+from .policy import WORK, TooLarge
 from .stage import Stage
 
 ASSUMPTION = "attempts are independent of each other, and no Fail is for good"
@@ -30,10 +32,11 @@ class Influence:
     """How often a run starts it, on average."""
     slope: float
     """By how much P(goal) grows with its probability of Success, where that of Fail shrinks: a derivative."""
-    one_more: Forecast
-    """What one more attempt of it would give; nothing new where it has as many as an action may have."""
-    alternative: Forecast
-    """What a second action beside it would give, with the same cost, attempts and probabilities."""
+    one_more: Forecast | None
+    """What one more attempt of it would give; nothing new where it has as many as an action may have.
+    None: a part of the network has too many states then."""
+    alternative: Forecast | None
+    """What a second action beside it would give, with the same cost, attempts and probabilities; or None."""
 
 
 @dataclass(frozen=True)
@@ -55,16 +58,23 @@ def missing_chances(task: Task) -> list[int]:
     return [number for number, entry in enumerate(task.file.actions) if entry.p is None]
 
 
-def figures(task: Task) -> Figures:
+def figures(task: Task, effort: Effort | None = None, more: Effort | None = None) -> Figures:
     """The figures of a task whose actions all have a probability `p`.
+
+    Args:
+        task: the task.
+        effort: what the forecast may take; None: `WORK`.
+        more: what may be spent on what more tries would buy; None: `WORK`.
 
     Raises:
         TooLarge: a part of its network has too many states for exact figures.
     """
     known = {number: Chance(each.p or 0.0, each.p_give_up) for number, each in enumerate(task.file.actions)}
     chances = [None if entry is None else known[entry] for entry in task.entries]
-    forecaster = Forecaster(task.network, chances)
+    forecaster = Forecaster(task.network, chances, effort or Effort(WORK))
+    now = forecaster.forecast()
     starts, slopes = forecaster.starts(), forecaster.slopes()
+    changed = _Changes(forecaster, more or Effort(WORK))
     copies: dict[int, list[int]] = {number: [] for number in known}
     for number, entry in enumerate(task.entries):
         if entry is not None:
@@ -77,13 +87,26 @@ def figures(task: Task) -> Figures:
             known[entry],
             sum(starts[number] for number in numbers),
             sum(slopes[number] for number in numbers),
-            forecaster.forecast(Stage.with_one_more, frozenset(numbers)),
-            forecaster.forecast(Stage.with_alternatives, frozenset(numbers)),
+            changed.forecast(Stage.with_one_more, numbers),
+            changed.forecast(Stage.with_alternatives, numbers),
         )
         for entry, numbers in copies.items()
     ]
     influences.sort(key=lambda each: -each.slope)
-    return Figures(forecaster.forecast(), tuple(influences))
+    return Figures(now, tuple(influences))
+
+
+class _Changes:
+    """What changes would give, as long as that isn't too much."""
+
+    def __init__(self, forecaster: Forecaster, effort: Effort) -> None:
+        self._forecaster, self._effort = forecaster, effort
+
+    def forecast(self, change: Change, numbers: Sequence[int]) -> Forecast | None:
+        try:
+            return self._forecaster.forecast(change, frozenset(numbers), self._effort)
+        except (TooLarge, TooMuch):
+            return None
 
 
 def _words(entry: ActionEntry) -> str:
@@ -91,7 +114,7 @@ def _words(entry: ActionEntry) -> str:
 
 
 def _row(each: Influence) -> Mapping[str, Any]:
-    more, other = _named(each.one_more), _named(each.alternative)
+    more, other = (_named(then) if then else {} for then in (each.one_more, each.alternative))
     return {
         "action": each.words,
         "line": each.line,
@@ -99,10 +122,10 @@ def _row(each: Influence) -> Mapping[str, Any]:
         "p_give_up": each.chance.give_up,
         "starts": each.starts,
         "slope": each.slope,
-        "one_more_p_goal": more["p_goal"],
-        "one_more_cost_s": more["cost_s"],
-        "alternative_p_goal": other["p_goal"],
-        "alternative_cost_s": other["cost_s"],
+        "one_more_p_goal": more.get("p_goal"),
+        "one_more_cost_s": more.get("cost_s"),
+        "alternative_p_goal": other.get("p_goal"),
+        "alternative_cost_s": other.get("cost_s"),
     }
 
 

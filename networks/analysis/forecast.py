@@ -5,16 +5,19 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Collection
 from dataclasses import dataclass
-from functools import reduce
+from itertools import accumulate
 
 from networks.network import ActionNetwork
 
+from .effort import Effort
 from .ends import AT_GOAL, Ends
-from .policy import Policy, policy
+from .policy import WORK, Policy, policy
 from .policy_chain import Chain, Chances, policy_chain
 from .stage import Stage
 from .stages import stages
 
+STAGE = 20
+"""Steps that a stage counts for whose chain is known."""
 Change = Callable[[Stage, Collection[int]], Stage]
 """A stage with something changed about those of its actions."""
 
@@ -50,27 +53,51 @@ class Forecaster:
     rounding doesn't decide between them.
     """
 
-    def __init__(self, network: ActionNetwork, chances: Chances) -> None:
+    def __init__(self, network: ActionNetwork, chances: Chances, effort: Effort | None = None) -> None:
         """Nothing is reckoned before it is asked for.
 
         Args:
             network: what can be done.
             chances: of each action, by its number; None for a skip.
+            effort: what it may take in all; None: `WORK`.
         """
         self._chances = chances
+        self._effort = effort or Effort(WORK)
         self._stages = stages(network)
+        self._stage_of = {number: at for at, each in enumerate(self._stages) for number in each.numbers}
         self._policies: dict[object, Policy] = {}
         self._chains: dict[object, Chain] = {}
+        self._before: list[Ends] = []
+        self._behind: list[Ends] = []
 
-    def forecast(self, change: Change | None = None, numbers: Collection[int] = ()) -> Forecast:
+    def forecast(
+        self, change: Change | None = None, numbers: Collection[int] = (), effort: Effort | None = None
+    ) -> Forecast:
         """How runs end, also with something changed about the actions of these numbers.
+
+        What has changed may take an effort of its own.
 
         Raises:
             TooLarge: a stage has too many states.
         """
-        return _told(
-            reduce(Ends.then, (self._chain(each, change, numbers).ends for each in self._stages), AT_GOAL)
-        )
+        self._reckon_whole()
+        changed = sorted({self._stage_of[number] for number in numbers if number in self._stage_of})
+        if change is None or not changed:
+            return _told(self._behind[0])
+        ends, effort = self._before[changed[0]], effort or self._effort
+        for at in range(changed[0], changed[-1] + 1):
+            effort.spend(STAGE)
+            ends = ends.then(self._chain(self._stages[at], change, numbers, effort).ends)
+        return _told(ends.then(self._behind[changed[-1] + 1]))
+
+    def _reckon_whole(self) -> None:
+        """How runs end before each stage, and from each on."""
+        if self._behind:
+            return
+        ends = [self._chain(each).ends for each in self._stages]
+        self._before = list(accumulate(ends, Ends.then, initial=AT_GOAL))
+        behind = accumulate(reversed(ends), lambda rest, each: each.then(rest), initial=AT_GOAL)
+        self._behind = list(behind)[::-1]
 
     def starts(self) -> list[float]:
         """For each action, how often a run starts it, on average."""
@@ -96,14 +123,20 @@ class Forecaster:
             before *= chain.ends.goal.p
         return found
 
-    def _chain(self, stage: Stage, change: Change | None = None, numbers: Collection[int] = ()) -> Chain:
+    def _chain(
+        self,
+        stage: Stage,
+        change: Change | None = None,
+        numbers: Collection[int] = (),
+        effort: Effort | None = None,
+    ) -> Chain:
         if change is not None and not set(numbers).isdisjoint(stage.numbers):
             stage = change(stage, numbers)
         chances = [self._chances[number] for number in stage.numbers]
         key = stage.shape, tuple(chances)
         if key not in self._chains:
             if stage.shape not in self._policies:
-                self._policies[stage.shape] = policy(stage.network)
+                self._policies[stage.shape] = policy(stage.network, effort=(effort or self._effort).half())
             self._chains[key] = policy_chain(self._policies[stage.shape], chances)
         return self._chains[key]
 

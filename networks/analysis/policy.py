@@ -2,25 +2,27 @@
 
 from __future__ import annotations
 
+from bisect import insort
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import NamedTuple
 
-import networkx as nx
-
 from networks.network import Action, ActionNetwork
-from networks.planner import Plan, Planner
 
-MOST_STATES = 20_000
-"""How many states a policy may have: some seconds' work."""
+from .ahead import Ahead
+from .effort import Effort, TooMuch
+from .plan_search import PlanSearch
+
+WORK = 500_000
+"""Steps that a question may take: one or two seconds' work."""
 
 
 class TooLarge(Exception):
     """A part of the network has too many states for exact figures."""
 
-    def __init__(self, network: ActionNetwork, most: int) -> None:
+    def __init__(self, network: ActionNetwork, count: int) -> None:
         part = f"between {network.start} and {network.goal}"
-        super().__init__(f"the part {part} has more than {most - 1} states; fewer attempts make it smaller")
+        super().__init__(f"the part {part} has more than {count} states; fewer attempts make it smaller")
 
 
 class State(NamedTuple):
@@ -52,7 +54,7 @@ class Policy:
     """What follows a state stands before it. A state in the goal's situation is none of them."""
 
 
-def policy(network: ActionNetwork, for_good: bool = False) -> Policy:
+def policy(network: ActionNetwork, for_good: bool = False, effort: Effort | None = None) -> Policy:
     """All that can happen from the start.
 
     Fails of actions that can't come up again are forgotten: the paper's task then has some hundred states,
@@ -61,13 +63,21 @@ def policy(network: ActionNetwork, for_good: bool = False) -> Policy:
     Args:
         network: the network.
         for_good: whether Fails are reckoned with that use up all attempts at once.
+        effort: what it may take; None: `WORK`.
 
     Raises:
-        TooLarge: there are more than `MOST_STATES`.
+        TooLarge: there are more states than that allows.
     """
-    maker = _Maker(network, for_good)
-    start = State(network.start, ())
     steps: dict[State, Step] = {}
+    try:
+        return _whole(network, for_good, effort or Effort(WORK), steps)
+    except TooMuch:
+        raise TooLarge(network, len(steps)) from None
+
+
+def _whole(network: ActionNetwork, for_good: bool, effort: Effort, steps: dict[State, Step]) -> Policy:
+    maker = _Maker(network, for_good, effort)
+    start = State(network.start, ())
     made: dict[State, Step] = {}
     ahead = [] if network.start == network.goal else [start]
     while ahead:
@@ -83,43 +93,37 @@ def policy(network: ActionNetwork, for_good: bool = False) -> Policy:
             ahead += left
             continue
         steps[ahead.pop()] = made[state]
-        if len(steps) > MOST_STATES:
-            raise TooLarge(network, len(steps))
     return Policy(network, start, steps)
 
 
 class _Maker:
     """Makes the steps of one network's policy."""
 
-    def __init__(self, network: ActionNetwork, for_good: bool) -> None:
-        self._network, self._for_good = network, for_good
-        ways: nx.DiGraph[str] = nx.DiGraph()
-        ways.add_nodes_from(network.situations)
-        for action in network.actions:
-            if action.source != network.goal:
-                ways.add_edges_from((action.source, to) for to in (action.target, action.on_fail) if to)
-        self._ahead = {name: {name, *nx.descendants(ways, name)} for name in network.situations}
+    def __init__(self, network: ActionNetwork, for_good: bool, effort: Effort) -> None:
+        effort.spend(len(network.situations) + len(network.actions))
+        self._network, self._for_good, self._effort = network, for_good, effort
+        self._search, self._ahead = PlanSearch(network), Ahead(network)
+        self._bits = [self._ahead.bit(action.source) for action in network.actions]
 
     def step(self, state: State) -> Step:
-        planner = Planner(self._network)
-        actions = self._network.actions
-        for index, count in state.fails:
-            for _ in range(count):
-                planner.failed(actions[index], "imagined")
-        plan = planner.plan(state.situation)
-        if not isinstance(plan, Plan):
-            return Step((), (), ())
         fails = dict(state.fails)
-        once = tuple(self._failed(a, fails, fails.get(a.index, 0) + 1) for a in plan.actions)
-        good = tuple(self._failed(a, fails, a.attempts) for a in plan.actions) if self._for_good else ()
-        return Step(plan.actions, once, good)
+        plan = self._search.plan(state.situation, fails)
+        length = len(plan or ()) * (2 if self._for_good else 1)
+        self._effort.spend(10 + 2 * self._search.steps + length * (5 + len(fails)))
+        if plan is None:
+            return Step((), (), ())
+        once = tuple(self._failed(a, fails, fails.get(a.index, 0) + 1) for a in plan)
+        good = tuple(self._failed(a, fails, a.attempts) for a in plan) if self._for_good else ()
+        return Step(plan, once, good)
 
     def _failed(self, action: Action, fails: Mapping[int, int], count: int) -> State | None:
         if action.binding is None:
             return None
-        there, actions = action.on_fail or action.source, self._network.actions
+        there, bits = action.on_fail or action.source, self._bits
         if there == self._network.goal:
             return State(there, ())
-        known = {**fails, action.index: count}
-        kept = sorted((n, c) for n, c in known.items() if actions[n].source in self._ahead[there])
+        comes = self._ahead.bits(there)
+        kept = [each for each in fails.items() if comes & bits[each[0]] and each[0] != action.index]
+        if comes & bits[action.index]:
+            insort(kept, (action.index, count))
         return State(there, tuple(kept))

@@ -9,6 +9,7 @@ import networkx as nx
 
 from networks.network import Action, ActionNetwork
 
+from .ahead import ways_of
 from .stage import Stage
 
 
@@ -20,11 +21,7 @@ def stages(network: ActionNetwork) -> list[Stage]:
     the cheapest way from there, and what failed before it counts no more. So a `repeat` over 200 elements is
     200 times the same few stages.
     """
-    ways: nx.DiGraph[str] = nx.DiGraph()
-    ways.add_nodes_from(network.situations)
-    for action in network.actions:
-        if action.source != network.goal:
-            ways.add_edges_from((action.source, to) for to in (action.target, action.on_fail) if to)
+    ways = ways_of(network)
     above = dict(nx.immediate_dominators(ways, network.start))
     chain = _chain(above, network.start, network.goal)
     level = _levels(above, chain)

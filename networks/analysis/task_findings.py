@@ -5,6 +5,7 @@ from __future__ import annotations
 import networkx as nx
 
 from files.errors import Finding
+from networks.network import Action
 from networks.task_file import Task
 
 from .fact_findings import fact_findings
@@ -66,8 +67,11 @@ def unused_findings(task: Task, cases: WorstCases) -> list[Finding]:
     reached = nx.descendants(graph, network.start) | {network.start}
     unused = {action.index for action in cases.unused}
     found = []
+    every: dict[int | None, list[Action]] = {}
+    for action, number in zip(network.actions, task.entries, strict=True):
+        every.setdefault(number, []).append(action)
     for number, entry in enumerate(task.file.actions):
-        copies = [a for a, e in zip(network.actions, task.entries, strict=True) if e == number]
+        copies = every.get(number, [])
         asked = [a for a in copies if a.source in reached and a.target in leads_on]
         if asked and all(action.index in unused for action in copies):
             words = f"no run ever does {entry.do} from {entry.source!r}, whatever fails"

@@ -3,18 +3,22 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import groupby
+from typing import NamedTuple
 
 from networks.network import Action, ActionNetwork
 
+from .effort import Effort
 from .longest_run import Longest, longest_run
-from .policy import Policy, State, policy
+from .policy import WORK, Policy, State, TooLarge, policy
+from .stage import Stage
 from .stages import stages
 
 FAILS, FOR_GOOD = "fails", "fails for good"
 
+_UNLIKELY = {FAILS: 1, FOR_GOOD: 1000}
 Path = tuple[tuple[int, str], ...]
 """Actions by their numbers, each with how it failed; the word is empty where it didn't."""
 
@@ -48,53 +52,92 @@ class WorstCases:
     """One for each situation in which nothing may be left to try."""
     unused: tuple[Action, ...]
     """Actions that no run plans, whatever fails; skips are none of them."""
+    too_large: tuple[TooLarge, ...] = ()
+    """Parts of which nothing is known but the bound on their actions."""
 
 
-def worst_cases(network: ActionNetwork) -> WorstCases:
-    """The worst cases, exactly.
-
-    Raises:
-        TooLarge: a part of the network has too many states.
-    """
-    known: dict[object, tuple[Longest, list[Path], set[int]]] = {}
-    longest, short, used = Longest(0.0, -math.inf), [], set()
+def worst_cases(network: ActionNetwork, effort: Effort | None = None) -> WorstCases:
+    """The worst cases, exactly but for parts that are too large; `effort`: what it may take, None: `WORK`."""
+    effort = effort or Effort(WORK)
+    known: dict[object, _Piece | TooLarge] = {}
+    longest, used = Longest(0.0, -math.inf), set[int]()
+    short: list[NoWayLeft] = []
+    too_large: list[TooLarge] = []
     for stage in stages(network):
         if stage.shape not in known:
-            all_fails = policy(stage.network, for_good=True)
-            planned = {each.index for step in all_fails.steps.values() for each in step.plan}
-            known[stage.shape] = longest_run(all_fails), _ended(all_fails), planned
-        piece, paths, planned = known[stage.shape]
-        longest = longest.then(piece)
-        used |= {stage.numbers[index] for index in planned}
-        for path in paths:
+            known[stage.shape] = _piece(stage, effort)
+        piece = known[stage.shape]
+        if isinstance(piece, TooLarge):
+            too_large.append(piece)
+            bound = float(stage.network.bound())
+            piece = _Piece(Longest(bound, bound), (), range(len(stage.numbers)))
+        longest = longest.then(piece.longest)
+        used |= {stage.numbers[index] for index in piece.planned}
+        for path in piece.ended:
             named = tuple((network.actions[stage.numbers[index]], failed) for index, failed in path)
             short.append(NoWayLeft(_end(named, stage.network.start), named))
         if longest.through == -math.inf:
             break  # no run comes to the next one
     unused = tuple(a for a in network.actions if a.binding is not None and a.index not in used)
-    return WorstCases(int(max(longest)), tuple(short), unused)
+    most = min(int(max(longest)), network.bound())
+    return WorstCases(most, tuple(short), unused, tuple(too_large))
+
+
+class _Piece(NamedTuple):
+    """What is known of a stage."""
+
+    longest: Longest
+    ended: Sequence[Path]
+    planned: Collection[int]
+
+
+def _piece(stage: Stage, effort: Effort) -> _Piece | TooLarge:
+    try:
+        all_fails = policy(stage.network, for_good=True, effort=effort.half())
+    except TooLarge as large:
+        return large
+    planned = {each.index for step in all_fails.steps.values() for each in step.plan}
+    return _Piece(longest_run(all_fails), _ended(all_fails), planned)
+
+
+class _Come(NamedTuple):
+    """How a run may come to a state with as few Fails as any."""
+
+    unlikely: int
+    """Its Fails; one for good only counts where it takes one."""
+    before: State | None
+    """Where the plan was made in which the last Fail happened."""
+    failed: int
+    """Which of that plan's actions it was."""
+    word: str
 
 
 def _ended(policy: Policy) -> list[Path]:
     """For each situation in which nothing may be left, a run with the fewest Fails."""
-    paths: dict[State, Path] = {policy.start: ()}
-    found: dict[str, Path] = {}
+    came = {policy.start: _Come(0, None, 0, "")}
+    found: dict[str, State] = {}
     for state in reversed(policy.steps):
-        step, path = policy.steps[state], paths[state]
-        if not step.plan and (state.situation not in found or _fails(path) < _fails(found[state.situation])):
-            found[state.situation] = path
-        for action, *after in zip(step.plan, step.after_fail, step.for_good, strict=True):
+        step, here = policy.steps[state], came[state].unlikely
+        if not step.plan and (state.situation not in found or here < came[found[state.situation]].unlikely):
+            found[state.situation] = state
+        for number, after in enumerate(zip(step.after_fail, step.for_good, strict=True)):
             for word, failed in zip((FAILS, FOR_GOOD), after, strict=True):
-                there = (*path, (action.index, word))
-                if failed is not None and (failed not in paths or _fails(there) < _fails(paths[failed])):
-                    paths[failed] = there
-            path = (*path, (action.index, ""))
-    return list(found.values())
+                there = here + _UNLIKELY[word]
+                if failed is not None and (failed not in came or there < came[failed].unlikely):
+                    came[failed] = _Come(there, state, number, word)
+    return [_path(policy, came, state) for state in found.values()]
 
 
-def _fails(path: Path) -> int:
-    """How unlikely it is: a Fail for good only counts where it takes one."""
-    return sum({"": 0, FAILS: 1, FOR_GOOD: 1000}[failed] for _, failed in path)
+def _path(policy: Policy, came: Mapping[State, _Come], end: State) -> Path:
+    """From the start to there."""
+    path: list[tuple[int, str]] = []
+    last = came[end]
+    while last.before is not None:
+        done = [(action.index, "") for action in policy.steps[last.before].plan[: last.failed + 1]]
+        done[-1] = (done[-1][0], last.word)
+        path = done + path
+        last = came[last.before]
+    return tuple(path)
 
 
 def _end(path: tuple[tuple[Action, str], ...], start: str) -> str:

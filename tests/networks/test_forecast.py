@@ -252,7 +252,7 @@ def test_two_hundred_elements_are_as_many_times_one():
 def test_too_many_states_are_refused_in_words():
     rows = [(f"s{i:02}", f"s{i + 1:02}", 1.0, 3, None) for i in range(20)]
     net = network(*rows, ("s19", "s00", 1.0, 3, None), start="s00", goal="s20")
-    with pytest.raises(TooLarge, match="between s00 and s20 has more than 20000 states"):
+    with pytest.raises(TooLarge, match=r"between s00 and s20 has more than \d+ states"):
         forecast(net, [Chance(0.9)] * 21)
 
 

@@ -1,0 +1,42 @@
+"""What can still come up."""
+
+from __future__ import annotations
+
+import networkx as nx
+
+from networks.network import ActionNetwork
+
+
+def ways_of(network: ActionNetwork) -> nx.DiGraph[str]:
+    """Every step of a run, Fails included, as a graph of situations; none leads on from the goal."""
+    ways: nx.DiGraph[str] = nx.DiGraph()
+    ways.add_nodes_from(network.situations)
+    for action in network.actions:
+        if action.source != network.goal:
+            ways.add_edges_from((action.source, to) for to in (action.target, action.on_fail) if to)
+    return ways
+
+
+class Ahead:
+    """Of each situation, which can still come up: a number whose bits they are, so that thousands fit."""
+
+    def __init__(self, network: ActionNetwork) -> None:
+        """Look through a network."""
+        self._bit = {name: 1 << number for number, name in enumerate(network.situations)}
+        ways = ways_of(network)
+        whole = nx.condensation(ways)
+        reached: dict[int, int] = {}
+        for part in reversed(list(nx.topological_sort(whole))):
+            bits = sum(self._bit[name] for name in whole.nodes[part]["members"])
+            for following in whole.successors(part):
+                bits |= reached[following]
+            reached[part] = bits
+        self._reached = {name: reached[part] for name, part in whole.graph["mapping"].items()}
+
+    def bit(self, situation: str) -> int:
+        """A situation's own."""
+        return self._bit[situation]
+
+    def bits(self, situation: str) -> int:
+        """Of all that a run in `situation` can still come to, itself included."""
+        return self._reached[situation]

@@ -1,0 +1,50 @@
+"""How much reckoning a question is worth."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+_EVERY = 2000  # steps between two looks of who watches
+
+
+class TooMuch(Exception):
+    """It would take more than was allowed."""
+
+
+class Effort:
+    """Counts steps of search, not seconds, so that a file gets the same answer on every machine."""
+
+    def __init__(
+        self,
+        most: float,
+        watch: Callable[[float], None] = lambda share: None,
+        whole: Effort | None = None,
+    ) -> None:
+        """Nothing is spent yet.
+
+        Args:
+            most: steps that may be spent; some 300,000 take a second.
+            watch: hears now and then which share of them is spent, 0 to 1.
+            whole: the effort of which this is a part: what is spent here is spent there, too.
+        """
+        self._most, self._watch, self._whole = most, watch, whole
+        self._spent, self._next = 0.0, 0.0
+
+    def spend(self, steps: float) -> None:
+        """Count some steps.
+
+        Raises:
+            TooMuch: there were not so many left.
+        """
+        self._spent += steps
+        if self._spent > self._most:
+            raise TooMuch
+        if self._whole is not None:
+            self._whole.spend(steps)
+        if self._spent > self._next:
+            self._next = self._spent + _EVERY
+            self._watch(self._spent / self._most)
+
+    def half(self) -> Effort:
+        """At most half of what is left, so that what comes later has some, too."""
+        return Effort((self._most - self._spent) / 2.0, whole=self)

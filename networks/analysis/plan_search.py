@@ -1,0 +1,132 @@
+"""The coordinator's plans in one network, for many states of it."""
+
+from __future__ import annotations
+
+import heapq
+import itertools
+import math
+from collections.abc import Iterable, Mapping
+
+from networks.network import Action, ActionNetwork
+from networks.planner import SKIP_WEIGHT
+
+_SLACK = 1e-9
+"""Relative; ways that differ by less are searched both, because sums are rounded."""
+
+
+class PlanSearch:
+    """Finds what `networks.planner.Planner` plans, of ways of the same weight the same, and searches little.
+
+    A Fail only makes ways dearer, so what is left to the goal while nothing has failed never is too much: A*
+    finds the cheapest weight with it (Hart, Nilsson and Raphael, 1968), then the planner's own search, by
+    Dijkstra, looks only at situations that can lie on a way as cheap.
+    """
+
+    def __init__(self, network: ActionNetwork) -> None:
+        """Search a network."""
+        self._actions = network.actions
+        self._place = {name: number for number, name in enumerate(network.situations)}
+        self._goal = self._place[network.goal]
+        self._base = [SKIP_WEIGHT if a.binding is None else a.cost_s for a in network.actions]
+        self._ways: list[list[tuple[int, tuple[int, ...]]]] = [
+            [(self._place[to], tuple(edges)) for to, edges in network.graph[name].items()]
+            for name in network.situations
+        ]
+        self._left = self._to_goal()
+        self.steps = 0
+        """Situations that the last search looked at."""
+
+    def plan(self, situation: str, fails: Mapping[int, int]) -> tuple[Action, ...] | None:
+        """The cheapest way to the goal; None where there is none.
+
+        Args:
+            situation: where it begins.
+            fails: by their actions' numbers; as many as its attempts, and it is out.
+        """
+        self.steps = 0
+        weights, start = self._weights(fails), self._place[situation]
+        cost = self._cheapest(start, weights)
+        if cost == math.inf:
+            return None
+        nodes = self._way(start, weights, cost * (1.0 + _SLACK))
+        return tuple(self._best(*pair, weights) for pair in itertools.pairwise(nodes))
+
+    def _weights(self, fails: Mapping[int, int]) -> dict[int, float]:
+        """Of those that failed, what they weigh now."""
+        actions, base = self._actions, self._base
+        return {
+            index: math.inf if count >= actions[index].attempts else math.ldexp(base[index], count)
+            for index, count in fails.items()
+        }
+
+    def _weight(self, edges: Iterable[int], weights: Mapping[int, float]) -> float:
+        base = self._base
+        return min(weights.get(index, base[index]) for index in edges)
+
+    def _cheapest(self, start: int, weights: Mapping[int, float]) -> float:
+        left, goal = self._left, self._goal
+        known = {start: 0.0}
+        heap = [(left[start], start, 0.0)] if left[start] < math.inf else []
+        while heap:
+            _, here, came = heapq.heappop(heap)
+            if here == goal:
+                return came
+            if came > known[here]:
+                continue
+            self.steps += 1
+            for to, edges in self._ways[here]:
+                ahead = left[to]
+                if ahead == math.inf:
+                    continue
+                there = came + self._weight(edges, weights)
+                if there < known.get(to, math.inf):
+                    known[to] = there
+                    heapq.heappush(heap, (there + ahead, to, there))
+        return math.inf
+
+    def _way(self, start: int, weights: Mapping[int, float], most: float) -> list[int]:
+        """As networkx does it: of equal ones, what was found first comes first."""
+        left, goal = self._left, self._goal
+        seen, before, done, count = {start: 0.0}, {start: start}, set(), 0
+        heap = [(0.0, 0, start)]
+        while heap:
+            came, _, here = heapq.heappop(heap)
+            if here in done:
+                continue
+            done.add(here)
+            if here == goal:
+                break
+            self.steps += 1
+            for to, edges in self._ways[here]:
+                there = came + self._weight(edges, weights)
+                if there + left[to] <= most and there < seen.get(to, math.inf):
+                    count += 1
+                    seen[to], before[to] = there, here
+                    heapq.heappush(heap, (there, count, to))
+        nodes = [goal]
+        while nodes[-1] != start:
+            nodes.append(before[nodes[-1]])
+        return nodes[::-1]
+
+    def _best(self, source: int, target: int, weights: Mapping[int, float]) -> Action:
+        edges = next(edges for to, edges in self._ways[source] if to == target)
+        return self._actions[min(edges, key=lambda index: (weights.get(index, self._base[index]), index))]
+
+    def _to_goal(self) -> list[float]:
+        """What is left to the goal from each situation while nothing has failed."""
+        back: list[list[tuple[int, float]]] = [[] for _ in self._ways]
+        for here, ways in enumerate(self._ways):
+            for to, edges in ways:
+                back[to].append((here, self._weight(edges, {})))
+        left = [math.inf] * len(back)
+        left[self._goal] = 0.0
+        heap = [(0.0, self._goal)]
+        while heap:
+            far, here = heapq.heappop(heap)
+            if far > left[here]:
+                continue
+            for before, weight in back[here]:
+                if far + weight < left[before]:
+                    left[before] = far + weight
+                    heapq.heappush(heap, (far + weight, before))
+        return left
