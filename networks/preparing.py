@@ -111,6 +111,18 @@ def prepare(
         FileError: with every finding in all of the files.
     """
     read = _read(task_path, backend, settings, primitives, situation, errors, resumed)
+    return _built(read, settings, seed, window, errors, bench)
+
+
+def _built(
+    read: _Read,
+    settings: Mapping[str, str] | None,
+    seed: int,
+    window: bool = False,
+    errors: bool = True,
+    bench: str | None = None,
+) -> Prepared:
+    """The robot of a task that was read; raises as `prepare` does."""
     task, name, spec, told = read.task, read.backend, read.spec, read.told
     findings, world = read.findings, read.world
     findings.add(*read.rooms.errors)
@@ -224,7 +236,7 @@ def check(
     assert read.told is not None
     kinds = backend_class(read.backend).kinds(read.spec)
     if kinds is None and not read.rooms.errors:
-        with prepare(task_path, backend, settings, seed, situation=situation) as prepared:
+        with _built(read, settings, seed) as prepared:
             return _checked(replace(read, task=prepared.task))
     if kinds is not None:
         read.task.check_kinds(kinds)
