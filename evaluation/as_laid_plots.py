@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from .as_laid_report import NAME, AsLaid
 from .field_survey import FieldSurvey, Place
 from .figure_file import save_figure
+from .legend import add_legend
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -74,7 +75,7 @@ def _track(axes: Axes, survey: FieldSurvey) -> None:
     for name, colour, wide in lines:
         if survey.tracks[name]:
             axes.plot(*_thinned(survey.tracks[name]), color=colour, lw=wide, label=name)
-    axes.legend(loc="upper right", fontsize="small", ncols=4)
+    add_legend(axes, loc="upper right", fontsize="small", ncols=4)
 
 
 def _hand(axes: Axes, survey: FieldSurvey) -> None:
@@ -94,7 +95,7 @@ def _hand(axes: Axes, survey: FieldSurvey) -> None:
             *np.array(unseen).T, "o", mfc="none", color=UNSEEN, ms=5.0, label="out of its sight (truth)"
         )
     axes.plot(*np.array([each.target for each in every]).reshape(-1, 2).T, "+", color=TRUTH, label="target")
-    axes.legend(loc="upper right", fontsize="small", ncols=4)
+    add_legend(axes, loc="upper right", fontsize="small", ncols=4)
 
 
 def _errors(axes: Axes, survey: FieldSurvey) -> None:

@@ -19,6 +19,7 @@ from robotics.geometry.pose2 import Pose2
 from .explanation import Explanation
 from .explanation_words import cause_words
 from .figure_file import save_figure
+from .legend import add_legend
 
 COMMAND, READING, RESTORED, LIMIT, SENSED = "#999999", "#3b6fd4", "#fbe8cf", "#c8382e", "#d62828"
 JOINTS = "tab10"
@@ -163,7 +164,7 @@ def _draw_plan(axis: Any, told: Explanation, readings: Readings) -> None:
     axis.set_xlabel("x [m] on the map")
     axis.set_ylabel("y [m]")
     axis.set_title("from above, when it decided", fontsize=8)
-    axis.legend(fontsize=7)
+    add_legend(axis, fontsize=7)
 
 
 def _deciding(told: Explanation, readings: Readings) -> int:
@@ -249,7 +250,7 @@ def _nearest(axis: Any, readings: Readings) -> None:
     for line, style, label in ((least, "-", "nearest"), (front, "--", "nearest ahead")):
         shown = np.where(np.isfinite(line), line, np.nan)
         axis.plot(readings["time_s"], shown, style, color=READING, lw=1.0, label=label)
-    axis.legend(fontsize=6, loc="upper right")
+    add_legend(axis, fontsize=6, loc="upper right")
 
 
 def _explained(axis: Any, readings: Readings) -> None:
@@ -264,13 +265,13 @@ def _joints(axis: Any, readings: Readings) -> None:
     axis.plot(readings["time_s"], np.degrees(readings["joints_command_rad"]), color=COMMAND, lw=2.5)
     for number, joint in enumerate(np.degrees(readings["joints_rad"]).T):
         axis.plot(readings["time_s"], joint, color=colours[number % len(colours)], lw=1.0, label=number + 1)
-    axis.legend(fontsize=6, loc="upper right", ncols=6)
+    add_legend(axis, fontsize=6, loc="upper right", ncols=6)
 
 
 def _force(axis: Any, readings: Readings) -> None:
     for name, column in zip("xyz", readings["hand_force_n"].T, strict=True):
         axis.plot(readings["time_s"], column, lw=1.0, label=name)
-    axis.legend(fontsize=6, loc="upper right", ncols=3)
+    add_legend(axis, fontsize=6, loc="upper right", ncols=3)
 
 
 def _grip(axis: Any, readings: Readings) -> None:

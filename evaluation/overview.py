@@ -20,6 +20,7 @@ from robotics.navigation.grid_map import GridMap
 from robotics.navigation.voronoi_graph import voronoi_graph
 
 from .figure_file import save_figure
+from .legend import add_legend
 
 COLOURS = {"Success": "#2a9d5c", "Fail": "#e0a100", "GiveUp": "#c8382e", "running": "#999999"}
 PLANNED, DRIVEN, RESTORED, SENSED, GRAPH = "#3b6fd4", "#111111", "#e07b00", "#d62828", "#b9c7dd"
@@ -138,7 +139,7 @@ def _draw_drive(axis: Any, run_dir: Path, track: Track) -> None:
         axis.plot(*np.vstack(scans).T, ".", color=SCAN, ms=1.5, label="scan on arrival", rasterized=True)
     if sensed:
         axis.plot(*np.vstack(sensed).T, ".", color=SENSED, ms=2.5, label="sensed, not on the map")
-    axis.legend(fontsize=7, loc="upper left", bbox_to_anchor=(0.0, -0.1), ncols=6, frameon=False)
+    add_legend(axis, fontsize=7, loc="upper left", bbox_to_anchor=(0.0, -0.1), ncols=6, frameon=False)
 
 
 def _draw_time(axis: Any, stretches: list[Stretch]) -> None:
@@ -170,7 +171,7 @@ def _draw_fail(run_dir: Path, stretch: Stretch, grid: GridMap) -> None:
     axis.plot(x, y, "x", color="black", ms=12, mew=2, label="in the way")
     axis.set_xlim(x - 2.0, x + 2.0)
     axis.set_ylim(y - 2.0, y + 2.0)
-    axis.legend(fontsize=8)
+    add_legend(axis, fontsize=8)
     save_figure(figure, run_dir / FOLDER / f"{name}.svg")
 
 

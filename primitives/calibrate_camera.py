@@ -6,8 +6,8 @@ from collections.abc import Generator, Sequence
 from typing import Annotated, ClassVar, NamedTuple
 
 import numpy as np
+import pinocchio as pin
 from pydantic import Field
-from scipy.spatial.transform import Rotation
 
 from backends.arm import Arm
 from backends.camera import Camera
@@ -111,7 +111,7 @@ class CalibrateCamera(ActionPrimitive):
         camera, sigmas = found.camera.camera, found.camera.sigmas
         mount = stated_camera(robot.spec.camera, robot.arm_model).hand_T_camera
         off = inverse(mount) @ found.hand_eye.hand_T_camera
-        turn = Rotation.from_matrix(off[:3, :3]).as_euler("xyz", degrees=True)
+        turn = np.degrees(pin.rpy.matrixToRpy(off[:3, :3]))
         of_mount = found.hand_eye.sigmas
         self.evidence.calibrated.update(
             {

@@ -7,6 +7,7 @@ import sys
 from files.errors import HandcartError, InputError
 
 from .libraries import NoLibrary, check_libraries
+from .quiet import quiet_libraries
 from .streams import Streams
 
 
@@ -16,6 +17,8 @@ class NotText(InputError):
 
 def main(arguments: list[str] | None = None) -> None:
     """Run the command line and exit with its status (see the README); bad input is told in words."""
+    if arguments is None:
+        quiet_libraries()
     words = sys.argv[1:] if arguments is None else arguments
     with Streams() as streams:
         status = _run(words)
