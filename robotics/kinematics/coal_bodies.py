@@ -16,6 +16,7 @@ MESHES = pin.coal.CachedMeshLoader()
 
 _LEAST = 4  # corners of a body
 _WORDS = 200  # of what the library says
+_CELLS = (200, 100, 50, 25)  # that a mesh is divided into along its longest side
 
 
 def coal_body(shape: Shape) -> object:
@@ -81,8 +82,24 @@ def hull_of_mesh(mesh: object, name: str) -> object:
 
 @lru_cache(maxsize=256)
 def _convex(points: bytes, count: int) -> object:
-    listed = pin.coal.StdVec_Vec3s()
     corners: NDArray[np.float64] = np.frombuffer(points).reshape(count, 3)
-    for corner in corners:
-        listed.append(corner)
-    return pin.coal.Convex.convexHull(listed, True, "Qt")
+    for each, how in (
+        (corners, "Qt"),
+        (corners, "QJ"),
+        *((_thinned(corners, cells), "QJ") for cells in _CELLS),
+    ):
+        listed = pin.coal.StdVec_Vec3s()
+        for corner in each:
+            listed.append(corner)
+        try:
+            return pin.coal.Convex.convexHull(listed, True, how)
+        except RuntimeError:
+            continue
+    raise ValueError("a mesh has no convex hull; allowed: a closed surface")
+
+
+def _thinned(corners: NDArray[np.float64], cells: int) -> NDArray[np.float64]:
+    """One corner of each cell: coal takes no corner with 256 neighbours, as the tip of a fine cone has."""
+    low, size = corners.min(axis=0), float(np.ptp(corners, axis=0).max())
+    _, first = np.unique(np.floor(cells * (corners - low) / size), axis=0, return_index=True)
+    return corners[np.sort(first)]

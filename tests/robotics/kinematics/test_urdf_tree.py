@@ -6,6 +6,8 @@ import numpy as np
 import pytest
 
 from robotics.kinematics.arm_model import ArmModel
+from robotics.kinematics.coal_bodies import hull_of_mesh, shape_of
+from robotics.kinematics.shapes import Hull
 from robotics.kinematics.urdf_assembly import link_names, with_names
 from robotics.kinematics.urdf_reading import read_urdf
 from robotics.kinematics.urdf_tree import kinematic_urdf
@@ -90,3 +92,21 @@ def test_who_has_a_name_already_makes_room() -> None:
     text, links, _ = with_names(TELESCOPE, [("a", "base")], [])
     assert link_names(text) == ["base_", "base", "b", "hand"]
     assert links == {"base": "base_", "a": "base"}
+
+
+@pytest.mark.parametrize("tip", [[], [[0.0, 0.0, 2.0]]])
+def test_round_meshes_of_many_corners_have_a_hull(tip: list[list[float]]) -> None:
+    """The collision library takes no corner with 256 neighbours: a fine disc, the tip of a fine cone."""
+    angles = np.linspace(0.0, 2.0 * np.pi, 600, endpoint=False)
+    rings = [
+        np.c_[np.cos(angles), np.sin(angles), np.full(600, z)] for z in ((0.0, 1.0) if not tip else (0.0,))
+    ]
+    corners = np.vstack([*rings, *([np.array(tip)] if tip else [])])
+
+    class Mesh:
+        def vertices(self) -> np.ndarray:
+            return corners
+
+    hull = shape_of(hull_of_mesh(Mesh(), "disc"), np.eye(4), "disc")
+    assert isinstance(hull, Hull)
+    assert np.allclose(np.ptp(hull.points, axis=0), np.ptp(corners, axis=0), atol=0.02)
