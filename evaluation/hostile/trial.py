@@ -66,7 +66,8 @@ class Watch:
         if event in _RUNS and not (event == "pickle.find_class" and _compiling()):
             self.seen.append(f"{event} {words!r}"[:200])
         elif event == "open" and isinstance(words[0], str | bytes | os.PathLike):
-            self._opened(words[0], bool((words[2] or 0) & _WRITES))
+            flags = words[2] or 0
+            self._opened(words[0], bool(flags & _WRITES), bool(flags & os.O_NOFOLLOW))
         elif event in _CHANGES:
             if len(words) > 1 and isinstance(words[-1], int) and words[-1] >= 0:
                 return  # relative to an open folder, whose opening was seen
@@ -74,8 +75,13 @@ class Watch:
                 if isinstance(each, str | bytes | os.PathLike) and not _cache(each):
                     self._opened(Path(os.fsdecode(each)).parent, True)
 
-    def _opened(self, path: Any, writes: bool) -> None:
-        real = Path(os.path.realpath(os.fsdecode(path)))
+    def _opened(self, path: Any, writes: bool, refuses_links: bool = False) -> None:
+        named = Path(os.fsdecode(path))
+        real = (
+            Path(os.path.realpath(named.parent)) / named.name
+            if refuses_links
+            else Path(os.path.realpath(named))
+        )
         if real.is_relative_to(self.forbidden):
             self.seen.append(f"{real} was opened")
         elif writes and not (any(real.is_relative_to(each) for each in self.allowed) or _cache(real)):
