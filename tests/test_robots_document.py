@@ -23,6 +23,7 @@ def commands() -> list[list[str]]:
     return [shlex.split(line) for block in blocks for line in block.splitlines()]
 
 
+@pytest.mark.slow
 def test_every_command_works(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     for name in ("tasks", "backends"):
         (tmp_path / name).symlink_to(ROOT / name)

@@ -13,7 +13,7 @@ from queue import SimpleQueue
 from typing import TypeVar
 
 from bed import Bed
-from mutant import Mutant, read_table
+from mutant import TABLE, Mutant, read_table
 
 ROOT = Path(__file__).resolve().parents[2]
 T = TypeVar("T")
@@ -22,11 +22,13 @@ T = TypeVar("T")
 def main() -> int:
     """Print each bug and whether it was noticed; 1 where one was missed, 2 where tests fail without any."""
     wanted = _arguments()
-    mutants = [each for each in read_table() if wanted.file in each.file and wanted.name in each.name]
+    mutants = [
+        each for each in read_table(wanted.table) if wanted.file in each.file and wanted.name in each.name
+    ]
     if wanted.sample:
         mutants = random.Random(wanted.seed).sample(mutants, min(wanted.sample, len(mutants)))
     with tempfile.TemporaryDirectory() as folder:
-        return _try(mutants, [Bed(ROOT, Path(folder) / str(job)) for job in range(wanted.jobs)])
+        return _try(mutants, [Bed(wanted.project, Path(folder) / str(job)) for job in range(wanted.jobs)])
 
 
 def _try(mutants: list[Mutant], beds: list[Bed]) -> int:
@@ -75,6 +77,8 @@ def _arguments() -> argparse.Namespace:
     parser.add_argument("--jobs", type=int, default=2, help="copies of the project to work in")
     parser.add_argument("--file", default="", help="only files with this in their path")
     parser.add_argument("--name", default="", help="only bugs with this in their name")
+    parser.add_argument("--project", type=Path, default=ROOT)
+    parser.add_argument("--table", type=Path, default=TABLE, help="folder of YAML files")
     return parser.parse_args()
 
 

@@ -13,7 +13,8 @@ from pathlib import Path
 from mutant import Mutant
 
 FAILED = 1  # pytest's exit status where a test failed
-PATIENCE_S = 300.0
+PATIENCE_S = 600.0
+MADE = (".git", ".venv", "__pycache__", "*.egg-info", "build", "runs", ".*_cache", ".hypothesis")
 
 
 class Bed:
@@ -24,13 +25,9 @@ class Bed:
     """
 
     def __init__(self, project: Path, folder: Path) -> None:
-        """Copy what git knows or would take up of `project` into `folder`/project."""
+        """Copy `project`, without what was made in it, into `folder`/project."""
         self.root, self._machine_code = folder / "project", folder / "numba"
-        listed = ["git", "-C", str(project), "ls-files", "-z", "--cached", "--others", "--exclude-standard"]
-        for name in filter(None, subprocess.check_output(listed, text=True).split("\0")):
-            if (project / name).is_file():
-                (self.root / name).parent.mkdir(parents=True, exist_ok=True)
-                shutil.copy2(project / name, self.root / name)
+        shutil.copytree(project, self.root, ignore=shutil.ignore_patterns(*MADE))
         if (project.parent / "shared").exists():
             (folder / "shared").symlink_to(project.parent / "shared")
 
@@ -61,10 +58,9 @@ class Bed:
             os.utime(path, ns=(times.st_atime_ns, times.st_mtime_ns))
 
     def _run(self, tests: tuple[str, ...], machine_code: Path) -> int:
-        command = [sys.executable, "-B", "-m", "pytest", "-q", "-x", "-p", "no:cacheprovider", *tests]
+        command = [sys.executable, "-m", "pytest", "-q", "-x", "-p", "no:cacheprovider", *tests]
         surroundings = os.environ | {
             "PYTHONPATH": str(self.root),
-            "PYTHONDONTWRITEBYTECODE": "1",
             "NUMBA_CACHE_DIR": str(machine_code),
         }
         quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL, "stdin": subprocess.DEVNULL}

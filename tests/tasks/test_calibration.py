@@ -36,6 +36,7 @@ def test_the_camera_of_a_new_robot(tmp_path):
     assert len(found.found["camera.calibrated.rpy_deg"].value) == 3
 
 
+@pytest.mark.slow
 def test_how_the_base_gives(tmp_path):
     settings = {"robot": "toyama/h1", "rounds": "3", "swings": "8"}
     summary, status = run_task(TASKS / "calibrate_suspension" / "task.yaml", tmp_path, None, settings, 2)
@@ -54,6 +55,7 @@ def test_how_the_base_gives(tmp_path):
         assert figures[f"laser_{name}_mrad_per_m"] == pytest.approx(TRUE[f"{name}_mrad_per_m"], abs=0.3)
 
 
+@pytest.mark.slow
 def test_a_sheet_too_small_is_no_calibration(tmp_path):
     """Landmarks in a row don't tell how the base leans: a Fail, the robot as it was, and no file."""
     settings = {"rounds": "1", "swings": "4", "landmarks": "[near_left, middle, near_right]"}

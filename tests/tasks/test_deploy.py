@@ -34,6 +34,7 @@ def small(tmp_path):
     return {"targets": str(tmp_path / "two.csv"), "world": str(tmp_path / "small.yaml"), "wait_s": "20"}
 
 
+@pytest.mark.slow
 def test_two_sensors_are_laid_and_told_of(tmp_path, small):
     summary, status = run_task(STRAIGHT, tmp_path, None, small, seed=2)
     metrics, folder = summary["metrics"], Path(summary["run_dir"])
@@ -53,6 +54,7 @@ def test_two_sensors_are_laid_and_told_of(tmp_path, small):
     assert (folder / "as_laid.svg").stat().st_size > 10_000
 
 
+@pytest.mark.slow
 def test_the_same_seed_gives_the_same_run(tmp_path, small):
     places = [
         run_task(STRAIGHT, tmp_path / name, None, small, seed=5)[0]["metrics"]["placements"] for name in "ab"
@@ -60,6 +62,7 @@ def test_the_same_seed_gives_the_same_run(tmp_path, small):
     assert places[0] == places[1]
 
 
+@pytest.mark.slow
 def test_killed_it_goes_on_and_tells_of_all_sensors(tmp_path, small, copier):
     left = tmp_path / "left"
     whole, _ = run_task(STRAIGHT, tmp_path, None, small, seed=5, checkpoints=True, told=copier(4, left))
@@ -70,11 +73,13 @@ def test_killed_it_goes_on_and_tells_of_all_sensors(tmp_path, small, copier):
         assert (left / name).read_bytes() == (Path(whole["run_dir"]) / name).read_bytes()
 
 
+@pytest.mark.slow
 def test_with_a_better_receiver_they_lie_within_centimetres(tmp_path, small):
     metrics = run_task(STRAIGHT, tmp_path, None, {**small, "robot": "el_verde/rtk"}, seed=4)[0]["metrics"]
     assert metrics["error_mm_max"] < 80.0
 
 
+@pytest.mark.slow
 def test_around_what_no_map_shows_another_way_is_found(tmp_path, small):
     settings = {**small, "world": str(tmp_path / "crate.yaml")}
     summary, status = run_task(STRAIGHT, tmp_path, None, settings, seed=3)
@@ -85,6 +90,7 @@ def test_around_what_no_map_shows_another_way_is_found(tmp_path, small):
     assert b"MODIFY" in (Path(summary["run_dir"]) / "journal.jsonl").read_bytes()
 
 
+@pytest.mark.slow
 def test_together_the_arm_moves_while_the_base_drives(tmp_path, small):
     settings = {**small, "together": "true"}
     apart, _ = run_task(STRAIGHT, tmp_path, None, small, seed=2)
@@ -96,6 +102,7 @@ def test_together_the_arm_moves_while_the_base_drives(tmp_path, small):
     assert summary["sim_time_s"] < apart["sim_time_s"] - 20.0
 
 
+@pytest.mark.slow
 def test_together_a_drive_that_fails_brings_back_base_and_arm(tmp_path, small):
     settings = {**small, "together": "true", "world": str(tmp_path / "crate.yaml")}
     summary, status = run_task(STRAIGHT, tmp_path, None, settings, seed=3)
@@ -112,12 +119,14 @@ def test_the_operator_may_refuse(tmp_path, small):
     assert summary["metrics"]["placed"] == 0
 
 
+@pytest.mark.slow
 def test_without_satellites_the_ellipses_grow(tmp_path, small):
     settings = {**small, "robot": _robot(tmp_path, "gyro"), "sure_mm": "2000"}
     first, second = run_task(STRAIGHT, tmp_path, None, settings, seed=1)[0]["metrics"]["placements"]
     assert second["sigma_y_mm"] > 1.5 * first["sigma_y_mm"]
 
 
+@pytest.mark.slow
 def test_the_particle_filter_does_it_too(tmp_path, small):
     settings = {**small, "robot": _robot(tmp_path, "particle")}
     summary, status = run_task(STRAIGHT, tmp_path, None, settings, seed=1)

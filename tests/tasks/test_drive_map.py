@@ -60,6 +60,7 @@ def places(tmp_path: Path) -> Callable[[str], str]:
     return written
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", REAL)
 def test_the_places_of_a_real_map_are_reached(
     tmp_path: Path, places: Callable[[str], str], name: str
@@ -76,6 +77,7 @@ def test_the_places_of_a_real_map_are_reached(
     assert max(arrivals.errors.values()) < 0.05
 
 
+@pytest.mark.slow
 def test_as_it_stands_it_drives_through_an_office_and_draws_it(tmp_path: Path) -> None:
     summary, status = run_task(TASK, tmp_path, None, {}, 1, draw=True)
     assert status == 0
@@ -119,6 +121,7 @@ def test_a_place_that_something_stands_at_is_left_out_and_the_rest_is_driven(
     assert summary["metrics"]["untrue"] == []
 
 
+@pytest.mark.slow
 def test_what_the_map_does_not_show_is_driven_around(tmp_path: Path) -> None:
     for name in ("map.yaml", "map.png"):
         (tmp_path / name).write_bytes((TASK.parent / name).read_bytes())

@@ -35,6 +35,7 @@ def test_its_hand_and_tray_are_elsewhere() -> None:
     assert other.tray_shape.middle != own.tray_shape.middle
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", [0])
 def test_it_returns_a_book(tmp_path: Path, seed: int) -> None:
     summary, status = run_task(TASK, tmp_path, None, {"robot": "xarm_cart"}, seed)

@@ -11,6 +11,7 @@ from evaluation.running import resume_task, run_task
 TASKS = Path(__file__).parents[2] / "tasks"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("task", "after", "settings"),
     [

@@ -22,6 +22,7 @@ def trial(tmp_path: Path, seed: int, settings: dict[str, str] | None = None, **l
     return run_trial(Setting(TASK, None, settings, library or None, tmp_path), seed)
 
 
+@pytest.mark.slow
 def test_the_book_stands_in_its_place(tmp_path: Path) -> None:
     done = trial(tmp_path, 11)
     assert done.status == 0
@@ -34,6 +35,7 @@ def test_the_book_stands_in_its_place(tmp_path: Path) -> None:
     assert metrics["untrue"] == []
 
 
+@pytest.mark.slow
 def test_a_box_on_the_way_is_a_fail_then_another_way_is_found(tmp_path: Path) -> None:
     done = trial(tmp_path, 2, misplaced=True, blocked="way_around")
     assert done.status == 0
@@ -50,6 +52,7 @@ def test_where_no_way_is_left_the_robot_is_restored_and_the_reason_names_the_pla
     assert done.untrue == []
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("library", "words"),
     [
@@ -67,6 +70,7 @@ def test_what_can_not_be_done_ends_with_status_3_and_a_reason(
     assert done.untrue == []
 
 
+@pytest.mark.slow
 def test_n11_same_seed_same_journal_whatever_the_hash_seed(tmp_path: Path) -> None:
     journals = []
     for hash_seed in ("0", "99"):
@@ -90,6 +94,7 @@ def test_n11_same_seed_same_journal_whatever_the_hash_seed(tmp_path: Path) -> No
     assert journals[0] == journals[1]
 
 
+@pytest.mark.slow
 def test_two_books_one_after_the_other(tmp_path: Path) -> None:
     task = TASK.parent.parent / "return_books" / "task.yaml"
     done = run_trial(Setting(task, None, {"books": "[1, 2]"}, {"books": 2}, tmp_path), 6)

@@ -16,6 +16,7 @@ BESIDE = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("settings", "most"),
     [
@@ -37,6 +38,7 @@ def test_five_blocks_stand_in_a_row(tmp_path, settings, most):
     assert "processed_error_mm_max" not in metrics  # that is for a method which corrects nothing
 
 
+@pytest.mark.slow
 def test_of_five_landmarks_beside_each_other_the_right_one_is_taken(tmp_path):
     """The base stops so far off that the next block's landmark is nearer to the middle of the picture."""
     settings = {"robot": "toyama/h1", "method": "servo", **BESIDE}
@@ -46,6 +48,7 @@ def test_of_five_landmarks_beside_each_other_the_right_one_is_taken(tmp_path):
     assert summary["metrics"]["blocks_placed"] == 5
 
 
+@pytest.mark.slow
 def test_the_papers_method_errs_by_turn_and_lean(tmp_path):
     settings = {"method": "fix_once", "rule": "paper"}
     metrics = run_task(UNLOAD, tmp_path, None, settings, seed=0)[0]["metrics"]

@@ -7,6 +7,7 @@ import signal
 from pathlib import Path
 
 import numpy as np
+import pytest
 
 from backends.robot_file import load_robot
 from backends.stopping import LATEST, stopping_ramp
@@ -54,6 +55,7 @@ def last_motion(folder: Path, since: float) -> float:
     return float(times[-1]) if len(times) else since
 
 
+@pytest.mark.slow
 def test_stopped_in_every_primitive_of_return_book(tmp_path):
     """K3: each run is stopped in its next action, and resumed."""
     rng, period = random.Random(5), load_robot("librarian").period_s

@@ -20,6 +20,7 @@ def world_with(folder: Path, surprise: str) -> dict[str, str]:
     return {"world": str(path)}
 
 
+@pytest.mark.slow
 def test_five_metres_are_tracked_to_a_millimetre_from_three_places(tmp_path: Path) -> None:
     summary, status = run_task(TASK, tmp_path, None, {}, seed=3)
     metrics = summary["metrics"]

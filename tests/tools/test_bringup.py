@@ -53,6 +53,7 @@ def climb(ladder: Ladder, upto: str) -> list[Any]:
     return tried
 
 
+@pytest.mark.slow
 def test_the_lower_half(ladder: Ladder) -> None:
     """From the interface to the stop test; each is recorded, in order."""
     tried = climb(ladder, "stop_test")
@@ -99,6 +100,7 @@ def test_the_bench_comes_first(site: Site, tmp_path: Path) -> None:
         ladder.climb()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("key", "answer", "words"),
     [

@@ -114,6 +114,7 @@ def test_a_campaign_of_processes_is_ended_by_a_signal(tour, tmp_path, jobs, kind
         os.killpg(process.pid, 0)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("as_json", [False, True])
 def test_shares_of_each_action(handcart, tour, tmp_path, as_json):
     words = ("campaign", tour, "--trials", "2", "--jobs", "1", "--runs", tmp_path / "runs")

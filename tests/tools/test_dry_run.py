@@ -26,6 +26,7 @@ def test_a_dry_run_plans_and_moves_nothing(handcart, tour, tmp_path):
     assert not (tmp_path / "runs").exists()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("outcomes", "status", "count"),
     [

@@ -42,6 +42,7 @@ def runs(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Path]:
     return folder
 
 
+@pytest.mark.slow
 def test_a_blocked_way(handcart: Callable[..., Any], runs: Callable[[str], Path]) -> None:
     folder = runs("blocked")
     said = handcart("explain", folder, "--action", 3, "--json")
@@ -90,6 +91,7 @@ def test_an_unreadable_tag(handcart: Callable[..., Any], runs: Callable[[str], P
     assert picture.read_bytes().startswith(b"\x89PNG")
 
 
+@pytest.mark.slow
 def test_a_missing_gap(handcart: Callable[..., Any], runs: Callable[[str], Path]) -> None:
     said = handcart("explain", runs("no_gap"), "--json")
     told = json.loads(said.out)
@@ -101,6 +103,7 @@ def test_a_missing_gap(handcart: Callable[..., Any], runs: Callable[[str], Path]
     assert not told["picture"].endswith("_view_1.png")
 
 
+@pytest.mark.slow
 def test_a_run_that_succeeded(handcart: Callable[..., Any], tour: Path, tmp_path: Path) -> None:
     assert handcart("run", tour, "--runs", tmp_path / "runs").status == 0
     (folder,) = (tmp_path / "runs").iterdir()
@@ -188,6 +191,7 @@ def test_a_picture_that_can_not_be_written(
     assert handcart("explain", runs("blocked"), "--picture", tmp_path / "chart.doc").status == 2
 
 
+@pytest.mark.slow
 def test_no_simulator_is_imported(runs: Callable[[str], Path]) -> None:
     code = (
         "import sys\nfrom tools.handcart import main\n"

@@ -37,6 +37,7 @@ def run_with(handcart, tour, tmp_path):
     return run
 
 
+@pytest.mark.slow
 def test_full_before_the_start_nothing_moves(run_with, tour, tmp_path):
     """D5: what was written is whole, status 5."""
     said = run_with("START")
@@ -49,6 +50,7 @@ def test_full_before_the_start_nothing_moves(run_with, tour, tmp_path):
     assert contents.torn_at is None
 
 
+@pytest.mark.slow
 def test_full_at_a_result_the_run_ends_and_tells_it(run_with, tour, tmp_path):
     """D6: that the outcome is not in the journal for good."""
     said = run_with("RESULT")

@@ -10,6 +10,7 @@ from evaluation.fuzzed_files import fuzz
 from tools.check_file import check_quietly
 
 
+@pytest.mark.slow
 def test_damaged_files_are_told_in_words(tmp_path):
     failures = [each for each in fuzz(tmp_path, 60, check_quietly, seed=1) if each is not None]
     assert failures == []

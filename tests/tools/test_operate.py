@@ -71,6 +71,7 @@ def alive(tour, tmp_path) -> Iterator:
         each.process.communicate()
 
 
+@pytest.mark.slow
 def test_an_action_waits_for_the_operator_and_says_what_it_wants(alive):
     run = alive()
     run.wait_for(lambda: run.state() == "waiting for permission")
@@ -82,6 +83,7 @@ def test_an_action_waits_for_the_operator_and_says_what_it_wants(alive):
     assert not (run.folder / "control").exists()
 
 
+@pytest.mark.slow
 def test_refused_it_counts_as_a_fail(alive):
     run = alive()
     for _ in range(3):
@@ -91,6 +93,7 @@ def test_refused_it_counts_as_a_fail(alive):
     assert (end["outcome"], end["actions"], end["fails"]) == ("Fail", 0, 3)
 
 
+@pytest.mark.slow
 def test_a_line_that_drops_changes_nothing(alive):
     run = alive()
     run.wait_for(lambda: run.state() == "waiting for permission")
@@ -99,6 +102,7 @@ def test_a_line_that_drops_changes_nothing(alive):
     assert run.state() == "waiting for permission"
 
 
+@pytest.mark.slow
 def test_pause_holds_and_continue_goes_on(alive, handcart):
     run = alive()
     run.wait_for(lambda: run.state() == "waiting for permission")
@@ -113,6 +117,7 @@ def test_pause_holds_and_continue_goes_on(alive, handcart):
     assert run.end()["outcome"] == "Success"
 
 
+@pytest.mark.slow
 def test_stop_ends_the_run_where_it_is(alive, handcart):
     run = alive()
     run.wait_for(lambda: run.state() == "waiting for permission")
@@ -121,6 +126,7 @@ def test_stop_ends_the_run_where_it_is(alive, handcart):
     assert run.process.returncode == 130
 
 
+@pytest.mark.slow
 def test_interrupts_stop_and_never_start_a_motion(alive):
     """K3: the second one doesn't cut the stop short."""
     run = alive()
@@ -141,6 +147,7 @@ def test_nobody_is_told_where_no_run_is_alive(handcart, tmp_path):
     assert "no run is alive" in said.err
 
 
+@pytest.mark.slow
 def test_words_that_nobody_knows_are_answered(alive):
     run = alive()
     assert "allowed: pause, continue" in run.say("dance")["error"]

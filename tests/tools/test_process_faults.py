@@ -46,6 +46,7 @@ def test_memory_that_runs_out_stops_the_robot(
     assert stops[-1] == 20
 
 
+@pytest.mark.slow
 def test_files_that_run_out_start_nothing(tour: Path, tmp_path: Path) -> None:
     """K10: the limit of open files."""
     process = python(
@@ -184,6 +185,7 @@ def test_a_link_that_leads_nowhere_is_no_runs_folder(
     assert not (tmp_path / "nowhere").exists()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("stream", ["stdout", "stderr"])
 def test_nobody_listens_and_it_stops_all_the_same(tour: Path, tmp_path: Path, stream: str) -> None:
     """K14: a pipe that is closed at its other end doesn't stop the stop."""

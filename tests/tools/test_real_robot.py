@@ -80,6 +80,7 @@ def broke_off(folder: Path, kind: str, number: int) -> None:
     (state_folder() / "can-virtual_cart").write_text(f"{folder.resolve()}\n")
 
 
+@pytest.mark.slow
 def test_runs_follow_each_other_where_nothing_waits(run):
     for _ in range(2):
         assert run().status == 0
@@ -98,6 +99,7 @@ def give_up(folder: Path) -> int:
     return number
 
 
+@pytest.mark.slow
 def test_after_a_give_up_no_run_starts_until_a_person_acknowledges_it(run, handcart, tmp_path):
     """N13, U12: a service that starts again and again moves nothing and fills no disk."""
     folder = folder_of(run())
@@ -130,6 +132,7 @@ def test_one_primitive_alone_is_refused_too(run, handcart, task):
     assert "waits for a person" in said.err
 
 
+@pytest.mark.slow
 def test_a_give_up_of_a_simulated_run_latches_nothing_but_itself(handcart, tour, tmp_path, monkeypatch):
     """N13: a new run is a new world."""
     monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path / "state"))
@@ -138,6 +141,7 @@ def test_a_give_up_of_a_simulated_run_latches_nothing_but_itself(handcart, tour,
     assert not (tmp_path / "state").exists()
 
 
+@pytest.mark.slow
 def test_an_action_that_was_broken_off_waits_too(run, handcart):
     """N13: nobody knows where the robot is."""
     folder = folder_of(run())
@@ -150,11 +154,13 @@ def test_an_action_that_was_broken_off_waits_too(run, handcart):
     assert run().status == 0
 
 
+@pytest.mark.slow
 def test_broken_off_between_two_actions_nothing_waits(run):
     broke_off(folder_of(run()), "RESULT", 0)
     assert run().status == 0
 
 
+@pytest.mark.slow
 def test_a_journal_that_is_gone_needs_a_person(run, tmp_path):
     folder = folder_of(run())
     broke_off(folder, "START", 1)
@@ -177,6 +183,7 @@ def test_two_runs_on_one_robot(run, task):
     assert "is in another run: /other/run" in said.err
 
 
+@pytest.mark.slow
 def test_resume_shows_all_and_moves_only_with_a_persons_word(run, handcart, task):
     """Known, expected, measured, unknown, next; then `--confirm` with the last record."""
     folder = folder_of(run())
@@ -198,6 +205,7 @@ def test_resume_shows_all_and_moves_only_with_a_persons_word(run, handcart, task
     assert json.loads(said.out.splitlines()[-1])["metrics"].get("untrue", []) == []
 
 
+@pytest.mark.slow
 def test_moved_by_hand_while_nobody_watched(run, handcart, task):
     """U13: nothing moves, whatever is confirmed."""
     folder = folder_of(run())
@@ -209,6 +217,7 @@ def test_moved_by_hand_while_nobody_watched(run, handcart, task):
     assert "the robot isn't where it was left: base_mm 1" in said.err
 
 
+@pytest.mark.slow
 def test_in_doubt_and_measured_where_it_began_the_action_counts_as_failed(run, handcart, task):
     folder = folder_of(run())
     broke_off(folder, "START", 1)
@@ -223,6 +232,7 @@ def test_in_doubt_and_measured_where_it_began_the_action_counts_as_failed(run, h
     assert closed["residuals"]["base_mm"] < 25
 
 
+@pytest.mark.slow
 def test_what_no_sensor_can_tell_needs_a_yes(run, handcart, task):
     """An INTENT is open: whether it happened only a person knows."""
     folder = folder_of(run())
@@ -241,6 +251,7 @@ def test_what_no_sensor_can_tell_needs_a_yes(run, handcart, task):
     assert handcart("resume", folder, "--confirm", number + 2).status == 0
 
 
+@pytest.mark.slow
 def test_another_file_of_the_robot_is_another_robot(run, handcart, task):
     """D12"""
     from backends.robot_file import ROBOTS
@@ -257,6 +268,7 @@ def test_another_file_of_the_robot_is_another_robot(run, handcart, task):
     assert "the robot is not the one that was run" in said.err
 
 
+@pytest.mark.slow
 def test_a_real_robots_journal_waits_for_the_disk_and_a_simulated_ones_does_not(run, monkeypatch):
     import os
 

@@ -109,6 +109,7 @@ def test_killed_at_any_instant_it_ends_as_it_would_have(handcart, tmp_path):
         assert before <= finished(folder)
 
 
+@pytest.mark.slow
 def test_killed_before_its_end_was_noted_nothing_is_done_again(handcart, whole):
     folder, end = whole
     cut(folder, "END", 0)
@@ -119,6 +120,7 @@ def test_killed_before_its_end_was_noted_nothing_is_done_again(handcart, whole):
     assert again["sim_time_s"] == end["sim_time_s"]
 
 
+@pytest.mark.slow
 def test_a_result_that_only_the_checkpoint_has_is_recovered(handcart, whole):
     folder, _ = whole
     cut(folder, "RESULT", -1)
@@ -128,6 +130,7 @@ def test_a_result_that_only_the_checkpoint_has_is_recovered(handcart, whole):
     assert set(finished(folder).values()) == {1}
 
 
+@pytest.mark.slow
 def test_a_torn_tail_is_set_aside_and_told(handcart, whole):
     """D1"""
     folder, _ = whole

@@ -75,6 +75,7 @@ def test_every_target_in_reach_is_reached_on_a_straight_line():
         assert ARM.within(q, working=True)
 
 
+@pytest.mark.slow
 def test_the_printed_jacobian_fails_the_same():
     good = 0
     for target in targets(30):

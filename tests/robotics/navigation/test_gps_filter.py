@@ -37,6 +37,7 @@ def final_error(log: FieldLog, localizer: GpsFilter) -> float:
     return localizer.pose.distance(Pose2(*log.drive.poses[-1].tolist()))
 
 
+@pytest.mark.slow
 def test_it_reaches_the_limit_and_knows_how_wrong_it_is():
     """Its errors, its own covariance, and the report afterwards; the benchmark has more runs."""
     live, later, bounds = [], [], []

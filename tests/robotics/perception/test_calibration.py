@@ -162,6 +162,7 @@ def test_each_closed_form_on_exact_poses(method):
     assert turn < 1e-6
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("arm_error", "position", "angle"), [(0.0, 1e-4, 4e-4), (6e-5, 3e-4, 1e-3), (3e-4, 1e-3, 3e-3)]
 )

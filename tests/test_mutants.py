@@ -1,0 +1,64 @@
+"""The table of planted bugs fits the code, and what plants them tells a bug that is noticed from one that isn't."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[1]
+MUTANTS = ROOT / "scripts" / "mutants"
+TABLE = """\
+- file: adder.py
+  tests: [test_adder.py]
+  bugs:
+    - {name: subtracts, text: a + b, replacement: a - b}
+    - {name: words, text: The sum, replacement: A sum}
+"""
+
+
+@pytest.fixture
+def mutants(monkeypatch):
+    monkeypatch.syspath_prepend(str(MUTANTS))
+    sys.modules.pop("mutant", None)
+    import mutant
+
+    yield mutant
+    sys.modules.pop("mutant", None)
+
+
+def test_each_bug_can_be_planted_and_has_its_tests(mutants):
+    table = mutants.read_table()
+    assert len(table) >= 50
+    assert len({(each.file, each.name) for each in table}) == len(table)
+    for each in table:
+        sound = (ROOT / each.file).read_text(encoding="utf-8")
+        assert each.planted(sound) != sound
+        assert each.tests
+        assert all((ROOT / test.split("::")[0]).is_file() for test in each.tests), each.tests
+
+
+def test_a_text_that_is_not_there_once_is_told(mutants):
+    bug = mutants.Mutant("twice", "a.py", "x", "y", ("test_a.py",))
+    with pytest.raises(ValueError, match=r"a\.py: twice: the text is there 2 times; needed: once"):
+        bug.planted("x x")
+
+
+def test_what_is_noticed_and_what_is_missed(tmp_path):
+    project = tmp_path / "project"
+    project.mkdir()
+    (project / "adder.py").write_text('"""The sum."""\n\n\ndef add(a, b):\n    return a + b\n')
+    (project / "test_adder.py").write_text(
+        "from adder import add\n\n\ndef test_sum():\n    assert add(2, 3) == 5\n"
+    )
+    (tmp_path / "table").mkdir()
+    (tmp_path / "table" / "one.yaml").write_text(TABLE)
+    command = [sys.executable, str(MUTANTS), "--project", str(project), "--table", str(tmp_path / "table")]
+    ended = subprocess.run([*command, "--jobs", "1"], capture_output=True, text=True, check=False)
+    assert ended.returncode == 1, ended.stderr
+    assert "noticed adder.py: subtracts" in ended.stdout
+    assert "MISSED  adder.py: words" in ended.stdout
+    assert "1 of 2 planted bugs were noticed (50.0 %)" in ended.stdout
+    assert (project / "adder.py").read_text().endswith("a + b\n")
