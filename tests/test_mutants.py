@@ -1,4 +1,4 @@
-"""The table of planted bugs fits the code; what plants them tells a bug that is noticed from one that isn't."""
+"""The table of planted bugs fits the code; what plants them tells a noticed bug from one that is missed."""
 
 from __future__ import annotations
 
