@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -43,4 +44,13 @@ def _read(path: Path) -> Iterator[Mutant]:
         tests = tuple(file["tests"])
         for bug in file["bugs"]:
             own = tuple(bug.get("tests", tests))
-            yield Mutant(bug["name"], file["file"], bug["text"], bug["replacement"], own)
+            name = bug.get("name") or _in_a_line(bug["text"], bug["replacement"])
+            yield Mutant(name, file["file"], bug["text"], bug["replacement"], own)
+
+
+def _in_a_line(text: str, replacement: str) -> str:
+    """What is changed into what, without what both have at their ends."""
+    front = len(os.path.commonprefix([text, replacement]))
+    back = len(os.path.commonprefix([text[front:][::-1], replacement[front:][::-1]]))
+    cut = [" ".join(each[front : len(each) - back].split()) for each in (text, replacement)]
+    return " -> ".join(each or "nothing" for each in cut)
