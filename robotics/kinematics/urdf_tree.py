@@ -101,6 +101,8 @@ def _kinematic(robot: Element) -> Element:
         names = {"name": joint.get("name", ""), "type": "fixed" if kind in _FREE else kind}
         kept = ElementTree.SubElement(result, "joint", names)
         kept.extend(_copied(each) for each in joint if each.tag in _OF_JOINT)
+        for limit in kept.findall("limit"):  # urdfdom asks for both, of joints without end too
+            limit.attrib = {"effort": "0", "velocity": "0", **limit.attrib}
     return result
 
 

@@ -9,6 +9,7 @@ from robotics.kinematics.arm_model import ArmModel
 from robotics.kinematics.coal_bodies import hull_of_mesh, shape_of
 from robotics.kinematics.shapes import Hull
 from robotics.kinematics.urdf_assembly import link_names, with_names
+from robotics.kinematics.urdf_contents import bodies_of
 from robotics.kinematics.urdf_reading import read_urdf
 from robotics.kinematics.urdf_tree import kinematic_urdf
 
@@ -110,3 +111,13 @@ def test_round_meshes_of_many_corners_have_a_hull(tip: list[list[float]]) -> Non
     hull = shape_of(hull_of_mesh(Mesh(), "disc"), np.eye(4), "disc")
     assert isinstance(hull, Hull)
     assert np.allclose(np.ptp(hull.points, axis=0), np.ptp(corners, axis=0), atol=0.02)
+
+
+def test_a_limit_of_an_endless_joint_need_not_tell_all() -> None:
+    old = '<joint name="first" type="prismatic"><parent link="base"/><child link="a"/>'
+    assert old in TELESCOPE
+    half = TELESCOPE.replace(old, old.replace("prismatic", "continuous")).replace(
+        LIMIT, '<limit effort="1"/>', 1
+    )
+    assert bodies_of(half) == []
+    assert ArmModel(half, ["first"]).velocity.tolist() == [0.0]
