@@ -46,7 +46,7 @@ from robotics.navigation.grid_map import GridMap, from_boxes
 
 TASK = Path(__file__).resolve().parents[1] / "tasks" / "drive_map" / "task.yaml"
 CELLS = (0.05, 0.05, 0.1, 0.15, 0.2, 0.25)  # [m]
-ROOM = 0.04  # [m] beside the footprint that `check` asks for; see robotics.navigation.ways
+ROOM, FINE, UNSURE = 0.04, 0.05, 0.25  # what `check` asks for; see robotics.navigation.ways
 NEAR, TOO_NEAR, TRIED = 6, 2, 4000
 WALL = 0.1  # [m] thick
 SURPRISED = 5  # every so many worlds hold boxes that aren't on the map
@@ -116,6 +116,11 @@ class Room:
         rows, columns = np.nonzero(self.grid.occupied)
         self._low = np.column_stack([columns, rows]) * self.cell + offset
         self.surprises = self._surprises() if seed % SURPRISED == SURPRISED - 1 else []
+
+    @property
+    def least(self) -> float:
+        """From a place to anything, as `check` asks for, in [m]."""
+        return self.body.radius + ROOM + UNSURE * max(0.0, self.cell - FINE)
 
     def clearance(self, points: Floats) -> Floats:
         """Distance (n,) of points (n, 2) to the squares of occupied cells, each looked at, in [m]."""
@@ -265,7 +270,7 @@ def _places(room: Room, folder: Path, settings: dict[str, str], told: Told) -> l
     """Put places beside things; which of them `check` allows and calls reachable."""
     own, own_place = (folder / "places.yaml").read_text(), _home(folder)[:2]
     wanted: dict[str, tuple[float, float, float]] = {}
-    least = room.body.radius + ROOM
+    least = room.least
     allowed, refused = room.beside(least + 1e-6), room.beside(least - 0.001)
     for number in range(NEAR):
         wanted[f"near_{number}"] = (*next(allowed), room.rng.uniform(-180.0, 180.0))
@@ -316,7 +321,7 @@ def _try_nearer(room: Room, folder: Path, settings: dict[str, str], told: Told) 
     places = {"home": _home(folder)}
     for number in range(NEAR):
         share = room.rng.uniform(0.3, 1.0)
-        spot = next(room.beside(share * (room.body.radius + ROOM) - 0.001))
+        spot = next(room.beside(share * room.least - 0.001))
         places[f"too_near_{number}"] = (*spot, room.rng.uniform(-180.0, 180.0))
     write_places(folder, places)
     files = StageFiles(*(folder / f"{each}.yaml" for each in ("world", "map", "places")), None)

@@ -39,6 +39,8 @@ DOCKED = PoseTolerance(position=0.004, heading=0.003)
 DOCKINGS = 4  # times that the front is measured and the pose corrected
 FRONT_SCANS = 20  # scans stacked for one measurement of the front
 STUCK = 6.0  # [s] without getting on, though nothing is seen in the way
+HELD = 2.0  # [s] that what the map shows may hold it, until another route is planned from there
+ANEW = 3  # times that this is done
 SLIPPED = 0.1  # [m] that the base was driven meanwhile: something stops it
 NEAR = 0.05  # [m] before the goal, where it turns and comes to stand
 
@@ -100,6 +102,7 @@ class MoveTo(ActionPrimitive):
         self, robot: Robot, model: ModelView, tracker: PathTracker | CarTracker, arm: Iterator[None]
     ) -> Periods:
         progress, since, rolled, driven, last = 0.0, robot.time, 0.0, 0.0, robot.reckoned
+        anew = 0
         while not tracker.finished(robot.pose):
             self._ahead = tracker.ahead
             waits = self._blocked_since is not None
@@ -107,6 +110,10 @@ class MoveTo(ActionPrimitive):
             robot.base.drive(*drive)
             if tracker.progress > progress + 0.01 or waits:
                 progress, since, rolled = tracker.progress, robot.time, 0.0
+            if anew < ANEW and robot.time > since + HELD and self._held_by_map(robot, model):
+                goal = goal_pose(model, self.place)
+                tracker, _ = yield from plan_tracker(robot, model, self.place, goal, ARRIVED, self.reverse)
+                progress, since, anew = 0.0, robot.time, anew + 1
             if robot.time > since + self._patience(robot, tracker):
                 raise self._stuck(robot, model, robot.time - since, rolled)
             next(arm, None)
@@ -116,6 +123,11 @@ class MoveTo(ActionPrimitive):
             last = robot.reckoned
             self.found(path_length_m=round(driven, 3))
         yield from arm
+
+    def _held_by_map(self, robot: Robot, model: ModelView) -> bool:
+        """Whether it came off its route, towards a wall: another one leads away from there first."""
+        detour = model.detour is not None and model.detour.goal == self.place
+        return robot.held is not None and robot.held.shown_by == "map" and not detour
 
     def _patience(self, robot: Robot, tracker: PathTracker | CarTracker) -> float:
         """How long the base may not get on, in [s]."""

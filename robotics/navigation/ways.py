@@ -14,6 +14,7 @@ from robotics.geometry.pose2 import Pose2
 from robotics.navigation.clearances import Clearances
 from robotics.navigation.grid_map import GridMap
 from robotics.navigation.route import Route, plan_route
+from robotics.navigation.scan_matching import CELL_BIAS
 from robotics.navigation.voronoi_graph import EXACT, VoronoiGraph, voronoi_graph
 from robotics.navigation.widest_way import narrowest_spot
 
@@ -21,6 +22,7 @@ ROOM = 0.02  # [m] beside the footprint that a route keeps
 ROOM_AT_GOAL = 0.04  # [m] likewise where the robot is to stand: it comes to stand within half of that
 SENSED_ROOM = 0.10  # [m] that what was sensed is grown by: its far side wasn't seen
 ROOM_BEFORE = 0.02  # [m] likewise before what the robot is to stand before
+FINE = 0.05  # [m]: cells larger than that leave a pose unsure, by `CELL_BIAS` of what they are larger
 LEAST = 0.01  # [m] beside the footprint that is left in any case, but on the way out of a start without it
 LEAVING = 0.25  # [m] at most, from a start that is too near to something to where there is room
 
@@ -132,7 +134,7 @@ class Ways:
         at, needed, kind = (float(point[0]), float(point[1])), self._needed, self._kind(point)
         if front is not None:
             before, foot = _to_segment(goal, front)
-            if before - ROOM_BEFORE < distance - ROOM_AT_GOAL:
+            if before - self._radius - ROOM_BEFORE < distance - self._needed:
                 distance, at, needed, kind = before, foot, self._radius + ROOM_BEFORE, "its front"
         near = distance < needed - 1e-9
         return Way(distance, needed, at, kind, None, None, "too near" if near else "")
@@ -177,7 +179,7 @@ class Ways:
         return self._too_narrow(found, self._grid.to_point(np.array([spot]))[0])
 
     def _too_narrow(self, found: Way, at: NDArray[np.float64]) -> Way:
-        width, needed = self._width(at), 2.0 * (self._radius + ROOM)
+        width, needed = self._width(at), 2.0 * (self._radius + ROOM + self._unsure)
         if width >= needed:  # ways are looked for from cell to cell
             needed += self._grid.resolution
         spot = (float(at[0]), float(at[1]))
@@ -206,7 +208,12 @@ class Ways:
 
     @property
     def _needed(self) -> float:
-        return self._radius + ROOM_AT_GOAL
+        return self._radius + ROOM_AT_GOAL + self._unsure
+
+    @property
+    def _unsure(self) -> float:
+        """By how much a pose is less exact than on fine cells, in [m]."""
+        return CELL_BIAS * max(0.0, self._grid.resolution - FINE)
 
     @cached_property
     def _clearances(self) -> Clearances:
@@ -215,7 +222,7 @@ class Ways:
     @cached_property
     def _graph(self) -> VoronoiGraph | None:
         try:
-            return voronoi_graph(self._grown, self._radius + ROOM, seed_point=self._start)
+            return voronoi_graph(self._grown, self._radius + ROOM + self._unsure, seed_point=self._start)
         except ValueError:
             return None
 
