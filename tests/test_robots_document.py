@@ -42,7 +42,8 @@ def test_every_command_works(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) ->
 
 
 def test_the_example_shown_is_the_example() -> None:
-    shown = re.findall(r"```yaml\n(.*?)```", TEXT, re.S)
+    """The first one is of the robot that the page builds; the others are of makers' robots."""
+    shown = re.findall(r"```yaml\n(.*?)```", TEXT, re.S)[:1]
     robot = (ROOT / "backends" / "robots" / "xarm_cart" / "robot.yaml").read_text(encoding="utf-8")
     assert shown
     assert all(block in robot for block in shown)

@@ -41,11 +41,11 @@ def dry_run(
         rooms = [each.for_programs() for each in checked.places]
         print(orjson.dumps({**told.summary(), "places": rooms, "warnings": doubts}).decode())
     else:
-        for doubt in doubts:
-            print(f"warning: {doubt}")
         for line in told.lines:
             print(line)
         print(f"{told.outcome} in situation {told.situation}{told.reason and ': '}{told.reason}")
         print(f"imagined: nothing has moved; a real run takes at most {network.bound()} actions")
         print("\n".join(places), end="\n" if places else "")
+        for doubt in doubts:
+            print(f"warning: {doubt}")
     return STATUS[told.outcome]

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import takewhile
 from pathlib import Path
 
 from ruamel.yaml import YAML
@@ -50,7 +50,12 @@ def _read(path: Path) -> Iterator[Mutant]:
 
 def _in_a_line(text: str, replacement: str) -> str:
     """What is changed into what, without what both have at their ends."""
-    front = len(os.path.commonprefix([text, replacement]))
-    back = len(os.path.commonprefix([text[front:][::-1], replacement[front:][::-1]]))
+    front = _alike(text, replacement)
+    back = _alike(text[front:][::-1], replacement[front:][::-1])
     cut = [" ".join(each[front : len(each) - back].split()) for each in (text, replacement)]
     return " -> ".join(each or "nothing" for each in cut)
+
+
+def _alike(a: str, b: str) -> int:
+    """How many characters both begin with."""
+    return sum(1 for _ in takewhile(lambda pair: pair[0] == pair[1], zip(a, b, strict=False)))

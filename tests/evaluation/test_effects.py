@@ -26,7 +26,7 @@ def truth(base: Pose2, **places: float) -> GroundTruth:
         pose = np.eye(4)
         pose[0, 3] = x
         bodies[name] = Body("table", pose)
-    return GroundTruth(base, np.zeros(2), 0.0, bodies, 0)
+    return GroundTruth(base, np.zeros(2), np.zeros(2, dtype=np.bool_), 0.0, bodies, 0)
 
 
 def test_every_primitive_has_a_check_of_its_success() -> None:

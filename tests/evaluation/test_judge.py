@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from backends.base import Base
 from backends.robot_file import load_robot
 from evaluation.ground_truth import ground_truth, not_restored
 from evaluation.judge import Judge
@@ -84,6 +85,7 @@ class Claims:
 
     def __init__(self, prepared: Any) -> None:
         self.prepared, self.robot, self.scene = prepared, prepared.robot, prepared.backend.scene
+        self.wheels = prepared.backend.get(Base)
         self.judge = Judge(prepared)
         self.action = next(each for each in prepared.task.network.actions if each.do == "MOVE_TO")
         self.place = next(name for name, place in prepared.model.places.items() if place.shelf is None)
@@ -94,7 +96,7 @@ class Claims:
 
     def drive(self, speed: float, periods: int) -> None:
         for _ in range(periods):
-            self.robot.base.drive(speed, 0.0)
+            self.wheels.drive(speed, 0.0)  # past the guard that holds every primitive
             self.robot.step()
             self.judge.look(self.robot)
 

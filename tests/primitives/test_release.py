@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from typing import Any
 
@@ -40,7 +41,8 @@ def test_the_book_stands_in_its_slot_flush_with_its_neighbours(
     assert isinstance(outcome, Success)
     book = standing(rig, 117)
     assert abs(book.front) < 0.003
-    assert book.tilt == book.yaw == pytest.approx(0.0)
+    assert book.yaw == pytest.approx(0.0)
+    assert book.tilt < math.radians(0.5)
     assert standing(rig, 17).lateral > book.lateral > standing(rig, 20).lateral
     assert all(standing(rig, accession).front == front for accession, front in others.items())
     assert outcome.evidence["proud_mm"] == pytest.approx(-1e3 * book.front, abs=1.5)

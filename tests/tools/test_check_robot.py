@@ -17,7 +17,7 @@ def test_a_robot_is_told_in_tables(handcart: Callable[..., Any]) -> None:
     assert said.status == 0
     assert "no fault found" in said.out
     for words in (
-        "joint_3   revolute   6 deg      169 deg   86 deg/s    60 Nm",
+        "joint_3   revolute   6 deg      169 deg   86 deg/s   60 Nm",
         "heaviest: base 38 kg",
         "2.7 px a mm at 0.3 m",
     ):

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from backends.plain_values import attributes, set_attributes
 from backends.positioning import PoseReading
 from backends.robot_file import load_robot
-from backends.saved_state import attributes, set_attributes
 from backends.scene.scene import Scene, build_scene
 from backends.scene.simulated_positioning import SimulatedPositioning
 from backends.scene.world_file import WorldFile
@@ -77,7 +77,7 @@ def test_noise_depends_on_seed_and_reading_alone(scene: Scene) -> None:
 def test_a_kept_state_goes_on_where_it_was(scene: Scene) -> None:
     system, other = made(scene), made(scene)
     readings(system, scene, 17)
-    set_attributes(other, attributes(system, SimulatedPositioning.STATE))
+    set_attributes(other, other.STATE, attributes(system, system.STATE))
     for each in (system, other):
         each.advance(18)
     assert other.reading() == system.reading()
