@@ -20,7 +20,7 @@ from files.yaml_node import KeyPath, Node
 from files.yaml_syntax import syntax_error
 
 MAX_BYTES = 1 << 20
-MAX_NODES = 100_000
+MAX_NODES = 50_000
 
 
 @dataclass(frozen=True)

@@ -172,6 +172,7 @@ def test_whole_tasks_are_run_on_both_backends() -> None:
     assert "tasks" not in Setting("pybullet", quick=True).chosen_parts
 
 
+@pytest.mark.slow
 def test_a_shipped_task_for_real() -> None:
     report = run_kit(Setting("kinematic", "cart", parts=("tasks",), seeds=1), 1)
     assert report.ok
@@ -181,6 +182,7 @@ def test_a_shipped_task_for_real() -> None:
     ]
 
 
+@pytest.mark.slow
 def test_pybullet_passes_where_physics_matters() -> None:
     pytest.importorskip("pybullet", reason="PyBullet has no wheel for this Python")
     bench = Bench("pybullet")

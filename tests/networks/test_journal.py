@@ -40,6 +40,7 @@ def test_truncated_at_any_byte(tmp_path):
         assert (contents.torn_at is None) == complete
 
 
+@pytest.mark.slow
 def test_any_flipped_bit(tmp_path):
     """D2, D3: refused in the middle, the newline before the last record too; torn in the last record."""
     whole = written(tmp_path / "j.jsonl", 3)

@@ -232,6 +232,7 @@ def test_what_was_not_declared_is_refused(make_rig: Callable[..., Any], end: str
     assert what in outcome.reason
 
 
+@pytest.mark.slow
 def test_thirty_fails_in_a_row_do_not_drift(make_rig: Callable[..., Any]) -> None:
     rig = make_rig(seed=4)
     start = rig.scene.base

@@ -88,6 +88,7 @@ def test_one_broken_reading_of_the_wheels_is_left_out() -> None:
     assert np.isfinite([underway.robot.pose.x, underway.robot.pose.theta]).all()
 
 
+@pytest.mark.slow
 def test_a_base_that_is_stuck_close_to_its_goal_is_not_waited_for_for_good() -> None:
     _, _, underway = next(Solo(BENCH, MoveTo(place="shelf_3")).attempts())
     goal = underway.model.places["shelf_3"].pose

@@ -34,6 +34,7 @@ def test_five_metres_are_tracked_to_a_millimetre_from_three_places(tmp_path: Pat
     assert summary["fails"] == 0
 
 
+@pytest.mark.slow
 def test_a_place_that_is_taken_is_a_fail_and_the_rest_is_divided_again(tmp_path: Path) -> None:
     box = "name: crate, x_m: 4.4, y_m: 2.7, size_m: [0.5, 0.5, 0.6]"
     summary, status = run_task(TASK, tmp_path, None, world_with(tmp_path, box), seed=0)

@@ -93,6 +93,7 @@ def cut(folder: Path, kind: str, number: int) -> None:
     path.write_bytes(b"".join(lines[: places[number]]))
 
 
+@pytest.mark.slow
 def test_killed_at_any_instant_it_ends_as_it_would_have(handcart, tmp_path):
     """K1, K2: no finished action is repeated; killed again while it resumes, too."""
     rng = random.Random(3)

@@ -20,6 +20,7 @@ BACKENDS = [
 ]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("backend", BACKENDS)
 def test_a_run_is_recorded(handcart, tour, tmp_path, backend):
     film, places = tmp_path / "tour.mp4", tour.with_name("places.yaml")

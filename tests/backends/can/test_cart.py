@@ -17,6 +17,7 @@ from primitives.move_to import MoveTo
 from primitives.outcome import Success
 
 
+@pytest.mark.slow
 def test_move_to_ends_at_the_right_place():
     with set_stage(robot="cart", backend="can", seed=1) as stage:
         outcome = stage.do(MoveTo(place="shelf_3"))

@@ -110,6 +110,7 @@ def test_a_block_whose_middle_nothing_carries_falls_and_is_lost(build):
     assert backend.scene.blocks["5"].pose[2, 3] < 0.45
 
 
+@pytest.mark.slow
 def test_a_block_is_taken_carried_and_put_on_others_that_stay_where_they_are(build):
     backend = build(ON_TRAY + PILE)
     blocks = backend.scene.blocks

@@ -15,6 +15,7 @@ pytest.importorskip("pybullet")
 TASK = Path(__file__).parents[3] / "tasks" / "deploy_straight" / "task.yaml"
 
 
+@pytest.mark.slow
 def test_a_sensor_is_laid_and_a_killed_run_goes_on(tmp_path, copier):
     (tmp_path / "one.csv").write_text("name,x_m,y_m\nonly,4,-0.75\n", encoding="utf-8")
     settings = {"targets": str(tmp_path / "one.csv"), "wait_s": "5", "together": "true"}

@@ -74,6 +74,7 @@ def test_fingers_that_were_stopped_can_be_told_to_stay(make):
     assert gripper.command() <= 0.07
 
 
+@pytest.mark.slow
 def test_a_picture_shows_the_same_whoever_looked_before(make):
     idle, busy = make(), make()
     for number in range(30):
@@ -91,6 +92,7 @@ def test_the_hand_is_where_the_urdf_puts_it_also_on_a_base_that_gives(hand):
     assert np.abs(scene.world_T("hand") - hand.backend.link_pose("hand")).max() < 1e-6
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("held", [False, True])
 def test_a_world_put_back_goes_on_as_the_one_that_was_kept(make, spec, hand_of, held):
     first = hand_of(make())

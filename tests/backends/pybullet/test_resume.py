@@ -55,6 +55,7 @@ def results(folder: Path) -> list[tuple[int, str]]:
     return [(each["n"], each["outcome"]) for each in records if each["kind"] == "RESULT"]
 
 
+@pytest.mark.slow
 def test_killed_while_it_takes_the_book_it_takes_it_after_all(tmp_path: Path) -> None:
     for name in ("world.yaml", "map.yaml", "map.png", "places.yaml", "catalogue.yaml"):
         (tmp_path / name).write_bytes((LIBRARY / name).read_bytes())

@@ -68,6 +68,7 @@ def test_a_chassis_takes_its_mass_and_wheels_from_the_base():
     assert parents["right_wheel"] == parents["column_mount"] == "base"
 
 
+@pytest.mark.slow
 def test_the_body_leans_to_where_the_arm_is_about_as_the_file_says(build):
     backend = build(lean_mrad_per_m=8.0, lean_pivot_m=0.15)
     home = part(backend, "Arm").command()

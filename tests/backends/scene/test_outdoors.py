@@ -42,6 +42,7 @@ def test_a_car_turns_no_tighter_than_it_steers(robot):
             made._base.drive(speed, turn)
 
 
+@pytest.mark.slow
 def test_the_ground_is_as_rough_and_slippery_as_the_file_says(robot):
     tilts, scales = [], []
     for seed in range(12):
