@@ -52,10 +52,9 @@ def test_it_keeps_away_from_what_stands_there():
         assert (np.hypot(*(discs[:, :2] - pose[:2]).T) - discs[:, 2]).min() > 0.7
 
 
-@pytest.mark.slow
 def test_where_no_way_leads_there_is_none():
-    angle = np.linspace(0.0, 2.0 * math.pi, 16, endpoint=False)
-    ring = np.column_stack([20.0 + 4.0 * np.cos(angle), 4.0 * np.sin(angle), np.full(16, 0.5)])
+    angle = np.linspace(0.0, 2.0 * math.pi, 8, endpoint=False)
+    ring = np.column_stack([20.0 + 2.0 * np.cos(angle), 2.0 * np.sin(angle), np.full(8, 0.5)])
     assert plan_car_route(START, Pose2(20.0, 0.0, 0.0), ring, 0.8, 2.1) is None
 
 
