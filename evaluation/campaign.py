@@ -46,6 +46,8 @@ class Trial:
     seed: int
     status: int
     summary: Mapping[str, Any]
+    signalled: bool = False
+    """Whether an interrupt came, be it after its last action."""
 
     @property
     def success(self) -> bool:
@@ -59,8 +61,8 @@ class Trial:
 
     @property
     def interrupted(self) -> bool:
-        """Whether a signal stopped it, and so all that it is part of."""
-        return self.cancelled and self.summary["reason"] == INTERRUPTED
+        """Whether a signal stopped it, or came as it was over; it stops all that the trial is part of."""
+        return self.signalled or (self.cancelled and self.summary["reason"] == INTERRUPTED)
 
     @property
     def untrue(self) -> Sequence[str]:
@@ -72,15 +74,19 @@ def run_trial(setting: Setting, seed: int) -> Trial:
     """One seeded run, with a library of its own where the setting says so."""
     chosen = dict(setting.settings or {})
     if setting.library is None:
-        summary, status = run_task(setting.task, setting.runs, setting.backend, chosen, seed)
-        return Trial(seed, status, summary)
+        return _run(setting, setting.task, chosen, seed)
     from .library_files import write_library
 
     with tempfile.TemporaryDirectory() as folder:
         write_library(make_library(seed, **setting.library), Path(folder))
         named = {name: f"{folder}/{name}.yaml" for name in ("world", "map", "places", "catalogue")}
-        summary, status = run_task(setting.task, setting.runs, setting.backend, named | chosen, seed)
-    return Trial(seed, status, summary)
+        return _run(setting, setting.task, named | chosen, seed)
+
+
+def _run(setting: Setting, task: Path, settings: Mapping[str, str], seed: int) -> Trial:
+    with Interrupts() as heard:
+        summary, status = run_task(task, setting.runs, setting.backend, settings, seed, interrupts=heard)
+    return Trial(seed, status, summary, heard.came)
 
 
 def run_campaign(setting: Setting, seeds: Sequence[int], jobs: int) -> Iterator[Trial]:
@@ -95,10 +101,10 @@ def run_campaign(setting: Setting, seeds: Sequence[int], jobs: int) -> Iterator[
     with Interrupts():
         every = _one_by_one(setting, seeds) if jobs == 1 else _side_by_side(setting, seeds, jobs)
         for trial in every:
-            if trial.interrupted:
-                raise KeyboardInterrupt
             if not trial.cancelled:
                 yield trial
+            if trial.interrupted:
+                raise KeyboardInterrupt
 
 
 def _one_by_one(setting: Setting, seeds: Sequence[int]) -> Iterator[Trial]:

@@ -22,6 +22,8 @@ class Interrupts:
     def __init__(self) -> None:
         """Nothing is listened to before it is entered."""
         self._stop: Callable[[], object] | None = None
+        self.came = False
+        """Whether there was one."""
         self._before: dict[signal.Signals, Any] = {}
 
     def stop_by(self, stop: Callable[[], object]) -> None:
@@ -38,6 +40,7 @@ class Interrupts:
             signal.signal(kind, handler)
 
     def _heard(self, _number: int, _frame: FrameType | None) -> None:
+        self.came = True
         if self._stop is None:
             raise KeyboardInterrupt
         self._stop()
