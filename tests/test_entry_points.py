@@ -80,6 +80,7 @@ def test_the_documents_backend_drives() -> None:
         assert robot.pose.x == pytest.approx(1.0)
 
 
+@pytest.mark.slow
 def test_the_documents_tests_pass(tmp_path: Path) -> None:
     source = shown("docs/primitives.md", "Forward")
     text = (ROOT / "docs/primitives.md").read_text(encoding="utf-8")

@@ -40,6 +40,7 @@ def test_errors_that_stand_beside_none_count_as_zero() -> None:
     assert Errors.model_validate({"none": False, "start_mm": 20.0}).start_mm == 20.0
 
 
+@pytest.mark.slow
 def test_a_robot_without_errors_stands_where_its_world_puts_it_and_reads_the_truth(ideal: RobotFile) -> None:
     for robot in (ideal, load_robot("librarian").without_errors()):
         with make_backend("kinematic", robot, WORLD, 7) as backend:

@@ -33,6 +33,7 @@ SAMPLE = (
 """Liars that are caught quickly; `handcart conformance --part mutants` plants all."""
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["capabilities", "limits", "stop", "rates", "landmark", "frames"])
 def test_the_kinematic_backend_passes(name: str) -> None:
     finding = CHECKS[name](BENCH)
@@ -45,6 +46,7 @@ def test_what_a_robot_lacks_is_left_out_with_the_reason() -> None:
     assert finding.skipped == "the robot has no arm"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", SAMPLE)
 def test_a_liar_is_caught(name: str) -> None:
     caught = try_mutant(name, BENCH)
@@ -57,6 +59,7 @@ def test_there_are_21_liars_and_each_tells_its_lie() -> None:
     assert len({mutant.lie for mutant in MUTANTS.values()}) == 21
 
 
+@pytest.mark.slow
 def test_a_robot_with_an_indoor_positioning() -> None:
     bench = Bench("kinematic", robot="atrv")
     for name in ("capabilities", "positioning", "joints", "frames"):
@@ -68,6 +71,7 @@ def test_a_robot_with_an_indoor_positioning() -> None:
     assert Setting("kinematic", "atrv").tried() == ["DIVIDE", "MOVE_TO", "REACH", "TRACK"]
 
 
+@pytest.mark.slow
 def test_an_honest_primitive_is_true_whatever_goes_wrong() -> None:
     trials = Batch(Solo(BENCH, Reach()), 0, 2)()
     assert len(trials) == 2 * len(FaultKind)
@@ -196,12 +200,14 @@ def test_a_primitive_of_somebody_else_is_found_by_its_name() -> None:
     assert len(jobs) == 1
 
 
+@pytest.mark.slow
 def test_the_fixture_tries_a_backend(conformance: Any) -> None:
     report = conformance("kinematic", robot="cart", parts=("faults",), primitives=("REACH",), instants=1)
     assert report.ok
     assert report.injected == len(FaultKind)
 
 
+@pytest.mark.slow
 def test_a_backend_that_cannot_be_built_is_told() -> None:
     report = run_kit(Setting("kinematic", "/nowhere/robot.yaml", True, ("mutants",)), 1)
     assert not report.ok

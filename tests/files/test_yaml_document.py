@@ -112,6 +112,7 @@ def test_t04_nesting(opening: str) -> None:
     assert refusal(opening * 20_000)
 
 
+@pytest.mark.slow
 def test_t04_depth_and_number_are_told() -> None:
     assert parse_document(b"[" * 32 + b"]" * 32, "f.yaml")
     assert str(refusal("[" * 33)[0]) == "f.yaml:1:33: nested deeper than 32 levels; allowed: at most 32"

@@ -129,6 +129,7 @@ def imagined(net, chances, rng):
     return "goal", cost, count
 
 
+@pytest.mark.slow
 @given(NETWORKS)
 @settings(max_examples=25, suppress_health_check=[HealthCheck.too_slow], deadline=None)
 def test_exact_figures_are_those_of_many_runs(rows):

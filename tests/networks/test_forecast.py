@@ -158,6 +158,7 @@ def test_worst_cases_are_those_of_every_run_that_there_can_be(rows):
     assert {each.situation for each in found.short} == true.no_way_in
 
 
+@pytest.mark.slow
 @given(NETWORKS, CHANCES)
 @LOOSE
 def test_slopes_are_derivatives(rows, chances):
@@ -176,6 +177,7 @@ def test_slopes_are_derivatives(rows, chances):
             assert slopes[number] == pytest.approx((around[0].goal - around[1].goal) / 2e-5, abs=1e-6)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(3))
 def test_figures_are_those_of_the_coordinators_runs(new_stand, seed):
     """Whole runs, robot and all: a detour, an alternative, a loop."""

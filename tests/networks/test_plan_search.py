@@ -71,6 +71,7 @@ def test_a_part_that_is_too_large_leaves_the_rest_known():
     assert cases.longest <= net.bound()
 
 
+@pytest.mark.slow
 def test_a_thousand_situations_in_a_row():
     net = network("chain", 1000)
     found = forecast(net, [Chance(0.99)] * len(net.actions))

@@ -64,6 +64,7 @@ def test_the_network_never_changes(stand):
         network.graph.add_edge("a", "z")
 
 
+@pytest.mark.slow
 def test_same_plans_whatever_the_hash_seed():
     """N11."""
     said = {
@@ -78,6 +79,7 @@ def test_same_plans_whatever_the_hash_seed():
     assert len(said) == 1
 
 
+@pytest.mark.slow
 def test_a_hundred_thousand_actions(stand):
     """N14; how long that takes stands in benchmarks/coordinator.py."""
     names = [f"s{n}" for n in range(30_000)]

@@ -36,6 +36,7 @@ def test_it_pushes_the_book_in_until_the_tips_stand_before_the_spines(
     assert abs(rig.robot.arm.hand_force()[1]) < 2.5  # it yields to the slot's sides
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("aside", [0.0085, -0.0085])
 def test_a_book_that_jams_is_tried_beside(at_slot: Callable[..., Any], aside: float) -> None:
     tries = [_inserted(at_slot(aside, seed)) for seed in range(4)]

@@ -26,6 +26,7 @@ def test_it_docks_square_before_a_shelf(make_rig: Callable[..., Any]) -> None:
     assert abs(truth.theta - math.pi / 2) < math.radians(0.4)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("x", "y"), [(3.0, 1.1), (4.5, 1.2)])
 def test_a_box_that_is_not_on_the_map_is_a_fail_and_modify_leads_around_it(
     make_rig: Callable[..., Any], x: float, y: float

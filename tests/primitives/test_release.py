@@ -31,6 +31,7 @@ def standing(rig: Any, accession: int) -> Any:
     return found[0] if found else None
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(3))
 def test_the_book_stands_in_its_slot_flush_with_its_neighbours(
     inserted: Callable[..., Any], seed: int

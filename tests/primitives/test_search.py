@@ -48,6 +48,7 @@ def row(rig: Any) -> list[tuple[float, float]]:
     ]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("seed", "reader"), [(0, "ocr"), (1, "ocr"), (2, "template")])
 def test_it_finds_the_slot_between_the_right_neighbours(
     docked: Callable[..., Any], seed: int, reader: Literal["ocr", "template"]
@@ -77,6 +78,7 @@ def test_at_the_end_of_the_row_it_looks_straight_at_the_book_end(docked: Callabl
     assert slot.left - slot.right == pytest.approx(0.031, abs=0.0025)
 
 
+@pytest.mark.slow
 def test_where_no_slot_is_free_it_is_a_fail_for_good_and_the_arm_back(docked: Callable[..., Any]) -> None:
     rig = docked(0, call="510.35 ZUS")
     before = rig.robot.arm.command()

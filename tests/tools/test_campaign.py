@@ -158,6 +158,7 @@ def test_shares_of_each_action(handcart, tour, tmp_path, as_json):
         assert line.split()[-6:] == ["2", "1.000", "0.342", "to", "1.000", "0.000"]
 
 
+@pytest.mark.slow
 def test_a_repeated_action_is_one_row_named_as_in_the_file(handcart, tour, tmp_path):
     """Of the last element it leads out of the repeat, of the others back to its start."""
     tour.write_text(ROUNDS, encoding="utf-8")

@@ -12,6 +12,7 @@ import pytest
 ROBOTS = Path(__file__).resolve().parents[2] / "backends" / "robots"
 
 
+@pytest.mark.slow
 def test_a_robot_is_told_in_tables(handcart: Callable[..., Any]) -> None:
     said = handcart("check", ROBOTS / "librarian" / "robot.yaml")
     assert said.status == 0
@@ -25,6 +26,7 @@ def test_a_robot_is_told_in_tables(handcart: Callable[..., Any]) -> None:
     assert max(len(line) for line in said.out.splitlines()) <= 120
 
 
+@pytest.mark.slow
 def test_programs_get_the_same(handcart: Callable[..., Any]) -> None:
     told = json.loads(handcart("check", ROBOTS / "librarian" / "robot.yaml", "--json").out)
     assert told["ok"]

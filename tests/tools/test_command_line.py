@@ -131,6 +131,7 @@ def test_a_goal_that_no_way_leads_to_is_status_3(handcart: Callable[..., Any], t
     assert said.out.startswith("Fail in situation at_home: ")
 
 
+@pytest.mark.slow
 def test_an_interrupt_stops_with_status_130(tour: Path) -> None:
     code = (
         "import os, signal, sys, threading, tools.progress\n"

@@ -43,6 +43,7 @@ def test_off_a_terminal_progress_is_told_at_first_now_and_then_and_at_last(
     assert told == [f"{done} of 11 jobs done after {8 * done - 8} s" for done in (1, 5, 9, 11)]
 
 
+@pytest.mark.slow
 def test_one_primitive_for_real(handcart: Any) -> None:
     said = handcart(
         "conformance", "--robot", "cart", "--primitive", "REACH", "--instants", "1", "--jobs", "1"

@@ -147,6 +147,7 @@ def test_fingers_that_press_let_go_at_once(build):
     assert backend.scene.held is None
 
 
+@pytest.mark.slow
 def test_the_camera_sees_a_mark_where_it_is(build):
     backend = build(ON_TRAY)
     go(backend, 0.08, 0.5, 0.73)
@@ -158,6 +159,7 @@ def test_the_camera_sees_a_mark_where_it_is(build):
     assert np.abs((plane @ planar_pose(seen, plane).lift() - true)[:2, 3]).max() < 3e-4
 
 
+@pytest.mark.slow
 def test_a_world_put_back_has_its_blocks(build):
     backend = build(ON_TRAY + PILE)
     go(backend, -0.26, 0.0, 0.45 + OVER)

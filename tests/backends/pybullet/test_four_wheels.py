@@ -59,6 +59,7 @@ def test_it_drives_straight(backend: PyBulletBackend) -> None:
     assert abs(backend.scene.base.y) < 0.003
 
 
+@pytest.mark.slow
 def test_it_stands_while_the_arm_moves(backend: PyBulletBackend) -> None:
     drive(backend, 0.1, 0.3)
     drive(backend, 0.0, 0.0, 0.5)

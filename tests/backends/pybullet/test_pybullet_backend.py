@@ -134,6 +134,7 @@ def test_a_command_that_is_not_renewed_ends_with_its_period_and_the_base_comes_t
     assert rests.distance(backend.scene.base) < 2e-4
 
 
+@pytest.mark.slow
 def test_a_wall_stops_the_base_and_is_told_as_contact(make):
     backend = make()
     base = parts(backend)[0]
@@ -240,6 +241,7 @@ def test_ranges_are_those_of_the_kinematic_backend(make, world, spec):
     assert np.median(np.abs(scans[0] - scans[1])[met]) < 0.01
 
 
+@pytest.mark.slow
 def test_the_same_seed_gives_the_same_run(make):
     readings = []
     for backend in (make(7), make(7), make(8)):
@@ -255,6 +257,7 @@ def test_the_same_seed_gives_the_same_run(make):
     assert not np.array_equal(readings[0], readings[2], equal_nan=True)
 
 
+@pytest.mark.slow
 def test_the_engine_writes_nothing_to_our_streams():
     code = (
         "from pathlib import Path; from backends.registry import make_backend;"

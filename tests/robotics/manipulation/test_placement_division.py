@@ -46,6 +46,7 @@ def _all_divisions(scores: PlacementScores, lengths: np.ndarray, count: int) -> 
                     yield segments, total
 
 
+@pytest.mark.slow
 def test_equal_to_exhaustive_search_and_never_below_greedy() -> None:
     rng = np.random.default_rng(0)
     tracked = 0

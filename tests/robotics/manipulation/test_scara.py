@@ -67,6 +67,7 @@ def test_the_jacobian_is_the_derivative_and_the_printed_one_is_not():
     assert worst_jacobian(printed) > 0.3
 
 
+@pytest.mark.slow
 def test_every_target_in_reach_is_reached_on_a_straight_line():
     for target in targets(100):
         q, astray = lead(MIDDLE, target)

@@ -35,6 +35,7 @@ def drive(localizer: Localizer, library, boxes, scan, seed: int = 0) -> tuple[Po
     raise AssertionError("did not arrive")
 
 
+@pytest.mark.slow
 def test_scans_hold_the_pose_among_unknown_boxes(library, library_boxes, library_field, scan):
     """S7: wheels that err slowly are corrected by scans."""
     localizer = ScanLocalizer(library_field, START, TREAD)

@@ -53,6 +53,7 @@ def worn_wheels(
     return truth.pose, odometry
 
 
+@pytest.mark.slow
 def test_the_covariance_is_what_the_errors_are():
     rng = np.random.default_rng(0)
     squares = []

@@ -180,6 +180,7 @@ def test_hand_eye_from_noisy_views(tabletop, arm_error, position, angle):
     assert 0.4 < np.sqrt(np.mean(np.square(z))) < 2.0
 
 
+@pytest.mark.slow
 def test_refined_beats_the_closed_forms_with_a_good_arm(tabletop):
     refined, closed = [], []
     for seed in range(6):
