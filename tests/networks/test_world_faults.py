@@ -220,6 +220,15 @@ def test_an_unsure_pose_tells_no_situation(stand, go, sigma, found):
     assert watch.situation("b", far, now) == found
 
 
+def test_who_found_more_changed_than_the_base_tells_no_situation(stand, go):
+    """N9: base and fingers stand as they once did, but no sensor tells what else was changed meanwhile."""
+    here = replace(take_snapshot(stand.robot, {}), gripper_width=0.05)
+    far = replace(here, pose=type(here.pose)(1.0, 0.0, 0.0), gripper_width=0.0)
+    watch = WorldWatch(stand.robot, line(go), {"a": here, "b": far})
+    assert watch.situation("b", far, here) is None
+    assert watch.situation("b", replace(far, gripper_width=0.05), here) == "a"
+
+
 def test_a_hindrance_that_breaks_hinders(stand, go, monkeypatch):
     """N7: who can't tell whether it may start doesn't start it."""
     asked, events = [], []
