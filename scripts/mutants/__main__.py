@@ -20,7 +20,7 @@ T = TypeVar("T")
 
 
 def main() -> int:
-    """Print each bug and whether it was noticed; 1 where too many were missed, 2 where tests fail without any."""
+    """Print each bug and whether it was noticed; 1: too many were missed, 2: tests fail without any."""
     wanted = _arguments()
     mutants = [
         each for each in read_table(wanted.table) if wanted.file in each.file and wanted.name in each.name
