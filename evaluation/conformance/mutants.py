@@ -141,7 +141,7 @@ _ALL = (
     _in_primitive(primitive_liars.Hangs, "never ends restoring, nor hands back control"),
     _in_primitive(
         primitive_liars.RunsIntoThings,
-        "comes back by way of the wall",
+        "comes back by way of the wall, past the guard",
         needs=("range_sensor",),
         by_truth=True,
     ),
