@@ -6,24 +6,14 @@ into: the cost is bounded by the number of values allowed, whatever the file say
 
 from typing import Any
 
-from ruamel.yaml.events import (
-    AliasEvent,
-    CollectionEndEvent,
-    DocumentStartEvent,
-    Event,
-    MappingStartEvent,
-    NodeEvent,
-    ScalarEvent,
-    SequenceStartEvent,
-)
-
-from files.errors import Finding
+from files.errors import FileError, Finding
 from files.findings import Findings
 from files.printable import clipped
 from files.scalars import Scalar, UnclearScalar, resolve_plain
 from files.yaml_node import Node
 
 MAX_DEPTH = 32
+_NODES = ("AliasEvent", "ScalarEvent", "SequenceStartEvent", "MappingStartEvent")
 _MAX_FINDINGS = 50
 
 
@@ -44,25 +34,33 @@ class TreeBuilder:
         self._documents = 0
         self._open: list[_Open] = []
 
-    def take(self, event: Event) -> None:
-        """Take the next event."""
+    def take(self, event: Any) -> None:
+        """Take the next event, of PyYAML or ruamel.yaml: theirs have the same names and fields."""
         self.latest = event.start_mark
-        if isinstance(event, NodeEvent):
+        kind = type(event).__name__
+        if kind in _NODES:
             self._count(event)
             self._refuse_extras(event)
-        match event:
-            case ScalarEvent():
+        match kind:
+            case "ScalarEvent":
                 self._scalar(event)
-            case MappingStartEvent():
+            case "MappingStartEvent":
                 self._begin(event, {})
-            case SequenceStartEvent():
+            case "SequenceStartEvent":
                 self._begin(event, [])
-            case AliasEvent():
+            case "AliasEvent":
                 self._add(event, None)
-            case CollectionEndEvent():
+            case "MappingEndEvent" | "SequenceEndEvent":
                 self._open.pop()
-            case DocumentStartEvent():
+            case "DocumentStartEvent":
                 self._document(event)
+
+    def tree(self) -> Node:
+        """The tree, once all events are taken; raises `FileError` with all that is wrong with it."""
+        self.findings.raise_all()
+        if self.root is None or self.root.content is None:
+            raise FileError([Finding(self.file, 1, 1, "the file is empty; allowed: keys with values")])
+        return self.root
 
     def problem(self, mark: Any, message: str) -> None:
         """Collect a finding at a mark of the parser (which counts from 0)."""
@@ -70,17 +68,17 @@ class TreeBuilder:
         if len(self.findings) >= _MAX_FINDINGS:
             self.findings.raise_all()
 
-    def _stop(self, event: Event, message: str) -> None:
+    def _stop(self, event: Any, message: str) -> None:
         self.problem(event.start_mark, message)
         self.findings.raise_all()
 
-    def _count(self, event: NodeEvent) -> None:
+    def _count(self, event: Any) -> None:
         self._nodes += 1
         if self._nodes > self._max_nodes:
             self._stop(event, f"more than {self._max_nodes} values; allowed: at most {self._max_nodes}")
 
-    def _refuse_extras(self, event: NodeEvent) -> None:
-        if isinstance(event, AliasEvent):
+    def _refuse_extras(self, event: Any) -> None:
+        if type(event).__name__ == "AliasEvent":
             self.problem(event.start_mark, f"the alias *{clipped(event.anchor)}; allowed: the value itself")
             return
         if event.anchor is not None:
@@ -91,7 +89,7 @@ class TreeBuilder:
         if tag is not None:
             self.problem(event.start_mark, f"the tag {clipped(tag)}; allowed: values without one")
 
-    def _document(self, event: DocumentStartEvent) -> None:
+    def _document(self, event: Any) -> None:
         self._documents += 1
         if self._documents > 1:
             self._stop(event, "a second document begins; allowed: one in a file")
@@ -99,7 +97,7 @@ class TreeBuilder:
             number = ".".join(str(part) for part in event.version)
             self._stop(event, f"YAML {number} is asked for; allowed: YAML 1.2")
 
-    def _scalar(self, event: ScalarEvent) -> None:
+    def _scalar(self, event: Any) -> None:
         if any("\ud800" <= c <= "\udfff" for c in event.value):
             self.problem(event.start_mark, "half a character (a lone surrogate); allowed: whole ones")
         if self._open and self._open[-1].wants_key:
@@ -107,7 +105,7 @@ class TreeBuilder:
             return
         self._add(event, self._value(event))
 
-    def _value(self, event: ScalarEvent) -> Scalar:
+    def _value(self, event: Any) -> Scalar:
         text: str = event.value
         if not _is_plain(event):
             return text
@@ -117,7 +115,7 @@ class TreeBuilder:
             self.problem(event.start_mark, str(unclear))
             return text
 
-    def _key(self, event: ScalarEvent, text: str) -> None:
+    def _key(self, event: Any, text: str) -> None:
         mapping = self._open[-1]
         if _is_plain(event) and text in ("<<", "", "~", "null"):
             what = "the merge key <<" if text == "<<" else "an empty key"
@@ -132,13 +130,13 @@ class TreeBuilder:
             mapping.keys[text] = event.start_mark
         mapping.key, mapping.key_mark, mapping.wants_key = text, event.start_mark, False
 
-    def _begin(self, event: MappingStartEvent | SequenceStartEvent, content: Any) -> None:
+    def _begin(self, event: Any, content: Any) -> None:
         if len(self._open) >= MAX_DEPTH:
             self._stop(event, f"nested deeper than {MAX_DEPTH} levels; allowed: at most {MAX_DEPTH}")
         self._add(event, content)
         self._open.append(_Open(content))
 
-    def _add(self, event: NodeEvent, content: Any) -> None:
+    def _add(self, event: Any, content: Any) -> None:
         mark = event.start_mark
         parent = self._open[-1] if self._open else None
         if parent is not None and parent.wants_key:
@@ -170,5 +168,5 @@ class _Open:
         self.wants_key = isinstance(content, dict)
 
 
-def _is_plain(event: ScalarEvent) -> bool:
+def _is_plain(event: Any) -> bool:
     return event.style in (None, "")

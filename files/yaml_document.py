@@ -10,12 +10,13 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-from ruamel.yaml import YAML
 from ruamel.yaml.error import YAMLError
+from yaml import YAMLError as FastYAMLError
 
 from files.errors import FileError, Finding
 from files.regular_file import decode_text, read_regular_file
 from files.yaml_builder import TreeBuilder
+from files.yaml_events import exact_events, fast_events
 from files.yaml_node import KeyPath, Node
 from files.yaml_syntax import syntax_error
 
@@ -83,16 +84,31 @@ def read_document(path: Path | str, *, max_bytes: int = MAX_BYTES, max_nodes: in
 
 def parse_document(content: bytes, file: str, *, max_nodes: int = MAX_NODES) -> Document:
     """The document in `content`, called `file` in messages; raises `FileError`."""
+    text = decode_text(content, file)
+    root = _fast_tree(text, file, max_nodes) or _tree(text, file, max_nodes)
+    return Document(file, content, root)
+
+
+def _fast_tree(text: str, file: str, max_nodes: int) -> Node | None:
+    """The tree by the fast parser; None where the exact one has to be asked."""
+    events = fast_events(text)
     builder = TreeBuilder(file, max_nodes)
     try:
-        for event in YAML(typ="safe", pure=True).parse(decode_text(content, file)):
+        for event in events or ():
+            builder.take(event)
+    except FastYAMLError:
+        return None
+    return builder.tree() if events is not None else None
+
+
+def _tree(text: str, file: str, max_nodes: int) -> Node:
+    builder = TreeBuilder(file, max_nodes)
+    try:
+        for event in exact_events(text):
             builder.take(event)
     except FileError:  # is a ValueError too
         raise
     # The parser also lets out what chr(), int() and assert say of absurd escapes and versions.
     except (YAMLError, ValueError, OverflowError, AssertionError) as error:
         builder.findings.take(syntax_error(file, error, builder.latest))
-    builder.findings.raise_all()
-    if builder.root is None or builder.root.content is None:
-        raise FileError([Finding(file, 1, 1, "the file is empty; allowed: keys with values")])
-    return Document(file, content, builder.root)
+    return builder.tree()

@@ -137,8 +137,6 @@ def _facts(file: Path, settings: dict[str, str], asked: Asked) -> dict[str, Any]
         from .check_urdf import urdf_facts
 
         return urdf_facts(file, asked.every, asked.draft)
-    if _says_task(file):
-        return _task_facts(file, settings, asked.quick)
     if is_map_file(file):
         return _map_facts(file)
     document = read_document(file)
@@ -171,14 +169,6 @@ def _facts(file: Path, settings: dict[str, str], asked: Asked) -> dict[str, Any]
     return {"format": data["format"]}
 
 
-def _says_task(file: Path) -> bool:
-    """Whether its first line says so: then it needn't be read twice, which takes long where it is long."""
-    from files.regular_file import read_regular_file
-    from files.yaml_document import MAX_BYTES
-
-    return read_regular_file(file, MAX_BYTES).startswith(b"format: handcart-task/1\n")
-
-
 def _map_facts(file: Path) -> dict[str, Any]:
     from backends.map_file import load_map
     from backends.movingai_map import SUFFIX
@@ -200,7 +190,6 @@ def _goals_facts(file: Path) -> dict[str, Any]:
 def _task_facts(file: Path, settings: dict[str, str], quick: bool) -> dict[str, Any]:
     from backends.robot_file import load_robot
     from evaluation.robot_report.posture_findings import posture_findings
-    from evaluation.seam_check import seam_facts
     from networks.preparing import check as check_task
 
     from .check_task import task_facts
@@ -209,7 +198,10 @@ def _task_facts(file: Path, settings: dict[str, str], quick: bool) -> dict[str, 
     checked = check_task(file, settings=settings)
     with share_shown(f"{file}: how runs end") as watch:
         told = task_facts(checked.task, watch)
-    told |= {} if quick else seam_facts(checked.task)
+    if not quick and checked.task.path("knowledge", "seam"):
+        from evaluation.seam_check import seam_facts  # what it needs takes a second to import
+
+        told |= seam_facts(checked.task)
     robot = checked.task.robot
     postures = map(str, posture_findings(robot, load_robot(robot)))
     lines = [*(each.words() for each in checked.places), *told.get("lines", ())]

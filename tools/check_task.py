@@ -12,6 +12,8 @@ if TYPE_CHECKING:
 
 Watch = Callable[[float], None]
 """Hears now and then how much is done, 0 to 1."""
+MOST = 30
+"""Lines of one kind that are printed."""
 SHORT = (
     "where a run may end short of the goal, with the fewest Fails (another way or more attempts would help):"
 )
@@ -44,12 +46,14 @@ def task_facts(task: Task, watch: Watch = lambda share: None) -> dict[str, Any]:
         "warnings": list(map(str, warnings)),
         "short": short,
         **figures,
-        "lines": [*([SHORT] if short else []), *_indented(short), *lines],
+        "lines": [*([SHORT] if short else []), *_first([f"  {each}" for each in short]), *lines],
     }
 
 
-def _indented(lines: list[str]) -> list[str]:
-    return [f"  {line}" for line in lines]
+def _first(lines: list[str]) -> list[str]:
+    """As many as a person reads."""
+    left = len(lines) - MOST
+    return [*lines[:MOST], f"  and {left} more (`--json` has them all)"] if left > 0 else lines
 
 
 def _figures(task: Task, watch: Watch) -> tuple[dict[str, Any], list[str]]:
@@ -94,7 +98,7 @@ def _lines(found: Figures) -> list[str]:
         f"  expected cost {now.cost_s:.1f} s, standard deviation {now.cost_sigma_s:.1f} s",
         "what P(goal) depends on (slope by p), and what more tries would change in P(goal) and cost:",
         f"{head}{'one more attempt':>22}{'an alternative':>22}",
-        *(_row(each, now) for each in found.influences),
+        *_first([_row(each, now) for each in found.influences]),
     ]
 
 

@@ -21,6 +21,7 @@ MODULES = {
     "scikit-image": "skimage",
     "pillow": "PIL",
     "py-trees": "py_trees",
+    "pyyaml": "yaml",
     "ruamel-yaml": "ruamel.yaml",
 }
 """Where a library is imported under another name than it is installed."""

@@ -92,7 +92,7 @@ def figures(task: Task, effort: Effort | None = None, more: Effort | None = None
         )
         for entry, numbers in copies.items()
     ]
-    influences.sort(key=lambda each: -each.slope)
+    influences.sort(key=lambda each: (-round(each.slope, 9), each.entry))
     return Figures(now, tuple(influences))
 
 

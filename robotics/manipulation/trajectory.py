@@ -6,12 +6,6 @@ from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
-from toppra.algorithm import TOPPRA
-from toppra.constraint import (
-    JointAccelerationConstraint,
-    JointVelocityConstraint,
-)
-from toppra.interpolator import AbstractGeometricPath
 
 from robotics.manipulation.rounded_path import RoundedPath
 
@@ -68,7 +62,10 @@ def _between_stops(corners: NDArray[np.float64]) -> list[NDArray[np.float64]]:
 def _time_smooth(
     rounded: RoundedPath, velocity: Vector, acceleration: Vector, period: float
 ) -> NDArray[np.float64]:
-    s, speed = _fastest(rounded, velocity, acceleration)
+    # toppra brings matplotlib along: seconds, for whoever imports this and never moves an arm.
+    from robotics.manipulation.path_speed import highest_speed
+
+    s, speed = highest_speed(rounded, velocity, acceleration)
     times = np.concatenate(([0.0], np.cumsum(2.0 * np.diff(s) / (speed[:-1] + speed[1:]))))
     count = max(2, int(np.ceil(times[-1] / period)))
     while True:
@@ -78,30 +75,6 @@ def _time_smooth(
             return set_points
         # Stretching in time lowers speeds by its factor and accelerations by its square.
         count = max(count + 1, int(count * min(excess, 1.5) ** 0.5))
-
-
-def _fastest(rounded: RoundedPath, velocity: Vector, acceleration: Vector) -> tuple[Vector, Vector]:
-    """Arc lengths (g,) and the highest speed along the path at each (g,), starting and ending at rest."""
-    limits = [
-        JointVelocityConstraint(np.column_stack((-velocity, velocity))),
-        JointAccelerationConstraint(np.column_stack((-acceleration, acceleration))),
-    ]
-    grid = _grid(rounded.knots)
-    solver = TOPPRA(limits, _Path(rounded), gridpoints=grid, solver_wrapper="seidel")
-    _, speed, _ = solver.compute_parameterization(0.0, 0.0)
-    if speed is None or not np.all(np.isfinite(speed)):
-        raise RuntimeError("TOPP-RA found no speed along a path from rest to rest")
-    return grid, np.maximum(speed, 0.0)
-
-
-def _grid(knots: Vector) -> Vector:
-    """The knots, with each piece divided into at least 4 parts of at most 0.02 rad."""
-    counts = np.maximum(4, np.ceil(np.diff(knots) / 0.02).astype(int))
-    parts = [
-        np.linspace(a, b, count, endpoint=False)
-        for a, b, count in zip(knots[:-1], knots[1:], counts, strict=True)
-    ]
-    return np.concatenate((*parts, knots[-1:]))
 
 
 def _progress(s: Vector, speed: Vector, times: Vector, at: Vector) -> Vector:
@@ -120,25 +93,3 @@ def _excess(set_points: NDArray[np.float64], velocity: Vector, acceleration: Vec
     fastest = float(np.max(np.abs(speeds) / velocity))
     hardest = float(np.max(np.abs(np.diff(speeds, axis=0)) / (period * acceleration)))
     return max(fastest * abs(fastest), hardest)
-
-
-class _Path(AbstractGeometricPath):  # type: ignore[misc]
-    """A rounded path in the form that toppra asks."""
-
-    def __init__(self, rounded: RoundedPath) -> None:
-        self._rounded = rounded
-
-    def __call__(self, path_positions: Vector, order: int = 0) -> NDArray[np.float64]:
-        return self._rounded.at(np.atleast_1d(path_positions), order)
-
-    @property
-    def dof(self) -> int:
-        return self._rounded.dof
-
-    @property
-    def path_interval(self) -> Vector:
-        return np.array([0.0, self._rounded.length])
-
-    @property
-    def waypoints(self) -> None:
-        return None

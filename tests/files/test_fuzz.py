@@ -1,12 +1,25 @@
 """Whatever the bytes: a document or a FileError, never another error (rows T3, T4, T14)."""
 
 import json
+from pathlib import Path
+from unittest.mock import patch
 
+import pytest
+import yaml
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from files.errors import FileError
 from files.yaml_document import Document, parse_document
+from files.yaml_events import fast_events
+
+ROOT = Path(__file__).resolve().parents[2]
+SHIPPED = [
+    path.read_text(encoding="utf-8")
+    for room in ("tasks", "backends/robots")
+    for path in sorted((ROOT / room).rglob("*.yaml"))
+    if path.stat().st_size < 3000
+]
 
 SYNTAX = [
     "[",
@@ -103,3 +116,32 @@ DATA = st.recursive(
 def test_json_is_read_as_json(data: dict[str, object]) -> None:
     """JSON is YAML: what it says is what is read, numbers to the last bit."""
     assert parse_document(json.dumps(data, ensure_ascii=False).encode(), "f.yaml").data == data
+
+
+def said(content: bytes) -> object:
+    try:
+        return parse_document(content, "f.yaml").data
+    except FileError:
+        return FileError
+
+
+@bounded
+@given(
+    st.sampled_from(SHIPPED),
+    st.lists(st.tuples(st.integers(0), st.integers(0, 4), st.sampled_from(SYNTAX + WORDS)), max_size=3),
+)
+def test_both_parsers_read_the_same(text: str, edits: list[tuple[int, int, str]]) -> None:
+    """What is slow to read by one is read by the other wherever both say the same."""
+    for at, dropped, put in edits:
+        at %= len(text) + 1
+        text = text[:at] + put + text[at + dropped :]
+    with patch("files.yaml_document.fast_events", return_value=None):
+        exact = said(text.encode())
+    assert said(text.encode()) == exact
+
+
+@pytest.mark.skipif(not hasattr(yaml, "CLoader"), reason="PyYAML was built without libyaml here")
+def test_libyaml_reads_what_is_plain() -> None:
+    """Every number of the task files would take 30 times as long otherwise."""
+    assert fast_events("a: [1, 2]  # é\n") is not None
+    assert all(fast_events(f"a: {sign}\n") is None for sign in "\t\r\x85\u2028\ufeff&*!%?")
