@@ -194,21 +194,7 @@ def resume_task(
         NeedsOperator: a person has to decide something first.
         FileError: the task or a file that it names is wrong by now.
     """
-    header = task_of(folder)
-    task_path = Path(header["task_path"])
-    network = load_task(task_path, header["settings"]).network
-    begun = None if header["start"] == network.start else header["start"]
-    read_past(folder, network if begun is None else beginning_at(network, begun))  # before a robot is woken
-    made = prepare(
-        task_path,
-        header["backend"],
-        header["settings"],
-        header["seed"],
-        situation=begun,
-        errors=header["errors"],
-        bench=header["bench"],
-        resumed=True,
-    )
+    header, made = prepare_again(folder)
     with ExitStack() as stack:
         heard = interrupts or stack.enter_context(Interrupts())
         prepared = stack.enter_context(made)
@@ -238,6 +224,29 @@ def resume_task(
         )
         _report(prepared, folder, judge, told)
     return orjson.loads((folder / "summary.json").read_bytes()), end.exit_status
+
+
+def prepare_again(folder: Path) -> tuple[Mapping[str, Any], Prepared]:
+    """The header of a run that broke off, and its task prepared as then.
+
+    Its journal is read first: no robot is woken for one that can't be gone on with. Raises as `resume_task`.
+    """
+    header = task_of(folder)
+    task_path = Path(header["task_path"])
+    network = load_task(task_path, header["settings"]).network
+    begun = None if header["start"] == network.start else header["start"]
+    read_past(folder, network if begun is None else beginning_at(network, begun))
+    prepared = prepare(
+        task_path,
+        header["backend"],
+        header["settings"],
+        header["seed"],
+        situation=begun,
+        errors=header["errors"],
+        bench=header["bench"],
+        resumed=True,
+    )
+    return header, prepared
 
 
 def _judge_going_on(prepared: Prepared, folder: Path) -> Judge:

@@ -12,13 +12,11 @@ from typing import Any
 import orjson
 
 from backends.saved_state import digest, pack
-from evaluation.running import put_back, run_task
+from evaluation.running import prepare_again, put_back, run_task
 from networks.events import Ended, Event
 from networks.journal import Journal
-from networks.preparing import Prepared, beginning_at, prepare
-from networks.resuming import task_of
+from networks.preparing import Prepared
 from networks.run_folder import JOURNAL, read_run_journal
-from networks.task_file import load_task
 
 LEFT, OVER, GAVE_UP = "left", "over", "gave up"
 
@@ -143,26 +141,6 @@ def _give_up(folder: Path) -> None:
         journal.append("END", last, {"outcome": "GiveUp", "situation": source, "reason": "it fell"})
 
 
-def prepared_for(folder: Path) -> tuple[Mapping[str, Any], Prepared]:
-    """What a run in a folder is gone on with: its header, and the robot made anew."""
-    header = task_of(folder)
-    task = Path(header["task_path"])
-    network = load_task(task, header["settings"]).network
-    begun = None if header["start"] == network.start else header["start"]
-    if begun is not None:
-        beginning_at(network, begun)
-    made = prepare(
-        task,
-        header["backend"],
-        header["settings"],
-        header["seed"],
-        situation=begun,
-        errors=header["errors"],
-        bench=header["bench"],
-    )
-    return header, made
-
-
 def state_of(prepared: Prepared) -> str:
     """What names the state that a run was put back to; the engine's own part has its own checks."""
     backend = prepared.backend.state()
@@ -186,7 +164,7 @@ def true_state(original: Original, scratch: Path) -> str:
     lines = (folder / JOURNAL).read_bytes().splitlines(keepends=True)
     ends = 0 if original.kind == LEFT else 1 if original.kind == OVER else 3
     (folder / JOURNAL).write_bytes(b"".join(lines[: len(lines) - ends]))
-    header, prepared = prepared_for(folder)
+    header, prepared = prepare_again(folder)
     with prepared:
         put_back(folder, header, prepared, Quiet())
         return state_of(prepared)

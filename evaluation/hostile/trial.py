@@ -18,7 +18,7 @@ from backends.saved_state import NotAState
 from evaluation.explanation import as_json, explain
 from evaluation.explanation_chart import draw_chart
 from evaluation.explanation_words import in_words
-from evaluation.running import put_back, resume_task
+from evaluation.running import prepare_again, put_back, resume_task
 from files.errors import HandcartError
 from files.loading import load
 from networks.acknowledging import acknowledge
@@ -30,7 +30,7 @@ from networks.resuming import task_of
 from networks.run_folder import check_folder
 
 from .attacks import ACCIDENTS, HARM, Attack, Scene, nothing
-from .originals import LEFT, Original, Quiet, key_of, prepared_for, state_of
+from .originals import LEFT, Original, Quiet, key_of, state_of
 
 _RUNS = ("os.system", "os.exec", "os.posix_spawn", "os.spawn", "subprocess.Popen", "pickle.find_class")
 _CHANGES = (
@@ -154,7 +154,7 @@ class Trials:
         header = task_of(folder)
         key = key_of(header) if header.keys() >= {"start", "bench"} else b""
         if key not in self._made:
-            self._made[key] = prepared_for(folder)[1]
+            self._made[key] = prepare_again(folder)[1]
         return header, self._made[key]
 
     def forget(self) -> None:
