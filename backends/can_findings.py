@@ -9,7 +9,7 @@ if TYPE_CHECKING:
     from files.errors import Finding
     from files.yaml_document import Document
 
-    from .can_spec import AxisSpec, CanSpec
+    from .can_spec import AxisSpec, CanSpec, JointDriveSpec
     from .robot_file import RobotFile
 
 Place = tuple[str | int, ...]
@@ -38,8 +38,21 @@ def _counts(robot: RobotFile, spec: CanSpec) -> Iterator[tuple[Place, str]]:
     joints = () if robot.arm is None else robot.arm.joints
     if spec.joints and len(spec.joints) != len(joints):
         yield ("joints",), f"{len(spec.joints)} drives for {len(joints)} joints; allowed: one for each"
+    for number, (joint, slides) in enumerate(zip(spec.joints, robot.joint_units.slides, strict=False)):
+        yield from ((("joints", number, *key), words) for key, words in _joint(joint, slides))
     if spec.gripper is not None and robot.gripper is None:
         yield ("gripper",), "the robot has no gripper; allowed: a drive for a section `gripper`"
+
+
+def _joint(joint: JointDriveSpec, slides: bool) -> Iterator[tuple[Place, str]]:
+    kind = "a joint that slides" if slides else "a joint that turns"
+    needed = ("lead_mm", "rated_force_n") if slides else ("rated_torque_nm",)
+    for key in needed:
+        if getattr(joint, key) is None:
+            yield (), f"the key {key!r} is missing; needed: it, for {kind}"
+    for key in ("lead_mm", "rated_force_n", "rated_torque_nm"):
+        if key not in needed and getattr(joint, key) is not None:
+            yield (key,), f"{key} of {kind}; allowed: {', '.join(needed)}"
 
 
 def _periods(robot: RobotFile, spec: CanSpec) -> Iterator[tuple[Place, str]]:

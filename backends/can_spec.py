@@ -108,13 +108,35 @@ class JointDriveSpec(AxisSpec):
     gravity: bool = True
     following_deg: Positive = 3.0
     """Window of its following error (6065h)."""
-    rated_torque_nm: Positive
+    following_mm: Positive = 5.0
+    """The same of a joint that slides."""
+    rated_torque_nm: Positive | None = None
     """What 1000 of its torque (6077h) is at the joint."""
+    rated_force_n: Positive | None = None
+    """The same of a joint that slides."""
+    lead_mm: Positive | None = None
+    """By how much a joint that slides moves with a turn of what is driven."""
 
     @property
-    def counts_per_rad(self) -> float:
-        """Counts for a radian of the joint."""
-        return self.counts_per_turn / (2.0 * math.pi)
+    def slides(self) -> bool:
+        """Whether it drives a joint that slides."""
+        return self.lead_mm is not None
+
+    @property
+    def counts_per_unit(self) -> float:
+        """Counts for a radian of the joint, or a metre."""
+        turn = 2.0 * math.pi if self.lead_mm is None else self.lead_mm / 1e3
+        return self.counts_per_turn / turn
+
+    @property
+    def rated_effort(self) -> float:
+        """What 1000 of its torque (6077h) is at the joint, in [Nm], or [N] where it slides."""
+        return (self.rated_force_n if self.slides else self.rated_torque_nm) or 0.0
+
+    @property
+    def following(self) -> float:
+        """Window of its following error, in [rad], or [m] where it slides."""
+        return self.following_mm / 1e3 if self.slides else math.radians(self.following_deg)
 
 
 class GripperDriveSpec(AxisSpec):

@@ -217,7 +217,11 @@ def _with_gaps(readings: Readings) -> Readings:
     gaps = np.flatnonzero(np.diff(times) > 1.5 * period) + 1
     columns = {}
     for name, column in readings.items():
-        if column.ndim and len(column) == len(times) and name not in ("angles_rad", "base_T_sensor"):
+        if (
+            column.ndim
+            and len(column) == len(times)
+            and name not in ("angles_rad", "base_T_sensor", "joint_slides")
+        ):
             columns[name] = np.insert(column.astype(np.float64), gaps, np.nan, axis=0)
     columns["time_s"][np.isnan(columns["time_s"])] = times[gaps - 1]
     return {**readings, **columns}
@@ -262,9 +266,13 @@ def _joints(axis: Any, readings: Readings) -> None:
     import matplotlib
 
     colours = matplotlib.colormaps[JOINTS](range(10))
-    axis.plot(readings["time_s"], np.degrees(readings["joints_command_rad"]), color=COMMAND, lw=2.5)
-    for number, joint in enumerate(np.degrees(readings["joints_rad"]).T):
-        axis.plot(readings["time_s"], joint, color=colours[number % len(colours)], lw=1.0, label=number + 1)
+    angles = readings["joints_rad"]
+    slides = readings.get("joint_slides", np.zeros(angles.shape[1], dtype=bool))
+    scale = np.where(slides, 1e3, np.degrees(1.0))
+    axis.plot(readings["time_s"], scale * readings["joints_command_rad"], color=COMMAND, lw=2.5)
+    for number, joint in enumerate((scale * angles).T):
+        colour, name = colours[number % len(colours)], f"{number + 1}{' [mm]' if slides[number] else ''}"
+        axis.plot(readings["time_s"], joint, color=colour, lw=1.0, label=name)
     add_legend(axis, fontsize=6, loc="upper right", ncols=6)
 
 

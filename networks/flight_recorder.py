@@ -52,6 +52,8 @@ class FlightRecorder:
         self._rows: deque[Row] = deque(maxlen=max(1, round(seconds / robot.period)))
         self._decided: list[Row] = []
         self._same: Row = {"footprint_m": robot.spec.footprint_radius_m}
+        if robot.spec.arm is not None:
+            self._same["joint_slides"] = np.array(robot.spec.joint_units.slides, dtype=bool)
         self._time = self._kept = -1.0
         self._action, self._restoring = 0, False
         backend = robot.backend

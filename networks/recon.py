@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
+from backends.joint_units import JointUnits
 from backends.robot import Robot
 from primitives.snapshot import Snapshot, limits, residuals, settle, take_snapshot
 
@@ -30,6 +32,8 @@ class Recon:
     """What no sensor tells, in words."""
     sure: bool
     """Whether all that was expected could be compared."""
+    units: JointUnits
+    """Of the arm's joints."""
 
     @property
     def off(self) -> dict[str, float]:
@@ -41,8 +45,10 @@ class Recon:
         found = [
             f"{name} {size:.3g} (at most {self.limits[name]:.3g})" for name, size in self.residuals.items()
         ]
-        lines = [] if self.expected is None else [f"expected: {_stands(self.expected)}"]
-        lines.append(f"measured: {_stands(self.measured)}; off by {', '.join(found) or 'nothing known'}")
+        lines = [] if self.expected is None else [f"expected: {_stands(self.expected, self.units)}"]
+        lines.append(
+            f"measured: {_stands(self.measured, self.units)}; off by {', '.join(found) or 'nothing known'}"
+        )
         return [*lines, *(f"unknown: {each}" for each in self.unknown)]
 
     def fields(self) -> dict[str, Any]:
@@ -70,7 +76,8 @@ def reconnoitre(robot: Robot, past: Past) -> Recon:
     now, expected = take_snapshot(robot, {}), past.standing.at
     unknown = list(past.doubts())
     if expected is None:
-        return Recon(None, now, {}, {}, (*unknown, "how the robot stood: the journal doesn't tell"), False)
+        unknown.append("how the robot stood: the journal doesn't tell")
+        return Recon(None, now, {}, {}, tuple(unknown), False, robot.spec.joint_units)
     found = residuals(expected, now, robot.spec.joint_units.slides)
     if robot.dead_reckoned:
         found = {name: size for name, size in found.items() if name not in _BY_SCANS}
@@ -78,14 +85,15 @@ def reconnoitre(robot: Robot, past: Past) -> Recon:
     elif robot.lost:
         unknown.append("where the base stands: what it scans doesn't fit the map near where it was left")
     unknown.append("what stands around it that no sensor reads now")
-    return Recon(expected, now, found, limits(robot, found), tuple(unknown), not robot.dead_reckoned)
+    allowed, sure = limits(robot, found), not robot.dead_reckoned
+    return Recon(expected, now, found, allowed, tuple(unknown), sure, robot.spec.joint_units)
 
 
-def _stands(at: Snapshot) -> str:
+def _stands(at: Snapshot, units: JointUnits) -> str:
     x, y, heading = at.pose
-    words = f"base at ({x:.2f}, {y:.2f}) m, heading {heading:.2f} rad"
+    words = f"base at ({x:.2f}, {y:.2f}) m, heading {math.degrees(heading):.1f} deg"
     if at.joints.size:
-        words += f"; joints {', '.join(f'{each:.2f}' for each in at.joints)} rad"
+        words += f"; joints {', '.join(units.words(joint, each) for joint, each in enumerate(at.joints))}"
     if at.gripper_width or at.gripper_command:
         held = "something" if at.holding else "nothing"
         words += f"; fingers {1e3 * at.gripper_width:.1f} mm apart, holding {held}"

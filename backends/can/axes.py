@@ -153,7 +153,7 @@ def _planned(robot: RobotFile, spec: CanSpec) -> Iterator[tuple[str, AxisSpec, A
     if spec.joints:
         model = robot.arm_model()
         for place, joint in enumerate(spec.joints):
-            units = AxisUnits(joint.counts_per_rad, joint.zero_counts)
+            units = AxisUnits(joint.counts_per_unit, joint.zero_counts)
             yield f"joint {place + 1}", joint, units, joint_limits(robot, joint, model, place)
     if spec.gripper is not None:
         units = AxisUnits(spec.gripper.counts_per_m, spec.gripper.zero_counts)

@@ -59,7 +59,7 @@ def joint_limits(robot: RobotFile, spec: JointDriveSpec, model: ArmModel, joint:
     speed = min(float(model.velocity[joint]), float(robot.joint_speeds()[joint]))
     rate = float(robot.joint_accelerations()[joint])
     lower, upper = float(model.lower[joint]), float(model.upper[joint])
-    window = math.radians(spec.following_deg)
+    window = spec.following
     return AxisLimits(speed, _STIFFER * rate, _QUICKER * rate, lower, upper, window, FULL_TORQUE)
 
 

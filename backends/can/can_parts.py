@@ -35,7 +35,7 @@ class CanParts:
         self.gripper: CanGripper | None = None
         """None where the robot has none."""
         if axes.joints:
-            rated = np.array([each.rated_torque_nm for each in spec.joints])
+            rated = np.array([each.rated_effort for each in spec.joints])
             self.arm = CanArm(robot.arm_model(), axes.joints, rated, robot.period_s)
         if axes.gripper is not None and robot.gripper is not None:
             self.gripper = CanGripper(robot.gripper, axes.gripper)

@@ -37,7 +37,7 @@ class BackendPlant(Plant):
         self._arm = inner.get(Arm) if self._axes.joints else None  # type: ignore[type-abstract]
         self._gripper = inner.get(Gripper) if self._axes.gripper else None  # type: ignore[type-abstract]
         self._model: ArmModel | None = robot.arm_model() if self._arm else None
-        self._rated = np.array([each.rated_torque_nm for each in spec.joints])
+        self._rated = np.array([each.rated_effort for each in spec.joints])
         self._driven: dict[int, float] = {}
 
     def place(self, drives: Mapping[int, DriveNode]) -> None:
