@@ -91,6 +91,7 @@ def _codec(kind: Any) -> _Codec:
     if typing.get_origin(kind) is Annotated:
         kind, *more = typing.get_args(kind)
         marks = tuple(more)
+    kind = _written_out(kind)
     origin, args = typing.get_origin(kind) or kind, typing.get_args(kind)
     if origin in (Union, types.UnionType):
         return _union(args)
@@ -107,6 +108,14 @@ def _codec(kind: Any) -> _Codec:
     if origin in (bool, int, str, bytes, types.NoneType, None):
         return _exactly(types.NoneType if origin is None else origin)
     return _of_class(kind)
+
+
+def _written_out(kind: Any) -> Any:
+    """What a type's alias (PEP 695) stands for: numpy's `NDArray` is one from 2.5 on."""
+    alias, args = typing.get_origin(kind) or kind, typing.get_args(kind)
+    if type(alias).__name__ != "TypeAliasType":
+        return kind
+    return _written_out(alias.__value__[args] if args else alias.__value__)
 
 
 def _of_class(kind: Any) -> _Codec:
@@ -213,7 +222,7 @@ def _mapping(key: _Codec, value: _Codec) -> _Codec:
 
 def _union(kinds: tuple[Any, ...]) -> _Codec:
     """One of several types: which one it is stands before the value; None stands for itself."""
-    others = [each for each in kinds if each is not types.NoneType]
+    others = [_written_out(each) for each in kinds if each is not types.NoneType]
     codecs = [_codec(each) for each in others]
 
     def write(value: Any) -> Any:

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import Enum
-from typing import Annotated, ClassVar, NamedTuple
+from typing import Annotated, ClassVar, NamedTuple, TypeVar
 
 import numpy as np
 import pytest
 from numpy.typing import NDArray
+from typing_extensions import TypeAliasType
 
 from backends.plain_values import attributes, from_plain, set_attributes, to_plain
 from backends.saved_state import NotAState, pack, unpack
@@ -160,3 +161,14 @@ def test_a_filter_goes_on_as_the_one_that_was_kept(kind):
     for part, other in ((first, again), (first.odometry, again.odometry)):
         set_attributes(other, other.STATE, unpack(pack(attributes(part, part.STATE))))
     assert drive(first, 7) == drive(again, 7)
+
+
+def test_an_alias_of_a_type_is_what_it_stands_for() -> None:
+    """From numpy 2.5 on, `NDArray` is one (PEP 695)."""
+    scalar = TypeVar("scalar", bound=np.generic)
+    alias = TypeAliasType("alias", np.ndarray[tuple[int, ...], np.dtype[scalar]], type_params=(scalar,))
+    for kind in (alias[np.float64], alias[np.float64] | None, Annotated[alias[np.float64], (3,)]):
+        data = to_plain(np.arange(3.0), kind)
+        assert from_plain(data, kind, "x").tolist() == [0.0, 1.0, 2.0]
+    other = TypeAliasType("other", tuple[int, str])
+    assert from_plain(to_plain((1, "a"), other), other, "x") == (1, "a")
