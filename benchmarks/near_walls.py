@@ -46,7 +46,7 @@ from robotics.navigation.grid_map import GridMap, from_boxes
 
 TASK = Path(__file__).resolve().parents[1] / "tasks" / "drive_map" / "task.yaml"
 CELLS = (0.05, 0.05, 0.1, 0.15, 0.2, 0.25)  # [m]
-ROOM, FINE, UNSURE = 0.04, 0.05, 0.25  # what `check` asks for; see robotics.navigation.ways
+ROOM, FINE, UNSURE = 0.04, 0.05, 0.5  # what `check` asks for; see robotics.navigation.ways
 NEAR, TOO_NEAR, TRIED = 6, 2, 4000
 WALL = 0.1  # [m] thick
 SURPRISED = 5  # every so many worlds hold boxes that aren't on the map

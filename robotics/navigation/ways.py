@@ -22,7 +22,8 @@ ROOM = 0.02  # [m] beside the footprint that a route keeps
 ROOM_AT_GOAL = 0.04  # [m] likewise where the robot is to stand: it comes to stand within half of that
 SENSED_ROOM = 0.10  # [m] that what was sensed is grown by: its far side wasn't seen
 ROOM_BEFORE = 0.02  # [m] likewise before what the robot is to stand before
-FINE = 0.05  # [m]: cells larger than that leave a pose unsure, by `CELL_BIAS` of what they are larger
+FINE = 0.05  # [m]: cells larger than that leave a pose unsure, by `UNSURE` of what they are larger
+UNSURE = 2.0 * CELL_BIAS  # twice the standard deviation
 LEAST = 0.01  # [m] beside the footprint that is left in any case, but on the way out of a start without it
 LEAVING = 0.25  # [m] at most, from a start that is too near to something to where there is room
 
@@ -213,7 +214,7 @@ class Ways:
     @property
     def _unsure(self) -> float:
         """By how much a pose is less exact than on fine cells, in [m]."""
-        return CELL_BIAS * max(0.0, self._grid.resolution - FINE)
+        return UNSURE * max(0.0, self._grid.resolution - FINE)
 
     @cached_property
     def _clearances(self) -> Clearances:
