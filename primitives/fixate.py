@@ -16,7 +16,7 @@ from .action_primitive import ActionPrimitive, Periods
 from .base_turn import turn_by_gyros
 from .building import LandmarkPlan
 from .discrepancy import Discrepancy
-from .fixating import Rule, fixate, fixed_by, planned_view
+from .fixating import Rule, fixate, fixed_by, planned_view, sought
 from .hand_down import building, surroundings
 from .place_name import LandmarkName, PlaceName
 from .world_model import ModelView
@@ -29,6 +29,8 @@ class Fixate(ActionPrimitive):
 
     Hatano et al. (2000), section 2.2, with the equations put right. The middle of the picture is where the
     lens distorts least, and a closed loop forgives errors of the arm. A landmark out of view is searched for.
+    Landmarks look alike: which is which is told by all that are seen, as the plan has them, and by where the
+    base is believed to stand. Where that leaves two answers, the camera looks beside, until only one is left.
     """
 
     landmark: LandmarkName
@@ -53,9 +55,10 @@ class Fixate(ActionPrimitive):
         planned = model.places[place].pose
         view = planned_view(robot, mark, planned)
         around = surroundings(robot, model)
-        side = mark.side_mm / 1e3
+        marks = building(model).landmarks
+        wanted = sought(self.landmark, marks, planned, robot.pose, robot.pose_covariance)
         found = yield from fixate(
-            robot, view, side, self.rule, self.evidence, None, around, self.search, self.looks
+            robot, view, wanted, self.rule, self.evidence, None, around, self.search, self.looks
         )
         x, y, turn = found.planned_T_base
         self.found(

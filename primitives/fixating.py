@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Generator, Sequence
+from collections.abc import Generator, Mapping, Sequence
 from typing import Literal, NamedTuple
 
 import numpy as np
@@ -14,30 +14,28 @@ from robotics.geometry.pose2 import Pose2
 from robotics.geometry.transform import Transform, inverse, transform
 from robotics.kinematics.shapes import Box
 from robotics.manipulation.fixation import PAPER_RULE, PlannedView, StopRule, on_floor, placing_posture
-from robotics.perception.landmark import Landmark
-from robotics.perception.landmark_finder import find_landmarks
-from robotics.perception.landmark_pose import planar_pose
-from robotics.perception.overlay import draw_overlay
+from robotics.perception.constellation import Belief, Kind, Mark
 
+from .action_primitive import Periods
 from .arm_motion import move_straight, move_to_pose
 from .building import LandmarkPlan
 from .discrepancy import Discrepancy, Measured
 from .evidence import Evidence
 from .hand_down import VIEW, pointing_down
-from .snapshot import settle
+from .landmark_views import LandmarkViews, Sought, offsets
 from .world_model import Fixed
 
 Rule = Literal["residual", "paper"]
 RULES = {"residual": StopRule(), "paper": PAPER_RULE}
 MOST_MOVES = 6  # of the hand, until the landmark stands where it should
-NEARER, FARTHER = 0.05, 0.05  # [m] by which the landmark may be off its height in a picture
 HEADING_SIGMA = 0.0004  # [rad] of a landmark's direction in a picture
 AGREE, AGREE_TURN = 0.003, 0.003  # [m], [rad] between errors that tell of one place of the base
 CENTRAL = 0.02  # [m] from its place in the picture, within which a landmark counts
-STEP = 0.09  # [m] between the views of a search: the picture shows 0.24 x 0.18 m
-RINGS = 2
-
-GreyImage = NDArray[np.uint8]
+RINGS = 2  # of views in a search
+MOST_VIEWS = 8  # to tell landmarks apart
+MOST_TRIES = 20  # of views that the arm may not reach
+SPREAD = np.diag([0.010, 0.010, 0.010]) ** 2
+"""[m², rad²] of where the base stands, besides what is known of that: it leans and turns under the arm."""
 
 
 class Fixation(NamedTuple):
@@ -75,10 +73,35 @@ def planned_view(
     return PlannedView(hand, hand_T_camera, inverse(hand @ hand_T_camera) @ base_T_mark)
 
 
+def sought(
+    name: str,
+    marks: Mapping[str, LandmarkPlan],
+    planned: Pose2,
+    stands: Pose2,
+    covariance: NDArray[np.float64],
+) -> Sought:
+    """A landmark of the plan, for a base that should stand at `planned` and is believed to be at `stands`.
+
+    Args:
+        name: of the landmark.
+        marks: all of the plan.
+        planned: map_T_base.
+        stands: map_T_base.
+        covariance: (3, 3) of `stands`, of x, y in [m] and heading in [rad], on the map.
+    """
+    among = {
+        each: Mark(Kind(mark.height_m, mark.side_mm / 1e3), mark.floor.relative_to(planned))
+        for each, mark in marks.items()
+    }
+    turn = planned.inverse().lift()[:3, :3]
+    belief = Belief(stands.relative_to(planned), turn @ covariance @ turn.T + SPREAD)
+    return Sought(among[name], tuple(among.values()), belief)
+
+
 def fixate(
     robot: Robot,
     view: PlannedView,
-    side: float,
+    sought: Sought,
     rule: Rule,
     evidence: Evidence,
     held: Box | None = None,
@@ -89,10 +112,13 @@ def fixate(
 ) -> Generator[None, None, Fixation]:
     """Move the hand until the landmark is seen as planned (Hatano et al. 2000, eq. 1 to 11, corrected).
 
+    Which of several landmarks it is, all that is seen tells together. Where that leaves two answers, more
+    is looked at.
+
     Args:
         robot: its arm may be anywhere.
         view: how the landmark is to be seen.
-        side: of the landmark, in [m].
+        sought: which landmark, among which, from a base that stands about where.
         rule: when to stop; `paper` also forgets what is left then.
         evidence: takes the deciding picture.
         held: in the hand, posed in its frame.
@@ -102,35 +128,29 @@ def fixate(
         known: the travelling error as far as it is known: from there the landmark is looked for.
 
     Raises:
-        Discrepancy: it isn't found, or the hand doesn't come to stand over it.
+        Discrepancy: it isn't found, it can't be told from another one, or the hand doesn't come to stand
+            over it.
     """
     start = view.base_T_hand if known is None else placing_posture(known.lift(), view.base_T_hand)
     yield from move_to_pose(robot, start, held, around)
-    stop, frames = RULES[rule], 0
+    stop, views = RULES[rule], LandmarkViews(robot, view, sought, evidence)
     found: list[Pose2] = []
     away = math.inf
     for moves in range(MOST_MOVES + 2 * looks):
-        seen = yield from _look(robot, view, side, evidence)
-        frames += 1
-        if seen is None and search:
-            seen, pictures = yield from _search(robot, view, start, side, evidence, held, around)
-            frames += pictures
-        if seen is None:
-            nothing = Measured("Camera", f"landmarks found in {frames} pictures", 0, 1)
-            raise Discrepancy("the landmark is not found", measured=nothing)
+        yield from views.look()
+        seen = yield from _identified(robot, view, start, views, held, around, search)
         base_T_hand = robot.base_T("hand")
         there = stop.met(view.camera_T_landmark, seen)
         if rule == "paper" and there:
-            return Fixation(
-                on_floor(view.travelling_error_by_posture(base_T_hand)), base_T_hand, frames, moves, 1
-            )
+            by_posture = on_floor(view.travelling_error_by_posture(base_T_hand))
+            return Fixation(by_posture, base_T_hand, views.frames, moves, 1)
         away = float(np.hypot(*(seen[:2, 3] - view.camera_T_landmark[:2, 3])))
         if away < CENTRAL:
             error = on_floor(view.travelling_error(base_T_hand, seen))
             # Where the base was moved meanwhile, what was seen before is over.
             found = [each for each in found if _agree(each, error)] + [error]
         if there and len(found) >= looks:
-            return Fixation(_mean(found), base_T_hand, frames, moves, len(found))
+            return Fixation(_mean(found), base_T_hand, views.frames, moves, len(found))
         yield from move_straight(robot, _level(view.next_hand(base_T_hand, seen), view), held, around)
     off = Measured("Camera", "landmark off its place in the picture", 1e3 * away, 1e3 * stop.position, "mm")
     raise Discrepancy("the hand doesn't come to stand over the landmark", measured=off)
@@ -167,57 +187,71 @@ def _level(base_T_hand: Transform, view: PlannedView) -> Transform:
     return np.asarray(result)
 
 
-def _look(
-    robot: Robot, view: PlannedView, side: float, evidence: Evidence
-) -> Generator[None, None, Transform | None]:
-    """camera_T_landmark (4, 4) as one picture shows it, the camera taken to be tilted as planned.
-
-    Of several landmarks it is the one nearest to where the wanted one is to be seen.
-    """
-    yield from settle(robot)
-    yield
-    image = robot.picture()
-    height = float(view.camera_T_landmark[2, 3])
-    found = find_landmarks(image, robot.camera.model, side, (height - NEARER, height + FARTHER))
-    _show(image, found, evidence)
-    if not found:
-        return None
-    plane = view.camera_T_landmark
-    poses = [np.asarray(plane @ planar_pose(each, plane).lift()) for each in found]
-    return min(poses, key=lambda pose: float(np.hypot(*(pose[:2, 3] - plane[:2, 3]))))
-
-
-def _show(image: GreyImage, found: Sequence[Landmark], evidence: Evidence) -> None:
-    evidence.pictures["landmark"] = draw_overlay(image, landmarks=found)
-
-
-def _search(
+def _identified(
     robot: Robot,
     view: PlannedView,
     start: Transform,
-    side: float,
-    evidence: Evidence,
+    views: LandmarkViews,
     held: Box | None,
     around: Sequence[Box],
-) -> Generator[None, None, tuple[Transform | None, int]]:
+    search: bool,
+) -> Generator[None, None, Transform]:
+    """camera_T_landmark (4, 4) by the last picture, once it is sure which landmark that is."""
+    if views.explanation is None and search:
+        yield from _search(robot, start, views, held, around)
+    if views.explanation is None:
+        nothing = Measured("Camera", f"landmarks found in {views.frames} pictures", 0, 1)
+        raise Discrepancy("the landmark is not found", measured=nothing)
+    yield from _make_sure(robot, start, views, held, around)
+    if views.wanted() is None and not views.hides():
+        there = placing_posture(views.explanation.planned_T_base.lift(), view.base_T_hand)
+        yield from move_to_pose(robot, there, held, around)
+        yield from views.look()
+        yield from _make_sure(robot, start, views, held, around)
+    seen = views.wanted()
+    if seen is None:
+        nothing = Measured("Camera", "landmarks where one should be by those around it", 0, 1)
+        raise Discrepancy("the landmark is not found where it should be by those around it", measured=nothing)
+    return seen
+
+
+def _make_sure(
+    robot: Robot, start: Transform, views: LandmarkViews, held: Box | None, around: Sequence[Box]
+) -> Periods:
+    """Look from elsewhere until one explanation is left of what is seen."""
+    for _ in range(MOST_VIEWS):
+        if len(views.explanations) < 2:
+            return
+        for hand in views.telling_hands(start)[:MOST_TRIES]:
+            if (yield from _reached(robot, hand, held, around)):
+                break
+        else:
+            break
+        yield from views.look()
+    if (left := len(views.explanations)) > 1:
+        several = Measured("Camera", "places of the base from which it looks like that", left, 1)
+        raise Discrepancy("which landmark is which can't be told", measured=several)
+
+
+def _search(
+    robot: Robot, start: Transform, views: LandmarkViews, held: Box | None, around: Sequence[Box]
+) -> Periods:
     """Look around in rings about the first view; what the arm can't reach is left out."""
-    looks = 0
-    for x, y in _rings():
+    for x, y in offsets(RINGS):
         hand = start.copy()
         hand[:2, 3] += (x, y)
-        try:
-            yield from move_to_pose(robot, hand, held, around)
-        except Discrepancy:
-            continue
-        seen = yield from _look(robot, view, side, evidence)
-        looks += 1
-        if seen is not None:
-            return seen, looks
-    return None, looks
+        if (yield from _reached(robot, hand, held, around)):
+            yield from views.look()
+            if views.explanation is not None:
+                return
 
 
-def _rings() -> list[tuple[float, float]]:
-    """x and y of the views in [m], the nearest first."""
-    steps = [STEP * n for n in range(-RINGS, RINGS + 1)]
-    views = [(x, y) for x in steps for y in steps if (x, y) != (0.0, 0.0)]
-    return sorted(views, key=lambda each: (math.hypot(*each), math.atan2(each[1], each[0])))
+def _reached(
+    robot: Robot, base_T_hand: Transform, held: Box | None, around: Sequence[Box]
+) -> Generator[None, None, bool]:
+    """Whether the hand could be moved to a pose (4, 4)."""
+    try:
+        yield from move_to_pose(robot, base_T_hand, held, around)
+    except Discrepancy:
+        return False
+    return True

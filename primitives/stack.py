@@ -25,7 +25,7 @@ from .block_view import see_block
 from .building import Building, LandmarkPlan, Standing
 from .discrepancy import Discrepancy, Measured
 from .fixate import landmark_of
-from .fixating import Rule, fixate, fixed_by, planned_view
+from .fixating import Rule, fixate, fixed_by, planned_view, sought
 from .grip import open_to
 from .hand_down import (
     VIEW,
@@ -211,9 +211,13 @@ class Stack(ActionPrimitive):
         before = model.fixed
         known = None if before is None else before.pose.relative_to(planned)
         swing = _is_swing(robot, view.base_T_hand)
-        side, looks = mark.side_mm / 1e3, SERVO_LOOKS if self.method == "servo" else 1
+        stands = (robot.pose, robot.pose_covariance) if before is None else (before.pose, before.covariance)
+        wanted, looks = (
+            sought(name, plan.landmarks, planned, *stands),
+            SERVO_LOOKS if self.method == "servo" else 1,
+        )
         found = yield from fixate(
-            robot, view, side, self.rule, self.evidence, held, around, looks=looks, known=known
+            robot, view, wanted, self.rule, self.evidence, held, around, looks=looks, known=known
         )
         self.found(frames=found.frames)
         model.fixed = fixed_by(robot, name, place, planned, found)

@@ -76,6 +76,11 @@ class Fixed(NamedTuple):
     swings: int = 0
     """Of the loaded arm since then."""
 
+    @property
+    def covariance(self) -> NDArray[np.float64]:
+        """(3, 3) of `pose`, of x, y in [m] and heading in [rad]."""
+        return np.diag([self.sigma[0], self.sigma[0], self.sigma[1]]) ** 2
+
 
 class Placed(NamedTuple):
     """A block that was put where it goes."""

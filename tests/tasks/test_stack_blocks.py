@@ -22,11 +22,7 @@ BESIDE = {
     [
         ({"robot": "toyama/h1"}, 1.3),
         ({}, 1.8),
-        pytest.param(
-            {"robot": "toyama/h1", "method": "servo", **BESIDE},
-            0.8,
-            marks=pytest.mark.xfail(reason="FIXATE takes the neighbour's landmark, 90 mm on", strict=True),
-        ),
+        ({"robot": "toyama/h1", "method": "servo", **BESIDE}, 0.8),
     ],
     ids=["better arm", "the paper's arm", "a landmark beside each goal"],
 )

@@ -1,0 +1,41 @@
+"""Whether a picture shows the whole of a landmark."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robotics.geometry.pose2 import Pose2
+from robotics.geometry.transform import Transform, apply, inverse
+from robotics.perception.camera_model import CameraModel
+from robotics.perception.constellation import Kind
+from robotics.perception.landmark import square_corners
+
+RIM = 16.0  # [px] of the picture in which a landmark may be, or not
+
+
+def wholly_in_view(
+    camera: CameraModel, base_T_camera: Transform, kind: Kind, places: Sequence[Pose2]
+) -> NDArray[np.bool_]:
+    """Which landmarks of a kind at `places`, base_T_mark, are well within the picture (n,).
+
+    Nothing is taken to stand before them.
+    """
+    square = square_corners(kind.side)
+    corners = np.array([apply(place.lift(kind.height), square) for place in places]).reshape(-1, 3)
+    seen = apply(inverse(base_T_camera), corners)
+    pixels = camera.project(seen)
+    size = np.array([camera.width, camera.height])
+    with np.errstate(divide="ignore", invalid="ignore"):
+        near = np.hypot(*(seen[:, :2] / seen[:, 2:]).T) <= _widest(camera)
+        inside = ((pixels >= RIM) & (pixels <= size - 1 - RIM)).all(axis=1)
+    return np.asarray((near & inside).reshape(-1, 4).all(axis=1))
+
+
+def _widest(camera: CameraModel) -> float:
+    """Tangent of the angle to the optical axis of the picture's corners: beyond, a lens' model folds back."""
+    right, low = camera.width - 1.0, camera.height - 1.0
+    corners = np.array([[0.0, 0.0], [right, 0.0], [right, low], [0.0, low]])
+    return float(np.hypot(*camera.undistort(corners).T).max())
