@@ -57,7 +57,8 @@ class _Seen(NamedTuple):
 
 
 class _Difference(NamedTuple):
-    kind: Kind
+    rival: int
+    """Index of the explanation that differs."""
     place: Pose2
     """base_T_mark."""
     weight: float
@@ -139,33 +140,34 @@ class LandmarkViews:
         """
         best, *others = self.explanations
         here = self._robot.base_T("hand")[:2, 3]
-        differences = [self._differences(best, other) for other in others]
-        lacks = [other.score - best.score + CERTAIN for other in others]
+        differences = self._differences(best, others)
+        lacks = np.array([other.score - best.score + CERTAIN for other in others])
         ranked = []
         for x, y in offsets(FAR):
             hand = start.copy()
             hand[:2, 3] += (x, y)
-            camera = hand @ self._robot.camera.hand_T_camera
-            tells = [
-                sum(each.weight for each in some if self._inside(camera, each.kind, [each.place])[0])
-                for some in differences
-            ]
-            told = sum(min(tell, lack) for tell, lack in zip(tells, lacks, strict=True))
-            if told > 0.0:
-                ranked.append((-told, float(np.hypot(*(hand[:2, 3] - here))), hand))
+            told = np.zeros(len(others))
+            for kind, some in differences.items():
+                camera = hand @ self._robot.camera.hand_T_camera
+                inside = self._inside(camera, kind, [each.place for each in some])
+                for each, seen in zip(some, inside, strict=True):
+                    told[each.rival] += each.weight * seen
+            gain = float(np.minimum(told, lacks).sum())
+            if gain > 0.0:
+                ranked.append((-gain, float(np.hypot(*(hand[:2, 3] - here))), hand))
         return [hand for _, _, hand in sorted(ranked, key=lambda each: each[:2])]
 
-    def _differences(self, best: Explanation, other: Explanation) -> list[_Difference]:
-        """Landmarks that only one of the two has, where no picture was taken yet."""
-        expected, otherwise = self._expected(best), self._expected(other)
-        ways = ((expected, otherwise, STRAY), (otherwise, expected, UNSEEN))
-        return [
-            _Difference(kind, place, weight)
-            for ones, twos, weight in ways
-            for kind, places in ones.items()
-            for place, shown in zip(places, self._shown(kind, places), strict=True)
-            if not shown and all(place.distance(each) > OVERLAP for each in twos[kind])
-        ]
+    def _differences(self, best: Explanation, others: Sequence[Explanation]) -> dict[Kind, list[_Difference]]:
+        """Landmarks that only one of two explanations has, where no picture was taken yet."""
+        found: dict[Kind, list[_Difference]] = {}
+        expected = self._expected(best)
+        for rival, otherwise in enumerate(map(self._expected, others)):
+            for ones, twos, weight in ((expected, otherwise, STRAY), (otherwise, expected, UNSEEN)):
+                for kind, places in ones.items():
+                    for place, shown in zip(places, self._shown(kind, places), strict=True):
+                        if not shown and all(place.distance(each) > OVERLAP for each in twos[kind]):
+                            found.setdefault(kind, []).append(_Difference(rival, place, weight))
+        return found
 
     def _expected(self, explanation: Explanation) -> dict[Kind, list[Pose2]]:
         """base_T_mark of all landmarks of the plan, by kind."""

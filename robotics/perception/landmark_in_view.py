@@ -14,6 +14,7 @@ from robotics.perception.constellation import Kind
 from robotics.perception.landmark import square_corners
 
 RIM = 16.0  # [px] of the picture in which a landmark may be, or not
+WIDEST = 1.5  # times what a lens without distortion would show: far beyond, a lens' model folds back
 
 
 def wholly_in_view(
@@ -26,16 +27,9 @@ def wholly_in_view(
     square = square_corners(kind.side)
     corners = np.array([apply(place.lift(kind.height), square) for place in places]).reshape(-1, 3)
     seen = apply(inverse(base_T_camera), corners)
-    pixels = camera.project(seen)
-    size = np.array([camera.width, camera.height])
+    pixels, middle = camera.project(seen), np.array([camera.width - 1.0, camera.height - 1.0]) / 2
+    widest = WIDEST * middle / camera.K[(0, 1), (0, 1)]
     with np.errstate(divide="ignore", invalid="ignore"):
-        near = np.hypot(*(seen[:, :2] / seen[:, 2:]).T) <= _widest(camera)
-        inside = ((pixels >= RIM) & (pixels <= size - 1 - RIM)).all(axis=1)
-    return np.asarray((near & inside).reshape(-1, 4).all(axis=1))
-
-
-def _widest(camera: CameraModel) -> float:
-    """Tangent of the angle to the optical axis of the picture's corners: beyond, a lens' model folds back."""
-    right, low = camera.width - 1.0, camera.height - 1.0
-    corners = np.array([[0.0, 0.0], [right, 0.0], [right, low], [0.0, low]])
-    return float(np.hypot(*camera.undistort(corners).T).max())
+        before = (np.abs(seen[:, :2] / seen[:, 2:]) < widest).all(axis=1)
+        inside = (np.abs(pixels - middle) <= middle - RIM).all(axis=1)
+    return np.asarray((before & inside).reshape(-1, 4).all(axis=1))
