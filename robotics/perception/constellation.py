@@ -16,8 +16,8 @@ Floats = NDArray[np.float64]
 NEAR, NEAR_TURN = 0.010, 0.05  # [m], [rad] within which what is seen may be what is planned there
 SIGMA, TURN_SIGMA = 0.002, 0.005  # [m], [rad] of a landmark against the others: glued on, and seen
 STRAY = math.log(1e3)  # one mark in so many that look like landmarks isn't in the plan
-UNSEEN = math.log(50.0)  # one landmark in so many isn't found in a picture that should show it
-CERTAIN = math.log(1e4)
+UNSEEN = math.log(100.0)  # one landmark in so many isn't found in a picture that should show it
+CERTAIN = math.log(5e3)
 """By so much likelier than any other an explanation is believed. One stray mark alone is not enough."""
 APART, APART_TURN = 0.02, 0.05  # [m], [rad] between places of the base that aren't one
 MOVED = math.log(1e-3)  # of a base that somebody moved
