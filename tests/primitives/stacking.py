@@ -15,11 +15,14 @@ from primitives.pick_up_block import PickUpBlock
 TASK = Path(__file__).parents[2] / "tasks" / "stack_blocks"
 
 
-def at_the_wall(world: Path = TASK / "unload_world.yaml", robot: str = "toyama/h1", seed: int = 0) -> Stage:
+def at_the_wall(
+    world: Path = TASK / "unload_world.yaml",
+    robot: str = "toyama/h1",
+    seed: int = 0,
+    building: Path = TASK / "building.yaml",
+) -> Stage:
     """The robot stands about where it should, five blocks on its own table."""
-    files = StageFiles(
-        world, TASK / "map.yaml", TASK / "places.yaml", None, TASK / "building.yaml", "stacking"
-    )
+    files = StageFiles(world, TASK / "map.yaml", TASK / "places.yaml", None, building, "stacking")
     return set_stage(files, robot=robot, seed=seed)
 
 
