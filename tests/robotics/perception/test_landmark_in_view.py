@@ -17,10 +17,10 @@ HEIGHT = 0.3
 KIND = Kind(0.0, 0.06)
 
 
-@pytest.mark.parametrize("direction", [(1.0, 0.0), (0.0, 1.0), (-0.8, 0.6), (0.0, -1.0)])
+@pytest.mark.parametrize("direction", [(1.0, 0.0), (-0.3, 0.95)])
 def test_what_is_well_within_the_picture_is_found_and_what_is_not_in_it_is_not(tabletop, direction):
     camera_T_table, shown = facing(HEIGHT), []
-    for away in np.linspace(0.0, 0.15, 11):
+    for away in (0.0, 0.055, 0.085, 0.15):
         place = Pose2(away * direction[0], away * direction[1], 0.3)
         table = tabletop.table()
         tabletop.put(table, draw_landmark(), 0.0, 0.0)
