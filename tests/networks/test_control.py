@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import json
 import os
+import selectors
 import shutil
 import socket
+import stat
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -229,6 +231,41 @@ def test_a_line_on_which_nothing_comes_is_closed(control, lines, clock):
     busy.send(b"{}\n")
     control.poll()
     assert len(busy.answers()) == 4
+
+
+def test_only_its_owner_may_operate_a_run(folder, control):
+    """U11: by either socket."""
+    for name in ("control", "control.stop"):
+        assert stat.S_IMODE(os.stat(folder / name).st_mode) & 0o077 == 0
+
+
+def test_who_asked_more_than_once_is_not_waited_with(control, lines, monkeypatch):
+    waited, plain = [], selectors.DefaultSelector.select
+
+    def select(self, timeout=None):
+        waited.append(timeout)
+        return plain(self, 0.0)
+
+    monkeypatch.setattr(selectors.DefaultSelector, "select", select)
+    line = lines()
+    for _ in range(4):
+        control.poll(5.0)
+        if waited[-1] and not waited[:-1]:
+            line.send(b'{"n":1}\n{"n":2}\n')
+    assert waited == [5.0, 5.0, 0.0, 5.0]
+    assert [each["n"] for each in line.answers()] == [1, 2]
+
+
+def test_an_answer_holds_for_one_start_of_one_action(stand):
+    (action,) = stand.network("a z go 1").actions
+    permits, asked = Permits(step=True), []
+    permits.asking = asked.append
+    for permitted in (True, False):
+        assert permits(action) is None
+        permits.answer(permitted)
+        assert permits(action) is permitted
+    assert permits(action) is None
+    assert asked == [action] * 3
 
 
 def test_a_fault_in_answering_is_told_and_nothing_more(folder, lines):

@@ -6,6 +6,8 @@ from collections import deque
 import pytest
 
 from networks.hindsight import choice_of
+from networks.journal import Journal
+from networks.journal_record import read_journal
 from networks.journaled_network import network_fields, network_of
 from networks.past_run import read_run
 from networks.planner import SKIP_WEIGHT
@@ -120,3 +122,14 @@ def test_a_person_is_needed(run):
     assert past.last_fail.result["cause"] == [
         {"reason": "ahead needs help", "check": "motion", "calls": ["Think.motion"]}
     ]
+
+
+def test_the_last_fail_is_the_last_one_and_a_run_that_went_on_has_not_ended(run, tmp_path):
+    past, _ = run(TASK, near="FF", far="F")
+    assert [each.outcome for each in past.actions].count("Fail") == 3
+    assert (past.last_fail.number, past.last_fail.do) == (len(past.actions) - 1, "THINK")
+    assert past.end["outcome"] == "Success"
+    path = tmp_path / "run" / "journal.jsonl"
+    with Journal.go_on(path, read_journal(path), "never") as journal:
+        journal.append("EPOCH", 9.0, {"after": past.records[-1]["q"], "in_doubt": None})
+    assert read_run(tmp_path / "run").end is None

@@ -21,6 +21,19 @@ def test_a_loop_that_hangs_is_silent_and_the_drives_stop(make, robot):
         move(backend, 1)
 
 
+def test_without_our_heartbeat_the_drives_stop_in_its_time_though_commands_come(make, robot):
+    """C8: 1016h is a watch of its own."""
+    backend = make(robot=robot, room=False)
+    move(backend, 20)
+    send, ours = backend.bench.master.send, 0x700 + robot.can.our_node
+    backend.bench.master.send = lambda frame, timeout=None: (
+        None if frame.arbitration_id == ours else send(frame, timeout)
+    )
+    with pytest.raises(CanFault):
+        move(backend, 2 + round(robot.can.heartbeat_timeout_ms / 1e3 / backend.period))
+    assert "OPERATION ENABLED" not in {drive.life.state for drive in backend.bench.drives.values()}
+
+
 def test_a_late_loop_ramps_to_a_stop(make, robot):
     """K6 K7 K9: three periods missed in a row, or one gap of 50 ms."""
 

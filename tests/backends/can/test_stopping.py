@@ -65,6 +65,24 @@ def test_a_quick_stop_ends_the_handshake(make, robot):
     assert backend.bench.drives[JOINT_1].life.state == "QUICK STOP ACTIVE"
 
 
+def test_of_two_set_points_between_two_answers_the_second_counts(make, robot):
+    """B6: as a stop in the middle of a period sends them; bit 4 has to rise anew for it."""
+    backend = make(robot=robot, room=False)
+    move(backend, BEFORE)
+    joint, there = backend.axes["joint 1"], backend.axes["joint 1"].position
+    sent = orders(backend._line)
+    for target in (there + 0.01, there - 0.005):
+        joint.command(target)
+        joint.send()
+    assert sent[JOINT_1] == [0x3F, 0x0F, 0x3F]
+    for _ in range(5):
+        backend.axes.sync()
+        backend.bench.serve()
+        backend.bench.tick(backend.period)
+    drive = backend.bench.drives[JOINT_1]
+    assert drive.demand.position == pytest.approx(joint.units.counts(there - 0.005), abs=1)
+
+
 def test_after_a_fault_the_drives_take_no_commands(make, robot):
     """C6 C12: a command that comes late, in the last queue of all, finds nobody who takes it."""
     backend = make(robot=robot, room=False)

@@ -61,7 +61,7 @@ CRANE = f"""\
   <link name="mast">{MASS.format(2, 0.02)}{SOLID.format(0.1)}</link>
   <link name="boom">{MASS.format(2, 0.02)}{SOLID.format(0.1)}</link>
   <link name="hook"/>
-  <link name="head">{MASS.format(1, 0.01)}</link>
+  <link name="head">{MASS.format(1, 0.01).replace("<mass", '<origin xyz="0.1 0 0"/><mass')}</link>
   <joint name="lift" type="prismatic"><parent link="base_link"/><child link="mast"/>
     <origin xyz="0 0 0.25"/>{UP}</joint>
   <joint name="stage" type="prismatic"><parent link="mast"/><child link="boom"/>{UP}

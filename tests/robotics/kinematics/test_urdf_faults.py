@@ -55,6 +55,8 @@ def test_a_sound_urdf_is_without_fault() -> None:
         ('multiplier="2"', 'multiplier="two"', "14: joint 'elbow': mimic multiplier is 'two'; allowed: a fi"),
         ('<child link="fore"/>', '<child link="base"/>', "hangs on itself; allowed: a tree of links"),
         ('<child link="fore"/>', '<child link="upper"/>', "12: joint 'elbow': joint 'shoulder' moves the li"),
+        ('value="2"', 'value="inf"', "3: link 'base': mass value is 'inf'; allowed: a finite number"),
+        ('value="2"', 'value="2_0"', "3: link 'base': mass value is '2_0'; allowed: a finite number"),
         ('<mass value="2"/>', "", "3: link 'base': its inertial has no <mass>"),
         ('ixx="1" ', "", "3: link 'base': <inertia> has no ixx"),
         ('size="1 1 1"', 'size="1 1 -1"', "4: link 'base': box size is '1 1 -1'; allowed: 3 finite numbers"),

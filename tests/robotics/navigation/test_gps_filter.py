@@ -133,6 +133,25 @@ def test_antenna_away_from_the_middle_is_known():
     assert final_error(log, GpsFilter(start_pose(log), noise)) < 0.05
 
 
+@pytest.mark.parametrize("sigma", [0.5, 4.0])
+def test_one_fix_leaves_the_position_as_unsure_as_it_is(sigma):
+    noise = REFERENCE._replace(antenna=(0.0, 0.0, 0.0))
+    localizer = GpsFilter(Pose2(0.0, 0.0, 0.0), noise, start_position=1000.0)
+    assert localizer.fix(np.array([3.0, -2.0]), sigma)
+    assert np.sqrt(np.diag(localizer.covariance)[:2]) == pytest.approx([sigma, sigma], rel=1e-3)
+    assert localizer.pose[:2] == pytest.approx((3.0, -2.0), abs=1e-3)
+
+
+@pytest.mark.parametrize("heading", [0.0, math.pi / 2, -2.5])
+def test_an_antenna_far_ahead_tells_the_heading_at_rest(heading):
+    noise = RTK._replace(antenna=(3.0, 0.0, 0.0))
+    localizer = GpsFilter(Pose2(0.0, 0.0, heading), noise, start_position=0.001)
+    truth = heading + noise.start_heading
+    for _ in range(50):
+        assert localizer.fix(3.0 * np.array([math.cos(truth), math.sin(truth)]))
+    assert localizer.pose.theta == pytest.approx(truth, abs=0.2 * noise.start_heading)
+
+
 def test_no_marks_no_report():
     record = TrackRecord()
     GpsFilter(Pose2(0.0, 0.0, 0.0), record=record)

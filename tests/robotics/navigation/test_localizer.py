@@ -65,6 +65,34 @@ def test_poor_scans_are_refused_and_then_the_robot_is_lost(library_field):
     assert localizer.pose == START
 
 
+def test_a_good_scan_makes_up_for_poor_ones(library_field, library_boxes, scan):
+    """Only poor ones in a row tell that the robot is lost."""
+    rng = np.random.default_rng(0)
+    localizer = ScanLocalizer(library_field, START, TREAD, patience=3)
+    for _ in range(2):
+        assert not localizer.correct(rng.uniform(-3, 3, (300, 2)))
+        assert not localizer.correct(rng.uniform(-3, 3, (300, 2)))
+        assert not localizer.sure
+        assert localizer.correct(scan(library_boxes, START, rng))
+        assert localizer.sure
+    assert not localizer.lost
+
+
+def test_by_wheels_alone_what_they_drove_is_no_push(library_field, library_boxes, scan):
+    """Where it stands is asked again once it has rolled; a push while it stands is added."""
+    rng, truth = np.random.default_rng(0), START
+    localizer = OdometryLocalizer(START, TREAD, field=library_field)
+    for _ in range(3):
+        assert not localizer.find_again(scan(library_boxes, truth, rng))
+        localizer.predict(0.1, 0.1)
+        truth = truth.compose(Pose2(0.1, 0.0, 0.0))
+    assert localizer.pose.distance(truth) < 1e-9
+    assert not localizer.find_again(scan(library_boxes, truth, rng))
+    pushed = truth.compose(Pose2(0.0, 0.06, 0.0))
+    assert localizer.find_again(scan(library_boxes, pushed, rng))
+    assert localizer.pose.distance(pushed) < 0.02
+
+
 def test_too_few_points_correct_nothing(library_field):
     localizer = ScanLocalizer(library_field, START, TREAD)
     assert not localizer.correct(np.ones((5, 2)))

@@ -238,6 +238,27 @@ def test_leaving_a_narrow_spot_leads_to_where_there_is_room_and_no_nearer(librar
     assert route.clearance.min() == pytest.approx(0.05 * distance_to_squares(library.blocked, cells)[0])
 
 
+def test_a_route_into_a_narrow_spot_is_as_evenly_spaced_as_any(library):
+    graph = voronoi_graph(library, 0.34)
+    route = plan_route(graph, (2.9, 4.0), (1.93 + 0.26 + 0.24, 6.0))
+    assert route is not None
+    assert route.clearance.min() < 0.34 * (1.0 - 1e-5)
+    assert np.hypot(*np.diff(route.points, axis=0).T).min() > 0.01
+
+
+@pytest.mark.parametrize("goal", [(5.0, 5.0), (5.0, 1.0)])
+def test_around_a_block_the_shorter_way_is_taken(goal):
+    """An alley leads to a ring, which is one edge of the graph with both ends at one node."""
+    occupied = np.ones((120, 160), dtype=bool)
+    occupied[5:115, 45:155] = False
+    occupied[35:85, 75:125] = True
+    occupied[54:66, 5:45] = False
+    graph = voronoi_graph(GridMap(occupied, np.zeros_like(occupied), 0.05, 0.0, 0.0), 0.2)
+    route = plan_route(graph, (0.6, 3.0), goal)
+    assert route is not None
+    assert route.length < 6.0
+
+
 def test_a_route_with_less_clearance_than_asked_is_refused(library):
     graph = voronoi_graph(library, 0.34)
     start, goal = (1.93 + 0.26 + 0.24, 6.0), (2.9, 4.0)

@@ -30,12 +30,13 @@ def swept(pose: Pose2, curvature: float, length: float) -> NDArray[np.float64]:
     return pose.apply(local)
 
 
-def test_what_is_called_free_touches_neither_map_nor_scan() -> None:
+@pytest.mark.parametrize(("cell", "share"), [(0.1, 0.02), (0.5, 0.15)])
+def test_what_is_called_free_touches_neither_map_nor_scan(cell: float, share: float) -> None:
     rng = np.random.default_rng(2)
     ended = 0
     for _ in range(300):
-        solid = rng.random((40, 40)) < 0.02
-        grid = GridMap(solid, np.zeros_like(solid), 0.1, 0.0, 0.0)
+        solid = rng.random((round(4.0 / cell), round(4.0 / cell))) < share
+        grid = GridMap(solid, np.zeros_like(solid), cell, 0.0, 0.0)
         pose = Pose2(*rng.uniform(1.0, 3.0, 2), rng.uniform(-3.0, 3.0))
         scan = rng.uniform(-1.5, 1.5, (rng.integers(0, 6), 2))
         curvature, length = rng.uniform(-4.0, 4.0), rng.uniform(-0.8, 0.8)
@@ -83,4 +84,4 @@ def test_a_declared_place_excuses_what_the_map_shows_there_but_not_the_scan() ->
     free, held = guard.free_way(out, np.array([[0.52, 0.0]]), 0.0, 0.25)
     assert free == pytest.approx(0.22, abs=0.01)
     assert held is not None
-    assert held.shown_by == "scan"
+    assert (held.shown_by, held.x, held.y) == ("scan", pytest.approx(3.92), pytest.approx(2.0))

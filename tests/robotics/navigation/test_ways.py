@@ -110,6 +110,15 @@ def test_what_was_sensed_is_kept_away_from_on_the_way_and_stood_beside() -> None
     assert past.to((5.0, 1.8)).why == "too near"
 
 
+def test_between_what_was_sensed_and_a_wall_there_is_less_room_than_it_seems() -> None:
+    """Its far side wasn't seen."""
+    clear, shown = two_rooms(1.4), two_rooms(1.4)
+    shown.occupied[39:41, 61:63] = True
+    assert Ways(shown, RADIUS, START).to((5.0, 1.0)).route is not None
+    sensed = np.array([[3.1, 2.0]])
+    assert Ways(clear, RADIUS, START, sensed).to((5.0, 1.0)).why == "too narrow"
+
+
 def test_a_start_that_is_too_near_can_be_left() -> None:
     way = Ways(two_rooms(1.0), RADIUS, (0.35, 2.0)).to((5.0, 1.0))
     assert way.route is not None
