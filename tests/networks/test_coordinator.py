@@ -1,7 +1,9 @@
 """Runs through networks (rows N1 to N6, N11)."""
 
 from collections import deque
+from typing import ClassVar
 
+import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
@@ -15,6 +17,8 @@ from networks.journal import Journal
 from networks.journal_record import read_journal, without_wall
 from networks.network import Action, ActionNetwork, NetworkError, Situation
 from networks.supervision import Request
+from primitives.action_primitive import ActionPrimitive
+from primitives.discrepancy import Discrepancy
 
 
 def coordinator(stand, network, **more):
@@ -261,3 +265,33 @@ def test_plan_is_kept_while_nothing_fails(stand):
     events = []
     stand.finish(coordinator(stand, network, observers=[events.append]))
     assert sum(isinstance(event, Planned) for event in events) == 1
+
+
+class Notice(ActionPrimitive):
+    """Senses one thing more; fails where its script says so."""
+
+    name: str
+    only_knowledge: ClassVar = True
+    writes: ClassVar = ("obstacles",)
+
+    def motion(self, robot, model):
+        model.obstacles = np.vstack([model.obstacles, [[1.0, 2.0]]])
+        if self.name == "fails":
+            raise Discrepancy("it is in the way")
+        return
+        yield
+
+
+def test_what_an_action_learned_stands_in_its_result(stand, tmp_path):
+    """Also what a Fail left known; and nothing where nothing changed."""
+    bound = [Binding.of(Notice(name=name)) for name in ("fails", "works")] + [Binding.of(stand.Drive())]
+    actions = [
+        Action("a", "b", bound[0], 1.0, 1),
+        Action("a", "b", bound[1], 5.0),
+        Action("b", "c", bound[2], 1.0),
+    ]
+    network = ActionNetwork.build(map(Situation, "abc"), actions, "a", "c")
+    with Journal(tmp_path / "j") as journal:
+        stand.finish(coordinator(stand, network, journal=journal))
+    results = [each for each in read_journal(tmp_path / "j").records if each["kind"] == "RESULT"]
+    assert [each.get("learned") for each in results] == [{"obstacles": 1}, {"obstacles": 2}, None]

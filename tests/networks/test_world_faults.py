@@ -13,6 +13,7 @@ from networks.coordinator import Coordinator
 from networks.events import Ended, LeftOut, Started
 from networks.journal import Journal
 from networks.journal_record import read_journal
+from networks.measured import moved
 from networks.network import Action, ActionNetwork, Situation
 from networks.planner import Planner
 from networks.retracing import standing
@@ -218,6 +219,15 @@ def test_an_unsure_pose_tells_no_situation(stand, go, sigma, found):
     watch = WorldWatch(stand.robot, line(go), {"a": here, "b": far})
     now = replace(here, dead_reckoned=False, pose_sigma=(sigma, 0.001))
     assert watch.situation("b", far, now) == found
+
+
+def test_a_pose_that_is_not_surely_known_has_not_moved(stand):
+    """N9: what is measured elsewhere has, however sure that is."""
+    here = take_snapshot(stand.robot, {})
+    unsure = replace(here, dead_reckoned=False, pose_sigma=(0.5, 0.3))
+    assert moved(stand.robot, here, unsure) == {}
+    far = replace(unsure, pose=type(here.pose)(0.5, 0.0, 0.0))
+    assert moved(stand.robot, here, far) == {"base_mm": 500.0}
 
 
 def test_who_found_more_changed_than_the_base_tells_no_situation(stand, go):
