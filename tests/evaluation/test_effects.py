@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
 
@@ -10,7 +11,8 @@ import numpy as np
 import pytest
 
 from evaluation.effects import EFFECTS, _move_to, _stand
-from evaluation.ground_truth import Body, GroundTruth, disturbed
+from evaluation.ground_truth import Body, GroundTruth, disturbed, moved
+from evaluation.localisation_survey import LocalisationSurvey
 from primitives.registry import TABLE
 from primitives.target import Laid
 from robotics.geometry.pose2 import Pose2
@@ -97,3 +99,44 @@ def test_a_sensor_lies_where_it_is_believed_to_and_should() -> None:
     (wrong,) = deploy(lying(0.1), primitive, laid_at(0.1))
     assert wrong == "the sensor is 100 mm from its target (at most 80.0)"
     assert deploy(lying(0.0), SimpleNamespace(target="b"), laid_at(0.0)) == ["no sensor counts as laid there"]
+
+
+def test_a_base_stands_and_is_turned_as_it_was_found() -> None:
+    fixate, scene = EFFECTS["FIXATE"], SimpleNamespace(base=Pose2(1.0, 2.0, 0.5))
+
+    def found(x: float, theta: float) -> list[str]:
+        model: Any = SimpleNamespace(fixed=SimpleNamespace(pose=Pose2(x, 2.0, theta)))
+        return fixate(scene, None, model)
+
+    assert found(1.005, 0.505) == []
+    assert found(1.01, 0.5) == ["the base is 10.0 mm from where it was found (at most 6.0)"]
+    assert found(1.0, 0.52) == ["the base is turned 1.15 deg against how it was found (at most 0.3)"]
+    nothing: Any = SimpleNamespace(fixed=None)
+    assert fixate(scene, None, nothing) == ["it isn't known where the base stands"]
+
+
+def test_what_another_thing_carries_now_is_infinitely_far() -> None:
+    before, after = truth(Pose2(0, 0, 0), one=0.0), truth(Pose2(0, 0, 0), one=0.0)
+    assert moved(before, after)["one mm"] == 0.0
+    held = replace(after, bodies={"one": replace(after.bodies["one"], support="hand")})
+    assert moved(before, held)["one mm"] == math.inf
+    assert moved(before, replace(after, bodies={}))["one mm"] == math.inf
+
+
+def test_how_far_off_it_believed_to_be_is_told_by_squares_and_worst() -> None:
+    survey = LocalisationSurvey(SimpleNamespace(base=Pose2(0.0, 0.0, 0.0)))
+    assert survey.figures() == {}
+    for off, turned in ((0.003, 0.0), (0.004, -0.02), (0.0, 0.01)):
+        robot: Any = SimpleNamespace(pose=Pose2(off, 0.0, turned))
+        survey.look(robot)
+    again = LocalisationSurvey(survey.scene)
+    again.go_on(survey.notes())
+    assert (
+        again.figures()
+        == survey.figures()
+        == {
+            "localisation_mm_rms": round(5.0 / math.sqrt(3), 2),
+            "localisation_mm_max": 4.0,
+            "localisation_deg_max": round(math.degrees(0.02), 3),
+        }
+    )

@@ -7,7 +7,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from primitives.fixate import Fixate
+from evaluation.stage import StageFiles, set_stage
+from primitives.evidence import Evidence
+from primitives.fixate import Fixate, landmark_of
+from primitives.fixating import fixate, fixed_by, planned_view
 from primitives.outcome import Fail, Success
 from robotics.geometry.pose2 import Pose2
 
@@ -102,3 +105,65 @@ def test_a_landmark_that_the_plan_doesnt_have():
     assert isinstance(outcome, Fail)
     assert outcome.permanent
     assert "did you mean" in outcome.reason or "stacking" in outcome.reason
+
+
+@pytest.mark.parametrize("name", ["stacking", "goal_3"])
+def test_of_landmarks_beside_each_other_the_right_one_is_taken(name):
+    """They are 9 cm apart: several are in the picture."""
+    files = StageFiles(
+        TASK / "servo_world.yaml",
+        TASK / "map.yaml",
+        TASK / "places.yaml",
+        None,
+        TASK / "servo_building.yaml",
+        "stacking",
+    )
+    with set_stage(files, robot="toyama/h1", seed=0) as stage:
+        outcome = stage.do(Fixate(landmark=name))
+        assert isinstance(outcome, Success)
+        assert stage.model.fixed.pose.distance(scene_of(stage).base) < 0.004
+
+
+def looked_at(stage, looks, at=lambda picture: None):
+    """What a fixation finds, outside of an attempt; `at` is called with each picture's number."""
+    robot, mark = stage.robot, landmark_of(stage.model, "stacking")
+    planned = stage.model.places[mark.place].pose
+    view = planned_view(robot, mark, planned)
+    looking = fixate(robot, view, mark.side_mm / 1e3, "residual", Evidence(), looks=looks)
+    take, taken = robot.picture, []
+
+    def picture():
+        taken.append(None)
+        at(len(taken))
+        return take()
+
+    robot.picture = picture
+    while True:
+        try:
+            next(looking)
+        except StopIteration as end:
+            return planned, end.value
+        robot.step()
+
+
+def test_what_was_seen_before_the_base_was_moved_is_over():
+    with at_the_wall(seed=1) as stage:
+
+        def shifted(picture):
+            if picture == 3:
+                moved_base(stage, 0.006, -0.004, 0.0)
+
+        planned, found = looked_at(stage, 3, shifted)
+        assert found.looks == 3
+        assert found.frames > 4
+        assert planned.compose(found.planned_T_base).distance(scene_of(stage).base) < 0.0025
+
+
+def test_what_is_looked_at_more_often_is_surer():
+    with at_the_wall(seed=1) as stage:
+        planned, found = looked_at(stage, 4)
+        once = fixed_by(stage.robot, "stacking", "stacking", planned, found._replace(looks=1))
+        often = fixed_by(stage.robot, "stacking", "stacking", planned, found)
+        assert found.looks == 4
+        assert once.sigma[0] == pytest.approx(stage.robot.spec.arm.accuracy_mm / 1e3)
+        assert often.sigma[0] == pytest.approx(once.sigma[0] / 2)

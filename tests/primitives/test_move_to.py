@@ -4,15 +4,18 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from typing import Any
+from types import SimpleNamespace
+from typing import Any, cast
 
 import numpy as np
 import pytest
 
+from primitives.discrepancy import Discrepancy
 from primitives.modify import Modify
 from primitives.move_to import MoveTo
 from primitives.outcome import Fail, Success
 from robotics.geometry.pose2 import Pose2
+from robotics.geometry.transform import transform
 
 BOX = "surprises:\n  - {{name: box, x_m: {x}, y_m: {y}, heading_deg: 20, size_m: [0.5, 0.4, 0.6]{more}}}\n"
 
@@ -69,3 +72,37 @@ def test_an_unknown_place_is_a_fail_that_nothing_moved_for(make_rig: Callable[..
     assert isinstance(failed, Fail)
     assert failed.permanent
     assert "no place 'cellar'" in failed.reason
+
+
+def test_passers_by_are_waited_for_one_by_one() -> None:
+    """Each of them may take `wait_s`; two that follow each other are not one that stands there."""
+    move, way = MoveTo(place="there", wait_s=5.0), np.array([[0.0, 0.0], [2.0, 0.0]])
+    in_the_way = (0.5, np.array([1.0, 0.0]))
+    now: Any = SimpleNamespace(time=0.0, lost=False)
+    stands: list[Any] = [None]
+    lookout = SimpleNamespace(
+        unexpected=lambda _: way[1:], obstacle=lambda *_: stands[0], kept=lambda points, _: points
+    )
+    move._lookout = cast(Any, lookout)
+    move._ahead = way
+    model: Any = SimpleNamespace(obstacles=np.empty((0, 2)))
+    for now.time, stands[0] in ((0.0, in_the_way), (4.9, in_the_way), (5.0, None), (5.1, in_the_way)):
+        move.watch(now, model)
+    now.time = 10.0
+    move.watch(now, model)
+    now.time = 10.2
+    with pytest.raises(Discrepancy, match=r"an obstacle stands on the path to there, at \(1\.00, 0\.00\) m"):
+        move.watch(now, model)
+    assert len(model.obstacles) == 1
+
+
+def test_with_the_arm_out_the_base_does_not_drive(
+    make_rig: Callable[..., Any], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    rig = make_rig()
+    monkeypatch.setattr(rig.robot, "base_T", lambda _: transform((0.6, 0.1, 0.7)))
+    outcome = rig.run(MoveTo(place="shelf_1"))
+    assert isinstance(outcome, Fail)
+    assert outcome.permanent
+    assert "the hand stands out beyond the robot's footprint" in outcome.reason
+    assert rig.robot.time < 2.0

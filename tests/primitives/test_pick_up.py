@@ -120,3 +120,13 @@ def _teach(rig: Any) -> None:
     postures = rig.robot.spec.arm.postures | {f"pick_up_{i + 1}": q for i, q in enumerate(at)}
     arm_spec = rig.robot.spec.arm.model_copy(update={"postures": postures})
     rig.robot.spec = rig.robot.spec.model_copy(update={"arm": arm_spec})
+
+
+def test_another_book_on_the_tray_is_not_taken(with_book: Callable[..., Any]) -> None:
+    """Somebody exchanged it: its tag is another one."""
+    rig = with_book()
+    rig.model.book = rig.model.book.model_copy(update={"accession": 118})
+    outcome = rig.run(PickUp())
+    assert isinstance(outcome, Fail)
+    assert outcome.reason == "the book isn't seen on the tray"
+    assert rig.scene.held is None

@@ -12,6 +12,7 @@ import pytest
 from primitives.knowledge import Book, Catalogue
 from primitives.outcome import Fail, Success
 from primitives.recognize import Recognize
+from robotics.perception.tag_reader import Tag, read_tags
 
 TRAY = "tray: {{accession: 117, call: 512.7 NAG, thickness_mm: 25, height_mm: {}, depth_mm: 150, tag: {}}}\n"
 NAGEL = Book(
@@ -86,3 +87,18 @@ def test_tags_of_another_family(with_tray: Callable[..., Any], read_as: str) -> 
 def test_a_number_beyond_its_family_is_told() -> None:
     with pytest.raises(ValueError, match="the family 4x4_50 has no tag 117; allowed: below 50"):
         Catalogue(format="handcart-catalogue/1", tags="4x4_50", books=(NAGEL,))
+
+
+def test_two_books_on_the_tray_are_told(
+    with_tray: Callable[..., Any], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def two(*args: Any, **more: Any) -> list[Tag]:
+        seen = read_tags(*args, **more)
+        return [*seen, *(Tag(118, each.corners + np.array([30.0, 0.0])) for each in seen)]
+
+    monkeypatch.setattr("primitives.recognize.read_tags", two)
+    rig = with_tray(TRAY.format(210, "readable"))
+    outcome = rig.run(Recognize())
+    assert isinstance(outcome, Fail)
+    assert outcome.reason == "there are several tags on the tray: 117, 118"
+    assert rig.model.book is None

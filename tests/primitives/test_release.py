@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -11,8 +12,11 @@ import pytest
 
 from backends.scene.book import Rest
 from primitives.insert import Insert
+from primitives.knowledge import Book
 from primitives.outcome import Fail, GiveUp, Success
 from primitives.release import Release
+from robotics.perception.call_number import parse
+from robotics.perception.label_reader import Label
 
 
 @pytest.fixture
@@ -123,3 +127,16 @@ def test_fingers_that_pass_the_book_by_have_not_pushed_it_home(inserted: Callabl
     outcome = rig.run(release, let_go)
     assert isinstance(outcome, GiveUp)
     assert "the fingers don't meet the book" in outcome.reason
+
+
+@pytest.mark.parametrize(("at", "stands"), [(0.105, True), (0.12, False), (-0.2, False)])
+def test_the_label_has_to_be_read_where_the_book_was_let_go(at: float, stands: bool) -> None:
+    """Another copy may stand elsewhere on the shelf."""
+    book = Book(
+        accession=1, call="512.7 NAG", title="", shelf="s", thickness_mm=25, height_mm=210, depth_mm=150
+    )
+    model: Any = SimpleNamespace(book=book, slot=None)
+    release = Release(shelf="shelf_1")
+    release._lateral = 0.1
+    label = Label("512.7 NAG", parse("512.7 NAG"), 0.9, np.zeros((4, 2)), at, 0.05)
+    assert release._stands([label], model) is stands

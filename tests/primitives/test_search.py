@@ -10,7 +10,9 @@ import pytest
 
 from primitives.knowledge import Book, Catalogue
 from primitives.outcome import Fail, Success
-from primitives.search import Search
+from primitives.search import Search, _end_of_row
+from robotics.perception.call_number import parse
+from robotics.perception.shelf_views import ShelfBook, ShelfReading
 
 
 @pytest.fixture
@@ -96,3 +98,20 @@ def test_without_a_book_there_is_nothing_to_look_for(docked: Callable[..., Any])
     outcome = rig.run(Search(shelf="shelf_1"))
     assert isinstance(outcome, Fail)
     assert outcome.reason == "no book has been recognized"
+
+
+@pytest.mark.parametrize(("no_gap", "end"), [(False, None), (True, -0.12)])
+def test_a_misplaced_last_book_hides_the_rows_end_only_where_no_slot_is_before_it(
+    no_gap: bool, end: float | None
+) -> None:
+    calls = ("511.1 ABE", "513.1 ABE", "510.2 ABE")
+    books = tuple(
+        ShelfBook(-0.04 * at, -0.04 * (at + 1), parse(call), 0.9, 2) for at, call in enumerate(calls)
+    )
+    wanted, between = parse("515.1 ABE"), parse("512.1 ABE")
+    assert wanted is not None
+    assert between is not None
+    reading = ShelfReading(books, (), ())
+    assert _end_of_row(reading, wanted, no_gap) == (None if end is None else pytest.approx(end))
+    assert _end_of_row(reading._replace(books=books[:2]), wanted, no_gap) == pytest.approx(-0.08)
+    assert _end_of_row(reading, between, no_gap) is None

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import pytest
 
+from primitives.attempt import attempt
 from primitives.base_turn import turn_by_gyros
+from primitives.discrepancy import Discrepancy
 from primitives.fixate import Fixate
 from primitives.outcome import Fail, GiveUp, Success
 from primitives.pick_up_block import PickUpBlock
@@ -166,3 +168,38 @@ def test_a_block_pushed_aside_once_placed_is_seen():
         )
     assert not isinstance(outcome, Success)
     assert "beside its goal" in outcome.reason
+
+
+def test_a_block_that_was_put_back_and_stands_elsewhere_is_for_a_person():
+    """A picture tells, whatever the hand has felt."""
+    with at_the_wall() as stage:
+        assert isinstance(stage.do(Fixate(landmark="stacking")), Success)
+        scene, gripper, outcome = scene_of(stage), stage.robot.gripper, None
+        periods = attempt(PickUpBlock(number=1, at="robot"), stage.robot, stage.model)
+        cancelled = pushed = False
+        while outcome is None:
+            try:
+                if scene.held is not None and scene.held.pose[2, 3] > 0.48 and not cancelled:
+                    cancelled = True
+                    periods.throw(Discrepancy("cancelled by the operator"))
+                else:
+                    next(periods)
+            except StopIteration as end:
+                outcome = end.value
+            if cancelled and scene.held is None and gripper.width() > 0.04 and not pushed:
+                pushed = True
+                scene.blocks["1"].base_T_block[1, 3] += 0.012
+                scene.move_base(scene.base)
+            stage.robot.step()
+    assert isinstance(outcome, GiveUp), outcome
+    assert "block 1 doesn't stand where it stood" in outcome.reason
+
+
+def test_the_base_is_still_to_turn_when_the_block_is_yet_to_swing():
+    """By the suspension's model, the same for each swing that was and that is to come."""
+    with with_block(at_the_wall()) as stage:
+        fixed, stack = stage.model.fixed, Stack(number=1, onto="goal", method="model")
+        swing = stage.robot.spec.suspension.model.yaw_per_swing
+        turned = [stack._turned(stage.robot, fixed._replace(swings=3), more) for more in (0, 1, 2)]
+        assert turned == pytest.approx([3 * swing, 4 * swing, 5 * swing])
+        assert swing != 0.0

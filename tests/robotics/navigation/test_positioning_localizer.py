@@ -50,3 +50,11 @@ def test_one_broken_reading_is_left_and_three_say_that_the_base_was_moved() -> N
     assert not localizer.take(2, away, 0)
     assert localizer.take(3, away, 0)
     assert localizer.pose.distance(away) < 1e-9
+
+
+def test_strange_readings_with_a_good_one_between_them_are_none_in_a_row() -> None:
+    localizer = PositioningLocalizer(Pose2(0.0, 0.0, 0.0), 0.6, SIGMA)
+    away, here = Pose2(0.3, 0.0, 0.1), Pose2(0.0, 0.0, 0.0)
+    for number, reading in enumerate((away, away, here) * 4, start=1):
+        assert not localizer.take(number, reading, 0)
+    assert localizer.pose.distance(here) < 1e-6

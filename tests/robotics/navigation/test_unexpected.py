@@ -57,9 +57,10 @@ def test_distance_is_along_the_route():
         (np.array([[1.5, 0.6], [1.5, 0.7]]), 10.0),
         (np.array([[3.0, 2.0], [3.0, 2.1]]), 2.0),
         (np.array([[1.5, 0.0]]), 10.0),
+        (np.array([[1.5, 0.0], [1.5, 0.9], [0.5, -1.2]]), 10.0),
         (np.empty((0, 2)), 10.0),
     ],
-    ids=["beside", "beyond the horizon", "a lone point", "nothing"],
+    ids=["beside", "beyond the horizon", "a lone point", "a lone point among others", "nothing"],
 )
 def test_a_route_is_not_blocked_by(points, horizon):
     assert path_blocked(ROUTE, points, 0.4, horizon) is None

@@ -73,6 +73,14 @@ def test_unread_books_are_allowed():
     assert isinstance(found, GapFound)
 
 
+def test_of_two_slots_the_one_that_fits_best_is_taken():
+    """An unread book stands between them."""
+    for row in (["511 AAA", 0.039, None, 0.033, "513 AAA"], ["511 AAA", 0.033, None, 0.039, "513 AAA"]):
+        found = find_gap(_shelf(row), parse("512 AAA"), 0.03)
+        assert isinstance(found, GapFound)
+        assert found.width == pytest.approx(0.033)
+
+
 @pytest.mark.parametrize(
     "row, reason",
     [

@@ -1,6 +1,7 @@
 import numpy as np
 import pytest
 
+from robotics.perception.tag_family import dictionary
 from robotics.perception.tag_reader import Region, read_tags, tag_pose
 
 HEIGHT = 0.2
@@ -61,3 +62,14 @@ def test_pose_of_a_tag(bookshelf):
         true = camera_T_shelf @ np.array([0.0, places[tag.id], TAG_HEIGHT, 1.0])
         assert pose[:3, 3] == pytest.approx(true[:3], abs=0.006)
         assert np.linalg.norm(pose[:2, 3] - true[:2]) < 0.002
+
+
+@pytest.mark.parametrize("region", [None, Region(40, 30, 220, 200)])
+def test_corners_are_where_black_ends_by_the_centres_of_pixels(region):
+    """A whole number is a pixel's centre: a square from pixel 60 to 129 reaches from 59.5 to 129.5."""
+    image = np.full((240, 320), 255, dtype=np.uint8)
+    image[50:120, 60:130] = dictionary("5x5_250").generateImageMarker(7, 70)
+    (tag,) = read_tags(image, region)
+    assert tag.id == 7
+    assert tag.corners.mean(axis=0) == pytest.approx([94.5, 84.5], abs=0.1)
+    assert tag.corners[0] == pytest.approx([59.5, 49.5], abs=0.2)
