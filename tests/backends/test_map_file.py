@@ -181,3 +181,15 @@ def test_a_wrong_movingai_map_is_told_with_its_line(tmp_path: Path, old: str, ne
     with pytest.raises(FileError) as error:
         load_map(path)
     assert words in str(error.value)
+
+
+def test_unknown_cells_that_are_read_as_free_are_told_where_they_can_be_helped(chart: Path):
+    """map_saver's own default makes grey 205 free."""
+    _, warning = load_map(changed(chart, ("free_thresh: 0.196", "free_thresh: 0.25")))
+    assert warning is not None
+    assert "map.yaml:6:14: free_thresh 0.25 turns 1 unknown cells (grey 205) into free ones" in warning
+    assert load_map(changed(chart))[1] is None
+    scale = changed(
+        chart, ("negate: 0", "negate: 0\nmode: scale"), ("free_thresh: 0.196", "free_thresh: 0.25")
+    )
+    assert load_map(scale)[1] is None

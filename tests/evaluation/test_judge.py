@@ -19,7 +19,7 @@ from networks.run import prepare
 from networks.run_end import RunEnd
 from networks.telemetry import Telemetry
 from primitives.move_to import MoveTo
-from primitives.outcome import Success
+from primitives.outcome import Outcome, Success, fail_if_restored
 from robotics.geometry.pose2 import Pose2
 from robotics.perception.call_number import parse
 
@@ -100,8 +100,8 @@ class Claims:
             self.robot.step()
             self.judge.look(self.robot)
 
-    def end(self) -> list[str]:
-        self.judge(Ended(self.robot.time, 1, self.action, self.primitive, Success(), {}))
+    def end(self, outcome: Outcome = Success()) -> list[str]:
+        self.judge(Ended(self.robot.time, 1, self.action, self.primitive, outcome, {}))
         return self.judge.untrue
 
     def metrics(self) -> Mapping[str, Any]:
@@ -127,6 +127,17 @@ def test_a_success_that_rammed_a_mapped_wall_is_untrue(claims: Claims) -> None:
     assert any("1. MOVE_TO Success: base touched wall on the map" in each for each in claims.end())
     assert claims.metrics()["contacts_of_base"] > 0
     assert claims.metrics()["untrue"]
+
+
+def test_a_fail_is_held_against_how_it_began(claims: Claims) -> None:
+    """Whatever the robot has measured."""
+    measured = fail_if_restored("the way is blocked", False, {"base_mm": 1.0}, {"base_mm": 25.0})
+    claims.start()
+    assert claims.end(measured) == []
+    claims.start()
+    claims.scene.move_base(claims.scene.base.compose(Pose2(0.0, 0.1, 0.0)))
+    (wrong,) = claims.end(measured)
+    assert wrong.startswith("1. MOVE_TO Fail: base mm 100.00 (at most ")
 
 
 def test_arrival_is_held_against_the_truth(claims: Claims) -> None:

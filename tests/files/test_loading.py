@@ -1,5 +1,6 @@
 """From files to models: every error at its place, in the words of files (rows T7, T10, T11, T13)."""
 
+import os
 from enum import Enum
 from pathlib import Path
 from typing import Annotated, Literal
@@ -13,6 +14,7 @@ from files.findings import Findings
 from files.inside import FilePath
 from files.loading import collect, load, load_document, load_part
 from files.model import FileModel
+from files.regular_file import read_regular_file
 from files.yaml_document import parse_document
 
 
@@ -241,3 +243,16 @@ def test_bounds_around_validators_and_errors_of_ones_own() -> None:
     ]
     with pytest.raises(FileError, match="a is 3; allowed: a multiple of 2"):
         load_document(parse_document(b"a: 3", "f"), TypeAdapter(dict[str, Even]))
+
+
+def test_a_file_that_grows_while_it_is_read_is_not_read_on(tmp_path, monkeypatch):
+    """It was small when it was asked how large it is."""
+    path, asked = tmp_path / "log.yaml", os.fstat
+    path.write_bytes(b"x" * 2000)
+    small = tmp_path / "small"
+    small.write_bytes(b"x")
+    monkeypatch.setattr(os, "fstat", lambda file: os.stat(small))
+    with pytest.raises(FileError, match="allowed: at most 1000"):
+        read_regular_file(path, 1000)
+    monkeypatch.setattr(os, "fstat", asked)
+    assert len(read_regular_file(path, 2000)) == 2000

@@ -1,0 +1,60 @@
+"""When a robot counts as at rest."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+from primitives.snapshot import KNOWN_AGAIN, PATIENCE, STILL, settle
+
+PERIOD = 0.05
+
+
+class Wheels:
+    """A robot with nothing but wheels, that rolls, or is found elsewhere, as the test says."""
+
+    def __init__(self, rolls: tuple[int, ...] = (), pushed: int = 0) -> None:
+        self.time, self.pushes, self.looks = 0.0, 0, 0
+        self._rolls, self._pushed, self._travel = rolls, pushed, 0.0
+        self.base = SimpleNamespace(wheel_travel=lambda: (self._travel, self._travel))
+        self.backend = SimpleNamespace(get=lambda _: None)
+
+    def look_again(self) -> None:
+        self.looks += 1
+        self.pushes += self.looks <= self._pushed
+
+    def settled(self) -> tuple[bool, int]:
+        """Whether it came to rest, and after how many periods."""
+        robot: Any = self
+        waiting, periods = settle(robot), 0
+        while True:
+            try:
+                next(waiting)
+            except StopIteration as end:
+                return end.value, periods
+            self.time += PERIOD
+            periods += 1
+            self._travel += 0.01 * (periods in self._rolls)
+
+
+def test_it_is_at_rest_after_some_periods_without_motion() -> None:
+    assert Wheels().settled() == (True, STILL)
+    assert Wheels(rolls=(1, 2, 3)).settled() == (True, 3 + STILL)
+
+
+def test_motion_in_between_makes_it_wait_anew() -> None:
+    assert Wheels(rolls=(STILL - 1,)).settled() == (True, 2 * STILL - 1)
+
+
+@pytest.mark.parametrize("pushed", [1, 2])
+def test_where_a_pushed_base_stands_is_known_again_only_later(pushed: int) -> None:
+    """Each time that it was found elsewhere it is looked for anew."""
+    assert Wheels(pushed=pushed).settled() == (True, STILL + pushed * (KNOWN_AGAIN + STILL))
+
+
+def test_what_never_stands_is_told() -> None:
+    rests, periods = Wheels(rolls=tuple(range(10_000))).settled()
+    assert not rests
+    assert periods == pytest.approx(PATIENCE / PERIOD, abs=1)
