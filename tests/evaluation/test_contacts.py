@@ -138,6 +138,18 @@ def test_a_base_that_rams_a_wall_is_told(hands: Hands) -> None:
     assert figures["contacts_unmeant_s"] == pytest.approx(contact["to_s"] - contact["from_s"], abs=0.01)
 
 
+def test_what_touches_twice_are_two_contacts(hands: Hands) -> None:
+    """Each lasts as long as it lasted, not from the first to the last."""
+    hands.stand(2.0, 0.40, -np.pi / 2)
+    hands.begins(MoveTo(place="home"))
+    for _ in range(2):
+        hands.drive(0.2, 10)
+        hands.drive(-0.2, 10)
+    first, second = hands.survey.contacts
+    assert first.to_s < second.from_s
+    assert hands.survey.figures()["contacts_unmeant_s"] < 1.2
+
+
 def test_an_arm_above_the_base_that_is_driven_into_a_lamp_is_told(hands: Hands) -> None:
     hands.stand(1.3, 1.0, np.pi)
     hands.begins(MoveTo(place="home"))

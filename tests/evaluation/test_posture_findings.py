@@ -61,6 +61,19 @@ def test_a_posture_to_drive_with_that_stands_out_is_told(folder: Path) -> None:
     ]
 
 
+def test_all_bodies_of_a_link_may_stand_out(folder: Path) -> None:
+    """Whichever of them comes last in the URDF."""
+    urdf = folder / "librarian.urdf"
+    text, own = urdf.read_text(encoding="utf-8"), '<link name="hand">'
+    assert own in text
+    rod = '<collision><origin xyz="0.5 0 0"/><geometry><box size="0.02 0.02 0.02"/></geometry></collision>'
+    urdf.write_text(text.replace(own, own + rod), encoding="utf-8")
+    (home,) = [each for each in posture_facts(load_robot(str(folder / "robot.yaml"))) if each.name == "home"]
+    (plain,) = [each for each in posture_facts(load_robot("librarian")) if each.name == "home"]
+    assert home.farthest == "hand"
+    assert home.reach > plain.reach + 0.05
+
+
 def test_check_tells_it(folder: Path) -> None:
     path, line = changed(folder, "look_at_tag", INTO_ITSELF)
     told = robot_facts(Path(path), None, quick=True)

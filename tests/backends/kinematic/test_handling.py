@@ -23,6 +23,24 @@ def test_the_gripper_takes_the_book_from_the_tray_and_carries_it(puppet):
     assert puppet.scene.contacts == []
 
 
+def test_a_stop_holds_what_is_held_and_where_the_fingers_are(puppet):
+    puppet.take_book()
+    puppet.backend.stop()
+    for _ in range(5):
+        puppet.backend.step()
+    assert puppet.gripper.closed_on_something()
+    assert puppet.gripper.command() == 0.0
+    puppet.gripper.move(0.06)
+    for _ in range(3):
+        puppet.backend.step()
+    puppet.backend.stop()
+    width = puppet.scene.width
+    for _ in range(5):
+        puppet.backend.step()
+    assert 0.025 < width < 0.06
+    assert puppet.scene.width == width
+
+
 def test_closing_on_nothing_the_fingers_meet(puppet):
     puppet.fingers(0.0)
     assert puppet.scene.held is None

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from backends.saved_state import pack, unpack
+from robotics.geometry.pose2 import Pose2
 
 
 def readings(puppet):
@@ -43,3 +44,22 @@ def test_a_restored_world_goes_on_like_the_one_that_was_kept(puppet, make, stage
         each.to(here[0] - 0.05, here[1], here[2])
     assert np.array_equal(readings(puppet), readings(again), equal_nan=True)
     assert puppet.scene.contacts == again.scene.contacts
+
+
+def test_a_world_that_went_on_is_put_back_too(puppet):
+    """Nothing of where it stood meanwhile is left in what was worked out of it."""
+    puppet.take_book()
+    backend, kept = puppet.backend, pack(puppet.backend.state())
+    here = puppet.scene.arm.forward(puppet.arm.command())[:3, 3]
+
+    def on():
+        puppet.to(here[0], here[1], here[2] + 0.05)
+        puppet.to(here[0], here[1], here[2] - 0.03)
+        return readings(puppet)
+
+    first = on()
+    puppet.scene.move_base(puppet.scene.base.compose(Pose2(-0.3, 0.1, 0.7)))
+    puppet.to(here[0], here[1], here[2] + 0.1)
+    puppet.fingers(0.07)
+    backend.set_state(unpack(kept))
+    assert np.array_equal(first, on(), equal_nan=True)
