@@ -43,6 +43,17 @@ def test_a_command_that_is_not_renewed_lives_one_period(make):
     assert backend.scene.base == there
 
 
+def test_a_base_that_stands_too_near_to_a_wall_can_leave_and_comes_no_nearer(make):
+    backend = make()
+    scene = backend.scene
+    near = scene.robot.footprint_radius_m - 0.02
+    scene.move_base(Pose2(2.0, near, math.pi / 2))
+    run(backend, 5, -0.2)
+    assert scene.base.y == pytest.approx(near, abs=1e-9)
+    run(backend, 20, 0.2)
+    assert scene.base.y == pytest.approx(near + 0.2, abs=0.01)
+
+
 def test_after_stop_nothing_moves(make):
     backend = make()
     arm, gripper = backend.get(Arm), backend.get(Gripper)

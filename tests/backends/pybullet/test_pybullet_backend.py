@@ -267,3 +267,17 @@ def test_the_engine_writes_nothing_to_our_streams():
     )
     done = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, check=True)
     assert (done.stdout, done.stderr) == ("", "")
+
+
+def test_what_stands_there_weighs_what_it_weighs(make):
+    """The engine tells forces of a part of its step: what carries a book has to add up to its weight."""
+    backend = make()
+    for _ in range(20):
+        backend.step()
+    book = backend._world.bodies[backend.scene.tray_book().name]
+    mass = backend._physics.p.getDynamicsInfo(book, -1, physicsClientId=backend._physics.client)[0]
+    felt = []
+    for _ in range(10):
+        backend.step()
+        felt.append(backend._touch.force(book))
+    assert np.mean(felt, axis=0) == pytest.approx([0.0, 0.0, 9.81 * mass], abs=0.1 * 9.81 * mass)
