@@ -38,10 +38,12 @@ class Trials:
 
     def __init__(self, reason, signals=()):
         self.reason, self.signals, self.seeds = reason, signals, []
+        self.untrue = {}
 
     def __call__(self, setting, seed):
         self.seeds.append(seed)
-        summary = {"outcome": "Success", "reason": "", "metrics": {}, "run_dir": "none", "seed": seed}
+        summary = {"outcome": "Success", "reason": "", "run_dir": "none", "seed": seed}
+        summary["metrics"] = {"untrue": self.untrue.get(seed, [])}
         summary |= {"sim_time_s": 1.0, "wall_time_s": 1.0, "actions": 1, "fails": 0}
         if seed != 2:
             return Trial(seed, 0, summary)
@@ -83,6 +85,23 @@ def test_what_ended_before_an_interrupt_is_told(trials, handcart, tmp_path, monk
     told = json.loads(said.out)
     assert (said.status, told["trials"], told["asked"], told["interrupted"]) == (130, 2, 5, True)
     assert "interrupted after 2 of 5 trials" in said.err
+
+
+@pytest.mark.parametrize("as_json", [True, False])
+def test_outcomes_that_are_not_so_are_a_fault(trials, handcart, tmp_path, monkeypatch, as_json):
+    """The campaign ends with status 5, and tells which trial to look at first."""
+    told = trials("stopped by request")
+    monkeypatch.setattr("tools.campaign._shares", lambda report: [])
+    words = ("campaign", tmp_path / "task.yaml", "--trials", "6", "--jobs", "1", *["--json"] * as_json)
+    assert handcart(*words).status == 0
+    told.untrue[4] = ["4. RELEASE Success: it stands beside its place"]
+    said = handcart(*words)
+    assert said.status == 5
+    if as_json:
+        assert json.loads(said.out)["untrue"] == {"4": told.untrue[4]}
+    else:
+        assert "the ground truth contradicts: 1 of 5 trials" in said.out
+        assert "\nseed 4: 4. RELEASE Success: it stands beside its place\n" in said.out
 
 
 def test_a_signal_after_a_trials_last_action_ends_the_campaign_too(monkeypatch, tmp_path):
