@@ -96,3 +96,16 @@ def test_a_base_that_was_shifted_while_it_drove_was_not_pushed_while_it_stood(
         return robot.pushes
 
     assert [shifted(0.1), shifted(0.0)] == [0, 1]
+
+
+def test_an_old_scan_holds_no_base_back_that_drives(robot: Robot, monkeypatch: pytest.MonkeyPatch) -> None:
+    """S1: it fits the map very well, where the base no longer is."""
+    robot.step()
+    scene, old = scene_of(robot.backend), robot.range_sensor.scan()
+    monkeypatch.setattr(robot.range_sensor, "scan", lambda: old)
+    for _ in range(60):
+        robot.base.drive(0.15, 0.0)
+        robot.step()
+    for _ in range(10):
+        robot.step()
+    assert robot.pose.distance(scene.base) < 0.03
