@@ -233,6 +233,26 @@ def test_a_line_on_which_nothing_comes_is_closed(control, lines, clock):
     assert len(busy.answers()) == 4
 
 
+def test_of_too_many_lines_the_one_that_was_silent_longest_is_closed(control, lines, clock):
+    """U11: who talks keeps their line."""
+    many = []
+    for _ in range(MOST):
+        many.append(lines())
+        control.poll()
+    clock.now += 1.0
+    for each in (*many[:20], *many[21:]):
+        each.send(b"{}\n")
+    control.poll()
+    clock.now += 1.0
+    last = lines()
+    control.poll()
+    assert [len(each.answers()) for each in many] == [1] * 20 + [0] + [1] * (MOST - 21)
+    assert [number for number, each in enumerate(many) if each.hung_up] == [20]
+    last.send(b"{}\n")
+    control.poll()
+    assert last.answers() == [{}]
+
+
 def test_only_its_owner_may_operate_a_run(folder, control):
     """U11: by either socket."""
     for name in ("control", "control.stop"):
