@@ -10,7 +10,7 @@ from typing import Any, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from files.errors import HandcartError, InputError
+from handcart.files.errors import HandcartError, InputError
 
 from .capability import Capability
 from .recording import Recording

@@ -6,11 +6,11 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
-from files.model import FileModel
-from robotics.perception.calibration_board import CalibrationBoard
-from robotics.perception.charuco_board import CharucoBoard
-from robotics.perception.chessboard import Chessboard
-from robotics.perception.tag_family import USUAL, TagFamily
+from handcart.files.model import FileModel
+from handcart.robotics.perception.calibration_board import CalibrationBoard
+from handcart.robotics.perception.charuco_board import CharucoBoard
+from handcart.robotics.perception.chessboard import Chessboard
+from handcart.robotics.perception.tag_family import USUAL, TagFamily
 
 Squares = Annotated[int, Field(ge=3, le=50)]
 

@@ -7,8 +7,8 @@ from abc import abstractmethod
 import numpy as np
 from numpy.typing import NDArray
 
-from robotics.geometry.transform import Transform
-from robotics.perception.camera_model import CameraModel
+from handcart.robotics.geometry.transform import Transform
+from handcart.robotics.perception.camera_model import CameraModel
 
 from .capability import Capability
 

@@ -6,8 +6,8 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from files.errors import Finding
-    from files.yaml_document import Document
+    from handcart.files.errors import Finding
+    from handcart.files.yaml_document import Document
 
     from .can_spec import AxisSpec, CanSpec, JointDriveSpec
     from .robot_file import RobotFile

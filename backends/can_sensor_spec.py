@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from files.model import FileModel
+from handcart.files.model import FileModel
 
 Port = Annotated[str, Field(min_length=1, max_length=200)]
 """A serial port such as /dev/ttyUSB0, or `socket://HOST:PORT`."""

@@ -7,9 +7,9 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, field_validator, model_validator
 
-from files.inside import FilePath
-from files.model import FileModel
-from files.suggest import suggest
+from handcart.files.inside import FilePath
+from handcart.files.model import FileModel
+from handcart.files.suggest import suggest
 
 from .can_sensor_spec import SensorsSpec
 

@@ -6,7 +6,7 @@ import re
 from collections.abc import Iterable
 from typing import NamedTuple
 
-from files.errors import InputError
+from handcart.files.errors import InputError
 
 _NAME = re.compile(r"(left|right)_(\w+_)?wheel")
 

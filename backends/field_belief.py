@@ -5,13 +5,13 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from robotics.geometry.pose2 import Pose2
-from robotics.navigation.field_localizer import FieldLocalizer
-from robotics.navigation.field_noise import REFERENCE, FieldNoise
-from robotics.navigation.gps_filter import GpsFilter
-from robotics.navigation.gyro_only import GyroOnly
-from robotics.navigation.particle_filter import ParticleErrors, ParticleFilter
-from robotics.navigation.smoothing import TrackRecord
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.navigation.field_localizer import FieldLocalizer
+from handcart.robotics.navigation.field_noise import REFERENCE, FieldNoise
+from handcart.robotics.navigation.gps_filter import GpsFilter
+from handcart.robotics.navigation.gyro_only import GyroOnly
+from handcart.robotics.navigation.particle_filter import ParticleErrors, ParticleFilter
+from handcart.robotics.navigation.smoothing import TrackRecord
 
 if TYPE_CHECKING:
     from .robot_file import RobotFile

@@ -7,7 +7,7 @@ from typing import Annotated
 
 from pydantic import Field
 
-from files.model import FileModel
+from handcart.files.model import FileModel
 
 Positive = Annotated[float, Field(gt=0.0)]
 NotNegative = Annotated[float, Field(ge=0.0)]
@@ -20,7 +20,7 @@ class GroundSpec(FileModel):
     """Rough ground: sigmas. A world's file says what it is, a robot's file what the robot takes it to be.
 
     The defaults are one set with which the field test of Ohki et al. (2012) comes out as printed
-    (`robotics.navigation.field_noise.REFERENCE`).
+    (`handcart.robotics.navigation.field_noise.REFERENCE`).
     """
 
     roughness_deg: NotNegative = 2.5

@@ -8,9 +8,9 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from robotics.geometry.pose2 import Pose2
-from robotics.navigation.grid_map import GridMap
-from robotics.navigation.way_guard import NOTHING, Held, WayGuard
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.navigation.grid_map import GridMap
+from handcart.robotics.navigation.way_guard import NOTHING, Held, WayGuard
 
 from .base import Base, WheelTravel
 from .range_sensor import Scan

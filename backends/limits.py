@@ -7,7 +7,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from robotics.kinematics.arm_model import ArmModel
+from handcart.robotics.kinematics.arm_model import ArmModel
 
 from .backend import CommandError
 from .robot_file import Drive, GripperSpec

@@ -10,15 +10,15 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import AfterValidator, ConfigDict, Field
 
-from files.errors import FileError, Finding, UnsafePath
-from files.inside import portable, resolve_inside
-from files.loading import Loaded, load_document
-from files.model import FileModel
-from files.picture import Grey, read_grey
-from files.suggest import nearest
-from files.yaml_document import Document, read_document
-from robotics.navigation.grid_map import GridMap, from_occupancy, unknown_read_as_free
-from robotics.navigation.ros_occupancy import Mode, ros_occupancy
+from handcart.files.errors import FileError, Finding, UnsafePath
+from handcart.files.inside import portable, resolve_inside
+from handcart.files.loading import Loaded, load_document
+from handcart.files.model import FileModel
+from handcart.files.picture import Grey, read_grey
+from handcart.files.suggest import nearest
+from handcart.files.yaml_document import Document, read_document
+from handcart.robotics.navigation.grid_map import GridMap, from_occupancy, unknown_read_as_free
+from handcart.robotics.navigation.ros_occupancy import Mode, ros_occupancy
 
 from .movingai_map import SUFFIX, read_movingai
 

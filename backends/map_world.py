@@ -11,9 +11,9 @@ from tempfile import TemporaryDirectory
 import cv2
 import numpy as np
 
-from robotics.geometry.pose2 import Pose2, wrap
-from robotics.navigation.grid_map import GridMap
-from robotics.navigation.ros_occupancy import UNKNOWN_GREY
+from handcart.robotics.geometry.pose2 import Pose2, wrap
+from handcart.robotics.navigation.grid_map import GridMap
+from handcart.robotics.navigation.ros_occupancy import UNKNOWN_GREY
 
 from .map_file import is_map_file, load_map
 

@@ -6,8 +6,8 @@ import posixpath
 import stat
 from pathlib import Path
 
-from files.errors import UnsafePath
-from files.inside import resolve_inside
+from handcart.files.errors import UnsafePath
+from handcart.files.inside import resolve_inside
 
 LARGEST = 100_000_000  # [bytes] of a mesh
 

@@ -7,9 +7,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from robotics.geometry.transform import Transform, inverse, transform
-from robotics.kinematics.arm_model import ArmModel
-from robotics.perception.camera_model import CameraModel
+from handcart.robotics.geometry.transform import Transform, inverse, transform
+from handcart.robotics.kinematics.arm_model import ArmModel
+from handcart.robotics.perception.camera_model import CameraModel
 
 from .sensor_specs import CalibratedCamera, CameraSpec
 

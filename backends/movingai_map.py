@@ -8,10 +8,10 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from files.errors import FileError, Finding
-from files.picture import MAX_PIXELS
-from files.regular_file import decode_text, read_regular_file
-from robotics.navigation.ros_occupancy import FREE, OCCUPIED, UNKNOWN
+from handcart.files.errors import FileError, Finding
+from handcart.files.picture import MAX_PIXELS
+from handcart.files.regular_file import decode_text, read_regular_file
+from handcart.robotics.navigation.ros_occupancy import FREE, OCCUPIED, UNKNOWN
 
 SUFFIX = ".map"
 MAX_BYTES = MAX_PIXELS + (1 << 20)

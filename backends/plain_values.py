@@ -18,7 +18,7 @@ from typing import Annotated, Any, NamedTuple, Union
 import numpy as np
 from pydantic import BaseModel
 
-from robotics.far import FAR
+from handcart.robotics.far import FAR
 
 from .saved_state import NotAState
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from abc import abstractmethod
 from typing import NamedTuple
 
-from robotics.geometry.pose2 import Pose2
+from handcart.robotics.geometry.pose2 import Pose2
 
 from .capability import Capability
 

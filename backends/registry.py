@@ -8,20 +8,20 @@ from importlib.metadata import entry_points
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from files.errors import FileError, InputError
-from files.suggest import suggest
-from robotics.geometry.pose2 import Pose2
+from handcart.files.errors import FileError, InputError
+from handcart.files.suggest import suggest
+from handcart.robotics.geometry.pose2 import Pose2
 
 from .backend import Backend
 from .robot_file import RobotFile
 
 if TYPE_CHECKING:
-    from robotics.navigation.grid_map import GridMap
+    from handcart.robotics.navigation.grid_map import GridMap
 
 TABLE = {
-    "can": "backends.can.can_backend:CanBackend",
-    "kinematic": "backends.kinematic.kinematic_backend:KinematicBackend",
-    "pybullet": "backends.pybullet.pybullet_backend:PyBulletBackend",
+    "can": "handcart.backends.can.can_backend:CanBackend",
+    "kinematic": "handcart.backends.kinematic.kinematic_backend:KinematicBackend",
+    "pybullet": "handcart.backends.pybullet.pybullet_backend:PyBulletBackend",
 }
 """Name to import path; other packages add theirs by an entry point of the group `handcart.backends`."""
 
@@ -115,8 +115,8 @@ def check_world(
     if is_map_file(world):
         load_map(world)
         return
-    loaded, whole = import_module("backends.scene.load_world").read_world(world)
-    find = import_module("backends.scene.world_findings").world_findings
+    loaded, whole = import_module("handcart.backends.scene.load_world").read_world(world)
+    find = import_module("handcart.backends.scene.world_findings").world_findings
     if wrong := list(find(loaded, whole, robot, told, grid)):
         raise FileError(wrong)
 

@@ -10,20 +10,20 @@ from typing import Any, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from files.errors import HandcartError
-from robotics.far import FarArray
-from robotics.geometry.pose2 import Pose2
-from robotics.geometry.transform import Transform
-from robotics.kinematics.arm_model import ArmModel
-from robotics.navigation.attitude import Attitude
-from robotics.navigation.drive_limits import DriveLimits
-from robotics.navigation.field_localizer import FieldLocalizer
-from robotics.navigation.gps_filter import GpsFilter
-from robotics.navigation.grid_map import GridMap
-from robotics.navigation.localizer import Localizer, OdometryLocalizer, ScanLocalizer
-from robotics.navigation.positioning_localizer import PositioningLocalizer
-from robotics.navigation.scan_matching import LikelihoodField
-from robotics.navigation.way_guard import NOTHING, Held
+from handcart.files.errors import HandcartError
+from handcart.robotics.far import FarArray
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.geometry.transform import Transform
+from handcart.robotics.kinematics.arm_model import ArmModel
+from handcart.robotics.navigation.attitude import Attitude
+from handcart.robotics.navigation.drive_limits import DriveLimits
+from handcart.robotics.navigation.field_localizer import FieldLocalizer
+from handcart.robotics.navigation.gps_filter import GpsFilter
+from handcart.robotics.navigation.grid_map import GridMap
+from handcart.robotics.navigation.localizer import Localizer, OdometryLocalizer, ScanLocalizer
+from handcart.robotics.navigation.positioning_localizer import PositioningLocalizer
+from handcart.robotics.navigation.scan_matching import LikelihoodField
+from handcart.robotics.navigation.way_guard import NOTHING, Held
 
 from .arm import Arm
 from .backend import Backend

@@ -13,15 +13,15 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 import numpy as np
 from pydantic import Field, PrivateAttr
 
-from files.errors import FileError, Finding, InputError
-from files.inside import resolve_inside
-from files.loading import load_document
-from files.model import FileModel
-from files.suggest import suggest
-from files.yaml_document import read_document
-from robotics.kinematics.urdf_assembly import link_names
-from robotics.kinematics.urdf_contents import joints_of
-from robotics.manipulation.suspension_model import SuspensionModel
+from handcart.files.errors import FileError, Finding, InputError
+from handcart.files.inside import resolve_inside
+from handcart.files.loading import load_document
+from handcart.files.model import FileModel
+from handcart.files.suggest import suggest
+from handcart.files.yaml_document import read_document
+from handcart.robotics.kinematics.urdf_assembly import link_names
+from handcart.robotics.kinematics.urdf_contents import joints_of
+from handcart.robotics.manipulation.suspension_model import SuspensionModel
 
 from .can_spec import CanSpec
 from .ground_spec import GpsSpec, GroundSpec
@@ -35,7 +35,7 @@ from .simulated_errors import Errors
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from robotics.kinematics.arm_model import ArmModel
+    from handcart.robotics.kinematics.arm_model import ArmModel
 
     from .robot_shape import FingerShape, TrayShape
 
@@ -243,7 +243,7 @@ class RobotFile(FileModel):
 
     def arm_model(self) -> ArmModel:
         """Kinematics of the arm, a new object; raises ValueError where the robot has none."""
-        from robotics.kinematics.arm_model import ArmModel
+        from handcart.robotics.kinematics.arm_model import ArmModel
 
         if self.arm is None:
             raise ValueError("the robot has no arm")
@@ -284,7 +284,7 @@ class RobotFile(FileModel):
         """Where the receiver's antenna is in the base frame, in [m]; the origin where there is none."""
         if self.gps is None:
             return (0.0, 0.0, 0.0)
-        from robotics.kinematics.arm_model import ArmModel
+        from handcart.robotics.kinematics.arm_model import ArmModel
 
         x, y, z = ArmModel(self.urdf_text(), (), tip="gps").forward(np.empty(0))[:3, 3].tolist()
         return (x, y, z)

@@ -5,11 +5,11 @@ from __future__ import annotations
 from importlib import import_module
 from typing import TYPE_CHECKING
 
-from files.errors import FileError
-from files.suggest import listed, suggest
-from robotics.kinematics.urdf_assembly import link_names
-from robotics.kinematics.urdf_contents import joints_of
-from robotics.kinematics.urdf_tree import joint_leaders
+from handcart.files.errors import FileError
+from handcart.files.suggest import listed, suggest
+from handcart.robotics.kinematics.urdf_assembly import link_names
+from handcart.robotics.kinematics.urdf_contents import joints_of
+from handcart.robotics.kinematics.urdf_tree import joint_leaders
 
 from .can_findings import can_findings, placed_axes
 from .ground_spec import OUTDOORS
@@ -18,9 +18,9 @@ from .robot_parts import UrdfError
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
 
-    from files.errors import Finding
-    from files.yaml_document import Document
-    from robotics.kinematics.arm_model import ArmModel
+    from handcart.files.errors import Finding
+    from handcart.files.yaml_document import Document
+    from handcart.robotics.kinematics.arm_model import ArmModel
 
     from .joint_units import JointUnits
     from .robot_file import ArmSpec, RobotFile
@@ -58,7 +58,7 @@ def _eds_findings(robot: RobotFile, document: Document) -> list[Finding]:
     there = [each for each in named if each[2].is_file()]
     if not there:
         return []
-    look = import_module("backends.can.eds_needs").eds_findings
+    look = import_module("handcart.backends.can.eds_needs").eds_findings
     wrong: set[Finding] = set()
     for place, axis, path in there:
         in_the_file, lacks = look(path, axis)
@@ -72,7 +72,7 @@ def _bus_findings(robot: RobotFile, document: Document) -> list[Finding]:
     if robot.can is None:
         return []
     # By name: who reads a robot's file needn't know its buses.
-    load = import_module("backends.can.cyclic_frames").bus_load(robot.can, robot.period_s)
+    load = import_module("handcart.backends.can.cyclic_frames").bus_load(robot.can, robot.period_s)
     if not load.too_much:
         return []
     wrong = f"cyclic frames take {load.share:.0%} of the bus at this bit rate and {robot.period_s} s a period"

@@ -11,13 +11,13 @@ from typing import Annotated, NamedTuple
 
 from pydantic import AfterValidator
 
-from files.errors import FileError, Finding, UnsafePath
-from files.inside import portable, resolve_inside
-from files.model import FileModel
-from files.xml_file import read_xml_text
-from robotics.kinematics.coal_bodies import hull_of_mesh, read_mesh
-from robotics.kinematics.urdf_assembly import Part, with_mesh_files
-from robotics.kinematics.urdf_reading import UrdfElement, read_urdf
+from handcart.files.errors import FileError, Finding, UnsafePath
+from handcart.files.inside import portable, resolve_inside
+from handcart.files.model import FileModel
+from handcart.files.xml_file import read_xml_text
+from handcart.robotics.kinematics.coal_bodies import hull_of_mesh, read_mesh
+from handcart.robotics.kinematics.urdf_assembly import Part, with_mesh_files
+from handcart.robotics.kinematics.urdf_reading import UrdfElement, read_urdf
 
 from .mesh_path import is_mesh, mesh_path
 from .urdf_file import read_urdf_file

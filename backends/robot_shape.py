@@ -7,10 +7,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from files.errors import InputError
-from robotics.geometry.transform import Transform, inverse
-from robotics.kinematics.arm_model import ArmModel
-from robotics.kinematics.shapes import Box, Shape, top
+from handcart.files.errors import InputError
+from handcart.robotics.geometry.transform import Transform, inverse
+from handcart.robotics.kinematics.arm_model import ArmModel
+from handcart.robotics.kinematics.shapes import Box, Shape, top
 
 FINGER = "left_finger"
 TRAY = "tray"

@@ -7,11 +7,11 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
-from files.errors import FileError, Finding
-from files.suggest import suggest
-from robotics.kinematics.srdf import disabled_pairs
-from robotics.kinematics.urdf_assembly import with_names, with_part
-from robotics.kinematics.urdf_reading import UrdfFaults
+from handcart.files.errors import FileError, Finding
+from handcart.files.suggest import suggest
+from handcart.robotics.kinematics.srdf import disabled_pairs
+from handcart.robotics.kinematics.urdf_assembly import with_names, with_part
+from handcart.robotics.kinematics.urdf_reading import UrdfFaults
 
 from .robot_parts import KeyPath, PartSpec, UrdfError, read_part, read_srdf
 

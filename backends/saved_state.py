@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 import orjson
 
-from files.errors import InputError
+from handcart.files.errors import InputError
 
 FORMAT = "handcart-state/1"
 MAX_BYTES = 256 * 2**20

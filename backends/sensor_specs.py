@@ -6,7 +6,7 @@ from typing import Annotated
 
 from pydantic import Field
 
-from files.model import FileModel
+from handcart.files.model import FileModel
 
 Positive = Annotated[float, Field(gt=0.0)]
 NotNegative = Annotated[float, Field(ge=0.0)]

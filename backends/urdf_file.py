@@ -6,9 +6,9 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import NamedTuple
 
-from files.errors import FileError, Finding
-from files.xml_file import read_xml_text
-from robotics.kinematics.urdf_faults import urdf_faults
+from handcart.files.errors import FileError, Finding
+from handcart.files.xml_file import read_xml_text
+from handcart.robotics.kinematics.urdf_faults import urdf_faults
 
 
 class UrdfText(NamedTuple):

@@ -12,8 +12,8 @@ from pathlib import Path
 from rich.console import Console
 from rich.progress import track
 
-from backends.robot_file import ROBOTS
-from evaluation.campaign import Report, Setting, run_campaign
+from handcart.backends.robot_file import ROBOTS
+from handcart.evaluation.campaign import Report, Setting, run_campaign
 
 TASK = Path(__file__).parent.parent / "tasks" / "return_book" / "task.yaml"
 

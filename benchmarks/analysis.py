@@ -10,13 +10,13 @@ import sys
 import time
 from collections.abc import Callable, Iterator
 
-from networks.analysis.chance import Chance
-from networks.analysis.forecast import Forecaster
-from networks.analysis.policy import TooLarge
-from networks.analysis.worst_cases import worst_cases
-from networks.binding import Binding
-from networks.network import Action, ActionNetwork, Situation
-from primitives.modify import Modify
+from handcart.networks.analysis.chance import Chance
+from handcart.networks.analysis.forecast import Forecaster
+from handcart.networks.analysis.policy import TooLarge
+from handcart.networks.analysis.worst_cases import worst_cases
+from handcart.networks.binding import Binding
+from handcart.networks.network import Action, ActionNetwork, Situation
+from handcart.primitives.modify import Modify
 
 Row = tuple[str, str, float, int, str | None]
 BOUND = Binding.of(Modify(place="x"))

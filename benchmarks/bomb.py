@@ -6,8 +6,8 @@ import tempfile
 import time
 from pathlib import Path
 
-from files.errors import FileError
-from files.yaml_document import read_document
+from handcart.files.errors import FileError
+from handcart.files.yaml_document import read_document
 
 DEPTH = 9  # nine levels of nine: 387 million values
 

@@ -20,13 +20,13 @@ import can
 import numpy as np
 from can.interfaces.virtual import VirtualBus
 
-from backends.arm import Arm
-from backends.base import Base
-from backends.can.can_backend import CanBackend
-from backends.can.errors import CanFault
-from backends.can.pace import Pace
-from backends.can.simulated.bench import Bench
-from backends.robot_file import RobotFile, load_robot
+from handcart.backends.arm import Arm
+from handcart.backends.base import Base
+from handcart.backends.can.can_backend import CanBackend
+from handcart.backends.can.errors import CanFault
+from handcart.backends.can.pace import Pace
+from handcart.backends.can.simulated.bench import Bench
+from handcart.backends.robot_file import RobotFile, load_robot
 
 FAULTS = ("emergency", "collision", "two-nodes", "stranger", "stranger-command", "reboot")
 """Those that one frame shows."""

@@ -12,7 +12,7 @@ import logging
 import sys
 from collections import Counter
 
-from evaluation.fuzzed_bus import attacks
+from handcart.evaluation.fuzzed_bus import attacks
 
 
 def main() -> None:

@@ -26,10 +26,10 @@ from typing import Annotated
 import numpy as np
 import typer
 
-from backends.backend import RobotFault
-from backends.base import Base
-from backends.can.can_backend import CanBackend
-from backends.robot_file import RobotFile, load_robot
+from handcart.backends.backend import RobotFault
+from handcart.backends.base import Base
+from handcart.backends.can.can_backend import CanBackend
+from handcart.backends.robot_file import RobotFile, load_robot
 
 ROBOT = "cart"
 CHANNEL = "239.74.163.77"
@@ -93,7 +93,7 @@ def bench(log: Path) -> Iterator[None]:
     """The drives, as a process of their own."""
     words = [ROBOT, "--channel", CHANNEL, "--log", str(log)]
     with subprocess.Popen(
-        [sys.executable, "-m", "tools.handcart", "bench", *words], stdout=subprocess.PIPE
+        [sys.executable, "-m", "handcart.tools.handcart", "bench", *words], stdout=subprocess.PIPE
     ) as made:
         assert made.stdout is not None
         made.stdout.readline()
@@ -150,7 +150,7 @@ def kill_once(log: Path, seed: int, robot: RobotFile) -> Kill | None:
 
 def allowed(robot: RobotFile, speed: float) -> float:
     """[s] from the kill to standing still: heartbeat time, ramp, and 20 ms until the log shows it."""
-    from backends.can.axes import Axes
+    from handcart.backends.can.axes import Axes
 
     assert robot.can is not None
     left = Axes(robot, robot.can).left

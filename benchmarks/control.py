@@ -15,9 +15,9 @@ import time
 from contextlib import suppress
 from pathlib import Path
 
-from evaluation.fuzzed_messages import fuzzed_messages
-from networks.asking import ask, goes_on, tell_to_stop
-from networks.journal_record import read_journal
+from handcart.evaluation.fuzzed_messages import fuzzed_messages
+from handcart.networks.asking import ask, goes_on, tell_to_stop
+from handcart.networks.journal_record import read_journal
 
 TASK = Path(__file__).resolve().parents[1] / "tasks" / "return_book" / "task.yaml"
 OTHERS = 50
@@ -80,7 +80,16 @@ class Run:
     """A run that asks before each action, in a process of its own."""
 
     def __init__(self, runs: Path, *options: str) -> None:
-        words = [sys.executable, "-m", "tools.handcart", "run", str(TASK), "--runs", str(runs), *options]
+        words = [
+            sys.executable,
+            "-m",
+            "handcart.tools.handcart",
+            "run",
+            str(TASK),
+            "--runs",
+            str(runs),
+            *options,
+        ]
         if not options:
             words.append("--step")
         quiet = subprocess.DEVNULL

@@ -19,21 +19,21 @@ import numpy as np
 import py_trees
 from transitions import Machine
 
-from backends.backend import Backend
-from backends.base import Base, WheelTravel
-from backends.capability import Capability
-from backends.robot import Robot
-from backends.robot_file import RobotFile
-from networks.binding import Binding
-from networks.coordinator import Coordinator
-from networks.journal import Journal
-from networks.network import Action, ActionNetwork, Situation
-from networks.planner import Planner
-from primitives.action_primitive import ActionPrimitive, Periods
-from primitives.knowledge import Catalogue
-from primitives.world_model import ModelView, WorldModel
-from robotics.geometry.pose2 import Pose2
-from robotics.navigation.grid_map import GridMap
+from handcart.backends.backend import Backend
+from handcart.backends.base import Base, WheelTravel
+from handcart.backends.capability import Capability
+from handcart.backends.robot import Robot
+from handcart.backends.robot_file import RobotFile
+from handcart.networks.binding import Binding
+from handcart.networks.coordinator import Coordinator
+from handcart.networks.journal import Journal
+from handcart.networks.network import Action, ActionNetwork, Situation
+from handcart.networks.planner import Planner
+from handcart.primitives.action_primitive import ActionPrimitive, Periods
+from handcart.primitives.knowledge import Catalogue
+from handcart.primitives.world_model import ModelView, WorldModel
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.navigation.grid_map import GridMap
 
 DRIVE = {
     "wheel_radius_m": 0.1,

@@ -19,7 +19,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
-from networks.journal_record import read_journal
+from handcart.networks.journal_record import read_journal
 
 TASK = Path(__file__).resolve().parents[1] / "tasks" / "return_book" / "task.yaml"
 ROOT = TASK.parents[2]
@@ -27,7 +27,7 @@ ROOT = TASK.parents[2]
 
 def command(*words: object) -> list[str]:
     """A command line of handcart in this Python."""
-    return [sys.executable, "-m", "tools.handcart", *map(str, words)]
+    return [sys.executable, "-m", "handcart.tools.handcart", *map(str, words)]
 
 
 def run_and_kill(runs: Path, seconds: float) -> tuple[Path, float]:

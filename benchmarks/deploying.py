@@ -27,16 +27,16 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from backends.robot import Robot
-from networks.coordinator import Coordinator
-from networks.permits import Permits
-from networks.preparing import Prepared, prepare
-from networks.run import step_until_end
-from networks.telemetry import Telemetry
-from primitives.field import Field
-from primitives.grip import hand_to_tips
-from robotics.manipulation.collision_model import HELD, CollisionModel
-from robotics.navigation.placement_errors import share_radius
+from handcart.backends.robot import Robot
+from handcart.networks.coordinator import Coordinator
+from handcart.networks.permits import Permits
+from handcart.networks.preparing import Prepared, prepare
+from handcart.networks.run import step_until_end
+from handcart.networks.telemetry import Telemetry
+from handcart.primitives.field import Field
+from handcart.primitives.grip import hand_to_tips
+from handcart.robotics.manipulation.collision_model import HELD, CollisionModel
+from handcart.robotics.navigation.placement_errors import share_radius
 
 TASKS = Path(__file__).parent.parent / "tasks"
 WAYS = {

@@ -23,9 +23,9 @@ from rich.progress import track
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
-from robotics.geometry.pose2 import Pose2
-from robotics.navigation.pure_pursuit import PurePursuit
-from robotics.navigation.tangent_path import CarPath, car_path, shortest_detour
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.navigation.pure_pursuit import PurePursuit
+from handcart.robotics.navigation.tangent_path import CarPath, car_path, shortest_detour
 
 START, GOAL = Pose2(0.0, 0.0, 0.0), Pose2(12.0, 0.0, 0.0)
 AROUND, RADIUS, DT, OFF = 0.7, 2.1, 0.05, 0.05

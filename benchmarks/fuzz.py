@@ -11,9 +11,9 @@ from collections.abc import Iterator
 from itertools import chain
 from pathlib import Path
 
-from evaluation.fuzzed_binaries import fuzz_binaries
-from evaluation.fuzzed_files import Failure, fuzz
-from tools.check_file import check_quietly
+from handcart.evaluation.fuzzed_binaries import fuzz_binaries
+from handcart.evaluation.fuzzed_files import Failure, fuzz
+from handcart.tools.check_file import check_quietly
 
 
 def main() -> None:

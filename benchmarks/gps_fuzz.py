@@ -9,7 +9,7 @@ from __future__ import annotations
 import argparse
 import sys
 
-from evaluation.fuzzed_sentences import fuzzed_sentences
+from handcart.evaluation.fuzzed_sentences import fuzzed_sentences
 
 
 def main() -> None:

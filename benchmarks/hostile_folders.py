@@ -22,8 +22,8 @@ from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
 
-from evaluation.hostile.originals import RECIPES, Original, make, true_state
-from evaluation.hostile.trial import Trials
+from handcart.evaluation.hostile.originals import RECIPES, Original, make, true_state
+from handcart.evaluation.hostile.trial import Trials
 
 TASKS = Path(__file__).resolve().parents[1] / "tasks"
 LONGEST = 120.0  # [s] on the wall that one folder gets

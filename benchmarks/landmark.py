@@ -21,11 +21,11 @@ from numpy.typing import NDArray
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
-from robotics.geometry.pose2 import Pose2
-from robotics.perception.camera_model import CameraModel, Floats, GreyImage
-from robotics.perception.landmark import INK, PAPER, draw_landmark, seen_landmark
-from robotics.perception.landmark_finder import find_landmarks
-from robotics.perception.landmark_pose import facing, planar_pose
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.perception.camera_model import CameraModel, Floats, GreyImage
+from handcart.robotics.perception.landmark import INK, PAPER, draw_landmark, seen_landmark
+from handcart.robotics.perception.landmark_finder import find_landmarks
+from handcart.robotics.perception.landmark_pose import facing, planar_pose
 
 CAMERA = CameraModel(
     np.array([[800.0, 0.0, 319.5], [0.0, 800.0, 239.5], [0.0, 0.0, 1.0]]),

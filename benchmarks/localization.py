@@ -27,16 +27,16 @@ from rich.table import Table
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
-from robotics.geometry.pose2 import Pose2
-from robotics.navigation.field_course import FieldCourse, straight_course, zigzag_course
-from robotics.navigation.field_log import FieldLog, record_course
-from robotics.navigation.field_noise import REALISTIC, REFERENCE, RTK, FieldNoise
-from robotics.navigation.field_trial import FieldTrial, as_laid, start_pose, try_course
-from robotics.navigation.gps_filter import GpsFilter
-from robotics.navigation.information_limit import information_limit
-from robotics.navigation.particle_filter import ParticleFilter
-from robotics.navigation.placement_errors import aligned_spread, nees, share_radius, tip_covariance
-from robotics.navigation.smoothing import TrackRecord
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.navigation.field_course import FieldCourse, straight_course, zigzag_course
+from handcart.robotics.navigation.field_log import FieldLog, record_course
+from handcart.robotics.navigation.field_noise import REALISTIC, REFERENCE, RTK, FieldNoise
+from handcart.robotics.navigation.field_trial import FieldTrial, as_laid, start_pose, try_course
+from handcart.robotics.navigation.gps_filter import GpsFilter
+from handcart.robotics.navigation.information_limit import information_limit
+from handcart.robotics.navigation.particle_filter import ParticleFilter
+from handcart.robotics.navigation.placement_errors import aligned_spread, nees, share_radius, tip_covariance
+from handcart.robotics.navigation.smoothing import TrackRecord
 
 COURSES: dict[str, Callable[[], FieldCourse]] = {"straight": straight_course, "zigzag": zigzag_course}
 PAPER = {"straight": (58.0, 148.0), "zigzag": (283.0, 123.0)}  # [mm], along and across

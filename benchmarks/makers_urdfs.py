@@ -28,7 +28,7 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import NamedTuple
 
-from evaluation.mutated_urdfs import mutated
+from handcart.evaluation.mutated_urdfs import mutated
 
 LONGEST = 60  # lines that a person is told without asking for more
 NAMED = re.compile(r"link|joint|URDF|mesh|xacro|well-formed|DOCTYPE|character|stand at")
@@ -124,9 +124,14 @@ def _look(cases: list[Case], jobs: int, limit: int) -> int:
 
 def _all(cases: list[Case], jobs: int, limit: int) -> Iterator[tuple[Case, Seen]]:
     """Each in a process of its own, forked from one that has the libraries: what crashes is seen."""
-    for name in ("tools.handcart", "tools.check_file", "tools.check_robot", "evaluation.robot_report.report"):
+    for name in (
+        "handcart.tools.handcart",
+        "handcart.tools.check_file",
+        "handcart.tools.check_robot",
+        "handcart.evaluation.robot_report.report",
+    ):
         __import__(name)
-    __import__("evaluation.robot_report.urdf_report")
+    __import__("handcart.evaluation.robot_report.urdf_report")
     context = multiprocessing.get_context("fork")
     running: list[tuple[Case, multiprocessing.Process, object, float]] = []  # type: ignore[valid-type]
     waiting, warm = list(reversed(cases)), None
@@ -153,7 +158,7 @@ def _all(cases: list[Case], jobs: int, limit: int) -> Iterator[tuple[Case, Seen]
 
 def _read_meshes(path: Path) -> None:
     """Once for all that are forked from here."""
-    from backends.robot_parts import read_part
+    from handcart.backends.robot_parts import read_part
 
     with contextlib.suppress(Exception):  # who is forked tells of it
         read_part(path.name, path.parent)
@@ -254,7 +259,7 @@ def _of_json(status: int, out: str, urdf: str) -> Iterator[str]:
 
 def _said(*words: str) -> tuple[int, str, str]:
     """What a command says, that of libraries below Python too."""
-    from tools.handcart import main as handcart
+    from handcart.tools.handcart import main as handcart
 
     out = io.StringIO()
     with tempfile.TemporaryFile() as heard:

@@ -25,21 +25,21 @@ from skimage.graph import MCP_Geometric
 from skimage.morphology import skeletonize
 
 from benchmarks.office_map import office_boxes, office_map
-from robotics.geometry.pose2 import Pose2, wrap
-from robotics.navigation.box_ranges import box_ranges
-from robotics.navigation.front_line import fit_front
-from robotics.navigation.grid_map import GridMap, from_boxes, from_ros
-from robotics.navigation.odometry import Odometry, OdometryErrors
-from robotics.navigation.route import plan_route
-from robotics.navigation.scan_matching import LikelihoodField, match_scan
-from robotics.navigation.shortest_path import shortest_path
-from robotics.navigation.voronoi_graph import VoronoiGraph, voronoi_graph
+from handcart.robotics.geometry.pose2 import Pose2, wrap
+from handcart.robotics.navigation.box_ranges import box_ranges
+from handcart.robotics.navigation.front_line import fit_front
+from handcart.robotics.navigation.grid_map import GridMap, from_boxes, from_ros
+from handcart.robotics.navigation.odometry import Odometry, OdometryErrors
+from handcart.robotics.navigation.route import plan_route
+from handcart.robotics.navigation.scan_matching import LikelihoodField, match_scan
+from handcart.robotics.navigation.shortest_path import shortest_path
+from handcart.robotics.navigation.voronoi_graph import VoronoiGraph, voronoi_graph
 
 ANGLES = np.linspace(-np.pi, np.pi, 360, endpoint=False)
 COLD = (
     "import time; t = time.perf_counter(); from benchmarks.office_map import office_map; "
-    "from robotics.navigation.route import plan_route; "
-    "from robotics.navigation.voronoi_graph import voronoi_graph; m = office_map(0, 400, 300); "
+    "from handcart.robotics.navigation.route import plan_route; "
+    "from handcart.robotics.navigation.voronoi_graph import voronoi_graph; m = office_map(0, 400, 300); "
     "t = time.perf_counter(); plan_route(voronoi_graph(m, 0.25), (1.0, 1.0), (18.0, 14.0)); "
     "print(time.perf_counter() - t)"
 )

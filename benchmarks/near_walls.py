@@ -34,19 +34,19 @@ from rich.progress import Progress
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
-from backends.robot import Robot
-from backends.robot_file import ROBOTS, load_robot
-from evaluation.stage import StageFiles, set_stage
-from networks.events import Ended, Event
-from networks.preparing import check, prepare
-from networks.run import execute
-from primitives.move_to import MoveTo
-from primitives.outcome import Success
-from robotics.navigation.grid_map import GridMap, from_boxes
+from handcart.backends.robot import Robot
+from handcart.backends.robot_file import ROBOTS, load_robot
+from handcart.evaluation.stage import StageFiles, set_stage
+from handcart.networks.events import Ended, Event
+from handcart.networks.preparing import check, prepare
+from handcart.networks.run import execute
+from handcart.primitives.move_to import MoveTo
+from handcart.primitives.outcome import Success
+from handcart.robotics.navigation.grid_map import GridMap, from_boxes
 
 TASK = Path(__file__).resolve().parents[1] / "tasks" / "drive_map" / "task.yaml"
 CELLS = (0.05, 0.05, 0.1, 0.15, 0.2, 0.25)  # [m]
-ROOM, FINE, UNSURE = 0.04, 0.05, 0.5  # what `check` asks for; see robotics.navigation.ways
+ROOM, FINE, UNSURE = 0.04, 0.05, 0.5  # what `check` asks for; see handcart.robotics.navigation.ways
 NEAR, TOO_NEAR, TRIED = 6, 2, 4000
 WALL = 0.1  # [m] thick
 SURPRISED = 5  # every so many worlds hold boxes that aren't on the map
@@ -336,8 +336,8 @@ def _try_nearer(room: Room, folder: Path, settings: dict[str, str], told: Told) 
 
 
 def _home(folder: Path) -> tuple[float, float, float]:
-    from files.loading import load
-    from primitives.knowledge import Places
+    from handcart.files.loading import load
+    from handcart.primitives.knowledge import Places
 
     home = load(folder / "places.yaml", Places).places["home"]
     return home.x_m, home.y_m, home.heading_deg

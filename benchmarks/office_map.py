@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from robotics.navigation.grid_map import GridMap, from_boxes
+from handcart.robotics.navigation.grid_map import GridMap, from_boxes
 
 WALL = 0.1
 Boxes = list[tuple[float, float, float, float, float]]

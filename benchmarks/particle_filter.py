@@ -20,8 +20,8 @@ from numpy.typing import NDArray
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
-from robotics.geometry.pose2 import Pose2
-from robotics.navigation.particle_filter import ParticleFilter
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.navigation.particle_filter import ParticleFilter
 
 COUNT, TURNS, EACH = 1024, 60, 20
 LEVEL = np.array([0.0, 0.0, 9.81])

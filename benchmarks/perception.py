@@ -21,13 +21,13 @@ from numpy.typing import NDArray
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
-from backends.scene.textures import draw_spine, label_fonts
-from robotics.geometry.transform import inverse, transform
-from robotics.perception.call_number import CallNumber, parse, snap
-from robotics.perception.camera_model import CameraModel, plane_to_rays
-from robotics.perception.label_reader import Label
-from robotics.perception.ocr_label_reader import OcrLabelReader
-from robotics.perception.shelf_views import fuse_labels
+from handcart.backends.scene.textures import draw_spine, label_fonts
+from handcart.robotics.geometry.transform import inverse, transform
+from handcart.robotics.perception.call_number import CallNumber, parse, snap
+from handcart.robotics.perception.camera_model import CameraModel, plane_to_rays
+from handcart.robotics.perception.label_reader import Label
+from handcart.robotics.perception.ocr_label_reader import OcrLabelReader
+from handcart.robotics.perception.shelf_views import fuse_labels
 
 CAMERA = CameraModel(
     np.array([[800.0, 0.0, 319.5], [0.0, 800.0, 239.5], [0.0, 0.0, 1.0]]),

@@ -16,19 +16,19 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from robotics.manipulation.directional_manipulability import top_speed, top_speed_by_program
-from robotics.manipulation.pitch_arm import PitchArm
-from robotics.manipulation.placement_bound import score_bound
-from robotics.manipulation.placement_division import (
+from handcart.robotics.manipulation.directional_manipulability import top_speed, top_speed_by_program
+from handcart.robotics.manipulation.pitch_arm import PitchArm
+from handcart.robotics.manipulation.placement_bound import score_bound
+from handcart.robotics.manipulation.placement_division import (
     Division,
     best_division,
     best_division_by_cost,
     greedy_division,
 )
-from robotics.manipulation.placement_refinement import refine
-from robotics.manipulation.planar_arm import PlanarArm
-from robotics.manipulation.score_rule import Measure, ScoreRule
-from robotics.manipulation.tool_path import ToolPath, tool_path
+from handcart.robotics.manipulation.placement_refinement import refine
+from handcart.robotics.manipulation.planar_arm import PlanarArm
+from handcart.robotics.manipulation.score_rule import Measure, ScoreRule
+from handcart.robotics.manipulation.tool_path import ToolPath, tool_path
 
 Floats = NDArray[np.float64]
 

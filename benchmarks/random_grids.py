@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from scipy import ndimage
 from scipy.spatial import cKDTree
 
-from robotics.navigation.grid_map import GridMap, from_boxes
+from handcart.robotics.navigation.grid_map import GridMap, from_boxes
 
 NEAREST = 12  # centres that are looked at first
 DIAGONAL = math.sqrt(0.5) - 0.5 + 1e-9  # [cells] that squares' distances may differ more than their centres'

@@ -10,7 +10,7 @@ import tempfile
 import time
 from pathlib import Path
 
-from evaluation.running import run_task
+from handcart.evaluation.running import run_task
 
 TASK = Path(__file__).parent.parent / "tasks" / "return_book" / "task.yaml"
 

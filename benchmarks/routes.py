@@ -29,10 +29,10 @@ from skimage.graph import MCP_Geometric
 from benchmarks.navigation import length_and_room, real_maps
 from benchmarks.office_map import office_map
 from benchmarks.random_grids import distance_to_squares, random_grid, rooms, streets
-from robotics.navigation.grid_map import GridMap
-from robotics.navigation.route import Route, plan_route
-from robotics.navigation.shortest_path import shortest_clear_path
-from robotics.navigation.voronoi_graph import VoronoiGraph, voronoi_graph
+from handcart.robotics.navigation.grid_map import GridMap
+from handcart.robotics.navigation.route import Route, plan_route
+from handcart.robotics.navigation.shortest_path import shortest_clear_path
+from handcart.robotics.navigation.voronoi_graph import VoronoiGraph, voronoi_graph
 
 ROUNDING = 1e-9  # [m]
 PER_ROUTE = 200  # samples

@@ -16,8 +16,8 @@ from typing import NamedTuple
 from rich.console import Console
 from rich.progress import track
 
-from evaluation.stacking_experiment import TRIALS, experiments_of, run_trials
-from evaluation.stacking_plots import plot_against_motion, plot_by_block
+from handcart.evaluation.stacking_experiment import TRIALS, experiments_of, run_trials
+from handcart.evaluation.stacking_plots import plot_against_motion, plot_by_block
 
 TASKS = Path(__file__).parent.parent / "tasks"
 UNLOAD, WHOLE = TASKS / "stack_blocks" / "unload.yaml", TASKS / "stack_blocks" / "task.yaml"

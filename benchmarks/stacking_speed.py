@@ -13,11 +13,11 @@ from pathlib import Path
 
 import cv2
 
-from evaluation.running import run_task
-from evaluation.stage import StageFiles, set_stage
-from primitives.fixate import Fixate
-from primitives.outcome import Success
-from robotics.perception.landmark_finder import find_landmarks
+from handcart.evaluation.running import run_task
+from handcart.evaluation.stage import StageFiles, set_stage
+from handcart.primitives.fixate import Fixate
+from handcart.primitives.outcome import Success
+from handcart.robotics.perception.landmark_finder import find_landmarks
 
 TASK = Path(__file__).parent.parent / "tasks" / "stack_blocks"
 

@@ -18,14 +18,14 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from backends.robot_file import load_robot
-from evaluation.judge import Judge
-from evaluation.moving_tracking import Feedback, MovingTracking
-from evaluation.placement_plots import draw_tracking_errors
-from networks.permits import Permits
-from networks.preparing import prepare
-from networks.run import execute
-from primitives.seam_file import load_seam
+from handcart.backends.robot_file import load_robot
+from handcart.evaluation.judge import Judge
+from handcart.evaluation.moving_tracking import Feedback, MovingTracking
+from handcart.evaluation.placement_plots import draw_tracking_errors
+from handcart.networks.permits import Permits
+from handcart.networks.preparing import prepare
+from handcart.networks.run import execute
+from handcart.primitives.seam_file import load_seam
 
 TASK = Path(__file__).parent.parent / "tasks" / "track_seam"
 MOVING = {

@@ -24,11 +24,11 @@ from rich.console import Console
 from rich.progress import track
 from ruamel.yaml import YAML
 
-from evaluation.ground_truth import scene_of
-from evaluation.stage import AT_THE_WALL, StageFiles, set_stage
-from primitives.fixate import Fixate
-from primitives.outcome import Success
-from robotics.geometry.pose2 import Pose2
+from handcart.evaluation.ground_truth import scene_of
+from handcart.evaluation.stage import AT_THE_WALL, StageFiles, set_stage
+from handcart.primitives.fixate import Fixate
+from handcart.primitives.outcome import Success
+from handcart.robotics.geometry.pose2 import Pose2
 
 TASK = AT_THE_WALL.world.parent
 HEIGHT = 0.4

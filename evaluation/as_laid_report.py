@@ -12,14 +12,14 @@ import numpy as np
 import orjson
 from numpy.typing import NDArray
 
-from backends.robot import Robot
-from files.whole_file import write_whole
-from networks.preparing import Prepared
-from primitives.earth_frame import EarthFrame
-from primitives.target import Laid
-from primitives.world_model import WorldModel
-from robotics.geometry.pose2 import Pose2
-from robotics.navigation.gps_filter import GpsFilter
+from handcart.backends.robot import Robot
+from handcart.files.whole_file import write_whole
+from handcart.networks.preparing import Prepared
+from handcart.primitives.earth_frame import EarthFrame
+from handcart.primitives.target import Laid
+from handcart.primitives.world_model import WorldModel
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.navigation.gps_filter import GpsFilter
 
 SHARE = 0.95
 CORNERS = 36  # of an ellipse

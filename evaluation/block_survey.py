@@ -9,11 +9,11 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from backends.scene.suspension import leaning
-from primitives.building import Building, Slot
-from primitives.world_model import Fixed, WorldModel
-from robotics.geometry.pose2 import Pose2
-from robotics.geometry.transform import inverse, transform
+from handcart.backends.scene.suspension import leaning
+from handcart.primitives.building import Building, Slot
+from handcart.primitives.world_model import Fixed, WorldModel
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.geometry.transform import inverse, transform
 
 SCALE_MM = 0.5  # of the paper's readings
 FALLEN_MM = 30.0  # further away from its goal a block counts as not placed

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import can
 
-from files.errors import InputError
+from handcart.files.errors import InputError
 
 MOST = 2_000_000
 """Frames that are read at most."""

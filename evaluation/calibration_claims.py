@@ -8,11 +8,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from backends.mounted_camera import stated_camera
-from backends.robot_file import RobotFile
-from backends.scene.true_camera import true_camera
-from primitives.calibrated import Calibrated
-from robotics.geometry.transform import inverse
+from handcart.backends.mounted_camera import stated_camera
+from handcart.backends.robot_file import RobotFile
+from handcart.backends.scene.true_camera import true_camera
+from handcart.primitives.calibrated import Calibrated
+from handcart.robotics.geometry.transform import inverse
 
 from .sensor_sigmas import SIGMAS
 

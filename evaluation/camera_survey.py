@@ -7,13 +7,13 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from backends.mounted_camera import MountedCamera, known_camera
-from backends.scene.true_camera import true_camera
-from backends.sensor_specs import CalibratedCamera, CameraSpec
-from backends.simulated_errors import Errors
-from primitives.calibrated import Calibrated
-from robotics.geometry.transform import apply, difference
-from robotics.kinematics.arm_model import ArmModel
+from handcart.backends.mounted_camera import MountedCamera, known_camera
+from handcart.backends.scene.true_camera import true_camera
+from handcart.backends.sensor_specs import CalibratedCamera, CameraSpec
+from handcart.backends.simulated_errors import Errors
+from handcart.primitives.calibrated import Calibrated
+from handcart.robotics.geometry.transform import apply, difference
+from handcart.robotics.kinematics.arm_model import ArmModel
 
 AWAY = 0.3  # [m] from the camera, where blocks and landmarks are looked at
 _COLUMNS, _ROWS = 17, 13

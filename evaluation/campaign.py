@@ -20,8 +20,8 @@ from typing import Any
 import numpy as np
 from scipy.stats import binomtest
 
-from networks.interrupts import Interrupts
-from networks.supervision import INTERRUPTED
+from handcart.networks.interrupts import Interrupts
+from handcart.networks.supervision import INTERRUPTED
 
 from .library_generator import make_library
 from .running import run_task

@@ -7,11 +7,11 @@ from typing import Any
 
 import numpy as np
 
-from backends.robot import Robot
-from backends.scene.arm_contact import HELD
-from primitives.action_primitive import ActionPrimitive
-from primitives.meant_contact import RobotPart
-from primitives.world_model import WorldModel
+from handcart.backends.robot import Robot
+from handcart.backends.scene.arm_contact import HELD
+from handcart.primitives.action_primitive import ActionPrimitive
+from handcart.primitives.meant_contact import RobotPart
+from handcart.primitives.world_model import WorldModel
 
 from .robot_links import RobotLinks
 

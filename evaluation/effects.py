@@ -8,14 +8,14 @@ from typing import Any
 
 import numpy as np
 
-from backends.robot import Robot
-from primitives.action_primitive import ActionPrimitive
-from primitives.move_to import ARRIVED, DOCKED
-from primitives.stack import MOST_OFF
-from primitives.world_model import WorldModel
-from robotics.geometry.transform import inverse
-from robotics.navigation.pose_regulator import PoseTolerance
-from robotics.perception.call_number import parse
+from handcart.backends.robot import Robot
+from handcart.primitives.action_primitive import ActionPrimitive
+from handcart.primitives.move_to import ARRIVED, DOCKED
+from handcart.primitives.stack import MOST_OFF
+from handcart.primitives.world_model import WorldModel
+from handcart.robotics.geometry.transform import inverse
+from handcart.robotics.navigation.pose_regulator import PoseTolerance
+from handcart.robotics.perception.call_number import parse
 
 from .ground_truth import GroundTruth, disturbed, ground_truth, scene_of
 from .sensor_sigmas import SIGMAS

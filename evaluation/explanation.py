@@ -9,13 +9,13 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from files.errors import HandcartError, InputError
-from networks.evidence_files import FOLDER
-from networks.flight_recorder import END, SUFFIX
-from networks.hindsight import Choice, Option, Way, choice_of
-from networks.journal_record import JournalError
-from networks.past_run import PastAction, PastRun
-from networks.run_folder import JOURNAL
+from handcart.files.errors import HandcartError, InputError
+from handcart.networks.evidence_files import FOLDER
+from handcart.networks.flight_recorder import END, SUFFIX
+from handcart.networks.hindsight import Choice, Option, Way, choice_of
+from handcart.networks.journal_record import JournalError
+from handcart.networks.past_run import PastAction, PastRun
+from handcart.networks.run_folder import JOURNAL
 
 FRAMES = "_frames.log"
 

@@ -12,9 +12,9 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from files.errors import HandcartError
-from networks.flight_recorder import Readings, load_arrays, load_readings
-from robotics.geometry.pose2 import Pose2
+from handcart.files.errors import HandcartError
+from handcart.networks.flight_recorder import Readings, load_arrays, load_readings
+from handcart.robotics.geometry.pose2 import Pose2
 
 from .explanation import Explanation
 from .explanation_words import cause_words

@@ -9,11 +9,11 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from backends.gps import Gps
-from backends.robot import Robot
-from primitives.target import Laid
-from primitives.world_model import WorldModel
-from robotics.navigation.placement_errors import aligned_spread, nees
+from handcart.backends.gps import Gps
+from handcart.backends.robot import Robot
+from handcart.primitives.target import Laid
+from handcart.primitives.world_model import WorldModel
+from handcart.robotics.navigation.placement_errors import aligned_spread, nees
 
 from .survey_notes import SurveyNotes
 from .total_station import Sight, TotalStation

@@ -6,7 +6,7 @@ from io import BytesIO
 from pathlib import Path
 from typing import Any
 
-from files.whole_file import write_whole
+from handcart.files.whole_file import write_whole
 
 
 def save_figure(figure: Any, path: Path, **options: Any) -> None:

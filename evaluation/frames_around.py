@@ -11,9 +11,9 @@ from typing import NamedTuple
 
 from pydantic import ValidationError
 
-from backends.can.frame_log import NAMES
-from backends.can.frame_names import FrameNames
-from backends.can.frame_words import FrameWords, Told
+from handcart.backends.can.frame_log import NAMES
+from handcart.backends.can.frame_names import FrameNames
+from handcart.backends.can.frame_words import FrameWords, Told
 
 from .bus_log import read_log
 

@@ -15,12 +15,12 @@ from pathlib import Path
 import numpy as np
 from PIL import Image
 
-from backends.map_file import load_map
-from backends.robot_file import load_robot
-from primitives.field import Field
-from primitives.seam_file import COLUMNS, load_seam
-from primitives.target_list import load_targets
-from robotics.geometry.pose2 import Pose2
+from handcart.backends.map_file import load_map
+from handcart.backends.robot_file import load_robot
+from handcart.primitives.field import Field
+from handcart.primitives.seam_file import COLUMNS, load_seam
+from handcart.primitives.target_list import load_targets
+from handcart.robotics.geometry.pose2 import Pose2
 
 from .fuzzed_files import ROBOT, Failure, why_not
 

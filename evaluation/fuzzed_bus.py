@@ -10,16 +10,16 @@ from dataclasses import dataclass
 
 import can
 
-from backends.arm import Arm
-from backends.base import Base
-from backends.can.axis import ENABLED
-from backends.can.can_backend import CanBackend
-from backends.can.errors import CanFault
-from backends.can.frame_names import FrameNames
-from backends.can.frame_words import FrameWords
-from backends.can.simulated.bench import Bench
-from backends.can.simulated.bench_bus import BenchBus
-from backends.robot_file import RobotFile, load_robot
+from handcart.backends.arm import Arm
+from handcart.backends.base import Base
+from handcart.backends.can.axis import ENABLED
+from handcart.backends.can.can_backend import CanBackend
+from handcart.backends.can.errors import CanFault
+from handcart.backends.can.frame_names import FrameNames
+from handcart.backends.can.frame_words import FrameWords
+from handcart.backends.can.simulated.bench import Bench
+from handcart.backends.can.simulated.bench_bus import BenchBus
+from handcart.backends.robot_file import RobotFile, load_robot
 
 PHASES = ("set-up", "enabling", "driving", "stop", "closing", "all")
 """When the bus is noisy."""

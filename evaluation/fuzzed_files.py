@@ -13,7 +13,7 @@ from hashlib import blake2b
 from pathlib import Path
 from types import FrameType
 
-from files.errors import HandcartError
+from handcart.files.errors import HandcartError
 
 LIBRARY = Path(__file__).parent.parent / "tasks" / "return_book"
 ROBOT = Path(__file__).parent.parent / "backends" / "robots" / "librarian"

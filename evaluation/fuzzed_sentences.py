@@ -9,10 +9,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from backends.can.sensors.nmea_gps import NmeaGps
-from backends.can.sensors.sensor_lines import checksum
-from backends.can_sensor_spec import GpsSource
-from backends.gps import Fix
+from handcart.backends.can.sensors.nmea_gps import NmeaGps
+from handcart.backends.can.sensors.sensor_lines import checksum
+from handcart.backends.can_sensor_spec import GpsSource
+from handcart.backends.gps import Fix
 
 LATE = 2.0  # [s] that a sentence may be late, or ahead
 _BATCH = 1000  # sentences between two accounts

@@ -10,10 +10,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from backends.backend import Backend
-from backends.robot_file import RobotFile
-from robotics.geometry.pose2 import Pose2
-from robotics.geometry.transform import Transform, difference, inverse
+from handcart.backends.backend import Backend
+from handcart.backends.robot_file import RobotFile
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.geometry.transform import Transform, difference, inverse
 
 from .sensor_sigmas import (
     BASE_SIGMA_DEG,

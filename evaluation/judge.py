@@ -5,12 +5,12 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-from backends.robot import Robot
-from networks.events import Ended, Event, Started
-from networks.preparing import Prepared
-from networks.run_end import RunEnd
-from networks.telemetry import Telemetry
-from primitives.outcome import Fail, Success
+from handcart.backends.robot import Robot
+from handcart.networks.events import Ended, Event, Started
+from handcart.networks.preparing import Prepared
+from handcart.networks.run_end import RunEnd
+from handcart.networks.telemetry import Telemetry
+from handcart.primitives.outcome import Fail, Success
 
 from .block_survey import BlockSurvey
 from .calibration_claims import camera_faults, suspension_faults

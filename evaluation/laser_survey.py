@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from backends.robot import Robot
-from robotics.geometry.transform import Transform, transform
-from robotics.manipulation.laser_spot import Rates, SpotShift, fit_spots, spot_on_wall
+from handcart.backends.robot import Robot
+from handcart.robotics.geometry.transform import Transform, transform
+from handcart.robotics.manipulation.laser_spot import Rates, SpotShift, fit_spots, spot_on_wall
 
 DISTANCE = 2.0  # [m] from the pointers to the walls
 SCALE = 0.001  # [m] of the ruler

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from robotics.perception.call_number import parse
+from handcart.robotics.perception.call_number import parse
 
 from .library_room import CLEAR
 

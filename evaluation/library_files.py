@@ -7,8 +7,8 @@ from pathlib import Path
 
 import numpy as np
 
-from files.whole_file import write_whole
-from robotics.geometry.pose2 import Pose2
+from handcart.files.whole_file import write_whole
+from handcart.robotics.geometry.pose2 import Pose2
 
 from .library_books import GeneratedBook
 from .library_generator import RESOLUTION, Library, place_before

@@ -9,11 +9,11 @@ from typing import Literal, get_args
 import numpy as np
 from numpy.typing import NDArray
 
-from files.errors import InputError
-from robotics.geometry.pose2 import Pose2
-from robotics.navigation.grid_map import Box, GridMap, from_boxes
-from robotics.navigation.route import plan_route
-from robotics.navigation.voronoi_graph import voronoi_graph
+from handcart.files.errors import InputError
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.navigation.grid_map import Box, GridMap, from_boxes
+from handcart.robotics.navigation.route import plan_route
+from handcart.robotics.navigation.voronoi_graph import voronoi_graph
 
 from .library_books import GeneratedBook, Row, make_row
 from .library_room import DEPTH, FURNITURE, HOME, OUTER, SHELF_DEPTH, SHELVES, STAND_OFF, WIDTH

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from robotics.geometry.pose2 import Pose2
+from handcart.robotics.geometry.pose2 import Pose2
 
 WIDTH, DEPTH = 9.0, 7.0  # [m]
 STAND_OFF = 0.47  # [m] from the base's centre to a shelf's front

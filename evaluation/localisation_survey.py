@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 from typing import Any
 
-from backends.robot import Robot
+from handcart.backends.robot import Robot
 
 
 @dataclass

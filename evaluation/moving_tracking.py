@@ -16,13 +16,13 @@ from scipy.linalg import expm, solve_discrete_are
 from scipy.signal import lfilter
 from scipy.spatial.transform import Rotation, Slerp
 
-from backends.robot_file import RobotFile
-from backends.scene.arm_error import ArmError
-from primitives.seam_room import work_of, working_arm
-from robotics.geometry.pose2 import Pose2
-from robotics.geometry.transform import inverse
-from robotics.manipulation.placer import Placer
-from robotics.manipulation.tool_path import ToolPath
+from handcart.backends.robot_file import RobotFile
+from handcart.backends.scene.arm_error import ArmError
+from handcart.primitives.seam_room import work_of, working_arm
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.geometry.transform import inverse
+from handcart.robotics.manipulation.placer import Placer
+from handcart.robotics.manipulation.tool_path import ToolPath
 
 DISTANCE = 1.0  # [m] from the base's way to the seam
 AHEAD = 0.35  # [m] by which the base stays behind the tool

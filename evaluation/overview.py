@@ -11,13 +11,13 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from networks.evidence_files import FOLDER
-from networks.flight_recorder import SUFFIX
-from networks.journal_record import read_journal
-from networks.telemetry import Track, load_track
-from primitives.knowledge import Place
-from robotics.navigation.grid_map import GridMap
-from robotics.navigation.voronoi_graph import voronoi_graph
+from handcart.networks.evidence_files import FOLDER
+from handcart.networks.flight_recorder import SUFFIX
+from handcart.networks.journal_record import read_journal
+from handcart.networks.telemetry import Track, load_track
+from handcart.primitives.knowledge import Place
+from handcart.robotics.navigation.grid_map import GridMap
+from handcart.robotics.navigation.voronoi_graph import voronoi_graph
 
 from .figure_file import save_figure
 from .legend import add_legend

@@ -8,7 +8,7 @@ from typing import Any
 import cv2
 from numpy.typing import NDArray
 
-from files.whole_file import write_whole
+from handcart.files.whole_file import write_whole
 
 
 def write_png(path: Path, picture: NDArray[Any]) -> None:

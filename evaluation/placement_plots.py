@@ -9,10 +9,10 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from robotics.manipulation.pitch_arm import PitchArm
-from robotics.manipulation.placement_division import Division
-from robotics.manipulation.planar_arm import PlanarArm
-from robotics.manipulation.tool_path import ToolPath
+from handcart.robotics.manipulation.pitch_arm import PitchArm
+from handcart.robotics.manipulation.placement_division import Division
+from handcart.robotics.manipulation.planar_arm import PlanarArm
+from handcart.robotics.manipulation.tool_path import ToolPath
 
 from .figure_file import save_figure
 

@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 
-from backends.scene.arm_contact import HELD
-from primitives.meant_contact import RobotPart
-from robotics.kinematics.arm_model import ArmModel
+from handcart.backends.scene.arm_contact import HELD
+from handcart.primitives.meant_contact import RobotPart
+from handcart.robotics.kinematics.arm_model import ArmModel
 
 FINGERS = "fingers"  # both together, as one that pushes books
 

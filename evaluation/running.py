@@ -10,22 +10,22 @@ from typing import Any, Protocol
 
 import orjson
 
-from backends.robot import Robot
-from files.errors import HandcartError
-from files.printable import printable
-from networks.events import Event, Observer
-from networks.interrupts import Interrupts
-from networks.permits import Permits
-from networks.preparing import Prepared, beginning_at, prepare
-from networks.recon import reconnoitre, standing_as_left
-from networks.resuming import NothingToResume as NothingToResume
-from networks.resuming import Past, read_past, task_of
-from networks.retracing import NeedsOperator
-from networks.robot_claim import claimed
-from networks.run import Onlooker, execute
-from networks.run_header import boot_id, robot_fingerprint
-from networks.syncing import sync_for
-from networks.task_file import load_task
+from handcart.backends.robot import Robot
+from handcart.files.errors import HandcartError
+from handcart.files.printable import printable
+from handcart.networks.events import Event, Observer
+from handcart.networks.interrupts import Interrupts
+from handcart.networks.permits import Permits
+from handcart.networks.preparing import Prepared, beginning_at, prepare
+from handcart.networks.recon import reconnoitre, standing_as_left
+from handcart.networks.resuming import NothingToResume as NothingToResume
+from handcart.networks.resuming import Past, read_past, task_of
+from handcart.networks.retracing import NeedsOperator
+from handcart.networks.robot_claim import claimed
+from handcart.networks.run import Onlooker, execute
+from handcart.networks.run_header import boot_id, robot_fingerprint
+from handcart.networks.syncing import sync_for
+from handcart.networks.task_file import load_task
 
 from .judge import Judge
 

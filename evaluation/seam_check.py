@@ -4,15 +4,15 @@ from __future__ import annotations
 
 from typing import Any
 
-from backends.robot_file import load_robot
-from files.errors import FileError
-from networks.preparing import load_model, start_pose
-from networks.task_file import Task
-from primitives.discrepancy import Discrepancy
-from primitives.divide import Divide
-from primitives.seam_file import untrackable
-from primitives.seam_room import SeamRoom, placer_of
-from robotics.manipulation.untrackable import Untrackable
+from handcart.backends.robot_file import load_robot
+from handcart.files.errors import FileError
+from handcart.networks.preparing import load_model, start_pose
+from handcart.networks.task_file import Task
+from handcart.primitives.discrepancy import Discrepancy
+from handcart.primitives.divide import Divide
+from handcart.primitives.seam_file import untrackable
+from handcart.primitives.seam_room import SeamRoom, placer_of
+from handcart.robotics.manipulation.untrackable import Untrackable
 
 
 def seam_facts(task: Task) -> dict[str, Any]:

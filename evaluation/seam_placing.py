@@ -9,20 +9,20 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from backends.robot_file import RobotFile
-from files.errors import InputError
-from files.whole_file import write_whole
-from primitives.discrepancy import Discrepancy
-from primitives.seam_file import load_seam, untrackable
-from primitives.seam_room import SeamRoom, placer_of
-from primitives.work_piece import WorkBox, WorkPiece
-from robotics.geometry.pose2 import Pose2
-from robotics.manipulation.placement_division import Division
-from robotics.manipulation.placer import Placements, Placer
-from robotics.manipulation.tool_path import ToolPath
-from robotics.manipulation.untrackable import Untrackable
-from robotics.navigation.grid_map import GridMap, from_boxes
-from robotics.navigation.ways import ROOM_AT_GOAL
+from handcart.backends.robot_file import RobotFile
+from handcart.files.errors import InputError
+from handcart.files.whole_file import write_whole
+from handcart.primitives.discrepancy import Discrepancy
+from handcart.primitives.seam_file import load_seam, untrackable
+from handcart.primitives.seam_room import SeamRoom, placer_of
+from handcart.primitives.work_piece import WorkBox, WorkPiece
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.manipulation.placement_division import Division
+from handcart.robotics.manipulation.placer import Placements, Placer
+from handcart.robotics.manipulation.tool_path import ToolPath
+from handcart.robotics.manipulation.untrackable import Untrackable
+from handcart.robotics.navigation.grid_map import GridMap, from_boxes
+from handcart.robotics.navigation.ways import ROOM_AT_GOAL
 
 from .picture_file import write_png
 from .placement_plots import DividedPath, draw_divisions

@@ -8,14 +8,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from backends.robot import Robot
-from primitives.action_primitive import ActionPrimitive
-from primitives.outcome import Outcome, Success
-from primitives.seam_room import working_arm
-from primitives.track import MOST_OFF, Track
-from primitives.world_model import WorldModel
-from robotics.manipulation.tool_path import ToolPath
-from robotics.manipulation.tracking_limits import ArmLoad, LimitUse
+from handcart.backends.robot import Robot
+from handcart.primitives.action_primitive import ActionPrimitive
+from handcart.primitives.outcome import Outcome, Success
+from handcart.primitives.seam_room import working_arm
+from handcart.primitives.track import MOST_OFF, Track
+from handcart.primitives.world_model import WorldModel
+from handcart.robotics.manipulation.tool_path import ToolPath
+from handcart.robotics.manipulation.tracking_limits import ArmLoad, LimitUse
 
 Floats = NDArray[np.float64]
 

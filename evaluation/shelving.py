@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
-from robotics.perception.call_number import CallNumber, parse
+from handcart.robotics.perception.call_number import CallNumber, parse
 
 MOST_PROUD_MM = 10.0
 MOST_PUSHED_MM = 10.0

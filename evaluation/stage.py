@@ -9,20 +9,20 @@ from typing import Literal
 
 import numpy as np
 
-from backends.backend import Backend
-from backends.registry import make_backend
-from backends.robot import MissingCapability, Robot
-from backends.robot_file import load_robot
-from files.errors import InputError
-from files.loading import load
-from files.suggest import suggest
-from primitives.action_primitive import ActionPrimitive
-from primitives.attempt import attempt
-from primitives.building import Building
-from primitives.knowledge import Catalogue, load_map
-from primitives.outcome import Outcome
-from primitives.place_file import load_places
-from primitives.world_model import WorldModel
+from handcart.backends.backend import Backend
+from handcart.backends.registry import make_backend
+from handcart.backends.robot import MissingCapability, Robot
+from handcart.backends.robot_file import load_robot
+from handcart.files.errors import InputError
+from handcart.files.loading import load
+from handcart.files.suggest import suggest
+from handcart.primitives.action_primitive import ActionPrimitive
+from handcart.primitives.attempt import attempt
+from handcart.primitives.building import Building
+from handcart.primitives.knowledge import Catalogue, load_map
+from handcart.primitives.outcome import Outcome
+from handcart.primitives.place_file import load_places
+from handcart.primitives.world_model import WorldModel
 
 NO_BOOKS: Literal["handcart-catalogue/1"] = "handcart-catalogue/1"
 LIBRARY = Path(__file__).parent.parent / "tasks" / "return_book"

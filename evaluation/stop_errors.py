@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from networks.events import Ended
-from robotics.geometry.transform import inverse
+from handcart.networks.events import Ended
+from handcart.robotics.geometry.transform import inverse
 
 from .library_room import STAND_OFF
 

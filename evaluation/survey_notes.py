@@ -9,7 +9,7 @@ from typing import Any
 
 import orjson
 
-from files.whole_file import write_whole
+from handcart.files.whole_file import write_whole
 
 
 class SurveyNotes:

@@ -7,10 +7,10 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from backends.scene.keyed_noise import keyed
-from backends.scene.world_file import StationSpec
-from robotics.geometry.transform import inverse
-from robotics.kinematics.shapes import Box
+from handcart.backends.scene.keyed_noise import keyed
+from handcart.backends.scene.world_file import StationSpec
+from handcart.robotics.geometry.transform import inverse
+from handcart.robotics.kinematics.shapes import Box
 
 REFLECTOR = 0.06  # [m] above the frame `hand`
 Array = NDArray[np.float64]

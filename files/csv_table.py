@@ -8,8 +8,8 @@ from itertools import accumulate
 from pathlib import Path
 from typing import NamedTuple
 
-from files.errors import FileError, Finding
-from files.regular_file import BYTE_ORDER_MARK, decode_text, read_regular_file
+from handcart.files.errors import FileError, Finding
+from handcart.files.regular_file import BYTE_ORDER_MARK, decode_text, read_regular_file
 
 MAX_BYTES = 1 << 22
 

@@ -12,7 +12,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import ClassVar
 
-from files.printable import printable
+from handcart.files.printable import printable
 
 
 class HandcartError(Exception):

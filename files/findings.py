@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable
 
-from files.errors import FileError, Finding
+from handcart.files.errors import FileError, Finding
 
 
 class Findings:

@@ -6,8 +6,8 @@ from typing import Annotated
 
 from pydantic import AfterValidator
 
-from files.errors import UnsafePath
-from files.printable import printable
+from handcart.files.errors import UnsafePath
+from handcart.files.printable import printable
 
 _LONGEST = 1024
 _LONGEST_NAME = 255  # bytes that a file system takes

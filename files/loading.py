@@ -8,12 +8,12 @@ from typing import Any, Generic, TypeVar
 
 from pydantic import TypeAdapter, ValidationError
 
-from files.errors import FileError, Finding
-from files.findings import Findings
-from files.model_findings import findings_of
-from files.settings import with_settings
-from files.yaml_document import Document, read_document
-from files.yaml_node import KeyPath
+from handcart.files.errors import FileError, Finding
+from handcart.files.findings import Findings
+from handcart.files.model_findings import findings_of
+from handcart.files.settings import with_settings
+from handcart.files.yaml_document import Document, read_document
+from handcart.files.yaml_node import KeyPath
 
 M = TypeVar("M")
 
@@ -30,7 +30,7 @@ class Loaded(Generic[M]):
         return self.document.finding(path, message, at_key=at_key)
 
     def refuse(self, path: KeyPath, message: str, *, at_key: bool = False) -> FileError:
-        """An error, to raise, with this one finding; `files.findings.Findings` collects several."""
+        """An error, to raise, with this one finding; `handcart.files.findings.Findings` collects several."""
         return FileError([self.finding(path, message, at_key=at_key)])
 
 

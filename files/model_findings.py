@@ -6,12 +6,12 @@ from typing import Any, get_args
 from pydantic import TypeAdapter, ValidationError
 from pydantic_core.core_schema import ErrorType
 
-from files.errors import Finding
-from files.schema_walk import Place, SchemaWalk
-from files.schema_words import described, names_of, shown
-from files.suggest import nearest, suggest
-from files.yaml_document import Document
-from files.yaml_node import KeyPath
+from handcart.files.errors import Finding
+from handcart.files.schema_walk import Place, SchemaWalk
+from handcart.files.schema_words import described, names_of, shown
+from handcart.files.suggest import nearest, suggest
+from handcart.files.yaml_document import Document
+from handcart.files.yaml_node import KeyPath
 
 # The value has not even the kind that this member of a union takes.
 _OTHER_KIND = frozenset(

@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from files.errors import FileError, Finding
-from files.regular_file import read_regular_file
+from handcart.files.errors import FileError, Finding
+from handcart.files.regular_file import read_regular_file
 
 if TYPE_CHECKING:
     from PIL.Image import Image

@@ -5,7 +5,7 @@ import re
 import stat
 from pathlib import Path
 
-from files.errors import FileError, Finding
+from handcart.files.errors import FileError, Finding
 
 MAX_LINE = 20_000
 """[characters]. The YAML parser takes 8 s for a tag that fills a line of 1 MiB: quadratic."""

@@ -9,7 +9,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from files.yaml_node import KeyPath
+from handcart.files.yaml_node import KeyPath
 
 Schema = Mapping[str, Any]
 _WRAPPERS = frozenset(

@@ -2,10 +2,10 @@
 
 from typing import Any
 
-from files.printable import clipped
-from files.schema_walk import Schema, SchemaWalk
-from files.suggest import listed
-from files.units import unit_of
+from handcart.files.printable import clipped
+from handcart.files.schema_walk import Schema, SchemaWalk
+from handcart.files.suggest import listed
+from handcart.files.units import unit_of
 
 _KINDS = {
     "str": "text",

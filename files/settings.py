@@ -2,13 +2,13 @@
 
 from collections.abc import Mapping
 
-from files.errors import FileError, Finding
-from files.findings import Findings
-from files.regular_file import decode_text
-from files.scalars import UnclearScalar, resolve_plain
-from files.suggest import suggest
-from files.yaml_document import Document, parse_document
-from files.yaml_node import KeyPath, Node
+from handcart.files.errors import FileError, Finding
+from handcart.files.findings import Findings
+from handcart.files.regular_file import decode_text
+from handcart.files.scalars import UnclearScalar, resolve_plain
+from handcart.files.suggest import suggest
+from handcart.files.yaml_document import Document, parse_document
+from handcart.files.yaml_node import KeyPath, Node
 
 SECTION: KeyPath = ("parameters",)
 """Where a task declares what may be set."""

@@ -8,9 +8,9 @@ from pathlib import Path
 from typing import NoReturn
 from xml.parsers import expat
 
-from files.errors import FileError, Finding
-from files.findings import Findings
-from files.regular_file import BYTE_ORDER_MARK, decode_text, read_regular_file
+from handcart.files.errors import FileError, Finding
+from handcart.files.findings import Findings
+from handcart.files.regular_file import BYTE_ORDER_MARK, decode_text, read_regular_file
 
 MAX_BYTES = 1 << 21  # ten times the largest maker's URDF that we know
 MAX_NODES = 50_000

@@ -6,11 +6,11 @@ into: the cost is bounded by the number of values allowed, whatever the file say
 
 from typing import Any
 
-from files.errors import FileError, Finding
-from files.findings import Findings
-from files.printable import clipped
-from files.scalars import Scalar, UnclearScalar, resolve_plain
-from files.yaml_node import Node
+from handcart.files.errors import FileError, Finding
+from handcart.files.findings import Findings
+from handcart.files.printable import clipped
+from handcart.files.scalars import Scalar, UnclearScalar, resolve_plain
+from handcart.files.yaml_node import Node
 
 MAX_DEPTH = 32
 _NODES = ("AliasEvent", "ScalarEvent", "SequenceStartEvent", "MappingStartEvent")

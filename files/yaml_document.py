@@ -13,12 +13,12 @@ from typing import Any
 from ruamel.yaml.error import YAMLError
 from yaml import YAMLError as FastYAMLError
 
-from files.errors import FileError, Finding
-from files.regular_file import decode_text, read_regular_file
-from files.yaml_builder import TreeBuilder
-from files.yaml_events import exact_events, fast_events
-from files.yaml_node import KeyPath, Node
-from files.yaml_syntax import syntax_error
+from handcart.files.errors import FileError, Finding
+from handcart.files.regular_file import decode_text, read_regular_file
+from handcart.files.yaml_builder import TreeBuilder
+from handcart.files.yaml_events import exact_events, fast_events
+from handcart.files.yaml_node import KeyPath, Node
+from handcart.files.yaml_syntax import syntax_error
 
 MAX_BYTES = 1 << 20
 MAX_NODES = 50_000

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, TypeAlias
 
-from files.scalars import Scalar
+from handcart.files.scalars import Scalar
 
 KeyPath: TypeAlias = tuple[str | int, ...]
 """The way from the root of a file to a value: keys and indices, `("books", 3, "width_mm")`."""

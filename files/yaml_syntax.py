@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from files.errors import FileError, Finding
+from handcart.files.errors import FileError, Finding
 
 _TOLD = (
     ("found character '\\t'", "a tab begins this line or word; allowed: spaces"),

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from files.errors import InputError
+from handcart.files.errors import InputError
 
 from .journal import Journal
 from .retracing import TORN

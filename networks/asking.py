@@ -14,8 +14,8 @@ from typing import Any
 
 import orjson
 
-from files.errors import HandcartError, InputError
-from files.printable import clipped, printable
+from handcart.files.errors import HandcartError, InputError
+from handcart.files.printable import clipped, printable
 
 from .journal_record import JournalError, read_journal
 from .socket_path import CONTROL, STOP, socket_path

@@ -9,8 +9,8 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from primitives.action_primitive import ActionPrimitive
-from primitives.world_model import UnknownFact, WorldModel
+from handcart.primitives.action_primitive import ActionPrimitive
+from handcart.primitives.world_model import UnknownFact, WorldModel
 
 
 class NotBound(Exception):

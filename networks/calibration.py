@@ -10,8 +10,8 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
-from files.model import FileModel
-from primitives.calibrated import Calibrated
+from handcart.files.model import FileModel
+from handcart.primitives.calibrated import Calibrated
 
 NAME = "calibration.yaml"
 _DIGITS = 3  # of a standard deviation: rounding then adds nothing to it

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from files.loading import load
-from files.whole_file import write_whole
-from primitives.outcome import Success
+from handcart.files.loading import load
+from handcart.files.whole_file import write_whole
+from handcart.primitives.outcome import Success
 
 from .calibration import NAME, Calibration, Value, rounded
 from .events import Ended, Event

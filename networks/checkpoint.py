@@ -8,9 +8,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from backends.saved_state import MAX_BYTES, NotAState, digest, pack, unpack
-from files.errors import HandcartError
-from files.printable import printable
+from handcart.backends.saved_state import MAX_BYTES, NotAState, digest, pack, unpack
+from handcart.files.errors import HandcartError
+from handcart.files.printable import printable
 
 from .journal import plain_json
 from .preparing import Prepared

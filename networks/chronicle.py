@@ -8,14 +8,14 @@ from typing import Any
 
 import orjson
 
-from backends.robot import Robot
-from primitives.action_primitive import ActionPrimitive
-from primitives.cause import Cause
-from primitives.evidence import Evidence
-from primitives.intents import Intents
-from primitives.outcome import Fail, GiveUp, Outcome, Success
-from primitives.snapshot import Snapshot
-from primitives.world_model import WorldModel
+from handcart.backends.robot import Robot
+from handcart.primitives.action_primitive import ActionPrimitive
+from handcart.primitives.cause import Cause
+from handcart.primitives.evidence import Evidence
+from handcart.primitives.intents import Intents
+from handcart.primitives.outcome import Fail, GiveUp, Outcome, Success
+from handcart.primitives.snapshot import Snapshot
+from handcart.primitives.world_model import WorldModel
 
 from .events import Ended, Event, LeftOut, NotStarted, Observer, Planned, Restoring, RunEnded, Started
 from .journal import Journal

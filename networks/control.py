@@ -13,7 +13,7 @@ from typing import Any
 
 import orjson
 
-from files.errors import InputError
+from handcart.files.errors import InputError
 
 from .asking import NotAlive as NotAlive
 from .asking import ask as ask

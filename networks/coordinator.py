@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable, Generator, Sequence
 from contextlib import suppress
 
-from backends.robot import Robot
-from primitives.action_primitive import ActionPrimitive
-from primitives.attempt import attempt
-from primitives.outcome import GiveUp, Outcome, Success
-from primitives.snapshot import Snapshot
-from primitives.world_model import WorldModel
+from handcart.backends.robot import Robot
+from handcart.primitives.action_primitive import ActionPrimitive
+from handcart.primitives.attempt import attempt
+from handcart.primitives.outcome import GiveUp, Outcome, Success
+from handcart.primitives.snapshot import Snapshot
+from handcart.primitives.world_model import WorldModel
 
 from .binding import NotBound
 from .chronicle import Chronicle, Keep

@@ -6,8 +6,8 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from primitives.action_primitive import ActionPrimitive
-from primitives.outcome import Outcome
+from handcart.primitives.action_primitive import ActionPrimitive
+from handcart.primitives.outcome import Outcome
 
 from .network import Action
 from .planner import NoWay, Plan

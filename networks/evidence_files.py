@@ -9,9 +9,9 @@ from typing import Any
 import cv2
 import numpy as np
 
-from files.whole_file import write_whole
-from primitives.evidence import Evidence
-from primitives.outcome import Outcome, Success
+from handcart.files.whole_file import write_whole
+from handcart.primitives.evidence import Evidence
+from handcart.primitives.outcome import Outcome, Success
 
 from .events import Ended, Event
 

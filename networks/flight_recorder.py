@@ -14,13 +14,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from backends.arm import Arm
-from backends.base import Base
-from backends.gripper import Gripper
-from backends.range_sensor import RangeSensor
-from backends.robot import Robot
-from files.whole_file import write_whole
-from primitives.outcome import Success
+from handcart.backends.arm import Arm
+from handcart.backends.base import Base
+from handcart.backends.gripper import Gripper
+from handcart.backends.range_sensor import RangeSensor
+from handcart.backends.robot import Robot
+from handcart.files.whole_file import write_whole
+from handcart.primitives.outcome import Success
 
 from .events import Ended, Event, Restoring, Started
 from .evidence_files import FOLDER, stem

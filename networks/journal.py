@@ -13,8 +13,8 @@ from typing import Any
 import orjson
 from pydantic import BaseModel
 
-from files.errors import InputError
-from files.printable import printable
+from handcart.files.errors import InputError
+from handcart.files.printable import printable
 
 from .journal_record import FIRST, JournalContents, JournalError, seal
 from .syncing import DiskSync, Sync

@@ -13,8 +13,8 @@ from typing import Any
 
 import orjson
 
-from files.errors import HandcartError
-from files.printable import printable
+from handcart.files.errors import HandcartError
+from handcart.files.printable import printable
 
 _BEGINS, _ENDS = re.compile(rb'\{"q":'), re.compile(rb'"crc":"[0-9a-f]{8}"\}\}')
 FIRST = ""

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
-from primitives.action_primitive import ActionPrimitive
+from handcart.primitives.action_primitive import ActionPrimitive
 
 from .binding import Binding
 from .network import Action, ActionNetwork, Situation

@@ -9,9 +9,9 @@ from typing import Any
 
 import numpy as np
 
-from backends.robot import Robot
-from primitives.snapshot import Snapshot, limits, residuals, take_snapshot
-from robotics.geometry.pose2 import Pose2
+from handcart.backends.robot import Robot
+from handcart.primitives.snapshot import Snapshot, limits, residuals, take_snapshot
+from handcart.robotics.geometry.pose2 import Pose2
 
 
 def measure(robot: Robot) -> Snapshot | None:

@@ -10,8 +10,8 @@ from types import MappingProxyType
 
 import networkx as nx
 
-from files.errors import InputError
-from files.suggest import suggest
+from handcart.files.errors import InputError
+from handcart.files.suggest import suggest
 
 from .binding import Binding
 

@@ -6,8 +6,8 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any
 
-from backends.robot import Robot
-from files.printable import clipped, printable
+from handcart.backends.robot import Robot
+from handcart.files.printable import clipped, printable
 
 from .control import Control, Message
 from .coordinator import Coordinator

@@ -6,10 +6,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
-from files.errors import FileError, Finding
-from files.findings import Findings
-from files.suggest import suggest
-from files.yaml_node import Node
+from handcart.files.errors import FileError, Finding
+from handcart.files.findings import Findings
+from handcart.files.suggest import suggest
+from handcart.files.yaml_node import Node
 
 LARGEST = 50_000
 """Values in a file with its parameters put in: two lists of references stand for millions."""

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
-from files.errors import Finding
-from files.findings import Findings
-from files.yaml_document import Document
-from files.yaml_node import Node
+from handcart.files.errors import Finding
+from handcart.files.findings import Findings
+from handcart.files.yaml_document import Document
+from handcart.files.yaml_node import Node
 
 from .parameter_values import ParameterValues, reference
 

@@ -7,10 +7,10 @@ from pathlib import Path
 
 import numpy as np
 
-from files.errors import Finding
-from files.loading import Loaded
-from primitives.knowledge import Place, Places
-from robotics.navigation.grid_map import GridMap
+from handcart.files.errors import Finding
+from handcart.files.loading import Loaded
+from handcart.primitives.knowledge import Place, Places
+from handcart.robotics.navigation.grid_map import GridMap
 
 
 def place_findings(places: Loaded[Places], grid: GridMap, chart: Path) -> Iterator[Finding]:

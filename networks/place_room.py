@@ -7,15 +7,15 @@ from collections.abc import Collection, Iterator
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
-from backends.base import Base
-from backends.robot_file import RobotFile
-from files.errors import Finding
-from files.loading import Loaded
-from primitives.knowledge import Places
-from primitives.place_file import load_places
-from primitives.world_model import WorldModel
-from robotics.geometry.pose2 import Pose2
-from robotics.navigation.ways import Way, Ways
+from handcart.backends.base import Base
+from handcart.backends.robot_file import RobotFile
+from handcart.files.errors import Finding
+from handcart.files.loading import Loaded
+from handcart.primitives.knowledge import Places
+from handcart.primitives.place_file import load_places
+from handcart.primitives.world_model import WorldModel
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.navigation.ways import Way, Ways
 
 from .network import Action
 from .primitive_parameters import named_entry

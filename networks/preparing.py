@@ -9,29 +9,29 @@ from typing import NamedTuple, TypeVar
 
 import numpy as np
 
-from backends.backend import Backend
-from backends.map_file import read_occupancy
-from backends.registry import UnknownBackend, backend_class, backend_names, check_world, make_backend
-from backends.robot import Robot
-from backends.robot_file import RobotFile, load_robot
-from files.errors import FileError, Finding, InputError
-from files.findings import Findings
-from files.loading import load
-from files.suggest import suggest
-from primitives.building import Building
-from primitives.field import Field
-from primitives.knowledge import Catalogue, Place, load_map
-from primitives.map_masks import keepout_findings, load_speed_limits
-from primitives.place_file import load_places
-from primitives.registry import primitive_class
-from primitives.seam_file import load_seam
-from primitives.target import Target
-from primitives.target_list import load_targets, place_of
-from primitives.work_piece import WorkPiece
-from primitives.world_model import WorldModel
-from robotics.geometry.pose2 import Pose2
-from robotics.navigation.grid_map import GridMap
-from robotics.navigation.keepout import with_keepout
+from handcart.backends.backend import Backend
+from handcart.backends.map_file import read_occupancy
+from handcart.backends.registry import UnknownBackend, backend_class, backend_names, check_world, make_backend
+from handcart.backends.robot import Robot
+from handcart.backends.robot_file import RobotFile, load_robot
+from handcart.files.errors import FileError, Finding, InputError
+from handcart.files.findings import Findings
+from handcart.files.loading import load
+from handcart.files.suggest import suggest
+from handcart.primitives.building import Building
+from handcart.primitives.field import Field
+from handcart.primitives.knowledge import Catalogue, Place, load_map
+from handcart.primitives.map_masks import keepout_findings, load_speed_limits
+from handcart.primitives.place_file import load_places
+from handcart.primitives.registry import primitive_class
+from handcart.primitives.seam_file import load_seam
+from handcart.primitives.target import Target
+from handcart.primitives.target_list import load_targets, place_of
+from handcart.primitives.work_piece import WorkPiece
+from handcart.primitives.world_model import WorldModel
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.navigation.grid_map import GridMap
+from handcart.robotics.navigation.keepout import with_keepout
 
 from .network import ActionNetwork
 from .place_findings import place_findings

@@ -12,15 +12,15 @@ from typing import Any
 from pydantic import TypeAdapter, create_model
 from pydantic.fields import FieldInfo
 
-from files.errors import FileError
-from files.findings import Findings
-from files.loading import load_part
-from files.suggest import suggest
-from files.yaml_document import Document
-from files.yaml_node import Node
-from primitives.action_primitive import ActionPrimitive
-from primitives.place_name import Names
-from primitives.world_model import UnknownFact, WorldModel
+from handcart.files.errors import FileError
+from handcart.files.findings import Findings
+from handcart.files.loading import load_part
+from handcart.files.suggest import suggest
+from handcart.files.yaml_document import Document
+from handcart.files.yaml_node import Node
+from handcart.primitives.action_primitive import ActionPrimitive
+from handcart.primitives.place_name import Names
+from handcart.primitives.world_model import UnknownFact, WorldModel
 
 from .binding import Binding
 from .parameter_values import reference

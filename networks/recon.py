@@ -7,9 +7,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
-from backends.joint_units import JointUnits
-from backends.robot import Robot
-from primitives.snapshot import Snapshot, limits, residuals, settle, take_snapshot
+from handcart.backends.joint_units import JointUnits
+from handcart.backends.robot import Robot
+from handcart.primitives.snapshot import Snapshot, limits, residuals, settle, take_snapshot
 
 from .measured import measured_fields
 from .preparing import Prepared

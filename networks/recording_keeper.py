@@ -5,9 +5,9 @@ from __future__ import annotations
 from pathlib import Path
 from types import TracebackType
 
-from backends.recording import Recording
-from backends.robot import Robot
-from primitives.outcome import Success
+from handcart.backends.recording import Recording
+from handcart.backends.robot import Robot
+from handcart.primitives.outcome import Success
 
 from .events import Ended, Event, Restoring
 from .evidence_files import FOLDER, stem

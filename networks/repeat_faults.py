@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from itertools import combinations
 
-from files.suggest import listed, suggest
-from files.yaml_node import KeyPath
+from handcart.files.suggest import listed, suggest
+from handcart.files.yaml_node import KeyPath
 
 from .network import Fact
 from .repetition import Repetition

@@ -8,9 +8,9 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from backends.arm import Arm
-from files.errors import InputError
-from files.printable import printable
+from handcart.backends.arm import Arm
+from handcart.files.errors import InputError
+from handcart.files.printable import printable
 
 from .checkpoint import NAME, Checkpoint, load_checkpoint
 from .journal import SCHEMA, check_not_alive
@@ -22,7 +22,7 @@ from .run_folder import JOURNAL, read_run_journal
 from .waiting import broken_off, may_have_begun
 
 if TYPE_CHECKING:
-    from backends.robot import Robot
+    from handcart.backends.robot import Robot
 
     from .recon import Recon
 

@@ -6,10 +6,10 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-from files.errors import HandcartError
-from files.printable import printable
-from primitives.outcome import Success
-from primitives.snapshot import Snapshot
+from handcart.files.errors import HandcartError
+from handcart.files.printable import printable
+from handcart.primitives.outcome import Success
+from handcart.primitives.snapshot import Snapshot
 
 from .events import Elsewhere
 from .measured import snapshot_of

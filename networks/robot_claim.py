@@ -8,9 +8,9 @@ import re
 from contextlib import AbstractContextManager, nullcontext
 from pathlib import Path
 
-from backends.backend import Backend
-from files.errors import InputError
-from files.printable import printable
+from handcart.backends.backend import Backend
+from handcart.files.errors import InputError
+from handcart.files.printable import printable
 
 from .journal_record import JournalError
 from .retracing import NeedsOperator

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from primitives.outcome import Fail, Outcome, Success
+from handcart.primitives.outcome import Fail, Outcome, Success
 
 from .events import Elsewhere, NotStarted
 from .network import Action, ActionNetwork

@@ -11,11 +11,11 @@ from typing import Any
 
 import orjson
 
-from backends.backend import RobotFault
-from backends.recording import Recording
-from backends.robot import Robot
-from files.errors import HandcartError
-from files.whole_file import write_whole
+from handcart.backends.backend import RobotFault
+from handcart.backends.recording import Recording
+from handcart.backends.robot import Robot
+from handcart.files.errors import HandcartError
+from handcart.files.whole_file import write_whole
 
 from .calibration_keeper import CalibrationKeeper
 from .checkpoint import CheckpointKeeper

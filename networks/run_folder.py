@@ -7,8 +7,8 @@ import stat
 from collections.abc import Iterator
 from pathlib import Path
 
-from files.errors import InputError
-from files.printable import printable
+from handcart.files.errors import InputError
+from handcart.files.printable import printable
 
 from .journal_record import JournalContents, JournalError, parse_journal
 from .run_records import makes_sense

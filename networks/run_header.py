@@ -9,7 +9,7 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-from backends.robot_file import RobotFile
+from handcart.backends.robot_file import RobotFile
 
 from .journal import SCHEMA
 from .journaled_network import network_fields

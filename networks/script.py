@@ -9,9 +9,9 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field
 
-from files.loading import load
-from files.model import FileModel
-from primitives.outcome import Success
+from handcart.files.loading import load
+from handcart.files.model import FileModel
+from handcart.primitives.outcome import Success
 
 from .network import ActionNetwork
 from .planner import NoWay

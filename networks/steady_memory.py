@@ -5,7 +5,7 @@ from __future__ import annotations
 import gc
 from types import TracebackType
 
-from backends.robot import Robot
+from handcart.backends.robot import Robot
 
 from .events import Ended, Event
 

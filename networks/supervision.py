@@ -8,10 +8,10 @@ from collections.abc import Callable, Generator
 from contextlib import suppress
 from enum import Enum
 
-from backends.robot import Robot
-from primitives.discrepancy import Discrepancy
-from primitives.outcome import Outcome
-from primitives.snapshot import settle, take_snapshot
+from handcart.backends.robot import Robot
+from handcart.primitives.discrepancy import Discrepancy
+from handcart.primitives.outcome import Outcome
+from handcart.primitives.snapshot import settle, take_snapshot
 
 from .events import NotStarted
 from .measured import in_words, moved

@@ -6,10 +6,10 @@ import math
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 
-from backends.robot_file import RobotFile
-from files.errors import Finding
-from primitives.field import Field
-from primitives.target import Target
+from handcart.backends.robot_file import RobotFile
+from handcart.files.errors import Finding
+from handcart.primitives.field import Field
+from handcart.primitives.target import Target
 
 
 def target_findings(

@@ -9,26 +9,26 @@ from typing import Any, TypeVar
 
 import networkx as nx
 
-from backends.backend import Backend
-from backends.capability import Capability
-from backends.map_file import map_path
-from backends.robot_file import ROBOTS, robot_names
-from files.errors import FileError, UnsafePath
-from files.findings import Findings
-from files.inside import resolve_inside
-from files.loading import load, load_document, load_part
-from files.model import FileModel
-from files.settings import SECTION, setting_value, with_settings
-from files.suggest import suggest
-from files.yaml_document import Document, read_document
-from files.yaml_node import KeyPath
-from primitives.action_primitive import ActionPrimitive
-from primitives.building import Building
-from primitives.field import Field
-from primitives.place_file import load_places
-from primitives.registry import primitive_class
-from primitives.target_list import load_targets
-from robotics.geometry.pose2 import Pose2
+from handcart.backends.backend import Backend
+from handcart.backends.capability import Capability
+from handcart.backends.map_file import map_path
+from handcart.backends.robot_file import ROBOTS, robot_names
+from handcart.files.errors import FileError, UnsafePath
+from handcart.files.findings import Findings
+from handcart.files.inside import resolve_inside
+from handcart.files.loading import load, load_document, load_part
+from handcart.files.model import FileModel
+from handcart.files.settings import SECTION, setting_value, with_settings
+from handcart.files.suggest import suggest
+from handcart.files.yaml_document import Document, read_document
+from handcart.files.yaml_node import KeyPath
+from handcart.primitives.action_primitive import ActionPrimitive
+from handcart.primitives.building import Building
+from handcart.primitives.field import Field
+from handcart.primitives.place_file import load_places
+from handcart.primitives.registry import primitive_class
+from handcart.primitives.target_list import load_targets
+from handcart.robotics.geometry.pose2 import Pose2
 
 from .binding import Binding
 from .network import Action, ActionNetwork, Fact, Situation, faults_of

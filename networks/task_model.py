@@ -6,8 +6,8 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field
 
-from files.model import FileModel
-from primitives.map_masks import SpeedMask
+from handcart.files.model import FileModel
+from handcart.primitives.map_masks import SpeedMask
 
 from .network import MAX_ATTEMPTS, MAX_COST_S, Fact
 

@@ -9,8 +9,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from backends.robot import Robot
-from files.whole_file import write_whole
+from handcart.backends.robot import Robot
+from handcart.files.whole_file import write_whole
 
 
 class Track(NamedTuple):

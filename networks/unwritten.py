@@ -7,7 +7,7 @@ from dataclasses import fields
 
 import networkx as nx
 
-from primitives.world_model import WorldModel
+from handcart.primitives.world_model import WorldModel
 
 from .network import Action, ActionNetwork
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from backends.robot import Robot
-from primitives.snapshot import Snapshot, limits, residuals
+from handcart.backends.robot import Robot
+from handcart.primitives.snapshot import Snapshot, limits, residuals
 
 from .measured import moved
 from .network import ActionNetwork

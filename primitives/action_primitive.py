@@ -9,9 +9,9 @@ from typing import ClassVar
 
 from pydantic import PrivateAttr
 
-from backends.capability import Capability
-from backends.robot import Robot
-from files.model import FileModel
+from handcart.backends.capability import Capability
+from handcart.backends.robot import Robot
+from handcart.files.model import FileModel
 
 from .evidence import Evidence
 from .intents import UNKEPT, Intents

@@ -7,15 +7,15 @@ from typing import ClassVar
 
 from pydantic import PrivateAttr
 
-from backends.arm import Arm
-from backends.camera import Camera
-from backends.gripper import Gripper
-from backends.range_sensor import RangeSensor
-from backends.robot import Robot
-from robotics.geometry.transform import Transform, inverse, transform
-from robotics.kinematics.shapes import Box
-from robotics.perception.overlay import draw_overlay
-from robotics.perception.spines import Gap
+from handcart.backends.arm import Arm
+from handcart.backends.camera import Camera
+from handcart.backends.gripper import Gripper
+from handcart.backends.range_sensor import RangeSensor
+from handcart.backends.robot import Robot
+from handcart.robotics.geometry.transform import Transform, inverse, transform
+from handcart.robotics.kinematics.shapes import Box
+from handcart.robotics.perception.overlay import draw_overlay
+from handcart.robotics.perception.spines import Gap
 
 from .action_primitive import ActionPrimitive, Periods
 from .arm_motion import held_box, move_straight, move_to_pose, shelf_boxes

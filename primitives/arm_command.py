@@ -6,9 +6,9 @@ from collections.abc import Generator
 
 import numpy as np
 
-from backends.arm import Arm
-from backends.gripper import Gripper
-from backends.robot import Robot
+from handcart.backends.arm import Arm
+from handcart.backends.gripper import Gripper
+from handcart.backends.robot import Robot
 
 from .trace import Moment
 

@@ -7,13 +7,13 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from backends.gripper import Gripper
-from backends.robot import Robot
-from robotics.geometry.transform import Transform, transform
-from robotics.kinematics.shapes import Box, Shape
-from robotics.manipulation.collision_model import HELD, CollisionModel
-from robotics.manipulation.motion_planner import plan_motion, plan_straight
-from robotics.manipulation.trajectory import time_path
+from handcart.backends.gripper import Gripper
+from handcart.backends.robot import Robot
+from handcart.robotics.geometry.transform import Transform, transform
+from handcart.robotics.kinematics.shapes import Box, Shape
+from handcart.robotics.manipulation.collision_model import HELD, CollisionModel
+from handcart.robotics.manipulation.motion_planner import plan_motion, plan_straight
+from handcart.robotics.manipulation.trajectory import time_path
 
 from .action_primitive import Periods
 from .discrepancy import Discrepancy, Measured

@@ -8,7 +8,7 @@ from contextlib import suppress
 from dataclasses import replace
 from typing import TypeVar
 
-from backends.robot import Robot
+from handcart.backends.robot import Robot
 
 from .action_primitive import ActionPrimitive, Periods
 from .cause import Cause

@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from backends.robot import Robot
-from robotics.geometry.pose2 import Pose2, wrap
-from robotics.navigation.attitude import yaw_sigma
+from handcart.backends.robot import Robot
+from handcart.robotics.geometry.pose2 import Pose2, wrap
+from handcart.robotics.navigation.attitude import yaw_sigma
 
 from .world_model import Fixed
 

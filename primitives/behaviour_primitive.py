@@ -6,8 +6,8 @@ from collections.abc import Callable
 
 from py_trees.behaviour import Behaviour
 
-from backends.capability import Capability
-from backends.robot import Robot
+from handcart.backends.capability import Capability
+from handcart.backends.robot import Robot
 
 from .tree_primitive import TreePrimitive
 from .world_model import ModelView

@@ -8,12 +8,12 @@ from collections.abc import Generator, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from backends.robot import Robot
-from robotics.geometry.pose2 import Pose2
-from robotics.geometry.transform import Transform, apply, inverse
-from robotics.kinematics.shapes import Box
-from robotics.perception.block_finder import find_block
-from robotics.perception.overlay import draw_overlay
+from handcart.backends.robot import Robot
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.geometry.transform import Transform, apply, inverse
+from handcart.robotics.kinematics.shapes import Box
+from handcart.robotics.perception.block_finder import find_block
+from handcart.robotics.perception.overlay import draw_overlay
 
 from .arm_motion import move_to_pose
 from .building import Building

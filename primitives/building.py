@@ -7,11 +7,11 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from backends.board_layout import BoardLayout
-from files.model import FileModel
-from robotics.geometry.pose2 import Pose2
-from robotics.geometry.transform import Transform, transform
-from robotics.kinematics.shapes import Box
+from handcart.backends.board_layout import BoardLayout
+from handcart.files.model import FileModel
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.geometry.transform import Transform, transform
+from handcart.robotics.kinematics.shapes import Box
 
 Positive = Annotated[float, Field(gt=0.0)]
 

@@ -9,20 +9,20 @@ import numpy as np
 import pinocchio as pin
 from pydantic import Field
 
-from backends.arm import Arm
-from backends.camera import Camera
-from backends.mounted_camera import stated_camera
-from backends.robot import Robot
-from files.suggest import suggest
-from robotics.geometry.transform import Transform, difference, inverse
-from robotics.perception.calibration_board import CalibrationBoard
-from robotics.perception.camera_calibration import CameraCalibration, calibrate_camera
-from robotics.perception.hand_eye_calibration import (
+from handcart.backends.arm import Arm
+from handcart.backends.camera import Camera
+from handcart.backends.mounted_camera import stated_camera
+from handcart.backends.robot import Robot
+from handcart.files.suggest import suggest
+from handcart.robotics.geometry.transform import Transform, difference, inverse
+from handcart.robotics.perception.calibration_board import CalibrationBoard
+from handcart.robotics.perception.camera_calibration import CameraCalibration, calibrate_camera
+from handcart.robotics.perception.hand_eye_calibration import (
     HandEyeCalibration,
     HandEyeView,
     calibrate_hand_eye,
 )
-from robotics.perception.overlay import draw_overlay
+from handcart.robotics.perception.overlay import draw_overlay
 
 from .action_primitive import ActionPrimitive, Periods
 from .arm_motion import move_to_pose

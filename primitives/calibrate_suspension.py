@@ -9,15 +9,20 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field
 
-from backends.arm import Arm
-from backends.camera import Camera
-from backends.gripper import Gripper
-from backends.robot import Robot
-from robotics.geometry.transform import Transform, apply, inverse
-from robotics.kinematics.shapes import Box
-from robotics.manipulation.suspension_identification import Sighting, SuspensionFit, Swing, fit_sightings
-from robotics.manipulation.swing_yaw import SwingYaw, fit_swing_yaw
-from robotics.perception.landmark import square_corners
+from handcart.backends.arm import Arm
+from handcart.backends.camera import Camera
+from handcart.backends.gripper import Gripper
+from handcart.backends.robot import Robot
+from handcart.robotics.geometry.transform import Transform, apply, inverse
+from handcart.robotics.kinematics.shapes import Box
+from handcart.robotics.manipulation.suspension_identification import (
+    Sighting,
+    SuspensionFit,
+    Swing,
+    fit_sightings,
+)
+from handcart.robotics.manipulation.swing_yaw import SwingYaw, fit_swing_yaw
+from handcart.robotics.perception.landmark import square_corners
 
 from .action_primitive import ActionPrimitive, Periods
 from .arm_motion import move_straight, move_to_pose

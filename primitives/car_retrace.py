@@ -8,9 +8,9 @@ from itertools import pairwise
 
 import numpy as np
 
-from backends.robot import Robot
-from robotics.geometry.pose2 import Pose2
-from robotics.navigation.car_tracker import CarTracker
+from handcart.backends.robot import Robot
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.navigation.car_tracker import CarTracker
 
 from .arm_command import command_moment, moves_fingers, renew_arm
 from .discrepancy import Discrepancy, Measured

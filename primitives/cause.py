@@ -10,7 +10,12 @@ from .discrepancy import Discrepancy, Measured, NeedsPerson
 
 CHECKS = ("observe", "motion", "watch", "effect", "restore", "finish")
 """The methods of a primitive that the framework calls."""
-FRAMEWORK = ("primitives.attempt", "primitives.tree_primitive", "networks.supervision", "py_trees")
+FRAMEWORK = (
+    "handcart.primitives.attempt",
+    "handcart.primitives.tree_primitive",
+    "handcart.networks.supervision",
+    "py_trees",
+)
 DEEPEST = 12  # calls that are kept
 
 

@@ -11,11 +11,11 @@ from numpy.typing import NDArray
 from pydantic import Field as Limited
 from pydantic import PrivateAttr
 
-from backends.arm import Arm
-from backends.gripper import Gripper
-from backends.imu import Imu
-from backends.robot import Robot
-from robotics.manipulation.scara import base_to_world, world_to_base
+from handcart.backends.arm import Arm
+from handcart.backends.gripper import Gripper
+from handcart.backends.imu import Imu
+from handcart.backends.robot import Robot
+from handcart.robotics.manipulation.scara import base_to_world, world_to_base
 
 from .action_primitive import ActionPrimitive, Periods
 from .discrepancy import Discrepancy, Measured

@@ -8,12 +8,12 @@ from typing import Annotated, ClassVar
 import numpy as np
 from pydantic import Field
 
-from backends.arm import Arm
-from backends.robot import Robot
-from robotics.geometry.pose2 import Pose2
-from robotics.manipulation.placer import Placements, Placer
-from robotics.manipulation.tool_path import ToolPath
-from robotics.manipulation.untrackable import Untrackable
+from handcart.backends.arm import Arm
+from handcart.backends.robot import Robot
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.manipulation.placer import Placements, Placer
+from handcart.robotics.manipulation.tool_path import ToolPath
+from handcart.robotics.manipulation.untrackable import Untrackable
 
 from .action_primitive import ActionPrimitive, Periods
 from .discrepancy import Discrepancy

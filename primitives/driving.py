@@ -7,18 +7,18 @@ from collections.abc import Generator
 import numpy as np
 from numpy.typing import NDArray
 
-from backends.robot import Robot
-from robotics.geometry.pose2 import Pose2
-from robotics.navigation.car_route import plan_car_route
-from robotics.navigation.car_tracker import CarTracker
-from robotics.navigation.grid_map import GridMap
-from robotics.navigation.path_tracking import PathTracker
-from robotics.navigation.point_discs import point_discs
-from robotics.navigation.pose_regulator import PoseTolerance
-from robotics.navigation.scan_matching import LikelihoodField
-from robotics.navigation.tangent_path import CarPath
-from robotics.navigation.unexpected import path_blocked, unexpected_points
-from robotics.navigation.ways import Way, Ways
+from handcart.backends.robot import Robot
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.navigation.car_route import plan_car_route
+from handcart.robotics.navigation.car_tracker import CarTracker
+from handcart.robotics.navigation.grid_map import GridMap
+from handcart.robotics.navigation.path_tracking import PathTracker
+from handcart.robotics.navigation.point_discs import point_discs
+from handcart.robotics.navigation.pose_regulator import PoseTolerance
+from handcart.robotics.navigation.scan_matching import LikelihoodField
+from handcart.robotics.navigation.tangent_path import CarPath
+from handcart.robotics.navigation.unexpected import path_blocked, unexpected_points
+from handcart.robotics.navigation.ways import Way, Ways
 
 from .discrepancy import Discrepancy, Measured
 from .knowledge import Place

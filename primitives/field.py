@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field as Limited
 
-from files.model import FileModel
-from robotics.geometry.transform import transform
-from robotics.kinematics.shapes import Box
+from handcart.files.model import FileModel
+from handcart.robotics.geometry.transform import transform
+from handcart.robotics.kinematics.shapes import Box
 
 Positive = Annotated[float, Limited(gt=0.0)]
 

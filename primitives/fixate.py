@@ -7,10 +7,10 @@ from typing import Annotated, ClassVar
 
 from pydantic import Field
 
-from backends.arm import Arm
-from backends.camera import Camera
-from backends.robot import Robot
-from files.suggest import suggest
+from handcart.backends.arm import Arm
+from handcart.backends.camera import Camera
+from handcart.backends.robot import Robot
+from handcart.files.suggest import suggest
 
 from .action_primitive import ActionPrimitive, Periods
 from .base_turn import turn_by_gyros

@@ -9,12 +9,18 @@ from typing import Literal, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from backends.robot import Robot
-from robotics.geometry.pose2 import Pose2
-from robotics.geometry.transform import Transform, inverse, transform
-from robotics.kinematics.shapes import Box
-from robotics.manipulation.fixation import PAPER_RULE, PlannedView, StopRule, on_floor, placing_posture
-from robotics.perception.constellation import Belief, Kind, Mark
+from handcart.backends.robot import Robot
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.geometry.transform import Transform, inverse, transform
+from handcart.robotics.kinematics.shapes import Box
+from handcart.robotics.manipulation.fixation import (
+    PAPER_RULE,
+    PlannedView,
+    StopRule,
+    on_floor,
+    placing_posture,
+)
+from handcart.robotics.perception.constellation import Belief, Kind, Mark
 
 from .action_primitive import Periods
 from .arm_motion import move_straight, move_to_pose

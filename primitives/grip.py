@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from backends.robot import Robot
+from handcart.backends.robot import Robot
 
 from .action_primitive import Periods
 from .discrepancy import Discrepancy, Measured

@@ -6,11 +6,11 @@ import math
 
 import numpy as np
 
-from backends.robot import Robot
-from robotics.geometry.pose2 import Pose2
-from robotics.geometry.transform import Transform, transform
-from robotics.kinematics.shapes import Box
-from robotics.manipulation.collision_model import HELD
+from handcart.backends.robot import Robot
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.geometry.transform import Transform, transform
+from handcart.robotics.kinematics.shapes import Box
+from handcart.robotics.manipulation.collision_model import HELD
 
 from .building import Building
 from .discrepancy import Discrepancy

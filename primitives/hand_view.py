@@ -10,11 +10,11 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from backends.gripper import Gripper
-from backends.robot import Robot
-from robotics.geometry.transform import Transform, apply, inverse
-from robotics.kinematics.shapes import Box
-from robotics.perception.camera_model import CameraModel
+from handcart.backends.gripper import Gripper
+from handcart.backends.robot import Robot
+from handcart.robotics.geometry.transform import Transform, apply, inverse
+from handcart.robotics.kinematics.shapes import Box
+from handcart.robotics.perception.camera_model import CameraModel
 
 from .arm_motion import held_box
 from .grip import holds

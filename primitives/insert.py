@@ -9,11 +9,11 @@ from typing import ClassVar, Literal
 import numpy as np
 from pydantic import PrivateAttr
 
-from backends.arm import Arm
-from backends.gripper import Gripper
-from backends.range_sensor import RangeSensor
-from backends.robot import Robot
-from robotics.geometry.transform import Transform, inverse, transform
+from handcart.backends.arm import Arm
+from handcart.backends.gripper import Gripper
+from handcart.backends.range_sensor import RangeSensor
+from handcart.backends.robot import Robot
+from handcart.robotics.geometry.transform import Transform, inverse, transform
 
 from .action_primitive import ActionPrimitive, Periods
 from .arm_motion import held_box, move_straight, move_to_joints

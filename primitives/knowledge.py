@@ -9,11 +9,11 @@ from typing import Annotated, Literal, Self
 import numpy as np
 from pydantic import Field, model_validator
 
-from backends.map_file import load_map as load_map
-from files.model import FileModel
-from robotics.geometry.pose2 import Pose2
-from robotics.geometry.transform import Transform
-from robotics.perception.tag_family import USUAL, TagFamily, tags_of
+from handcart.backends.map_file import load_map as load_map
+from handcart.files.model import FileModel
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.geometry.transform import Transform
+from handcart.robotics.perception.tag_family import USUAL, TagFamily, tags_of
 
 Positive = Annotated[float, Field(gt=0.0)]
 

@@ -9,11 +9,11 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from backends.robot import Robot
-from robotics.geometry.pose2 import Pose2
-from robotics.geometry.transform import Transform, inverse
-from robotics.manipulation.fixation import PlannedView
-from robotics.perception.constellation import (
+from handcart.backends.robot import Robot
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.geometry.transform import Transform, inverse
+from handcart.robotics.manipulation.fixation import PlannedView
+from handcart.robotics.perception.constellation import (
     CERTAIN,
     STRAY,
     UNSEEN,
@@ -25,11 +25,11 @@ from robotics.perception.constellation import (
     explain,
     rivals,
 )
-from robotics.perception.landmark import Landmark
-from robotics.perception.landmark_finder import find_landmarks
-from robotics.perception.landmark_in_view import wholly_in_view
-from robotics.perception.landmark_pose import planar_pose
-from robotics.perception.overlay import draw_overlay
+from handcart.robotics.perception.landmark import Landmark
+from handcart.robotics.perception.landmark_finder import find_landmarks
+from handcart.robotics.perception.landmark_in_view import wholly_in_view
+from handcart.robotics.perception.landmark_pose import planar_pose
+from handcart.robotics.perception.overlay import draw_overlay
 
 from .evidence import Evidence
 from .snapshot import settle

@@ -7,8 +7,8 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from backends.range_sensor import RangeSensor
-from backends.robot import Robot
+from handcart.backends.range_sensor import RangeSensor
+from handcart.backends.robot import Robot
 
 from .action_primitive import ActionPrimitive, Periods
 from .discrepancy import Discrepancy, Measured

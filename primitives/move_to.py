@@ -10,16 +10,16 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field, PrivateAttr
 
-from backends.arm import Arm
-from backends.base import Base
-from backends.gripper import Gripper
-from backends.range_sensor import RangeSensor
-from backends.robot import Robot
-from robotics.navigation.car_tracker import CarTracker
-from robotics.navigation.front_line import fit_front, pose_from_front
-from robotics.navigation.localizer import LEAST_INLIERS
-from robotics.navigation.path_tracking import PathTracker
-from robotics.navigation.pose_regulator import PoseTolerance
+from handcart.backends.arm import Arm
+from handcart.backends.base import Base
+from handcart.backends.gripper import Gripper
+from handcart.backends.range_sensor import RangeSensor
+from handcart.backends.robot import Robot
+from handcart.robotics.navigation.car_tracker import CarTracker
+from handcart.robotics.navigation.front_line import fit_front, pose_from_front
+from handcart.robotics.navigation.localizer import LEAST_INLIERS
+from handcart.robotics.navigation.path_tracking import PathTracker
+from handcart.robotics.navigation.pose_regulator import PoseTolerance
 
 from .action_primitive import ActionPrimitive, Periods
 from .discrepancy import Discrepancy, Measured, NeedsPerson

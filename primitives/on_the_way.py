@@ -6,9 +6,9 @@ import math
 
 import numpy as np
 
-from backends.robot import Robot
-from robotics.navigation.car_tracker import CarTracker
-from robotics.navigation.path_tracking import PathTracker
+from handcart.backends.robot import Robot
+from handcart.robotics.navigation.car_tracker import CarTracker
+from handcart.robotics.navigation.path_tracking import PathTracker
 
 from .action_primitive import Periods
 from .discrepancy import Discrepancy

@@ -7,13 +7,13 @@ from typing import ClassVar, Literal
 
 from pydantic import PrivateAttr
 
-from backends.arm import Arm
-from backends.camera import Camera
-from backends.gripper import Gripper
-from backends.robot import Robot
-from robotics.geometry.transform import Transform, transform
-from robotics.kinematics.shapes import Box
-from robotics.perception.tag_reader import read_tags, tag_pose
+from handcart.backends.arm import Arm
+from handcart.backends.camera import Camera
+from handcart.backends.gripper import Gripper
+from handcart.backends.robot import Robot
+from handcart.robotics.geometry.transform import Transform, transform
+from handcart.robotics.kinematics.shapes import Box
+from handcart.robotics.perception.tag_reader import read_tags, tag_pose
 
 from .action_primitive import ActionPrimitive, Periods
 from .arm_motion import held_box, move_straight, move_to_joints, move_to_pose, move_to_posture

@@ -8,11 +8,11 @@ from typing import ClassVar, Literal
 import numpy as np
 from pydantic import PrivateAttr
 
-from backends.arm import Arm
-from backends.camera import Camera
-from backends.gripper import Gripper
-from backends.robot import Robot
-from robotics.geometry.transform import Transform, inverse
+from handcart.backends.arm import Arm
+from handcart.backends.camera import Camera
+from handcart.backends.gripper import Gripper
+from handcart.backends.robot import Robot
+from handcart.robotics.geometry.transform import Transform, inverse
 
 from .action_primitive import ActionPrimitive, Periods
 from .arm_motion import move_straight, move_to_joints, move_to_pose

@@ -7,9 +7,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from backends.robot import Robot
-from robotics.geometry.transform import Transform
-from robotics.manipulation.motion_planner import plan_straight
+from handcart.backends.robot import Robot
+from handcart.robotics.geometry.transform import Transform
+from handcart.robotics.manipulation.motion_planner import plan_straight
 
 from .discrepancy import Discrepancy
 

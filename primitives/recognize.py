@@ -9,15 +9,15 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import PrivateAttr
 
-from backends.arm import Arm
-from backends.camera import Camera
-from backends.robot import Robot
-from robotics.geometry.pose2 import Pose2
-from robotics.geometry.transform import Transform, transform
-from robotics.perception.camera_model import CameraModel
-from robotics.perception.overlay import draw_overlay
-from robotics.perception.tag_family import TagFamily
-from robotics.perception.tag_reader import Tag, read_tags, tag_pose
+from handcart.backends.arm import Arm
+from handcart.backends.camera import Camera
+from handcart.backends.robot import Robot
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.geometry.transform import Transform, transform
+from handcart.robotics.perception.camera_model import CameraModel
+from handcart.robotics.perception.overlay import draw_overlay
+from handcart.robotics.perception.tag_family import TagFamily
+from handcart.robotics.perception.tag_reader import Tag, read_tags, tag_pose
 
 from .action_primitive import ActionPrimitive, Periods
 from .arm_motion import move_straight, move_to_posture, tray_box

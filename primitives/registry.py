@@ -6,28 +6,28 @@ from functools import cache
 from importlib import import_module
 from importlib.metadata import entry_points
 
-from files.suggest import suggest
+from handcart.files.suggest import suggest
 
 from .action_primitive import ActionPrimitive
 
 TABLE = {
-    "RECOGNIZE": "primitives.recognize:Recognize",
-    "PICK_UP": "primitives.pick_up:PickUp",
-    "MOVE_TO": "primitives.move_to:MoveTo",
-    "SEARCH": "primitives.search:Search",
-    "APPROACH": "primitives.approach:Approach",
-    "INSERT": "primitives.insert:Insert",
-    "RELEASE": "primitives.release:Release",
-    "MODIFY": "primitives.modify:Modify",
-    "FIXATE": "primitives.fixate:Fixate",
-    "PICK_UP_BLOCK": "primitives.pick_up_block:PickUpBlock",
-    "STAND": "primitives.stand:Stand",
-    "DEPLOY": "primitives.deploy:Deploy",
-    "STACK": "primitives.stack:Stack",
-    "DIVIDE": "primitives.divide:Divide",
-    "TRACK": "primitives.track:Track",
-    "CALIBRATE_SUSPENSION": "primitives.calibrate_suspension:CalibrateSuspension",
-    "CALIBRATE_CAMERA": "primitives.calibrate_camera:CalibrateCamera",
+    "RECOGNIZE": "handcart.primitives.recognize:Recognize",
+    "PICK_UP": "handcart.primitives.pick_up:PickUp",
+    "MOVE_TO": "handcart.primitives.move_to:MoveTo",
+    "SEARCH": "handcart.primitives.search:Search",
+    "APPROACH": "handcart.primitives.approach:Approach",
+    "INSERT": "handcart.primitives.insert:Insert",
+    "RELEASE": "handcart.primitives.release:Release",
+    "MODIFY": "handcart.primitives.modify:Modify",
+    "FIXATE": "handcart.primitives.fixate:Fixate",
+    "PICK_UP_BLOCK": "handcart.primitives.pick_up_block:PickUpBlock",
+    "STAND": "handcart.primitives.stand:Stand",
+    "DEPLOY": "handcart.primitives.deploy:Deploy",
+    "STACK": "handcart.primitives.stack:Stack",
+    "DIVIDE": "handcart.primitives.divide:Divide",
+    "TRACK": "handcart.primitives.track:Track",
+    "CALIBRATE_SUSPENSION": "handcart.primitives.calibrate_suspension:CalibrateSuspension",
+    "CALIBRATE_CAMERA": "handcart.primitives.calibrate_camera:CalibrateCamera",
 }
 """Name to import path; other packages add theirs by an entry point of the group `handcart.primitives`."""
 

@@ -11,16 +11,16 @@ from py_trees.behaviour import Behaviour
 from py_trees.composites import Sequence
 from pydantic import PrivateAttr
 
-from backends.arm import Arm
-from backends.camera import Camera
-from backends.gripper import Gripper
-from backends.range_sensor import RangeSensor
-from backends.robot import Robot
-from robotics.geometry.transform import Transform, inverse
-from robotics.perception.call_number import parse
-from robotics.perception.label_reader import Label
-from robotics.perception.ocr_label_reader import OcrLabelReader
-from robotics.perception.overlay import draw_overlay
+from handcart.backends.arm import Arm
+from handcart.backends.camera import Camera
+from handcart.backends.gripper import Gripper
+from handcart.backends.range_sensor import RangeSensor
+from handcart.backends.robot import Robot
+from handcart.robotics.geometry.transform import Transform, inverse
+from handcart.robotics.perception.call_number import parse
+from handcart.robotics.perception.label_reader import Label
+from handcart.robotics.perception.ocr_label_reader import OcrLabelReader
+from handcart.robotics.perception.overlay import draw_overlay
 
 from .action_primitive import Periods
 from .arm_motion import move_straight, move_to_posture, shelf_boxes

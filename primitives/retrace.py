@@ -9,11 +9,11 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from backends.robot import Robot
-from robotics.geometry.pose2 import Pose2
-from robotics.navigation.path_tracking import PathTracker
-from robotics.navigation.pose_regulator import PoseRegulator, PoseTolerance
-from robotics.navigation.speed_limits import SpeedLimits
+from handcart.backends.robot import Robot
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.navigation.path_tracking import PathTracker
+from handcart.robotics.navigation.pose_regulator import PoseRegulator, PoseTolerance
+from handcart.robotics.navigation.speed_limits import SpeedLimits
 
 from .arm_command import command_moment as _command
 from .arm_command import moves_fingers

@@ -7,10 +7,10 @@ from collections.abc import Iterator
 from dataclasses import replace
 from typing import Any
 
-from files.errors import FileError, Finding
-from files.findings import Findings
-from files.yaml_document import Document
-from files.yaml_node import Node
+from handcart.files.errors import FileError, Finding
+from handcart.files.findings import Findings
+from handcart.files.yaml_document import Document
+from handcart.files.yaml_node import Node
 
 LISTS = ("waypoints", "goals", "poses")
 """Under which key the goals stand: rviz's panel, NavigateThroughPoses, nav_msgs/Path and PoseArray."""

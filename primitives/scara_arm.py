@@ -6,8 +6,8 @@ import math
 
 import numpy as np
 
-from backends.robot import Robot
-from robotics.manipulation.scara import Scara
+from handcart.backends.robot import Robot
+from handcart.robotics.manipulation.scara import Scara
 
 from .discrepancy import Discrepancy
 

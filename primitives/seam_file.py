@@ -8,13 +8,13 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from files.csv_table import CsvRow, number_in, read_csv
-from files.errors import FileError, Finding
-from files.findings import Findings
-from files.whole_file import write_whole
-from robotics.geometry.transform import transform
-from robotics.manipulation.tool_path import ToolPath, tool_path
-from robotics.manipulation.untrackable import Untrackable
+from handcart.files.csv_table import CsvRow, number_in, read_csv
+from handcart.files.errors import FileError, Finding
+from handcart.files.findings import Findings
+from handcart.files.whole_file import write_whole
+from handcart.robotics.geometry.transform import transform
+from handcart.robotics.manipulation.tool_path import ToolPath, tool_path
+from handcart.robotics.manipulation.untrackable import Untrackable
 
 COLUMNS = ("x_m", "y_m", "z_m", "roll_deg", "pitch_deg", "yaw_deg")
 MOST = 50_000  # points

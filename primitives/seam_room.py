@@ -7,17 +7,17 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from backends.robot_file import RobotFile
-from robotics.geometry.pose2 import Pose2
-from robotics.kinematics.arm_model import ArmModel
-from robotics.kinematics.shapes import Box
-from robotics.manipulation.collision_model import CollisionModel
-from robotics.manipulation.placer import Placer, Work
-from robotics.manipulation.screw_arm import FreeTurn
-from robotics.manipulation.standing_places import has_way, stands_clear
-from robotics.navigation.clearances import Clearances
-from robotics.navigation.grid_map import GridMap
-from robotics.navigation.ways import ROOM_AT_GOAL, SENSED_ROOM
+from handcart.backends.robot_file import RobotFile
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.kinematics.arm_model import ArmModel
+from handcart.robotics.kinematics.shapes import Box
+from handcart.robotics.manipulation.collision_model import CollisionModel
+from handcart.robotics.manipulation.placer import Placer, Work
+from handcart.robotics.manipulation.screw_arm import FreeTurn
+from handcart.robotics.manipulation.standing_places import has_way, stands_clear
+from handcart.robotics.navigation.clearances import Clearances
+from handcart.robotics.navigation.grid_map import GridMap
+from handcart.robotics.navigation.ways import ROOM_AT_GOAL, SENSED_ROOM
 
 from .discrepancy import Discrepancy
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from robotics.geometry.pose2 import Pose2
+from handcart.robotics.geometry.pose2 import Pose2
 
 
 class SeamPart(NamedTuple):

@@ -10,20 +10,20 @@ from typing import ClassVar, Literal
 import numpy as np
 from pydantic import PrivateAttr
 
-from backends.arm import Arm
-from backends.camera import Camera
-from backends.range_sensor import RangeSensor
-from backends.robot import Robot
-from robotics.geometry.transform import Transform, transform
-from robotics.kinematics.shapes import Box
-from robotics.perception.call_number import CallNumber, parse
-from robotics.perception.gap_finder import GapFound, NoGap, find_gap, ordered
-from robotics.perception.label_reader import LabelReader
-from robotics.perception.ocr_label_reader import OcrLabelReader
-from robotics.perception.overlay import draw_overlay
-from robotics.perception.shelf_views import ShelfReading, fuse_views
-from robotics.perception.spines import Gap, SpineView, find_spines
-from robotics.perception.template_label_reader import TemplateLabelReader
+from handcart.backends.arm import Arm
+from handcart.backends.camera import Camera
+from handcart.backends.range_sensor import RangeSensor
+from handcart.backends.robot import Robot
+from handcart.robotics.geometry.transform import Transform, transform
+from handcart.robotics.kinematics.shapes import Box
+from handcart.robotics.perception.call_number import CallNumber, parse
+from handcart.robotics.perception.gap_finder import GapFound, NoGap, find_gap, ordered
+from handcart.robotics.perception.label_reader import LabelReader
+from handcart.robotics.perception.ocr_label_reader import OcrLabelReader
+from handcart.robotics.perception.overlay import draw_overlay
+from handcart.robotics.perception.shelf_views import ShelfReading, fuse_views
+from handcart.robotics.perception.spines import Gap, SpineView, find_spines
+from handcart.robotics.perception.template_label_reader import TemplateLabelReader
 
 from .action_primitive import ActionPrimitive, Periods
 from .arm_motion import move_straight, move_to_pose, shelf_boxes, tray_box

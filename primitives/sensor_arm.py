@@ -8,10 +8,10 @@ from collections.abc import Generator
 import numpy as np
 from numpy.typing import NDArray
 
-from backends.robot import Robot
-from robotics.manipulation.collision_model import HELD
-from robotics.manipulation.resolved_rate import RateLimits, ResolvedRate, line_postures, way_to
-from robotics.manipulation.scara import world_to_base
+from handcart.backends.robot import Robot
+from handcart.robotics.manipulation.collision_model import HELD
+from handcart.robotics.manipulation.resolved_rate import RateLimits, ResolvedRate, line_postures, way_to
+from handcart.robotics.manipulation.scara import world_to_base
 
 from .action_primitive import Periods
 from .arm_motion import collision_model, follow

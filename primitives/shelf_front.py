@@ -6,9 +6,9 @@ from collections.abc import Generator
 
 import numpy as np
 
-from backends.robot import Robot
-from robotics.geometry.transform import Transform, inverse
-from robotics.navigation.front_line import fit_front, pose_from_front
+from handcart.backends.robot import Robot
+from handcart.robotics.geometry.transform import Transform, inverse
+from handcart.robotics.navigation.front_line import fit_front, pose_from_front
 
 from .discrepancy import Discrepancy, Measured
 from .knowledge import Place

@@ -8,14 +8,14 @@ from typing import NamedTuple
 
 import numpy as np
 
-from backends.robot import Robot
-from robotics.geometry.pose2 import Pose2
-from robotics.geometry.transform import Transform, inverse
-from robotics.kinematics.shapes import Box
-from robotics.perception.landmark import Landmark
-from robotics.perception.landmark_finder import find_landmarks
-from robotics.perception.landmark_pose import planar_pose
-from robotics.perception.overlay import draw_overlay
+from handcart.backends.robot import Robot
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.geometry.transform import Transform, inverse
+from handcart.robotics.kinematics.shapes import Box
+from handcart.robotics.perception.landmark import Landmark
+from handcart.robotics.perception.landmark_finder import find_landmarks
+from handcart.robotics.perception.landmark_pose import planar_pose
+from handcart.robotics.perception.overlay import draw_overlay
 
 from .arm_motion import move_straight
 from .building import LandmarkPlan

@@ -9,10 +9,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from backends.arm import Arm
-from backends.gripper import Gripper
-from backends.robot import Robot
-from robotics.geometry.pose2 import Pose2
+from handcart.backends.arm import Arm
+from handcart.backends.gripper import Gripper
+from handcart.backends.robot import Robot
+from handcart.robotics.geometry.pose2 import Pose2
 
 STILL = 5  # periods without any motion that count as rest
 PATIENCE = 5.0  # [s]

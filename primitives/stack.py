@@ -8,15 +8,15 @@ from typing import ClassVar, Literal
 import numpy as np
 from pydantic import PrivateAttr
 
-from backends.arm import Arm
-from backends.camera import Camera
-from backends.gripper import Gripper
-from backends.robot import Robot
-from robotics.geometry.pose2 import Pose2
-from robotics.geometry.transform import Transform, inverse, transform
-from robotics.kinematics.shapes import Box
-from robotics.manipulation.fixation import placing_posture, split_goal
-from robotics.manipulation.suspension_model import SuspensionModel, base_motion
+from handcart.backends.arm import Arm
+from handcart.backends.camera import Camera
+from handcart.backends.gripper import Gripper
+from handcart.backends.robot import Robot
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.geometry.transform import Transform, inverse, transform
+from handcart.robotics.kinematics.shapes import Box
+from handcart.robotics.manipulation.fixation import placing_posture, split_goal
+from handcart.robotics.manipulation.suspension_model import SuspensionModel, base_motion
 
 from .action_primitive import ActionPrimitive, Periods
 from .arm_motion import move_straight, move_to_pose, move_to_posture

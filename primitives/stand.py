@@ -6,8 +6,8 @@ from typing import Annotated, ClassVar
 
 from pydantic import Field
 
-from backends.base import Base
-from backends.robot import Robot
+from handcart.backends.base import Base
+from handcart.backends.robot import Robot
 
 from .action_primitive import ActionPrimitive, Periods
 from .world_model import ModelView

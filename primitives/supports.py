@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from robotics.geometry.pose2 import Pose2
+from handcart.robotics.geometry.pose2 import Pose2
 
 from .building import Building, Standing
 from .meant_contact import MeantContact, name_of_block

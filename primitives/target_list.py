@@ -8,13 +8,13 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import NamedTuple
 
-from files.csv_table import number_in, read_csv
-from files.errors import Finding
-from files.findings import Findings
-from files.suggest import listed
-from files.yaml_document import read_document
-from files.yaml_node import Node
-from robotics.geometry.pose2 import Pose2
+from handcart.files.csv_table import number_in, read_csv
+from handcart.files.errors import Finding
+from handcart.files.findings import Findings
+from handcart.files.suggest import listed
+from handcart.files.yaml_document import read_document
+from handcart.files.yaml_node import Node
+from handcart.robotics.geometry.pose2 import Pose2
 
 from .earth_frame import EarthFrame
 from .field import Field

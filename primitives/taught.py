@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from backends.robot import Robot
+from handcart.backends.robot import Robot
 
 from .discrepancy import Discrepancy
 

@@ -7,10 +7,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from backends.arm import Arm
-from backends.gripper import Gripper
-from backends.robot import Robot
-from robotics.geometry.pose2 import Pose2
+from handcart.backends.arm import Arm
+from handcart.backends.gripper import Gripper
+from handcart.backends.robot import Robot
+from handcart.robotics.geometry.pose2 import Pose2
 
 
 class Moment(NamedTuple):

@@ -9,17 +9,17 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field, PrivateAttr
 
-from backends.arm import Arm
-from backends.positioning import Positioning
-from backends.robot import Robot
-from robotics.geometry.transform import transform
-from robotics.kinematics.arm_model import ArmModel
-from robotics.kinematics.shapes import Box
-from robotics.manipulation.placer import Placer
-from robotics.manipulation.tool_path import ToolPath, tool_path
-from robotics.manipulation.tracking_limits import ArmLoad
-from robotics.manipulation.tracking_time import TimedTracking, TrackingLimits, time_tracking
-from robotics.manipulation.untrackable import Untrackable
+from handcart.backends.arm import Arm
+from handcart.backends.positioning import Positioning
+from handcart.backends.robot import Robot
+from handcart.robotics.geometry.transform import transform
+from handcart.robotics.kinematics.arm_model import ArmModel
+from handcart.robotics.kinematics.shapes import Box
+from handcart.robotics.manipulation.placer import Placer
+from handcart.robotics.manipulation.tool_path import ToolPath, tool_path
+from handcart.robotics.manipulation.tracking_limits import ArmLoad
+from handcart.robotics.manipulation.tracking_time import TimedTracking, TrackingLimits, time_tracking
+from handcart.robotics.manipulation.untrackable import Untrackable
 
 from .action_primitive import ActionPrimitive, Periods
 from .arm_motion import follow, move_to_joints, move_to_posture

@@ -8,7 +8,7 @@ from collections.abc import Callable, Generator
 from py_trees.behaviour import Behaviour
 from py_trees.common import Status
 
-from backends.robot import Robot
+from handcart.backends.robot import Robot
 
 from .action_primitive import ActionPrimitive, Periods
 from .discrepancy import Discrepancy

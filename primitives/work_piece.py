@@ -7,9 +7,9 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from files.model import FileModel
-from robotics.geometry.pose2 import Pose2
-from robotics.kinematics.shapes import Box
+from handcart.files.model import FileModel
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.kinematics.shapes import Box
 
 Positive = Annotated[float, Field(gt=0.0, le=100.0)]
 

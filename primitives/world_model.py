@@ -11,13 +11,13 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from backends.plain_values import attributes, set_attributes
-from files.errors import HandcartError
-from files.suggest import suggest
-from robotics.geometry.pose2 import Pose2
-from robotics.manipulation.tool_path import ToolPath
-from robotics.navigation.grid_map import GridMap
-from robotics.navigation.speed_limits import SpeedLimits
+from handcart.backends.plain_values import attributes, set_attributes
+from handcart.files.errors import HandcartError
+from handcart.files.suggest import suggest
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.manipulation.tool_path import ToolPath
+from handcart.robotics.navigation.grid_map import GridMap
+from handcart.robotics.navigation.speed_limits import SpeedLimits
 
 from .building import Building
 from .field import Field

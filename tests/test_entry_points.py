@@ -34,7 +34,7 @@ def install(folder: Path, document: str) -> None:
 def handcart(folder: Path, *words: str) -> subprocess.CompletedProcess[str]:
     """`handcart ...` where the distribution of `folder` is installed."""
     env = os.environ | {"PYTHONPATH": f"{folder}{os.pathsep}{ROOT}"}
-    command = [sys.executable, "-m", "tools.handcart", *words]
+    command = [sys.executable, "-m", "handcart.tools.handcart", *words]
     return subprocess.run(command, env=env, cwd=ROOT, capture_output=True, text=True, check=False)
 
 
@@ -64,9 +64,9 @@ def test_a_backend_of_another_package_is_asked_what_it_can_do(tmp_path: Path) ->
 
 
 def test_the_documents_backend_drives() -> None:
-    from backends.robot import Robot
-    from backends.robot_file import load_robot
-    from robotics.geometry.pose2 import Pose2
+    from handcart.backends.robot import Robot
+    from handcart.backends.robot_file import load_robot
+    from handcart.robotics.geometry.pose2 import Pose2
 
     code: dict[str, type] = {}
     exec(shown("docs/backends.md", "Ideal"), code)

@@ -41,7 +41,7 @@ def test_links_lead_somewhere(document: str) -> None:
 
 @pytest.mark.parametrize("document", ["README.md", "docs/tasks.md"])
 def test_tasks_in_documents_are_right(tmp_path: Path, document: str) -> None:
-    from networks.run import prepare
+    from handcart.networks.run import prepare
 
     text = (ROOT / document).read_text(encoding="utf-8")
     blocks = [each for each in re.findall(r"```yaml\n(.*?)```", text, re.S) if "handcart-task/" in each]
@@ -69,7 +69,7 @@ def test_tasks_in_documents_are_right(tmp_path: Path, document: str) -> None:
     ],
 )
 def test_commands_in_documents_exist(document: str) -> None:
-    from tools.command_line import COMMANDS
+    from handcart.tools.command_line import COMMANDS
 
     shown = re.findall(r"`handcart ([\w-]+)", (ROOT / document).read_text(encoding="utf-8"))
     assert set(shown) <= set(COMMANDS)

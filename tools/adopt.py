@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 if TYPE_CHECKING:
-    from networks.calibration import Calibration
+    from handcart.networks.calibration import Calibration
 
 
 def adopt(
@@ -26,7 +26,7 @@ def adopt(
     ] = None,
 ) -> None:
     """Show what a run's findings change in the robot's file, or write it; comments and order are kept."""
-    from backends.robot_file import load_robot, shipped_path
+    from handcart.backends.robot_file import load_robot, shipped_path
 
     from .writing import write_text
 
@@ -55,10 +55,10 @@ def adopt(
 
 
 def _calibration(run: Path) -> Calibration:
-    from files.errors import InputError
-    from files.loading import load
-    from networks.calibration import NAME, Calibration, calibration_path
-    from networks.run_folder import check_folder
+    from handcart.files.errors import InputError
+    from handcart.files.loading import load
+    from handcart.networks.calibration import NAME, Calibration, calibration_path
+    from handcart.networks.run_folder import check_folder
 
     if run.is_dir():
         check_folder(run)
@@ -84,9 +84,9 @@ def _check(text: str, file: Path) -> None:
     """Whether what would be written is a robot's file; raises `FileError`."""
     import tempfile
 
-    from backends.robot_file import RobotFile
-    from files.errors import FileError, Finding
-    from files.loading import load
+    from handcart.backends.robot_file import RobotFile
+    from handcart.files.errors import FileError, Finding
+    from handcart.files.loading import load
 
     with tempfile.TemporaryDirectory() as folder:
         trial = Path(folder) / file.name
@@ -119,8 +119,8 @@ def _check_writable(file: Path) -> None:
 
 def _write_copy(output: Path, text: str, file: Path) -> None:
     """The changed file elsewhere, with the URDFs beside it that it names."""
-    from backends.robot_file import load_robot
-    from files.inside import resolve_inside
+    from handcart.backends.robot_file import load_robot
+    from handcart.files.inside import resolve_inside
 
     from .writing import NotWritable, check_folder, write_text
 

@@ -18,8 +18,8 @@ def allow_contacts(file: Path) -> None:
         FileError: something in the robot's files is wrong.
         NotWritable: the file can't be written.
     """
-    from backends.robot_file import load_robot
-    from evaluation.robot_report.self_contact import self_contact
+    from handcart.backends.robot_file import load_robot
+    from handcart.evaluation.robot_report.self_contact import self_contact
 
     from .writing import write_text
 

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Annotated, TextIO
 import typer
 
 if TYPE_CHECKING:
-    from backends.can.sensors.range_server import RangeServer
-    from backends.can.simulated.bench import Bench
+    from handcart.backends.can.sensors.range_server import RangeServer
+    from handcart.backends.can.simulated.bench import Bench
 
 BETWEEN_PROCESSES, MULTICAST = "udp_multicast", "239.74.163.2"
 AT_THE_PROGRAM = ("bus-down", "error-passive", "error-warning", "bus-off", "queue-full", "cable-off")
@@ -53,12 +53,12 @@ def bench(
     import signal
     import time
 
-    from backends.can.errors import NoDrives
-    from backends.can.open_bus import open_interface
-    from backends.can.simulated.bench import Bench
-    from backends.can.simulated.bench_server import BenchServer
-    from backends.registry import make_backend
-    from backends.robot_file import load_robot
+    from handcart.backends.can.errors import NoDrives
+    from handcart.backends.can.open_bus import open_interface
+    from handcart.backends.can.simulated.bench import Bench
+    from handcart.backends.can.simulated.bench_server import BenchServer
+    from handcart.backends.registry import make_backend
+    from handcart.backends.robot_file import load_robot
 
     spec = load_robot(robot)
     if spec.can is None:
@@ -95,9 +95,9 @@ def bench(
 
 
 def _scans(bench: Bench, port: int) -> RangeServer:
-    from backends.can.sensors.range_server import RangeServer
-    from backends.range_sensor import RangeSensor
-    from files.errors import InputError
+    from handcart.backends.can.sensors.range_server import RangeServer
+    from handcart.backends.range_sensor import RangeSensor
+    from handcart.files.errors import InputError
 
     sensor = None if bench.inner is None else bench.inner.get(RangeSensor)  # type: ignore[type-abstract]
     if sensor is None:
@@ -109,13 +109,13 @@ def _scans(bench: Bench, port: int) -> RangeServer:
 
 
 def _library() -> Path:
-    from evaluation.stage import LIBRARY
+    from handcart.evaluation.stage import LIBRARY
 
     return LIBRARY / "world.yaml"
 
 
 def _planned(told: str) -> tuple[str, float, int | None]:
-    from backends.can.simulated.misbehaviours import misbehaviour
+    from handcart.backends.can.simulated.misbehaviours import misbehaviour
 
     name, _, rest = told.partition("@")
     misbehaviour(name)
@@ -131,7 +131,7 @@ def _planned(told: str) -> tuple[str, float, int | None]:
 
 
 def _list_faults() -> None:
-    from backends.can.simulated.misbehaviours import MISBEHAVIOURS
+    from handcart.backends.can.simulated.misbehaviours import MISBEHAVIOURS
 
     for name, each in MISBEHAVIOURS.items():
         here = " (not in a process of its own)" if name in AT_THE_PROGRAM else ""

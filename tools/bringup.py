@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 if TYPE_CHECKING:
-    from evaluation.bringup.ladder import Ladder
-    from evaluation.bringup.operator import Operator
-    from evaluation.bringup.record import RungRecord
+    from handcart.evaluation.bringup.ladder import Ladder
+    from handcart.evaluation.bringup.operator import Operator
+    from handcart.evaluation.bringup.record import RungRecord
 
 
 def bringup(
@@ -36,11 +36,11 @@ def bringup(
     as_json: Annotated[bool, typer.Option("--json", help="one JSON object on stdout")] = False,
 ) -> None:
     """Climb the next rung of the ladder from first power to the task; each is recorded, none left out."""
-    from backends.can.can_backend import CanBackend
-    from backends.robot_file import load_robot
-    from evaluation.bringup.ladder import RUNGS, Ladder
-    from evaluation.bringup.site import Site
-    from evaluation.stage import LIBRARY
+    from handcart.backends.can.can_backend import CanBackend
+    from handcart.backends.robot_file import load_robot
+    from handcart.evaluation.bringup.ladder import RUNGS, Ladder
+    from handcart.evaluation.bringup.site import Site
+    from handcart.evaluation.stage import LIBRARY
 
     from .writing import check_folder
 
@@ -89,8 +89,8 @@ def _climb(ladder: Ladder, everything: bool) -> list[RungRecord]:
 
 
 def _operator(bench: str | None, answers: Path | None) -> Operator:
-    from evaluation.bringup.operator import BenchOperator, ScriptedOperator
-    from files.yaml_document import read_document
+    from handcart.evaluation.bringup.operator import BenchOperator, ScriptedOperator
+    from handcart.files.yaml_document import read_document
 
     from .terminal_operator import TerminalOperator
 

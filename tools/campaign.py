@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 if TYPE_CHECKING:
-    from evaluation.action_shares import ActionShare
-    from evaluation.campaign import Report, Setting, Trial
+    from handcart.evaluation.action_shares import ActionShare
+    from handcart.evaluation.campaign import Report, Setting, Trial
 
 
 def campaign(
@@ -35,8 +35,8 @@ def campaign(
     """Run seeded trials of a task side by side, and count how they end."""
     from rich.progress import track
 
-    from evaluation.campaign import Report, Setting, run_campaign
-    from files.settings import split_setting
+    from handcart.evaluation.campaign import Report, Setting, run_campaign
+    from handcart.files.settings import split_setting
 
     settings = [*(settings or []), *([f"robot={robot}"] if robot else [])]
     chosen = dict(split_setting(each) for each in settings)
@@ -90,7 +90,7 @@ def _print_table(report: Report, setting: Setting) -> None:
 
 
 def _shares(report: Report) -> list[ActionShare]:
-    from evaluation.action_shares import action_shares
+    from handcart.evaluation.action_shares import action_shares
 
     return action_shares(Path(trial.summary["run_dir"]) for trial in report.trials)
 

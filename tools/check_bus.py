@@ -6,22 +6,22 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from backends.can.bus_load import BusLoad
-    from backends.robot_file import RobotFile
+    from handcart.backends.can.bus_load import BusLoad
+    from handcart.backends.robot_file import RobotFile
 
 
 def bus_of(robot: RobotFile) -> BusLoad | None:
     """What cyclic frames take of its bus; None where it has none."""
     if robot.can is None:
         return None
-    from backends.can.cyclic_frames import bus_load
+    from handcart.backends.can.cyclic_frames import bus_load
 
     return bus_load(robot.can, robot.period_s)
 
 
 def bus_tables(load: BusLoad) -> Iterator[Any]:
     """For people: a row a frame, and the sum."""
-    from backends.can.bus_load import ALLOWED
+    from handcart.backends.can.bus_load import ALLOWED
 
     from .check_robot import table_of
 

@@ -11,7 +11,7 @@ import typer
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-    from files.errors import FileError, Finding, InputError
+    from handcart.files.errors import FileError, Finding, InputError
 
 MOST = 12  # lines of faults beyond which those that are alike are told in one
 
@@ -52,8 +52,8 @@ def check(
     """Read a file with all that it names, and tell what is wrong with it: each finding with its place."""
     import orjson
 
-    from files.errors import FileError, InputError
-    from files.settings import split_setting
+    from handcart.files.errors import FileError, InputError
+    from handcart.files.settings import split_setting
 
     try:
         given = dict(split_setting(each) for each in settings or [])
@@ -96,7 +96,7 @@ def check_quietly(file: Path) -> dict[str, Any]:
 
 def _tell_grouped(error: FileError) -> None:
     """End here with a line for each kind of fault, where many are alike."""
-    from evaluation.robot_report.remark import grouped_findings
+    from handcart.evaluation.robot_report.remark import grouped_findings
 
     lines = grouped_findings(error.findings)
     if len(error.findings) <= MOST:
@@ -109,7 +109,7 @@ def _tell_grouped(error: FileError) -> None:
 
 
 def _findings(error: InputError) -> list[dict[str, Any]]:
-    from files.errors import FileError
+    from handcart.files.errors import FileError
 
     if not isinstance(error, FileError):  # a name that no file's line is known for
         return [{"file": None, "line": 0, "column": 0, "message": str(error)}]
@@ -124,12 +124,12 @@ def _places(findings: Iterable[Finding]) -> list[dict[str, Any]]:
 
 
 def _facts(file: Path, settings: dict[str, str], asked: Asked) -> dict[str, Any]:
-    from backends.map_file import is_map_file
-    from files.errors import FileError
-    from files.loading import load
-    from files.suggest import suggest
-    from files.yaml_document import read_document
-    from primitives.ros_goals import is_goals
+    from handcart.backends.map_file import is_map_file
+    from handcart.files.errors import FileError
+    from handcart.files.loading import load
+    from handcart.files.suggest import suggest
+    from handcart.files.yaml_document import read_document
+    from handcart.primitives.ros_goals import is_goals
 
     from .file_kinds import KINDS, is_urdf, model_of
 
@@ -161,7 +161,7 @@ def _facts(file: Path, settings: dict[str, str], asked: Asked) -> dict[str, Any]
             allow_contacts(file)
         return robot_facts(file, asked.picture, asked.quick, asked.every)
     if kind == "world":
-        from backends.scene.load_world import load_world
+        from handcart.backends.scene.load_world import load_world
 
         load_world(file)
     else:
@@ -170,8 +170,8 @@ def _facts(file: Path, settings: dict[str, str], asked: Asked) -> dict[str, Any]
 
 
 def _map_facts(file: Path) -> dict[str, Any]:
-    from backends.map_file import load_map
-    from backends.movingai_map import SUFFIX
+    from handcart.backends.map_file import load_map
+    from handcart.backends.movingai_map import SUFFIX
 
     grid, warning = load_map(file)
     height, width = grid.occupied.shape
@@ -182,15 +182,15 @@ def _map_facts(file: Path) -> dict[str, Any]:
 
 
 def _goals_facts(file: Path) -> dict[str, Any]:
-    from primitives.place_file import load_places
+    from handcart.primitives.place_file import load_places
 
     return {"format": "goals for nav2", "places": list(load_places(file).value.places)}
 
 
 def _task_facts(file: Path, settings: dict[str, str], quick: bool) -> dict[str, Any]:
-    from backends.robot_file import load_robot
-    from evaluation.robot_report.posture_findings import posture_findings
-    from networks.preparing import check as check_task
+    from handcart.backends.robot_file import load_robot
+    from handcart.evaluation.robot_report.posture_findings import posture_findings
+    from handcart.networks.preparing import check as check_task
 
     from .check_task import task_facts
     from .share_shown import share_shown
@@ -199,7 +199,7 @@ def _task_facts(file: Path, settings: dict[str, str], quick: bool) -> dict[str, 
     with share_shown(f"{file}: how runs end") as watch:
         told = task_facts(checked.task, watch)
     if not quick and checked.task.path("knowledge", "seam"):
-        from evaluation.seam_check import seam_facts  # what it needs takes a second to import
+        from handcart.evaluation.seam_check import seam_facts  # what it needs takes a second to import
 
         told |= seam_facts(checked.task)
     robot = checked.task.robot
@@ -211,10 +211,15 @@ def _task_facts(file: Path, settings: dict[str, str], quick: bool) -> dict[str, 
 
 
 def _table_facts(file: Path) -> dict[str, Any]:
-    from files.loading import load_document
-    from files.yaml_document import read_document
-    from networks.analysis.absorbing_chain import NeverEnds
-    from networks.analysis.action_table import ActionTable, table_absorption, table_errors, table_warnings
+    from handcart.files.loading import load_document
+    from handcart.files.yaml_document import read_document
+    from handcart.networks.analysis.absorbing_chain import NeverEnds
+    from handcart.networks.analysis.action_table import (
+        ActionTable,
+        table_absorption,
+        table_errors,
+        table_warnings,
+    )
 
     loaded = load_document(read_document(file), ActionTable)
     lines, figures = [], {}

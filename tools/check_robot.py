@@ -9,8 +9,8 @@ from collections.abc import Collection, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from files.errors import FileError, InputError
-from files.yaml_document import read_document
+from handcart.files.errors import FileError, InputError
+from handcart.files.yaml_document import read_document
 
 from .writing import NotWritable
 
@@ -18,9 +18,9 @@ if TYPE_CHECKING:
     from rich.console import Group
     from rich.table import Table
 
-    from evaluation.robot_report.reach import Reach
-    from evaluation.robot_report.report import Contents, RobotReport
-    from robotics.kinematics.urdf_contents import JointFacts
+    from handcart.evaluation.robot_report.reach import Reach
+    from handcart.evaluation.robot_report.report import Contents, RobotReport
+    from handcart.robotics.kinematics.urdf_contents import JointFacts
 
 WIDTH = 110
 MOST = 3  # links that are named as heavy
@@ -45,11 +45,11 @@ def robot_facts(file: Path, picture: Path | None, quick: bool = False, every: bo
         NoSuchPicture: the picture's ending is unknown.
         NotWritable: it can't be written there.
     """
-    from backends.robot_file import load_robot
-    from evaluation.robot_report.picture import draw_robot
-    from evaluation.robot_report.posture_findings import posture_findings
-    from evaluation.robot_report.remark import grouped, grouped_findings
-    from evaluation.robot_report.report import report_of
+    from handcart.backends.robot_file import load_robot
+    from handcart.evaluation.robot_report.picture import draw_robot
+    from handcart.evaluation.robot_report.posture_findings import posture_findings
+    from handcart.evaluation.robot_report.remark import grouped, grouped_findings
+    from handcart.evaluation.robot_report.report import report_of
 
     from .check_bus import bus_figures, bus_of, bus_tables
 
@@ -164,7 +164,7 @@ def _joint(joint: JointFacts) -> tuple[str, ...]:
 def _reach(reach: Reach) -> Group:
     from rich.console import Group
 
-    from evaluation.robot_report.reach import BEFORE_SHELF
+    from handcart.evaluation.robot_report.reach import BEFORE_SHELF
 
     (near, far), (low, high) = reach.radii, reach.heights
     words = (

@@ -6,9 +6,9 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from networks.analysis.figures import Figures, Influence
-    from networks.analysis.forecast import Forecast
-    from networks.task_file import Task
+    from handcart.networks.analysis.figures import Figures, Influence
+    from handcart.networks.analysis.forecast import Forecast
+    from handcart.networks.task_file import Task
 
 Watch = Callable[[float], None]
 """Hears now and then how much is done, 0 to 1."""
@@ -22,10 +22,10 @@ SHORT = (
 def task_facts(task: Task, watch: Watch = lambda share: None) -> dict[str, Any]:
     """Its size, what is doubtful (`warnings`), where runs may end short of the goal (`short`), and how runs
     end (`figures`, for people in `lines`)."""
-    from networks.analysis.effort import Effort
-    from networks.analysis.policy import WORK
-    from networks.analysis.task_findings import short_findings, task_findings, unused_findings
-    from networks.analysis.worst_cases import worst_cases
+    from handcart.networks.analysis.effort import Effort
+    from handcart.networks.analysis.policy import WORK
+    from handcart.networks.analysis.task_findings import short_findings, task_findings, unused_findings
+    from handcart.networks.analysis.worst_cases import worst_cases
 
     network = task.network
     told: dict[str, Any] = {
@@ -58,9 +58,9 @@ def _first(lines: list[str]) -> list[str]:
 
 def _figures(task: Task, watch: Watch) -> tuple[dict[str, Any], list[str]]:
     """How runs end, where the file gives all probabilities: for programs, and in lines for people."""
-    from networks.analysis.effort import Effort
-    from networks.analysis.figures import figures, missing_chances
-    from networks.analysis.policy import WORK, TooLarge
+    from handcart.networks.analysis.effort import Effort
+    from handcart.networks.analysis.figures import figures, missing_chances
+    from handcart.networks.analysis.policy import WORK, TooLarge
 
     missing = missing_chances(task)
     if len(missing) == len(task.file.actions):
@@ -84,7 +84,7 @@ def _figures(task: Task, watch: Watch) -> tuple[dict[str, Any], list[str]]:
 
 
 def _lines(found: Figures) -> list[str]:
-    from networks.analysis.figures import ASSUMPTION
+    from handcart.networks.analysis.figures import ASSUMPTION
 
     now = found.forecast
     undone = f", elements left undone {now.left_undone:.5f}" if now.left_undone else ""

@@ -6,12 +6,12 @@ import os
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from files.errors import FileError, Finding, InputError
+from handcart.files.errors import FileError, Finding, InputError
 
 from .check_robot import contents_lines
 
 if TYPE_CHECKING:
-    from evaluation.robot_report.outline import Outline
+    from handcart.evaluation.robot_report.outline import Outline
 
 CHAINS = 4  # that are told
 
@@ -28,10 +28,10 @@ def urdf_facts(file: Path, every: bool = False, draft: Path | None = None) -> di
         FileError: something in it is wrong.
         InputError: the draft can't be written there.
     """
-    from backends.robot_parts import UrdfError
-    from evaluation.robot_report.draft import draft_text
-    from evaluation.robot_report.remark import grouped
-    from evaluation.robot_report.urdf_report import urdf_report
+    from handcart.backends.robot_parts import UrdfError
+    from handcart.evaluation.robot_report.draft import draft_text
+    from handcart.evaluation.robot_report.remark import grouped
+    from handcart.evaluation.robot_report.urdf_report import urdf_report
 
     from .writing import write_text
 

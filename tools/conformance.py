@@ -14,7 +14,7 @@ import typer
 if TYPE_CHECKING:
     from rich.console import Console
 
-    from evaluation.conformance.kit import Setting
+    from handcart.evaluation.conformance.kit import Setting
 
 BROKEN_PROMISE = 5
 SELDOM = 30.0  # [s] between two lines of progress, at least
@@ -42,7 +42,7 @@ def conformance(
     as_json: Annotated[bool, typer.Option("--json", help="end with one JSON object on stdout")] = False,
 ) -> None:
     """Check what the backend declares, break it at many instants, and plant liars; status 0 if all holds."""
-    from evaluation.conformance.kit import Setting, run_kit
+    from handcart.evaluation.conformance.kit import Setting, run_kit
 
     chosen = _chosen(parts or [], primitives or [], tasks or [])
     setting = Setting(backend, robot, quick, chosen, primitives or (), instants, seeds, tasks or ())
@@ -90,8 +90,8 @@ def _seldom(console: Console) -> Callable[[int, int], None]:
 
 def _chosen(parts: list[str], primitives: list[str], tasks: list[str]) -> tuple[str, ...]:
     """The parts that are named, or that what is named belongs to; raises `typer.BadParameter`."""
-    from evaluation.conformance.kit import PARTS
-    from files.suggest import suggest
+    from handcart.evaluation.conformance.kit import PARTS
+    from handcart.files.suggest import suggest
 
     for part in parts:
         if part not in PARTS:
@@ -103,8 +103,8 @@ def _chosen(parts: list[str], primitives: list[str], tasks: list[str]) -> tuple[
 
 def _check(setting: Setting) -> None:
     """Refuse what can't be tried, before anything is."""
-    from backends.registry import backend_class
-    from files.suggest import suggest
+    from handcart.backends.registry import backend_class
+    from handcart.files.suggest import suggest
 
     backend_class(setting.backend)
     tried = setting.tried()

@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 if TYPE_CHECKING:
-    from primitives.action_primitive import ActionPrimitive
+    from handcart.primitives.action_primitive import ActionPrimitive
 
 
 def describe(name: Annotated[str, typer.Argument(help="a primitive, such as MOVE_TO, or a backend")]) -> None:
     """Tell what a primitive does, takes, needs, reads and writes, or how a backend differs from metal."""
-    from backends.registry import backend_class, backend_names
-    from primitives.registry import primitive_class
+    from handcart.backends.registry import backend_class, backend_names
+    from handcart.primitives.registry import primitive_class
 
     if name in backend_names():
         print(f"{name}\n\n{inspect.getdoc(backend_class(name))}")
@@ -31,8 +31,8 @@ def describe(name: Annotated[str, typer.Argument(help="a primitive, such as MOVE
 
 
 def _parameters(kind: type[ActionPrimitive]) -> list[str]:
-    from files.schema_walk import SchemaWalk
-    from files.schema_words import described, shown
+    from handcart.files.schema_walk import SchemaWalk
+    from handcart.files.schema_words import described, shown
 
     walk = SchemaWalk(kind.__pydantic_core_schema__)
     lines = []

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 if TYPE_CHECKING:
-    from primitives.action_primitive import ActionPrimitive
+    from handcart.primitives.action_primitive import ActionPrimitive
 
 STATUS = {"Success": 0, "Fail": 3, "GiveUp": 4}
 
@@ -27,9 +27,9 @@ def do(
     seed: Annotated[int, typer.Option(help="of the simulated errors")] = 0,
 ) -> None:
     """Run one primitive alone, and tell its outcome."""
-    from evaluation.stage import StageFiles, set_stage
-    from networks.robot_claim import claimed
-    from primitives.outcome import Success
+    from handcart.evaluation.stage import StageFiles, set_stage
+    from handcart.networks.robot_claim import claimed
+    from handcart.primitives.outcome import Success
 
     made = _made(primitive, parameters or [])
     given = {"world": world, "map": map, "places": places, "catalogue": catalogue, "start": start}
@@ -47,8 +47,8 @@ def do(
 
 def _made(name: str, parameters: list[str]) -> ActionPrimitive:
     """The primitive with its parameters, checked as in a task file."""
-    from files.errors import FileError
-    from primitives.registry import primitive_class
+    from handcart.files.errors import FileError
+    from handcart.primitives.registry import primitive_class
 
     try:
         kind = primitive_class(name)
@@ -61,10 +61,10 @@ def _made(name: str, parameters: list[str]) -> ActionPrimitive:
 
 
 def _read(name: str, kind: type[ActionPrimitive], parameters: list[str]) -> ActionPrimitive:
-    from files.loading import load_part
-    from files.settings import setting_value, split_setting
-    from files.yaml_document import Document
-    from files.yaml_node import Node
+    from handcart.files.loading import load_part
+    from handcart.files.settings import setting_value, split_setting
+    from handcart.files.yaml_document import Document
+    from handcart.files.yaml_node import Node
 
     content = {}
     for key, value in map(split_setting, parameters):
@@ -81,8 +81,8 @@ def _as_typed(error: Any) -> list[Any]:
 
 
 def _check_places(made: ActionPrimitive, places: Any) -> None:
-    from files.suggest import suggest
-    from primitives.place_name import Names
+    from handcart.files.suggest import suggest
+    from handcart.primitives.place_name import Names
 
     for key, field in type(made).model_fields.items():
         name = getattr(made, key)

@@ -13,9 +13,9 @@ def draw(
     output: Annotated[Path, typer.Option("-o", "--output", help="FILE.svg, FILE.mmd or FILE.dot")],
 ) -> None:
     """Draw a task's action network: as SVG, Mermaid or dot, by the file's ending."""
-    from files.suggest import suggest
-    from networks.drawing import FORMATS
-    from networks.task_file import load_task
+    from handcart.files.suggest import suggest
+    from handcart.networks.drawing import FORMATS
+    from handcart.networks.task_file import load_task
 
     from .writing import write_text
 

@@ -20,12 +20,12 @@ def dry_run(
     """Check a task with all its files, print what would be done; the exit status that a run would have."""
     import orjson
 
-    from backends.robot_file import load_robot
-    from evaluation.robot_report.posture_findings import posture_findings
-    from files.errors import FileError
-    from files.settings import split_setting
-    from networks.preparing import check
-    from networks.script import follow, load_script
+    from handcart.backends.robot_file import load_robot
+    from handcart.evaluation.robot_report.posture_findings import posture_findings
+    from handcart.files.errors import FileError
+    from handcart.files.settings import split_setting
+    from handcart.networks.preparing import check
+    from handcart.networks.script import follow, load_script
 
     outcomes = None if script is None else load_script(script)
     chosen = dict(split_setting(each) for each in settings)

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 if TYPE_CHECKING:
-    from evaluation.explanation import Explanation
+    from handcart.evaluation.explanation import Explanation
 
 
 def explain(
@@ -37,12 +37,12 @@ def explain(
     """Tell why an action was chosen, why it failed and how well it was restored, from the run's folder."""
     import orjson
 
-    from evaluation.explanation import as_json as json_of
-    from evaluation.explanation import explain as explained
-    from evaluation.explanation_chart import UnreadableEvidence
-    from evaluation.explanation_words import in_words
-    from files.printable import printable
-    from networks.past_run import read_run
+    from handcart.evaluation.explanation import as_json as json_of
+    from handcart.evaluation.explanation import explain as explained
+    from handcart.evaluation.explanation_chart import UnreadableEvidence
+    from handcart.evaluation.explanation_words import in_words
+    from handcart.files.printable import printable
+    from handcart.networks.past_run import read_run
 
     past = read_run(run)
     if past.torn_at is not None:
@@ -65,7 +65,7 @@ def explain(
 
 def _drawn(told: Explanation, picture: Path | None) -> Path | None:
     """Where the chart was drawn; None where there is nothing to draw, or no room beside the run's files."""
-    from evaluation.explanation_chart import draw_chart
+    from handcart.evaluation.explanation_chart import draw_chart
 
     from .writing import NotWritable
 

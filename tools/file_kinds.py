@@ -9,15 +9,15 @@ from typing import Any
 MOST = 20  # files beside a URDF that are looked at
 
 KINDS = {
-    "task": "networks.task_model:TaskFile",
-    "robot": "backends.robot_file:RobotFile",
-    "world": "backends.scene.world_file:WorldFile",
-    "table": "networks.analysis.action_table:ActionTable",
-    "places": "primitives.knowledge:Places",
-    "catalogue": "primitives.knowledge:Catalogue",
-    "work-piece": "primitives.work_piece:WorkPiece",
-    "building": "primitives.building:Building",
-    "calibration": "networks.calibration:Calibration",
+    "task": "handcart.networks.task_model:TaskFile",
+    "robot": "handcart.backends.robot_file:RobotFile",
+    "world": "handcart.backends.scene.world_file:WorldFile",
+    "table": "handcart.networks.analysis.action_table:ActionTable",
+    "places": "handcart.primitives.knowledge:Places",
+    "catalogue": "handcart.primitives.knowledge:Catalogue",
+    "work-piece": "handcart.primitives.work_piece:WorkPiece",
+    "building": "handcart.primitives.building:Building",
+    "calibration": "handcart.networks.calibration:Calibration",
 }
 """What stands behind `handcart-` under the key `format`, and the model that reads it."""
 
@@ -31,8 +31,8 @@ def robots_beside(urdf: Path) -> list[Path]:
     """The robots' files in a URDF's folder that name it."""
     from ruamel.yaml.error import YAMLError
 
-    from files.errors import InputError
-    from files.yaml_document import read_document
+    from handcart.files.errors import InputError
+    from handcart.files.yaml_document import read_document
 
     found = []
     for path in sorted((*urdf.parent.glob("*.yaml"), *urdf.parent.glob("*.yml")))[:MOST]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 
-from files.errors import HandcartError, InputError
+from handcart.files.errors import HandcartError, InputError
 
 from .libraries import NoLibrary, check_libraries
 from .quiet import quiet_libraries
@@ -62,7 +62,7 @@ def _check_text(words: list[str]) -> None:
 
 def _told(error: Exception) -> int:
     """Tell of an error in words, of a fault of our own with its traceback too; gives the exit status."""
-    from files.printable import printable
+    from handcart.files.printable import printable
 
     if isinstance(error, HandcartError):
         print("\n".join(map(printable, str(error).split("\n"))), file=sys.stderr)

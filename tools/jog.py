@@ -25,11 +25,11 @@ def jog(
     """Move one axis while the space bar is held, the hand at 250 mm/s at most; letting go stops it."""
     from pathlib import Path
 
-    from backends.robot_file import load_robot
-    from evaluation.bringup.jog import HAND_SPEED, Jogger, UnknownAxis, slides
-    from evaluation.bringup.operator import BenchOperator, Operator
-    from evaluation.bringup.site import Site
-    from evaluation.stage import LIBRARY
+    from handcart.backends.robot_file import load_robot
+    from handcart.evaluation.bringup.jog import HAND_SPEED, Jogger, UnknownAxis, slides
+    from handcart.evaluation.bringup.operator import BenchOperator, Operator
+    from handcart.evaluation.bringup.site import Site
+    from handcart.evaluation.stage import LIBRARY
 
     from .terminal_operator import TerminalOperator
 

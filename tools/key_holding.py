@@ -11,9 +11,9 @@ import tty
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-from evaluation.bringup.jog import Lease
-from evaluation.bringup.operator import NoAnswer
-from files.errors import InputError
+from handcart.evaluation.bringup.jog import Lease
+from handcart.evaluation.bringup.operator import NoAnswer
+from handcart.files.errors import InputError
 
 _FIRST = 30.0  # [s] in which the key is to be pressed
 

@@ -10,7 +10,7 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import NamedTuple
 
-from files.errors import InputError
+from handcart.files.errors import InputError
 
 OURS = ("robotics", "files", "backends", "primitives", "networks", "evaluation", "tools")
 MODULES = {

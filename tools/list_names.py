@@ -35,7 +35,7 @@ def list_names(what: Annotated[What, typer.Argument(help="what to list")]) -> No
 
 
 def _primitives() -> list[tuple[str, str]]:
-    from primitives.registry import primitive_class, primitive_names
+    from handcart.primitives.registry import primitive_class, primitive_names
 
     return [(name, _told(name, primitive_class)) for name in primitive_names()]
 
@@ -49,13 +49,13 @@ def _told(name: str, find: Callable[[str], type]) -> str:
 
 
 def _backends() -> list[tuple[str, str]]:
-    from backends.registry import backend_names
+    from handcart.backends.registry import backend_names
 
     return [(name, "") for name in backend_names()]
 
 
 def _robots() -> list[tuple[str, str]]:
-    from backends.robot_file import robot_names, shipped_path
+    from handcart.backends.robot_file import robot_names, shipped_path
 
     return [(name, _first_comment(shipped_path(name))) for name in robot_names()]
 
@@ -66,7 +66,7 @@ def _first_comment(file: Path) -> str:
 
 
 def _tasks() -> list[tuple[str, str]]:
-    from files.yaml_document import read_document
+    from handcart.files.yaml_document import read_document
 
     found = sorted(TASKS.glob("*/task.yaml"))
     return [(path.parent.name, str(read_document(path).data.get("title", ""))) for path in found]

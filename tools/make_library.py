@@ -18,8 +18,8 @@ def make_library(
     books: Annotated[int, typer.Option(help="to return, each to another shelf")] = 1,
 ) -> None:
     """Write world.yaml, places.yaml, catalogue.yaml, map.yaml and map.png of a generated library."""
-    from evaluation import library_generator
-    from evaluation.library_files import write_library
+    from handcart.evaluation import library_generator
+    from handcart.evaluation.library_files import write_library
 
     from .writing import check_folder
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 if TYPE_CHECKING:
-    from files.yaml_document import Document
+    from handcart.files.yaml_document import Document
 
 
 def place(
@@ -24,11 +24,11 @@ def place(
     ] = None,
 ) -> None:
     """Divide a path among places of the base; write task.yaml with its files, and placements.svg."""
-    from backends.robot_file import UnknownPosture, load_robot
-    from evaluation.seam_placing import NoToolArm, place_seam, write_task
-    from files.errors import FileError
-    from files.loading import load
-    from primitives.work_piece import WorkPiece
+    from handcart.backends.robot_file import UnknownPosture, load_robot
+    from handcart.evaluation.seam_placing import NoToolArm, place_seam, write_task
+    from handcart.files.errors import FileError
+    from handcart.files.loading import load
+    from handcart.primitives.work_piece import WorkPiece
 
     from .writing import NotWritable, check_folder
 
@@ -55,8 +55,8 @@ def place(
 
 def _document(robot: str) -> Document:
     """The robot's file, for its lines."""
-    from backends.robot_file import shipped_path
-    from files.yaml_document import read_document
+    from handcart.backends.robot_file import shipped_path
+    from handcart.files.yaml_document import read_document
 
     return read_document(robot if robot.endswith((".yaml", ".yml")) else shipped_path(robot))
 

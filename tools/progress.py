@@ -11,14 +11,14 @@ from types import TracebackType
 from rich.console import Console
 from rich.markup import escape
 
-from backends.robot import Robot
-from backends.stopping import stopping_distance
-from files.printable import printable
-from networks.events import Ended, Event, LeftOut, Planned, Restoring, RunEnded, Started
-from networks.network import Action
-from networks.planner import NoWay
-from networks.preparing import Prepared
-from primitives.outcome import Fail, GiveUp, Success
+from handcart.backends.robot import Robot
+from handcart.backends.stopping import stopping_distance
+from handcart.files.printable import printable
+from handcart.networks.events import Ended, Event, LeftOut, Planned, Restoring, RunEnded, Started
+from handcart.networks.network import Action
+from handcart.networks.planner import NoWay
+from handcart.networks.preparing import Prepared
+from handcart.primitives.outcome import Fail, GiveUp, Success
 
 COLOURS = {"Success": "green", "Fail": "yellow", "GiveUp": "red"}
 

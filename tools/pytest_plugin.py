@@ -8,22 +8,22 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 if TYPE_CHECKING:
-    from evaluation.conformance.report import Report
-    from evaluation.stage import Stage, StageFiles
-    from primitives.action_primitive import ActionPrimitive
-    from primitives.outcome import Outcome
+    from handcart.evaluation.conformance.report import Report
+    from handcart.evaluation.stage import Stage, StageFiles
+    from handcart.primitives.action_primitive import ActionPrimitive
+    from handcart.primitives.outcome import Outcome
 
 
 @pytest.fixture
 def set_stage() -> Iterator[Callable[..., Stage]]:
-    """Builds stages as `evaluation.stage.set_stage` does, and closes them after the test.
+    """Builds stages as `handcart.evaluation.stage.set_stage` does, and closes them after the test.
 
     def test_there_and_back(set_stage):
         stage = set_stage(seed=3)
         for place in ("shelf_1", "home"):
             assert isinstance(stage.do(MoveTo(place=place)), Success)
     """
-    from evaluation.stage import set_stage as build
+    from handcart.evaluation.stage import set_stage as build
 
     stages: list[Stage] = []
 
@@ -65,7 +65,7 @@ def conformance() -> Callable[..., Report]:
     def test_my_backend(conformance):
         conformance("my_backend", robot="my_robot/robot.yaml", quick=True)
     """
-    from evaluation.conformance.kit import Setting, run_kit
+    from handcart.evaluation.conformance.kit import Setting, run_kit
 
     def check(
         backend: str,

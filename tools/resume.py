@@ -30,10 +30,10 @@ def resume(
     """Tell what is known, expected and unknown of a run that broke off, then go on with it."""
     import orjson
 
-    from evaluation.running import resume_task
-    from files.printable import printable
-    from networks.interrupts import Interrupts
-    from networks.permits import Permits
+    from handcart.evaluation.running import resume_task
+    from handcart.files.printable import printable
+    from handcart.networks.interrupts import Interrupts
+    from handcart.networks.permits import Permits
 
     from .progress import Progress
 
@@ -59,8 +59,8 @@ def ack(
 
     Then the run may go on, and the robot into another one.
     """
-    from files.printable import printable
-    from networks.acknowledging import acknowledge
+    from handcart.files.printable import printable
+    from handcart.networks.acknowledging import acknowledge
 
     reason = acknowledge(run, record)
     print(printable(f"acknowledged: {reason}; handcart resume {run} goes on with it"))

@@ -58,10 +58,10 @@ def run(
         sys.exit(imagine(task, backend, settings, seed, situation, script, as_json))
     import orjson
 
-    from evaluation.running import run_task
-    from files.settings import split_setting
-    from networks.interrupts import Interrupts
-    from networks.permits import Permits
+    from handcart.evaluation.running import run_task
+    from handcart.files.settings import split_setting
+    from handcart.networks.interrupts import Interrupts
+    from handcart.networks.permits import Permits
 
     from .progress import Progress
     from .writing import check_folder

@@ -17,8 +17,8 @@ def schema(
     """Print the JSON Schema of a kind of file."""
     import json
 
-    from files import json_schema
-    from files.suggest import suggest
+    from handcart.files import json_schema
+    from handcart.files.suggest import suggest
 
     from .file_kinds import model_of
     from .writing import write_text

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 if TYPE_CHECKING:
-    from backends.robot_file import ArmSpec, RobotFile
+    from handcart.backends.robot_file import ArmSpec, RobotFile
 
 
 def teach(
@@ -31,7 +31,7 @@ def teach(
     dry_run: Annotated[bool, typer.Option("--dry-run", help="only show what would change")] = False,
 ) -> None:
     """Record a posture into a robot's file, comments and order kept; shows the change."""
-    from backends.robot_file import load_robot, shipped_path
+    from handcart.backends.robot_file import load_robot, shipped_path
 
     from .writing import write_text
 
@@ -55,7 +55,7 @@ def teach(
 
 
 def _found(spec: RobotFile, hand: str, joints: str | None, from_posture: str | None) -> list[float]:
-    from evaluation.robot_report.postures import posture_at
+    from handcart.evaluation.robot_report.postures import posture_at
 
     if joints is not None or from_posture is not None:
         raise typer.BadParameter("what is the posture? allowed: either --joints, --hand or --from-posture")
@@ -84,7 +84,7 @@ def _angles(arm: ArmSpec, joints: str | None, from_posture: str | None) -> list[
 
 
 def _copied(arm: ArmSpec, posture: str) -> list[float]:
-    from files.suggest import suggest
+    from handcart.files.suggest import suggest
 
     if posture not in arm.postures:
         raise typer.BadParameter(f"unknown posture {posture!r}{suggest(posture, arm.postures)}")
@@ -92,7 +92,7 @@ def _copied(arm: ArmSpec, posture: str) -> list[float]:
 
 
 def _check_posture(angles: list[float], spec: RobotFile, arm: ArmSpec) -> None:
-    from backends.robot_findings import posture_faults
+    from handcart.backends.robot_findings import posture_faults
 
     faults = posture_faults(spec.arm_model(), spec.joint_units, tuple(angles))
     if faults:

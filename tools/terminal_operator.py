@@ -6,7 +6,7 @@ import sys
 from collections.abc import Callable
 from contextlib import AbstractContextManager
 
-from evaluation.bringup.operator import Held, NoAnswer, Operator
+from handcart.evaluation.bringup.operator import Held, NoAnswer, Operator
 
 from .key_holding import held_key
 

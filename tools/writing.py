@@ -5,8 +5,8 @@ from __future__ import annotations
 import os
 from pathlib import Path
 
-from files.errors import InputError
-from files.whole_file import write_whole
+from handcart.files.errors import InputError
+from handcart.files.whole_file import write_whole
 
 
 class NotWritable(InputError):

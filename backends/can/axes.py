@@ -8,8 +8,8 @@ from pathlib import Path
 
 from canopen.objectdictionary import ObjectDictionary
 
-from backends.can_spec import AxisSpec, CanSpec
-from backends.robot_file import RobotFile
+from handcart.backends.can_spec import AxisSpec, CanSpec
+from handcart.backends.robot_file import RobotFile
 
 from .axis import HOLD, Axis
 from .axis_check import AxisCheck

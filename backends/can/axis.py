@@ -16,7 +16,7 @@ from canopen.sdo.base import SdoVariable
 from canopen.sdo.client import SdoClient
 from canopen.sdo.exceptions import SdoCommunicationError
 
-from backends.can_spec import AxisSpec
+from handcart.backends.can_spec import AxisSpec
 
 from .axis_limits import AxisLimits
 from .axis_units import AxisUnits, unwrapped

@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from backends.can_spec import GripperDriveSpec, JointDriveSpec, WheelDriveSpec
-from backends.robot_file import RobotFile
-from robotics.kinematics.arm_model import ArmModel
+from handcart.backends.can_spec import GripperDriveSpec, JointDriveSpec, WheelDriveSpec
+from handcart.backends.robot_file import RobotFile
+from handcart.robotics.kinematics.arm_model import ArmModel
 
 _QUICKER = 2.0  # than usual slowing down: a quick stop
 _STIFFER = 10.0  # than the arm's own ramps: a drive that plans ways to points must not lag behind

@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from backends.can_spec import CanSpec
+from handcart.backends.can_spec import CanSpec
 
 from .axis import HOLD, Axis
 from .pdo_layout import BITS, CYCLIC_POSITION, CYCLIC_VELOCITY

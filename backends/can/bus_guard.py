@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import can
 
-from backends.can_spec import CanSpec
+from handcart.backends.can_spec import CanSpec
 
 from .axes import Axes
 from .can_line import CanLine

@@ -7,9 +7,9 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from backends.arm import Arm
-from backends.limits import checked_joints
-from robotics.kinematics.arm_model import ArmModel
+from handcart.backends.arm import Arm
+from handcart.backends.limits import checked_joints
+from handcart.robotics.kinematics.arm_model import ArmModel
 
 from .axis import Axis
 

@@ -12,14 +12,14 @@ import can
 import numpy as np
 from numpy.typing import NDArray
 
-from backends.backend import Backend, NoBench
-from backends.can_spec import VIRTUAL, CanSpec
-from backends.capability import Capability
-from backends.plain_values import attributes, from_plain, set_attributes
-from backends.robot_file import RobotFile
-from backends.saved_state import NotAState
-from backends.scene.scene import Scene
-from files.suggest import suggest
+from handcart.backends.backend import Backend, NoBench
+from handcart.backends.can_spec import VIRTUAL, CanSpec
+from handcart.backends.capability import Capability
+from handcart.backends.plain_values import attributes, from_plain, set_attributes
+from handcart.backends.robot_file import RobotFile
+from handcart.backends.saved_state import NotAState
+from handcart.backends.scene.scene import Scene
+from handcart.files.suggest import suggest
 
 from .axes import Axes
 from .bus_guard import BusGuard
@@ -125,7 +125,7 @@ class CanBackend(Backend):
     @classmethod
     def bench_kind(cls, bench: str) -> type[Backend]:
         """The class of the simulated backend of that name; raises `NoBench`, saying what there is."""
-        from backends.registry import backend_class, backend_names
+        from handcart.backends.registry import backend_class, backend_names
 
         others = [name for name in backend_names() if name != cls.name]
         if bench not in (*others, cls.name):

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from backends.base import Base, WheelTravel
-from backends.limits import checked_drive
-from backends.robot_file import Drive
+from handcart.backends.base import Base, WheelTravel
+from handcart.backends.limits import checked_drive
+from handcart.backends.robot_file import Drive
 
 from .axis import Axis
 

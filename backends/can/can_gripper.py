@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from backends.gripper import Gripper
-from backends.limits import checked_width
-from backends.robot_file import GripperSpec
+from handcart.backends.gripper import Gripper
+from handcart.backends.limits import checked_width
+from handcart.backends.robot_file import GripperSpec
 
 from .axis import Axis
 from .axis_limits import FULL_TORQUE

@@ -7,16 +7,16 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from backends.arm import Arm
-from backends.base import Base, WheelTravel
-from backends.camera import Camera
-from backends.can_spec import CanSpec
-from backends.capability import Capability
-from backends.gps import Gps
-from backends.gripper import Gripper
-from backends.imu import Imu
-from backends.range_sensor import RangeSensor
-from backends.robot_file import RobotFile
+from handcart.backends.arm import Arm
+from handcart.backends.base import Base, WheelTravel
+from handcart.backends.camera import Camera
+from handcart.backends.can_spec import CanSpec
+from handcart.backends.capability import Capability
+from handcart.backends.gps import Gps
+from handcart.backends.gripper import Gripper
+from handcart.backends.imu import Imu
+from handcart.backends.range_sensor import RangeSensor
+from handcart.backends.robot_file import RobotFile
 
 from .axes import Axes
 from .can_arm import CanArm

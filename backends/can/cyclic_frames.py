@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from backends.can_spec import AxisSpec, CanSpec, WheelDriveSpec
+from handcart.backends.can_spec import AxisSpec, CanSpec, WheelDriveSpec
 
 from .bus_load import BusLoad, CyclicFrame
 from .lacks import left_out

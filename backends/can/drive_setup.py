@@ -8,7 +8,7 @@ from contextlib import suppress
 from canopen.profiles.p402 import OperationMode
 from canopen.sdo.exceptions import SdoAbortedError
 
-from backends.can_spec import CanSpec
+from handcart.backends.can_spec import CanSpec
 
 from .axis import Axis
 from .axis_settings import Setting, mapping, settings

@@ -12,8 +12,8 @@ from typing import NamedTuple
 from canopen.objectdictionary import ObjectDictionary
 from canopen.objectdictionary.eds import import_eds
 
-from files.errors import FileError, Finding
-from files.regular_file import read_regular_file
+from handcart.files.errors import FileError, Finding
+from handcart.files.regular_file import read_regular_file
 
 MAX_BYTES = 4 << 20
 _OBJECT = re.compile(r"[0-9A-Fa-f]{4}")

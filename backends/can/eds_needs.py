@@ -7,8 +7,8 @@ from pathlib import Path
 
 from canopen.objectdictionary import ObjectDictionary, ODVariable
 
-from backends.can_spec import AxisSpec, WheelDriveSpec
-from files.errors import FileError, Finding
+from handcart.backends.can_spec import AxisSpec, WheelDriveSpec
+from handcart.files.errors import FileError, Finding
 
 from .cyclic_frames import mode_of
 from .eds_file import missing_objects, read_eds

@@ -32,8 +32,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from backends.backend import RobotFault
-from files.errors import InputError
+from handcart.backends.backend import RobotFault
+from handcart.files.errors import InputError
 
 
 class NoDrives(InputError):

@@ -12,8 +12,8 @@ from typing import NamedTuple, TextIO, cast
 import can
 from can.io.canutils import CanutilsLogWriter
 
-from backends.recording import Recording
-from files.whole_file import write_whole
+from handcart.backends.recording import Recording
+from handcart.files.whole_file import write_whole
 
 from .frame_names import FrameNames
 

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import canopen
 from canopen.pdo import PdoMap
 
-from files.model import FileModel
+from handcart.files.model import FileModel
 
 
 class PdoField(FileModel):

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import NamedTuple
 
-from backends.can_spec import AxisSpec, Without
+from handcart.backends.can_spec import AxisSpec, Without
 
 
 class Lack(NamedTuple):

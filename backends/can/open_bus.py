@@ -7,7 +7,7 @@ from typing import Any
 
 import can
 
-from backends.can_spec import CanSpec
+from handcart.backends.can_spec import CanSpec
 
 from .errors import NoInterface
 

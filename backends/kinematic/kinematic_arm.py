@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import ClassVar
 
-from backends.robot_file import RobotFile
-from backends.scene.hand import Hand
-from backends.scene.simulated_arm import SimulatedArm, Vector
+from handcart.backends.robot_file import RobotFile
+from handcart.backends.scene.hand import Hand
+from handcart.backends.scene.simulated_arm import SimulatedArm, Vector
 
 
 class KinematicArm(SimulatedArm):

@@ -6,27 +6,27 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from backends.backend import Backend
-from backends.capability import Capability
-from backends.ground_spec import GroundSpec
-from backends.plain_values import Kinds, attributes, set_attributes
-from backends.robot_file import RobotFile
-from backends.saved_state import NotAState
-from backends.scene.base_contact import move_base
-from backends.scene.field_imu import FieldImu
-from backends.scene.hand import Hand
-from backends.scene.load_world import load_world
-from backends.scene.magazine import Magazine
-from backends.scene.mounts import base_T_frame
-from backends.scene.person import Person
-from backends.scene.rough_ride import RoughRide
-from backends.scene.scene import Scene, build_scene
-from backends.scene.simulated_gps import SimulatedGps
-from backends.scene.simulated_imu import SimulatedImu
-from backends.scene.simulated_positioning import SimulatedPositioning
-from backends.scene.suspension import lean_of
-from backends.scene.world_file import MissingWorld, WorldFile
-from robotics.geometry.pose2 import Pose2
+from handcart.backends.backend import Backend
+from handcart.backends.capability import Capability
+from handcart.backends.ground_spec import GroundSpec
+from handcart.backends.plain_values import Kinds, attributes, set_attributes
+from handcart.backends.robot_file import RobotFile
+from handcart.backends.saved_state import NotAState
+from handcart.backends.scene.base_contact import move_base
+from handcart.backends.scene.field_imu import FieldImu
+from handcart.backends.scene.hand import Hand
+from handcart.backends.scene.load_world import load_world
+from handcart.backends.scene.magazine import Magazine
+from handcart.backends.scene.mounts import base_T_frame
+from handcart.backends.scene.person import Person
+from handcart.backends.scene.rough_ride import RoughRide
+from handcart.backends.scene.scene import Scene, build_scene
+from handcart.backends.scene.simulated_gps import SimulatedGps
+from handcart.backends.scene.simulated_imu import SimulatedImu
+from handcart.backends.scene.simulated_positioning import SimulatedPositioning
+from handcart.backends.scene.suspension import lean_of
+from handcart.backends.scene.world_file import MissingWorld, WorldFile
+from handcart.robotics.geometry.pose2 import Pose2
 
 from .kinematic_arm import KinematicArm
 from .kinematic_base import KinematicBase

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from backends.base import WheelTravel
-from backends.commanded_base import CommandedBase
-from backends.robot_file import RobotFile
-from backends.scene.rolling import Rolling
-from robotics.geometry.pose2 import Pose2
+from handcart.backends.base import WheelTravel
+from handcart.backends.commanded_base import CommandedBase
+from handcart.backends.robot_file import RobotFile
+from handcart.backends.scene.rolling import Rolling
+from handcart.robotics.geometry.pose2 import Pose2
 
 
 class KinematicBase(CommandedBase):

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from typing import ClassVar
 
-from backends.base import WheelTravel
-from backends.commanded_base import CommandedBase
-from backends.robot_file import RobotFile
-from backends.scene.rough_ride import RoughRide
-from robotics.geometry.pose2 import Pose2
+from handcart.backends.base import WheelTravel
+from handcart.backends.commanded_base import CommandedBase
+from handcart.backends.robot_file import RobotFile
+from handcart.backends.scene.rough_ride import RoughRide
+from handcart.robotics.geometry.pose2 import Pose2
 
 
 class KinematicCar(CommandedBase):

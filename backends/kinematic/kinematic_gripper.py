@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from typing import ClassVar
 
-from backends.gripper import Gripper
-from backends.limits import checked_width
-from backends.robot_file import GripperSpec
-from backends.scene.fingers import Fingers
-from backends.scene.hand import Hand
-from backends.scene.keyed_noise import keyed
+from handcart.backends.gripper import Gripper
+from handcart.backends.limits import checked_width
+from handcart.backends.robot_file import GripperSpec
+from handcart.backends.scene.fingers import Fingers
+from handcart.backends.scene.hand import Hand
+from handcart.backends.scene.keyed_noise import keyed
 
 _PRESSES = 2e-4  # commanded this far beyond where they stand, the fingers press [m]
 

@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from backends.scene.ranges import cast_rays
-from backends.scene.scene import Scene
-from backends.scene.simulated_range_sensor import SimulatedRangeSensor
-from backends.scene.solids import FloorPlan
-from backends.sensor_specs import RangeSpec
-from robotics.geometry.transform import Transform
+from handcart.backends.scene.ranges import cast_rays
+from handcart.backends.scene.scene import Scene
+from handcart.backends.scene.simulated_range_sensor import SimulatedRangeSensor
+from handcart.backends.scene.solids import FloorPlan
+from handcart.backends.sensor_specs import RangeSpec
+from handcart.robotics.geometry.transform import Transform
 
 
 class KinematicRangeSensor(SimulatedRangeSensor):

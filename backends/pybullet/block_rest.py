@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from backends.scene.block import Block
-from backends.scene.scene import Scene
-from backends.scene.thing import Rest
-from robotics.geometry.transform import inverse
+from handcart.backends.scene.block import Block
+from handcart.backends.scene.scene import Scene
+from handcart.backends.scene.thing import Rest
+from handcart.robotics.geometry.transform import inverse
 
 _UPRIGHT = np.radians(10.0)
 _ON = 0.005  # [m] by which its foot may lie below a support

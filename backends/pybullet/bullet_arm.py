@@ -6,10 +6,10 @@ from typing import ClassVar
 
 import numpy as np
 
-from backends.robot_file import RobotFile
-from backends.scene.simulated_arm import SimulatedArm, Vector
-from robotics.kinematics.arm_model import ArmModel
-from robotics.kinematics.urdf_tree import joint_leaders
+from handcart.backends.robot_file import RobotFile
+from handcart.backends.scene.simulated_arm import SimulatedArm, Vector
+from handcart.robotics.kinematics.arm_model import ArmModel
+from handcart.robotics.kinematics.urdf_tree import joint_leaders
 
 from .physics import Physics
 from .robot_body import RobotBody

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from backends.base import WheelTravel
-from backends.commanded_base import CommandedBase
-from backends.robot_file import RobotFile
-from backends.scene.keyed_noise import keyed
+from handcart.backends.base import WheelTravel
+from handcart.backends.commanded_base import CommandedBase
+from handcart.backends.robot_file import RobotFile
+from handcart.backends.scene.keyed_noise import keyed
 
 from .physics import Physics
 from .robot_body import RobotBody

@@ -8,12 +8,12 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from backends.robot_file import RobotFile
-from backends.scene.lens import Lens
-from backends.scene.simulated_camera import SimulatedCamera
-from backends.sensor_specs import CameraSpec
-from robotics.geometry.transform import Transform, inverse
-from robotics.kinematics.arm_model import ArmModel
+from handcart.backends.robot_file import RobotFile
+from handcart.backends.scene.lens import Lens
+from handcart.backends.scene.simulated_camera import SimulatedCamera
+from handcart.backends.sensor_specs import CameraSpec
+from handcart.robotics.geometry.transform import Transform, inverse
+from handcart.robotics.kinematics.arm_model import ArmModel
 
 from .physics import Physics
 from .robot_body import RobotBody

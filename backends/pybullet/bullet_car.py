@@ -7,10 +7,10 @@ from typing import ClassVar
 
 import numpy as np
 
-from backends.base import WheelTravel
-from backends.commanded_base import CommandedBase
-from backends.robot_file import RobotFile
-from robotics.geometry.transform import inverse
+from handcart.backends.base import WheelTravel
+from handcart.backends.commanded_base import CommandedBase
+from handcart.backends.robot_file import RobotFile
+from handcart.robotics.geometry.transform import inverse
 
 from .physics import Physics
 from .robot_body import RobotBody

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from backends.scene.field_imu import FieldImu
-from backends.scene.simulated_imu import SimulatedImu
+from handcart.backends.scene.field_imu import FieldImu
+from handcart.backends.scene.simulated_imu import SimulatedImu
 
 STANDS = 2e-3  # [m/s]: slower, a base stands
 

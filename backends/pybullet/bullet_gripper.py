@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from typing import ClassVar
 
-from backends.gripper import Gripper
-from backends.limits import checked_width
-from backends.robot_file import GripperSpec
-from backends.scene.keyed_noise import keyed
-from backends.simulated_errors import Errors
+from handcart.backends.gripper import Gripper
+from handcart.backends.limits import checked_width
+from handcart.backends.robot_file import GripperSpec
+from handcart.backends.scene.keyed_noise import keyed
+from handcart.backends.simulated_errors import Errors
 
 from .physics import Physics
 from .robot_body import RobotBody

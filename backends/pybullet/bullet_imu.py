@@ -6,9 +6,9 @@ from typing import ClassVar
 
 import numpy as np
 
-from backends.scene.scene import Scene
-from backends.scene.simulated_imu import SimulatedImu, Vector
-from backends.sensor_specs import ImuSpec
+from handcart.backends.scene.scene import Scene
+from handcart.backends.scene.simulated_imu import SimulatedImu, Vector
+from handcart.backends.sensor_specs import ImuSpec
 
 
 class BulletImu(SimulatedImu):

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from typing import ClassVar
 
-from backends.scene.block import Block
-from backends.scene.magazine import Magazine
-from backends.scene.scene import Scene
-from backends.scene.thing import Rest
-from backends.scene.world_file import SensorSpec
+from handcart.backends.scene.block import Block
+from handcart.backends.scene.magazine import Magazine
+from handcart.backends.scene.scene import Scene
+from handcart.backends.scene.thing import Rest
+from handcart.backends.scene.world_file import SensorSpec
 
 from .bullet_gripper import BulletGripper
 from .grip import Grip

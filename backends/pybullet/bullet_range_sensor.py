@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from backends.scene.simulated_range_sensor import SimulatedRangeSensor
-from backends.sensor_specs import RangeSpec
-from robotics.geometry.transform import Transform
+from handcart.backends.scene.simulated_range_sensor import SimulatedRangeSensor
+from handcart.backends.sensor_specs import RangeSpec
+from handcart.robotics.geometry.transform import Transform
 
 from .physics import ROBOT_GROUP, Physics
 from .robot_body import RobotBody

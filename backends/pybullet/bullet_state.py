@@ -19,7 +19,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from backends.saved_state import NotAState
+from handcart.backends.saved_state import NotAState
 
 HEADER = 12  # bytes: BULLET, size of numbers, of pointers, their order, version
 CONTACTS = b"CONT"

@@ -12,7 +12,7 @@ from importlib import import_module
 from importlib.util import find_spec
 from types import ModuleType
 
-from files.errors import InputError
+from handcart.files.errors import InputError
 
 LAST_WHEEL = (3, 11)  # PyBullet 3.2.7 has no wheel for any later Python
 

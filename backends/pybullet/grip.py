@@ -7,9 +7,9 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from backends.robot_file import GripperSpec
-from backends.robot_shape import FingerShape
-from robotics.geometry.transform import inverse
+from handcart.backends.robot_file import GripperSpec
+from handcart.backends.robot_shape import FingerShape
+from handcart.robotics.geometry.transform import inverse
 
 from .physics import Physics, Pinned, Point
 from .robot_body import FRICTION_SHARE, PAD_FRICTION, RobotBody

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from backends.scene.block import Block
-from backends.scene.mark import Mark
-from robotics.geometry.transform import transform
+from handcart.backends.scene.block import Block
+from handcart.backends.scene.mark import Mark
+from handcart.robotics.geometry.transform import transform
 
 from .box_mesh import box_mesh
 from .physics import Physics, placed

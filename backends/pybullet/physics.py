@@ -14,10 +14,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from backends.plain_values import from_plain, to_plain
-from backends.saved_state import NotAState
-from robotics.geometry.transform import Transform
-from robotics.kinematics.shapes import Box
+from handcart.backends.plain_values import from_plain, to_plain
+from handcart.backends.saved_state import NotAState
+from handcart.robotics.geometry.transform import Transform
+from handcart.robotics.kinematics.shapes import Box
 
 from .bullet_state import check_state
 from .engine import bullet, quiet

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from backends.scene.book import Book
-from backends.scene.renderer import spine_levels
+from handcart.backends.scene.book import Book
+from handcart.backends.scene.renderer import spine_levels
 
 from .box_mesh import box_mesh
 from .physics import Physics

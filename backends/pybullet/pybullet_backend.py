@@ -11,22 +11,22 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from backends.backend import Backend, NoWindow
-from backends.capability import Capability
-from backends.plain_values import Kinds, attributes, set_attributes
-from backends.robot_file import RobotFile
-from backends.robot_shape import finger_shape
-from backends.saved_state import NotAState
-from backends.scene.load_world import load_world
-from backends.scene.magazine import Magazine
-from backends.scene.mounts import base_T_frame
-from backends.scene.person import Person
-from backends.scene.scene import Scene, build_scene
-from backends.scene.simulated_gps import SimulatedGps
-from backends.scene.simulated_positioning import SimulatedPositioning
-from backends.scene.thing import Thing
-from backends.scene.world_file import MissingWorld, WorldFile
-from robotics.geometry.transform import Transform, inverse
+from handcart.backends.backend import Backend, NoWindow
+from handcart.backends.capability import Capability
+from handcart.backends.plain_values import Kinds, attributes, set_attributes
+from handcart.backends.robot_file import RobotFile
+from handcart.backends.robot_shape import finger_shape
+from handcart.backends.saved_state import NotAState
+from handcart.backends.scene.load_world import load_world
+from handcart.backends.scene.magazine import Magazine
+from handcart.backends.scene.mounts import base_T_frame
+from handcart.backends.scene.person import Person
+from handcart.backends.scene.scene import Scene, build_scene
+from handcart.backends.scene.simulated_gps import SimulatedGps
+from handcart.backends.scene.simulated_positioning import SimulatedPositioning
+from handcart.backends.scene.thing import Thing
+from handcart.backends.scene.world_file import MissingWorld, WorldFile
+from handcart.robotics.geometry.transform import Transform, inverse
 
 from .bullet_arm import BulletArm
 from .bullet_base import BulletBase

@@ -10,12 +10,12 @@ from xml.etree import ElementTree
 import numpy as np
 from numpy.typing import NDArray
 
-from backends.driven_wheels import driven_wheels
-from backends.robot_file import RobotFile
-from robotics.geometry.pose2 import Pose2
-from robotics.geometry.transform import Transform, inverse
-from robotics.kinematics.urdf_contents import joints_of
-from robotics.kinematics.urdf_tree import joint_leaders
+from handcart.backends.driven_wheels import driven_wheels
+from handcart.backends.robot_file import RobotFile
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.geometry.transform import Transform, inverse
+from handcart.robotics.kinematics.urdf_contents import joints_of
+from handcart.robotics.kinematics.urdf_tree import joint_leaders
 
 from .engine import quiet
 from .physics import ROBOT_GROUP, Physics, matrix

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from backends.scene.book import Book, Rest
-from backends.scene.scene import Scene
-from backends.scene.shelf import DEPTH
-from backends.scene.thing import Thing
-from robotics.geometry.pose2 import Pose2
-from robotics.geometry.transform import Transform, inverse
+from handcart.backends.scene.book import Book, Rest
+from handcart.backends.scene.scene import Scene
+from handcart.backends.scene.shelf import DEPTH
+from handcart.backends.scene.thing import Thing
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.geometry.transform import Transform, inverse
 
 from .block_rest import block_rest
 from .robot_body import RobotBody

@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from backends.robot_file import RobotFile
-from backends.scene.keyed_noise import keyed
-from robotics.geometry.transform import Transform, inverse
-from robotics.kinematics.arm_model import ArmModel
+from handcart.backends.robot_file import RobotFile
+from handcart.backends.scene.keyed_noise import keyed
+from handcart.robotics.geometry.transform import Transform, inverse
+from handcart.robotics.kinematics.arm_model import ArmModel
 
 from .physics import GRAVITY, Physics
 from .robot_body import RobotBody

@@ -7,8 +7,8 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from backends.ground_spec import GroundSpec
-from backends.scene.keyed_noise import keyed
+from handcart.backends.ground_spec import GroundSpec
+from handcart.backends.scene.keyed_noise import keyed
 
 from .physics import Physics
 

@@ -7,13 +7,13 @@ from typing import ClassVar
 
 import numpy as np
 
-from backends.saved_state import NotAState
-from backends.scene.block import Block
-from backends.scene.book import Book
-from backends.scene.scene import Scene
-from backends.scene.solids import THE_GROUND, Solid
-from backends.scene.thing import Thing
-from robotics.geometry.transform import Transform, inverse, transform
+from handcart.backends.saved_state import NotAState
+from handcart.backends.scene.block import Block
+from handcart.backends.scene.book import Book
+from handcart.backends.scene.scene import Scene
+from handcart.backends.scene.solids import THE_GROUND, Solid
+from handcart.backends.scene.thing import Thing
+from handcart.robotics.geometry.transform import Transform, inverse, transform
 
 from .painted import add_mark, painted_block
 from .physics import Physics, placed

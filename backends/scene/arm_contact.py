@@ -9,11 +9,11 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from robotics.geometry.pose2 import Pose2
-from robotics.geometry.transform import Transform, inverse
-from robotics.kinematics.arm_model import ArmModel
-from robotics.kinematics.coal_bodies import coal_body
-from robotics.kinematics.shapes import Box, Shape, radius_about, top
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.geometry.transform import Transform, inverse
+from handcart.robotics.kinematics.arm_model import ArmModel
+from handcart.robotics.kinematics.coal_bodies import coal_body
+from handcart.robotics.kinematics.shapes import Box, Shape, radius_about, top
 
 from .scene import Scene
 from .thing import Rest

@@ -7,8 +7,8 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from backends.simulated_errors import Errors
-from robotics.kinematics.arm_model import ArmModel
+from handcart.backends.simulated_errors import Errors
+from handcart.robotics.kinematics.arm_model import ArmModel
 
 from .keyed_noise import keyed
 

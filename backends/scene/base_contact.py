@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from robotics.geometry.pose2 import Pose2
+from handcart.robotics.geometry.pose2 import Pose2
 
 from .arm_contact import FREE
 from .hand import Hand

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from robotics.geometry.transform import Transform
+from handcart.robotics.geometry.transform import Transform
 
 from .thing import Thing
 from .world_file import BlockSpec

@@ -7,7 +7,7 @@ from functools import cached_property
 
 import numpy as np
 
-from robotics.geometry.transform import Transform
+from handcart.robotics.geometry.transform import Transform
 
 from .thing import Rest as Rest
 from .thing import Thing

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from robotics.geometry.transform import Transform, transform
+from handcart.robotics.geometry.transform import Transform, transform
 
 from .book import Book
 from .row import Member

@@ -6,7 +6,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from robotics.geometry.transform import Transform
+from handcart.robotics.geometry.transform import Transform
 
 _NEAREST = 0.01  # what is nearer to the camera than this isn't shown [m]
 _SHIFT = 4  # OpenCV draws to 1/16 px

@@ -7,8 +7,8 @@ from typing import ClassVar
 
 import numpy as np
 
-from backends.sensor_specs import ImuSpec
-from robotics.geometry.pose2 import Pose2
+from handcart.backends.sensor_specs import ImuSpec
+from handcart.robotics.geometry.pose2 import Pose2
 
 from .keyed_noise import keyed
 from .scene import Scene

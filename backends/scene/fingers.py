@@ -7,7 +7,7 @@ import math
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from robotics.geometry.transform import inverse, transform
+from handcart.robotics.geometry.transform import inverse, transform
 
 from .block import Block
 from .block_support import put_down_block

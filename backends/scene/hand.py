@@ -7,10 +7,10 @@ from typing import ClassVar, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from backends.saved_state import NotAState
-from robotics.geometry.pose2 import Pose2
-from robotics.geometry.transform import Transform, transform
-from robotics.kinematics.arm_model import ArmModel
+from handcart.backends.saved_state import NotAState
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.geometry.transform import Transform, transform
+from handcart.robotics.kinematics.arm_model import ArmModel
 
 from .arm_contact import FINGERS, FREE, HELD, ArmContact, Touch
 from .book import Book

@@ -8,8 +8,8 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from backends.simulated_errors import Errors
-from robotics.perception.camera_model import CameraModel
+from handcart.backends.simulated_errors import Errors
+from handcart.robotics.perception.camera_model import CameraModel
 
 from .keyed_noise import keyed
 

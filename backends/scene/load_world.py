@@ -6,12 +6,12 @@ from pathlib import Path
 
 import numpy as np
 
-from backends.map_file import load_map, map_path
-from files.errors import UnsafePath
-from files.loading import Loaded, load_document
-from files.yaml_document import read_document
-from robotics.navigation.grid_map import GridMap
-from robotics.navigation.map_walls import map_walls
+from handcart.backends.map_file import load_map, map_path
+from handcart.files.errors import UnsafePath
+from handcart.files.loading import Loaded, load_document
+from handcart.files.yaml_document import read_document
+from handcart.robotics.navigation.grid_map import GridMap
+from handcart.robotics.navigation.map_walls import map_walls
 
 from .world_file import Furniture, WorldFile
 

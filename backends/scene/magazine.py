@@ -6,7 +6,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from robotics.geometry.transform import Transform, inverse, transform
+from handcart.robotics.geometry.transform import Transform, inverse, transform
 
 from .block import Block
 from .scene import Scene

@@ -9,10 +9,10 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from backends.board_layout import BoardLayout
-from robotics.geometry.pose2 import Pose2
-from robotics.geometry.transform import Transform, transform
-from robotics.perception.landmark import INK, PAPER, draw_landmark
+from handcart.backends.board_layout import BoardLayout
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.geometry.transform import Transform, transform
+from handcart.robotics.perception.landmark import INK, PAPER, draw_landmark
 
 from .world_file import MarkSpec
 

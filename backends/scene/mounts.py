@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pinocchio as pin
 
-from robotics.geometry.transform import Transform
-from robotics.kinematics.urdf_tree import kinematic_urdf
+from handcart.robotics.geometry.transform import Transform
+from handcart.robotics.kinematics.urdf_tree import kinematic_urdf
 
 
 def base_T_frame(urdf_text: str, frame: str, base: str = "base") -> Transform:

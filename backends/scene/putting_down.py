@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from robotics.geometry.transform import inverse, transform
+from handcart.robotics.geometry.transform import inverse, transform
 
 from .book import Book, Rest
 from .book_lean import lean_in_row

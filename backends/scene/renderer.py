@@ -8,10 +8,10 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from backends.simulated_errors import Errors
-from robotics.geometry.transform import Transform, transform
-from robotics.kinematics.shapes import Box
-from robotics.perception.camera_model import CameraModel
+from handcart.backends.simulated_errors import Errors
+from handcart.robotics.geometry.transform import Transform, transform
+from handcart.robotics.kinematics.shapes import Box
+from handcart.robotics.perception.camera_model import CameraModel
 
 from .book import Book
 from .canvas import Canvas

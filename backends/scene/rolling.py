@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 
-from backends.robot_file import RobotFile
-from robotics.geometry.pose2 import Pose2
+from handcart.backends.robot_file import RobotFile
+from handcart.robotics.geometry.pose2 import Pose2
 
 from .keyed_noise import keyed
 

@@ -8,11 +8,11 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from backends.ground_spec import GroundSpec
-from backends.robot_file import RobotFile
-from robotics.far import Far
-from robotics.geometry.pose2 import Pose2
-from robotics.navigation.field_noise import SHARPEST
+from handcart.backends.ground_spec import GroundSpec
+from handcart.backends.robot_file import RobotFile
+from handcart.robotics.far import Far
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.navigation.field_noise import SHARPEST
 
 from .keyed_noise import keyed
 
@@ -22,7 +22,7 @@ SETS_OUT = 1.0  # [s] of standing after which the ground under a curve is anothe
 class RoughRide:
     """Roll and pitch, slip along and beside the heading: Ornstein-Uhlenbeck processes over the distance.
 
-    The same model as `robotics.navigation.field_drive`. `tilt` is roll and pitch in [rad].
+    The same model as `handcart.robotics.navigation.field_drive`. `tilt` is roll and pitch in [rad].
     """
 
     STATE: ClassVar = {

@@ -9,12 +9,12 @@ from typing import ClassVar, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from backends.plain_values import Kinds
-from backends.robot_file import RobotFile
-from backends.saved_state import NotAState
-from robotics.geometry.pose2 import Pose2
-from robotics.geometry.transform import Transform, transform
-from robotics.kinematics.arm_model import ArmModel
+from handcart.backends.plain_values import Kinds
+from handcart.backends.robot_file import RobotFile
+from handcart.backends.saved_state import NotAState
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.geometry.transform import Transform, transform
+from handcart.robotics.kinematics.arm_model import ArmModel
 
 from .block import Block
 from .book import Book, Rest

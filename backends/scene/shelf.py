@@ -7,9 +7,9 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from robotics.geometry.pose2 import Pose2
-from robotics.geometry.transform import Transform, inverse, transform
-from robotics.kinematics.shapes import Box
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.geometry.transform import Transform, inverse, transform
+from handcart.robotics.kinematics.shapes import Box
 
 from .world_file import BookSpec, GapSpec, ShelfSpec
 

@@ -8,14 +8,14 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from backends.arm import Arm
-from backends.limits import checked_joints
-from backends.plain_values import Kinds
-from backends.robot_file import RobotFile
-from backends.scene.arm_error import ArmError
-from backends.scene.keyed_noise import keyed
-from backends.scene.swing import is_swing, swing_yaw
-from robotics.kinematics.arm_model import ArmModel
+from handcart.backends.arm import Arm
+from handcart.backends.limits import checked_joints
+from handcart.backends.plain_values import Kinds
+from handcart.backends.robot_file import RobotFile
+from handcart.backends.scene.arm_error import ArmError
+from handcart.backends.scene.keyed_noise import keyed
+from handcart.backends.scene.swing import is_swing, swing_yaw
+from handcart.robotics.kinematics.arm_model import ArmModel
 
 Vector = NDArray[np.float64]
 

@@ -7,14 +7,14 @@ from abc import abstractmethod
 import numpy as np
 from numpy.typing import NDArray
 
-from backends.camera import Camera
-from backends.mounted_camera import known_camera
-from backends.robot_file import RobotFile
-from backends.scene.true_camera import true_camera
-from backends.sensor_specs import CameraSpec
-from robotics.geometry.transform import Transform
-from robotics.kinematics.arm_model import ArmModel
-from robotics.perception.camera_model import CameraModel
+from handcart.backends.camera import Camera
+from handcart.backends.mounted_camera import known_camera
+from handcart.backends.robot_file import RobotFile
+from handcart.backends.scene.true_camera import true_camera
+from handcart.backends.sensor_specs import CameraSpec
+from handcart.robotics.geometry.transform import Transform
+from handcart.robotics.kinematics.arm_model import ArmModel
+from handcart.robotics.perception.camera_model import CameraModel
 
 
 class SimulatedCamera(Camera):

@@ -8,9 +8,9 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from backends.gps import Fix, Gps
-from backends.ground_spec import GpsSpec
-from robotics.far import Far
+from handcart.backends.gps import Fix, Gps
+from handcart.backends.ground_spec import GpsSpec
+from handcart.robotics.far import Far
 
 from .keyed_noise import keyed
 from .scene import Scene

@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from backends.imu import Imu
-from backends.plain_values import Kinds
-from backends.sensor_specs import ImuSpec
+from handcart.backends.imu import Imu
+from handcart.backends.plain_values import Kinds
+from handcart.backends.sensor_specs import ImuSpec
 
 from .keyed_noise import keyed
 from .scene import Scene

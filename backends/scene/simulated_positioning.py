@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 from typing import ClassVar
 
-from backends.positioning import PoseReading, Positioning
-from backends.sensor_specs import PositioningSpec
-from robotics.geometry.pose2 import Pose2
+from handcart.backends.positioning import PoseReading, Positioning
+from handcart.backends.sensor_specs import PositioningSpec
+from handcart.robotics.geometry.pose2 import Pose2
 
 from .keyed_noise import keyed
 from .scene import Scene

@@ -8,11 +8,11 @@ from abc import abstractmethod
 import numpy as np
 from numpy.typing import NDArray
 
-from backends.range_sensor import RangeSensor, Scan
-from backends.scene.keyed_noise import keyed
-from backends.sensor_specs import RangeSpec
-from robotics.geometry.pose2 import Pose2
-from robotics.geometry.transform import Transform
+from handcart.backends.range_sensor import RangeSensor, Scan
+from handcart.backends.scene.keyed_noise import keyed
+from handcart.backends.sensor_specs import RangeSpec
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.geometry.transform import Transform
 
 
 class SimulatedRangeSensor(RangeSensor):

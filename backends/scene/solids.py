@@ -9,8 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from robotics.geometry.pose2 import Pose2
-from robotics.kinematics.shapes import Box
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.kinematics.shapes import Box
 
 from .world_file import Furniture, Surprise, TableSpec, Wall
 

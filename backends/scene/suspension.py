@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from robotics.geometry.transform import Transform, transform
+from handcart.robotics.geometry.transform import Transform, transform
 
 
 def leaning(lean: tuple[float, float], pivot: float) -> Transform:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from backends.simulated_errors import Errors
+from handcart.backends.simulated_errors import Errors
 
 from .keyed_noise import keyed
 

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image, ImageDraw, ImageFont
 
-from robotics.perception.tag_family import USUAL, TagFamily, dictionary, modules_of
+from handcart.robotics.perception.tag_family import USUAL, TagFamily, dictionary, modules_of
 
 GreyImage = NDArray[np.uint8]
 

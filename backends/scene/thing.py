@@ -7,8 +7,8 @@ from enum import Enum
 
 import numpy as np
 
-from robotics.geometry.transform import Transform
-from robotics.kinematics.shapes import Box
+from handcart.robotics.geometry.transform import Transform
+from handcart.robotics.kinematics.shapes import Box
 
 
 class Rest(Enum):

@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from backends.mounted_camera import MountedCamera, stated_camera
-from backends.sensor_specs import CameraSpec
-from backends.simulated_errors import Errors
-from robotics.kinematics.arm_model import ArmModel
+from handcart.backends.mounted_camera import MountedCamera, stated_camera
+from handcart.backends.sensor_specs import CameraSpec
+from handcart.backends.simulated_errors import Errors
+from handcart.robotics.kinematics.arm_model import ArmModel
 
 from .keyed_noise import keyed
 

@@ -7,12 +7,12 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
-from backends.board_layout import BoardLayout
-from backends.ground_spec import GroundSpec
-from backends.map_file import MapPlace
-from files.errors import InputError
-from files.model import FileModel
-from robotics.perception.tag_family import USUAL, TagFamily, tags_of
+from handcart.backends.board_layout import BoardLayout
+from handcart.backends.ground_spec import GroundSpec
+from handcart.backends.map_file import MapPlace
+from handcart.files.errors import InputError
+from handcart.files.model import FileModel
+from handcart.robotics.perception.tag_family import USUAL, TagFamily, tags_of
 
 
 class MissingWorld(InputError):

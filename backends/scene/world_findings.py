@@ -9,16 +9,16 @@ from typing import TYPE_CHECKING
 import cv2
 import numpy as np
 
-from robotics.navigation.grid_map import GridMap, from_boxes
+from handcart.robotics.navigation.grid_map import GridMap, from_boxes
 
 from .shelf import Shelf
 from .solids import FloorPlan, Solid, of_furniture, of_table, of_wall
 
 if TYPE_CHECKING:
-    from backends.robot_file import RobotFile
-    from files.errors import Finding
-    from files.loading import Loaded
-    from robotics.geometry.pose2 import Pose2
+    from handcart.backends.robot_file import RobotFile
+    from handcart.files.errors import Finding
+    from handcart.files.loading import Loaded
+    from handcart.robotics.geometry.pose2 import Pose2
 
     from .world_file import WorldFile
 

@@ -10,12 +10,12 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from backends.can.can_backend import CanBackend
-from backends.robot_file import RobotFile
-from backends.robot_findings import FINGERS
-from evaluation.robot_report.masses import corners_of
-from evaluation.robot_report.postures import MARGIN
-from robotics.manipulation.collision_model import CollisionModel
+from handcart.backends.can.can_backend import CanBackend
+from handcart.backends.robot_file import RobotFile
+from handcart.backends.robot_findings import FINGERS
+from handcart.evaluation.robot_report.masses import corners_of
+from handcart.evaluation.robot_report.postures import MARGIN
+from handcart.robotics.manipulation.collision_model import CollisionModel
 
 from .jog import HAND_SPEED, Jogged, Jogger, slides
 from .rung import Facts, Rung, RungFailed

@@ -9,11 +9,11 @@ import canopen
 from canopen.sdo.client import SdoClient
 from canopen.sdo.exceptions import SdoAbortedError, SdoError
 
-from backends.can.axis_settings import mapping, settings
-from backends.can.can_line import CanLine
-from backends.can.drive_dictionary import drive_dictionary
-from backends.can.lacks import not_watched
-from backends.can.line_sdo_client import LineSdoClient
+from handcart.backends.can.axis_settings import mapping, settings
+from handcart.backends.can.can_line import CanLine
+from handcart.backends.can.drive_dictionary import drive_dictionary
+from handcart.backends.can.lacks import not_watched
+from handcart.backends.can.line_sdo_client import LineSdoClient
 
 from .rung import Facts, Rung, RungFailed
 from .site import Site

@@ -10,14 +10,14 @@ from typing import NamedTuple, TypeVar
 
 import numpy as np
 
-from backends.arm import Arm
-from backends.backend import Backend
-from backends.base import Base
-from backends.capability import Capability
-from backends.gripper import Gripper
-from backends.robot_file import RobotFile
-from files.errors import InputError
-from files.suggest import suggest
+from handcart.backends.arm import Arm
+from handcart.backends.backend import Backend
+from handcart.backends.base import Base
+from handcart.backends.capability import Capability
+from handcart.backends.gripper import Gripper
+from handcart.backends.robot_file import RobotFile
+from handcart.files.errors import InputError
+from handcart.files.suggest import suggest
 
 from .operator import Held
 

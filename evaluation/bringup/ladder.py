@@ -8,9 +8,9 @@ from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
 
-from backends.backend import RobotFault
-from files.errors import InputError
-from files.suggest import suggest
+from handcart.backends.backend import RobotFault
+from handcart.files.errors import InputError
+from handcart.files.suggest import suggest
 
 from .axis_rungs import AxesRung, LimitsRung
 from .bus_rungs import IdentifyRung, InterfaceRung, ReadBackRung

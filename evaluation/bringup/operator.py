@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping
 from contextlib import AbstractContextManager, nullcontext
 from typing import Any
 
-from files.errors import InputError
+from handcart.files.errors import InputError
 
 Held = Callable[[], bool]
 """Asked each period: whether somebody still holds the key. Once it says no, it does so for good."""

@@ -7,9 +7,9 @@ from io import StringIO
 from pathlib import Path
 from typing import Any, Literal
 
-from files.loading import load
-from files.model import FileModel
-from files.whole_file import write_whole
+from handcart.files.loading import load
+from handcart.files.model import FileModel
+from handcart.files.whole_file import write_whole
 
 Answer = bool | float
 

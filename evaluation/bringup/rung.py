@@ -5,7 +5,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from typing import Any, ClassVar
 
-from files.errors import HandcartError
+from handcart.files.errors import HandcartError
 
 from .site import Site
 

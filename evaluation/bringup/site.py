@@ -10,14 +10,14 @@ from pathlib import Path
 
 import can
 
-from backends.can.can_backend import CanBackend
-from backends.can.can_line import CanLine
-from backends.can.errors import NoDrives
-from backends.can.open_bus import open_bus
-from backends.can.simulated.bench import Bench
-from backends.can_spec import CanSpec
-from backends.robot_file import RobotFile
-from networks.robot_claim import claimed
+from handcart.backends.can.can_backend import CanBackend
+from handcart.backends.can.can_line import CanLine
+from handcart.backends.can.errors import NoDrives
+from handcart.backends.can.open_bus import open_bus
+from handcart.backends.can.simulated.bench import Bench
+from handcart.backends.can_spec import CanSpec
+from handcart.backends.robot_file import RobotFile
+from handcart.networks.robot_claim import claimed
 
 from .operator import Operator
 

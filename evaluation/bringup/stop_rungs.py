@@ -7,9 +7,9 @@ from collections.abc import Callable
 
 import numpy as np
 
-from backends.base import Base
-from backends.can.axis import ENABLED
-from backends.can.can_backend import CanBackend
+from handcart.backends.base import Base
+from handcart.backends.can.axis import ENABLED
+from handcart.backends.can.can_backend import CanBackend
 
 from .jog import HAND_SPEED
 from .rung import Facts, Rung, RungFailed

@@ -9,18 +9,18 @@ from typing import Any
 
 import numpy as np
 
-from backends.base import Base
-from backends.can.can_backend import CanBackend
-from backends.range_sensor import RangeSensor
-from evaluation.running import run_task
-from evaluation.stage import LIBRARY, Stage
-from files.whole_file import write_whole
-from networks.calibration import NAME, Calibration, rounded
-from networks.planner import NoWay, Planner
-from networks.preparing import prepare
-from networks.robot_claim import claimed
-from primitives.calibrated import Calibrated
-from primitives.outcome import Success
+from handcart.backends.base import Base
+from handcart.backends.can.can_backend import CanBackend
+from handcart.backends.range_sensor import RangeSensor
+from handcart.evaluation.running import run_task
+from handcart.evaluation.stage import LIBRARY, Stage
+from handcart.files.whole_file import write_whole
+from handcart.networks.calibration import NAME, Calibration, rounded
+from handcart.networks.planner import NoWay, Planner
+from handcart.networks.preparing import prepare
+from handcart.networks.robot_claim import claimed
+from handcart.primitives.calibrated import Calibrated
+from handcart.primitives.outcome import Success
 
 from .jog import HAND_SPEED
 from .rung import Facts, Rung, RungFailed

@@ -9,14 +9,14 @@ from collections.abc import Callable, Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from backends.arm import Arm
-from backends.backend import Backend, CommandError
-from backends.base import Base, WheelTravel
-from backends.camera import Camera
-from backends.gripper import Gripper
-from backends.positioning import PoseReading, Positioning
-from backends.range_sensor import RangeSensor, Scan
-from backends.robot_file import RobotFile
+from handcart.backends.arm import Arm
+from handcart.backends.backend import Backend, CommandError
+from handcart.backends.base import Base, WheelTravel
+from handcart.backends.camera import Camera
+from handcart.backends.gripper import Gripper
+from handcart.backends.positioning import PoseReading, Positioning
+from handcart.backends.range_sensor import RangeSensor, Scan
+from handcart.backends.robot_file import RobotFile
 
 from .layered_backend import LayeredBackend
 from .parts import parts_of

@@ -5,11 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import TypeVar
 
-from backends.backend import Backend
-from backends.capability import Capability
-from backends.robot import Robot
-from backends.robot_file import RobotFile, load_robot
-from evaluation.stage import Stage, StageFiles, set_stage
+from handcart.backends.backend import Backend
+from handcart.backends.capability import Capability
+from handcart.backends.robot import Robot
+from handcart.backends.robot_file import RobotFile, load_robot
+from handcart.evaluation.stage import Stage, StageFiles, set_stage
 
 C = TypeVar("C", bound=Capability)
 

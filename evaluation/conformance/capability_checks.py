@@ -7,16 +7,16 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from backends.arm import Arm
-from backends.base import Base
-from backends.camera import Camera
-from backends.capability import Capability
-from backends.gripper import Gripper
-from backends.mounted_camera import known_camera
-from backends.positioning import Positioning
-from backends.range_sensor import RangeSensor
-from backends.simulated_errors import Errors
-from evaluation.ground_truth import ground_truth
+from handcart.backends.arm import Arm
+from handcart.backends.base import Base
+from handcart.backends.camera import Camera
+from handcart.backends.capability import Capability
+from handcart.backends.gripper import Gripper
+from handcart.backends.mounted_camera import known_camera
+from handcart.backends.positioning import Positioning
+from handcart.backends.range_sensor import RangeSensor
+from handcart.backends.simulated_errors import Errors
+from handcart.evaluation.ground_truth import ground_truth
 
 from .bench import Bench
 from .check import Check, Finding
@@ -166,7 +166,7 @@ def mounts(bench: Bench, finding: Finding) -> None:
             mount = known_camera(robot.spec.camera, robot.arm_model).hand_T_camera
             finding.at_most("camera off", float(np.abs(camera.hand_T_camera - mount).max()), 1e-6)
         if (sensor := parts_of(stage.backend).range_sensor) is not None:
-            from backends.scene.mounts import base_T_frame
+            from handcart.backends.scene.mounts import base_T_frame
 
             urdf = base_T_frame(robot.spec.urdf_text(), "range_sensor")
             off = np.abs(np.array(sensor.scan().base_T_sensor[:2]) - urdf[:2, 3]).max()

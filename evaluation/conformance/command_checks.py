@@ -7,7 +7,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from backends.backend import Backend, CommandError
+from handcart.backends.backend import Backend, CommandError
 
 from .bench import Bench
 from .check import Check, Finding

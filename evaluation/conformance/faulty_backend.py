@@ -8,15 +8,15 @@ from typing import Any, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from backends.arm import Arm
-from backends.backend import Backend, CommandError
-from backends.base import Base, WheelTravel
-from backends.camera import Camera
-from backends.capability import Capability
-from backends.gripper import Gripper
-from backends.positioning import PoseReading, Positioning
-from backends.range_sensor import RangeSensor, Scan
-from robotics.geometry.pose2 import Pose2
+from handcart.backends.arm import Arm
+from handcart.backends.backend import Backend, CommandError
+from handcart.backends.base import Base, WheelTravel
+from handcart.backends.camera import Camera
+from handcart.backends.capability import Capability
+from handcart.backends.gripper import Gripper
+from handcart.backends.positioning import PoseReading, Positioning
+from handcart.backends.range_sensor import RangeSensor, Scan
+from handcart.robotics.geometry.pose2 import Pose2
 
 from .fault import SENSORS, Fault, FaultKind
 from .layered_backend import LayeredBackend

@@ -14,8 +14,8 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import TypeVar
 
-from backends.plain_values import from_plain, to_plain
-from backends.saved_state import pack, unpack
+from handcart.backends.plain_values import from_plain, to_plain
+from handcart.backends.saved_state import pack, unpack
 
 T = TypeVar("T")
 EGL = "eglRenderer"

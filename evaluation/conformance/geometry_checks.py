@@ -5,13 +5,13 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from backends.scene.ranges import cast_rays
-from backends.scene.solids import FloorPlan
-from evaluation.ground_truth import scene_of
-from evaluation.stage import Stage
-from robotics.geometry.transform import apply, inverse
-from robotics.kinematics.arm_model import ArmModel
-from robotics.perception.tag_reader import read_tags
+from handcart.backends.scene.ranges import cast_rays
+from handcart.backends.scene.solids import FloorPlan
+from handcart.evaluation.ground_truth import scene_of
+from handcart.evaluation.stage import Stage
+from handcart.robotics.geometry.transform import apply, inverse
+from handcart.robotics.kinematics.arm_model import ArmModel
+from handcart.robotics.perception.tag_reader import read_tags
 
 from .bench import Bench
 from .check import Check, Finding, Skipped
@@ -94,7 +94,7 @@ def ranges(bench: Bench, finding: Finding) -> None:
 
 
 def _true_ranges(stage: Stage, reach: float) -> NDArray[np.float64]:
-    from backends.scene.mounts import base_T_frame
+    from handcart.backends.scene.mounts import base_T_frame
 
     scene, scan = scene_of(stage.backend), stage.robot.range_sensor.scan()
     height = float(base_T_frame(stage.robot.spec.urdf_text(), "range_sensor")[2, 3])

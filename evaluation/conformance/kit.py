@@ -9,8 +9,8 @@ from dataclasses import dataclass
 from multiprocessing import get_context
 from pathlib import Path
 
-from backends.robot_file import load_robot
-from evaluation.stage import AT_THE_WALL, StageFiles
+from handcart.backends.robot_file import load_robot
+from handcart.evaluation.stage import AT_THE_WALL, StageFiles
 
 from .all_checks import CHECKS
 from .bench import Bench

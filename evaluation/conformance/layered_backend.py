@@ -7,17 +7,17 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from backends.arm import Arm
-from backends.backend import Backend
-from backends.base import Base, WheelTravel
-from backends.camera import Camera
-from backends.capability import Capability
-from backends.gripper import Gripper
-from backends.positioning import PoseReading, Positioning
-from backends.range_sensor import RangeSensor, Scan
-from backends.robot_file import RobotFile
-from robotics.geometry.transform import Transform
-from robotics.perception.camera_model import CameraModel
+from handcart.backends.arm import Arm
+from handcart.backends.backend import Backend
+from handcart.backends.base import Base, WheelTravel
+from handcart.backends.camera import Camera
+from handcart.backends.capability import Capability
+from handcart.backends.gripper import Gripper
+from handcart.backends.positioning import PoseReading, Positioning
+from handcart.backends.range_sensor import RangeSensor, Scan
+from handcart.backends.robot_file import RobotFile
+from handcart.robotics.geometry.transform import Transform
+from handcart.robotics.perception.camera_model import CameraModel
 
 
 class LayeredBackend(Backend):

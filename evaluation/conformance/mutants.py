@@ -6,8 +6,8 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import partial
 
-from evaluation.ground_truth import ground_truth
-from primitives.action_primitive import ActionPrimitive
+from handcart.evaluation.ground_truth import ground_truth
+from handcart.primitives.action_primitive import ActionPrimitive
 
 from . import primitive_liars, snapshot_checks
 from .all_checks import CHECKS

@@ -5,13 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TypeVar
 
-from backends.arm import Arm
-from backends.backend import Backend
-from backends.base import Base
-from backends.camera import Camera
-from backends.gripper import Gripper
-from backends.positioning import Positioning
-from backends.range_sensor import RangeSensor
+from handcart.backends.arm import Arm
+from handcart.backends.backend import Backend
+from handcart.backends.base import Base
+from handcart.backends.camera import Camera
+from handcart.backends.gripper import Gripper
+from handcart.backends.positioning import Positioning
+from handcart.backends.range_sensor import RangeSensor
 
 from .check import Skipped
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from backends.arm import Arm
-from backends.backend import Backend
+from handcart.backends.arm import Arm
+from handcart.backends.backend import Backend
 
 from .parts import base_of, parts_of
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 
-from backends.positioning import PoseReading
-from evaluation.ground_truth import scene_of
+from handcart.backends.positioning import PoseReading
+from handcart.evaluation.ground_truth import scene_of
 
 from .bench import Bench
 from .check import Check, Finding, Skipped

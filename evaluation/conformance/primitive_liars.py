@@ -7,15 +7,15 @@ from typing import Any
 
 import numpy as np
 
-from backends.base import Base
-from backends.robot import Robot
-from primitives.action_primitive import Periods
-from primitives.grip import open_to
-from primitives.pick_up import PickUp
-from primitives.retrace import reach_pose, retrace
-from primitives.snapshot import Snapshot
-from primitives.trace import Trace
-from primitives.world_model import ModelView
+from handcart.backends.base import Base
+from handcart.backends.robot import Robot
+from handcart.primitives.action_primitive import Periods
+from handcart.primitives.grip import open_to
+from handcart.primitives.pick_up import PickUp
+from handcart.primitives.retrace import reach_pose, retrace
+from handcart.primitives.snapshot import Snapshot
+from handcart.primitives.trace import Trace
+from handcart.primitives.world_model import ModelView
 
 from .parts import parts_of
 from .reach import Reach

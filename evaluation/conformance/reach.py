@@ -9,12 +9,12 @@ from typing import Any, ClassVar
 import numpy as np
 from pydantic import PrivateAttr
 
-from backends.base import Base
-from backends.robot import Robot
-from evaluation.ground_truth import GroundTruth
-from primitives.action_primitive import ActionPrimitive, Periods
-from primitives.discrepancy import Discrepancy
-from primitives.world_model import ModelView
+from handcart.backends.base import Base
+from handcart.backends.robot import Robot
+from handcart.evaluation.ground_truth import GroundTruth
+from handcart.primitives.action_primitive import ActionPrimitive, Periods
+from handcart.primitives.discrepancy import Discrepancy
+from handcart.primitives.world_model import ModelView
 
 from .parts import parts_of
 

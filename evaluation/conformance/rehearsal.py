@@ -6,14 +6,14 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from backends.robot import Robot
-from backends.robot_file import load_robot
-from networks.network import Action
-from networks.planner import NoWay, Planner
-from networks.preparing import make_robot, prepare
-from networks.task_file import Task, load_task
-from primitives.action_primitive import ActionPrimitive
-from primitives.outcome import Success
+from handcart.backends.robot import Robot
+from handcart.backends.robot_file import load_robot
+from handcart.networks.network import Action
+from handcart.networks.planner import NoWay, Planner
+from handcart.networks.preparing import make_robot, prepare
+from handcart.networks.task_file import Task, load_task
+from handcart.primitives.action_primitive import ActionPrimitive
+from handcart.primitives.outcome import Success
 
 from .bench import Bench, liar_around
 from .faulty_backend import FaultyBackend

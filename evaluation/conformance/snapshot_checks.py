@@ -7,10 +7,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from evaluation.ground_truth import ground_truth, not_restored
-from evaluation.stage import Stage
-from primitives.outcome import Fail
-from primitives.snapshot import Snapshot, limits, residuals, take_snapshot
+from handcart.evaluation.ground_truth import ground_truth, not_restored
+from handcart.evaluation.stage import Stage
+from handcart.primitives.outcome import Fail
+from handcart.primitives.snapshot import Snapshot, limits, residuals, take_snapshot
 
 from .bench import Bench
 from .check import Check, Finding

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from backends.backend import Backend
-from evaluation.ground_truth import GroundTruth, ground_truth, not_still
+from handcart.backends.backend import Backend
+from handcart.evaluation.ground_truth import GroundTruth, ground_truth, not_still
 
 from .parts import parts_of
 

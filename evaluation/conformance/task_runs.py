@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import NamedTuple
 
-from evaluation.running import run_task
+from handcart.evaluation.running import run_task
 
 from .check import Finding
 

@@ -10,8 +10,8 @@ from unittest import mock
 import numpy as np
 from numpy.typing import NDArray
 
-from backends.backend import Backend
-from evaluation.ground_truth import scene_of
+from handcart.backends.backend import Backend
+from handcart.evaluation.ground_truth import scene_of
 
 from .bench import Bench
 from .check import Check, Finding

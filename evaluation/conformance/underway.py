@@ -5,16 +5,16 @@ from __future__ import annotations
 from collections.abc import Generator
 from dataclasses import dataclass, field
 
-from backends.robot import Robot
-from backends.robot_file import RobotFile
-from evaluation.contact_survey import ContactSurvey
-from evaluation.effects import false_effect
-from evaluation.ground_truth import GroundTruth, ground_truth, not_restored, scene_of
-from primitives.action_primitive import ActionPrimitive
-from primitives.attempt import LONGEST_RESTORE, attempt
-from primitives.discrepancy import Discrepancy
-from primitives.outcome import Fail, GiveUp, Outcome, Success
-from primitives.world_model import WorldModel
+from handcart.backends.robot import Robot
+from handcart.backends.robot_file import RobotFile
+from handcart.evaluation.contact_survey import ContactSurvey
+from handcart.evaluation.effects import false_effect
+from handcart.evaluation.ground_truth import GroundTruth, ground_truth, not_restored, scene_of
+from handcart.primitives.action_primitive import ActionPrimitive
+from handcart.primitives.attempt import LONGEST_RESTORE, attempt
+from handcart.primitives.discrepancy import Discrepancy
+from handcart.primitives.outcome import Fail, GiveUp, Outcome, Success
+from handcart.primitives.world_model import WorldModel
 
 from .fault import HARMLESS, Fault, FaultKind
 from .faulty_backend import FaultyBackend

@@ -10,9 +10,9 @@ from typing import Any
 import numpy as np
 import orjson
 
-from backends.saved_state import digest, pack, unpack
-from networks.journal_record import FIRST, read_journal, seal
-from networks.run_folder import JOURNAL
+from handcart.backends.saved_state import digest, pack, unpack
+from handcart.networks.journal_record import FIRST, read_journal, seal
+from handcart.networks.run_folder import JOURNAL
 
 ODD: tuple[Any, ...] = (
     *(None, True, False, 0, -1, 1, 7, 2**31, 2**63 - 1, -(2**63), 0.0, -0.5, 1e300, -1e300, 3.25),

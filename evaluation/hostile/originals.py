@@ -11,12 +11,12 @@ from typing import Any
 
 import orjson
 
-from backends.saved_state import digest, pack
-from evaluation.running import prepare_again, put_back, run_task
-from networks.events import Ended, Event
-from networks.journal import Journal
-from networks.preparing import Prepared
-from networks.run_folder import JOURNAL, read_run_journal
+from handcart.backends.saved_state import digest, pack
+from handcart.evaluation.running import prepare_again, put_back, run_task
+from handcart.networks.events import Ended, Event
+from handcart.networks.journal import Journal
+from handcart.networks.preparing import Prepared
+from handcart.networks.run_folder import JOURNAL, read_run_journal
 
 LEFT, OVER, GAVE_UP = "left", "over", "gave up"
 

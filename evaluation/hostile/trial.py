@@ -14,20 +14,20 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from backends.saved_state import NotAState
-from evaluation.explanation import as_json, explain
-from evaluation.explanation_chart import draw_chart
-from evaluation.explanation_words import in_words
-from evaluation.running import prepare_again, put_back, resume_task
-from files.errors import HandcartError
-from files.loading import load
-from networks.acknowledging import acknowledge
-from networks.calibration import NAME, Calibration
-from networks.control import ask
-from networks.past_run import read_run
-from networks.preparing import Prepared
-from networks.resuming import task_of
-from networks.run_folder import check_folder
+from handcart.backends.saved_state import NotAState
+from handcart.evaluation.explanation import as_json, explain
+from handcart.evaluation.explanation_chart import draw_chart
+from handcart.evaluation.explanation_words import in_words
+from handcart.evaluation.running import prepare_again, put_back, resume_task
+from handcart.files.errors import HandcartError
+from handcart.files.loading import load
+from handcart.networks.acknowledging import acknowledge
+from handcart.networks.calibration import NAME, Calibration
+from handcart.networks.control import ask
+from handcart.networks.past_run import read_run
+from handcart.networks.preparing import Prepared
+from handcart.networks.resuming import task_of
+from handcart.networks.run_folder import check_folder
 
 from .attacks import ACCIDENTS, HARM, Attack, Scene, nothing
 from .originals import LEFT, Original, Quiet, key_of, state_of

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from backends.joint_units import JointUnits
-from robotics.kinematics.urdf_contents import JointFacts
+from handcart.backends.joint_units import JointUnits
+from handcart.robotics.kinematics.urdf_contents import JointFacts
 
 from .outline import Outline
 

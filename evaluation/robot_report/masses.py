@@ -6,9 +6,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from robotics.kinematics.coal_bodies import coal_body
-from robotics.kinematics.shapes import Box, Cylinder, Hull, Shape, Sphere
-from robotics.kinematics.urdf_contents import LinkFacts
+from handcart.robotics.kinematics.coal_bodies import coal_body
+from handcart.robotics.kinematics.shapes import Box, Cylinder, Hull, Shape, Sphere
+from handcart.robotics.kinematics.urdf_contents import LinkFacts
 
 LIGHT, HEAVY = 50.0, 12000.0  # of a link, mass by volume of its bodies [kg/m³]: foam to lead
 OUTSIDE = 0.03  # [m] beside its bodies that a middle of mass may lie

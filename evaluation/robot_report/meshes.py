@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
-from robotics.kinematics.coal_bodies import hull_of_mesh, read_mesh
-from robotics.kinematics.urdf_contents import MeshUse
+from handcart.robotics.kinematics.coal_bodies import hull_of_mesh, read_mesh
+from handcart.robotics.kinematics.urdf_contents import MeshUse
 
 CONVEX = 0.9  # share of its hull that a mesh fills that counts as convex
 

@@ -9,12 +9,12 @@ from dataclasses import dataclass
 import numpy as np
 import pinocchio as pin
 
-from backends.driven_wheels import driven_wheels
-from robotics.geometry.transform import Transform
-from robotics.kinematics.shapes import Shape, Sphere
-from robotics.kinematics.urdf_contents import JointFacts, bodies_of, joints_of
-from robotics.kinematics.urdf_reading import known_urdf
-from robotics.kinematics.urdf_tree import joint_leaders, kinematic_urdf
+from handcart.backends.driven_wheels import driven_wheels
+from handcart.robotics.geometry.transform import Transform
+from handcart.robotics.kinematics.shapes import Shape, Sphere
+from handcart.robotics.kinematics.urdf_contents import JointFacts, bodies_of, joints_of
+from handcart.robotics.kinematics.urdf_reading import known_urdf
+from handcart.robotics.kinematics.urdf_tree import joint_leaders, kinematic_urdf
 
 from .masses import corners_of
 

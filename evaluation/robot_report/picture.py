@@ -10,10 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import ConvexHull
 
-from backends.robot_file import RobotFile
-from evaluation.figure_file import save_figure
-from robotics.kinematics.shapes import Shape
-from robotics.kinematics.urdf_contents import bodies_of
+from handcart.backends.robot_file import RobotFile
+from handcart.evaluation.figure_file import save_figure
+from handcart.robotics.kinematics.shapes import Shape
+from handcart.robotics.kinematics.urdf_contents import bodies_of
 
 from .masses import corners_of
 from .reach import Reach

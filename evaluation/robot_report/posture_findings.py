@@ -9,12 +9,12 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from backends.robot_file import RobotFile, shipped_path
-from files.errors import Finding
-from files.suggest import listed
-from files.yaml_document import read_document
-from robotics.kinematics.arm_model import ArmModel
-from robotics.manipulation.collision_model import CollisionModel
+from handcart.backends.robot_file import RobotFile, shipped_path
+from handcart.files.errors import Finding
+from handcart.files.suggest import listed
+from handcart.files.yaml_document import read_document
+from handcart.robotics.kinematics.arm_model import ArmModel
+from handcart.robotics.manipulation.collision_model import CollisionModel
 
 from .masses import corners_of
 

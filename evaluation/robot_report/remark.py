@@ -6,7 +6,7 @@ import re
 from collections.abc import Iterable, Sequence
 from typing import NamedTuple
 
-from files.errors import Finding
+from handcart.files.errors import Finding
 
 _DIFFERS = re.compile(r"'[^']*'|-?\d[\d.e+-]*|\S*/\S*")
 _SHOWN = 4

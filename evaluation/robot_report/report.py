@@ -7,13 +7,13 @@ from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
-from backends.driven_wheels import driven_wheels
-from backends.robot_file import RobotFile
-from backends.robot_urdf import RobotUrdf
-from backends.sensor_specs import CameraSpec
-from files.suggest import listed
-from robotics.kinematics.arm_model import ArmModel
-from robotics.kinematics.urdf_contents import JointFacts, bodies_of, joints_of, links_of, meshes_of
+from handcart.backends.driven_wheels import driven_wheels
+from handcart.backends.robot_file import RobotFile
+from handcart.backends.robot_urdf import RobotUrdf
+from handcart.backends.sensor_specs import CameraSpec
+from handcart.files.suggest import listed
+from handcart.robotics.kinematics.arm_model import ArmModel
+from handcart.robotics.kinematics.urdf_contents import JointFacts, bodies_of, joints_of, links_of, meshes_of
 
 from .masses import mass_faults
 from .meshes import MeshRow, mesh_row
@@ -174,7 +174,7 @@ def _of_drives(robot: RobotFile) -> list[Remark]:
     """What its drives lack, and its file accepts."""
     if robot.can is None:
         return []
-    from backends.can.lacks import not_watched
+    from handcart.backends.can.lacks import not_watched
 
     return [Remark(name, words) for name, axis in robot.can.axes() for words in not_watched(axis)]
 

@@ -8,9 +8,9 @@ from typing import Annotated, Literal, Self
 import networkx as nx
 from pydantic import Field, model_validator
 
-from files.errors import Finding
-from files.loading import Loaded
-from files.model import FileModel
+from handcart.files.errors import Finding
+from handcart.files.loading import Loaded
+from handcart.files.model import FileModel
 
 from .absorbing_chain import Absorption, absorption
 

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from backends.arm import Arm
-from backends.base import Base
-from backends.gripper import Gripper
-from files.errors import Finding
-from networks.task_file import Task
+from handcart.backends.arm import Arm
+from handcart.backends.base import Base
+from handcart.backends.gripper import Gripper
+from handcart.files.errors import Finding
+from handcart.networks.task_file import Task
 
 _MOVED_BY = {"base": (Base,), "hand": (Arm, Gripper)}
 """Facts that only some capabilities can change, by the names that tasks use for them."""

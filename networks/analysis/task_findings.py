@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import networkx as nx
 
-from files.errors import Finding
-from networks.network import Action
-from networks.task_file import Task
+from handcart.files.errors import Finding
+from handcart.networks.network import Action
+from handcart.networks.task_file import Task
 
 from .fact_findings import fact_findings
 from .worst_cases import WorstCases

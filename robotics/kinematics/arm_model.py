@@ -8,10 +8,10 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from robotics.geometry.transform import Transform
-from robotics.kinematics.coal_bodies import MESHES, hull_of_mesh, shape_of
-from robotics.kinematics.shapes import Shape
-from robotics.kinematics.urdf_tree import urdf_of_arm
+from handcart.robotics.geometry.transform import Transform
+from handcart.robotics.kinematics.coal_bodies import MESHES, hull_of_mesh, shape_of
+from handcart.robotics.kinematics.shapes import Shape
+from handcart.robotics.kinematics.urdf_tree import urdf_of_arm
 
 Vector = NDArray[np.float64]
 

@@ -8,8 +8,8 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from robotics.geometry.transform import Transform
-from robotics.kinematics.shapes import Box, Cylinder, Hull, Shape, Sphere
+from handcart.robotics.geometry.transform import Transform
+from handcart.robotics.kinematics.shapes import Box, Cylinder, Hull, Shape, Sphere
 
 MESHES = pin.coal.CachedMeshLoader()
 """A mesh is read once, however many models have it."""

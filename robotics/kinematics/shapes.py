@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from robotics.geometry.transform import Transform
+from handcart.robotics.geometry.transform import Transform
 
 
 @dataclass(frozen=True, eq=False)

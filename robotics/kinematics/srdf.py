@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from robotics.kinematics.urdf_reading import UrdfFaults, read_xml
+from handcart.robotics.kinematics.urdf_reading import UrdfFaults, read_xml
 
 
 def disabled_pairs(text: str) -> list[tuple[str, str]]:

@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from typing import NamedTuple
 from xml.etree import ElementTree
 
-from robotics.kinematics.urdf_reading import known_urdf, read_urdf
+from handcart.robotics.kinematics.urdf_reading import known_urdf, read_urdf
 
 _REFERENCES = (("parent", "link"), ("child", "link"), ("mimic", "joint"))
 

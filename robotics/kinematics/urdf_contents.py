@@ -10,10 +10,10 @@ import pinocchio as pin
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from robotics.kinematics.coal_bodies import MESHES, hull_of_mesh, shape_of
-from robotics.kinematics.shapes import Shape
-from robotics.kinematics.urdf_reading import known_urdf
-from robotics.kinematics.urdf_tree import MOVABLE, kinematic_urdf
+from handcart.robotics.kinematics.coal_bodies import MESHES, hull_of_mesh, shape_of
+from handcart.robotics.kinematics.shapes import Shape
+from handcart.robotics.kinematics.urdf_reading import known_urdf
+from handcart.robotics.kinematics.urdf_tree import MOVABLE, kinematic_urdf
 
 
 class JointFacts(NamedTuple):

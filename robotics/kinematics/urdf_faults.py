@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from difflib import get_close_matches
 
-from robotics.kinematics.urdf_reading import UrdfElement, UrdfFault, read_urdf
+from handcart.robotics.kinematics.urdf_reading import UrdfElement, UrdfFault, read_urdf
 
 KINDS = ("revolute", "continuous", "prismatic", "fixed", "floating", "planar")
 _BOUNDED = ("revolute", "prismatic")

@@ -10,7 +10,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from robotics.kinematics.urdf_reading import known_urdf
+from handcart.robotics.kinematics.urdf_reading import known_urdf
 
 MOVABLE = ("revolute", "continuous", "prismatic")
 _FREE = ("floating", "planar")

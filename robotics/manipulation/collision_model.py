@@ -9,10 +9,10 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from robotics.geometry.transform import Transform
-from robotics.kinematics.arm_model import ArmModel
-from robotics.kinematics.coal_bodies import coal_body
-from robotics.kinematics.shapes import Shape
+from handcart.robotics.geometry.transform import Transform
+from handcart.robotics.kinematics.arm_model import ArmModel
+from handcart.robotics.kinematics.coal_bodies import coal_body
+from handcart.robotics.kinematics.shapes import Shape
 
 Vector = NDArray[np.float64]
 HELD = "held"

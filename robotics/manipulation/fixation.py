@@ -10,8 +10,8 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from robotics.geometry.pose2 import Pose2
-from robotics.geometry.transform import Transform, inverse
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.geometry.transform import Transform, inverse
 
 
 class StopRule(NamedTuple):

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from robotics.geometry.transform import Transform, inverse
+from handcart.robotics.geometry.transform import Transform, inverse
 
 Floats = NDArray[np.float64]
 

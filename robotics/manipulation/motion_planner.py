@@ -12,9 +12,9 @@ from ompl import base as ob
 from ompl import geometric as og
 from ompl import util as ou
 
-from robotics.geometry.transform import Transform
-from robotics.kinematics.arm_model import ArmModel
-from robotics.manipulation.collision_model import CollisionModel
+from handcart.robotics.geometry.transform import Transform
+from handcart.robotics.kinematics.arm_model import ArmModel
+from handcart.robotics.manipulation.collision_model import CollisionModel
 
 Vector = NDArray[np.float64]
 Path = NDArray[np.float64]

@@ -11,7 +11,7 @@ from toppra.constraint import (
 )
 from toppra.interpolator import AbstractGeometricPath
 
-from robotics.manipulation.rounded_path import RoundedPath
+from handcart.robotics.manipulation.rounded_path import RoundedPath
 
 Vector = NDArray[np.float64]
 

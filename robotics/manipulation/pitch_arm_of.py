@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from robotics.kinematics.arm_model import ArmModel
+from handcart.robotics.kinematics.arm_model import ArmModel
 
 from .pitch_arm import PitchArm
 from .screw_chain import ScrewChain

@@ -9,9 +9,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from robotics.geometry.pose2 import Pose2
-from robotics.geometry.transform import Transform
-from robotics.kinematics.arm_model import ArmModel
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.geometry.transform import Transform
+from handcart.robotics.kinematics.arm_model import ArmModel
 
 from .nearest_reachable import with_nearest
 from .pitch_arm_of import pitch_arm_of

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from robotics.navigation.compiled import compiled
+from handcart.robotics.navigation.compiled import compiled
 
 from .placement_scores import PlacementScores
 from .score_rule import UNUSABLE, ScoreRule, worth

@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from robotics.manipulation.scara import Scara
+from handcart.robotics.manipulation.scara import Scara
 
 Array = NDArray[np.float64]
 STEP = 0.005  # [m] between postures that are looked at before a line is driven

@@ -12,8 +12,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from robotics.geometry.pose2 import Pose2
-from robotics.navigation.field_log import rotations
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.navigation.field_log import rotations
 
 Array = NDArray[np.float64]
 

@@ -7,7 +7,7 @@ from enum import IntEnum
 import numpy as np
 from numpy.typing import NDArray
 
-from robotics.kinematics.arm_model import ArmModel
+from handcart.robotics.kinematics.arm_model import ArmModel
 
 from .placement_scores import PlacementScores
 from .score_rule import Measure, ScoreRule

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from robotics.kinematics.arm_model import ArmModel
+from handcart.robotics.kinematics.arm_model import ArmModel
 
 Floats = NDArray[np.float64]
 

@@ -11,7 +11,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from robotics.navigation.compiled import compiled
+from handcart.robotics.navigation.compiled import compiled
 
 Floats = NDArray[np.float64]
 

@@ -7,7 +7,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from robotics.navigation.compiled import compiled
+from handcart.robotics.navigation.compiled import compiled
 
 from .score_rule import UNUSABLE, worth
 from .screw_steps import descend, solve_in_place, tip_and_jacobian, without_free

@@ -10,10 +10,10 @@ import pinocchio as pin
 from numpy.typing import NDArray
 from scipy import ndimage
 
-from robotics.geometry.pose2 import Pose2
-from robotics.kinematics.coal_bodies import coal_body
-from robotics.kinematics.shapes import Shape, radius_about
-from robotics.navigation.grid_map import GridMap
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.kinematics.coal_bodies import coal_body
+from handcart.robotics.kinematics.shapes import Shape, radius_about
+from handcart.robotics.navigation.grid_map import GridMap
 
 Floats = NDArray[np.float64]
 Masks = NDArray[np.bool_]

@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
-from robotics.clustered_sigmas import clustered_sigmas
-from robotics.geometry.transform import Transform, apply, inverse, transform
-from robotics.manipulation.suspension_model import SuspensionModel
+from handcart.robotics.clustered_sigmas import clustered_sigmas
+from handcart.robotics.geometry.transform import Transform, apply, inverse, transform
+from handcart.robotics.manipulation.suspension_model import SuspensionModel
 
 Floats = NDArray[np.float64]
 

@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from robotics.geometry.transform import Transform, inverse, transform
+from handcart.robotics.geometry.transform import Transform, inverse, transform
 
 Floats = NDArray[np.float64]
 

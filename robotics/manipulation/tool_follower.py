@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from robotics.geometry.transform import Transform, inverse
-from robotics.kinematics.arm_model import ArmModel
+from handcart.robotics.geometry.transform import Transform, inverse
+from handcart.robotics.kinematics.arm_model import ArmModel
 
 from .screw_arm import FreeTurn
 from .screw_chain import ScrewChain

@@ -15,7 +15,7 @@ from toppra.constraint import (
     JointVelocityConstraintVarying,
 )
 
-from robotics.kinematics.arm_model import ArmModel
+from handcart.robotics.kinematics.arm_model import ArmModel
 
 from .tool_path import ToolPath
 from .tracking_limits import ArmLoad, LimitUse

@@ -7,7 +7,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from robotics.manipulation.rounded_path import RoundedPath
+from handcart.robotics.manipulation.rounded_path import RoundedPath
 
 Vector = NDArray[np.float64]
 
@@ -63,7 +63,7 @@ def _time_smooth(
     rounded: RoundedPath, velocity: Vector, acceleration: Vector, period: float
 ) -> NDArray[np.float64]:
     # toppra brings matplotlib along: seconds, for whoever imports this and never moves an arm.
-    from robotics.manipulation.path_speed import highest_speed
+    from handcart.robotics.manipulation.path_speed import highest_speed
 
     s, speed = highest_speed(rounded, velocity, acceleration)
     times = np.concatenate(([0.0], np.cumsum(2.0 * np.diff(s) / (speed[:-1] + speed[1:]))))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from robotics.navigation.compiled import compiled
+from handcart.robotics.navigation.compiled import compiled
 
 
 @compiled

@@ -8,7 +8,7 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from robotics.geometry.pose2 import wrap
+from handcart.robotics.geometry.pose2 import wrap
 
 BIAS_TIME = 5.0  # over which a gyro's bias is averaged at rest [s]
 TILT_TIME = 0.5  # over which the direction of gravity is averaged [s]

@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from robotics.navigation.compiled import compiled
+from handcart.robotics.navigation.compiled import compiled
 
 ROUNDING = 1e-4  # [cells], far above that of 32-bit distances: what lies nearer to a limit is worked out anew
 TOUCHING = 1e-6  # [cells]: nearer than this, a line touches a square

@@ -7,7 +7,7 @@ from collections.abc import Iterable
 import numpy as np
 from numpy.typing import NDArray
 
-from robotics.geometry.pose2 import Pose2
+from handcart.robotics.geometry.pose2 import Pose2
 
 
 def box_ranges(

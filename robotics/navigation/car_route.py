@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from robotics.geometry.pose2 import Pose2
-from robotics.navigation.tangent_path import CarPath, car_path
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.navigation.tangent_path import CarPath, car_path
 
 Array = NDArray[np.float64]
 

@@ -7,10 +7,10 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from robotics.geometry.pose2 import Pose2, wrap
-from robotics.navigation.drive_limits import DriveLimits
-from robotics.navigation.pure_pursuit import PurePursuit
-from robotics.navigation.tangent_path import SPACING, CarPath
+from handcart.robotics.geometry.pose2 import Pose2, wrap
+from handcart.robotics.navigation.drive_limits import DriveLimits
+from handcart.robotics.navigation.pure_pursuit import PurePursuit
+from handcart.robotics.navigation.tangent_path import SPACING, CarPath
 
 BACKING = 0.25  # [m/s]
 STANDS = 1e-3  # [m/s]

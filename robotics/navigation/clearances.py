@@ -9,8 +9,8 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from robotics.navigation.compiled import compiled
-from robotics.navigation.grid_map import GridMap
+from handcart.robotics.navigation.compiled import compiled
+from handcart.robotics.navigation.grid_map import GridMap
 
 
 class Nearest(NamedTuple):

@@ -8,9 +8,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from robotics.navigation.compiled import compiled
-from robotics.navigation.field_course import SPACING, FieldCourse
-from robotics.navigation.field_noise import SHARPEST, FieldNoise
+from handcart.robotics.navigation.compiled import compiled
+from handcart.robotics.navigation.field_course import SPACING, FieldCourse
+from handcart.robotics.navigation.field_noise import SHARPEST, FieldNoise
 
 PERIOD = 0.025  # [s]
 AHEAD = 1.5  # [m] at which pure pursuit looks

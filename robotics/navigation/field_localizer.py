@@ -10,8 +10,8 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from robotics.geometry.pose2 import Pose2
-from robotics.navigation.gyro_odometry import Advance, GyroOdometry
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.navigation.gyro_odometry import Advance, GyroOdometry
 
 PERIOD = 0.1  # [s] of a filter's step; gyros and wheels are integrated with each reading
 Array = NDArray[np.float64]

@@ -8,9 +8,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from robotics.navigation.field_course import FieldCourse
-from robotics.navigation.field_drive import PERIOD, FieldDrive, FieldTimes, drive_course
-from robotics.navigation.field_noise import FieldNoise
+from handcart.robotics.navigation.field_course import FieldCourse
+from handcart.robotics.navigation.field_drive import PERIOD, FieldDrive, FieldTimes, drive_course
+from handcart.robotics.navigation.field_noise import FieldNoise
 
 GRAVITY = 9.81  # [m/s²]
 Array = NDArray[np.float64]

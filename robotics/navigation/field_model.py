@@ -8,9 +8,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from robotics.navigation.compiled import compiled
-from robotics.navigation.field_noise import SHARPEST, FieldNoise
-from robotics.navigation.gyro_odometry import Advance
+from handcart.robotics.navigation.compiled import compiled
+from handcart.robotics.navigation.field_noise import SHARPEST, FieldNoise
+from handcart.robotics.navigation.gyro_odometry import Advance
 
 X, Y, HEADING, SCALE, TURN_SLIP, SLIP, SIDE, BIAS, WARM_UP, GYRO_SCALE, GPS_X, GPS_Y = range(12)
 SIZE = 12

@@ -7,13 +7,13 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from robotics.geometry.pose2 import Pose2
-from robotics.navigation.field_drive import PERIOD
-from robotics.navigation.field_localizer import FieldLocalizer
-from robotics.navigation.field_log import FieldLog
-from robotics.navigation.gps_filter import GpsFilter
-from robotics.navigation.placement_errors import tip_covariance, tip_place
-from robotics.navigation.smoothing import Belief
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.navigation.field_drive import PERIOD
+from handcart.robotics.navigation.field_localizer import FieldLocalizer
+from handcart.robotics.navigation.field_log import FieldLog
+from handcart.robotics.navigation.gps_filter import GpsFilter
+from handcart.robotics.navigation.placement_errors import tip_covariance, tip_place
+from handcart.robotics.navigation.smoothing import Belief
 
 Array = NDArray[np.float64]
 

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from robotics.geometry.pose2 import Pose2, wrap
+from handcart.robotics.geometry.pose2 import Pose2, wrap
 
 FEWEST = 12  # points: fewer don't make a line
 ROUNDS = 8

@@ -9,15 +9,15 @@ from typing import Any, ClassVar, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from robotics.geometry.pose2 import Pose2, wrap
-from robotics.navigation import field_model as states
-from robotics.navigation.field_localizer import FieldLocalizer
-from robotics.navigation.field_model import FieldModel, carried, corrected
-from robotics.navigation.field_noise import REFERENCE, FieldNoise
-from robotics.navigation.fix_monitor import LONGEST, FixMonitor
-from robotics.navigation.gyro_odometry import Advance
-from robotics.navigation.lost_track import LostTrack
-from robotics.navigation.smoothing import Belief, Entries, TrackRecord
+from handcart.robotics.geometry.pose2 import Pose2, wrap
+from handcart.robotics.navigation import field_model as states
+from handcart.robotics.navigation.field_localizer import FieldLocalizer
+from handcart.robotics.navigation.field_model import FieldModel, carried, corrected
+from handcart.robotics.navigation.field_noise import REFERENCE, FieldNoise
+from handcart.robotics.navigation.fix_monitor import LONGEST, FixMonitor
+from handcart.robotics.navigation.gyro_odometry import Advance
+from handcart.robotics.navigation.lost_track import LostTrack
+from handcart.robotics.navigation.smoothing import Belief, Entries, TrackRecord
 
 BIAS_PERIOD = 1.0  # [s] at rest over which the gyro is averaged into one reading
 Array = NDArray[np.float64]

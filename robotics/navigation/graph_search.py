@@ -7,8 +7,8 @@ import heapq
 import numpy as np
 from numpy.typing import NDArray
 
-from robotics.navigation.blocked_squares import BlockedSquares, is_clear, line_clearance
-from robotics.navigation.compiled import compiled
+from handcart.robotics.navigation.blocked_squares import BlockedSquares, is_clear, line_clearance
+from handcart.robotics.navigation.compiled import compiled
 
 
 @compiled

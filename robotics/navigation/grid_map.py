@@ -10,8 +10,8 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from robotics.geometry.pose2 import Pose2
-from robotics.navigation.ros_occupancy import (
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.navigation.ros_occupancy import (
     FREE,
     OCCUPIED,
     UNKNOWN_GREY,

@@ -13,8 +13,8 @@ from typing import ClassVar, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from robotics.geometry.pose2 import Pose2, wrap
-from robotics.navigation.compiled import compiled
+from handcart.robotics.geometry.pose2 import Pose2, wrap
+from handcart.robotics.navigation.compiled import compiled
 
 WINDOW = 20  # readings that must be quiet before the base counts as standing: 0.5 s
 QUIET = 0.1  # [m/s²] standard deviation of the accelerometers at rest

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from robotics.navigation.field_localizer import Array
-from robotics.navigation.gps_filter import GpsFilter
+from handcart.robotics.navigation.field_localizer import Array
+from handcart.robotics.navigation.gps_filter import GpsFilter
 
 
 class GyroOnly(GpsFilter):

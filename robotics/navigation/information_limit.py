@@ -11,8 +11,8 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from robotics.navigation.field_drive import PERIOD, FieldDrive
-from robotics.navigation.field_model import (
+from handcart.robotics.navigation.field_drive import PERIOD, FieldDrive
+from handcart.robotics.navigation.field_model import (
     BIAS,
     GPS_X,
     GPS_Y,
@@ -23,8 +23,8 @@ from robotics.navigation.field_model import (
     carried,
     corrected,
 )
-from robotics.navigation.field_noise import FieldNoise
-from robotics.navigation.gyro_odometry import Advance
+from handcart.robotics.navigation.field_noise import FieldNoise
+from handcart.robotics.navigation.gyro_odometry import Advance
 
 EACH = 4  # periods put together, as a filter does
 Array = NDArray[np.float64]

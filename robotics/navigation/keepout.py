@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from robotics.navigation.grid_map import GridMap
+from handcart.robotics.navigation.grid_map import GridMap
 
 
 def with_keepout(grid: GridMap, zones: GridMap) -> GridMap:

@@ -9,9 +9,9 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from robotics.geometry.pose2 import Pose2
-from robotics.navigation.odometry import Odometry, OdometryErrors
-from robotics.navigation.scan_matching import LikelihoodField, ScanMatch, match_scan
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.navigation.odometry import Odometry, OdometryErrors
+from handcart.robotics.navigation.scan_matching import LikelihoodField, ScanMatch, match_scan
 
 FEWEST_POINTS = 20
 LEAST_INLIERS = 0.4  # share of a scan's points that the map must explain for a match to be believed

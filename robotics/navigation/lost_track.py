@@ -8,7 +8,7 @@ from typing import ClassVar, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from robotics.geometry.pose2 import Pose2, wrap
+from handcart.robotics.geometry.pose2 import Pose2, wrap
 
 LONGEST = 300  # fixes that are looked back on
 SHORTEST = 10  # fixes to judge by

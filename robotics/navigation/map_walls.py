@@ -8,7 +8,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from robotics.navigation.grid_map import GridMap
+from handcart.robotics.navigation.grid_map import GridMap
 
 THIN = 0.1  # of a cell: thickness of a wall that is one cell wide
 LONE = 0.5  # of a cell: side of a post of one cell

@@ -8,7 +8,7 @@ from typing import ClassVar, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from robotics.geometry.pose2 import Pose2
+from handcart.robotics.geometry.pose2 import Pose2
 
 
 class OdometryErrors(NamedTuple):

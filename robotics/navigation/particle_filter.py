@@ -9,10 +9,10 @@ from typing import Any, ClassVar, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from robotics.geometry.pose2 import Pose2, wrap
-from robotics.navigation.compiled import compiled
-from robotics.navigation.field_localizer import FieldLocalizer
-from robotics.navigation.gyro_odometry import Advance
+from handcart.robotics.geometry.pose2 import Pose2, wrap
+from handcart.robotics.navigation.compiled import compiled
+from handcart.robotics.navigation.field_localizer import FieldLocalizer
+from handcart.robotics.navigation.gyro_odometry import Advance
 
 Array = NDArray[np.float64]
 

@@ -7,10 +7,10 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from robotics.geometry.pose2 import Pose2, wrap
-from robotics.navigation.drive_limits import BRAKING, DriveLimits, Ramp, rate_to_stop
-from robotics.navigation.pose_regulator import PoseRegulator, PoseTolerance
-from robotics.navigation.speed_limits import SpeedLimits
+from handcart.robotics.geometry.pose2 import Pose2, wrap
+from handcart.robotics.navigation.drive_limits import BRAKING, DriveLimits, Ramp, rate_to_stop
+from handcart.robotics.navigation.pose_regulator import PoseRegulator, PoseTolerance
+from handcart.robotics.navigation.speed_limits import SpeedLimits
 
 SIDEWAYS_GAIN = 25.0  # [1/m²], Ky; with the next one critically damped, 0.2 m to die down
 HEADING_GAIN = 10.0  # [1/m], Kθ

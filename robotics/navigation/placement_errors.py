@@ -8,8 +8,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from robotics.geometry.pose2 import Pose2
-from robotics.navigation.field_course import ASIDE
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.navigation.field_course import ASIDE
 
 LEAST = {0.95: 59, 0.997: 998}  # placements below which a share isn't claimed, with 95 % confidence
 Array = NDArray[np.float64]

@@ -6,8 +6,8 @@ import math
 from enum import Enum
 from typing import NamedTuple
 
-from robotics.geometry.pose2 import Pose2, wrap
-from robotics.navigation.drive_limits import DriveLimits, Ramp, rate_to_stop
+from handcart.robotics.geometry.pose2 import Pose2, wrap
+from handcart.robotics.navigation.drive_limits import DriveLimits, Ramp, rate_to_stop
 
 STEERED = 0.1  # [m]: nearer than this the bearing to the goal is noise; the heading is held
 

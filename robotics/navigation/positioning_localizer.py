@@ -8,9 +8,9 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from robotics.geometry.pose2 import Pose2, wrap
-from robotics.navigation.localizer import Localizer
-from robotics.navigation.odometry import OdometryErrors
+from handcart.robotics.geometry.pose2 import Pose2, wrap
+from handcart.robotics.navigation.localizer import Localizer
+from handcart.robotics.navigation.odometry import OdometryErrors
 
 REMEMBERED = 64  # periods of wheel travel: readings may be as late
 UNEXPLAINED = 25.0  # squared Mahalanobis distance beyond which a reading isn't explained

@@ -7,8 +7,8 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from robotics.geometry.pose2 import Pose2
-from robotics.navigation.drive_limits import BRAKING
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.navigation.drive_limits import BRAKING
 
 LOOK = 0.4  # [m] of path ahead in which the nearest point is looked for
 Array = NDArray[np.float64]

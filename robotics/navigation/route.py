@@ -9,13 +9,13 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from robotics.geometry.pose2 import Pose2
-from robotics.navigation.blocked_squares import is_clear, line_clearance, path_clearance
-from robotics.navigation.graph_search import cheapest_nodes, in_sight, way_in
-from robotics.navigation.line_price import line_price
-from robotics.navigation.shortcuts import around_corners, path_length, rounded, sampled, straightened
-from robotics.navigation.shortest_path import shortest_clear_path
-from robotics.navigation.voronoi_graph import BREAK, VoronoiGraph
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.navigation.blocked_squares import is_clear, line_clearance, path_clearance
+from handcart.robotics.navigation.graph_search import cheapest_nodes, in_sight, way_in
+from handcart.robotics.navigation.line_price import line_price
+from handcart.robotics.navigation.shortcuts import around_corners, path_length, rounded, sampled, straightened
+from handcart.robotics.navigation.shortest_path import shortest_clear_path
+from handcart.robotics.navigation.voronoi_graph import BREAK, VoronoiGraph
 
 MOST = 1.1  # of the shortest way's length, that a way with more room may have
 HASTE = (0.05, 0.15, 0.4)  # of the dearest cell's price, that length costs by itself while a way is too long

@@ -14,10 +14,10 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from robotics.far import FarArray
-from robotics.geometry.pose2 import Pose2, wrap
-from robotics.navigation.compiled import compiled
-from robotics.navigation.grid_map import GridMap
+from handcart.robotics.far import FarArray
+from handcart.robotics.geometry.pose2 import Pose2, wrap
+from handcart.robotics.navigation.compiled import compiled
+from handcart.robotics.navigation.grid_map import GridMap
 
 INLIER = 3.0  # scales within which a point counts as explained by the map
 CELL_BIAS = 0.25  # of a cell: what a pose is wrong by because surfaces lie anywhere in their cells

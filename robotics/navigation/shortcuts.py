@@ -7,9 +7,9 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from robotics.navigation.blocked_squares import ROUNDING, BlockedSquares, is_clear
-from robotics.navigation.compiled import compiled
-from robotics.navigation.line_price import line_price
+from handcart.robotics.navigation.blocked_squares import ROUNDING, BlockedSquares, is_clear
+from handcart.robotics.navigation.compiled import compiled
+from handcart.robotics.navigation.line_price import line_price
 
 SAMPLE = 4.0  # of the path, in [cells], before shortcuts
 LONGEST_LEAP = 50  # samples

@@ -8,8 +8,8 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from robotics.navigation.blocked_squares import BlockedSquares, blocked_squares, is_clear
-from robotics.navigation.compiled import compiled
+from handcart.robotics.navigation.blocked_squares import BlockedSquares, blocked_squares, is_clear
+from handcart.robotics.navigation.compiled import compiled
 
 
 @compiled

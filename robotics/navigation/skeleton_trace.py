@@ -13,8 +13,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from robotics.navigation.compiled import compiled
-from robotics.navigation.thinning import neighbour_steps
+from handcart.robotics.navigation.compiled import compiled
+from handcart.robotics.navigation.thinning import neighbour_steps
 
 DEGREE = np.array([code.bit_count() for code in range(256)], dtype=np.uint8)
 

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from robotics.navigation.grid_map import GridMap
+from handcart.robotics.navigation.grid_map import GridMap
 
 
 class SpeedLimits(NamedTuple):

@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from robotics.geometry.pose2 import Pose2, wrap
+from handcart.robotics.geometry.pose2 import Pose2, wrap
 
 TOUCH = 1e-6  # [m] that a tangent may seem to be inside the disc it touches
 LEANS = (-1.4, -0.7, 0.0, 0.7, 1.4)  # [rad] beside straight aside: where a wide circle lies on a small disc

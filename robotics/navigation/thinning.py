@@ -15,7 +15,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from robotics.navigation.compiled import compiled
+from handcart.robotics.navigation.compiled import compiled
 
 RIDGE = (
     0.8  # slope of the distance: 1 before a wall, 0.71 into a right-angled corner, 0 in a corridor's middle

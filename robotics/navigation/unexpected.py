@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from robotics.navigation.scan_matching import LikelihoodField
+from handcart.robotics.navigation.scan_matching import LikelihoodField
 
 
 def unexpected_points(

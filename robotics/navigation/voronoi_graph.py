@@ -9,10 +9,10 @@ import networkx as nx
 import numpy as np
 from numpy.typing import NDArray
 
-from robotics.navigation.blocked_squares import TOUCHING, BlockedSquares, blocked_squares, is_clear
-from robotics.navigation.grid_map import GridMap
-from robotics.navigation.skeleton_trace import Trace, link, prune_leaves, trace
-from robotics.navigation.thinning import thin
+from handcart.robotics.navigation.blocked_squares import TOUCHING, BlockedSquares, blocked_squares, is_clear
+from handcart.robotics.navigation.grid_map import GridMap
+from handcart.robotics.navigation.skeleton_trace import Trace, link, prune_leaves, trace
+from handcart.robotics.navigation.thinning import thin
 
 POWER = 0.75  # of room in the price of a way: buys the clearance that 1.15 of the shortest length can
 EXACT = 1e-6  # of the radius, by which 32-bit distances may be off

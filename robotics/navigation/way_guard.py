@@ -8,10 +8,10 @@ from typing import Literal, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from robotics.geometry.pose2 import Pose2
-from robotics.navigation.clearances import Clearances, nearest_square
-from robotics.navigation.compiled import compiled
-from robotics.navigation.grid_map import GridMap
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.navigation.clearances import Clearances, nearest_square
+from handcart.robotics.navigation.compiled import compiled
+from handcart.robotics.navigation.grid_map import GridMap
 
 AWAY = 0.2  # of each metre from where it stood too near to something, that it must be farther from it there
 ALONG = 0.02  # likewise of each metre driven where it is too near by now: all but along it

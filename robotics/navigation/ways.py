@@ -10,13 +10,13 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from robotics.geometry.pose2 import Pose2
-from robotics.navigation.clearances import Clearances
-from robotics.navigation.grid_map import GridMap
-from robotics.navigation.route import Route, plan_route
-from robotics.navigation.scan_matching import CELL_BIAS
-from robotics.navigation.voronoi_graph import EXACT, VoronoiGraph, voronoi_graph
-from robotics.navigation.widest_way import narrowest_spot
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.navigation.clearances import Clearances
+from handcart.robotics.navigation.grid_map import GridMap
+from handcart.robotics.navigation.route import Route, plan_route
+from handcart.robotics.navigation.scan_matching import CELL_BIAS
+from handcart.robotics.navigation.voronoi_graph import EXACT, VoronoiGraph, voronoi_graph
+from handcart.robotics.navigation.widest_way import narrowest_spot
 
 ROOM = 0.02  # [m] beside the footprint that a route keeps
 ROOM_AT_GOAL = 0.04  # [m] likewise where the robot is to stand: it comes to stand within half of that

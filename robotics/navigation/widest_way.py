@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from robotics.navigation.compiled import compiled
+from handcart.robotics.navigation.compiled import compiled
 
 
 def narrowest_spot(

@@ -9,11 +9,11 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from robotics.geometry.pose2 import Pose2
-from robotics.geometry.transform import Transform, apply
-from robotics.perception.camera_model import CameraModel, Floats, GreyImage
-from robotics.perception.plane_view import PlaneView
-from robotics.perception.rectangle_edges import fit_rectangle
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.geometry.transform import Transform, apply
+from handcart.robotics.perception.camera_model import CameraModel, Floats, GreyImage
+from handcart.robotics.perception.plane_view import PlaneView
+from handcart.robotics.perception.rectangle_edges import fit_rectangle
 
 TURN = 0.35
 """How far from the expected heading a block is looked for, in [rad]."""

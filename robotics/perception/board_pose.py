@@ -7,9 +7,9 @@ from typing import NamedTuple
 import cv2
 import numpy as np
 
-from robotics.geometry.transform import Transform, apply
-from robotics.perception.calibration_board import BoardView
-from robotics.perception.camera_model import CameraModel, Floats
+from handcart.robotics.geometry.transform import Transform, apply
+from handcart.robotics.perception.calibration_board import BoardView
+from handcart.robotics.perception.camera_model import CameraModel, Floats
 
 _LEAST_NOISE = 0.02  # [px]: no corner is believed to be better
 

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from robotics.perception.camera_model import Floats, GreyImage
+from handcart.robotics.perception.camera_model import Floats, GreyImage
 
 
 class BoardView(NamedTuple):

@@ -9,9 +9,9 @@ from typing import NamedTuple
 import cv2
 import numpy as np
 
-from robotics.geometry.transform import Transform
-from robotics.perception.calibration_board import BoardView
-from robotics.perception.camera_model import CameraModel, Floats
+from handcart.robotics.geometry.transform import Transform
+from handcart.robotics.perception.calibration_board import BoardView
+from handcart.robotics.perception.camera_model import CameraModel, Floats
 
 FEWEST_VIEWS = 8
 LEAST_TILT = 0.25

@@ -5,9 +5,9 @@ from __future__ import annotations
 import cv2
 import numpy as np
 
-from robotics.perception.calibration_board import BoardView, CalibrationBoard
-from robotics.perception.camera_model import GreyImage
-from robotics.perception.tag_family import USUAL, TagFamily, dictionary, tags_of
+from handcart.robotics.perception.calibration_board import BoardView, CalibrationBoard
+from handcart.robotics.perception.camera_model import GreyImage
+from handcart.robotics.perception.tag_family import USUAL, TagFamily, dictionary, tags_of
 
 TAG_SHARE = 0.75  # of a square's side, where nobody says otherwise
 _FEWEST_CORNERS = 6

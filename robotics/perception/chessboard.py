@@ -6,8 +6,8 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from robotics.perception.calibration_board import BoardView, CalibrationBoard
-from robotics.perception.camera_model import Floats, GreyImage
+from handcart.robotics.perception.calibration_board import BoardView, CalibrationBoard
+from handcart.robotics.perception.camera_model import Floats, GreyImage
 
 _FLAGS = cv2.CALIB_CB_NORMALIZE_IMAGE | cv2.CALIB_CB_ADAPTIVE_THRESH
 _SHARE = 0.25  # of the distance between two corners that is looked at about each: more, and others disturb

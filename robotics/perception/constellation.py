@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from robotics.geometry.pose2 import Pose2, wrap
+from handcart.robotics.geometry.pose2 import Pose2, wrap
 
 Floats = NDArray[np.float64]
 

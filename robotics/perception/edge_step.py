@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import ndtr
 
-from robotics.perception.camera_model import Floats
+from handcart.robotics.perception.camera_model import Floats
 
 PLACES: Floats = np.arange(-5.0, 5.25, 0.5)
 """Where a profile is sampled, from inside to outside, in [px]."""

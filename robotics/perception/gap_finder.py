@@ -6,9 +6,9 @@ from bisect import bisect_right
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from robotics.perception.call_number import CallNumber
-from robotics.perception.shelf_views import ShelfReading
-from robotics.perception.spines import Gap
+from handcart.robotics.perception.call_number import CallNumber
+from handcart.robotics.perception.shelf_views import ShelfReading
+from handcart.robotics.perception.spines import Gap
 
 _LEAST_EXTRA = 0.002
 

@@ -9,11 +9,11 @@ import numpy as np
 from scipy.optimize import least_squares
 from scipy.spatial.transform import Rotation
 
-from robotics.geometry.transform import Transform, apply, inverse
-from robotics.perception.board_pose import PosedBoard, pose_board
-from robotics.perception.calibration_board import BoardView
-from robotics.perception.camera_model import CameraModel, Floats
-from robotics.perception.hand_eye_closed_form import METHODS, closed_form
+from handcart.robotics.geometry.transform import Transform, apply, inverse
+from handcart.robotics.perception.board_pose import PosedBoard, pose_board
+from handcart.robotics.perception.calibration_board import BoardView
+from handcart.robotics.perception.camera_model import CameraModel, Floats
+from handcart.robotics.perception.hand_eye_closed_form import METHODS, closed_form
 
 FEWEST_VIEWS = 8
 LEAST_TURN = 0.1

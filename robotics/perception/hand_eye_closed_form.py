@@ -8,7 +8,7 @@ import cv2
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from robotics.geometry.transform import Transform
+from handcart.robotics.geometry.transform import Transform
 
 METHODS = {
     "Park": cv2.CALIB_HAND_EYE_PARK,

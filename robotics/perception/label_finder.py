@@ -8,7 +8,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from robotics.perception.camera_model import CameraModel, Floats, GreyImage, picture_of_plane
+from handcart.robotics.perception.camera_model import CameraModel, Floats, GreyImage, picture_of_plane
 
 _M_PER_PX = 0.0005
 _WIDEST_VIEW = 1.5  # [m]

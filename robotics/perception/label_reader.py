@@ -9,9 +9,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from robotics.perception.call_number import CallNumber, parse, snap
-from robotics.perception.camera_model import CameraModel, Floats, GreyImage, plane_to_rays
-from robotics.perception.label_finder import LabelBox, find_labels
+from handcart.robotics.perception.call_number import CallNumber, parse, snap
+from handcart.robotics.perception.camera_model import CameraModel, Floats, GreyImage, plane_to_rays
+from handcart.robotics.perception.label_finder import LabelBox, find_labels
 
 
 class Label(NamedTuple):

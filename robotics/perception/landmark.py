@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from robotics.perception.camera_model import CameraModel, Floats, GreyImage
+from handcart.robotics.perception.camera_model import CameraModel, Floats, GreyImage
 
 CELLS = 8  # fields across the square
 FIELD = slice(1, 3)  # rows and columns of the white fields, from the upper left

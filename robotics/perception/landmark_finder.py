@@ -7,9 +7,9 @@ from functools import cache
 import cv2
 import numpy as np
 
-from robotics.perception.camera_model import CameraModel, Floats, GreyImage
-from robotics.perception.landmark import CELLS, Landmark, pattern, seen_landmark
-from robotics.perception.square_edges import fit_square
+from handcart.robotics.perception.camera_model import CameraModel, Floats, GreyImage
+from handcart.robotics.perception.landmark import CELLS, Landmark, pattern, seen_landmark
+from handcart.robotics.perception.square_edges import fit_square
 
 _SHRINK = 4  # candidates are looked for in an image that many times smaller
 _WINDOWS = (51, 15)  # [px] of the small image; the small window is for a small landmark on a dark table

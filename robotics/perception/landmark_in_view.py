@@ -7,11 +7,11 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from robotics.geometry.pose2 import Pose2
-from robotics.geometry.transform import Transform, apply, inverse
-from robotics.perception.camera_model import CameraModel
-from robotics.perception.constellation import Kind
-from robotics.perception.landmark import square_corners
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.geometry.transform import Transform, apply, inverse
+from handcart.robotics.perception.camera_model import CameraModel
+from handcart.robotics.perception.constellation import Kind
+from handcart.robotics.perception.landmark import square_corners
 
 RIM = 16.0  # [px] of the picture in which a landmark may be, or not
 WIDEST = 1.5  # times what a lens without distortion would show: far beyond, a lens' model folds back

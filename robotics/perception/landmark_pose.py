@@ -7,9 +7,9 @@ import math
 import cv2
 import numpy as np
 
-from robotics.geometry.pose2 import Pose2
-from robotics.geometry.transform import Transform, inverse
-from robotics.perception.landmark import Landmark, square_corners
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.geometry.transform import Transform, inverse
+from handcart.robotics.perception.landmark import Landmark, square_corners
 
 
 def landmark_pose(seen: Landmark, side: float = 0.06) -> Transform:

@@ -11,10 +11,10 @@ import numpy as np
 import onnxruntime
 from numpy.typing import NDArray
 
-from robotics.perception.call_number import CallNumber
-from robotics.perception.call_number_decoder import CallNumberDecoder
-from robotics.perception.camera_model import GreyImage
-from robotics.perception.label_reader import LabelReader, Reading
+from handcart.robotics.perception.call_number import CallNumber
+from handcart.robotics.perception.call_number_decoder import CallNumberDecoder
+from handcart.robotics.perception.camera_model import GreyImage
+from handcart.robotics.perception.label_reader import LabelReader, Reading
 
 _STEP_PX = 8  # the recogniser gives one column of probabilities for this many of its input
 

@@ -8,11 +8,11 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from robotics.perception.camera_model import CameraModel, Floats, GreyImage
-from robotics.perception.label_reader import Label
-from robotics.perception.landmark import Landmark
-from robotics.perception.spines import Gap, Spine
-from robotics.perception.tag_reader import Tag
+from handcart.robotics.perception.camera_model import CameraModel, Floats, GreyImage
+from handcart.robotics.perception.label_reader import Label
+from handcart.robotics.perception.landmark import Landmark
+from handcart.robotics.perception.spines import Gap, Spine
+from handcart.robotics.perception.tag_reader import Tag
 
 _TAG, _READ, _UNREAD, _GAP, _SPINE = (255, 128, 0), (0, 200, 0), (0, 0, 230), (0, 200, 255), (200, 160, 60)
 _HEIGHTS = np.linspace(0.0, 0.2, 9)

@@ -7,9 +7,9 @@ from typing import NamedTuple
 import cv2
 import numpy as np
 
-from robotics.geometry.pose2 import Pose2
-from robotics.geometry.transform import Transform
-from robotics.perception.camera_model import CameraModel, Floats, GreyImage
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.geometry.transform import Transform
+from handcart.robotics.perception.camera_model import CameraModel, Floats, GreyImage
 
 
 class PlaneView(NamedTuple):

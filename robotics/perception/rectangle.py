@@ -7,8 +7,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from robotics.geometry.pose2 import Pose2
-from robotics.perception.camera_model import Floats
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.perception.camera_model import Floats
 
 Bools = NDArray[np.bool_]
 

@@ -6,12 +6,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from robotics.geometry.pose2 import Pose2
-from robotics.perception.camera_model import Floats
-from robotics.perception.edge_step import PLACES, fit_steps
-from robotics.perception.plane_view import PlaneView
-from robotics.perception.rectangle import AXIS, OTHER, OUT, Bools, Rectangle, across, shares
-from robotics.perception.rough_rectangle import rough_rectangle
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.perception.camera_model import Floats
+from handcart.robotics.perception.edge_step import PLACES, fit_steps
+from handcart.robotics.perception.plane_view import PlaneView
+from handcart.robotics.perception.rectangle import AXIS, OTHER, OUT, Bools, Rectangle, across, shares
+from handcart.robotics.perception.rough_rectangle import rough_rectangle
 
 _ROWS, _SEGMENTS = 48, 8  # profiles across an edge; they are averaged in segments
 _LEAST_DROP = 6.0  # grey levels

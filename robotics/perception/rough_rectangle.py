@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from robotics.geometry.pose2 import Pose2
-from robotics.perception.camera_model import Floats
-from robotics.perception.plane_view import PlaneView
-from robotics.perception.rectangle import OTHER, Bools, Rectangle, across, shares
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.perception.camera_model import Floats
+from handcart.robotics.perception.plane_view import PlaneView
+from handcart.robotics.perception.rectangle import OTHER, Bools, Rectangle, across, shares
 
 _ROWS = 16  # profiles across an edge
 _REACH, _COUNT = 0.0036, 25  # on each side of an edge [m], and samples

@@ -8,9 +8,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from robotics.perception.call_number import CallNumber
-from robotics.perception.label_reader import Label
-from robotics.perception.spines import Gap, Spine, SpineView
+from handcart.robotics.perception.call_number import CallNumber
+from handcart.robotics.perception.label_reader import Label
+from handcart.robotics.perception.spines import Gap, Spine, SpineView
 
 _SAME_CENTRE, _SAME_WIDTH = 0.008, 0.003  # of one book in two aligned views
 _POSE_ERROR = 0.020  # at most, between views

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from robotics.perception.label_finder import View
+from handcart.robotics.perception.label_finder import View
 
 Floats = NDArray[np.float64]
 

@@ -9,10 +9,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from robotics.perception.camera_model import CameraModel, GreyImage
-from robotics.perception.label_finder import View, flat_view
-from robotics.perception.label_reader import Label
-from robotics.perception.spine_edges import Strips, falling_edges, strips_of, upright
+from handcart.robotics.perception.camera_model import CameraModel, GreyImage
+from handcart.robotics.perception.label_finder import View, flat_view
+from handcart.robotics.perception.label_reader import Label
+from handcart.robotics.perception.spine_edges import Strips, falling_edges, strips_of, upright
 
 Floats = NDArray[np.float64]
 

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import cv2
 import numpy as np
 
-from robotics.perception.camera_model import CameraModel, Floats, GreyImage
+from handcart.robotics.perception.camera_model import CameraModel, Floats, GreyImage
 
 _POINTS = 40  # on each edge
 _ENDS = 0.08  # of an edge at each end is left out: the blurred corners

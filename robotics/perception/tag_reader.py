@@ -8,8 +8,8 @@ from typing import NamedTuple
 import cv2
 import numpy as np
 
-from robotics.perception.camera_model import CameraModel, Floats, GreyImage
-from robotics.perception.tag_family import USUAL, TagFamily, dictionary
+from handcart.robotics.perception.camera_model import CameraModel, Floats, GreyImage
+from handcart.robotics.perception.tag_family import USUAL, TagFamily, dictionary
 
 _ENLARGE = 2
 _LEAST_SIDE_PX = 13  # of the tag in the image as taken

@@ -8,9 +8,9 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from robotics.perception.call_number import CallNumber
-from robotics.perception.camera_model import GreyImage
-from robotics.perception.label_reader import LabelReader, Reading, cut_to_print
+from handcart.robotics.perception.call_number import CallNumber
+from handcart.robotics.perception.camera_model import GreyImage
+from handcart.robotics.perception.label_reader import LabelReader, Reading, cut_to_print
 
 _HEIGHT, _WIDTH = 20, 112  # templates are compared in this size, [px]
 _SHIFTS = (-1, 0, 1)

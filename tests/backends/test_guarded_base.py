@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from backends.base import Base, WheelTravel
-from backends.guarded_base import BESIDE, GuardedBase, steady_points
-from backends.range_sensor import Scan
-from backends.robot_file import RobotFile, load_robot
-from robotics.geometry.pose2 import Pose2
-from robotics.navigation.grid_map import GridMap
+from handcart.backends.base import Base, WheelTravel
+from handcart.backends.guarded_base import BESIDE, GuardedBase, steady_points
+from handcart.backends.range_sensor import Scan
+from handcart.backends.robot_file import RobotFile, load_robot
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.navigation.grid_map import GridMap
 
 NOTHING = np.empty((0, 2))
 WALL_AT = 5.0

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from backends.map_file import is_map_file, load_map, read_occupancy
-from files.errors import FileError
+from handcart.backends.map_file import is_map_file, load_map, read_occupancy
+from handcart.files.errors import FileError
 
 MAP = """\
 image: map.pgm

@@ -11,13 +11,13 @@ import pytest
 from numpy.typing import NDArray
 from typing_extensions import TypeAliasType
 
-from backends.plain_values import attributes, from_plain, set_attributes, to_plain
-from backends.saved_state import NotAState, pack, unpack
-from files.model import FileModel
-from robotics.far import Far, FarArray
-from robotics.geometry.pose2 import Pose2
-from robotics.navigation.gps_filter import GpsFilter
-from robotics.navigation.particle_filter import ParticleFilter
+from handcart.backends.plain_values import attributes, from_plain, set_attributes, to_plain
+from handcart.backends.saved_state import NotAState, pack, unpack
+from handcart.files.model import FileModel
+from handcart.robotics.far import Far, FarArray
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.navigation.gps_filter import GpsFilter
+from handcart.robotics.navigation.particle_filter import ParticleFilter
 
 Vector = NDArray[np.float64]
 

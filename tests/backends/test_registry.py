@@ -2,9 +2,9 @@ from __future__ import annotations
 
 import pytest
 
-from backends.backend import Backend
-from backends.registry import UnknownBackend, backend_names, make_backend
-from backends.robot_file import load_robot
+from handcart.backends.backend import Backend
+from handcart.backends.registry import UnknownBackend, backend_names, make_backend
+from handcart.backends.robot_file import load_robot
 
 
 def test_the_kinematic_backend_is_made_by_its_name(tmp_path):

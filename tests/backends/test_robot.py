@@ -8,11 +8,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from backends.robot import Robot
-from evaluation.ground_truth import scene_of
-from evaluation.stage import Stage, StageFiles, set_stage
-from robotics.geometry.pose2 import Pose2
-from robotics.geometry.transform import transform
+from handcart.backends.robot import Robot
+from handcart.evaluation.ground_truth import scene_of
+from handcart.evaluation.stage import Stage, StageFiles, set_stage
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.geometry.transform import transform
 
 SEAM = Path(__file__).parents[2] / "tasks" / "track_seam"
 HALL = StageFiles(SEAM / "world.yaml", SEAM / "map.yaml", SEAM / "places.yaml", None)

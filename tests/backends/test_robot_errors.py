@@ -8,9 +8,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from backends.registry import make_backend
-from backends.robot_file import ROBOTS, RobotFile, load_robot
-from backends.simulated_errors import Errors
+from handcart.backends.registry import make_backend
+from handcart.backends.robot_file import ROBOTS, RobotFile, load_robot
+from handcart.backends.simulated_errors import Errors
 
 WORLD = ROBOTS.parents[1] / "tasks" / "return_book" / "world.yaml"
 

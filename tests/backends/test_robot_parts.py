@@ -7,11 +7,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from backends.robot_file import load_robot
-from files.errors import FileError
-from robotics.kinematics.arm_model import ArmModel
-from robotics.kinematics.shapes import Hull
-from robotics.kinematics.urdf_assembly import link_names
+from handcart.backends.robot_file import load_robot
+from handcart.files.errors import FileError
+from handcart.robotics.kinematics.arm_model import ArmModel
+from handcart.robotics.kinematics.shapes import Hull
+from handcart.robotics.kinematics.urdf_assembly import link_names
 
 ROBOT = """\
 format: handcart-robot/1

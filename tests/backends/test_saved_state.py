@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from backends.saved_state import NotAState, pack, unpack
+from handcart.backends.saved_state import NotAState, pack, unpack
 
 STATE = {
     "numbers": [1, -2.5, True, None, 2**100, math.inf],
@@ -74,7 +74,7 @@ def test_what_is_no_plain_data_is_not_kept(value):
 
 def sealed(text: bytes, blobs: bytes = b"") -> bytes:
     """Bytes with the right checksum about any JSON."""
-    from backends.saved_state import FORMAT, digest
+    from handcart.backends.saved_state import FORMAT, digest
 
     body = b"%d\n%b%b" % (len(text), text, blobs)
     return b"%b %b\n%b" % (FORMAT.encode(), digest(body).encode(), body)

@@ -5,10 +5,10 @@ from pathlib import Path
 
 import pytest
 
-from backends.mesh_path import is_mesh, mesh_path
-from backends.robot_file import load_robot, shipped_path
-from backends.urdf_file import read_urdf_file
-from files.errors import FileError, UnsafePath
+from handcart.backends.mesh_path import is_mesh, mesh_path
+from handcart.backends.robot_file import load_robot, shipped_path
+from handcart.backends.urdf_file import read_urdf_file
+from handcart.files.errors import FileError, UnsafePath
 
 LINK = "<robot name='r'>\n<link name='a'>\n<inertial>{}</inertial></link></robot>"
 

@@ -7,10 +7,10 @@ from pathlib import Path
 import can
 import pytest
 
-from backends.can.frame_log import NAMES
-from backends.can.frame_names import FrameNames
-from evaluation.bus_log import KINDS, UnreadableLog, read_log
-from evaluation.frames_around import frames_around
+from handcart.backends.can.frame_log import NAMES
+from handcart.backends.can.frame_names import FrameNames
+from handcart.evaluation.bus_log import KINDS, UnreadableLog, read_log
+from handcart.evaluation.frames_around import frames_around
 
 FRAMES = [
     can.Message(
@@ -46,7 +46,7 @@ def test_what_python_can_writes_is_read(tmp_path: Path, kind: str) -> None:
 
 def test_a_log_that_is_too_long_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """D6: it would fill the memory."""
-    monkeypatch.setattr("evaluation.bus_log.MOST", 10)
+    monkeypatch.setattr("handcart.evaluation.bus_log.MOST", 10)
     path = tmp_path / "bus.log"
     path.write_text("(0.000000) can 080#\n" * 11, encoding="ascii")
     with pytest.raises(UnreadableLog, match="it has more than 10 frames"):

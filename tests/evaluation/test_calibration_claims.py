@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import pytest
 
-from backends.mounted_camera import stated_camera
-from backends.robot_file import load_robot
-from backends.scene.true_camera import true_camera
-from evaluation.calibration_claims import camera_faults, suspension_faults
-from primitives.calibrated import Calibrated
-from robotics.geometry.transform import inverse
+from handcart.backends.mounted_camera import stated_camera
+from handcart.backends.robot_file import load_robot
+from handcart.backends.scene.true_camera import true_camera
+from handcart.evaluation.calibration_claims import camera_faults, suspension_faults
+from handcart.primitives.calibrated import Calibrated
+from handcart.robotics.geometry.transform import inverse
 
 ROBOT = load_robot("toyama/uncalibrated")
 

@@ -6,20 +6,20 @@ from typing import Any
 
 import pytest
 
-from evaluation.conformance.all_checks import CHECKS
-from evaluation.conformance.bench import Bench
-from evaluation.conformance.check import Finding
-from evaluation.conformance.fail_is_true import Batch, Trial
-from evaluation.conformance.fault import Fault, FaultKind, variant
-from evaluation.conformance.forked import Died, Hung, forked
-from evaluation.conformance.kit import Setting, jobs_of, run_kit
-from evaluation.conformance.mutants import MUTANTS, try_mutant
-from evaluation.conformance.reach import Reach
-from evaluation.conformance.rehearsal import DRIVE_MAP, RETURN_BOOK, Rehearsal, Solo
-from evaluation.conformance.report import Report
-from evaluation.conformance.task_runs import Ran, compared
-from evaluation.conformance.underway import Ending
-from networks.task_file import load_task
+from handcart.evaluation.conformance.all_checks import CHECKS
+from handcart.evaluation.conformance.bench import Bench
+from handcart.evaluation.conformance.check import Finding
+from handcart.evaluation.conformance.fail_is_true import Batch, Trial
+from handcart.evaluation.conformance.fault import Fault, FaultKind, variant
+from handcart.evaluation.conformance.forked import Died, Hung, forked
+from handcart.evaluation.conformance.kit import Setting, jobs_of, run_kit
+from handcart.evaluation.conformance.mutants import MUTANTS, try_mutant
+from handcart.evaluation.conformance.reach import Reach
+from handcart.evaluation.conformance.rehearsal import DRIVE_MAP, RETURN_BOOK, Rehearsal, Solo
+from handcart.evaluation.conformance.report import Report
+from handcart.evaluation.conformance.task_runs import Ran, compared
+from handcart.evaluation.conformance.underway import Ending
+from handcart.networks.task_file import load_task
 
 BENCH = Bench("kinematic")
 SAMPLE = (

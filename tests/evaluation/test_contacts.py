@@ -9,20 +9,20 @@ from typing import Any
 import numpy as np
 import pytest
 
-from backends.kinematic.kinematic_backend import KinematicBackend
-from backends.robot_file import load_robot
-from backends.scene.world_file import WorldFile
-from evaluation.contact_survey import ContactSurvey
-from files.loading import load
-from primitives.action_primitive import ActionPrimitive
-from primitives.insert import Insert
-from primitives.knowledge import Book
-from primitives.move_to import MoveTo
-from primitives.pick_up import PickUp
-from primitives.search import Search
-from primitives.world_model import Slot
-from robotics.geometry.pose2 import Pose2
-from robotics.geometry.transform import transform
+from handcart.backends.kinematic.kinematic_backend import KinematicBackend
+from handcart.backends.robot_file import load_robot
+from handcart.backends.scene.world_file import WorldFile
+from handcart.evaluation.contact_survey import ContactSurvey
+from handcart.files.loading import load
+from handcart.primitives.action_primitive import ActionPrimitive
+from handcart.primitives.insert import Insert
+from handcart.primitives.knowledge import Book
+from handcart.primitives.move_to import MoveTo
+from handcart.primitives.pick_up import PickUp
+from handcart.primitives.search import Search
+from handcart.primitives.world_model import Slot
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.geometry.transform import transform
 
 WORLD = """
 format: handcart-world/1

@@ -10,12 +10,12 @@ from typing import Any
 import numpy as np
 import pytest
 
-from evaluation.effects import EFFECTS, _move_to, _stand
-from evaluation.ground_truth import Body, GroundTruth, disturbed, moved
-from evaluation.localisation_survey import LocalisationSurvey
-from primitives.registry import TABLE
-from primitives.target import Laid
-from robotics.geometry.pose2 import Pose2
+from handcart.evaluation.effects import EFFECTS, _move_to, _stand
+from handcart.evaluation.ground_truth import Body, GroundTruth, disturbed, moved
+from handcart.evaluation.localisation_survey import LocalisationSurvey
+from handcart.primitives.registry import TABLE
+from handcart.primitives.target import Laid
+from handcart.robotics.geometry.pose2 import Pose2
 
 CALIBRATIONS = {"CALIBRATE_CAMERA", "CALIBRATE_SUSPENSION"}  # see `calibration_claims`
 BY_THEMSELVES = {"MOVE_TO", "STAND"}

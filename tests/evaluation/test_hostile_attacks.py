@@ -9,10 +9,10 @@ from pathlib import Path
 
 import pytest
 
-from evaluation.hostile.forging import reseal
-from evaluation.hostile.trial import Watch
-from networks.journal import Journal
-from networks.journal_record import read_journal
+from handcart.evaluation.hostile.forging import reseal
+from handcart.evaluation.hostile.trial import Watch
+from handcart.networks.journal import Journal
+from handcart.networks.journal_record import read_journal
 
 
 @pytest.fixture

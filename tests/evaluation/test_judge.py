@@ -9,19 +9,19 @@ from typing import Any
 import numpy as np
 import pytest
 
-from backends.base import Base
-from backends.robot_file import load_robot
-from evaluation.ground_truth import ground_truth, not_restored
-from evaluation.judge import Judge
-from evaluation.shelving import longest_rising, shelving
-from networks.events import Ended, Started
-from networks.run import prepare
-from networks.run_end import RunEnd
-from networks.telemetry import Telemetry
-from primitives.move_to import MoveTo
-from primitives.outcome import Outcome, Success, fail_if_restored
-from robotics.geometry.pose2 import Pose2
-from robotics.perception.call_number import parse
+from handcart.backends.base import Base
+from handcart.backends.robot_file import load_robot
+from handcart.evaluation.ground_truth import ground_truth, not_restored
+from handcart.evaluation.judge import Judge
+from handcart.evaluation.shelving import longest_rising, shelving
+from handcart.networks.events import Ended, Started
+from handcart.networks.run import prepare
+from handcart.networks.run_end import RunEnd
+from handcart.networks.telemetry import Telemetry
+from handcart.primitives.move_to import MoveTo
+from handcart.primitives.outcome import Outcome, Success, fail_if_restored
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.perception.call_number import parse
 
 LIBRARY = Path(__file__).resolve().parents[2] / "tasks" / "return_book"
 DRIVE_MAP = LIBRARY.parent / "drive_map" / "task.yaml"

@@ -8,12 +8,12 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from backends.scene.world_file import WorldFile
-from evaluation.library_books import GeneratedBook
-from evaluation.library_files import write_library
-from evaluation.library_generator import NoSuchLibrary, make_library
-from files.loading import load
-from primitives.knowledge import Catalogue, Places, load_map
+from handcart.backends.scene.world_file import WorldFile
+from handcart.evaluation.library_books import GeneratedBook
+from handcart.evaluation.library_files import write_library
+from handcart.evaluation.library_generator import NoSuchLibrary, make_library
+from handcart.files.loading import load
+from handcart.primitives.knowledge import Catalogue, Places, load_map
 
 
 @settings(max_examples=15, deadline=None)

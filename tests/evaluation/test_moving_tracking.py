@@ -7,10 +7,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from backends.robot_file import load_robot
-from evaluation.moving_tracking import Feedback, MovingTracking, Straying
-from primitives.seam_file import load_seam
-from robotics.manipulation.tool_path import ToolPath
+from handcart.backends.robot_file import load_robot
+from handcart.evaluation.moving_tracking import Feedback, MovingTracking, Straying
+from handcart.primitives.seam_file import load_seam
+from handcart.robotics.manipulation.tool_path import ToolPath
 
 SEAM = Path(__file__).parents[2] / "tasks" / "track_seam" / "seam.csv"
 FAST = Feedback(20.0, 0.005, 200.0)

@@ -6,12 +6,12 @@ from pathlib import Path
 
 import pytest
 
-from backends.robot_file import load_robot, shipped_path
-from evaluation.robot_report.draft import draft_text
-from evaluation.robot_report.outline import Outline, outline_of
-from evaluation.robot_report.remark import Remark, grouped, grouped_findings
-from files.errors import Finding
-from robotics.kinematics.urdf_contents import joints_of
+from handcart.backends.robot_file import load_robot, shipped_path
+from handcart.evaluation.robot_report.draft import draft_text
+from handcart.evaluation.robot_report.outline import Outline, outline_of
+from handcart.evaluation.robot_report.remark import Remark, grouped, grouped_findings
+from handcart.files.errors import Finding
+from handcart.robotics.kinematics.urdf_contents import joints_of
 
 LIMIT = '<limit lower="{}" upper="{}" effort="5" velocity="1"/>'
 

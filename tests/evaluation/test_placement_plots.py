@@ -8,16 +8,16 @@ import cv2
 import numpy as np
 import pytest
 
-from evaluation.placement_plots import (
+from handcart.evaluation.placement_plots import (
     DividedPath,
     draw_divisions,
     draw_planar_divisions,
     draw_tracking_errors,
 )
-from robotics.manipulation.pitch_arm import PitchArm
-from robotics.manipulation.placement_division import Division, Segment
-from robotics.manipulation.planar_arm import PlanarArm
-from robotics.manipulation.tool_path import ToolPath, tool_path
+from handcart.robotics.manipulation.pitch_arm import PitchArm
+from handcart.robotics.manipulation.placement_division import Division, Segment
+from handcart.robotics.manipulation.planar_arm import PlanarArm
+from handcart.robotics.manipulation.tool_path import ToolPath, tool_path
 
 
 @pytest.fixture

@@ -7,9 +7,9 @@ from pathlib import Path
 
 import pytest
 
-from backends.robot_file import load_robot, shipped_path
-from evaluation.robot_report.posture_findings import posture_facts, posture_findings
-from tools.check_robot import robot_facts
+from handcart.backends.robot_file import load_robot, shipped_path
+from handcart.evaluation.robot_report.posture_findings import posture_facts, posture_findings
+from handcart.tools.check_robot import robot_facts
 
 INTO_ITSELF = "[0, 40, 169, 0, 0, 0]"
 

@@ -7,13 +7,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from backends.robot_file import load_robot
-from evaluation.robot_report.masses import mass_faults
-from evaluation.robot_report.meshes import mesh_row
-from evaluation.robot_report.postures import posture_at
-from evaluation.robot_report.report import RobotReport, report_of
-from robotics.kinematics.shapes import Box
-from robotics.kinematics.urdf_contents import LinkFacts, MeshUse
+from handcart.backends.robot_file import load_robot
+from handcart.evaluation.robot_report.masses import mass_faults
+from handcart.evaluation.robot_report.meshes import mesh_row
+from handcart.evaluation.robot_report.postures import posture_at
+from handcart.evaluation.robot_report.report import RobotReport, report_of
+from handcart.robotics.kinematics.shapes import Box
+from handcart.robotics.kinematics.urdf_contents import LinkFacts, MeshUse
 
 BEAM = Box(np.eye(4), (0.4, 0.05, 0.05))
 L_SHAPE = [(0, 0), (2, 0), (2, 1), (1, 1), (1, 2), (0, 2)]

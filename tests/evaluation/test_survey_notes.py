@@ -1,6 +1,6 @@
 """What a survey notes is there for who goes on with its run."""
 
-from evaluation.survey_notes import SurveyNotes
+from handcart.evaluation.survey_notes import SurveyNotes
 
 NAME = "notes.jsonl"
 

@@ -5,8 +5,8 @@ from pathlib import Path
 
 import pytest
 
-from files.errors import UnsafePath
-from files.inside import portable, resolve_inside
+from handcart.files.errors import UnsafePath
+from handcart.files.inside import portable, resolve_inside
 
 VECTORS = [
     *("", " ", ".", "./", "..", "../", "./..", "a/..", "a/../..", "../../etc/passwd", "../x", "a/../../x"),

@@ -9,13 +9,13 @@ import pytest
 from pydantic import AfterValidator, Field, TypeAdapter, ValidationInfo, field_validator, model_validator
 from pydantic_core import PydanticCustomError
 
-from files.errors import FileError
-from files.findings import Findings
-from files.inside import FilePath
-from files.loading import collect, load, load_document, load_part
-from files.model import FileModel
-from files.regular_file import read_regular_file
-from files.yaml_document import parse_document
+from handcart.files.errors import FileError
+from handcart.files.findings import Findings
+from handcart.files.inside import FilePath
+from handcart.files.loading import collect, load, load_document, load_part
+from handcart.files.model import FileModel
+from handcart.files.regular_file import read_regular_file
+from handcart.files.yaml_document import parse_document
 
 
 class Side(Enum):

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from files.errors import FileError
-from files.picture import MAX_PIXELS, read_grey
+from handcart.files.errors import FileError
+from handcart.files.picture import MAX_PIXELS, read_grey
 
 
 def bomb(path: Path, width: int, height: int, rows: int) -> Path:

@@ -4,11 +4,11 @@ from pathlib import Path
 
 import pytest
 
-from files.errors import FileError
-from files.loading import load
-from files.model import FileModel
-from files.settings import setting_value, split_setting, with_settings
-from files.yaml_document import read_document
+from handcart.files.errors import FileError
+from handcart.files.loading import load
+from handcart.files.model import FileModel
+from handcart.files.settings import setting_value, split_setting, with_settings
+from handcart.files.yaml_document import read_document
 
 
 class Parameters(FileModel):

@@ -7,7 +7,7 @@ import stat
 
 import pytest
 
-from files.whole_file import write_whole
+from handcart.files.whole_file import write_whole
 
 
 def test_a_file_is_replaced_and_keeps_its_mode(tmp_path):

@@ -5,12 +5,12 @@ import copy
 import pytest
 from pydantic import Field, TypeAdapter
 
-from files.errors import FileError, Finding, HandcartError, InputError, UnsafePath
-from files.findings import Findings
-from files.json_schema import DIALECT, schema
-from files.model import FileModel
-from files.suggest import listed, nearest, suggest
-from files.units import unit_of
+from handcart.files.errors import FileError, Finding, HandcartError, InputError, UnsafePath
+from handcart.files.findings import Findings
+from handcart.files.json_schema import DIALECT, schema
+from handcart.files.model import FileModel
+from handcart.files.suggest import listed, nearest, suggest
+from handcart.files.units import unit_of
 
 
 def test_statuses_of_errors() -> None:

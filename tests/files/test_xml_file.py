@@ -5,8 +5,8 @@ from pathlib import Path
 
 import pytest
 
-from files.errors import FileError
-from files.xml_file import MAX_DEPTH, MAX_NODES, checked_xml, read_xml_text
+from handcart.files.errors import FileError
+from handcart.files.xml_file import MAX_DEPTH, MAX_NODES, checked_xml, read_xml_text
 
 ENTITIES = '<!DOCTYPE r [<!ENTITY a "ha"><!ENTITY b "&a;&a;&a;">]>\n<r>&b;</r>'
 

@@ -10,18 +10,23 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from files.loading import load_document
-from files.yaml_document import read_document
-from networks.analysis.absorbing_chain import absorption
-from networks.analysis.action_table import ActionTable, table_absorption, table_errors, table_warnings
-from networks.analysis.chance import Chance
-from networks.analysis.forecast import forecast
-from networks.binding import Binding
-from networks.network import Action, ActionNetwork, Situation
-from networks.planner import NoWay
-from networks.route import Route
-from primitives.modify import Modify
-from primitives.outcome import Success
+from handcart.files.loading import load_document
+from handcart.files.yaml_document import read_document
+from handcart.networks.analysis.absorbing_chain import absorption
+from handcart.networks.analysis.action_table import (
+    ActionTable,
+    table_absorption,
+    table_errors,
+    table_warnings,
+)
+from handcart.networks.analysis.chance import Chance
+from handcart.networks.analysis.forecast import forecast
+from handcart.networks.binding import Binding
+from handcart.networks.network import Action, ActionNetwork, Situation
+from handcart.networks.planner import NoWay
+from handcart.networks.route import Route
+from handcart.primitives.modify import Modify
+from handcart.primitives.outcome import Success
 
 TABLE = Path(__file__).resolve().parents[2] / "tasks" / "return_book" / "paper_table.yaml"
 BOUND = Binding.of(Modify(place="x"))

@@ -14,13 +14,13 @@ from pathlib import Path
 import orjson
 import pytest
 
-from evaluation.fuzzed_messages import fuzzed_messages
-from networks.asking import ClosedToYou, NotAlive, NotAnswering, ask, goes_on, tell_to_stop
-from networks.control import MOST, SILENT, Control
-from networks.coordinator import Coordinator
-from networks.journal import Journal
-from networks.operation import Operation
-from networks.permits import Permits
+from handcart.evaluation.fuzzed_messages import fuzzed_messages
+from handcart.networks.asking import ClosedToYou, NotAlive, NotAnswering, ask, goes_on, tell_to_stop
+from handcart.networks.control import MOST, SILENT, Control
+from handcart.networks.coordinator import Coordinator
+from handcart.networks.journal import Journal
+from handcart.networks.operation import Operation
+from handcart.networks.permits import Permits
 
 FAULT = "a fault in handcart"
 

@@ -8,17 +8,17 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from backends.base import WheelTravel
-from networks.analysis.worst_cases import worst_cases
-from networks.binding import Binding
-from networks.coordinator import Coordinator
-from networks.events import Ended, LeftOut, Planned, Started
-from networks.journal import Journal
-from networks.journal_record import read_journal, without_wall
-from networks.network import Action, ActionNetwork, NetworkError, Situation
-from networks.supervision import Request
-from primitives.action_primitive import ActionPrimitive
-from primitives.discrepancy import Discrepancy
+from handcart.backends.base import WheelTravel
+from handcart.networks.analysis.worst_cases import worst_cases
+from handcart.networks.binding import Binding
+from handcart.networks.coordinator import Coordinator
+from handcart.networks.events import Ended, LeftOut, Planned, Started
+from handcart.networks.journal import Journal
+from handcart.networks.journal_record import read_journal, without_wall
+from handcart.networks.network import Action, ActionNetwork, NetworkError, Situation
+from handcart.networks.supervision import Request
+from handcart.primitives.action_primitive import ActionPrimitive
+from handcart.primitives.discrepancy import Discrepancy
 
 
 def coordinator(stand, network, **more):

@@ -4,10 +4,10 @@ from xml.etree import ElementTree
 
 import pytest
 
-from networks.binding import Binding
-from networks.drawing import FORMATS
-from networks.drawing_layout import BOX, lay_out, lines_of
-from networks.network import Action, ActionNetwork, Situation
+from handcart.networks.binding import Binding
+from handcart.networks.drawing import FORMATS
+from handcart.networks.drawing_layout import BOX, lay_out, lines_of
+from handcart.networks.network import Action, ActionNetwork, Situation
 
 
 @pytest.fixture

@@ -10,15 +10,15 @@ from typing import ClassVar
 
 import pytest
 
-from backends.base import Base
-from networks.binding import Binding
-from networks.coordinator import Coordinator
-from networks.events import Ended, Started
-from networks.journal import Journal
-from networks.journal_record import JournalError, read_journal
-from networks.network import Action, ActionNetwork, Situation
-from networks.supervision import Request
-from primitives.action_primitive import ActionPrimitive
+from handcart.backends.base import Base
+from handcart.networks.binding import Binding
+from handcart.networks.coordinator import Coordinator
+from handcart.networks.events import Ended, Started
+from handcart.networks.journal import Journal
+from handcart.networks.journal_record import JournalError, read_journal
+from handcart.networks.network import Action, ActionNetwork, Situation
+from handcart.networks.supervision import Request
+from handcart.primitives.action_primitive import ActionPrimitive
 
 
 class Lamp(ActionPrimitive):

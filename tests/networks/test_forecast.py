@@ -14,19 +14,19 @@ import pytest
 from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
 
-from networks.analysis.chance import Chance
-from networks.analysis.forecast import Forecaster, forecast
-from networks.analysis.policy import TooLarge, policy
-from networks.analysis.stage import Stage
-from networks.analysis.stages import stages
-from networks.analysis.worst_cases import worst_cases
-from networks.binding import Binding
-from networks.coordinator import Coordinator
-from networks.network import Action, ActionNetwork, Situation
-from networks.planner import NoWay
-from networks.route import Route
-from primitives.modify import Modify
-from primitives.outcome import Success
+from handcart.networks.analysis.chance import Chance
+from handcart.networks.analysis.forecast import Forecaster, forecast
+from handcart.networks.analysis.policy import TooLarge, policy
+from handcart.networks.analysis.stage import Stage
+from handcart.networks.analysis.stages import stages
+from handcart.networks.analysis.worst_cases import worst_cases
+from handcart.networks.binding import Binding
+from handcart.networks.coordinator import Coordinator
+from handcart.networks.network import Action, ActionNetwork, Situation
+from handcart.networks.planner import NoWay
+from handcart.networks.route import Route
+from handcart.primitives.modify import Modify
+from handcart.primitives.outcome import Success
 
 BOUND = Binding.of(Modify(place="x"))
 

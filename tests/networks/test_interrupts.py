@@ -6,7 +6,7 @@ import signal
 
 import pytest
 
-from networks.interrupts import Interrupts
+from handcart.networks.interrupts import Interrupts
 
 
 @pytest.mark.parametrize("kind", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])

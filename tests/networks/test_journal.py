@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from networks.journal import Journal, RunAlive, check_not_alive
-from networks.journal_record import JournalError, read_journal
+from handcart.networks.journal import Journal, RunAlive, check_not_alive
+from handcart.networks.journal_record import JournalError, read_journal
 
 
 def written(path: Path, count: int = 4) -> bytes:

@@ -6,10 +6,10 @@ import py_trees
 import pytest
 from py_trees.common import Status
 
-from networks.binding import Binding
-from networks.coordinator import Coordinator
-from networks.network import Action, ActionNetwork, Situation
-from networks.network_behaviour import NetworkBehaviour
+from handcart.networks.binding import Binding
+from handcart.networks.coordinator import Coordinator
+from handcart.networks.network import Action, ActionNetwork, Situation
+from handcart.networks.network_behaviour import NetworkBehaviour
 
 
 class Alarm(py_trees.behaviour.Behaviour):

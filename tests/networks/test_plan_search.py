@@ -7,14 +7,14 @@ import random
 import pytest
 
 from benchmarks.analysis import network
-from networks.analysis.chance import Chance
-from networks.analysis.effort import Effort
-from networks.analysis.forecast import forecast
-from networks.analysis.plan_search import PlanSearch
-from networks.analysis.policy import TooLarge, policy
-from networks.analysis.worst_cases import worst_cases
-from networks.network import Action, ActionNetwork, Situation
-from networks.planner import Plan, Planner
+from handcart.networks.analysis.chance import Chance
+from handcart.networks.analysis.effort import Effort
+from handcart.networks.analysis.forecast import forecast
+from handcart.networks.analysis.plan_search import PlanSearch
+from handcart.networks.analysis.policy import TooLarge, policy
+from handcart.networks.analysis.worst_cases import worst_cases
+from handcart.networks.network import Action, ActionNetwork, Situation
+from handcart.networks.planner import Plan, Planner
 
 
 @pytest.mark.parametrize("seed", range(40))

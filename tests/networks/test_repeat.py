@@ -5,15 +5,15 @@ from collections import deque
 
 import pytest
 
-from files.errors import FileError
-from files.json_schema import schema
-from networks.analysis.figures import figures
-from networks.analysis.task_findings import task_findings
-from networks.coordinator import Coordinator
-from networks.drawing import FORMATS
-from networks.events import Started
-from networks.preparing import beginning_at
-from networks.task_model import TaskFile
+from handcart.files.errors import FileError
+from handcart.files.json_schema import schema
+from handcart.networks.analysis.figures import figures
+from handcart.networks.analysis.task_findings import task_findings
+from handcart.networks.coordinator import Coordinator
+from handcart.networks.drawing import FORMATS
+from handcart.networks.events import Started
+from handcart.networks.preparing import beginning_at
+from handcart.networks.task_model import TaskFile
 
 TWICE = """\
 format: handcart-task/1

@@ -9,17 +9,17 @@ from typing import Any
 
 import pytest
 
-from networks.checkpoint import NAME, CheckpointKeeper
-from networks.journal import Journal
-from networks.journal_record import read_journal
-from networks.preparing import Prepared
-from networks.recon import Recon, reconnoitre, standing_as_left
-from networks.resuming import NothingToResume, Past, read_past, task_of
-from networks.retracing import NeedsOperator, standing
-from networks.run import execute
-from networks.run_folder import read_run_journal
-from networks.task_file import load_task
-from networks.waiting import waiting
+from handcart.networks.checkpoint import NAME, CheckpointKeeper
+from handcart.networks.journal import Journal
+from handcart.networks.journal_record import read_journal
+from handcart.networks.preparing import Prepared
+from handcart.networks.recon import Recon, reconnoitre, standing_as_left
+from handcart.networks.resuming import NothingToResume, Past, read_past, task_of
+from handcart.networks.retracing import NeedsOperator, standing
+from handcart.networks.run import execute
+from handcart.networks.run_folder import read_run_journal
+from handcart.networks.task_file import load_task
+from handcart.networks.waiting import waiting
 
 _OWN = ("kind", "q", "t", "wall", "p", "h")
 """What the journal itself writes into each record."""

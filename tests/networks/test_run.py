@@ -7,12 +7,12 @@ from pathlib import Path
 import orjson
 import pytest
 
-from networks.journal import Journal
-from networks.journal_record import JournalError, read_journal, without_wall
-from networks.preparing import Prepared, load_model
-from networks.run import execute
-from networks.task_file import load_task
-from networks.telemetry import load_track
+from handcart.networks.journal import Journal
+from handcart.networks.journal_record import JournalError, read_journal, without_wall
+from handcart.networks.preparing import Prepared, load_model
+from handcart.networks.run import execute
+from handcart.networks.task_file import load_task
+from handcart.networks.telemetry import load_track
 
 TASK = """\
 format: handcart-task/1

@@ -7,8 +7,8 @@ import weakref
 
 import pytest
 
-from networks.events import Ended, RunEnded
-from networks.steady_memory import SteadyMemory
+from handcart.networks.events import Ended, RunEnded
+from handcart.networks.steady_memory import SteadyMemory
 
 
 class Knot:

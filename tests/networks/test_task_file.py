@@ -6,11 +6,11 @@ from typing import ClassVar
 
 import pytest
 
-from files.errors import FileError
-from networks.coordinator import Coordinator
-from networks.events import Started
-from primitives.action_primitive import ActionPrimitive
-from primitives.place_name import PlaceName
+from handcart.files.errors import FileError
+from handcart.networks.coordinator import Coordinator
+from handcart.networks.events import Started
+from handcart.primitives.action_primitive import ActionPrimitive
+from handcart.primitives.place_name import PlaceName
 
 TASK = """\
 format: handcart-task/1

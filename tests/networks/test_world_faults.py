@@ -7,22 +7,22 @@ from typing import ClassVar
 
 import pytest
 
-from backends.base import Base
-from networks.binding import Binding
-from networks.coordinator import Coordinator
-from networks.events import Ended, LeftOut, Started
-from networks.journal import Journal
-from networks.journal_record import read_journal
-from networks.measured import moved
-from networks.network import Action, ActionNetwork, Situation
-from networks.planner import Planner
-from networks.retracing import standing
-from networks.world_watch import WorldWatch
-from primitives.action_primitive import ActionPrimitive
-from primitives.attempt import NOT_ALONE, attempt
-from primitives.discrepancy import Discrepancy
-from primitives.outcome import Fail, GiveUp
-from primitives.snapshot import take_snapshot
+from handcart.backends.base import Base
+from handcart.networks.binding import Binding
+from handcart.networks.coordinator import Coordinator
+from handcart.networks.events import Ended, LeftOut, Started
+from handcart.networks.journal import Journal
+from handcart.networks.journal_record import read_journal
+from handcart.networks.measured import moved
+from handcart.networks.network import Action, ActionNetwork, Situation
+from handcart.networks.planner import Planner
+from handcart.networks.retracing import standing
+from handcart.networks.world_watch import WorldWatch
+from handcart.primitives.action_primitive import ActionPrimitive
+from handcart.primitives.attempt import NOT_ALONE, attempt
+from handcart.primitives.discrepancy import Discrepancy
+from handcart.primitives.outcome import Fail, GiveUp
+from handcart.primitives.snapshot import take_snapshot
 
 HOME, FAR = {"base": "home", "book": "in hand"}, {"base": "far", "book": "in hand"}
 

@@ -11,20 +11,20 @@ from typing import Any
 import numpy as np
 import pytest
 
-from backends.registry import make_backend
-from backends.robot import Robot
-from backends.robot_file import load_robot
-from primitives.action_primitive import ActionPrimitive
-from primitives.arm_motion import held_box, move_to_pose
-from primitives.attempt import attempt
-from primitives.discrepancy import Discrepancy
-from primitives.knowledge import Book, Catalogue, Place, Shelf
-from primitives.outcome import Outcome, Success
-from primitives.pick_up import PickUp
-from primitives.world_model import Slot, WorldModel
-from robotics.geometry.pose2 import Pose2
-from robotics.geometry.transform import inverse, transform
-from robotics.navigation.grid_map import Box, from_boxes
+from handcart.backends.registry import make_backend
+from handcart.backends.robot import Robot
+from handcart.backends.robot_file import load_robot
+from handcart.primitives.action_primitive import ActionPrimitive
+from handcart.primitives.arm_motion import held_box, move_to_pose
+from handcart.primitives.attempt import attempt
+from handcart.primitives.discrepancy import Discrepancy
+from handcart.primitives.knowledge import Book, Catalogue, Place, Shelf
+from handcart.primitives.outcome import Outcome, Success
+from handcart.primitives.pick_up import PickUp
+from handcart.primitives.world_model import Slot, WorldModel
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.geometry.transform import inverse, transform
+from handcart.robotics.navigation.grid_map import Box, from_boxes
 
 WORLD = """\
 format: handcart-world/1

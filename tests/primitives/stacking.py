@@ -6,11 +6,11 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from evaluation.stage import Stage, StageFiles, set_stage
-from primitives.action_primitive import ActionPrimitive
-from primitives.fixate import Fixate
-from primitives.outcome import Outcome, Success
-from primitives.pick_up_block import PickUpBlock
+from handcart.evaluation.stage import Stage, StageFiles, set_stage
+from handcart.primitives.action_primitive import ActionPrimitive
+from handcart.primitives.fixate import Fixate
+from handcart.primitives.outcome import Outcome, Success
+from handcart.primitives.pick_up_block import PickUpBlock
 
 TASK = Path(__file__).parents[2] / "tasks" / "stack_blocks"
 

@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from primitives.approach import Approach
-from primitives.outcome import Fail, Success
+from handcart.primitives.approach import Approach
+from handcart.primitives.outcome import Fail, Success
 
 
 def fore_edge(rig: Any) -> Any:

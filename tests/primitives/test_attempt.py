@@ -9,14 +9,14 @@ from typing import Any, ClassVar
 import numpy as np
 import pytest
 
-from backends.arm import Arm
-from backends.base import Base
-from backends.robot import Robot
-from primitives.action_primitive import ActionPrimitive, Periods
-from primitives.discrepancy import Discrepancy, NeedsPerson
-from primitives.outcome import Fail, GiveUp, Success
-from primitives.snapshot import Seen
-from primitives.world_model import ModelView, UndeclaredAccess
+from handcart.backends.arm import Arm
+from handcart.backends.base import Base
+from handcart.backends.robot import Robot
+from handcart.primitives.action_primitive import ActionPrimitive, Periods
+from handcart.primitives.discrepancy import Discrepancy, NeedsPerson
+from handcart.primitives.outcome import Fail, GiveUp, Success
+from handcart.primitives.snapshot import Seen
+from handcart.primitives.world_model import ModelView, UndeclaredAccess
 
 
 class Wave(ActionPrimitive):

@@ -8,19 +8,19 @@ from typing import Any, ClassVar
 import numpy as np
 import pytest
 
-from backends.arm import Arm
-from backends.base import Base
-from backends.robot import Robot
-from evaluation.conformance.layered_backend import LayeredBackend
-from primitives.action_primitive import ActionPrimitive, Periods
-from primitives.attempt import NOT_ALONE, PUSHED
-from primitives.discrepancy import Discrepancy, NeedsPerson
-from primitives.outcome import GiveUp, Success
-from primitives.retrace import retrace
-from primitives.snapshot import STILL, Snapshot
-from primitives.trace import Trace
-from primitives.world_model import ModelView
-from robotics.geometry.pose2 import Pose2
+from handcart.backends.arm import Arm
+from handcart.backends.base import Base
+from handcart.backends.robot import Robot
+from handcart.evaluation.conformance.layered_backend import LayeredBackend
+from handcart.primitives.action_primitive import ActionPrimitive, Periods
+from handcart.primitives.attempt import NOT_ALONE, PUSHED
+from handcart.primitives.discrepancy import Discrepancy, NeedsPerson
+from handcart.primitives.outcome import GiveUp, Success
+from handcart.primitives.retrace import retrace
+from handcart.primitives.snapshot import STILL, Snapshot
+from handcart.primitives.trace import Trace
+from handcart.primitives.world_model import ModelView
+from handcart.robotics.geometry.pose2 import Pose2
 
 
 def push(scene: Any) -> None:

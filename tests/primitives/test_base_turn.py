@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import pytest
 
-from primitives.base_turn import BaseTurn, fused
-from primitives.world_model import Fixed
-from robotics.geometry.pose2 import Pose2
+from handcart.primitives.base_turn import BaseTurn, fused
+from handcart.primitives.world_model import Fixed
+from handcart.robotics.geometry.pose2 import Pose2
 
 
 def found_at(x, theta, sigma=(0.0003, 0.0004)):

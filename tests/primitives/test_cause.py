@@ -8,14 +8,14 @@ from typing import Any, ClassVar
 import pytest
 from py_trees.behaviour import Behaviour
 
-from backends.base import Base
-from backends.robot import Robot
-from primitives.action_primitive import ActionPrimitive, Periods
-from primitives.discrepancy import Discrepancy, Measured, NeedsPerson
-from primitives.outcome import Fail, GiveUp
-from primitives.snapshot import Seen
-from primitives.tree_primitive import GeneratorBehaviour, TreePrimitive
-from primitives.world_model import ModelView
+from handcart.backends.base import Base
+from handcart.backends.robot import Robot
+from handcart.primitives.action_primitive import ActionPrimitive, Periods
+from handcart.primitives.discrepancy import Discrepancy, Measured, NeedsPerson
+from handcart.primitives.outcome import Fail, GiveUp
+from handcart.primitives.snapshot import Seen
+from handcart.primitives.tree_primitive import GeneratorBehaviour, TreePrimitive
+from handcart.primitives.world_model import ModelView
 
 FELT = Measured("Arm", "force that resists", 8.0, 7.0, "N")
 

@@ -9,11 +9,11 @@ from typing import Any
 import numpy as np
 import pytest
 
-from evaluation.stage import Stage
-from networks.preparing import prepare
-from primitives.deploy import Deploy
-from primitives.outcome import Fail, Success
-from robotics.geometry.pose2 import Pose2
+from handcart.evaluation.stage import Stage
+from handcart.networks.preparing import prepare
+from handcart.primitives.deploy import Deploy
+from handcart.primitives.outcome import Fail, Success
+from handcart.robotics.geometry.pose2 import Pose2
 
 TASK = Path(__file__).parents[2] / "tasks" / "deploy_straight" / "task.yaml"
 TARGETS = "name,x_m,y_m\nhere,0.05,-0.76\nfar,14,-0.75\n"
@@ -63,7 +63,7 @@ def test_without_ground_below_it_the_sensor_is_not_let_go(
     stage: Stage, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """A pit that is deeper than the arm looks for ground."""
-    monkeypatch.setattr("primitives.deploy.UNEVEN", -0.06)
+    monkeypatch.setattr("handcart.primitives.deploy.UNEVEN", -0.06)
     failed = stage.do(Deploy(target="here"))
     assert isinstance(failed, Fail), failed
     assert failed.reason == "there is no ground below the sensor"

@@ -7,18 +7,18 @@ import math
 import numpy as np
 import pytest
 
-from backends.robot import Robot, StaleReading
-from evaluation.conformance.bench import Bench
-from evaluation.conformance.fault import FOR_GOOD, Fault, FaultKind
-from evaluation.conformance.faulty_backend import FaultyBackend
-from evaluation.conformance.reach import Reach
-from evaluation.conformance.rehearsal import Solo
-from evaluation.conformance.underway import Ending, Underway
-from evaluation.ground_truth import scene_of
-from primitives.action_primitive import ActionPrimitive, Periods
-from primitives.move_to import MoveTo
-from primitives.world_model import ModelView
-from robotics.geometry.pose2 import Pose2
+from handcart.backends.robot import Robot, StaleReading
+from handcart.evaluation.conformance.bench import Bench
+from handcart.evaluation.conformance.fault import FOR_GOOD, Fault, FaultKind
+from handcart.evaluation.conformance.faulty_backend import FaultyBackend
+from handcart.evaluation.conformance.reach import Reach
+from handcart.evaluation.conformance.rehearsal import Solo
+from handcart.evaluation.conformance.underway import Ending, Underway
+from handcart.evaluation.ground_truth import scene_of
+from handcart.primitives.action_primitive import ActionPrimitive, Periods
+from handcart.primitives.move_to import MoveTo
+from handcart.primitives.world_model import ModelView
+from handcart.robotics.geometry.pose2 import Pose2
 
 BENCH = Bench("kinematic")
 

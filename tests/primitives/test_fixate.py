@@ -7,12 +7,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from evaluation.stage import StageFiles, set_stage
-from primitives.evidence import Evidence
-from primitives.fixate import Fixate, landmark_of
-from primitives.fixating import fixate, fixed_by, planned_view
-from primitives.outcome import Fail, Success
-from robotics.geometry.pose2 import Pose2
+from handcart.evaluation.stage import StageFiles, set_stage
+from handcart.primitives.evidence import Evidence
+from handcart.primitives.fixate import Fixate, landmark_of
+from handcart.primitives.fixating import fixate, fixed_by, planned_view
+from handcart.primitives.outcome import Fail, Success
+from handcart.robotics.geometry.pose2 import Pose2
 
 from .stacking import TASK, at_the_wall, scene_of
 

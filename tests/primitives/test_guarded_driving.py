@@ -8,17 +8,17 @@ from typing import Any
 
 import pytest
 
-from backends.robot import Robot
-from primitives.action_primitive import ActionPrimitive, Periods
-from primitives.discrepancy import Discrepancy
-from primitives.knowledge import Place
-from primitives.modify import Modify
-from primitives.move_to import MoveTo
-from primitives.outcome import Fail, Success
-from primitives.retrace import reach_pose
-from primitives.world_model import ModelView
-from robotics.geometry.pose2 import Pose2
-from robotics.navigation.grid_map import Box
+from handcart.backends.robot import Robot
+from handcart.primitives.action_primitive import ActionPrimitive, Periods
+from handcart.primitives.discrepancy import Discrepancy
+from handcart.primitives.knowledge import Place
+from handcart.primitives.modify import Modify
+from handcart.primitives.move_to import MoveTo
+from handcart.primitives.outcome import Fail, Success
+from handcart.primitives.retrace import reach_pose
+from handcart.primitives.world_model import ModelView
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.navigation.grid_map import Box
 
 BOX = "surprises:\n  - {{name: box, x_m: {x}, y_m: {y}, size_m: [0.4, 0.4, {height}]{more}}}\n"
 

@@ -10,12 +10,12 @@ from typing import Any, cast
 import numpy as np
 import pytest
 
-from primitives.discrepancy import Discrepancy
-from primitives.modify import Modify
-from primitives.move_to import MoveTo
-from primitives.outcome import Fail, Success
-from robotics.geometry.pose2 import Pose2
-from robotics.geometry.transform import transform
+from handcart.primitives.discrepancy import Discrepancy
+from handcart.primitives.modify import Modify
+from handcart.primitives.move_to import MoveTo
+from handcart.primitives.outcome import Fail, Success
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.geometry.transform import transform
 
 BOX = "surprises:\n  - {{name: box, x_m: {x}, y_m: {y}, heading_deg: 20, size_m: [0.5, 0.4, 0.6]{more}}}\n"
 

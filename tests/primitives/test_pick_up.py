@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from primitives.outcome import Fail, GiveUp, Success
-from primitives.pick_up import PickUp
+from handcart.primitives.outcome import Fail, GiveUp, Success
+from handcart.primitives.pick_up import PickUp
 
 TRAY = "tray: {{accession: 117, call: 512.7 NAG, thickness_mm: {0}, height_mm: 210, depth_mm: 150}}\n"
 

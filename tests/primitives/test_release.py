@@ -10,13 +10,13 @@ from typing import Any
 import numpy as np
 import pytest
 
-from backends.scene.book import Rest
-from primitives.insert import Insert
-from primitives.knowledge import Book
-from primitives.outcome import Fail, GiveUp, Success
-from primitives.release import Release
-from robotics.perception.call_number import parse
-from robotics.perception.label_reader import Label
+from handcart.backends.scene.book import Rest
+from handcart.primitives.insert import Insert
+from handcart.primitives.knowledge import Book
+from handcart.primitives.outcome import Fail, GiveUp, Success
+from handcart.primitives.release import Release
+from handcart.robotics.perception.call_number import parse
+from handcart.robotics.perception.label_reader import Label
 
 
 @pytest.fixture
@@ -101,7 +101,7 @@ def test_a_book_that_does_not_go_home_is_for_a_person(
     inserted: Callable[..., Any], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     rig = inserted()
-    monkeypatch.setattr("backends.scene.hand.PUSH_FRICTION", 40.0)
+    monkeypatch.setattr("handcart.backends.scene.hand.PUSH_FRICTION", 40.0)
     outcome = rig.run(Release(shelf="shelf_1"))
     assert isinstance(outcome, GiveUp)
     assert "doesn't go home" in outcome.reason

@@ -5,8 +5,8 @@ from pathlib import Path
 
 import pytest
 
-from files.errors import FileError
-from primitives.place_file import load_places
+from handcart.files.errors import FileError
+from handcart.primitives.place_file import load_places
 
 STAMPED = """\
 - header: {frame_id: map, stamp: {sec: 0, nanosec: 0}}

@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from files.errors import FileError
-from primitives.seam_file import COLUMNS, load_seam
+from handcart.files.errors import FileError
+from handcart.primitives.seam_file import COLUMNS, load_seam
 
 SEAM = Path(__file__).parents[2] / "tasks" / "track_seam" / "seam.csv"
 

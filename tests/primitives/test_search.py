@@ -8,11 +8,11 @@ from typing import Any, Literal
 import numpy as np
 import pytest
 
-from primitives.knowledge import Book, Catalogue
-from primitives.outcome import Fail, Success
-from primitives.search import Search, _end_of_row
-from robotics.perception.call_number import parse
-from robotics.perception.shelf_views import ShelfBook, ShelfReading
+from handcart.primitives.knowledge import Book, Catalogue
+from handcart.primitives.outcome import Fail, Success
+from handcart.primitives.search import Search, _end_of_row
+from handcart.robotics.perception.call_number import parse
+from handcart.robotics.perception.shelf_views import ShelfBook, ShelfReading
 
 
 @pytest.fixture

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import pytest
 
-from primitives.attempt import attempt
-from primitives.base_turn import turn_by_gyros
-from primitives.discrepancy import Discrepancy
-from primitives.fixate import Fixate
-from primitives.outcome import Fail, GiveUp, Success
-from primitives.pick_up_block import PickUpBlock
-from primitives.stack import Stack
-from robotics.geometry.transform import inverse
+from handcart.primitives.attempt import attempt
+from handcart.primitives.base_turn import turn_by_gyros
+from handcart.primitives.discrepancy import Discrepancy
+from handcart.primitives.fixate import Fixate
+from handcart.primitives.outcome import Fail, GiveUp, Success
+from handcart.primitives.pick_up_block import PickUpBlock
+from handcart.primitives.stack import Stack
+from handcart.robotics.geometry.transform import inverse
 
 from .stacking import at_the_wall, do_with, scene_of, with_block
 

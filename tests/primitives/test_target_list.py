@@ -8,11 +8,11 @@ import os
 
 import pytest
 
-from files.errors import FileError
-from primitives.field import Field, Origin
-from primitives.target_list import load_targets
-from robotics.geometry.pose2 import Pose2
-from robotics.navigation.field_course import zigzag_course
+from handcart.files.errors import FileError
+from handcart.primitives.field import Field, Origin
+from handcart.primitives.target_list import load_targets
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.navigation.field_course import zigzag_course
 
 START = Pose2(0.0, 0.0, 0.0)
 FIELD = Field(

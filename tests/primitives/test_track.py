@@ -11,16 +11,16 @@ from typing import Any
 import numpy as np
 import pytest
 
-from backends.robot_file import ROBOTS
-from evaluation.stage import Stage, StageFiles, set_stage
-from primitives.divide import Divide
-from primitives.outcome import Fail, Success
-from primitives.seam_file import load_seam
-from primitives.seam_work import SeamPart, SeamWork
-from primitives.track import Track
-from robotics.geometry.pose2 import Pose2
-from robotics.manipulation.placement_division import Segment
-from robotics.manipulation.placer import Placements
+from handcart.backends.robot_file import ROBOTS
+from handcart.evaluation.stage import Stage, StageFiles, set_stage
+from handcart.primitives.divide import Divide
+from handcart.primitives.outcome import Fail, Success
+from handcart.primitives.seam_file import load_seam
+from handcart.primitives.seam_work import SeamPart, SeamWork
+from handcart.primitives.track import Track
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.manipulation.placement_division import Segment
+from handcart.robotics.manipulation.placer import Placements
 
 TASK = Path(__file__).parents[2] / "tasks" / "track_seam"
 HERE = Pose2(2.0257, 3.0387, math.radians(-25.62))
@@ -130,7 +130,7 @@ def test_a_rest_is_divided_by_the_numbers_of_the_whole_seam(
         bases = np.array([HERE, HERE])
         return Placements(bases, (Segment(0, 0, 3), Segment(1, 3, LAST - 5)), (0.1, 0.2))
 
-    monkeypatch.setattr("primitives.divide.placer_of", lambda _: SimpleNamespace(place=place))
+    monkeypatch.setattr("handcart.primitives.divide.placer_of", lambda _: SimpleNamespace(place=place))
     assert isinstance(stage.do(Divide(placements=2)), Success)
     work = stage.model.seam_work
     assert asked == [LAST - 5 + 1]

@@ -14,13 +14,13 @@ from py_trees.common import ParallelPolicy, Status
 from py_trees.composites import Parallel, Selector, Sequence
 from py_trees.decorators import Inverter
 
-from backends.base import Base
-from backends.robot import Robot
-from primitives.behaviour_primitive import behaviour_primitive
-from primitives.discrepancy import Discrepancy, NeedsPerson
-from primitives.outcome import Fail, GiveUp, Success
-from primitives.tree_primitive import GeneratorBehaviour, TreePrimitive, ticked
-from primitives.world_model import ModelView, UndeclaredAccess
+from handcart.backends.base import Base
+from handcart.backends.robot import Robot
+from handcart.primitives.behaviour_primitive import behaviour_primitive
+from handcart.primitives.discrepancy import Discrepancy, NeedsPerson
+from handcart.primitives.outcome import Fail, GiveUp, Success
+from handcart.primitives.tree_primitive import GeneratorBehaviour, TreePrimitive, ticked
+from handcart.primitives.world_model import ModelView, UndeclaredAccess
 
 
 def periods(root: Behaviour) -> int:

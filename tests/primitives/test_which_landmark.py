@@ -5,9 +5,9 @@ from __future__ import annotations
 import pytest
 
 from benchmarks.which_landmark import BESIDE, PLANS, trial
-from primitives.fixate import Fixate
-from primitives.outcome import Success
-from robotics.geometry.pose2 import Pose2
+from handcart.primitives.fixate import Fixate
+from handcart.primitives.outcome import Success
+from handcart.robotics.geometry.pose2 import Pose2
 
 from .stacking import TASK, at_the_wall, scene_of
 

@@ -6,11 +6,11 @@ from pathlib import Path
 
 import pytest
 
-from evaluation.laser_survey import read_spot
-from evaluation.running import run_task
-from files.loading import load
-from networks.calibration import Calibration
-from robotics.geometry.transform import transform
+from handcart.evaluation.laser_survey import read_spot
+from handcart.evaluation.running import run_task
+from handcart.files.loading import load
+from handcart.networks.calibration import Calibration
+from handcart.robotics.geometry.transform import transform
 
 TASKS = Path(__file__).resolve().parents[2] / "tasks"
 TRUE = {"roll_mrad_per_m": -8.0, "pitch_mrad_per_m": 8.0, "pivot_m": 0.15}

@@ -9,11 +9,11 @@ from typing import Any
 
 import pytest
 
-from evaluation.running import run_task
-from files.errors import FileError
-from networks.events import Ended
-from networks.run import execute, prepare
-from primitives.outcome import Success
+from handcart.evaluation.running import run_task
+from handcart.files.errors import FileError
+from handcart.networks.events import Ended
+from handcart.networks.run import execute, prepare
+from handcart.primitives.outcome import Success
 
 ROOT = Path(__file__).resolve().parents[2]
 TASK = ROOT / "tasks" / "drive_map" / "task.yaml"

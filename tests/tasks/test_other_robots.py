@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from backends.robot_file import load_robot
-from evaluation.running import run_task
+from handcart.backends.robot_file import load_robot
+from handcart.evaluation.running import run_task
 
 pytest.importorskip("pybullet_data", reason="the arm's URDF comes with PyBullet")
 

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from evaluation.running import resume_task, run_task
+from handcart.evaluation.running import resume_task, run_task
 
 TASKS = Path(__file__).parents[2] / "tasks"
 

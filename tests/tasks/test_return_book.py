@@ -11,8 +11,8 @@ from typing import Any
 
 import pytest
 
-from evaluation.campaign import Setting, Trial, run_trial
-from networks.journal_record import read_journal, without_wall
+from handcart.evaluation.campaign import Setting, Trial, run_trial
+from handcart.networks.journal_record import read_journal, without_wall
 
 ROOT = Path(__file__).resolve().parents[2]
 TASK = ROOT / "tasks" / "return_book" / "task.yaml"
@@ -76,7 +76,7 @@ def test_n11_same_seed_same_journal_whatever_the_hash_seed(tmp_path: Path) -> No
     for hash_seed in ("0", "99"):
         runs = tmp_path / hash_seed
         words = ["run", str(TASK), "--seed", "5", "--runs", str(runs), "--json"]
-        code = f"from tools.handcart import main; main({words!r})"
+        code = f"from handcart.tools.handcart import main; main({words!r})"
         said = subprocess.run(
             [sys.executable, "-c", code],
             env=os.environ | {"PYTHONHASHSEED": hash_seed},

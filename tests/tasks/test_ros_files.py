@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from files.errors import FileError
-from networks.preparing import check, prepare
+from handcart.files.errors import FileError
+from handcart.networks.preparing import check, prepare
 
 TASKS = Path(__file__).resolve().parents[2] / "tasks"
 GOALS = """\

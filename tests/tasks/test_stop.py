@@ -9,12 +9,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from backends.robot_file import load_robot
-from backends.stopping import LATEST, stopping_ramp
-from evaluation.running import resume_task, run_task
-from networks.events import Started
-from networks.flight_recorder import load_readings
-from networks.journal_record import read_journal
+from handcart.backends.robot_file import load_robot
+from handcart.backends.stopping import LATEST, stopping_ramp
+from handcart.evaluation.running import resume_task, run_task
+from handcart.networks.events import Started
+from handcart.networks.flight_recorder import load_readings
+from handcart.networks.journal_record import read_journal
 
 TASK = Path(__file__).resolve().parents[2] / "tasks" / "return_book" / "task.yaml"
 MOTION = 1e-3  # [m], [rad]: less between two periods is noise

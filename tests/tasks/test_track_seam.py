@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from evaluation.running import run_task
+from handcart.evaluation.running import run_task
 
 TASK = Path(__file__).parents[2] / "tasks" / "track_seam" / "task.yaml"
 

@@ -11,10 +11,10 @@ from typing import Any
 
 import pytest
 
-from backends.base import Base
-from backends.can.can_backend import CanBackend
-from backends.robot_file import RobotFile, load_robot
-from tools.bench import AT_THE_PROGRAM
+from handcart.backends.base import Base
+from handcart.backends.can.can_backend import CanBackend
+from handcart.backends.robot_file import RobotFile, load_robot
+from handcart.tools.bench import AT_THE_PROGRAM
 
 CHANNEL = "239.74.163.31"
 
@@ -40,7 +40,7 @@ def bench(tmp_path: Path) -> Iterator[Path]:
     """A bench in another process; the path of what it writes."""
     log = tmp_path / "bench.csv"
     words = ["cart", "--channel", CHANNEL, "--log", str(log), "--seconds", "60"]
-    command = [sys.executable, "-m", "tools.handcart", "bench", *words]
+    command = [sys.executable, "-m", "handcart.tools.handcart", "bench", *words]
     with subprocess.Popen(command, stdout=subprocess.PIPE) as process:
         assert process.stdout is not None
         assert b"left wheel 1, right wheel 2" in process.stdout.readline()
@@ -53,8 +53,8 @@ def bench(tmp_path: Path) -> Iterator[Path]:
 def test_wheels_are_driven_over_the_network(
     far: RobotFile, bench: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("backends.can.pace.GAP", 30.0)  # machines that tests run on may be busy
-    monkeypatch.setattr("backends.can.pace.MISSED", 10_000)
+    monkeypatch.setattr("handcart.backends.can.pace.GAP", 30.0)  # machines that tests run on may be busy
+    monkeypatch.setattr("handcart.backends.can.pace.MISSED", 10_000)
     with CanBackend.build(far, None, 0) as backend:
         base = backend.get(Base)  # type: ignore[type-abstract]
         assert base is not None

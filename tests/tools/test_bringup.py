@@ -9,12 +9,12 @@ from typing import Any
 
 import pytest
 
-from backends.robot_file import load_robot
-from evaluation.bringup.ladder import RUNGS, BenchFirst, Ladder
-from evaluation.bringup.operator import BenchOperator, ScriptedOperator
-from evaluation.bringup.record import read
-from evaluation.bringup.site import Site
-from evaluation.stage import LIBRARY
+from handcart.backends.robot_file import load_robot
+from handcart.evaluation.bringup.ladder import RUNGS, BenchFirst, Ladder
+from handcart.evaluation.bringup.operator import BenchOperator, ScriptedOperator
+from handcart.evaluation.bringup.record import read
+from handcart.evaluation.bringup.site import Site
+from handcart.evaluation.stage import LIBRARY
 
 NAMES = [each.name for each in RUNGS]
 CART = Path(__file__).resolve().parents[2] / "backends" / "robots" / "cart"

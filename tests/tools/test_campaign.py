@@ -13,7 +13,7 @@ from pathlib import Path
 
 import pytest
 
-from evaluation.campaign import Setting, Trial, run_campaign
+from handcart.evaluation.campaign import Setting, Trial, run_campaign
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -56,7 +56,7 @@ class Trials:
 def trials(monkeypatch):
     def made(*args):
         told = Trials(*args)
-        monkeypatch.setattr("evaluation.campaign.run_trial", told)
+        monkeypatch.setattr("handcart.evaluation.campaign.run_trial", told)
         return told
 
     return made
@@ -80,7 +80,7 @@ def test_a_trial_that_somebody_stopped_is_left_out(trials, tmp_path):
 
 def test_what_ended_before_an_interrupt_is_told(trials, handcart, tmp_path, monkeypatch):
     trials("interrupted")
-    monkeypatch.setattr("tools.campaign._shares", lambda report: [])
+    monkeypatch.setattr("handcart.tools.campaign._shares", lambda report: [])
     said = handcart("campaign", tmp_path / "task.yaml", "--trials", "5", "--jobs", "1", "--json")
     told = json.loads(said.out)
     assert (said.status, told["trials"], told["asked"], told["interrupted"]) == (130, 2, 5, True)
@@ -91,7 +91,7 @@ def test_what_ended_before_an_interrupt_is_told(trials, handcart, tmp_path, monk
 def test_outcomes_that_are_not_so_are_a_fault(trials, handcart, tmp_path, monkeypatch, as_json):
     """The campaign ends with status 5, and tells which trial to look at first."""
     told = trials("stopped by request")
-    monkeypatch.setattr("tools.campaign._shares", lambda report: [])
+    monkeypatch.setattr("handcart.tools.campaign._shares", lambda report: [])
     words = ("campaign", tmp_path / "task.yaml", "--trials", "6", "--jobs", "1", *["--json"] * as_json)
     assert handcart(*words).status == 0
     told.untrue[4] = ["4. RELEASE Success: it stands beside its place"]
@@ -112,7 +112,7 @@ def test_a_signal_after_a_trials_last_action_ends_the_campaign_too(monkeypatch, 
         signal.raise_signal(signal.SIGTERM)
         return {"outcome": "Success", "reason": "", "metrics": {}}, 0
 
-    monkeypatch.setattr("evaluation.campaign.run_task", run)
+    monkeypatch.setattr("handcart.evaluation.campaign.run_task", run)
     trials = run_campaign(Setting(tmp_path / "task.yaml"), range(500), 1)
     assert next(trials).success
     with pytest.raises(KeyboardInterrupt):
@@ -135,7 +135,7 @@ def test_a_campaign_of_processes_is_ended_by_a_signal(tour, tmp_path, jobs, kind
     """K3: none of its processes is left."""
     words = ["campaign", tour, "--trials", "500", "--jobs", str(jobs), "--runs", tmp_path / "runs", "--json"]
     process = subprocess.Popen(
-        [sys.executable, "-m", "tools.handcart", *words],
+        [sys.executable, "-m", "handcart.tools.handcart", *words],
         cwd=ROOT,
         stdout=subprocess.PIPE,
         stderr=subprocess.DEVNULL,

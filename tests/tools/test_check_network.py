@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from networks.analysis.figures import ASSUMPTION
+from handcart.networks.analysis.figures import ASSUMPTION
 
 ROOT = Path(__file__).resolve().parents[2]
 

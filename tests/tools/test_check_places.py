@@ -11,8 +11,8 @@ import cv2
 import numpy as np
 import pytest
 
-from networks.preparing import check
-from robotics.navigation.grid_map import from_boxes
+from handcart.networks.preparing import check
+from handcart.robotics.navigation.grid_map import from_boxes
 
 WALLS = [
     (4.0, 0.0, 0.0, 8.1, 0.1),

@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 
 from benchmarks.makers_urdfs import _checked
-from evaluation.mutated_urdfs import mutated
+from handcart.evaluation.mutated_urdfs import mutated
 
 ROOT = Path(__file__).resolve().parents[2]
 ROBOTS = ROOT / "backends" / "robots"

@@ -12,7 +12,7 @@ from typing import Any
 
 import pytest
 
-from tools.command_line import COMMANDS
+from handcart.tools.command_line import COMMANDS
 
 ROOT = Path(__file__).resolve().parents[2]
 HEAVY = ("numpy", "networkx", "cv2", "pydantic", "scipy", "matplotlib", "pinocchio", "ompl", "onnxruntime")
@@ -20,7 +20,7 @@ HEAVY = ("numpy", "networkx", "cv2", "pydantic", "scipy", "matplotlib", "pinocch
 
 def test_help_imports_nothing_heavy() -> None:
     code = (
-        "import sys\nfrom tools.handcart import main\n"
+        "import sys\nfrom handcart.tools.handcart import main\n"
         "try:\n    main(['--help'])\nexcept SystemExit:\n    pass\n"
         f"print([name for name in {HEAVY!r} if name in sys.modules])"
     )
@@ -91,15 +91,15 @@ def test_do_runs_one_primitive_and_tells_its_outcome(handcart: Callable[..., Any
 def test_the_fixtures_for_users_tests(
     set_stage: Callable[..., Any], do_primitive: Callable[..., Any]
 ) -> None:
-    from primitives.modify import Modify
-    from primitives.outcome import Success
+    from handcart.primitives.modify import Modify
+    from handcart.primitives.outcome import Success
 
     assert isinstance(set_stage(seed=3).do(Modify(place="shelf_2")), Success)
     assert isinstance(do_primitive(Modify(place="shelf_2"), seed=3), Success)
 
 
 def test_the_plugin_costs_nothing_unused() -> None:
-    code = f"import sys, tools.pytest_plugin\nprint([name for name in {HEAVY!r} if name in sys.modules])"
+    code = f"import sys, handcart.tools.pytest_plugin\nprint([name for name in {HEAVY!r} if name in sys.modules])"
     said = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, cwd=ROOT, check=True)
     assert said.stdout.strip() == "[]"
 
@@ -134,13 +134,13 @@ def test_a_goal_that_no_way_leads_to_is_status_3(handcart: Callable[..., Any], t
 @pytest.mark.slow
 def test_an_interrupt_stops_with_status_130(tour: Path) -> None:
     code = (
-        "import os, signal, sys, threading, tools.progress\n"
-        "from tools.handcart import main\n"
-        "class Interrupting(tools.progress.Progress):\n"
+        "import os, signal, sys, threading, handcart.tools.progress\n"
+        "from handcart.tools.handcart import main\n"
+        "class Interrupting(handcart.tools.progress.Progress):\n"
         "    def __call__(self, event):\n"
         "        super().__call__(event)\n"
         "        if type(event).__name__ == 'Started': os.kill(os.getpid(), signal.SIGINT)\n"
-        "tools.progress.Progress = Interrupting\n"
+        "handcart.tools.progress.Progress = Interrupting\n"
         "main(sys.argv[1:])\n"
     )
     words = [sys.executable, "-c", code, "run", str(tour), "--runs", str(tour.parent / "runs"), "--json"]
@@ -165,7 +165,7 @@ def test_a_fault_of_our_own_is_status_5(
     def broken(kind: str) -> None:
         raise ZeroDivisionError
 
-    monkeypatch.setattr("tools.file_kinds.model_of", broken)
+    monkeypatch.setattr("handcart.tools.file_kinds.model_of", broken)
     said = handcart("schema", "task")
     assert said.status == 5
     assert "ZeroDivisionError" in said.err

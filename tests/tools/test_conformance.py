@@ -8,9 +8,9 @@ from typing import Any
 
 import pytest
 
-import evaluation.conformance.kit as kit
-from evaluation.conformance.check import Finding
-from evaluation.conformance.report import Report
+import handcart.evaluation.conformance.kit as kit
+from handcart.evaluation.conformance.check import Finding
+from handcart.evaluation.conformance.report import Report
 
 
 @pytest.mark.parametrize("wrong", [[], ["it rolls on"]])

@@ -13,11 +13,11 @@ from typing import Any
 import numpy as np
 import pytest
 
-from evaluation.campaign import Setting, run_trial
-from evaluation.explanation import explain
-from networks.flight_recorder import load_readings
-from networks.journal import Journal
-from networks.past_run import read_run
+from handcart.evaluation.campaign import Setting, run_trial
+from handcart.evaluation.explanation import explain
+from handcart.networks.flight_recorder import load_readings
+from handcart.networks.journal import Journal
+from handcart.networks.past_run import read_run
 
 ROOT = Path(__file__).resolve().parents[2]
 TASK = ROOT / "tasks" / "return_book" / "task.yaml"
@@ -194,10 +194,10 @@ def test_a_picture_that_can_not_be_written(
 @pytest.mark.slow
 def test_no_simulator_is_imported(runs: Callable[[str], Path]) -> None:
     code = (
-        "import sys\nfrom tools.handcart import main\n"
+        "import sys\nfrom handcart.tools.handcart import main\n"
         f"try:\n    main(['explain', {str(runs('blocked'))!r}])\n"
         "except SystemExit as end:\n    assert not end.code\n"
-        "bad = {'backends.kinematic', 'backends.pybullet', 'backends.can', 'backends.scene', 'pybullet'}\n"
+        "bad = {'handcart.backends.kinematic', 'handcart.backends.pybullet', 'handcart.backends.can', 'handcart.backends.scene', 'pybullet'}\n"
         "print(sorted(bad & set(sys.modules)))"
     )
     said = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, cwd=ROOT, check=True)

@@ -11,9 +11,9 @@ import can
 import pytest
 from can.io.canutils import CanutilsLogReader
 
-from backends.can.can_backend import CanBackend
-from networks.preparing import prepare
-from networks.run import execute
+from handcart.backends.can.can_backend import CanBackend
+from handcart.networks.preparing import prepare
+from handcart.networks.run import execute
 
 TASK = """\
 format: handcart-task/1

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from networks.journal_record import read_journal
+from handcart.networks.journal_record import read_journal
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -26,7 +26,16 @@ def run_with(handcart, tour, tmp_path):
         before = [each["kind"] for each in read_journal(whole).records].index(kind)
         most = sum(map(len, lines[:before])) + 20
         return subprocess.run(
-            [sys.executable, "-m", "tools.handcart", "run", tour, "--runs", tmp_path / "runs", "--json"],
+            [
+                sys.executable,
+                "-m",
+                "handcart.tools.handcart",
+                "run",
+                tour,
+                "--runs",
+                tmp_path / "runs",
+                "--json",
+            ],
             cwd=ROOT,
             capture_output=True,
             text=True,

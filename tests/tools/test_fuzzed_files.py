@@ -5,9 +5,9 @@ Many: `benchmarks.fuzz`.
 
 import pytest
 
-from evaluation.fuzzed_binaries import fuzz_binaries
-from evaluation.fuzzed_files import fuzz
-from tools.check_file import check_quietly
+from handcart.evaluation.fuzzed_binaries import fuzz_binaries
+from handcart.evaluation.fuzzed_files import fuzz
+from handcart.tools.check_file import check_quietly
 
 
 @pytest.mark.slow

@@ -9,11 +9,11 @@ from typing import Any
 import numpy as np
 import pytest
 
-from backends.arm import Arm
-from backends.can.can_backend import CanBackend
-from backends.robot_file import RobotFile, load_robot
-from evaluation.bringup.jog import HAND_SPEED, LEASE, Jogger, Lease, UnknownAxis
-from evaluation.stage import LIBRARY
+from handcart.backends.arm import Arm
+from handcart.backends.can.can_backend import CanBackend
+from handcart.backends.robot_file import RobotFile, load_robot
+from handcart.evaluation.bringup.jog import HAND_SPEED, LEASE, Jogger, Lease, UnknownAxis
+from handcart.evaluation.stage import LIBRARY
 
 
 @pytest.fixture(scope="module")

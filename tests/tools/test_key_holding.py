@@ -11,9 +11,9 @@ from collections.abc import Callable, Iterator
 
 import pytest
 
-from evaluation.bringup.operator import NoAnswer
-from tools.key_holding import NoTerminal, held_key
-from tools.terminal_operator import TerminalOperator
+from handcart.evaluation.bringup.operator import NoAnswer
+from handcart.tools.key_holding import NoTerminal, held_key
+from handcart.tools.terminal_operator import TerminalOperator
 
 
 @pytest.fixture

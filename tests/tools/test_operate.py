@@ -13,8 +13,8 @@ from pathlib import Path
 
 import pytest
 
-from networks.control import ask
-from networks.journal_record import read_journal
+from handcart.networks.control import ask
+from handcart.networks.journal_record import read_journal
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -23,7 +23,16 @@ class Alive:
     """A run that goes on in a process of its own."""
 
     def __init__(self, task: Path, runs: Path, *options: str) -> None:
-        words = [sys.executable, "-m", "tools.handcart", "run", str(task), "--runs", str(runs), "--json"]
+        words = [
+            sys.executable,
+            "-m",
+            "handcart.tools.handcart",
+            "run",
+            str(task),
+            "--runs",
+            str(runs),
+            "--json",
+        ]
         self.process = subprocess.Popen(
             [*words, *options],
             cwd=ROOT,

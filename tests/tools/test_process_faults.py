@@ -14,9 +14,9 @@ from typing import Any
 
 import pytest
 
-from backends.can.can_backend import CanBackend
-from networks.robot_claim import RobotClaim, state_folder
-from tools.command_line import COMMANDS
+from handcart.backends.can.can_backend import CanBackend
+from handcart.networks.robot_claim import RobotClaim, state_folder
+from handcart.tools.command_line import COMMANDS
 
 ON_CAN = ("--robot", "cart", "--backend", "can")
 LATEST_S = 120.0
@@ -51,9 +51,9 @@ def test_files_that_run_out_start_nothing(tour: Path, tmp_path: Path) -> None:
     """K10: the limit of open files."""
     process = python(
         "import resource",
-        "import evaluation.running, evaluation.overview, backends.can.can_backend",
-        "import backends.kinematic.kinematic_backend, tools.run_task, tools.progress",
-        "from tools.handcart import main",
+        "import handcart.evaluation.running, handcart.evaluation.overview, handcart.backends.can.can_backend",
+        "import handcart.backends.kinematic.kinematic_backend, handcart.tools.run_task, handcart.tools.progress",
+        "from handcart.tools.handcart import main",
         "resource.setrlimit(resource.RLIMIT_NOFILE, (5, 5))",
         f"main(['run', {str(tour)!r}, *{ON_CAN!r}, '--runs', {str(tmp_path / 'runs')!r}])",
         stderr=subprocess.PIPE,
@@ -70,8 +70,8 @@ def test_a_lock_goes_with_its_process(monkeypatch: pytest.MonkeyPatch, tmp_path:
     monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path))
     holder = python(
         "import time",
-        "from backends.can.can_backend import CanBackend",
-        "from networks.robot_claim import RobotClaim, state_folder",
+        "from handcart.backends.can.can_backend import CanBackend",
+        "from handcart.networks.robot_claim import RobotClaim, state_folder",
         "class Robot:",
         "    name, address = 'can', 'virtual cart'",
         "claim = RobotClaim(Robot(), state_folder())",
@@ -95,7 +95,7 @@ def test_a_library_that_is_missing_is_named(
     handcart: Callable[..., Any], tour: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """K13: before anything moves, with how to install it."""
-    monkeypatch.delitem(sys.modules, "backends.can.can_backend")
+    monkeypatch.delitem(sys.modules, "handcart.backends.can.can_backend")
     monkeypatch.setitem(sys.modules, "can", None)
     said = handcart("run", tour, *ON_CAN)
     assert said.status == 2
@@ -105,7 +105,7 @@ def test_a_library_that_is_missing_is_named(
 
 def say(*words: str, **options: Any) -> subprocess.CompletedProcess[bytes]:
     """A command in a process of its own, with pipes and environment as they are given."""
-    line = f"from tools.handcart import main; main({list(words)!r})"
+    line = f"from handcart.tools.handcart import main; main({list(words)!r})"
     given = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE} | options
     return subprocess.run([sys.executable, "-c", line], check=False, timeout=LATEST_S, **given)
 
@@ -191,7 +191,7 @@ def test_nobody_listens_and_it_stops_all_the_same(tour: Path, tmp_path: Path, st
     """K14: a pipe that is closed at its other end doesn't stop the stop."""
     reading, writing = os.pipe()
     process = python(
-        "from tools.handcart import main",
+        "from handcart.tools.handcart import main",
         f"main(['run', {str(tour)!r}, *{ON_CAN!r}, '--runs', {str(tmp_path / 'runs')!r}])",
         **{"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL, stream: writing},
     )

@@ -14,7 +14,13 @@ LIBRARY = ROOT / "tasks" / "return_book"
 
 def say(*words: object, strict: bool = True) -> subprocess.CompletedProcess[str]:
     """A command in a process of its own; `strict`: with warnings as errors."""
-    line = [sys.executable, *(["-W", "error"] if strict else []), "-m", "tools.handcart", *map(str, words)]
+    line = [
+        sys.executable,
+        *(["-W", "error"] if strict else []),
+        "-m",
+        "handcart.tools.handcart",
+        *map(str, words),
+    ]
     return subprocess.run(line, cwd=ROOT, capture_output=True, text=True, check=False, timeout=120)
 
 
@@ -47,7 +53,7 @@ def test_a_damaged_picture_is_told_by_us_alone(tour):
 def test_a_diagram_without_names_has_no_legend():
     from matplotlib.figure import Figure
 
-    from evaluation.legend import add_legend
+    from handcart.evaluation.legend import add_legend
 
     axis = Figure().subplots()
     add_legend(axis)

@@ -10,10 +10,10 @@ from typing import Any
 
 import pytest
 
-from backends.can.can_backend import CanBackend
-from networks.journal import Journal
-from networks.journal_record import read_journal
-from networks.robot_claim import RobotClaim, state_folder
+from handcart.backends.can.can_backend import CanBackend
+from handcart.networks.journal import Journal
+from handcart.networks.journal_record import read_journal
+from handcart.networks.robot_claim import RobotClaim, state_folder
 
 TASK = """\
 format: handcart-task/1
@@ -118,7 +118,9 @@ def test_what_waits_for_a_person_is_told_before_a_robot_is_woken(run, handcart, 
     """N13: the drives may be off, and the bus with them."""
     folder = folder_of(run())
     give_up(folder)
-    monkeypatch.setattr("networks.preparing.make_backend", lambda *_, **__: pytest.fail("a robot was woken"))
+    monkeypatch.setattr(
+        "handcart.networks.preparing.make_backend", lambda *_, **__: pytest.fail("a robot was woken")
+    )
     said = handcart("resume", folder)
     assert said.status == 6
     assert "handcart ack" in said.err
@@ -254,7 +256,7 @@ def test_what_no_sensor_can_tell_needs_a_yes(run, handcart, task):
 @pytest.mark.slow
 def test_another_file_of_the_robot_is_another_robot(run, handcart, task):
     """D12"""
-    from backends.robot_file import ROBOTS
+    from handcart.backends.robot_file import ROBOTS
 
     robot = task.parent / "mine.yaml"
     robot.write_text((ROBOTS / "cart" / "robot.yaml").read_text())

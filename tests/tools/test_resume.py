@@ -15,15 +15,15 @@ from pathlib import Path
 
 import pytest
 
-from backends.saved_state import NotAState
-from evaluation.hostile.forging import reseal
-from evaluation.running import run_task
-from networks.acknowledging import NothingToAcknowledge, acknowledge
-from networks.checkpoint import load_checkpoint
-from networks.journal import Journal
-from networks.journal_record import read_journal
-from networks.run_folder import read_run_journal
-from networks.waiting import waiting
+from handcart.backends.saved_state import NotAState
+from handcart.evaluation.hostile.forging import reseal
+from handcart.evaluation.running import run_task
+from handcart.networks.acknowledging import NothingToAcknowledge, acknowledge
+from handcart.networks.checkpoint import load_checkpoint
+from handcart.networks.journal import Journal
+from handcart.networks.journal_record import read_journal
+from handcart.networks.run_folder import read_run_journal
+from handcart.networks.waiting import waiting
 
 ROOT = Path(__file__).resolve().parents[2]
 TASK = ROOT / "tasks" / "return_book" / "task.yaml"
@@ -46,7 +46,7 @@ actions:
 
 def killed(runs: Path, seconds: float) -> Path:
     """The folder of a run of return_book that was killed so long after it began to move."""
-    command = [sys.executable, "-m", "tools.handcart", "run", str(TASK), "--runs", str(runs)]
+    command = [sys.executable, "-m", "handcart.tools.handcart", "run", str(TASK), "--runs", str(runs)]
     process = subprocess.Popen(command, cwd=ROOT, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
     folder = runs / "return_book-0"
     while not (folder / "control").exists():
@@ -166,7 +166,7 @@ def test_a_run_that_came_to_its_end_is_not_resumed(handcart, whole):
 
 
 def test_a_real_robot_moves_only_when_a_person_has_looked(handcart, whole, monkeypatch):
-    from backends.kinematic.kinematic_backend import KinematicBackend
+    from handcart.backends.kinematic.kinematic_backend import KinematicBackend
 
     folder, _ = whole
     cut(folder, "END", 0)

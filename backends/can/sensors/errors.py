@@ -9,8 +9,8 @@ HandcartError
 
 from __future__ import annotations
 
-from backends.backend import RobotFault
-from files.errors import InputError
+from handcart.backends.backend import RobotFault
+from handcart.files.errors import InputError
 
 
 class NoSensor(InputError):

@@ -7,8 +7,8 @@ import time
 import numpy as np
 from numpy.typing import NDArray
 
-from backends.can_sensor_spec import LineSource
-from backends.imu import Imu
+from handcart.backends.can_sensor_spec import LineSource
+from handcart.backends.imu import Imu
 
 from .line_sensor import LineSensor
 from .live_sensor import Clock

@@ -8,11 +8,11 @@ import time
 import numpy as np
 from numpy.typing import NDArray
 
-from backends.can_sensor_spec import LineSource
-from backends.range_sensor import RangeSensor, Scan
-from backends.sensor_specs import RangeSpec
-from robotics.geometry.pose2 import Pose2
-from robotics.geometry.transform import Transform
+from handcart.backends.can_sensor_spec import LineSource
+from handcart.backends.range_sensor import RangeSensor, Scan
+from handcart.backends.sensor_specs import RangeSpec
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.geometry.transform import Transform
 
 from .line_sensor import LineSensor
 from .live_sensor import Clock

@@ -8,8 +8,8 @@ import time
 import numpy as np
 from pyproj import Transformer
 
-from backends.can_sensor_spec import GpsSource
-from backends.gps import Fix, Gps
+from handcart.backends.can_sensor_spec import GpsSource
+from handcart.backends.gps import Fix, Gps
 
 from .line_port import LinePort
 from .live_sensor import Clock, LiveSensor

@@ -10,11 +10,11 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from backends.camera import Camera
-from backends.can_sensor_spec import CameraSource
-from backends.mounted_camera import MountedCamera
-from robotics.geometry.transform import Transform
-from robotics.perception.camera_model import CameraModel
+from handcart.backends.camera import Camera
+from handcart.backends.can_sensor_spec import CameraSource
+from handcart.backends.mounted_camera import MountedCamera
+from handcart.robotics.geometry.transform import Transform
+from handcart.robotics.perception.camera_model import CameraModel
 
 from .errors import NoSensor
 from .live_sensor import Clock, LiveSensor

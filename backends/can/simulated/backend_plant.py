@@ -7,15 +7,15 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from backends.arm import Arm
-from backends.backend import Backend
-from backends.base import Base
-from backends.can.axes import Axes
-from backends.can.axis import Axis
-from backends.can_spec import CanSpec
-from backends.gripper import Gripper
-from backends.robot_file import RobotFile
-from robotics.kinematics.arm_model import ArmModel
+from handcart.backends.arm import Arm
+from handcart.backends.backend import Backend
+from handcart.backends.base import Base
+from handcart.backends.can.axes import Axes
+from handcart.backends.can.axis import Axis
+from handcart.backends.can_spec import CanSpec
+from handcart.backends.gripper import Gripper
+from handcart.backends.robot_file import RobotFile
+from handcart.robotics.kinematics.arm_model import ArmModel
 
 from .drive_node import DriveNode
 from .plant import Plant

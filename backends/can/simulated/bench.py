@@ -6,11 +6,11 @@ from collections.abc import Callable
 
 import can
 
-from backends.backend import Backend
-from backends.can.axes import Axes
-from backends.can.can_line import CanLine
-from backends.can_spec import CanSpec
-from backends.robot_file import RobotFile
+from handcart.backends.backend import Backend
+from handcart.backends.can.axes import Axes
+from handcart.backends.can.can_line import CanLine
+from handcart.backends.can_spec import CanSpec
+from handcart.backends.robot_file import RobotFile
 
 from .backend_plant import BackendPlant
 from .bench_bus import BenchBus

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import can
 
-from files.errors import InputError
-from files.suggest import suggest
+from handcart.files.errors import InputError
+from handcart.files.suggest import suggest
 
 from .drive_node import DriveNode, nmt_reset
 

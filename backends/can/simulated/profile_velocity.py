@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from backends.can.profile import ramp
+from handcart.backends.can.profile import ramp
 
 from .drive_mode import TARGET_REACHED, DriveMode
 

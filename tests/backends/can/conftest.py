@@ -9,11 +9,11 @@ from collections.abc import Callable, Iterator
 import pytest
 from can.interfaces import virtual
 
-from backends.can.can_backend import CanBackend
-from backends.can.simulated.bench import Bench
-from backends.kinematic.kinematic_backend import KinematicBackend
-from backends.robot_file import RobotFile, load_robot
-from backends.scene.world_file import WorldFile
+from handcart.backends.can.can_backend import CanBackend
+from handcart.backends.can.simulated.bench import Bench
+from handcart.backends.kinematic.kinematic_backend import KinematicBackend
+from handcart.backends.robot_file import RobotFile, load_robot
+from handcart.backends.scene.world_file import WorldFile
 
 ROOM = {
     "format": "handcart-world/1",

@@ -7,9 +7,9 @@ import re
 import numpy as np
 import pytest
 
-from backends.arm import Arm
-from backends.base import Base
-from backends.can.errors import CanFault
+from handcart.backends.arm import Arm
+from handcart.backends.base import Base
+from handcart.backends.can.errors import CanFault
 
 JOINT_1 = 11
 """The node of the librarian's first joint."""

@@ -6,11 +6,11 @@ from typing import Any
 
 import pytest
 
-from backends.base import Base
-from backends.can.can_backend import CanBackend
-from backends.can.simulated.bench import Bench
-from backends.can.simulated.bench_server import BenchServer
-from backends.robot_file import RobotFile
+from handcart.backends.base import Base
+from handcart.backends.can.can_backend import CanBackend
+from handcart.backends.can.simulated.bench import Bench
+from handcart.backends.can.simulated.bench_server import BenchServer
+from handcart.backends.robot_file import RobotFile
 
 
 @pytest.fixture

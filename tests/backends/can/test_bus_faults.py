@@ -6,7 +6,14 @@ import can
 import numpy as np
 import pytest
 
-from backends.can.errors import BusFault, CanFault, ControllerFault, Overloaded, QueueFull, SilentDrive
+from handcart.backends.can.errors import (
+    BusFault,
+    CanFault,
+    ControllerFault,
+    Overloaded,
+    QueueFull,
+    SilentDrive,
+)
 
 from .faulty import BEFORE, assert_drives_stop_alone, assert_told, fault_of, move
 

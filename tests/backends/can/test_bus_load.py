@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from backends.can.bus_load import BusLoad, CyclicFrame, frame_bits
+from handcart.backends.can.bus_load import BusLoad, CyclicFrame, frame_bits
 
 
 def stuffed_bits(bits: list[int]) -> int:

@@ -5,14 +5,14 @@ import math
 import numpy as np
 import pytest
 
-from backends.arm import Arm
-from backends.backend import CommandError
-from backends.base import Base
-from backends.can.errors import NoDrives, TooManyCounts
-from backends.range_sensor import RangeSensor
-from backends.registry import make_backend
-from backends.robot_file import load_robot
-from backends.saved_state import pack, unpack
+from handcart.backends.arm import Arm
+from handcart.backends.backend import CommandError
+from handcart.backends.base import Base
+from handcart.backends.can.errors import NoDrives, TooManyCounts
+from handcart.backends.range_sensor import RangeSensor
+from handcart.backends.registry import make_backend
+from handcart.backends.robot_file import load_robot
+from handcart.backends.saved_state import pack, unpack
 
 from .conftest import COUNTS_PER_M, LEFT, RIGHT
 

@@ -7,14 +7,14 @@ from pathlib import Path
 
 import pytest
 
-from backends.can_spec import CanSpec
-from backends.robot_file import ROBOTS, load_robot
-from evaluation.conformance.all_checks import CHECKS
-from evaluation.conformance.bench import Bench
-from evaluation.stage import set_stage
-from files.errors import FileError
-from primitives.move_to import MoveTo
-from primitives.outcome import Success
+from handcart.backends.can_spec import CanSpec
+from handcart.backends.robot_file import ROBOTS, load_robot
+from handcart.evaluation.conformance.all_checks import CHECKS
+from handcart.evaluation.conformance.bench import Bench
+from handcart.evaluation.stage import set_stage
+from handcart.files.errors import FileError
+from handcart.primitives.move_to import MoveTo
+from handcart.primitives.outcome import Success
 
 
 @pytest.mark.slow

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from backends.base import Base
-from backends.can.errors import (
+from handcart.backends.base import Base
+from handcart.backends.can.errors import (
     ControllerFault,
     DriveNotReady,
     Emergency,
@@ -19,8 +19,8 @@ from backends.can.errors import (
     TwoNodes,
     WrongDrive,
 )
-from backends.can.simulated.bench import Bench
-from backends.can.simulated.misbehaviours import MISBEHAVIOURS
+from handcart.backends.can.simulated.bench import Bench
+from handcart.backends.can.simulated.misbehaviours import MISBEHAVIOURS
 
 from .faulty import BEFORE, JOINT_1, assert_stopped, assert_told, fault_of, move
 

@@ -5,13 +5,13 @@ from __future__ import annotations
 import pytest
 from canopen.profiles.p402 import State402
 
-from backends.can.fault_words import fault_words
-from backends.can.profile import ramp
-from backends.can.simulated.cyclic_modes import CyclicPosition
-from backends.can.simulated.drive_life import DriveLife
-from backends.can.simulated.drive_mode import Demand
-from backends.can.simulated.drive_objects import DriveObjects
-from backends.can.simulated.profile_position import ProfilePosition
+from handcart.backends.can.fault_words import fault_words
+from handcart.backends.can.profile import ramp
+from handcart.backends.can.simulated.cyclic_modes import CyclicPosition
+from handcart.backends.can.simulated.drive_life import DriveLife
+from handcart.backends.can.simulated.drive_mode import Demand
+from handcart.backends.can.simulated.drive_objects import DriveObjects
+from handcart.backends.can.simulated.profile_position import ProfilePosition
 
 
 def test_the_states_follow_the_controlword():

@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from backends.can.eds_file import missing_objects, read_eds
-from files.errors import FileError
+from handcart.backends.can.eds_file import missing_objects, read_eds
+from handcart.files.errors import FileError
 
 OWN = Path(__file__).resolve().parents[3] / "backends" / "can" / "drive.eds"
 HEAD = """\

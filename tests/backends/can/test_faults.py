@@ -5,10 +5,10 @@ from __future__ import annotations
 import can
 import pytest
 
-from backends.backend import NoBench
-from backends.base import Base
-from backends.can.can_line import CanLine
-from backends.can.errors import (
+from handcart.backends.backend import NoBench
+from handcart.backends.base import Base
+from handcart.backends.can.can_line import CanLine
+from handcart.backends.can.errors import (
     BusFault,
     DriveNotReady,
     NoInterface,
@@ -17,10 +17,10 @@ from backends.can.errors import (
     TwoNodes,
     WrongDrive,
 )
-from backends.can.simulated.drive_node import DriveNode
-from backends.can.simulated.misbehaviours import UnknownMisbehaviour
-from backends.registry import make_backend
-from backends.robot_file import load_robot
+from handcart.backends.can.simulated.drive_node import DriveNode
+from handcart.backends.can.simulated.misbehaviours import UnknownMisbehaviour
+from handcart.backends.registry import make_backend
+from handcart.backends.robot_file import load_robot
 
 from .conftest import LEFT, RIGHT
 
@@ -77,8 +77,8 @@ def test_a_bus_that_fails_is_told(make, monkeypatch):
 @pytest.mark.parametrize("command", ["run", "do"])
 def test_a_fault_ends_a_command_with_status_4_and_without_a_traceback(command, monkeypatch, capsys, tmp_path):
     """A person has to look: GiveUp, with the reason in words."""
-    from backends.can.can_backend import CanBackend
-    from tools.handcart import main
+    from handcart.backends.can.can_backend import CanBackend
+    from handcart.tools.handcart import main
 
     step, count = CanBackend.step, iter(range(10**6))
 
@@ -132,7 +132,7 @@ def test_settings_that_differ_are_told_all_at_once(make, monkeypatch):
 
 def _early(init):
     """What a drive does wrong has to be there before it boots."""
-    from backends.can.simulated.misconduct import Misconduct
+    from handcart.backends.can.simulated.misconduct import Misconduct
 
     def made(self, *given):
         self.wrong = Misconduct()
@@ -150,7 +150,7 @@ def test_an_identity_that_is_not_the_files_is_told(make, cart):
 
 def test_a_missing_drive_is_told(make, monkeypatch):
     """C14: no answer to an SDO, tried twice."""
-    from backends.can.simulated import bench
+    from handcart.backends.can.simulated import bench
 
     plain = bench.SimulatedDrives
     monkeypatch.setattr(bench, "SimulatedDrives", lambda nodes, *rest: plain(nodes[:1], *rest))
@@ -160,8 +160,8 @@ def test_a_missing_drive_is_told(make, monkeypatch):
 
 def test_two_drives_with_one_node_id_are_told_before_anything_moves(make, monkeypatch):
     """C15: both answer."""
-    from backends.can.simulated import bench
-    from backends.can.simulated.simulated_drives import SimulatedDrives
+    from handcart.backends.can.simulated import bench
+    from handcart.backends.can.simulated.simulated_drives import SimulatedDrives
 
     class Twice(SimulatedDrives):
         def __init__(self, nodes, *rest):
@@ -214,7 +214,7 @@ def test_a_line_waits_no_longer_than_told():
     ],
 )
 def test_a_bench_that_cannot_be_is_refused_with_status_2(backend, bench, told, capsys):
-    from tools.handcart import main
+    from handcart.tools.handcart import main
 
     with pytest.raises(SystemExit) as end:
         main(["run", "tasks/return_book/task.yaml", "--backend", backend, "--bench", bench])
@@ -228,7 +228,7 @@ def test_a_fault_that_nobody_knows_is_refused(make):
 
 
 def test_without_a_bench_the_capabilities_are_known_unbuilt():
-    from backends.can.can_backend import CanBackend
+    from handcart.backends.can.can_backend import CanBackend
 
     kinds = CanBackend.kinds(load_robot("librarian"))
     assert [kind.__name__ for kind in kinds] == ["Base", "Arm", "Gripper"]

@@ -10,9 +10,9 @@ import can
 import pytest
 from can.io.canutils import CanutilsLogReader
 
-from backends.can.frame_log import NAMES, PARTS, SECONDS, FrameLog
-from backends.can.frame_names import FrameNames, PdoField, PdoNames
-from backends.can.frame_words import FrameWords
+from handcart.backends.can.frame_log import NAMES, PARTS, SECONDS, FrameLog
+from handcart.backends.can.frame_names import FrameNames, PdoField, PdoNames
+from handcart.backends.can.frame_words import FrameWords
 
 FIELDS = (
     PdoField(index=0x6041, subindex=0, name="Statusword", bits=16, signed=False),

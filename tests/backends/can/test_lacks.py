@@ -10,22 +10,22 @@ import numpy as np
 import pytest
 from canopen.sdo.exceptions import SdoAbortedError
 
-from backends.arm import Arm
-from backends.base import Base
-from backends.can.can_backend import CanBackend
-from backends.can.cyclic_frames import cyclic_frames
-from backends.can.errors import Emergency, ReadBackDiffers
-from backends.can.lacks import LACKS, not_watched
-from backends.can.simulated.bench import Bench
-from backends.can.simulated.simulated_drives import SimulatedDrives
-from backends.gripper import Gripper
-from backends.kinematic.kinematic_gripper import KinematicGripper
-from backends.robot_file import ROBOTS, load_robot
-from evaluation.bringup.bus_rungs import ReadBackRung
-from evaluation.bringup.operator import BenchOperator
-from evaluation.bringup.site import Site
-from evaluation.robot_report.report import report_of
-from files.errors import FileError
+from handcart.backends.arm import Arm
+from handcart.backends.base import Base
+from handcart.backends.can.can_backend import CanBackend
+from handcart.backends.can.cyclic_frames import cyclic_frames
+from handcart.backends.can.errors import Emergency, ReadBackDiffers
+from handcart.backends.can.lacks import LACKS, not_watched
+from handcart.backends.can.simulated.bench import Bench
+from handcart.backends.can.simulated.simulated_drives import SimulatedDrives
+from handcart.backends.gripper import Gripper
+from handcart.backends.kinematic.kinematic_gripper import KinematicGripper
+from handcart.backends.robot_file import ROBOTS, load_robot
+from handcart.evaluation.bringup.bus_rungs import ReadBackRung
+from handcart.evaluation.bringup.operator import BenchOperator
+from handcart.evaluation.bringup.site import Site
+from handcart.evaluation.robot_report.report import report_of
+from handcart.files.errors import FileError
 
 from .conftest import LEFT, ROOM
 from .faulty import JOINT_1, fault_of, move

@@ -8,8 +8,8 @@ import time
 import canopen
 import pytest
 
-from backends.can.drive_dictionary import drive_dictionary
-from backends.can.simulated.simulated_drives import SimulatedDrives
+from handcart.backends.can.drive_dictionary import drive_dictionary
+from handcart.backends.can.simulated.simulated_drives import SimulatedDrives
 
 NODE, PERIOD = 5, 0.01
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from backends.can.pace import Pace
+from handcart.backends.can.pace import Pace
 
 
 class Clock:

@@ -9,11 +9,11 @@ from contextlib import contextmanager
 import pytest
 from can.interfaces.virtual import VirtualBus
 
-from backends.base import Base
-from backends.can.can_backend import CanBackend
-from backends.can.errors import CanFault, Emergency
-from backends.can.simulated.bench import Bench
-from backends.robot_file import load_robot
+from handcart.backends.base import Base
+from handcart.backends.can.can_backend import CanBackend
+from handcart.backends.can.errors import CanFault, Emergency
+from handcart.backends.can.simulated.bench import Bench
+from handcart.backends.robot_file import load_robot
 
 PERIOD = 0.1
 BUS = {"interface": "virtual", "channel": "by themselves", "heartbeat_timeout_ms": 5000}
@@ -22,8 +22,8 @@ BUS = {"interface": "virtual", "channel": "by themselves", "heartbeat_timeout_ms
 @pytest.fixture
 def robot(cart, monkeypatch):
     """Machines that tests run on may be busy."""
-    monkeypatch.setattr("backends.can.pace.GAP", 30.0)
-    monkeypatch.setattr("backends.can.pace.MISSED", 10_000)
+    monkeypatch.setattr("handcart.backends.can.pace.GAP", 30.0)
+    monkeypatch.setattr("handcart.backends.can.pace.MISSED", 10_000)
     spec = cart.can.model_copy(update=BUS)
     return cart.model_copy(update={"can": spec, "period_s": PERIOD})
 

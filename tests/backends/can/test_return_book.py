@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from evaluation.running import run_task
-from evaluation.stage import LIBRARY
+from handcart.evaluation.running import run_task
+from handcart.evaluation.stage import LIBRARY
 
 
 def run(folder, backend, bench=None):

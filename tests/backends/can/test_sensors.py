@@ -17,23 +17,23 @@ import cv2
 import numpy as np
 import pytest
 
-from backends.can.sensors.errors import NoSensor, StaleSensor
-from backends.can.sensors.line_imu import LineImu
-from backends.can.sensors.line_range_sensor import LineRangeSensor
-from backends.can.sensors.live_sensors import await_first, open_sensors, sensor_kinds
-from backends.can.sensors.nmea_gps import NmeaGps
-from backends.can.sensors.range_server import RangeServer
-from backends.can.sensors.sensor_lines import checksum, read_line, sensor_line
-from backends.can.sensors.strict_number import strict_number
-from backends.can.sensors.utc_order import UtcOrder
-from backends.can.sensors.video_camera import VideoCamera
-from backends.can_sensor_spec import CameraSource, GpsSource, LineSource, SensorsSpec
-from backends.mounted_camera import MountedCamera, camera_model
-from backends.range_sensor import RangeSensor, Scan
-from backends.robot_file import load_robot
-from backends.sensor_specs import CameraSpec, RangeSpec
-from evaluation.fuzzed_sentences import fuzzed_sentences
-from robotics.geometry.pose2 import Pose2
+from handcart.backends.can.sensors.errors import NoSensor, StaleSensor
+from handcart.backends.can.sensors.line_imu import LineImu
+from handcart.backends.can.sensors.line_range_sensor import LineRangeSensor
+from handcart.backends.can.sensors.live_sensors import await_first, open_sensors, sensor_kinds
+from handcart.backends.can.sensors.nmea_gps import NmeaGps
+from handcart.backends.can.sensors.range_server import RangeServer
+from handcart.backends.can.sensors.sensor_lines import checksum, read_line, sensor_line
+from handcart.backends.can.sensors.strict_number import strict_number
+from handcart.backends.can.sensors.utc_order import UtcOrder
+from handcart.backends.can.sensors.video_camera import VideoCamera
+from handcart.backends.can_sensor_spec import CameraSource, GpsSource, LineSource, SensorsSpec
+from handcart.backends.mounted_camera import MountedCamera, camera_model
+from handcart.backends.range_sensor import RangeSensor, Scan
+from handcart.backends.robot_file import load_robot
+from handcart.backends.sensor_specs import CameraSpec, RangeSpec
+from handcart.evaluation.fuzzed_sentences import fuzzed_sentences
+from handcart.robotics.geometry.pose2 import Pose2
 
 RANGE = RangeSpec(beams=4, reach_m=5.0, sigma_mm=10.0)
 CAMERA = CameraSpec(width_px=64, height_px=48, focal_px=60.0)

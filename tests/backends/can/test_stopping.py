@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from backends.arm import Arm
-from backends.base import Base
-from backends.can.errors import CanFault, OffDemand
-from backends.can.simulated.profile_position import ProfilePosition
-from backends.gripper import Gripper
-from backends.kinematic.kinematic_gripper import KinematicGripper
+from handcart.backends.arm import Arm
+from handcart.backends.base import Base
+from handcart.backends.can.errors import CanFault, OffDemand
+from handcart.backends.can.simulated.profile_position import ProfilePosition
+from handcart.backends.gripper import Gripper
+from handcart.backends.kinematic.kinematic_gripper import KinematicGripper
 
 from .conftest import LEFT, RIGHT
 from .faulty import BEFORE, JOINT_1, fault_of, move

@@ -7,13 +7,13 @@ import struct
 import can
 import pytest
 
-from backends.base import Base
-from backends.can.axes import Axes
-from backends.can.can_backend import CanBackend
-from backends.can.errors import BrokenOff, CanFault, NodeRestarted, SilentDrive, WrongDrive
-from backends.can.simulated.bench import Bench
-from backends.can.simulated.drive_node import DriveNode
-from evaluation.fuzzed_bus import PHASES, attacks
+from handcart.backends.base import Base
+from handcart.backends.can.axes import Axes
+from handcart.backends.can.can_backend import CanBackend
+from handcart.backends.can.errors import BrokenOff, CanFault, NodeRestarted, SilentDrive, WrongDrive
+from handcart.backends.can.simulated.bench import Bench
+from handcart.backends.can.simulated.drive_node import DriveNode
+from handcart.evaluation.fuzzed_bus import PHASES, attacks
 
 from .conftest import LEFT
 from .faulty import assert_stopped, move

@@ -8,12 +8,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from backends.kinematic.kinematic_backend import KinematicBackend
-from backends.robot_file import load_robot
-from backends.scene.world_file import WorldFile
-from files.loading import load
-from robotics.geometry.pose2 import Pose2
-from robotics.geometry.transform import transform
+from handcart.backends.kinematic.kinematic_backend import KinematicBackend
+from handcart.backends.robot_file import load_robot
+from handcart.backends.scene.world_file import WorldFile
+from handcart.files.loading import load
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.geometry.transform import transform
 
 WORLD = """
 format: handcart-world/1

@@ -3,8 +3,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from backends.scene.book import Rest
-from robotics.geometry.pose2 import Pose2
+from handcart.backends.scene.book import Rest
+from handcart.robotics.geometry.pose2 import Pose2
 
 
 def front(puppet, accession):

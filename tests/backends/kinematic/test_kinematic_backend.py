@@ -6,15 +6,15 @@ import cv2
 import numpy as np
 import pytest
 
-from backends.arm import Arm
-from backends.backend import CommandError
-from backends.base import Base
-from backends.camera import Camera
-from backends.gripper import Gripper
-from backends.range_sensor import RangeSensor
-from robotics.geometry.pose2 import Pose2
-from robotics.geometry.transform import apply, inverse, transform
-from robotics.perception.tag_reader import read_tags
+from handcart.backends.arm import Arm
+from handcart.backends.backend import CommandError
+from handcart.backends.base import Base
+from handcart.backends.camera import Camera
+from handcart.backends.gripper import Gripper
+from handcart.backends.range_sensor import RangeSensor
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.geometry.transform import apply, inverse, transform
+from handcart.robotics.perception.tag_reader import read_tags
 
 
 def run(backend, periods, speed=0.0, turn_rate=0.0):

@@ -7,15 +7,15 @@ import math
 import numpy as np
 import pytest
 
-from backends.kinematic.kinematic_backend import KinematicBackend
-from backends.robot_file import load_robot
-from backends.scene.book import Book, Rest
-from backends.scene.book_lean import lean_in_row
-from backends.scene.putting_down import put_down
-from backends.scene.row import Member
-from backends.scene.world_file import BookSpec
-from evaluation.shelving import shelving
-from robotics.geometry.transform import transform
+from handcart.backends.kinematic.kinematic_backend import KinematicBackend
+from handcart.backends.robot_file import load_robot
+from handcart.backends.scene.book import Book, Rest
+from handcart.backends.scene.book_lean import lean_in_row
+from handcart.backends.scene.putting_down import put_down
+from handcart.backends.scene.row import Member
+from handcart.backends.scene.world_file import BookSpec
+from handcart.evaluation.shelving import shelving
+from handcart.robotics.geometry.transform import transform
 
 SPEC = BookSpec(accession=1, call="512.7 NAG", thickness_mm=25, height_mm=210, depth_mm=150)
 BOOK = Book(np.eye(4), Rest.HAND, SPEC)

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from backends.saved_state import pack, unpack
-from robotics.geometry.pose2 import Pose2
+from handcart.backends.saved_state import pack, unpack
+from handcart.robotics.geometry.pose2 import Pose2
 
 
 def readings(puppet):

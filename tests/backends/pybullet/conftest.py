@@ -8,12 +8,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from backends.pybullet.pybullet_backend import PyBulletBackend
-from backends.robot_file import RobotFile, load_robot
-from backends.scene.world_file import WorldFile
-from files.loading import load
-from robotics.geometry.transform import Transform, transform
-from robotics.kinematics.arm_model import ArmModel
+from handcart.backends.pybullet.pybullet_backend import PyBulletBackend
+from handcart.backends.robot_file import RobotFile, load_robot
+from handcart.backends.scene.world_file import WorldFile
+from handcart.files.loading import load
+from handcart.robotics.geometry.transform import Transform, transform
+from handcart.robotics.kinematics.arm_model import ArmModel
 
 WORLD = """
 format: handcart-world/1

@@ -8,15 +8,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from backends.pybullet.pybullet_backend import PyBulletBackend
-from backends.robot_file import RobotFile, load_robot
-from backends.saved_state import pack, unpack
-from backends.scene.thing import Rest
-from backends.scene.world_file import WorldFile
-from files.loading import load
-from robotics.geometry.transform import inverse, transform
-from robotics.perception.landmark_finder import find_landmarks
-from robotics.perception.landmark_pose import facing, planar_pose
+from handcart.backends.pybullet.pybullet_backend import PyBulletBackend
+from handcart.backends.robot_file import RobotFile, load_robot
+from handcart.backends.saved_state import pack, unpack
+from handcart.backends.scene.thing import Rest
+from handcart.backends.scene.world_file import WorldFile
+from handcart.files.loading import load
+from handcart.robotics.geometry.transform import inverse, transform
+from handcart.robotics.perception.landmark_finder import find_landmarks
+from handcart.robotics.perception.landmark_pose import facing, planar_pose
 
 pytest.importorskip("pybullet", reason="PyBullet has no wheel for this Python")
 

@@ -8,11 +8,11 @@ import pytest
 
 pytest.importorskip("pybullet", reason="PyBullet has no wheel for this Python")
 
-from backends.pybullet.bullet_state import CONTACTS, _chunks, check_state
-from backends.pybullet.physics import Physics
-from backends.saved_state import NotAState
-from robotics.geometry.transform import transform
-from robotics.kinematics.shapes import Box
+from handcart.backends.pybullet.bullet_state import CONTACTS, _chunks, check_state
+from handcart.backends.pybullet.physics import Physics
+from handcart.backends.saved_state import NotAState
+from handcart.robotics.geometry.transform import transform
+from handcart.robotics.kinematics.shapes import Box
 
 
 @pytest.fixture(scope="module")

@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import pytest
 
-from backends.pybullet import engine
+from handcart.backends.pybullet import engine
 
 
 @pytest.mark.parametrize(

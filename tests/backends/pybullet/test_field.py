@@ -7,8 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from backends.ground_spec import GroundSpec
-from evaluation.running import resume_task, run_task
+from handcart.backends.ground_spec import GroundSpec
+from handcart.evaluation.running import resume_task, run_task
 
 pytest.importorskip("pybullet")
 
@@ -36,8 +36,8 @@ def test_a_sensor_is_laid_and_a_killed_run_goes_on(tmp_path, copier):
 
 
 def test_the_ground_is_as_rough_as_the_world_says():
-    from backends.pybullet.physics import Physics
-    from backends.pybullet.terrain import Terrain
+    from handcart.backends.pybullet.physics import Physics
+    from handcart.backends.pybullet.terrain import Terrain
 
     physics = Physics(0.025)
     try:

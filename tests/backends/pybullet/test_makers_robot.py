@@ -8,10 +8,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from backends.arm import Arm
-from backends.pybullet.pybullet_backend import PyBulletBackend
-from backends.robot_file import load_robot
-from backends.scene.world_file import WorldFile
+from handcart.backends.arm import Arm
+from handcart.backends.pybullet.pybullet_backend import PyBulletBackend
+from handcart.backends.robot_file import load_robot
+from handcart.backends.scene.world_file import WorldFile
 
 pytest.importorskip("pybullet", reason="PyBullet has no wheel for this Python")
 EMPTY = WorldFile.model_validate({"format": "handcart-world/1", "start": {"x_m": 0.0, "y_m": 0.0}})

@@ -9,11 +9,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from backends.kinematic.kinematic_backend import KinematicBackend
-from backends.plain_values import to_plain
-from backends.pybullet.physics import Pinned
-from backends.saved_state import pack, unpack
-from backends.scene.book import Rest
+from handcart.backends.kinematic.kinematic_backend import KinematicBackend
+from handcart.backends.plain_values import to_plain
+from handcart.backends.pybullet.physics import Pinned
+from handcart.backends.saved_state import pack, unpack
+from handcart.backends.scene.book import Rest
 
 pytest.importorskip("pybullet", reason="PyBullet has no wheel for this Python")
 ROOT = Path(__file__).resolve().parents[3]
@@ -260,8 +260,8 @@ def test_the_same_seed_gives_the_same_run(make):
 @pytest.mark.slow
 def test_the_engine_writes_nothing_to_our_streams():
     code = (
-        "from pathlib import Path; from backends.registry import make_backend;"
-        "from backends.robot_file import load_robot;"
+        "from pathlib import Path; from handcart.backends.registry import make_backend;"
+        "from handcart.backends.robot_file import load_robot;"
         "b = make_backend('pybullet', load_robot('librarian'), Path('tasks/return_book/world.yaml'), 0);"
         "b.step(); b.capabilities()[3].image(); b.close()"
     )

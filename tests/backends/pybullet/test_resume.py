@@ -11,7 +11,7 @@ from typing import Any
 import orjson
 import pytest
 
-from networks.journal_record import read_journal
+from handcart.networks.journal_record import read_journal
 
 pytest.importorskip("pybullet", reason="PyBullet has no wheel for this Python")
 ROOT = Path(__file__).resolve().parents[3]
@@ -36,7 +36,7 @@ actions:
 
 
 def handcart(*words: object) -> subprocess.Popen[bytes]:
-    command = [sys.executable, "-m", "tools.handcart", *map(str, words)]
+    command = [sys.executable, "-m", "handcart.tools.handcart", *map(str, words)]
     return subprocess.Popen(command, cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL)
 
 

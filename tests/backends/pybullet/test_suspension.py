@@ -8,10 +8,10 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 
-from backends.pybullet.pybullet_backend import PyBulletBackend
-from backends.pybullet.sprung import CHASSIS, sprung
-from backends.robot_file import RobotFile, load_robot
-from backends.scene.world_file import WorldFile
+from handcart.backends.pybullet.pybullet_backend import PyBulletBackend
+from handcart.backends.pybullet.sprung import CHASSIS, sprung
+from handcart.backends.robot_file import RobotFile, load_robot
+from handcart.backends.scene.world_file import WorldFile
 
 pytest.importorskip("pybullet", reason="PyBullet has no wheel for this Python")
 EMPTY = WorldFile.model_validate({"format": "handcart-world/1", "start": {"x_m": 0.0, "y_m": 0.0}})

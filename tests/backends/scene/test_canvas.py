@@ -3,7 +3,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from backends.scene.canvas import Canvas
+from handcart.backends.scene.canvas import Canvas
 
 K = np.array([[800.0, 0.0, 100.0], [0.0, 800.0, 80.0], [0.0, 0.0, 1.0]])
 SQUARE = np.array([[-0.02, -0.02, 0.4], [0.02, -0.02, 0.4], [0.02, 0.02, 0.4], [-0.02, 0.02, 0.4]])

@@ -4,10 +4,10 @@ import math
 
 import pytest
 
-from backends.scene.insertion import Entrance, entry_chance
-from backends.scene.row import Member
-from backends.scene.shelf import Shelf
-from backends.scene.world_file import ShelfSpec
+from handcart.backends.scene.insertion import Entrance, entry_chance
+from handcart.backends.scene.row import Member
+from handcart.backends.scene.shelf import Shelf
+from handcart.backends.scene.world_file import ShelfSpec
 
 SHELF = Shelf(ShelfSpec(name="s", x_m=0, y_m=0))
 # A slot of 33 mm about y = 0 between two fixed members.

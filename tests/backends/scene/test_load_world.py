@@ -4,8 +4,8 @@ import cv2
 import numpy as np
 import pytest
 
-from backends.scene.load_world import load_world
-from files.errors import FileError
+from handcart.backends.scene.load_world import load_world
+from handcart.files.errors import FileError
 
 HEAD = "format: handcart-world/1\nstart: {x_m: 0, y_m: 0}\n"
 MAP = "image: map.png\nresolution: 0.1\norigin: [-1.0, 2.0, 0.0]\n"

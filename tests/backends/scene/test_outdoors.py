@@ -7,14 +7,14 @@ import math
 import numpy as np
 import pytest
 
-from backends.backend import CommandError
-from backends.gps import Gps
-from backends.imu import Imu
-from backends.kinematic.kinematic_backend import KinematicBackend
-from backends.robot_file import load_robot
-from backends.scene.world_file import WorldFile
-from primitives.scara_arm import scara_of
-from robotics.manipulation.scara import Scara
+from handcart.backends.backend import CommandError
+from handcart.backends.gps import Gps
+from handcart.backends.imu import Imu
+from handcart.backends.kinematic.kinematic_backend import KinematicBackend
+from handcart.backends.robot_file import load_robot
+from handcart.backends.scene.world_file import WorldFile
+from handcart.primitives.scara_arm import scara_of
+from handcart.robotics.manipulation.scara import Scara
 
 GROUND = {"format": "handcart-world/1", "start": {"x_m": 0.0, "y_m": 0.0}, "ground": {}}
 

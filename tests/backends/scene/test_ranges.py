@@ -5,11 +5,11 @@ import math
 import numpy as np
 import pytest
 
-from backends.scene.ranges import cast_rays
-from backends.scene.solids import FloorPlan, of_furniture
-from backends.scene.world_file import Furniture, Surprise
-from robotics.geometry.pose2 import Pose2
-from robotics.navigation.box_ranges import box_ranges
+from handcart.backends.scene.ranges import cast_rays
+from handcart.backends.scene.solids import FloorPlan, of_furniture
+from handcart.backends.scene.world_file import Furniture, Surprise
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.navigation.box_ranges import box_ranges
 
 ANGLES = np.linspace(-np.pi, np.pi, 360, endpoint=False)
 

@@ -3,13 +3,13 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from backends.mounted_camera import camera_model
-from backends.robot_file import load_robot
-from backends.scene.renderer import Renderer
-from backends.scene.scene import build_scene
-from backends.scene.world_file import WorldFile
-from robotics.geometry.transform import transform
-from robotics.perception.tag_reader import read_tags
+from handcart.backends.mounted_camera import camera_model
+from handcart.backends.robot_file import load_robot
+from handcart.backends.scene.renderer import Renderer
+from handcart.backends.scene.scene import build_scene
+from handcart.backends.scene.world_file import WorldFile
+from handcart.robotics.geometry.transform import transform
+from handcart.robotics.perception.tag_reader import read_tags
 
 OPTICAL = np.array([[0, 0, 1, 0], [-1, 0, 0, 0], [0, -1, 0, 0], [0, 0, 0, 1.0]])
 

@@ -5,14 +5,14 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from backends.plain_values import attributes, set_attributes
-from backends.positioning import PoseReading
-from backends.robot_file import load_robot
-from backends.scene.scene import Scene, build_scene
-from backends.scene.simulated_positioning import SimulatedPositioning
-from backends.scene.world_file import WorldFile
-from backends.sensor_specs import PositioningSpec
-from robotics.geometry.pose2 import Pose2
+from handcart.backends.plain_values import attributes, set_attributes
+from handcart.backends.positioning import PoseReading
+from handcart.backends.robot_file import load_robot
+from handcart.backends.scene.scene import Scene, build_scene
+from handcart.backends.scene.simulated_positioning import SimulatedPositioning
+from handcart.backends.scene.world_file import WorldFile
+from handcart.backends.sensor_specs import PositioningSpec
+from handcart.robotics.geometry.pose2 import Pose2
 
 EMPTY = WorldFile.model_validate({"format": "handcart-world/1", "start": {"x_m": 0.0, "y_m": 0.0}})
 PERIOD = 0.01

@@ -1,9 +1,9 @@
 import numpy as np
 import pytest
 
-from backends.scene import textures
-from backends.scene.textures import draw_label, draw_spine, label_fonts
-from robotics.perception.tag_reader import read_tags
+from handcart.backends.scene import textures
+from handcart.backends.scene.textures import draw_label, draw_spine, label_fonts
+from handcart.robotics.perception.tag_reader import read_tags
 
 
 def test_spines_are_the_same_for_the_same_seed():

@@ -1,17 +1,17 @@
 import numpy as np
 import pytest
 
-from backends.kinematic.kinematic_backend import KinematicBackend
-from backends.mounted_camera import camera_model, known_camera, stated_camera
-from backends.robot_file import load_robot
-from backends.scene.renderer import Renderer
-from backends.scene.scene import build_scene
-from backends.scene.true_camera import true_camera
-from backends.scene.world_file import WorldFile
-from backends.sensor_specs import CalibratedCamera
-from robotics.geometry.transform import apply, difference, inverse, transform
-from robotics.perception.charuco_board import CharucoBoard
-from robotics.perception.landmark_pose import facing
+from handcart.backends.kinematic.kinematic_backend import KinematicBackend
+from handcart.backends.mounted_camera import camera_model, known_camera, stated_camera
+from handcart.backends.robot_file import load_robot
+from handcart.backends.scene.renderer import Renderer
+from handcart.backends.scene.scene import build_scene
+from handcart.backends.scene.true_camera import true_camera
+from handcart.backends.scene.world_file import WorldFile
+from handcart.backends.sensor_specs import CalibratedCamera
+from handcart.robotics.geometry.transform import apply, difference, inverse, transform
+from handcart.robotics.perception.charuco_board import CharucoBoard
+from handcart.robotics.perception.landmark_pose import facing
 
 FOUND = CalibratedCamera(
     focal_px=812.5,

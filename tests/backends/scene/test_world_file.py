@@ -2,9 +2,9 @@ from __future__ import annotations
 
 import pytest
 
-from backends.scene.world_file import WorldFile
-from files.errors import FileError
-from files.loading import load
+from handcart.backends.scene.world_file import WorldFile
+from handcart.files.errors import FileError
+from handcart.files.loading import load
 
 HEAD = "format: handcart-world/1\nstart: {x_m: 0, y_m: 0}\n"
 BOOK = "{accession: 1, call: 512.7 NAG, thickness_mm: 30, height_mm: 200, depth_mm: 150}"

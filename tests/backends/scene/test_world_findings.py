@@ -5,11 +5,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from backends.registry import check_world
-from backends.robot_file import load_robot
-from files.errors import FileError
-from robotics.geometry.pose2 import Pose2
-from robotics.navigation.grid_map import GridMap, from_boxes
+from handcart.backends.registry import check_world
+from handcart.backends.robot_file import load_robot
+from handcart.files.errors import FileError
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.navigation.grid_map import GridMap, from_boxes
 
 WORLD = """\
 format: handcart-world/1

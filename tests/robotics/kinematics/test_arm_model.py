@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from robotics.geometry.transform import difference, inverse, transform
-from robotics.kinematics.arm_model import ArmModel
-from robotics.kinematics.shapes import Box, Cylinder
+from handcart.robotics.geometry.transform import difference, inverse, transform
+from handcart.robotics.kinematics.arm_model import ArmModel
+from handcart.robotics.kinematics.shapes import Box, Cylinder
 
 FOREIGN = """
 <robot name="foreign">

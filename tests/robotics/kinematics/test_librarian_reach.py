@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from robotics.geometry.transform import transform
-from robotics.kinematics.arm_model import ArmModel
+from handcart.robotics.geometry.transform import transform
+from handcart.robotics.kinematics.arm_model import ArmModel
 
 READY = np.array([-0.941, -0.9967, 2.3301, -0.9545, -1.4318, 0.1931])
 SPINES = 0.47  # base x of the spines' plane where the robot works at a shelf

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from robotics.kinematics.urdf_faults import urdf_faults
+from handcart.robotics.kinematics.urdf_faults import urdf_faults
 
 URDF = """\
 <robot name="r">

@@ -5,13 +5,13 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from robotics.kinematics.arm_model import ArmModel
-from robotics.kinematics.coal_bodies import hull_of_mesh, shape_of
-from robotics.kinematics.shapes import Hull
-from robotics.kinematics.urdf_assembly import link_names, with_names
-from robotics.kinematics.urdf_contents import bodies_of
-from robotics.kinematics.urdf_reading import read_urdf
-from robotics.kinematics.urdf_tree import kinematic_urdf
+from handcart.robotics.kinematics.arm_model import ArmModel
+from handcart.robotics.kinematics.coal_bodies import hull_of_mesh, shape_of
+from handcart.robotics.kinematics.shapes import Hull
+from handcart.robotics.kinematics.urdf_assembly import link_names, with_names
+from handcart.robotics.kinematics.urdf_contents import bodies_of
+from handcart.robotics.kinematics.urdf_reading import read_urdf
+from handcart.robotics.kinematics.urdf_tree import kinematic_urdf
 
 LIMIT = '<limit lower="0" upper="1" effort="1" velocity="1"/>'
 

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from robotics.kinematics.arm_model import ArmModel
+from handcart.robotics.kinematics.arm_model import ArmModel
 
 ROBOT = Path(__file__).resolve().parents[3] / "backends" / "robots" / "librarian" / "librarian.urdf"
 

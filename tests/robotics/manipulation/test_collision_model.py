@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from robotics.geometry.transform import transform
-from robotics.kinematics.arm_model import ArmModel
-from robotics.kinematics.shapes import Box, Cylinder, Sphere
-from robotics.manipulation.collision_model import CollisionModel
+from handcart.robotics.geometry.transform import transform
+from handcart.robotics.kinematics.arm_model import ArmModel
+from handcart.robotics.kinematics.shapes import Box, Cylinder, Sphere
+from handcart.robotics.manipulation.collision_model import CollisionModel
 
 STRETCHED = np.array([0.0, 0.0, 0.1, 0.0, 0.0, 0.0])
 FOLDED = np.array([-1.6405, -1.1, 2.6568, -1.6404, -1.5718, 0.014])

@@ -1,9 +1,9 @@
 import numpy as np
 import pytest
 
-from robotics.geometry.pose2 import Pose2
-from robotics.geometry.transform import Transform, inverse, transform
-from robotics.manipulation.fixation import (
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.geometry.transform import Transform, inverse, transform
+from handcart.robotics.manipulation.fixation import (
     PAPER_RULE,
     PlannedView,
     StopRule,

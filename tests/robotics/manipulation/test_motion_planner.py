@@ -12,11 +12,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from robotics.geometry.transform import difference, transform
-from robotics.kinematics.arm_model import ArmModel
-from robotics.kinematics.shapes import Box
-from robotics.manipulation.collision_model import CollisionModel
-from robotics.manipulation.motion_planner import plan_motion, plan_straight
+from handcart.robotics.geometry.transform import difference, transform
+from handcart.robotics.kinematics.arm_model import ArmModel
+from handcart.robotics.kinematics.shapes import Box
+from handcart.robotics.manipulation.collision_model import CollisionModel
+from handcart.robotics.manipulation.motion_planner import plan_motion, plan_straight
 
 READY = np.array([-0.941, -0.9967, 2.3301, -0.9545, -1.4318, 0.1931])
 LEFT, RIGHT = (np.array([angle, -0.3, 0.8, 0.0, -0.5, 0.0]) for angle in (0.5, -1.2))
@@ -29,11 +29,11 @@ ONE_PLAN = """
 import hashlib, sys
 import numpy as np
 from pathlib import Path
-from robotics.kinematics.arm_model import ArmModel
-from robotics.manipulation.collision_model import CollisionModel
-from robotics.manipulation.motion_planner import plan_motion
-from robotics.kinematics.shapes import Box
-from robotics.geometry.transform import transform
+from handcart.robotics.kinematics.arm_model import ArmModel
+from handcart.robotics.manipulation.collision_model import CollisionModel
+from handcart.robotics.manipulation.motion_planner import plan_motion
+from handcart.robotics.kinematics.shapes import Box
+from handcart.robotics.geometry.transform import transform
 arm = ArmModel(Path(sys.argv[1]).read_text(), [f"joint_{n}" for n in range(1, 7)])
 pillar = Box(transform((0.3, 0.0, 1.1)), (0.05, 0.3, 0.6), "pillar")
 collision = CollisionModel(arm, [pillar], margin=0.005)

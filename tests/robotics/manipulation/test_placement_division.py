@@ -8,7 +8,7 @@ from itertools import combinations, pairwise, product
 import numpy as np
 import pytest
 
-from robotics.manipulation.placement_division import (
+from handcart.robotics.manipulation.placement_division import (
     TooFewPlacements,
     best_division,
     best_division_by_cost,
@@ -16,8 +16,8 @@ from robotics.manipulation.placement_division import (
     fewest_placements,
     greedy_division,
 )
-from robotics.manipulation.placement_scores import PlacementScores
-from robotics.manipulation.untrackable import Untrackable
+from handcart.robotics.manipulation.placement_scores import PlacementScores
+from handcart.robotics.manipulation.untrackable import Untrackable
 
 CASES = 300
 

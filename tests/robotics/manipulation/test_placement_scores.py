@@ -5,16 +5,16 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from robotics.kinematics.arm_model import ArmModel
-from robotics.manipulation.directional_manipulability import directional, manipulability, top_speed
-from robotics.manipulation.performance import sure_performance
-from robotics.manipulation.pitch_arm import PitchArm
-from robotics.manipulation.placement_bound import score_bound
-from robotics.manipulation.placement_division import best_division, greedy_division
-from robotics.manipulation.placement_refinement import refine
-from robotics.manipulation.planar_arm import PlanarArm
-from robotics.manipulation.score_rule import Measure, ScoreRule
-from robotics.manipulation.screw_arm import FreeTurn, ScrewArm
+from handcart.robotics.kinematics.arm_model import ArmModel
+from handcart.robotics.manipulation.directional_manipulability import directional, manipulability, top_speed
+from handcart.robotics.manipulation.performance import sure_performance
+from handcart.robotics.manipulation.pitch_arm import PitchArm
+from handcart.robotics.manipulation.placement_bound import score_bound
+from handcart.robotics.manipulation.placement_division import best_division, greedy_division
+from handcart.robotics.manipulation.placement_refinement import refine
+from handcart.robotics.manipulation.planar_arm import PlanarArm
+from handcart.robotics.manipulation.score_rule import Measure, ScoreRule
+from handcart.robotics.manipulation.screw_arm import FreeTurn, ScrewArm
 
 from .seams import arched, five_joint_urdf, stands, straight
 

@@ -5,13 +5,13 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from robotics.geometry.pose2 import Pose2
-from robotics.kinematics.arm_model import ArmModel
-from robotics.manipulation.placement_division import TooFewPlacements
-from robotics.manipulation.placer import Placements, Placer, Work
-from robotics.manipulation.screw_arm import FreeTurn
-from robotics.manipulation.tool_path import ToolPath
-from robotics.manipulation.untrackable import Untrackable
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.kinematics.arm_model import ArmModel
+from handcart.robotics.manipulation.placement_division import TooFewPlacements
+from handcart.robotics.manipulation.placer import Placements, Placer, Work
+from handcart.robotics.manipulation.screw_arm import FreeTurn
+from handcart.robotics.manipulation.tool_path import ToolPath
+from handcart.robotics.manipulation.untrackable import Untrackable
 
 from .seams import arched, five_joint_urdf
 

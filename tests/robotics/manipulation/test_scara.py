@@ -4,9 +4,9 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from robotics.geometry.pose2 import Pose2
-from robotics.manipulation.resolved_rate import ResolvedRate, line_postures, way_to
-from robotics.manipulation.scara import Scara, base_to_world, world_to_base
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.manipulation.resolved_rate import ResolvedRate, line_postures, way_to
+from handcart.robotics.manipulation.scara import Scara, base_to_world, world_to_base
 
 ARM = Scara()
 DT = 0.02

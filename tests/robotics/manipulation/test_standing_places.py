@@ -5,17 +5,17 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from robotics.geometry.transform import transform
-from robotics.kinematics.shapes import Box
-from robotics.manipulation.nearest_reachable import with_nearest
-from robotics.manipulation.pitch_arm import PitchArm
-from robotics.manipulation.placement_division import best_division
-from robotics.manipulation.placement_scores import PlacementScores
-from robotics.manipulation.score_rule import Measure, ScoreRule
-from robotics.manipulation.standing_places import has_way, stands_clear
-from robotics.manipulation.tool_path import ToolPath
-from robotics.manipulation.untrackable import Untrackable
-from robotics.navigation.grid_map import from_boxes
+from handcart.robotics.geometry.transform import transform
+from handcart.robotics.kinematics.shapes import Box
+from handcart.robotics.manipulation.nearest_reachable import with_nearest
+from handcart.robotics.manipulation.pitch_arm import PitchArm
+from handcart.robotics.manipulation.placement_division import best_division
+from handcart.robotics.manipulation.placement_scores import PlacementScores
+from handcart.robotics.manipulation.score_rule import Measure, ScoreRule
+from handcart.robotics.manipulation.standing_places import has_way, stands_clear
+from handcart.robotics.manipulation.tool_path import ToolPath
+from handcart.robotics.manipulation.untrackable import Untrackable
+from handcart.robotics.navigation.grid_map import from_boxes
 
 from .seams import arched, stands
 

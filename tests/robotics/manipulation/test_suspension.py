@@ -1,15 +1,15 @@
 import numpy as np
 import pytest
 
-from robotics.geometry.transform import Transform, apply, difference, inverse, transform
-from robotics.manipulation.laser_spot import SpotShift, fit_spots, spot_on_wall
-from robotics.manipulation.suspension_identification import (
+from handcart.robotics.geometry.transform import Transform, apply, difference, inverse, transform
+from handcart.robotics.manipulation.laser_spot import SpotShift, fit_spots, spot_on_wall
+from handcart.robotics.manipulation.suspension_identification import (
     Sighting,
     Swing,
     fit_displacements,
     fit_sightings,
 )
-from robotics.manipulation.suspension_model import (
+from handcart.robotics.manipulation.suspension_model import (
     SuspensionModel,
     base_motion,
     processed_error,

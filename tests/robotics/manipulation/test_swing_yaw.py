@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from robotics.manipulation.swing_yaw import fit_swing_yaw
+from handcart.robotics.manipulation.swing_yaw import fit_swing_yaw
 
 YAW, SPREAD, NOISE = -0.8e-3, 0.4e-3, 0.2e-3
 

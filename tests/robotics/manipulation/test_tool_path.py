@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from robotics.manipulation.tool_path import tool_path
-from robotics.manipulation.untrackable import Untrackable
+from handcart.robotics.manipulation.tool_path import tool_path
+from handcart.robotics.manipulation.untrackable import Untrackable
 
 from .seams import arched, arched_poses, straight
 

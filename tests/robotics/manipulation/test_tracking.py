@@ -5,16 +5,16 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from robotics.geometry.pose2 import Pose2
-from robotics.geometry.transform import transform
-from robotics.kinematics.arm_model import ArmModel
-from robotics.manipulation.pitch_arm import PitchArm
-from robotics.manipulation.screw_arm import FreeTurn
-from robotics.manipulation.tool_follower import ToolFollower
-from robotics.manipulation.tool_path import ToolPath, tool_path
-from robotics.manipulation.tracking_limits import ArmLoad
-from robotics.manipulation.tracking_time import TrackingLimits, time_tracking
-from robotics.manipulation.untrackable import Untrackable
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.geometry.transform import transform
+from handcart.robotics.kinematics.arm_model import ArmModel
+from handcart.robotics.manipulation.pitch_arm import PitchArm
+from handcart.robotics.manipulation.screw_arm import FreeTurn
+from handcart.robotics.manipulation.tool_follower import ToolFollower
+from handcart.robotics.manipulation.tool_path import ToolPath, tool_path
+from handcart.robotics.manipulation.tracking_limits import ArmLoad
+from handcart.robotics.manipulation.tracking_time import TrackingLimits, time_tracking
+from handcart.robotics.manipulation.untrackable import Untrackable
 
 from .seams import arched, five_joint_urdf
 

@@ -7,11 +7,11 @@ import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
-from robotics.geometry.transform import transform
-from robotics.kinematics.arm_model import ArmModel
-from robotics.manipulation.motion_planner import plan_straight
-from robotics.manipulation.rounded_path import RoundedPath
-from robotics.manipulation.trajectory import time_path
+from handcart.robotics.geometry.transform import transform
+from handcart.robotics.kinematics.arm_model import ArmModel
+from handcart.robotics.manipulation.motion_planner import plan_straight
+from handcart.robotics.manipulation.rounded_path import RoundedPath
+from handcart.robotics.manipulation.trajectory import time_path
 
 PERIOD = 0.05
 VELOCITY = np.full(6, 1.5)

@@ -5,7 +5,7 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
 from benchmarks.random_grids import distance_to_squares
-from robotics.navigation.blocked_squares import (
+from handcart.robotics.navigation.blocked_squares import (
     TOUCHING,
     blocked_squares,
     is_clear,

@@ -7,11 +7,11 @@ import math
 import numpy as np
 import pytest
 
-from robotics.geometry.pose2 import Pose2
-from robotics.navigation.car_route import plan_car_route
-from robotics.navigation.car_tracker import CarTracker
-from robotics.navigation.drive_limits import DriveLimits
-from robotics.navigation.point_discs import point_discs
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.navigation.car_route import plan_car_route
+from handcart.robotics.navigation.car_tracker import CarTracker
+from handcart.robotics.navigation.drive_limits import DriveLimits
+from handcart.robotics.navigation.point_discs import point_discs
 
 START, GOAL = Pose2(0.0, 0.0, 0.0), Pose2(10.0, 5.0, 0.5)
 SHARPEST = 0.5

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from robotics.navigation.clearances import Clearances
-from robotics.navigation.grid_map import GridMap
+from handcart.robotics.navigation.clearances import Clearances
+from handcart.robotics.navigation.grid_map import GridMap
 
 EMPTY = np.zeros((4, 5), dtype=np.bool_)
 

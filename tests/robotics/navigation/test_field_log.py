@@ -1,10 +1,10 @@
 import numpy as np
 import pytest
 
-from robotics.navigation.field_course import ASIDE, straight_course, zigzag_course
-from robotics.navigation.field_drive import PERIOD, FieldTimes
-from robotics.navigation.field_log import record_course
-from robotics.navigation.field_noise import REFERENCE
+from handcart.robotics.navigation.field_course import ASIDE, straight_course, zigzag_course
+from handcart.robotics.navigation.field_drive import PERIOD, FieldTimes
+from handcart.robotics.navigation.field_log import record_course
+from handcart.robotics.navigation.field_noise import REFERENCE
 
 
 @pytest.mark.parametrize("course", [straight_course(5), zigzag_course()])

@@ -5,8 +5,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from robotics.geometry.pose2 import Pose2, wrap
-from robotics.navigation.front_line import fit_front, pose_from_front
+from handcart.robotics.geometry.pose2 import Pose2, wrap
+from handcart.robotics.navigation.front_line import fit_front, pose_from_front
 
 SHELF = np.array(
     [[-0.5, 0.0], [0.5, 0.0]]

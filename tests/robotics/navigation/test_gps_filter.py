@@ -3,18 +3,18 @@ import math
 import numpy as np
 import pytest
 
-from backends.plain_values import to_plain
-from backends.saved_state import pack
-from robotics.geometry.pose2 import Pose2
-from robotics.navigation.field_course import straight_course, zigzag_course
-from robotics.navigation.field_drive import PERIOD
-from robotics.navigation.field_log import FieldLog, record_course
-from robotics.navigation.field_noise import REFERENCE, RTK
-from robotics.navigation.field_trial import as_laid, start_pose, try_course
-from robotics.navigation.gps_filter import GpsFilter
-from robotics.navigation.information_limit import information_limit
-from robotics.navigation.placement_errors import nees, tip_covariance
-from robotics.navigation.smoothing import TrackRecord
+from handcart.backends.plain_values import to_plain
+from handcart.backends.saved_state import pack
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.navigation.field_course import straight_course, zigzag_course
+from handcart.robotics.navigation.field_drive import PERIOD
+from handcart.robotics.navigation.field_log import FieldLog, record_course
+from handcart.robotics.navigation.field_noise import REFERENCE, RTK
+from handcart.robotics.navigation.field_trial import as_laid, start_pose, try_course
+from handcart.robotics.navigation.gps_filter import GpsFilter
+from handcart.robotics.navigation.information_limit import information_limit
+from handcart.robotics.navigation.placement_errors import nees, tip_covariance
+from handcart.robotics.navigation.smoothing import TrackRecord
 
 RUNS = range(16)
 

@@ -5,8 +5,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from robotics.geometry.pose2 import Pose2
-from robotics.navigation.grid_map import GridMap, from_boxes, from_ros, unknown_read_as_free
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.navigation.grid_map import GridMap, from_boxes, from_ros, unknown_read_as_free
 
 
 def empty(height: int, width: int, resolution: float = 0.05, x: float = 0.0, y: float = 0.0) -> GridMap:

@@ -3,11 +3,11 @@ import math
 import numpy as np
 import pytest
 
-from robotics.geometry.pose2 import Pose2
-from robotics.navigation.field_course import straight_course
-from robotics.navigation.field_log import FieldLog, record_course
-from robotics.navigation.field_noise import REFERENCE
-from robotics.navigation.gyro_odometry import GyroOdometry
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.navigation.field_course import straight_course
+from handcart.robotics.navigation.field_log import FieldLog, record_course
+from handcart.robotics.navigation.field_noise import REFERENCE
+from handcart.robotics.navigation.gyro_odometry import GyroOdometry
 
 DT = 0.025
 LEVEL = np.array([0.0, 0.0, 9.81])

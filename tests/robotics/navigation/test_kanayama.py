@@ -3,8 +3,8 @@ import math
 import numpy as np
 import pytest
 
-from robotics.geometry.pose2 import Pose2
-from robotics.navigation.kanayama import KanayamaGains, Reference, StraightRun, kanayama
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.navigation.kanayama import KanayamaGains, Reference, StraightRun, kanayama
 
 DT = 0.01
 

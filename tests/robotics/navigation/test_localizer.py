@@ -3,12 +3,12 @@ import math
 import numpy as np
 import pytest
 
-from robotics.geometry.pose2 import Pose2
-from robotics.navigation.localizer import Localizer, OdometryLocalizer, ScanLocalizer
-from robotics.navigation.odometry import Odometry, OdometryErrors
-from robotics.navigation.path_tracking import PathTracker
-from robotics.navigation.route import plan_route
-from robotics.navigation.voronoi_graph import voronoi_graph
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.navigation.localizer import Localizer, OdometryLocalizer, ScanLocalizer
+from handcart.robotics.navigation.odometry import Odometry, OdometryErrors
+from handcart.robotics.navigation.path_tracking import PathTracker
+from handcart.robotics.navigation.route import plan_route
+from handcart.robotics.navigation.voronoi_graph import voronoi_graph
 
 TREAD, DT = 0.46, 0.05
 START, GOAL = Pose2(1.0, 3.6, 0.0), Pose2(10.9, 7.9, 1.5)

@@ -2,11 +2,11 @@ import cv2
 import numpy as np
 import pytest
 
-from robotics.geometry.pose2 import Pose2
-from robotics.navigation.box_ranges import box_ranges
-from robotics.navigation.grid_map import GridMap, from_boxes
-from robotics.navigation.map_walls import LONE, THIN, map_walls
-from robotics.navigation.scan_matching import LikelihoodField
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.navigation.box_ranges import box_ranges
+from handcart.robotics.navigation.grid_map import GridMap, from_boxes
+from handcart.robotics.navigation.map_walls import LONE, THIN, map_walls
+from handcart.robotics.navigation.scan_matching import LikelihoodField
 
 CELL = 0.05
 ANGLES = np.linspace(-np.pi, np.pi, 360, endpoint=False)

@@ -5,8 +5,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from robotics.geometry.pose2 import Pose2, wrap
-from robotics.navigation.odometry import Odometry, OdometryErrors
+from handcart.robotics.geometry.pose2 import Pose2, wrap
+from handcart.robotics.navigation.odometry import Odometry, OdometryErrors
 
 TREAD = 0.5
 EXACT = OdometryErrors(0.0, 0.0, 0.0)

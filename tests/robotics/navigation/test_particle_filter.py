@@ -3,13 +3,13 @@ import math
 import numpy as np
 import pytest
 
-from robotics.geometry.pose2 import Pose2
-from robotics.navigation.field_course import zigzag_course
-from robotics.navigation.field_log import record_course
-from robotics.navigation.field_noise import REFERENCE
-from robotics.navigation.field_trial import start_pose, try_course
-from robotics.navigation.particle_filter import ParticleErrors, ParticleFilter
-from robotics.navigation.placement_errors import aligned_spread
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.navigation.field_course import zigzag_course
+from handcart.robotics.navigation.field_log import record_course
+from handcart.robotics.navigation.field_noise import REFERENCE
+from handcart.robotics.navigation.field_trial import start_pose, try_course
+from handcart.robotics.navigation.particle_filter import ParticleErrors, ParticleFilter
+from handcart.robotics.navigation.placement_errors import aligned_spread
 
 DT = 0.025
 LEVEL = np.array([0.0, 0.0, 9.81])

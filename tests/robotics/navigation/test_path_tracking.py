@@ -5,10 +5,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from robotics.geometry.pose2 import Pose2
-from robotics.navigation.drive_limits import DriveLimits
-from robotics.navigation.path_tracking import PathTracker
-from robotics.navigation.pose_regulator import PoseRegulator, PoseTolerance
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.navigation.drive_limits import DriveLimits
+from handcart.robotics.navigation.path_tracking import PathTracker
+from handcart.robotics.navigation.pose_regulator import PoseRegulator, PoseTolerance
 
 DT = 0.05
 

@@ -3,8 +3,14 @@ import math
 import numpy as np
 import pytest
 
-from robotics.geometry.pose2 import Pose2
-from robotics.navigation.placement_errors import aligned_spread, nees, share_radius, tip_covariance, tip_place
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.navigation.placement_errors import (
+    aligned_spread,
+    nees,
+    share_radius,
+    tip_covariance,
+    tip_place,
+)
 
 
 def test_the_tip_is_on_the_right():

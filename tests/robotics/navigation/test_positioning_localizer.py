@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from robotics.geometry.pose2 import Pose2
-from robotics.navigation.positioning_localizer import PositioningLocalizer
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.navigation.positioning_localizer import PositioningLocalizer
 
 SIGMA = (0.0003, 0.0003)
 START = np.diag([0.05, 0.05, 0.03]) ** 2

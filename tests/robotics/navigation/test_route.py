@@ -4,11 +4,11 @@ from skimage.graph import MCP_Geometric
 
 from benchmarks.random_grids import KINDS, distance_to_squares, random_grid, rooms, streets
 from benchmarks.routes import try_grid
-from robotics.geometry.pose2 import Pose2
-from robotics.navigation.grid_map import GridMap, from_boxes
-from robotics.navigation.route import Route, plan_route
-from robotics.navigation.shortest_path import shortest_path
-from robotics.navigation.voronoi_graph import VoronoiGraph, voronoi_graph
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.navigation.grid_map import GridMap, from_boxes
+from handcart.robotics.navigation.route import Route, plan_route
+from handcart.robotics.navigation.shortest_path import shortest_path
+from handcart.robotics.navigation.voronoi_graph import VoronoiGraph, voronoi_graph
 
 
 def assert_drivable(graph: VoronoiGraph, route: Route) -> None:

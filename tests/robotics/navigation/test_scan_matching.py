@@ -1,10 +1,10 @@
 import numpy as np
 import pytest
 
-from robotics.geometry.pose2 import Pose2, wrap
-from robotics.navigation.grid_map import GridMap, from_boxes
-from robotics.navigation.scan_matching import LikelihoodField, match_scan
-from robotics.navigation.voronoi_graph import voronoi_graph
+from handcart.robotics.geometry.pose2 import Pose2, wrap
+from handcart.robotics.navigation.grid_map import GridMap, from_boxes
+from handcart.robotics.navigation.scan_matching import LikelihoodField, match_scan
+from handcart.robotics.navigation.voronoi_graph import voronoi_graph
 
 
 def places(library: GridMap, count: int, seed: int) -> list[Pose2]:

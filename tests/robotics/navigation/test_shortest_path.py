@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from robotics.navigation.shortest_path import shortest_path
+from handcart.robotics.navigation.shortest_path import shortest_path
 
 
 def length(corners: np.ndarray) -> float:

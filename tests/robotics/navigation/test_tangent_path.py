@@ -3,9 +3,9 @@ import math
 import numpy as np
 import pytest
 
-from robotics.geometry.pose2 import Pose2, wrap
-from robotics.navigation.pure_pursuit import PurePursuit
-from robotics.navigation.tangent_path import CarPath, car_path, shortest_detour
+from handcart.robotics.geometry.pose2 import Pose2, wrap
+from handcart.robotics.navigation.pure_pursuit import PurePursuit
+from handcart.robotics.navigation.tangent_path import CarPath, car_path, shortest_detour
 
 RADIUS = 2.0
 START, GOAL = Pose2(0.0, 0.0, 0.0), Pose2(12.0, 0.0, 0.0)

@@ -1,10 +1,10 @@
 import numpy as np
 import pytest
 
-from robotics.geometry.pose2 import Pose2
-from robotics.navigation.grid_map import GridMap
-from robotics.navigation.scan_matching import LikelihoodField
-from robotics.navigation.unexpected import path_blocked, unexpected_points
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.navigation.grid_map import GridMap
+from handcart.robotics.navigation.scan_matching import LikelihoodField
+from handcart.robotics.navigation.unexpected import path_blocked, unexpected_points
 
 ROUTE = np.array([[0.0, 0.0], [3.0, 0.0], [3.0, 3.0]])
 

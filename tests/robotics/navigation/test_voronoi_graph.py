@@ -6,9 +6,9 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 from scipy import ndimage
 
-from robotics.navigation.grid_map import GridMap
-from robotics.navigation.thinning import thin
-from robotics.navigation.voronoi_graph import VoronoiGraph, voronoi_graph
+from handcart.robotics.navigation.grid_map import GridMap
+from handcart.robotics.navigation.thinning import thin
+from handcart.robotics.navigation.voronoi_graph import VoronoiGraph, voronoi_graph
 
 
 def topology(free: np.ndarray) -> tuple[int, int]:

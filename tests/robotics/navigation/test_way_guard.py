@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from robotics.geometry.pose2 import Pose2
-from robotics.navigation.clearances import Clearances
-from robotics.navigation.grid_map import GridMap
-from robotics.navigation.way_guard import NOTHING, WayGuard
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.navigation.clearances import Clearances
+from handcart.robotics.navigation.grid_map import GridMap
+from handcart.robotics.navigation.way_guard import NOTHING, WayGuard
 
 NEEDED = 0.3
 WALL = GridMap(

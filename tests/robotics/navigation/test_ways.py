@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from robotics.navigation.clearances import Clearances
-from robotics.navigation.grid_map import GridMap, from_boxes
-from robotics.navigation.ways import ROOM_AT_GOAL, Ways
+from handcart.robotics.navigation.clearances import Clearances
+from handcart.robotics.navigation.grid_map import GridMap, from_boxes
+from handcart.robotics.navigation.ways import ROOM_AT_GOAL, Ways
 
 RADIUS = 0.3
 START = (1.0, 2.0)

@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from backends.scene.textures import draw_spine
-from robotics.geometry.transform import transform
-from robotics.perception.camera_model import CameraModel, plane_to_rays
+from handcart.backends.scene.textures import draw_spine
+from handcart.robotics.geometry.transform import transform
+from handcart.robotics.perception.camera_model import CameraModel, plane_to_rays
 
 CAMERA = CameraModel(
     np.array([[800.0, 0.0, 319.5], [0.0, 800.0, 239.5], [0.0, 0.0, 1.0]]),

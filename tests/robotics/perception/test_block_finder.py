@@ -11,10 +11,10 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from robotics.geometry.pose2 import Pose2
-from robotics.geometry.transform import inverse, transform
-from robotics.perception.block_finder import TURN, find_block
-from robotics.perception.camera_model import CameraModel
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.geometry.transform import inverse, transform
+from handcart.robotics.perception.block_finder import TURN, find_block
+from handcart.robotics.perception.camera_model import CameraModel
 
 CAMERA = CameraModel(
     np.array([[800.0, 0.0, 319.5], [0.0, 800.0, 239.5], [0.0, 0.0, 1.0]]),

@@ -2,15 +2,15 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from robotics.geometry.transform import Transform, apply, difference, inverse, transform
-from robotics.perception.board_pose import pose_board
-from robotics.perception.calibration_board import BoardView
-from robotics.perception.camera_calibration import calibrate_camera
-from robotics.perception.charuco_board import CharucoBoard
-from robotics.perception.chessboard import Chessboard
-from robotics.perception.hand_eye_calibration import HandEyeView, calibrate_hand_eye
-from robotics.perception.hand_eye_closed_form import METHODS, closed_form
-from robotics.perception.landmark_pose import facing
+from handcart.robotics.geometry.transform import Transform, apply, difference, inverse, transform
+from handcart.robotics.perception.board_pose import pose_board
+from handcart.robotics.perception.calibration_board import BoardView
+from handcart.robotics.perception.camera_calibration import calibrate_camera
+from handcart.robotics.perception.charuco_board import CharucoBoard
+from handcart.robotics.perception.chessboard import Chessboard
+from handcart.robotics.perception.hand_eye_calibration import HandEyeView, calibrate_hand_eye
+from handcart.robotics.perception.hand_eye_closed_form import METHODS, closed_form
+from handcart.robotics.perception.landmark_pose import facing
 
 HAND_T_CAMERA = transform((0.03, 0.06, 0.04), (0.02, -0.03, 1.6))
 BASE_T_BOARD = transform((0.5, 0.1, 0.02), (0.01, -0.02, 0.4))

@@ -1,6 +1,6 @@
 import pytest
 
-from robotics.perception.call_number import CallNumber, edit_distance, parse, snap
+from handcart.robotics.perception.call_number import CallNumber, edit_distance, parse, snap
 
 
 def test_text_is_parsed_and_written_back():

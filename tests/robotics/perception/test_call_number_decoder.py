@@ -1,6 +1,6 @@
 import numpy as np
 
-from robotics.perception.call_number_decoder import SYMBOLS, CallNumberDecoder
+from handcart.robotics.perception.call_number_decoder import SYMBOLS, CallNumberDecoder
 
 CHARACTERS = ["", *SYMBOLS, *"abcdefghijklmnopqrstuvwxyz", "中", " "]
 DECODER = CallNumberDecoder(CHARACTERS)

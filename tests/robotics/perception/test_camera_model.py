@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from robotics.perception.camera_model import picture_of_plane
+from handcart.robotics.perception.camera_model import picture_of_plane
 
 
 def test_pixels_on_the_plane_go_back_and_forth(bookshelf):

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from robotics.geometry.pose2 import Pose2
-from robotics.perception.constellation import Belief, Kind, Mark, explain, rivals
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.perception.constellation import Belief, Kind, Mark, explain, rivals
 
 KIND, HIGHER = Kind(0.4, 0.06), Kind(0.6, 0.06)
 HALF = (0.09, 0.06)  # [m] from the middle of a picture to where a landmark's middle may be

@@ -1,10 +1,10 @@
 import numpy as np
 import pytest
 
-from robotics.perception.call_number import CallNumber, parse
-from robotics.perception.gap_finder import GapFound, NoGap, find_gap, ordered
-from robotics.perception.shelf_views import ShelfBook, ShelfReading
-from robotics.perception.spines import Gap
+from handcart.robotics.perception.call_number import CallNumber, parse
+from handcart.robotics.perception.gap_finder import GapFound, NoGap, find_gap, ordered
+from handcart.robotics.perception.shelf_views import ShelfBook, ShelfReading
+from handcart.robotics.perception.spines import Gap
 
 
 def _shelf(row):

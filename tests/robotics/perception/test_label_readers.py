@@ -1,11 +1,11 @@
 import numpy as np
 import pytest
 
-from backends.scene.textures import PX_PER_MM, draw_label
-from robotics.perception.call_number import parse
-from robotics.perception.label_finder import find_labels
-from robotics.perception.ocr_label_reader import OcrLabelReader
-from robotics.perception.template_label_reader import TemplateLabelReader
+from handcart.backends.scene.textures import PX_PER_MM, draw_label
+from handcart.robotics.perception.call_number import parse
+from handcart.robotics.perception.label_finder import find_labels
+from handcart.robotics.perception.ocr_label_reader import OcrLabelReader
+from handcart.robotics.perception.template_label_reader import TemplateLabelReader
 
 FONTS = ("DejaVuSans.ttf", "DejaVuSerif.ttf", "DejaVuSansMono-Bold.ttf", "STIXGeneral.ttf", "cmr10.ttf")
 TEXTS = ["512.7 NAG", "513 OQD", "514.15 WIL", "515.082 BSB", "516.9 JIM", "517.61 VUY", "518.4 CGO"]

@@ -4,11 +4,11 @@ import cv2
 import numpy as np
 import pytest
 
-from robotics.geometry.pose2 import Pose2, wrap
-from robotics.geometry.transform import difference, transform
-from robotics.perception.landmark import INK, PAPER, diagonals_meet, draw_landmark
-from robotics.perception.landmark_finder import find_landmarks
-from robotics.perception.landmark_pose import apparent_side, facing, landmark_pose, planar_pose
+from handcart.robotics.geometry.pose2 import Pose2, wrap
+from handcart.robotics.geometry.transform import difference, transform
+from handcart.robotics.perception.landmark import INK, PAPER, diagonals_meet, draw_landmark
+from handcart.robotics.perception.landmark_finder import find_landmarks
+from handcart.robotics.perception.landmark_pose import apparent_side, facing, landmark_pose, planar_pose
 
 HEIGHT = 0.3
 

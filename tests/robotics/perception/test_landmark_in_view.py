@@ -5,13 +5,13 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from robotics.geometry.pose2 import Pose2
-from robotics.geometry.transform import inverse
-from robotics.perception.constellation import Kind
-from robotics.perception.landmark import draw_landmark
-from robotics.perception.landmark_finder import find_landmarks
-from robotics.perception.landmark_in_view import wholly_in_view
-from robotics.perception.landmark_pose import facing
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.geometry.transform import inverse
+from handcart.robotics.perception.constellation import Kind
+from handcart.robotics.perception.landmark import draw_landmark
+from handcart.robotics.perception.landmark_finder import find_landmarks
+from handcart.robotics.perception.landmark_in_view import wholly_in_view
+from handcart.robotics.perception.landmark_pose import facing
 
 HEIGHT = 0.3
 KIND = Kind(0.0, 0.06)

@@ -1,13 +1,13 @@
 import numpy as np
 import pytest
 
-from robotics.perception.call_number import parse
-from robotics.perception.gap_finder import GapFound, find_gap
-from robotics.perception.label_reader import Label
-from robotics.perception.ocr_label_reader import OcrLabelReader
-from robotics.perception.overlay import draw_overlay
-from robotics.perception.shelf_views import fuse_labels, fuse_views
-from robotics.perception.spines import Gap, Spine, SpineView, find_spines
+from handcart.robotics.perception.call_number import parse
+from handcart.robotics.perception.gap_finder import GapFound, find_gap
+from handcart.robotics.perception.label_reader import Label
+from handcart.robotics.perception.ocr_label_reader import OcrLabelReader
+from handcart.robotics.perception.overlay import draw_overlay
+from handcart.robotics.perception.shelf_views import fuse_labels, fuse_views
+from handcart.robotics.perception.spines import Gap, Spine, SpineView, find_spines
 
 TEXTS = [f"51{i}.{3 * i + 1} {c}AB" for i, c in enumerate("KLMNPRST")]
 

@@ -1,8 +1,8 @@
 import numpy as np
 import pytest
 
-from robotics.perception.tag_family import dictionary
-from robotics.perception.tag_reader import Region, read_tags, tag_pose
+from handcart.robotics.perception.tag_family import dictionary
+from handcart.robotics.perception.tag_reader import Region, read_tags, tag_pose
 
 HEIGHT = 0.2
 TAG_HEIGHT = HEIGHT - 0.014
