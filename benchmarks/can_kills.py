@@ -93,7 +93,7 @@ def bench(log: Path) -> Iterator[None]:
     """The drives, as a process of their own."""
     words = [ROBOT, "--channel", CHANNEL, "--log", str(log)]
     with subprocess.Popen(
-        [sys.executable, "-m", "handcart.tools.handcart", "bench", *words], stdout=subprocess.PIPE
+        [sys.executable, "-m", "handcart", "bench", *words], stdout=subprocess.PIPE
     ) as made:
         assert made.stdout is not None
         made.stdout.readline()

@@ -80,16 +80,7 @@ class Run:
     """A run that asks before each action, in a process of its own."""
 
     def __init__(self, runs: Path, *options: str) -> None:
-        words = [
-            sys.executable,
-            "-m",
-            "handcart.tools.handcart",
-            "run",
-            str(TASK),
-            "--runs",
-            str(runs),
-            *options,
-        ]
+        words = [sys.executable, "-m", "handcart", "run", str(TASK), "--runs", str(runs), *options]
         if not options:
             words.append("--step")
         quiet = subprocess.DEVNULL

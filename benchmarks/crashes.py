@@ -27,7 +27,7 @@ ROOT = TASK.parents[2]
 
 def command(*words: object) -> list[str]:
     """A command line of handcart in this Python."""
-    return [sys.executable, "-m", "handcart.tools.handcart", *map(str, words)]
+    return [sys.executable, "-m", "handcart", *map(str, words)]
 
 
 def run_and_kill(runs: Path, seconds: float) -> tuple[Path, float]:

@@ -125,7 +125,7 @@ def _look(cases: list[Case], jobs: int, limit: int) -> int:
 def _all(cases: list[Case], jobs: int, limit: int) -> Iterator[tuple[Case, Seen]]:
     """Each in a process of its own, forked from one that has the libraries: what crashes is seen."""
     for name in (
-        "handcart.tools.handcart",
+        "handcart.tools.main",
         "handcart.tools.check_file",
         "handcart.tools.check_robot",
         "handcart.evaluation.robot_report.report",
@@ -259,7 +259,7 @@ def _of_json(status: int, out: str, urdf: str) -> Iterator[str]:
 
 def _said(*words: str) -> tuple[int, str, str]:
     """What a command says, that of libraries below Python too."""
-    from handcart.tools.handcart import main as handcart
+    from handcart.tools.main import main as handcart
 
     out = io.StringIO()
     with tempfile.TemporaryFile() as heard:

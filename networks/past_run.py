@@ -4,15 +4,21 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
+from io import BytesIO
 from pathlib import Path
 from typing import Any
+from zipfile import BadZipFile
 
 from .journal import SCHEMA
 from .journal_record import JournalError
 from .journaled_network import JournaledNetwork, network_of
-from .run_folder import JOURNAL, read_run_journal
+from .run_folder import JOURNAL, read_file, read_run_journal
 from .run_folder import NoRun as NoRun
+from .telemetry import Track, load_track
 
+TELEMETRY = "telemetry.npz"
+MAX_TELEMETRY = 256 * 2**20
 Record = Mapping[str, Any]
 
 
@@ -68,6 +74,21 @@ class PastRun:
         """The record of the run's end; None where it was killed, or still goes on."""
         last = next(record for record in reversed(self.records) if record["kind"] in ("END", "EPOCH", "RUN"))
         return last if last["kind"] == "END" else None
+
+    @cached_property
+    def track(self) -> Track | None:
+        """Where the robot was, period by period; None where that wasn't kept.
+
+        Raises:
+            NoRun: the file holds something else.
+        """
+        content = read_file(self.folder, TELEMETRY, MAX_TELEMETRY, missing=True)
+        if content is None:
+            return None
+        try:
+            return load_track(BytesIO(content))
+        except (LookupError, ValueError, OSError, BadZipFile) as error:
+            raise NoRun(self.folder, f"{TELEMETRY} in it is no track ({error})") from None
 
     @property
     def last_fail(self) -> PastAction | None:

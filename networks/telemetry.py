@@ -4,13 +4,15 @@ from __future__ import annotations
 
 from io import BytesIO
 from pathlib import Path
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from handcart.backends.robot import Robot
 from handcart.files.whole_file import write_whole
+
+if TYPE_CHECKING:
+    from handcart.backends.robot import Robot
 
 
 class Track(NamedTuple):
@@ -49,7 +51,7 @@ class Telemetry:
         write_whole(path, packed.getvalue())
 
 
-def load_track(path: Path) -> Track:
+def load_track(file: Path | BytesIO) -> Track:
     """A track that was saved."""
-    with np.load(path) as arrays:
+    with np.load(file, allow_pickle=False) as arrays:
         return Track(**{name: arrays[name] for name in Track._fields})

@@ -33,8 +33,8 @@ def install(folder: Path, document: str) -> None:
 
 def handcart(folder: Path, *words: str) -> subprocess.CompletedProcess[str]:
     """`handcart ...` where the distribution of `folder` is installed."""
-    env = os.environ | {"PYTHONPATH": f"{folder}{os.pathsep}{ROOT}"}
-    command = [sys.executable, "-m", "handcart.tools.handcart", *words]
+    env = os.environ | {"PYTHONPATH": str(folder)}
+    command = [sys.executable, "-m", "handcart", *words]
     return subprocess.run(command, env=env, cwd=ROOT, capture_output=True, text=True, check=False)
 
 

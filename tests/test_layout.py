@@ -2,8 +2,13 @@
 
 from __future__ import annotations
 
+import ast
 import importlib
+import os
 import re
+import subprocess
+import sys
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -11,11 +16,57 @@ import pytest
 ROOT = Path(__file__).resolve().parents[1]
 
 
-@pytest.mark.parametrize(
-    "name", ["robotics", "files", "backends", "primitives", "networks", "evaluation", "tools", "tasks"]
-)
-def test_each_package_is_this_checkouts(name: str) -> None:
-    assert Path(str(importlib.import_module(name).__file__)).parent == ROOT / name
+ROOMS = ("robotics", "files", "backends", "primitives", "networks", "evaluation", "tasks", "tools")
+
+
+def python(code: str, where: Path, **more: str) -> str:
+    """What a program prints that is run in another folder."""
+    command = [sys.executable, "-c", code]
+    ended = subprocess.run(
+        command, cwd=where, env=os.environ | more, capture_output=True, text=True, check=False
+    )
+    assert ended.returncode == 0, ended.stderr
+    return ended.stdout
+
+
+@pytest.mark.parametrize("room", ROOMS)
+def test_each_room_is_this_checkouts(room: str) -> None:
+    link = ROOT / "src" / "handcart" / room
+    assert link.is_symlink()
+    assert link.readlink() == Path("../..") / room
+    assert Path(str(importlib.import_module(f"handcart.{room}").__file__)) == ROOT / room / "__init__.py"
+
+
+def test_no_room_can_be_imported_by_a_name_of_its_own(tmp_path: Path) -> None:
+    code = f"from importlib.util import find_spec; print([room for room in {ROOMS!r} if find_spec(room)])"
+    assert python(code, tmp_path) == "[]\n"
+    code = f"""
+for room in {ROOMS!r}:
+    try:
+        __import__(room)
+    except ImportError as error:
+        assert f"import handcart.{{room}}" in str(error), error
+    else:
+        print(room)
+"""
+    assert python(code, ROOT) == ""
+
+
+def test_nothing_imports_a_bare_room() -> None:
+    listed = [
+        path for room in (*ROOMS, "tests", "benchmarks", "scripts") for path in (ROOT / room).rglob("*.py")
+    ]
+    found = [f"{path}: {name}" for path in listed for name in imported(path) if name.split(".")[0] in ROOMS]
+    assert found == []
+
+
+def imported(path: Path) -> Iterator[str]:
+    """The modules that a file imports by their whole names."""
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.Import):
+            yield from (each.name for each in node.names)
+        elif isinstance(node, ast.ImportFrom) and not node.level:
+            yield node.module or ""
 
 
 @pytest.mark.parametrize(
@@ -30,6 +81,7 @@ def test_each_package_is_this_checkouts(name: str) -> None:
         "docs/conformance.md",
         "docs/faults.md",
         "docs/robots.md",
+        "docs/api.md",
     ],
 )
 def test_links_lead_somewhere(document: str) -> None:
@@ -66,6 +118,7 @@ def test_tasks_in_documents_are_right(tmp_path: Path, document: str) -> None:
         "docs/conformance.md",
         "docs/faults.md",
         "docs/robots.md",
+        "docs/api.md",
     ],
 )
 def test_commands_in_documents_exist(document: str) -> None:

@@ -21,6 +21,7 @@ ROOMS = (
     "primitives",
     "robotics",
     "scripts",
+    "src",
     "tasks",
 )
 FORBIDDEN = {"pickle", "_pickle", "cPickle", "marshal", "shelve", "dill", "cloudpickle", "joblib", "copyreg"}

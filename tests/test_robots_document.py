@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from handcart.tools.handcart import main
+from handcart.tools.main import main
 
 pytest.importorskip("pybullet_data", reason="the example's arm comes with PyBullet")
 

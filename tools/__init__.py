@@ -1,1 +1,4 @@
 """The command line: thin."""
+
+if __name__ != "handcart.tools":
+    raise ImportError("import handcart.tools: the folder alone would be a second copy of it")

@@ -57,7 +57,7 @@ def check(
 
     try:
         given = dict(split_setting(each) for each in settings or [])
-        told = _facts(file, given, Asked(picture, every, allow, draft))
+        told = file_facts(file, given, Asked(picture, every, allow, draft))
     except InputError as error:
         if not as_json:
             if isinstance(error, FileError) and not every:
@@ -91,7 +91,7 @@ def check(
 
 def check_quietly(file: Path) -> dict[str, Any]:
     """What `check` would print about a file; raises what it would tell."""
-    return _facts(file, {}, Asked(quick=True))
+    return file_facts(file, {}, Asked(quick=True))
 
 
 def _tell_grouped(error: FileError) -> None:
@@ -123,7 +123,14 @@ def _places(findings: Iterable[Finding]) -> list[dict[str, Any]]:
     ]
 
 
-def _facts(file: Path, settings: dict[str, str], asked: Asked) -> dict[str, Any]:
+def file_facts(file: Path, settings: dict[str, str], asked: Asked = Asked()) -> dict[str, Any]:
+    """What is known of a file: for programs, for people (`lines`, `warnings`), and what is wrong with its
+    places (`errors`).
+
+    Raises:
+        FileError: with all that is wrong with it.
+        InputError: it names something that there isn't.
+    """
     from handcart.backends.map_file import is_map_file
     from handcart.files.errors import FileError
     from handcart.files.loading import load

@@ -9,42 +9,34 @@ import typer
 from typer.core import TyperGroup
 
 COMMANDS = {
-    "run": ("handcart.tools.run_task", "run", "Run a task."),
-    "do": ("handcart.tools.do_primitive", "do", "Run one primitive alone."),
-    "check": ("handcart.tools.check_file", "check", "Tell what is wrong with a file, without moving."),
-    "resume": ("handcart.tools.resume", "resume", "Go on with a run that broke off."),
-    "ack": ("handcart.tools.resume", "ack", "Acknowledge a GiveUp."),
-    "status": ("handcart.tools.operate", "status", "Tell what a run is doing."),
-    "pause": ("handcart.tools.operate", "pause", "Hold a run where it is."),
-    "continue": ("handcart.tools.operate", "go_on", "Go on after a pause."),
-    "stop": ("handcart.tools.operate", "stop", "Stop a run; the robot holds."),
-    "cancel": ("handcart.tools.operate", "cancel", "Bring a run's action back, then end it."),
-    "permit": ("handcart.tools.operate", "permit", "Permit the action that a run asks for."),
-    "refuse": ("handcart.tools.operate", "refuse", "Refuse it."),
-    "draw": ("handcart.tools.draw_network", "draw", "Draw a task's action network."),
-    "list": ("handcart.tools.list_names", "list_names", "List primitives, backends, robots or tasks."),
-    "describe": ("handcart.tools.describe", "describe", "Tell what a primitive takes, needs and does."),
-    "explain": ("handcart.tools.explain", "explain", "Tell why a run went as it did, from its folder."),
-    "schema": ("handcart.tools.schema", "schema", "Print the JSON Schema of a kind of file."),
-    "teach": ("handcart.tools.teach", "teach", "Record a posture into a robot's file."),
-    "adopt": ("handcart.tools.adopt", "adopt", "Take what a calibration found into a robot's file."),
-    "make-library": (
-        "handcart.tools.make_library",
-        "make_library",
-        "Write a library: world, map, places, catalogue.",
-    ),
-    "place": ("handcart.tools.place", "place", "Divide a seam among places of the base; write a task."),
-    "bench": ("handcart.tools.bench", "bench", "Simulate a robot's CAN drives, as a process of its own."),
-    "jog": ("handcart.tools.jog", "jog", "Move one axis of a real robot while a key is held."),
-    "bringup": ("handcart.tools.bringup", "bringup", "Bring a real robot up, rung by rung."),
-    "campaign": ("handcart.tools.campaign", "campaign", "Run a task many times, with seeds, and count."),
-    "conformance": (
-        "handcart.tools.conformance",
-        "conformance",
-        "Try whether a backend keeps what it promises.",
-    ),
+    "run": ("run_task", "run", "Run a task."),
+    "do": ("do_primitive", "do", "Run one primitive alone."),
+    "check": ("check_file", "check", "Tell what is wrong with a file, without moving."),
+    "resume": ("resume", "resume", "Go on with a run that broke off."),
+    "ack": ("resume", "ack", "Acknowledge a GiveUp."),
+    "status": ("operate", "status", "Tell what a run is doing."),
+    "pause": ("operate", "pause", "Hold a run where it is."),
+    "continue": ("operate", "go_on", "Go on after a pause."),
+    "stop": ("operate", "stop", "Stop a run; the robot holds."),
+    "cancel": ("operate", "cancel", "Bring a run's action back, then end it."),
+    "permit": ("operate", "permit", "Permit the action that a run asks for."),
+    "refuse": ("operate", "refuse", "Refuse it."),
+    "draw": ("draw_network", "draw", "Draw a task's action network."),
+    "list": ("list_names", "list_names", "List primitives, backends, robots or tasks."),
+    "describe": ("describe", "describe", "Tell what a primitive takes, needs and does."),
+    "explain": ("explain", "explain", "Tell why a run went as it did, from its folder."),
+    "schema": ("schema", "schema", "Print the JSON Schema of a kind of file."),
+    "teach": ("teach", "teach", "Record a posture into a robot's file."),
+    "adopt": ("adopt", "adopt", "Take what a calibration found into a robot's file."),
+    "make-library": ("make_library", "make_library", "Write a library: world, map, places, catalogue."),
+    "place": ("place", "place", "Divide a seam among places of the base; write a task."),
+    "bench": ("bench", "bench", "Simulate a robot's CAN drives, as a process of its own."),
+    "jog": ("jog", "jog", "Move one axis of a real robot while a key is held."),
+    "bringup": ("bringup", "bringup", "Bring a real robot up, rung by rung."),
+    "campaign": ("campaign", "campaign", "Run a task many times, with seeds, and count."),
+    "conformance": ("conformance", "conformance", "Try whether a backend keeps what it promises."),
 }
-"""Name to module, function and what help says of it."""
+"""Name to module in this room, function and what help says of it."""
 
 
 HELP = "Action primitives for mobile manipulators: run, check, draw and count tasks."
@@ -65,7 +57,7 @@ class LazyGroup(TyperGroup):
             ctx.fail(f"unknown command {cmd_name!r}{suggest(cmd_name, COMMANDS)}")
         module, function, told = COMMANDS[cmd_name]
         app = typer.Typer(add_completion=False, rich_markup_mode=None, pretty_exceptions_enable=False)
-        app.command(cmd_name, help=told)(getattr(import_module(module), function))
+        app.command(cmd_name, help=told)(getattr(import_module(f"{__package__}.{module}"), function))
         return typer.main.get_command(app)
 
     def format_commands(self, ctx: Any, formatter: Any) -> None:

@@ -12,7 +12,6 @@ from typing import NamedTuple
 
 from handcart.files.errors import InputError
 
-OURS = ("robotics", "files", "backends", "primitives", "networks", "evaluation", "tools")
 MODULES = {
     "opencv-python-headless": "cv2",
     "pin": "pinocchio",
@@ -41,7 +40,7 @@ class NoLibrary(InputError):
         if not isinstance(error, ImportError):
             return None
         root = (error.name or "").partition(".")[0]
-        if root in OURS:
+        if root == "handcart":
             return None
         found = {_module(each.name).partition(".")[0]: each for each in required()}
         install = str(found[root]) if root in found else root or "handcart"

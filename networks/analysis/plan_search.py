@@ -15,7 +15,7 @@ _SLACK = 1e-9
 
 
 class PlanSearch:
-    """Finds what `handcart.networks.planner.Planner` plans, of ways of the same weight the same, and searches little.
+    """Finds what `networks/planner.py` plans, of ways of the same weight the same, and searches little.
 
     A Fail only makes ways dearer, so what is left to the goal while nothing has failed never is too much: A*
     finds the cheapest weight with it (Hart, Nilsson and Raphael, 1968), then the planner's own search, by

@@ -27,7 +27,7 @@ class Bed:
     def __init__(self, project: Path, folder: Path) -> None:
         """Copy `project`, without what was made in it, into `folder`/project."""
         self.root, self._machine_code = folder / "project", folder / "numba"
-        shutil.copytree(project, self.root, ignore=shutil.ignore_patterns(*MADE))
+        shutil.copytree(project, self.root, symlinks=True, ignore=shutil.ignore_patterns(*MADE))
         if (project.parent / "shared").exists():
             (folder / "shared").symlink_to(project.parent / "shared")
 
@@ -60,7 +60,7 @@ class Bed:
     def _run(self, tests: tuple[str, ...], machine_code: Path) -> int:
         command = [sys.executable, "-m", "pytest", "-q", "-x", "-p", "no:cacheprovider", *tests]
         surroundings = os.environ | {
-            "PYTHONPATH": str(self.root),
+            "PYTHONPATH": str(self.root / "src"),
             "NUMBA_CACHE_DIR": str(machine_code),
         }
         quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL, "stdin": subprocess.DEVNULL}

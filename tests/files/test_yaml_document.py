@@ -54,7 +54,8 @@ def test_t01_no_regular_file(tmp_path: Path, name: str, said: str) -> None:
 def test_t01_fifo_does_not_block(tmp_path: Path) -> None:
     os.mkfifo(tmp_path / "pipe.yaml")
     program = (
-        "import sys\nfrom handcart.files.errors import FileError\nfrom handcart.files.yaml_document import read_document\n"
+        "import sys\nfrom handcart.files.errors import FileError\n"
+        "from handcart.files.yaml_document import read_document\n"
         "try:\n    read_document(sys.argv[1])\nexcept FileError as error:\n    sys.exit(str(error))\n"
     )
     # In a process of its own: a read that blocks would hang the whole suite.

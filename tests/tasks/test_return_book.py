@@ -76,7 +76,7 @@ def test_n11_same_seed_same_journal_whatever_the_hash_seed(tmp_path: Path) -> No
     for hash_seed in ("0", "99"):
         runs = tmp_path / hash_seed
         words = ["run", str(TASK), "--seed", "5", "--runs", str(runs), "--json"]
-        code = f"from handcart.tools.handcart import main; main({words!r})"
+        code = f"from handcart.tools.main import main; main({words!r})"
         said = subprocess.run(
             [sys.executable, "-c", code],
             env=os.environ | {"PYTHONHASHSEED": hash_seed},

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from handcart.tools.handcart import main
+from handcart.tools.main import main
 
 LIBRARY = Path(__file__).resolve().parents[2] / "tasks" / "return_book"
 TOUR = """\

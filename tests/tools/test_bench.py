@@ -40,7 +40,7 @@ def bench(tmp_path: Path) -> Iterator[Path]:
     """A bench in another process; the path of what it writes."""
     log = tmp_path / "bench.csv"
     words = ["cart", "--channel", CHANNEL, "--log", str(log), "--seconds", "60"]
-    command = [sys.executable, "-m", "handcart.tools.handcart", "bench", *words]
+    command = [sys.executable, "-m", "handcart", "bench", *words]
     with subprocess.Popen(command, stdout=subprocess.PIPE) as process:
         assert process.stdout is not None
         assert b"left wheel 1, right wheel 2" in process.stdout.readline()

@@ -135,7 +135,7 @@ def test_a_campaign_of_processes_is_ended_by_a_signal(tour, tmp_path, jobs, kind
     """K3: none of its processes is left."""
     words = ["campaign", tour, "--trials", "500", "--jobs", str(jobs), "--runs", tmp_path / "runs", "--json"]
     process = subprocess.Popen(
-        [sys.executable, "-m", "handcart.tools.handcart", *words],
+        [sys.executable, "-m", "handcart", *words],
         cwd=ROOT,
         stdout=subprocess.PIPE,
         stderr=subprocess.DEVNULL,

@@ -20,7 +20,7 @@ HEAVY = ("numpy", "networkx", "cv2", "pydantic", "scipy", "matplotlib", "pinocch
 
 def test_help_imports_nothing_heavy() -> None:
     code = (
-        "import sys\nfrom handcart.tools.handcart import main\n"
+        "import sys\nfrom handcart.tools.main import main\n"
         "try:\n    main(['--help'])\nexcept SystemExit:\n    pass\n"
         f"print([name for name in {HEAVY!r} if name in sys.modules])"
     )
@@ -99,7 +99,8 @@ def test_the_fixtures_for_users_tests(
 
 
 def test_the_plugin_costs_nothing_unused() -> None:
-    code = f"import sys, handcart.tools.pytest_plugin\nprint([name for name in {HEAVY!r} if name in sys.modules])"
+    code = "import sys, handcart.tools.pytest_plugin\n"
+    code += f"print([name for name in {HEAVY!r} if name in sys.modules])"
     said = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, cwd=ROOT, check=True)
     assert said.stdout.strip() == "[]"
 
@@ -135,7 +136,7 @@ def test_a_goal_that_no_way_leads_to_is_status_3(handcart: Callable[..., Any], t
 def test_an_interrupt_stops_with_status_130(tour: Path) -> None:
     code = (
         "import os, signal, sys, threading, handcart.tools.progress\n"
-        "from handcart.tools.handcart import main\n"
+        "from handcart.tools.main import main\n"
         "class Interrupting(handcart.tools.progress.Progress):\n"
         "    def __call__(self, event):\n"
         "        super().__call__(event)\n"

@@ -26,16 +26,7 @@ def run_with(handcart, tour, tmp_path):
         before = [each["kind"] for each in read_journal(whole).records].index(kind)
         most = sum(map(len, lines[:before])) + 20
         return subprocess.run(
-            [
-                sys.executable,
-                "-m",
-                "handcart.tools.handcart",
-                "run",
-                tour,
-                "--runs",
-                tmp_path / "runs",
-                "--json",
-            ],
+            [sys.executable, "-m", "handcart", "run", tour, "--runs", tmp_path / "runs", "--json"],
             cwd=ROOT,
             capture_output=True,
             text=True,

@@ -23,16 +23,7 @@ class Alive:
     """A run that goes on in a process of its own."""
 
     def __init__(self, task: Path, runs: Path, *options: str) -> None:
-        words = [
-            sys.executable,
-            "-m",
-            "handcart.tools.handcart",
-            "run",
-            str(task),
-            "--runs",
-            str(runs),
-            "--json",
-        ]
+        words = [sys.executable, "-m", "handcart", "run", str(task), "--runs", str(runs), "--json"]
         self.process = subprocess.Popen(
             [*words, *options],
             cwd=ROOT,

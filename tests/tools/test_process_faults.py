@@ -51,9 +51,11 @@ def test_files_that_run_out_start_nothing(tour: Path, tmp_path: Path) -> None:
     """K10: the limit of open files."""
     process = python(
         "import resource",
-        "import handcart.evaluation.running, handcart.evaluation.overview, handcart.backends.can.can_backend",
-        "import handcart.backends.kinematic.kinematic_backend, handcart.tools.run_task, handcart.tools.progress",
-        "from handcart.tools.handcart import main",
+        "from handcart.evaluation import overview, running",
+        "from handcart.backends.can import can_backend",
+        "from handcart.backends.kinematic import kinematic_backend",
+        "from handcart.tools import progress, run_task",
+        "from handcart.tools.main import main",
         "resource.setrlimit(resource.RLIMIT_NOFILE, (5, 5))",
         f"main(['run', {str(tour)!r}, *{ON_CAN!r}, '--runs', {str(tmp_path / 'runs')!r}])",
         stderr=subprocess.PIPE,
@@ -105,7 +107,7 @@ def test_a_library_that_is_missing_is_named(
 
 def say(*words: str, **options: Any) -> subprocess.CompletedProcess[bytes]:
     """A command in a process of its own, with pipes and environment as they are given."""
-    line = f"from handcart.tools.handcart import main; main({list(words)!r})"
+    line = f"from handcart.tools.main import main; main({list(words)!r})"
     given = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE} | options
     return subprocess.run([sys.executable, "-c", line], check=False, timeout=LATEST_S, **given)
 
@@ -191,7 +193,7 @@ def test_nobody_listens_and_it_stops_all_the_same(tour: Path, tmp_path: Path, st
     """K14: a pipe that is closed at its other end doesn't stop the stop."""
     reading, writing = os.pipe()
     process = python(
-        "from handcart.tools.handcart import main",
+        "from handcart.tools.main import main",
         f"main(['run', {str(tour)!r}, *{ON_CAN!r}, '--runs', {str(tmp_path / 'runs')!r}])",
         **{"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL, stream: writing},
     )

@@ -14,13 +14,7 @@ LIBRARY = ROOT / "tasks" / "return_book"
 
 def say(*words: object, strict: bool = True) -> subprocess.CompletedProcess[str]:
     """A command in a process of its own; `strict`: with warnings as errors."""
-    line = [
-        sys.executable,
-        *(["-W", "error"] if strict else []),
-        "-m",
-        "handcart.tools.handcart",
-        *map(str, words),
-    ]
+    line = [sys.executable, *(["-W", "error"] if strict else []), "-m", "handcart", *map(str, words)]
     return subprocess.run(line, cwd=ROOT, capture_output=True, text=True, check=False, timeout=120)
 
 

@@ -46,7 +46,7 @@ actions:
 
 def killed(runs: Path, seconds: float) -> Path:
     """The folder of a run of return_book that was killed so long after it began to move."""
-    command = [sys.executable, "-m", "handcart.tools.handcart", "run", str(TASK), "--runs", str(runs)]
+    command = [sys.executable, "-m", "handcart", "run", str(TASK), "--runs", str(runs)]
     process = subprocess.Popen(command, cwd=ROOT, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
     folder = runs / "return_book-0"
     while not (folder / "control").exists():

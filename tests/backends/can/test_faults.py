@@ -78,7 +78,7 @@ def test_a_bus_that_fails_is_told(make, monkeypatch):
 def test_a_fault_ends_a_command_with_status_4_and_without_a_traceback(command, monkeypatch, capsys, tmp_path):
     """A person has to look: GiveUp, with the reason in words."""
     from handcart.backends.can.can_backend import CanBackend
-    from handcart.tools.handcart import main
+    from handcart.tools.main import main
 
     step, count = CanBackend.step, iter(range(10**6))
 
@@ -214,7 +214,7 @@ def test_a_line_waits_no_longer_than_told():
     ],
 )
 def test_a_bench_that_cannot_be_is_refused_with_status_2(backend, bench, told, capsys):
-    from handcart.tools.handcart import main
+    from handcart.tools.main import main
 
     with pytest.raises(SystemExit) as end:
         main(["run", "tasks/return_book/task.yaml", "--backend", backend, "--bench", bench])

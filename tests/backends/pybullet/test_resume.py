@@ -36,7 +36,7 @@ actions:
 
 
 def handcart(*words: object) -> subprocess.Popen[bytes]:
-    command = [sys.executable, "-m", "handcart.tools.handcart", *map(str, words)]
+    command = [sys.executable, "-m", "handcart", *map(str, words)]
     return subprocess.Popen(command, cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL)
 
 

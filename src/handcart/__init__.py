@@ -1,0 +1,91 @@
+"""Action primitives for mobile manipulators that never stop where they should.
+
+All that scripts, notebooks and authors of primitives and backends need, each imported when it is first
+used; see docs/api.md.
+"""
+
+import os
+from importlib import import_module
+
+TYPE_CHECKING = False  # type checkers take it for true; importing `typing` would cost more than all the rest
+if TYPE_CHECKING:
+    from handcart.backends.arm import Arm
+    from handcart.backends.backend import Backend
+    from handcart.backends.base import Base
+    from handcart.backends.camera import Camera
+    from handcart.backends.gps import Gps
+    from handcart.backends.gripper import Gripper
+    from handcart.backends.imu import Imu
+    from handcart.backends.positioning import Positioning
+    from handcart.backends.range_sensor import RangeSensor
+    from handcart.networks.past_run import read_run as load_run
+    from handcart.primitives.action_primitive import ActionPrimitive
+    from handcart.primitives.discrepancy import Discrepancy, NeedsPerson
+    from handcart.primitives.outcome import Fail, GiveUp, Success
+    from handcart.tools.api import Result, campaign, check, conformance, load_task, run
+
+# In a checkout the rooms stand at its top, and `handcart/` holds links to them for tools that look for files.
+_TOP = os.path.dirname(os.path.dirname(os.path.dirname(os.path.realpath(__file__))))
+if os.path.isfile(os.path.join(_TOP, "src", "handcart", "__init__.py")):
+    __path__.insert(0, _TOP)  # first: tracebacks and breakpoints then have the rooms' own paths
+
+_FROM = {
+    "ActionPrimitive": "primitives.action_primitive:ActionPrimitive",
+    "Arm": "backends.arm:Arm",
+    "Backend": "backends.backend:Backend",
+    "Base": "backends.base:Base",
+    "Camera": "backends.camera:Camera",
+    "Discrepancy": "primitives.discrepancy:Discrepancy",
+    "Fail": "primitives.outcome:Fail",
+    "GiveUp": "primitives.outcome:GiveUp",
+    "Gps": "backends.gps:Gps",
+    "Gripper": "backends.gripper:Gripper",
+    "Imu": "backends.imu:Imu",
+    "NeedsPerson": "primitives.discrepancy:NeedsPerson",
+    "Positioning": "backends.positioning:Positioning",
+    "RangeSensor": "backends.range_sensor:RangeSensor",
+    "Result": "tools.api:Result",
+    "Success": "primitives.outcome:Success",
+    "campaign": "tools.api:campaign",
+    "check": "tools.api:check",
+    "conformance": "tools.api:conformance",
+    "load_run": "networks.past_run:read_run",
+    "load_task": "tools.api:load_task",
+    "run": "tools.api:run",
+}
+__all__ = [
+    "ActionPrimitive",
+    "Arm",
+    "Backend",
+    "Base",
+    "Camera",
+    "Discrepancy",
+    "Fail",
+    "GiveUp",
+    "Gps",
+    "Gripper",
+    "Imu",
+    "NeedsPerson",
+    "Positioning",
+    "RangeSensor",
+    "Result",
+    "Success",
+    "campaign",
+    "check",
+    "conformance",
+    "load_run",
+    "load_task",
+    "run",
+]
+
+if not TYPE_CHECKING:  # else type checkers would take every name
+
+    def __getattr__(name):
+        if name not in _FROM:
+            raise AttributeError(f"module 'handcart' has no attribute {name!r}")
+        module, _, attribute = _FROM[name].partition(":")
+        found = globals()[name] = getattr(import_module(f"handcart.{module}"), attribute)
+        return found
+
+    def __dir__():
+        return sorted({*globals(), *__all__})

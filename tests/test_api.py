@@ -1,0 +1,63 @@
+"""`import handcart`: what it offers, what it costs, and the examples of docs/api.md."""
+
+from __future__ import annotations
+
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import handcart
+
+ROOT = Path(__file__).resolve().parents[1]
+TEXT = (ROOT / "docs" / "api.md").read_text(encoding="utf-8")
+EXAMPLES = re.findall(r"```python\n(.*?)```", TEXT, re.S)
+FACE = {
+    *("run", "check", "load_task", "load_run", "campaign", "conformance", "Result"),
+    *("ActionPrimitive", "Discrepancy", "NeedsPerson", "Success", "Fail", "GiveUp"),
+    *("Backend", "Base", "Arm", "Gripper", "Camera", "RangeSensor", "Imu", "Gps", "Positioning"),
+}
+
+
+def test_it_offers_exactly_this() -> None:
+    assert set(handcart.__all__) == FACE
+    assert set(dir(handcart)) >= FACE
+    assert all(getattr(handcart, name).__name__ in (name, "read_run") for name in FACE)
+    assert all(f"{name}" in TEXT for name in FACE)
+    with pytest.raises(AttributeError, match="no attribute 'ran'"):
+        handcart.ran  # noqa: B018
+
+
+def test_nothing_is_imported_before_it_is_used() -> None:
+    code = "import sys, handcart; print([each for each in ('numpy', 'pydantic') if each in sys.modules])"
+    said = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert said.stdout == "[]\n"
+
+
+@pytest.mark.parametrize(
+    "number",
+    [
+        pytest.param(at, marks=[pytest.mark.slow] if "handcart.conformance(" in text else [])
+        for at, text in enumerate(EXAMPLES)
+    ],
+)
+def test_the_documents_examples_run(tmp_path: Path, number: int) -> None:
+    (tmp_path / "tasks").symlink_to(ROOT / "tasks")
+    (tmp_path / "example.py").write_text(EXAMPLES[number], encoding="utf-8")
+    words = [sys.executable, "-W", "error", "example.py"]
+    ended = subprocess.run(words, cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert ended.returncode == 0, ended.stderr
+    assert ended.stderr == ""
+
+
+def test_a_result_shows_itself_in_a_notebook(tmp_path: Path) -> None:
+    task = ROOT / "tasks" / "drive_map" / "task.yaml"
+    result = handcart.run(task, robot="cart", set={"tour": ["desk"]}, runs=tmp_path)
+    assert result.outcome == "Success"
+    assert result.status == 0
+    assert [each.do for each in result.actions] == ["MOVE_TO"]
+    shown = result._repr_html_()
+    assert "<b>Success</b> in situation" in shown
+    assert shown.count("<tr>") == 2

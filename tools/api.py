@@ -1,0 +1,226 @@
+"""What `import handcart` offers to scripts and notebooks: the commands as functions."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from html import escape
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import orjson
+
+from handcart.files.errors import FileError, Finding, InputError
+
+if TYPE_CHECKING:
+    from handcart.evaluation.campaign import Report as CampaignReport
+    from handcart.evaluation.conformance.report import Report as ConformanceReport
+    from handcart.networks.past_run import PastAction
+    from handcart.networks.task_file import Task
+
+Settings = Mapping[str, Any]
+"""Values of a task's parameters, by name: text as after `--set NAME=`, or numbers, lists and so on."""
+
+
+@dataclass(frozen=True)
+class Result:
+    """How a run ended."""
+
+    summary: Mapping[str, Any]
+    """What also stands in the run's `summary.json`."""
+    status: int
+    """What `handcart run` would exit with."""
+
+    @property
+    def outcome(self) -> str:
+        """Success, Fail, GiveUp, Cancelled or Error."""
+        return str(self.summary["outcome"])
+
+    @property
+    def situation(self) -> str:
+        """In which it ended."""
+        return str(self.summary["situation"])
+
+    @property
+    def reason(self) -> str:
+        """Why it didn't succeed; empty for a Success."""
+        return str(self.summary["reason"])
+
+    @property
+    def metrics(self) -> Mapping[str, Any]:
+        """What was measured; on simulated backends also what the ground truth says."""
+        metrics: Mapping[str, Any] = self.summary["metrics"]
+        return metrics
+
+    @property
+    def folder(self) -> Path:
+        """The run's folder, with its journal and pictures."""
+        return Path(self.summary["run_dir"])
+
+    @cached_property
+    def actions(self) -> tuple[PastAction, ...]:
+        """What was started, in order, each with its outcome; read from the journal."""
+        from handcart.networks.past_run import read_run
+
+        return read_run(self.folder).actions
+
+    def _repr_html_(self) -> str:
+        """For notebooks."""
+        head = f"<b>{escape(self.outcome)}</b> in situation {escape(self.situation)}"
+        if self.reason:
+            head += f": {escape(self.reason)}"
+        rows = "".join(
+            f"<tr><td>{each.number}</td><td>{escape(each.do)}</td><td>{escape(each.source)}</td>"
+            f"<td>{escape(each.target)}</td><td>{each.end - each.start:.1f}</td>"
+            f"<td>{escape(each.outcome)}</td><td>{escape(each.reason)}</td></tr>"
+            for each in self.actions
+        )
+        names = "".join(f"<th>{each}</th>" for each in ("", "do", "from", "to", "s", "outcome", "reason"))
+        return f"<p>{head}</p><table><tr>{names}</tr>{rows}</table>"
+
+
+@dataclass(frozen=True)
+class Check:
+    """What is known of a file before anything moves."""
+
+    findings: tuple[Finding, ...]
+    """What is wrong with it, each with its place."""
+    warnings: tuple[str, ...]
+    facts: Mapping[str, Any]
+    """What `handcart check --json` gives beside that; nothing where the file can't be read."""
+
+    @property
+    def ok(self) -> bool:
+        """Whether nothing is wrong."""
+        return not self.findings
+
+
+def run(
+    task: Path | str,
+    *,
+    backend: str | None = None,
+    seed: int = 0,
+    robot: str | None = None,
+    set: Settings | None = None,
+    runs: Path | str = "runs",
+    errors: bool = True,
+) -> Result:
+    """Run a task once, to its end; actions that need a permit get it.
+
+    Args:
+        task: its file.
+        backend: another one than the task names.
+        seed: of the simulated errors.
+        robot: another one than the task names: a shipped one's name, or the path of its file.
+        set: parameters of the task.
+        runs: where the run's folder is made.
+        errors: whether the simulated robot errs.
+
+    Raises:
+        FileError: something is wrong with the task or a file that it names; nothing has moved.
+        HandcartError: it can't be run for another reason, in words.
+    """
+    from handcart.evaluation.running import run_task
+
+    chosen = _words(set, robot)
+    summary, status = run_task(
+        Path(task), Path(runs), backend, chosen, seed, draw=True, checkpoints=True, errors=errors
+    )
+    return Result(summary, status)
+
+
+def check(file: Path | str, *, set: Settings | None = None) -> Check:
+    """Read a file with all that it names, and say what is wrong with it; nothing moves.
+
+    Args:
+        file: a task, robot, world, map, places or catalogue file, a URDF, or any other that handcart reads.
+        set: parameters of a task.
+    """
+    from .check_file import file_facts
+
+    try:
+        facts = file_facts(Path(file), _words(set, None))
+    except FileError as error:
+        return Check(tuple(error.findings), (), {})
+    except InputError as error:  # a name that no file's line is known for
+        return Check((Finding(str(file), 1, 1, str(error)),), (), {})
+    shown = ("errors", "warnings", "lines", "grouped")
+    rest = {key: value for key, value in facts.items() if key not in shown}
+    return Check(tuple(facts.get("errors", ())), tuple(map(str, facts.get("warnings", ()))), rest)
+
+
+def load_task(file: Path | str, *, set: Settings | None = None) -> Task:
+    """Read a task: what stands in its file, and its action network.
+
+    Raises:
+        FileError: with all that is wrong with it.
+    """
+    from handcart.networks import task_file
+
+    return task_file.load_task(Path(file), _words(set, None))
+
+
+def campaign(
+    task: Path | str,
+    *,
+    trials: int = 20,
+    first: int = 0,
+    jobs: int = 2,
+    backend: str | None = None,
+    robot: str | None = None,
+    set: Settings | None = None,
+    runs: Path | str = "runs",
+) -> CampaignReport:
+    """Run seeded trials of a task side by side, and count how they end.
+
+    Args:
+        task: its file.
+        trials: how many.
+        first: the first one's seed.
+        jobs: processes side by side; from a script with more than one, call it under
+            `if __name__ == "__main__":`.
+        backend, robot, set, runs: as in `run`.
+
+    Raises:
+        KeyboardInterrupt: somebody ended it.
+        HandcartError: a trial can't be run; in words.
+    """
+    from handcart.evaluation.campaign import Report, Setting, run_campaign
+
+    setting = Setting(Path(task), backend, _words(set, robot), None, Path(runs))
+    done = run_campaign(setting, range(first, first + trials), jobs)
+    return Report(tuple(sorted(done, key=lambda each: each.seed)))
+
+
+def conformance(
+    backend: str = "kinematic",
+    *,
+    robot: str = "librarian",
+    quick: bool = True,
+    parts: Sequence[str] = (),
+    jobs: int = 2,
+) -> ConformanceReport:
+    """Try whether a backend, a robot on it and the primitives keep what they promise (docs/conformance.md).
+
+    Each part is tried in a process of its own, so a script calls it under `if __name__ == "__main__":`.
+
+    Args:
+        backend: its name.
+        robot: a shipped one's name, or the path of its file.
+        quick: whether few faults are injected.
+        parts: `checks`, `faults`, `mutants`, `tasks`; none: all, quick without tasks.
+        jobs: processes side by side.
+    """
+    from handcart.evaluation.conformance.kit import Setting, run_kit
+
+    return run_kit(Setting(backend, robot, quick, parts), jobs)
+
+
+def _words(settings: Settings | None, robot: str | None) -> dict[str, str]:
+    """As the command line has them; JSON is YAML."""
+    words = {
+        name: value if isinstance(value, str) else orjson.dumps(value).decode()
+        for name, value in (settings or {}).items()
+    }
+    return words if robot is None else {**words, "robot": robot}
