@@ -82,6 +82,7 @@ def imported(path: Path) -> Iterator[str]:
         "docs/faults.md",
         "docs/robots.md",
         "docs/api.md",
+        "docs/dependencies.md",
     ],
 )
 def test_links_lead_somewhere(document: str) -> None:

@@ -17,7 +17,6 @@ MODULES = {
     "pin": "pinocchio",
     "python-can": "can",
     "pyserial": "serial",
-    "scikit-image": "skimage",
     "pillow": "PIL",
     "py-trees": "py_trees",
     "pyyaml": "yaml",
