@@ -94,8 +94,8 @@ class Backend(ABC):
         return None
 
     @classmethod
-    def build_on_bench(cls, robot: RobotFile, world: Path | None, seed: int, bench: str) -> Backend:
-        """As `build`, with simulated drives in front of a simulated backend, `bench` by name.
+    def build_on_bench(cls, robot: RobotFile, world: Path | None, seed: int, bench: type[Backend]) -> Backend:
+        """As `build`, with simulated drives in front of a simulated backend.
 
         Raises:
             NoBench: this backend has no drives, or there can be no such bench.

@@ -12,7 +12,7 @@ from handcart.files.errors import FileError, InputError
 from handcart.files.suggest import suggest
 from handcart.robotics.geometry.pose2 import Pose2
 
-from .backend import Backend
+from .backend import Backend, NoBench
 from .robot_file import RobotFile
 
 if TYPE_CHECKING:
@@ -87,13 +87,28 @@ def make_backend(
     kind = backend_class(name)
     build = kind.build_in_window if window else kind.build
     if bench is not None:
-        build = partial(kind.build_on_bench, bench=bench)
+        build = partial(kind.build_on_bench, bench=bench_class(bench, name))
     if world is None:
         return build(robot, None, seed)
     from .map_world import as_world_file
 
     with as_world_file(world, start) as file:
         return build(robot, file, seed)
+
+
+def bench_class(name: str, drives: str) -> type[Backend]:
+    """The class of a simulated backend before which the drives of the backend `drives` are put.
+
+    Raises:
+        NoBench: there is none of that name, or it simulates no robot.
+    """
+    others = [each for each in backend_names() if each != drives]
+    if name not in (*others, drives):
+        raise NoBench(f"unknown bench {name!r}{suggest(name, others)}")
+    kind = backend_class(name)
+    if name == drives or not kind.simulated:
+        raise NoBench(f"the backend {name!r} simulates no robot; allowed: --bench kinematic, pybullet")
+    return kind
 
 
 def check_world(

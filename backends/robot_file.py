@@ -13,12 +13,9 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 import numpy as np
 from pydantic import Field, PrivateAttr
 
-from handcart.files.errors import FileError, Finding, InputError
+from handcart.files.errors import InputError
 from handcart.files.inside import resolve_inside
-from handcart.files.loading import load_document
 from handcart.files.model import FileModel
-from handcart.files.suggest import suggest
-from handcart.files.yaml_document import read_document
 from handcart.robotics.kinematics.urdf_assembly import link_names
 from handcart.robotics.kinematics.urdf_contents import joints_of
 from handcart.robotics.manipulation.suspension_model import SuspensionModel
@@ -26,7 +23,6 @@ from handcart.robotics.manipulation.suspension_model import SuspensionModel
 from .can_spec import CanSpec
 from .ground_spec import GpsSpec, GroundSpec
 from .joint_units import JointUnits
-from .robot_findings import robot_findings
 from .robot_parts import PACKAGE, KeyPath, PartSpec, UrdfPlace
 from .robot_urdf import RobotUrdf, robot_urdf
 from .sensor_specs import CameraSpec, ImuSpec, PositioningSpec, RangeSpec
@@ -42,8 +38,6 @@ if TYPE_CHECKING:
 Positive = Annotated[float, Field(gt=0.0)]
 Role = Literal["base", "hand", "tray", "range_sensor", "camera", "imu", "gps"]
 NotNegative = Annotated[float, Field(ge=0.0)]
-
-ROBOTS = Path(__file__).parent / "robots"
 
 
 class Drive(FileModel):
@@ -195,7 +189,7 @@ class RobotFile(FileModel):
     """How bright its tray is in a camera's picture."""
     errors: Errors = Errors()
     tolerance: Tolerance
-    _folder: Path = PrivateAttr(default=ROBOTS)
+    _folder: Path = PrivateAttr(default=Path())
     _whole: RobotUrdf | None = PrivateAttr(default=None)
     _path: Path | None = PrivateAttr(default=None)
 
@@ -203,6 +197,11 @@ class RobotFile(FileModel):
     def folder(self) -> Path:
         """Where its file stands: paths in it are relative to that."""
         return self._folder
+
+    def read_in(self, folder: Path) -> RobotFile:
+        """The same, its file standing in a folder."""
+        self._folder = folder
+        return self
 
     def urdf_path(self) -> Path:
         """A file with the URDF of the whole robot: that beside the robot's file, or a temporary one."""
@@ -216,7 +215,10 @@ class RobotFile(FileModel):
     def whole(self) -> RobotUrdf:
         """The robot put together from its URDFs; raises `UrdfError` where that can't be done."""
         if self._whole is None:
-            self._whole = robot_urdf(self)
+            own = PartSpec(urdf=self.urdf, srdf=self.srdf, onto="")
+            self._whole = robot_urdf(
+                (own, *self.parts), self._folder, self.links, self.mapped_joints(), self.allowed_contacts
+            )
         return self._whole
 
     def urdf_text(self) -> str:
@@ -339,39 +341,3 @@ class RobotFile(FileModel):
             known = ", ".join(self.arm.postures) if self.arm else "none: the robot has no arm"
             raise UnknownPosture(f"the robot's file has no posture {name!r}; allowed: {known}")
         return self.joint_units.si(self.arm.postures[name])
-
-
-def load_robot(name: str) -> RobotFile:
-    """A shipped robot by its name, or any by the path of its YAML file.
-
-    Raises:
-        FileError: the file or its URDF is missing, or something in them is wrong.
-    """
-    by_path = name.endswith((".yaml", ".yml"))
-    if not by_path and name not in robot_names():
-        wrong = f"unknown robot{suggest(name, robot_names())}, or the path of a robot's YAML file"
-        raise FileError([Finding(name, 0, 0, wrong)])
-    path = Path(name) if by_path else shipped_path(name)
-    loaded = load_document(read_document(path), RobotFile)
-    robot = loaded.value
-    robot._folder = path.parent
-    findings = robot_findings(robot, loaded.document)
-    if findings:
-        raise FileError(findings)
-    return robot.without_errors() if robot.errors.none else robot
-
-
-def robot_names() -> list[str]:
-    """The robots that are shipped; a variant of one is called ROBOT/VARIANT."""
-    return sorted(_name(path) for path in ROBOTS.glob("*/*.yaml"))
-
-
-def _name(path: Path) -> str:
-    folder = path.parent.name
-    return folder if path.stem == "robot" else f"{folder}/{path.stem}"
-
-
-def shipped_path(name: str) -> Path:
-    """The file of a shipped robot."""
-    folder, _, variant = name.partition("/")
-    return ROBOTS / folder / f"{variant or 'robot'}.yaml"

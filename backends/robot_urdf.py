@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from typing import Any, NamedTuple
 
 from handcart.files.errors import FileError, Finding
 from handcart.files.suggest import suggest
@@ -14,9 +14,6 @@ from handcart.robotics.kinematics.urdf_assembly import with_names, with_part
 from handcart.robotics.kinematics.urdf_reading import UrdfFaults
 
 from .robot_parts import KeyPath, PartSpec, UrdfError, read_part, read_srdf
-
-if TYPE_CHECKING:
-    from .robot_file import RobotFile
 
 Pair = tuple[str, str]
 
@@ -54,22 +51,34 @@ class RobotUrdf:
         return None if place is None else place.finding(f"{kind} {name!r}: {message}")
 
 
-def robot_urdf(robot: RobotFile) -> RobotUrdf:
+def robot_urdf(
+    specs: Sequence[PartSpec],
+    folder: Path,
+    roles: Mapping[Any, str],
+    joints: Sequence[tuple[KeyPath, str, str]],
+    allowed: Sequence[Pair],
+) -> RobotUrdf:
     """Put a robot together as its file says.
+
+    Args:
+        specs: its own URDF, then its parts.
+        folder: of the robot's file.
+        roles: of links, with the names that the URDFs have for them.
+        joints: that the file names: where, the URDFs' name, and the name that is expected of it.
+        allowed: pairs of links that may touch, by the robot's file.
 
     Raises:
         FileError: what is wrong in a URDF or SRDF.
         UrdfError: one is missing, can't be put there, or lacks what is mapped.
     """
-    own = PartSpec(urdf=robot.urdf, srdf=robot.srdf, onto="")
     text, pairs = "", []
     places: dict[tuple[str, str], Place] = {}
     doubts: list[Finding] = []
-    for number, spec in enumerate((own, *robot.parts)):
+    for number, spec in enumerate(specs):
         try:
-            part = read_part(spec.urdf, robot.folder)
+            part = read_part(spec.urdf, folder)
             text = with_part(text, spec.part(part.text)) if number else part.text
-            pairs += _pairs(spec, robot.folder)
+            pairs += _pairs(spec, folder)
         except FileError:  # has the URDF's own lines
             raise
         except UrdfError as error:
@@ -79,9 +88,9 @@ def robot_urdf(robot: RobotFile) -> RobotUrdf:
         doubts += part.doubts
         for (kind, name), (line, column) in part.places.items():
             places[kind, spec.prefix + name] = Place(part.file, line, column)
-    text, links, joints = with_names(text, *_mapped(robot, places))
-    now = {"link": links, "joint": joints}
-    stated = [(links.get(a, a), links.get(b, b)) for a, b in (*pairs, *robot.allowed_contacts)]
+    text, links, joints_now = with_names(text, *_mapped(roles, joints, places))
+    now = {"link": links, "joint": joints_now}
+    stated = [(links.get(a, a), links.get(b, b)) for a, b in (*pairs, *allowed)]
     return RobotUrdf(
         text,
         {(kind, now[kind].get(name, name)): place for (kind, name), place in places.items()},
@@ -112,15 +121,19 @@ def _pairs(spec: PartSpec, folder: Path) -> list[Pair]:
     return [(spec.prefix + a, spec.prefix + b) for a, b in pairs]
 
 
-def _mapped(robot: RobotFile, places: Mapping[tuple[str, str], Place]) -> tuple[list[Pair], list[Pair]]:
+def _mapped(
+    roles: Mapping[str, str],
+    named: Sequence[tuple[KeyPath, str, str]],
+    places: Mapping[tuple[str, str], Place],
+) -> tuple[list[Pair], list[Pair]]:
     """Links and joints that the robot's file calls otherwise than their URDF: old names and new ones."""
-    links = [(key, ("links", role), role) for role, key in robot.links.items()]
-    joints = [(joint, key, name) for key, joint, name in robot.mapped_joints()]
+    links = [(key, ("links", role), role) for role, key in roles.items()]
+    joints = [(joint, key, name) for key, joint, name in named]
     for kind, asked in (("link", links), ("joint", joints)):
         known = [name for each, name in places if each == kind]
         for old, key, _ in asked:
             if old not in known:
                 wrong = f"the URDF has no {kind} {old!r}{suggest(old, known)}"
                 raise UrdfError(wrong, key)
-    roles = [(old, str(role)) for old, _, role in links if old != role]
-    return roles, [(old, name) for old, _, name in joints if old != name]
+    by_role = [(old, str(role)) for old, _, role in links if old != role]
+    return by_role, [(old, name) for old, _, name in joints if old != name]

@@ -12,7 +12,7 @@ from pathlib import Path
 from rich.console import Console
 from rich.progress import track
 
-from handcart.backends.robot_file import ROBOTS
+from handcart.backends.robot_loading import ROBOTS
 from handcart.evaluation.campaign import Report, Setting, run_campaign
 
 TASK = Path(__file__).parent.parent / "tasks" / "return_book" / "task.yaml"

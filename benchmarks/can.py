@@ -26,7 +26,9 @@ from handcart.backends.can.can_backend import CanBackend
 from handcart.backends.can.errors import CanFault
 from handcart.backends.can.pace import Pace
 from handcart.backends.can.simulated.bench import Bench
-from handcart.backends.robot_file import RobotFile, load_robot
+from handcart.backends.can.simulated.misbehaviours import misbehaviour
+from handcart.backends.robot_file import RobotFile
+from handcart.backends.robot_loading import load_robot
 
 FAULTS = ("emergency", "collision", "two-nodes", "stranger", "stranger-command", "reboot")
 """Those that one frame shows."""
@@ -96,7 +98,7 @@ def stop_after(fault: str, wait_s: float, number: int) -> float:
         def show() -> None:
             time.sleep(wait_s)
             with lock:
-                bench.go_wrong(fault)
+                bench.go_wrong(misbehaviour(fault).act)
                 shown.append(time.perf_counter())
 
         going_wrong = threading.Thread(target=show)

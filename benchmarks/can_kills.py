@@ -29,7 +29,8 @@ import typer
 from handcart.backends.backend import RobotFault
 from handcart.backends.base import Base
 from handcart.backends.can.can_backend import CanBackend
-from handcart.backends.robot_file import RobotFile, load_robot
+from handcart.backends.robot_file import RobotFile
+from handcart.backends.robot_loading import load_robot
 
 ROBOT = "cart"
 CHANNEL = "239.74.163.77"

@@ -35,7 +35,7 @@ from rich.progress import Progress
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 from handcart.backends.robot import Robot
-from handcart.backends.robot_file import ROBOTS, load_robot
+from handcart.backends.robot_loading import ROBOTS, load_robot
 from handcart.evaluation.stage import StageFiles, set_stage
 from handcart.networks.events import Ended, Event
 from handcart.networks.preparing import check, prepare

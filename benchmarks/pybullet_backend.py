@@ -15,7 +15,7 @@ import numpy as np
 
 from handcart.backends.pybullet.physics import Physics
 from handcart.backends.pybullet.pybullet_backend import PyBulletBackend
-from handcart.backends.robot_file import load_robot
+from handcart.backends.robot_loading import load_robot
 from handcart.backends.scene.load_world import load_world
 
 WORLD = Path(__file__).resolve().parents[1] / "tasks" / "return_book" / "world.yaml"

@@ -18,7 +18,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from handcart.backends.robot_file import load_robot
+from handcart.backends.robot_loading import load_robot
 from handcart.evaluation.judge import Judge
 from handcart.evaluation.moving_tracking import Feedback, MovingTracking
 from handcart.evaluation.placement_plots import draw_tracking_errors

@@ -16,7 +16,7 @@ import numpy as np
 from PIL import Image
 
 from handcart.backends.map_file import load_map
-from handcart.backends.robot_file import load_robot
+from handcart.backends.robot_loading import load_robot
 from handcart.primitives.field import Field
 from handcart.primitives.seam_file import COLUMNS, load_seam
 from handcart.primitives.target_list import load_targets

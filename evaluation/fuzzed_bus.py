@@ -19,7 +19,8 @@ from handcart.backends.can.frame_names import FrameNames
 from handcart.backends.can.frame_words import FrameWords
 from handcart.backends.can.simulated.bench import Bench
 from handcart.backends.can.simulated.bench_bus import BenchBus
-from handcart.backends.robot_file import RobotFile, load_robot
+from handcart.backends.robot_file import RobotFile
+from handcart.backends.robot_loading import load_robot
 
 PHASES = ("set-up", "enabling", "driving", "stop", "closing", "all")
 """When the bus is noisy."""

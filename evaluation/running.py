@@ -17,7 +17,7 @@ from handcart.networks.events import Event, Observer
 from handcart.networks.interrupts import Interrupts
 from handcart.networks.permits import Permits
 from handcart.networks.preparing import Prepared, beginning_at, prepare
-from handcart.networks.recon import reconnoitre, standing_as_left
+from handcart.networks.recon import gone_on, reconnoitre, standing_as_left
 from handcart.networks.resuming import NothingToResume as NothingToResume
 from handcart.networks.resuming import Past, read_past, task_of
 from handcart.networks.retracing import NeedsOperator
@@ -205,7 +205,7 @@ def resume_task(
             recon = reconnoitre(prepared.robot, past)
             for words in (*recon.words(), past.next_words()):
                 told.say(words)
-            past = past.after_look(recon, confirm)
+            past = gone_on(past, recon, confirm)
         judge = _judge_going_on(prepared, folder)
         told.begin(prepared, folder)
         if claim is not None:

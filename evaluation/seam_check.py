@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from handcart.backends.robot_file import load_robot
+from handcart.backends.robot_loading import load_robot
 from handcart.files.errors import FileError
 from handcart.networks.preparing import load_model, start_pose
 from handcart.networks.task_file import Task

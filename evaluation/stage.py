@@ -12,7 +12,7 @@ import numpy as np
 from handcart.backends.backend import Backend
 from handcart.backends.registry import make_backend
 from handcart.backends.robot import MissingCapability, Robot
-from handcart.backends.robot_file import load_robot
+from handcart.backends.robot_loading import load_robot
 from handcart.files.errors import InputError
 from handcart.files.loading import load
 from handcart.files.suggest import suggest

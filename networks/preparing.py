@@ -13,7 +13,8 @@ from handcart.backends.backend import Backend
 from handcart.backends.map_file import read_occupancy
 from handcart.backends.registry import UnknownBackend, backend_class, backend_names, check_world, make_backend
 from handcart.backends.robot import Robot
-from handcart.backends.robot_file import RobotFile, load_robot
+from handcart.backends.robot_file import RobotFile
+from handcart.backends.robot_loading import load_robot
 from handcart.files.errors import FileError, Finding, InputError
 from handcart.files.findings import Findings
 from handcart.files.loading import load

@@ -14,6 +14,8 @@ from handcart.primitives.snapshot import Snapshot, limits, residuals, settle, ta
 from .measured import measured_fields
 from .preparing import Prepared
 from .resuming import Past
+from .retracing import NeedsOperator
+from .waiting import broken_off
 
 LOOK = 40  # periods at rest in which a base that was pushed is found again
 _BY_SCANS = ("base_mm", "base_deg", "base_unsure_mm", "base_unsure_deg")
@@ -87,6 +89,37 @@ def reconnoitre(robot: Robot, past: Past) -> Recon:
     unknown.append("what stands around it that no sensor reads now")
     allowed, sure = limits(robot, found), not robot.dead_reckoned
     return Recon(expected, now, found, allowed, tuple(unknown), sure, robot.spec.joint_units)
+
+
+def gone_on(past: Past, recon: Recon, confirm: int | None) -> Past:
+    """A run, to go on from what a look at a real robot found; an action in doubt counts as failed.
+
+    Args:
+        past: the run as its journal left it.
+        recon: what was found.
+        confirm: the journal's last record, as a person has seen it.
+
+    Raises:
+        NeedsOperator: the robot isn't as it was left, nobody can tell, or nobody has confirmed.
+    """
+    doubt = past.standing.in_doubt
+    if recon.off:
+        where = "where that action began" if doubt else "where it was left"
+        off = ", ".join(f"{name} {size:.3g}" for name, size in recon.off.items())
+        raise NeedsOperator(f"the robot isn't {where}: {off}; bring it there, then resume again")
+    if doubt is not None and (not recon.sure or len(list(past.doubts())) > 1):
+        how = f"if all is as it was before that action: handcart ack {past.folder} {doubt['q']}"
+        raise NeedsOperator(f"{broken_off(doubt)}, and no sensor tells what it did; {how}")
+    if confirm != past.last:
+        how = f"handcart resume {past.folder} --confirm {past.last}"
+        raise NeedsOperator(f"a real robot moves only after a look at it: {how}")
+    closing: list[tuple[str, Mapping[str, Any]]] = [("RECON", recon.fields())]
+    if doubt is not None:
+        fail = {"n": doubt["n"], "outcome": "Fail", "reason": broken_off(doubt), "permanent": False}
+        found = {"residuals": recon.residuals, "tolerance": recon.limits, "by": "recon"}
+        closing.append(("RESULT", fail | found))
+    records = [{"kind": kind, "q": -1, **fields} for kind, fields in closing]
+    return replace(past, standing=past.standing.followed(records), closing=tuple(closing))
 
 
 def _stands(at: Snapshot, units: JointUnits) -> str:

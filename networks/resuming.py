@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from importlib.metadata import version
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -19,12 +19,10 @@ from .network import ActionNetwork
 from .planner import NoWay
 from .retracing import NeedsOperator, Standing, standing
 from .run_folder import JOURNAL, read_run_journal
-from .waiting import broken_off, may_have_begun
+from .waiting import may_have_begun
 
 if TYPE_CHECKING:
     from handcart.backends.robot import Robot
-
-    from .recon import Recon
 
 _NEEDED = {
     *("schema", "handcart", "task_path", "settings", "network", "backend", "bench", "seed", "errors"),
@@ -128,35 +126,6 @@ class Past:
             return "next: nothing, the goal is reached"
         plan = route.planner.plan(route.situation)
         return f"next: {plan.explanation if isinstance(plan, NoWay) else plan.actions[0]}"
-
-    def after_look(self, recon: Recon, confirm: int | None) -> Past:
-        """The same, to go on from what a look at a real robot found; an action in doubt counts as failed.
-
-        Args:
-            recon: what was found.
-            confirm: the journal's last record, as a person has seen it.
-
-        Raises:
-            NeedsOperator: the robot isn't as it was left, nobody can tell, or nobody has confirmed.
-        """
-        doubt = self.standing.in_doubt
-        if recon.off:
-            where = "where that action began" if doubt else "where it was left"
-            off = ", ".join(f"{name} {size:.3g}" for name, size in recon.off.items())
-            raise NeedsOperator(f"the robot isn't {where}: {off}; bring it there, then resume again")
-        if doubt is not None and (not recon.sure or len(list(self.doubts())) > 1):
-            how = f"if all is as it was before that action: handcart ack {self.folder} {doubt['q']}"
-            raise NeedsOperator(f"{broken_off(doubt)}, and no sensor tells what it did; {how}")
-        if confirm != self.last:
-            how = f"handcart resume {self.folder} --confirm {self.last}"
-            raise NeedsOperator(f"a real robot moves only after a look at it: {how}")
-        closing: list[tuple[str, Mapping[str, Any]]] = [("RECON", recon.fields())]
-        if doubt is not None:
-            fail = {"n": doubt["n"], "outcome": "Fail", "reason": broken_off(doubt), "permanent": False}
-            found = {"residuals": recon.residuals, "tolerance": recon.limits, "by": "recon"}
-            closing.append(("RESULT", fail | found))
-        records = [{"kind": kind, "q": -1, **fields} for kind, fields in closing]
-        return replace(self, standing=self.standing.followed(records), closing=tuple(closing))
 
 
 def read_past(folder: Path, network: ActionNetwork) -> Past:

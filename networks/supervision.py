@@ -9,6 +9,7 @@ from contextlib import suppress
 from enum import Enum
 
 from handcart.backends.robot import Robot
+from handcart.primitives.cause import FRAMEWORK
 from handcart.primitives.discrepancy import Discrepancy
 from handcart.primitives.outcome import Outcome
 from handcart.primitives.snapshot import settle, take_snapshot
@@ -17,6 +18,7 @@ from .events import NotStarted
 from .measured import in_words, moved
 from .run_life import RunLife, RunState
 
+FRAMEWORK.add(__name__)
 Attempt = Generator[None, None, Outcome]
 Periods = Generator[None, None, Outcome | NotStarted | None]
 """Periods, and the outcome if the attempt ended in them."""

@@ -12,7 +12,7 @@ import networkx as nx
 from handcart.backends.backend import Backend
 from handcart.backends.capability import Capability
 from handcart.backends.map_file import map_path
-from handcart.backends.robot_file import ROBOTS, robot_names
+from handcart.backends.robot_loading import ROBOTS, robot_names
 from handcart.files.errors import FileError, UnsafePath
 from handcart.files.findings import Findings
 from handcart.files.inside import resolve_inside

@@ -11,7 +11,7 @@ from typing import TypeVar
 from handcart.backends.robot import Robot
 
 from .action_primitive import ActionPrimitive, Periods
-from .cause import Cause
+from .cause import FRAMEWORK, Cause
 from .discrepancy import Discrepancy, NeedsPerson
 from .following import Following
 from .intents import UNKEPT, Intents
@@ -22,6 +22,7 @@ from .trace import Trace
 from .world_model import ModelView, WorldModel
 
 T = TypeVar("T")
+FRAMEWORK.add(__name__)
 
 RESTORES = 2  # times that restoring is tried before a person is called
 LONGEST_RESTORE = 600.0  # [s]

@@ -10,12 +10,8 @@ from .discrepancy import Discrepancy, Measured, NeedsPerson
 
 CHECKS = ("observe", "motion", "watch", "effect", "restore", "finish")
 """The methods of a primitive that the framework calls."""
-FRAMEWORK = (
-    "handcart.primitives.attempt",
-    "handcart.primitives.tree_primitive",
-    "handcart.networks.supervision",
-    "py_trees",
-)
+FRAMEWORK = {"py_trees"}
+"""Modules whose functions aren't told as what raised; each of the framework's names itself."""
 DEEPEST = 12  # calls that are kept
 
 
@@ -62,4 +58,4 @@ def cause_of(error: Exception, restoring: bool = False) -> Cause:
 def _is_framework(frame: FrameType) -> bool:
     module = str(frame.f_globals.get("__name__", ""))
     inner = frame.f_code.co_name.startswith("<")  # lambdas and comprehensions tell nothing
-    return inner or module.startswith(FRAMEWORK)
+    return inner or module.partition(".")[0] in FRAMEWORK or module in FRAMEWORK

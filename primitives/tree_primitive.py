@@ -11,8 +11,11 @@ from py_trees.common import Status
 from handcart.backends.robot import Robot
 
 from .action_primitive import ActionPrimitive, Periods
+from .cause import FRAMEWORK
 from .discrepancy import Discrepancy
 from .world_model import ModelView
+
+FRAMEWORK.add(__name__)
 
 
 class TreePrimitive(ActionPrimitive):

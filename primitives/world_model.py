@@ -6,7 +6,7 @@ import typing
 from collections.abc import Mapping
 from dataclasses import dataclass
 from dataclasses import field as dataclass_field
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,8 +26,17 @@ from .seam_work import SeamWork
 from .target import Laid, Target
 from .work_piece import WorkPiece
 
-if TYPE_CHECKING:
-    from .action_primitive import ActionPrimitive
+
+class Declares(Protocol):
+    """Says what of the world model it reads and writes, as every primitive does."""
+
+    reads: ClassVar[tuple[str, ...]]
+    writes: ClassVar[tuple[str, ...]]
+
+    @classmethod
+    def label(cls) -> str:
+        """What it is called."""
+        ...
 
 
 class UnknownFact(HandcartError, LookupError):
@@ -165,7 +174,7 @@ class WorldModel:
         for name in self.ELEMENT:
             setattr(self, name, None)
 
-    def view(self, primitive: ActionPrimitive) -> ModelView:
+    def view(self, primitive: Declares) -> ModelView:
         """The model as this primitive may use it."""
         return ModelView(self, primitive)
 
@@ -258,7 +267,7 @@ class ModelView:
         targets: Mapping[str, Target]
         laid: tuple[Laid, ...]
 
-    def __init__(self, model: WorldModel, primitive: ActionPrimitive) -> None:
+    def __init__(self, model: WorldModel, primitive: Declares) -> None:
         object.__setattr__(self, "_model", model)
         object.__setattr__(self, "_primitive", primitive)
 

@@ -11,6 +11,7 @@ import sys
 from collections.abc import Iterator
 from pathlib import Path
 
+import networkx
 import pytest
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -58,6 +59,39 @@ def test_nothing_imports_a_bare_room() -> None:
     ]
     found = [f"{path}: {name}" for path in listed for name in imported(path) if name.split(".")[0] in ROOMS]
     assert found == []
+
+
+def test_there_are_no_circles() -> None:
+    """Of modules that import each other, late ones, named ones and those for types alone counted."""
+    graph = networkx.DiGraph()
+    modules = {".".join(_parts(path)): path for room in ROOMS for path in (ROOT / room).rglob("*.py")}
+    for module, path in modules.items():
+        for name in _named(path):
+            while name and name not in modules:
+                name = name.rpartition(".")[0]
+            if name and name != module:
+                graph.add_edge(module, name)
+    assert graph.number_of_edges() > 2000
+    assert [sorted(each) for each in networkx.strongly_connected_components(graph) if len(each) > 1] == []
+
+
+def _parts(path: Path) -> list[str]:
+    parts = ["handcart", *path.relative_to(ROOT).with_suffix("").parts]
+    return parts[:-1] if parts[-1] == "__init__" else parts
+
+
+def _named(path: Path) -> Iterator[str]:
+    """Everything in a file that may name a module of ours."""
+    here = _parts(path) if path.name == "__init__.py" else _parts(path)[:-1]
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.Import):
+            yield from (each.name for each in node.names)
+        elif isinstance(node, ast.ImportFrom):
+            above = here[: len(here) - node.level + 1] if node.level else []
+            base = ".".join([*above, *filter(None, [node.module])])
+            yield from (f"{base}.{each.name}" for each in node.names)
+        elif isinstance(node, ast.Constant) and str(node.value).startswith("handcart."):
+            yield str(node.value).replace(":", ".")
 
 
 def imported(path: Path) -> Iterator[str]:

@@ -26,7 +26,7 @@ def adopt(
     ] = None,
 ) -> None:
     """Show what a run's findings change in the robot's file, or write it; comments and order are kept."""
-    from handcart.backends.robot_file import load_robot, shipped_path
+    from handcart.backends.robot_loading import load_robot, shipped_path
 
     from .writing import write_text
 
@@ -119,7 +119,7 @@ def _check_writable(file: Path) -> None:
 
 def _write_copy(output: Path, text: str, file: Path) -> None:
     """The changed file elsewhere, with the URDFs beside it that it names."""
-    from handcart.backends.robot_file import load_robot
+    from handcart.backends.robot_loading import load_robot
     from handcart.files.inside import resolve_inside
 
     from .writing import NotWritable, check_folder, write_text

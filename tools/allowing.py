@@ -18,7 +18,7 @@ def allow_contacts(file: Path) -> None:
         FileError: something in the robot's files is wrong.
         NotWritable: the file can't be written.
     """
-    from handcart.backends.robot_file import load_robot
+    from handcart.backends.robot_loading import load_robot
     from handcart.evaluation.robot_report.self_contact import self_contact
 
     from .writing import write_text

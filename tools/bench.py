@@ -57,8 +57,9 @@ def bench(
     from handcart.backends.can.open_bus import open_interface
     from handcart.backends.can.simulated.bench import Bench
     from handcart.backends.can.simulated.bench_server import BenchServer
+    from handcart.backends.can.simulated.misbehaviours import misbehave
     from handcart.backends.registry import make_backend
-    from handcart.backends.robot_file import load_robot
+    from handcart.backends.robot_loading import load_robot
 
     spec = load_robot(robot)
     if spec.can is None:
@@ -81,7 +82,7 @@ def bench(
             scans = _scans(made, range_port)
             looks.append(lambda each: scans.send(each.time))
         for name, at, node in planned:
-            made.misbehave(name, at, node)
+            misbehave(made, name, at, node)
         nodes = ", ".join(f"{name} {axis.node}" for name, axis in spec.can.axes())
         print(f"drives of {robot} on {interface} {channel}: {nodes}; Ctrl-C ends", flush=True)
         server = BenchServer(made, spec.period_s, look=lambda each: [look(each) for look in looks])

@@ -37,7 +37,8 @@ def bringup(
 ) -> None:
     """Climb the next rung of the ladder from first power to the task; each is recorded, none left out."""
     from handcart.backends.can.can_backend import CanBackend
-    from handcart.backends.robot_file import load_robot
+    from handcart.backends.registry import bench_class
+    from handcart.backends.robot_loading import load_robot
     from handcart.evaluation.bringup.ladder import RUNGS, Ladder
     from handcart.evaluation.bringup.site import Site
     from handcart.evaluation.stage import LIBRARY
@@ -47,7 +48,7 @@ def bringup(
     spec = load_robot(robot)
     check_folder(folder)
     if bench is not None:
-        CanBackend.bench_kind(bench)  # a wrong name is told before the first rung
+        bench_class(bench, CanBackend.name)  # a wrong name is told before the first rung
     for_what = task or LIBRARY.parent / ("return_book" if spec.arm else "drive_map") / "task.yaml"
     name = re.sub(r"[^\w.-]", "_", robot.removesuffix(".yaml").strip("./"))
     own, rehearsed = folder / name, folder / f"{name}-bench"

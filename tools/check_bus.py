@@ -23,7 +23,7 @@ def bus_tables(load: BusLoad) -> Iterator[Any]:
     """For people: a row a frame, and the sum."""
     from handcart.backends.can.bus_load import ALLOWED
 
-    from .check_robot import table_of
+    from .tables import table_of
 
     rows = [
         (

@@ -195,7 +195,7 @@ def _goals_facts(file: Path) -> dict[str, Any]:
 
 
 def _task_facts(file: Path, settings: dict[str, str], quick: bool) -> dict[str, Any]:
-    from handcart.backends.robot_file import load_robot
+    from handcart.backends.robot_loading import load_robot
     from handcart.evaluation.robot_report.posture_findings import posture_findings
     from handcart.networks.preparing import check as check_task
 

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 from handcart.files.errors import FileError, InputError
 from handcart.files.yaml_document import read_document
 
+from .tables import table_of
 from .writing import NotWritable
 
 if TYPE_CHECKING:
@@ -45,7 +46,7 @@ def robot_facts(file: Path, picture: Path | None, quick: bool = False, every: bo
         NoSuchPicture: the picture's ending is unknown.
         NotWritable: it can't be written there.
     """
-    from handcart.backends.robot_file import load_robot
+    from handcart.backends.robot_loading import load_robot
     from handcart.evaluation.robot_report.picture import draw_robot
     from handcart.evaluation.robot_report.posture_findings import posture_findings
     from handcart.evaluation.robot_report.remark import grouped, grouped_findings
@@ -185,17 +186,3 @@ def _reach(reach: Reach) -> Group:
 
 def _span(span: tuple[float, float] | None) -> str:
     return "nowhere" if span is None else f"{span[0]:.2f} to {span[1]:.2f} m"
-
-
-def table_of(*columns: str, rows: Sequence[Sequence[str]]) -> Table:
-    """A plain table with these heads."""
-    from rich import box
-    from rich.table import Table
-    from rich.text import Text
-
-    table = Table(box=box.SIMPLE_HEAD, pad_edge=False, show_edge=False)
-    for column in columns:
-        table.add_column(column, overflow="fold")
-    for row in rows:
-        table.add_row(*(Text(cell) for cell in row))
-    return table

@@ -55,7 +55,7 @@ def _backends() -> list[tuple[str, str]]:
 
 
 def _robots() -> list[tuple[str, str]]:
-    from handcart.backends.robot_file import robot_names, shipped_path
+    from handcart.backends.robot_loading import robot_names, shipped_path
 
     return [(name, _first_comment(shipped_path(name))) for name in robot_names()]
 

@@ -24,7 +24,8 @@ def place(
     ] = None,
 ) -> None:
     """Divide a path among places of the base; write task.yaml with its files, and placements.svg."""
-    from handcart.backends.robot_file import UnknownPosture, load_robot
+    from handcart.backends.robot_file import UnknownPosture
+    from handcart.backends.robot_loading import load_robot
     from handcart.evaluation.seam_placing import NoToolArm, place_seam, write_task
     from handcart.files.errors import FileError
     from handcart.files.loading import load
@@ -55,7 +56,7 @@ def place(
 
 def _document(robot: str) -> Document:
     """The robot's file, for its lines."""
-    from handcart.backends.robot_file import shipped_path
+    from handcart.backends.robot_loading import shipped_path
     from handcart.files.yaml_document import read_document
 
     return read_document(robot if robot.endswith((".yaml", ".yml")) else shipped_path(robot))

@@ -31,7 +31,7 @@ def teach(
     dry_run: Annotated[bool, typer.Option("--dry-run", help="only show what would change")] = False,
 ) -> None:
     """Record a posture into a robot's file, comments and order kept; shows the change."""
-    from handcart.backends.robot_file import load_robot, shipped_path
+    from handcart.backends.robot_loading import load_robot, shipped_path
 
     from .writing import write_text
 

@@ -12,14 +12,13 @@ import can
 import numpy as np
 from numpy.typing import NDArray
 
-from handcart.backends.backend import Backend, NoBench
+from handcart.backends.backend import Backend
 from handcart.backends.can_spec import VIRTUAL, CanSpec
 from handcart.backends.capability import Capability
 from handcart.backends.plain_values import attributes, from_plain, set_attributes
 from handcart.backends.robot_file import RobotFile
 from handcart.backends.saved_state import NotAState
 from handcart.backends.scene.scene import Scene
-from handcart.files.suggest import suggest
 
 from .axes import Axes
 from .bus_guard import BusGuard
@@ -34,8 +33,6 @@ from .pace import Pace
 from .sensors.live_sensor import LiveSensor
 from .sensors.live_sensors import await_first, open_sensors
 from .simulated.bench import Bench
-
-KINEMATIC = "kinematic"
 
 
 class CanBackend(Backend):
@@ -114,34 +111,27 @@ class CanBackend(Backend):
     def build(cls, robot: RobotFile, world: Path | None, seed: int) -> CanBackend:
         """See `Backend`; on the interface `virtual` the drives are simulated, with a world its robot too."""
         if robot.can is not None and robot.can.interface == VIRTUAL:
-            return cls._on_bench(robot, world, seed, KINEMATIC if world is not None else None)
+            from handcart.backends.kinematic.kinematic_backend import KinematicBackend
+
+            return cls._on_bench(robot, world, seed, KinematicBackend if world is not None else None)
         return cls(robot, None)
 
     @classmethod
-    def build_on_bench(cls, robot: RobotFile, world: Path | None, seed: int, bench: str) -> CanBackend:
+    def build_on_bench(
+        cls, robot: RobotFile, world: Path | None, seed: int, bench: type[Backend]
+    ) -> CanBackend:
         """See `Backend`."""
         return cls._on_bench(robot, world, seed, bench)
 
     @classmethod
-    def bench_kind(cls, bench: str) -> type[Backend]:
-        """The class of the simulated backend of that name; raises `NoBench`, saying what there is."""
-        from handcart.backends.registry import backend_class, backend_names
-
-        others = [name for name in backend_names() if name != cls.name]
-        if bench not in (*others, cls.name):
-            raise NoBench(f"unknown bench {bench!r}{suggest(bench, others)}")
-        kind = backend_class(bench)
-        if issubclass(kind, CanBackend) or not kind.simulated:
-            raise NoBench(f"the backend {bench!r} simulates no robot; allowed: --bench kinematic, pybullet")
-        return kind
-
-    @classmethod
-    def _on_bench(cls, robot: RobotFile, world: Path | None, seed: int, bench: str | None) -> CanBackend:
+    def _on_bench(
+        cls, robot: RobotFile, world: Path | None, seed: int, bench: type[Backend] | None
+    ) -> CanBackend:
         if robot.can is None:
             raise NoDrives()
         inner = None
         if bench is not None:
-            inner = cls.bench_kind(bench).build(robot, world, seed)
+            inner = bench.build(robot, world, seed)
         stand = Bench(robot, robot.can, inner)
         try:
             return cls(robot, stand)

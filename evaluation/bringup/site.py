@@ -16,6 +16,7 @@ from handcart.backends.can.errors import NoDrives
 from handcart.backends.can.open_bus import open_bus
 from handcart.backends.can.simulated.bench import Bench
 from handcart.backends.can_spec import CanSpec
+from handcart.backends.registry import bench_class
 from handcart.backends.robot_file import RobotFile
 from handcart.networks.robot_claim import claimed
 
@@ -87,7 +88,7 @@ class Site:
     def backend(self, seed: int = 0) -> Iterator[CanBackend]:
         """The robot, set up and read back, no drive enabled yet; a real one is claimed for this process."""
         made = (
-            CanBackend.build_on_bench(self.robot, self.world, seed, self.bench)
+            CanBackend.build_on_bench(self.robot, self.world, seed, bench_class(self.bench, CanBackend.name))
             if self.bench
             else CanBackend.build(self.robot, None, seed)
         )

@@ -8,7 +8,8 @@ from typing import TypeVar
 from handcart.backends.backend import Backend
 from handcart.backends.capability import Capability
 from handcart.backends.robot import Robot
-from handcart.backends.robot_file import RobotFile, load_robot
+from handcart.backends.robot_file import RobotFile
+from handcart.backends.robot_loading import load_robot
 from handcart.evaluation.stage import Stage, StageFiles, set_stage
 
 C = TypeVar("C", bound=Capability)

@@ -7,6 +7,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 
 from .bench import Bench
+from .skipped import Skipped
 
 
 @dataclass
@@ -38,10 +39,6 @@ class Finding:
         told = f"{what} {size:.3g}{unit and ' '}{unit}"
         self.measured.append(told)
         self.expect(size <= most, f"{told}; at most {most:.3g} is allowed")
-
-
-class Skipped(Exception):
-    """The check can't be made on this robot."""
 
 
 @dataclass(frozen=True)

@@ -14,9 +14,10 @@ from handcart.robotics.kinematics.arm_model import ArmModel
 from handcart.robotics.perception.tag_reader import read_tags
 
 from .bench import Bench
-from .check import Check, Finding, Skipped
+from .check import Check, Finding
 from .parts import arm_of, camera_of, range_sensor_of
 from .periods import move_joints, steps
+from .skipped import Skipped
 
 PIXELS = {"kinematic": 0.1}
 OTHER_PIXELS = 0.25  # a renderer that draws triangles

@@ -12,12 +12,13 @@ from handcart.primitives.action_primitive import ActionPrimitive
 from . import primitive_liars, snapshot_checks
 from .all_checks import CHECKS
 from .bench import Bench
-from .check import Finding, Skipped
+from .check import Finding
 from .fail_is_true import Batch
 from .fault import FaultKind
 from .parts import needed, parts_of
 from .reach import Reach
 from .rehearsal import RETURN_BOOK, Rehearsal, Solo
+from .skipped import Skipped
 
 INSTANTS = 10  # of a liar's run in which something goes wrong; the first that gives it away is enough
 SECONDS, HANG_SECONDS = 60.0, 15.0  # of CPU time that a liar gets

@@ -13,7 +13,7 @@ from handcart.backends.gripper import Gripper
 from handcart.backends.positioning import Positioning
 from handcart.backends.range_sensor import RangeSensor
 
-from .check import Skipped
+from .skipped import Skipped
 
 P = TypeVar("P")
 

@@ -8,8 +8,9 @@ from handcart.backends.positioning import PoseReading
 from handcart.evaluation.ground_truth import scene_of
 
 from .bench import Bench
-from .check import Check, Finding, Skipped
+from .check import Check, Finding
 from .parts import base_of, positioning_of
+from .skipped import Skipped
 
 PERIODS = 60
 SPEED, TURN_RATE = 0.2, 0.3  # [m/s], [rad/s]

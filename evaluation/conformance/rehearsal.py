@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from handcart.backends.robot import Robot
-from handcart.backends.robot_file import load_robot
+from handcart.backends.robot_loading import load_robot
 from handcart.networks.network import Action
 from handcart.networks.planner import NoWay, Planner
 from handcart.networks.preparing import make_robot, prepare

@@ -9,7 +9,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from handcart.backends.robot_file import RobotFile, shipped_path
+from handcart.backends.robot_file import RobotFile
+from handcart.backends.robot_loading import shipped_path
 from handcart.files.errors import Finding
 from handcart.files.suggest import listed
 from handcart.files.yaml_document import read_document

@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 from handcart.backends.base import Base, WheelTravel
 from handcart.backends.guarded_base import BESIDE, GuardedBase, steady_points
 from handcart.backends.range_sensor import Scan
-from handcart.backends.robot_file import RobotFile, load_robot
+from handcart.backends.robot_file import RobotFile
+from handcart.backends.robot_loading import load_robot
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.grid_map import GridMap
 

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from handcart.backends.driven_wheels import driven_wheels
-from handcart.backends.robot_file import load_robot
+from handcart.backends.robot_loading import load_robot
 from handcart.files.errors import FileError
 from handcart.robotics.kinematics.urdf_assembly import link_names
 from handcart.robotics.kinematics.urdf_contents import joints_of

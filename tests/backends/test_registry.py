@@ -4,7 +4,7 @@ import pytest
 
 from handcart.backends.backend import Backend
 from handcart.backends.registry import UnknownBackend, backend_names, make_backend
-from handcart.backends.robot_file import load_robot
+from handcart.backends.robot_loading import load_robot
 
 
 def test_the_kinematic_backend_is_made_by_its_name(tmp_path):

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from handcart.backends.mesh_path import is_mesh, mesh_path
-from handcart.backends.robot_file import load_robot, shipped_path
+from handcart.backends.robot_loading import load_robot, shipped_path
 from handcart.backends.urdf_file import read_urdf_file
 from handcart.files.errors import FileError, UnsafePath
 

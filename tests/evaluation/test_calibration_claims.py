@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from handcart.backends.mounted_camera import stated_camera
-from handcart.backends.robot_file import load_robot
+from handcart.backends.robot_loading import load_robot
 from handcart.backends.scene.true_camera import true_camera
 from handcart.evaluation.calibration_claims import camera_faults, suspension_faults
 from handcart.primitives.calibrated import Calibrated

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from handcart.backends.kinematic.kinematic_backend import KinematicBackend
-from handcart.backends.robot_file import load_robot
+from handcart.backends.robot_loading import load_robot
 from handcart.backends.scene.world_file import WorldFile
 from handcart.evaluation.contact_survey import ContactSurvey
 from handcart.files.loading import load

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from handcart.backends.base import Base
-from handcart.backends.robot_file import load_robot
+from handcart.backends.robot_loading import load_robot
 from handcart.evaluation.ground_truth import ground_truth, not_restored
 from handcart.evaluation.judge import Judge
 from handcart.evaluation.shelving import longest_rising, shelving

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from handcart.backends.robot_file import load_robot
+from handcart.backends.robot_loading import load_robot
 from handcart.evaluation.moving_tracking import Feedback, MovingTracking, Straying
 from handcart.primitives.seam_file import load_seam
 from handcart.robotics.manipulation.tool_path import ToolPath

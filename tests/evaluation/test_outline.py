@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from handcart.backends.robot_file import load_robot, shipped_path
+from handcart.backends.robot_loading import load_robot, shipped_path
 from handcart.evaluation.robot_report.draft import draft_text
 from handcart.evaluation.robot_report.outline import Outline, outline_of
 from handcart.evaluation.robot_report.remark import Remark, grouped, grouped_findings

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from handcart.backends.robot_file import load_robot, shipped_path
+from handcart.backends.robot_loading import load_robot, shipped_path
 from handcart.evaluation.robot_report.posture_findings import posture_facts, posture_findings
 from handcart.tools.check_robot import robot_facts
 

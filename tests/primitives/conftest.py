@@ -13,7 +13,7 @@ import pytest
 
 from handcart.backends.registry import make_backend
 from handcart.backends.robot import Robot
-from handcart.backends.robot_file import load_robot
+from handcart.backends.robot_loading import load_robot
 from handcart.primitives.action_primitive import ActionPrimitive
 from handcart.primitives.arm_motion import held_box, move_to_pose
 from handcart.primitives.attempt import attempt

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from handcart.backends.robot_file import ROBOTS
+from handcart.backends.robot_loading import ROBOTS
 from handcart.evaluation.stage import Stage, StageFiles, set_stage
 from handcart.primitives.divide import Divide
 from handcart.primitives.outcome import Fail, Success

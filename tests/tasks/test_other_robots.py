@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from handcart.backends.robot_file import load_robot
+from handcart.backends.robot_loading import load_robot
 from handcart.evaluation.running import run_task
 
 pytest.importorskip("pybullet_data", reason="the arm's URDF comes with PyBullet")

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from handcart.backends.robot_file import load_robot
+from handcart.backends.robot_loading import load_robot
 from handcart.backends.stopping import LATEST, stopping_ramp
 from handcart.evaluation.running import resume_task, run_task
 from handcart.networks.events import Started

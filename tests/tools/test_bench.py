@@ -13,7 +13,8 @@ import pytest
 
 from handcart.backends.base import Base
 from handcart.backends.can.can_backend import CanBackend
-from handcart.backends.robot_file import RobotFile, load_robot
+from handcart.backends.robot_file import RobotFile
+from handcart.backends.robot_loading import load_robot
 from handcart.tools.bench import AT_THE_PROGRAM
 
 CHANNEL = "239.74.163.31"

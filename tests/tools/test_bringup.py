@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from handcart.backends.robot_file import load_robot
+from handcart.backends.robot_loading import load_robot
 from handcart.evaluation.bringup.ladder import RUNGS, BenchFirst, Ladder
 from handcart.evaluation.bringup.operator import BenchOperator, ScriptedOperator
 from handcart.evaluation.bringup.record import read

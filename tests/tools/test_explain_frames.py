@@ -12,6 +12,7 @@ import pytest
 from can.io.canutils import CanutilsLogReader
 
 from handcart.backends.can.can_backend import CanBackend
+from handcart.backends.can.simulated.misbehaviours import misbehave
 from handcart.networks.preparing import prepare
 from handcart.networks.run import execute
 
@@ -39,7 +40,7 @@ def run(tour: Path, tmp_path: Path) -> Callable[..., Path]:
         with prepare(tour) as prepared:
             assert isinstance(prepared.backend, CanBackend)
             assert prepared.backend.bench is not None
-            prepared.backend.bench.misbehave(fault, at)
+            misbehave(prepared.backend.bench, fault, at)
             execute(prepared, tmp_path / name)
         return tmp_path / name
 

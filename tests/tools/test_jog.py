@@ -11,7 +11,9 @@ import pytest
 
 from handcart.backends.arm import Arm
 from handcart.backends.can.can_backend import CanBackend
-from handcart.backends.robot_file import RobotFile, load_robot
+from handcart.backends.kinematic.kinematic_backend import KinematicBackend
+from handcart.backends.robot_file import RobotFile
+from handcart.backends.robot_loading import load_robot
 from handcart.evaluation.bringup.jog import HAND_SPEED, LEASE, Jogger, Lease, UnknownAxis
 from handcart.evaluation.stage import LIBRARY
 
@@ -23,7 +25,7 @@ def librarian() -> RobotFile:
 
 @pytest.fixture
 def backend(librarian: RobotFile) -> Iterator[CanBackend]:
-    made = CanBackend.build_on_bench(librarian, LIBRARY / "world.yaml", 0, "kinematic")
+    made = CanBackend.build_on_bench(librarian, LIBRARY / "world.yaml", 0, KinematicBackend)
     yield made
     made.close()
 

@@ -256,7 +256,7 @@ def test_what_no_sensor_can_tell_needs_a_yes(run, handcart, task):
 @pytest.mark.slow
 def test_another_file_of_the_robot_is_another_robot(run, handcart, task):
     """D12"""
-    from handcart.backends.robot_file import ROBOTS
+    from handcart.backends.robot_loading import ROBOTS
 
     robot = task.parent / "mine.yaml"
     robot.write_text((ROBOTS / "cart" / "robot.yaml").read_text())

@@ -34,7 +34,7 @@ def test_a_posture_is_recorded_and_nothing_else_changes(handcart: Callable[..., 
 
 
 def test_postures_are_copied_and_replaced(handcart: Callable[..., Any], robot: Path) -> None:
-    from handcart.backends.robot_file import load_robot
+    from handcart.backends.robot_loading import load_robot
 
     for source in ("carry", "home"):
         assert handcart("teach", "pick_up_1", "--robot", robot, "--from-posture", source).status == 0

@@ -15,8 +15,10 @@ from handcart.backends.robot_file import RobotFile
 from .backend_plant import BackendPlant
 from .bench_bus import BenchBus
 from .drive_node import DriveNode
-from .misbehaviours import misbehaviour
 from .simulated_drives import SimulatedDrives
+
+Act = Callable[["Bench", DriveNode], None]
+"""Lets something go wrong, with a drive or with the bus."""
 
 
 class Bench:
@@ -84,24 +86,13 @@ class Bench:
         if self._plant is not None:
             self._plant.place(self.drives)
 
-    def go_wrong(self, name: str, node: int | None = None) -> None:
-        """Let something go wrong now; see `misbehave`."""
-        kind = misbehaviour(name)
-        kind.act(self, self.drives[self.spec.left.node if node is None else node])
+    def go_wrong(self, act: Act, node: int | None = None) -> None:
+        """Let something go wrong now, at a drive; None: that of the first axis."""
+        act(self, self.drives[self.spec.left.node if node is None else node])
 
-    def misbehave(self, name: str, at_s: float = 0.0, node: int | None = None) -> None:
-        """Let something go wrong.
-
-        Args:
-            name: one of `MISBEHAVIOURS`.
-            at_s: in [s] of the bench's time.
-            node: which drive; None: that of the first axis.
-
-        Raises:
-            UnknownMisbehaviour: there is none of that name.
-        """
-        misbehaviour(name)
-        self._planned.append((at_s, lambda: self.go_wrong(name, node)))
+    def go_wrong_at(self, at_s: float, act: Act, node: int | None = None) -> None:
+        """The same at a time in [s] of the bench's."""
+        self._planned.append((at_s, lambda: self.go_wrong(act, node)))
 
     def _misbehave(self) -> None:
         due = [act for at, act in self._planned if at <= self.time + 1e-9]

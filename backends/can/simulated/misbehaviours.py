@@ -3,19 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import can
 
 from handcart.files.errors import InputError
 from handcart.files.suggest import suggest
 
+from .bench import Act, Bench
 from .drive_node import DriveNode, nmt_reset
-
-if TYPE_CHECKING:
-    from .bench import Bench
-
-Act = Callable[["Bench", DriveNode], None]
 
 
 class UnknownMisbehaviour(InputError):
@@ -41,6 +37,21 @@ def misbehaviour(name: str) -> Misbehaviour:
     if name not in MISBEHAVIOURS:
         raise UnknownMisbehaviour(name)
     return MISBEHAVIOURS[name]
+
+
+def misbehave(bench: Bench, name: str, at_s: float = 0.0, node: int | None = None) -> None:
+    """Let something go wrong on a bench.
+
+    Args:
+        bench: where.
+        name: one of `MISBEHAVIOURS`.
+        at_s: in [s] of the bench's time.
+        node: which drive; None: that of the first axis.
+
+    Raises:
+        UnknownMisbehaviour: there is none of that name.
+    """
+    bench.go_wrong_at(at_s, misbehaviour(name).act, node)
 
 
 def _set(**wrong: object) -> Act:

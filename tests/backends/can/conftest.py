@@ -12,7 +12,8 @@ from can.interfaces import virtual
 from handcart.backends.can.can_backend import CanBackend
 from handcart.backends.can.simulated.bench import Bench
 from handcart.backends.kinematic.kinematic_backend import KinematicBackend
-from handcart.backends.robot_file import RobotFile, load_robot
+from handcart.backends.robot_file import RobotFile
+from handcart.backends.robot_loading import load_robot
 from handcart.backends.scene.world_file import WorldFile
 
 ROOM = {

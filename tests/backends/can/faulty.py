@@ -10,6 +10,7 @@ import pytest
 from handcart.backends.arm import Arm
 from handcart.backends.base import Base
 from handcart.backends.can.errors import CanFault
+from handcart.backends.can.simulated.misbehaviours import misbehave
 
 JOINT_1 = 11
 """The node of the librarian's first joint."""
@@ -30,7 +31,7 @@ def move(backend, periods):
 def fault_of(backend, name, node=None, within=20):
     """What a misbehaviour under way ends in."""
     move(backend, BEFORE)
-    backend.bench.misbehave(name, backend.bench.time, node)
+    misbehave(backend.bench, name, backend.bench.time, node)
     with pytest.raises(CanFault) as told:
         move(backend, within)
     return told.value

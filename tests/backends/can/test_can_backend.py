@@ -11,7 +11,7 @@ from handcart.backends.base import Base
 from handcart.backends.can.errors import NoDrives, TooManyCounts
 from handcart.backends.range_sensor import RangeSensor
 from handcart.backends.registry import make_backend
-from handcart.backends.robot_file import load_robot
+from handcart.backends.robot_loading import load_robot
 from handcart.backends.saved_state import pack, unpack
 
 from .conftest import COUNTS_PER_M, LEFT, RIGHT

@@ -7,7 +7,7 @@ import math
 import pytest
 
 from handcart.backends.can_spec import JointDriveSpec
-from handcart.backends.robot_file import ROBOTS, load_robot
+from handcart.backends.robot_loading import ROBOTS, load_robot
 from handcart.files.errors import FileError
 
 JOINT_6 = "    - {node: 16, counts_per_rev: 65536, gear_ratio: 50, rated_torque_nm: 30}\n"

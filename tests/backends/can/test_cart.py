@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from handcart.backends.can_spec import CanSpec
-from handcart.backends.robot_file import ROBOTS, load_robot
+from handcart.backends.robot_loading import ROBOTS, load_robot
 from handcart.evaluation.conformance.all_checks import CHECKS
 from handcart.evaluation.conformance.bench import Bench
 from handcart.evaluation.stage import set_stage

@@ -9,7 +9,7 @@ from handcart.backends.arm import Arm
 from handcart.backends.base import Base
 from handcart.backends.can.axis_settings import interpolation_time
 from handcart.backends.can.errors import CanFault, ReadBackDiffers
-from handcart.backends.robot_file import load_robot
+from handcart.backends.robot_loading import load_robot
 
 JOINT_1 = 11
 TURN = np.array([0.01, 0.0, 0.0, 0.0, 0.0, 0.0])

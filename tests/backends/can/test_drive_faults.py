@@ -20,7 +20,7 @@ from handcart.backends.can.errors import (
     WrongDrive,
 )
 from handcart.backends.can.simulated.bench import Bench
-from handcart.backends.can.simulated.misbehaviours import MISBEHAVIOURS
+from handcart.backends.can.simulated.misbehaviours import MISBEHAVIOURS, misbehave
 
 from .faulty import BEFORE, JOINT_1, assert_stopped, assert_told, fault_of, move
 
@@ -127,7 +127,7 @@ def test_emergencies_that_the_file_allows_stop_nothing(make, robot):
     backend = make(robot=robot.model_copy(update={"can": spec}), room=False)
     move(backend, BEFORE)
     before = backend.get(Base).wheel_travel().left
-    backend.bench.misbehave("emergency", backend.bench.time)
+    misbehave(backend.bench, "emergency", backend.bench.time)
     move(backend, BEFORE)
     assert backend.get(Base).wheel_travel().left > before + 0.1
     assert {drive.life.state for drive in backend.bench.drives.values()} == {"OPERATION ENABLED"}
@@ -142,7 +142,7 @@ def test_a_drive_is_asked_once_more_and_not_under_way(make, robot):
     enabling = [each for each in sent if 0x600 < each < 0x680]
     assert enabling
     del sent[:]
-    backend.bench.misbehave("no-sdo", backend.bench.time)
+    misbehave(backend.bench, "no-sdo", backend.bench.time)
     move(backend, BEFORE)
     assert not [each for each in sent if 0x600 < each < 0x680]
 

@@ -18,9 +18,9 @@ from handcart.backends.can.errors import (
     WrongDrive,
 )
 from handcart.backends.can.simulated.drive_node import DriveNode
-from handcart.backends.can.simulated.misbehaviours import UnknownMisbehaviour
+from handcart.backends.can.simulated.misbehaviours import UnknownMisbehaviour, misbehave
 from handcart.backends.registry import make_backend
-from handcart.backends.robot_file import load_robot
+from handcart.backends.robot_loading import load_robot
 
 from .conftest import LEFT, RIGHT
 
@@ -84,7 +84,7 @@ def test_a_fault_ends_a_command_with_status_4_and_without_a_traceback(command, m
 
     def fails(self):
         if next(count) == 30:
-            self.bench.misbehave("silent")
+            misbehave(self.bench, "silent")
         step(self)
 
     monkeypatch.setattr(CanBackend, "step", fails)
@@ -224,7 +224,7 @@ def test_a_bench_that_cannot_be_is_refused_with_status_2(backend, bench, told, c
 
 def test_a_fault_that_nobody_knows_is_refused(make):
     with pytest.raises(UnknownMisbehaviour, match="did you mean 'reversed'"):
-        make().bench.misbehave("reverse")
+        misbehave(make().bench, "reverse")
 
 
 def test_without_a_bench_the_capabilities_are_known_unbuilt():

@@ -20,7 +20,7 @@ from handcart.backends.can.simulated.bench import Bench
 from handcart.backends.can.simulated.simulated_drives import SimulatedDrives
 from handcart.backends.gripper import Gripper
 from handcart.backends.kinematic.kinematic_gripper import KinematicGripper
-from handcart.backends.robot_file import ROBOTS, load_robot
+from handcart.backends.robot_loading import ROBOTS, load_robot
 from handcart.evaluation.bringup.bus_rungs import ReadBackRung
 from handcart.evaluation.bringup.operator import BenchOperator
 from handcart.evaluation.bringup.site import Site

@@ -13,7 +13,7 @@ from handcart.backends.base import Base
 from handcart.backends.can.can_backend import CanBackend
 from handcart.backends.can.errors import CanFault, Emergency
 from handcart.backends.can.simulated.bench import Bench
-from handcart.backends.robot_file import load_robot
+from handcart.backends.robot_loading import load_robot
 
 PERIOD = 0.1
 BUS = {"interface": "virtual", "channel": "by themselves", "heartbeat_timeout_ms": 5000}

@@ -30,7 +30,7 @@ from handcart.backends.can.sensors.video_camera import VideoCamera
 from handcart.backends.can_sensor_spec import CameraSource, GpsSource, LineSource, SensorsSpec
 from handcart.backends.mounted_camera import MountedCamera, camera_model
 from handcart.backends.range_sensor import RangeSensor, Scan
-from handcart.backends.robot_file import load_robot
+from handcart.backends.robot_loading import load_robot
 from handcart.backends.sensor_specs import CameraSpec, RangeSpec
 from handcart.evaluation.fuzzed_sentences import fuzzed_sentences
 from handcart.robotics.geometry.pose2 import Pose2

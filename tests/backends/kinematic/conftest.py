@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from handcart.backends.kinematic.kinematic_backend import KinematicBackend
-from handcart.backends.robot_file import load_robot
+from handcart.backends.robot_loading import load_robot
 from handcart.backends.scene.world_file import WorldFile
 from handcart.files.loading import load
 from handcart.robotics.geometry.pose2 import Pose2

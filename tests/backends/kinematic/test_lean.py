@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from handcart.backends.kinematic.kinematic_backend import KinematicBackend
-from handcart.backends.robot_file import load_robot
+from handcart.backends.robot_loading import load_robot
 from handcart.backends.scene.book import Book, Rest
 from handcart.backends.scene.book_lean import lean_in_row
 from handcart.backends.scene.putting_down import put_down

@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 
 from handcart.backends.pybullet.pybullet_backend import PyBulletBackend
-from handcart.backends.robot_file import RobotFile, load_robot
+from handcart.backends.robot_file import RobotFile
+from handcart.backends.robot_loading import load_robot
 from handcart.backends.saved_state import pack, unpack
 from handcart.backends.scene.thing import Rest
 from handcart.backends.scene.world_file import WorldFile

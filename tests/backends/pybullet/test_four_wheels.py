@@ -12,7 +12,7 @@ from handcart.backends.base import Base
 from handcart.backends.driven_wheels import NoWheels, driven_wheels
 from handcart.backends.positioning import Positioning
 from handcart.backends.pybullet.pybullet_backend import PyBulletBackend
-from handcart.backends.robot_file import load_robot
+from handcart.backends.robot_loading import load_robot
 from handcart.backends.scene.world_file import WorldFile
 
 pytest.importorskip("pybullet", reason="PyBullet has no wheel for this Python")

@@ -10,7 +10,7 @@ import pytest
 
 from handcart.backends.arm import Arm
 from handcart.backends.pybullet.pybullet_backend import PyBulletBackend
-from handcart.backends.robot_file import load_robot
+from handcart.backends.robot_loading import load_robot
 from handcart.backends.scene.world_file import WorldFile
 
 pytest.importorskip("pybullet", reason="PyBullet has no wheel for this Python")

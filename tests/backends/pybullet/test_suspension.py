@@ -10,7 +10,8 @@ import pytest
 
 from handcart.backends.pybullet.pybullet_backend import PyBulletBackend
 from handcart.backends.pybullet.sprung import CHASSIS, sprung
-from handcart.backends.robot_file import RobotFile, load_robot
+from handcart.backends.robot_file import RobotFile
+from handcart.backends.robot_loading import load_robot
 from handcart.backends.scene.world_file import WorldFile
 
 pytest.importorskip("pybullet", reason="PyBullet has no wheel for this Python")

@@ -11,7 +11,7 @@ from handcart.backends.backend import CommandError
 from handcart.backends.gps import Gps
 from handcart.backends.imu import Imu
 from handcart.backends.kinematic.kinematic_backend import KinematicBackend
-from handcart.backends.robot_file import load_robot
+from handcart.backends.robot_loading import load_robot
 from handcart.backends.scene.world_file import WorldFile
 from handcart.primitives.scara_arm import scara_of
 from handcart.robotics.manipulation.scara import Scara

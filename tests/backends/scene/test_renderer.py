@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from handcart.backends.mounted_camera import camera_model
-from handcart.backends.robot_file import load_robot
+from handcart.backends.robot_loading import load_robot
 from handcart.backends.scene.renderer import Renderer
 from handcart.backends.scene.scene import build_scene
 from handcart.backends.scene.world_file import WorldFile

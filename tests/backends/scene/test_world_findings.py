@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from handcart.backends.registry import check_world
-from handcart.backends.robot_file import load_robot
+from handcart.backends.robot_loading import load_robot
 from handcart.files.errors import FileError
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.grid_map import GridMap, from_boxes
