@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -11,7 +12,7 @@ import pytest
 
 from handcart.evaluation.stage import Stage
 from handcart.networks.preparing import prepare
-from handcart.primitives.deploy import Deploy
+from handcart.primitives.deploy import Deploy, _spread
 from handcart.primitives.outcome import Fail, Success
 from handcart.robotics.geometry.pose2 import Pose2
 
@@ -68,3 +69,14 @@ def test_without_ground_below_it_the_sensor_is_not_let_go(
     assert isinstance(failed, Fail), failed
     assert failed.reason == "there is no ground below the sensor"
     assert stage.model.laid == ()
+
+
+@pytest.mark.parametrize("away", [(0.6, -0.8), (-0.7, 0.4), (0.0, 1.0)])
+def test_a_point_is_as_unsure_as_place_and_heading_of_the_base_make_it(away: tuple[float, float]) -> None:
+    """Where the heading errs to the left, what lies ahead errs to the left, and what lies left backwards."""
+    covariance = np.array([[4e-4, 1e-4, 2e-4], [1e-4, 9e-4, -3e-4], [2e-4, -3e-4, 4e-4]])
+    robot: Any = SimpleNamespace(pose_covariance=covariance)
+    draws = np.random.default_rng(0).multivariate_normal(np.zeros(3), covariance, 40_000)
+    places = np.array([Pose2(*each).apply(np.array([away]))[0] for each in draws.tolist()])
+    expected = np.cov(places.T)
+    assert _spread(robot, np.array(away)) == pytest.approx(expected, abs=0.03 * float(np.trace(expected)))

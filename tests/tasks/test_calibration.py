@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
+import numpy as np
 import pytest
 
 from handcart.evaluation.laser_survey import read_spot
 from handcart.evaluation.running import run_task
 from handcart.files.loading import load
 from handcart.networks.calibration import Calibration
+from handcart.primitives.calibrate_camera import _lens
 from handcart.robotics.geometry.transform import transform
 
 TASKS = Path(__file__).resolve().parents[2] / "tasks"
@@ -77,3 +81,12 @@ def test_spots_are_read_with_a_ruler():
     assert exactly == pytest.approx(-2.0 * 1.3e-3 + 0.0, rel=1e-3)
     with pytest.raises(ValueError, match="meet the wall"):
         read_spot(first @ transform(rpy=(0.0, 0.0, 3.0)), first, 0.0, 0.001)
+
+
+def test_coefficients_of_the_lens_are_named_in_opencvs_order():
+    """k1, k2, p1, p2, k3; those that the pictures don't bear are not told."""
+    camera = SimpleNamespace(distortion=np.array([0.1, 0.2, 0.3, 0.4, 0.5]))
+    sigmas = np.array([1.0, 1.0, 1.0, 1.0, 0.01, 0.02, 0.03, 0.04, 0.0])
+    found: Any = SimpleNamespace(camera=camera, sigmas=sigmas)
+    told = {name.rpartition(".")[2]: (each.value, each.sigma) for name, each in _lens(found).items()}
+    assert told == {"k1": (0.1, 0.01), "k2": (0.2, 0.02), "p1": (0.3, 0.03), "p2": (0.4, 0.04)}
