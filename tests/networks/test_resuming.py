@@ -9,11 +9,12 @@ from typing import Any
 
 import pytest
 
+from handcart.backends.joint_units import JointUnits
 from handcart.networks.checkpoint import NAME, CheckpointKeeper
 from handcart.networks.journal import Journal
 from handcart.networks.journal_record import read_journal
 from handcart.networks.preparing import Prepared
-from handcart.networks.recon import Recon, reconnoitre, standing_as_left
+from handcart.networks.recon import Recon, gone_on, reconnoitre, standing_as_left
 from handcart.networks.resuming import NothingToResume, Past, read_past, task_of
 from handcart.networks.retracing import NeedsOperator, standing
 from handcart.networks.run import execute
@@ -89,7 +90,7 @@ def run(tmp_path: Path, new_stand: Callable[[], Any], primitives: Any) -> Run:
 def found(past: Past, residuals: dict[str, float], sure: bool = True) -> Recon:
     at = past.standing.at
     assert at is not None
-    return Recon(at, at, residuals, dict.fromkeys(residuals, 1.0), (), sure)
+    return Recon(at, at, residuals, dict.fromkeys(residuals, 1.0), (), sure, JointUnits((), (), ()))
 
 
 def test_a_result_that_only_the_checkpoint_holds_counts(run: Run) -> None:
@@ -143,8 +144,8 @@ def test_a_robot_that_stands_elsewhere_does_not_go_on_whatever_is_confirmed(run:
     past = run.past()
     for off in ({"base_mm": 150.0}, {"base_mm": math.nan}):
         with pytest.raises(NeedsOperator, match="the robot isn't where it was left: base_mm"):
-            past.after_look(found(past, off), past.last)
-    assert past.after_look(found(past, {"base_mm": 0.5}), past.last).closing[0][0] == "RECON"
+            gone_on(past, found(past, off), past.last)
+    assert gone_on(past, found(past, {"base_mm": 0.5}), past.last).closing[0][0] == "RECON"
 
 
 @pytest.mark.parametrize("confirm", [None, -1, 1])
@@ -153,14 +154,14 @@ def test_only_the_last_record_confirms(run: Run, confirm: int | None) -> None:
     run.forget()
     past = run.past()
     with pytest.raises(NeedsOperator, match=f"--confirm {past.last}"):
-        past.after_look(found(past, {}), confirm and past.last + confirm)
+        gone_on(past, found(past, {}), confirm and past.last + confirm)
 
 
 def test_an_action_in_doubt_that_is_measured_where_it_began_has_failed(run: Run) -> None:
     run.cut("RESULT", 1)
     run.forget()
     past = run.past()
-    after = past.after_look(found(past, {"base_mm": 0.1}), past.last)
+    after = gone_on(past, found(past, {"base_mm": 0.1}), past.last)
     kind, closed = after.closing[1]
     assert (kind, closed["n"], closed["outcome"], closed["by"]) == ("RESULT", 2, "Fail", "recon")
     assert (after.standing.in_doubt, after.standing.fails) == (None, 1)
@@ -175,7 +176,7 @@ def test_what_no_sensor_tells_a_person_has_to_acknowledge(run: Run, why: str) ->
     past = run.past()
     assert past.standing.in_doubt is not None
     with pytest.raises(NeedsOperator, match=rf"no sensor .*: handcart ack \S+ {past.standing.in_doubt['q']}"):
-        past.after_look(found(past, {}, sure=why != "nobody is sure"), past.last)
+        gone_on(past, found(past, {}, sure=why != "nobody is sure"), past.last)
 
 
 def test_the_estimate_goes_on_where_and_when_the_journal_left_it(run: Run) -> None:

@@ -10,7 +10,7 @@ import pytest
 from handcart.evaluation.stage import StageFiles, set_stage
 from handcart.primitives.evidence import Evidence
 from handcart.primitives.fixate import Fixate, landmark_of
-from handcart.primitives.fixating import fixate, fixed_by, planned_view
+from handcart.primitives.fixating import fixate, fixed_by, planned_view, sought
 from handcart.primitives.outcome import Fail, Success
 from handcart.robotics.geometry.pose2 import Pose2
 
@@ -133,7 +133,8 @@ def looked_at(stage, looks, at=lambda picture: None, name="stacking", aside=0.0)
     hand = planned_view(robot, mark, planned).base_T_hand.copy()
     hand[1, 3] += aside
     view = planned_view(robot, mark, planned, hand)
-    looking = fixate(robot, view, mark.side_mm / 1e3, "residual", Evidence(), looks=looks)
+    wanted = sought(name, stage.model.building.landmarks, planned, robot.pose, robot.pose_covariance)
+    looking = fixate(robot, view, wanted, "residual", Evidence(), looks=looks)
     take, taken = robot.picture, []
 
     def picture():

@@ -41,7 +41,7 @@ def test_a_goal_with_room_is_reached_by_a_route_that_keeps_it() -> None:
 def test_a_goal_may_be_as_near_as_is_needed_and_no_nearer(cell: float) -> None:
     """The wall's cells end at 0.1 m, or where the cell does that it runs through."""
     ways, wall = Ways(two_rooms(1.2, cell), RADIUS, START), max(0.1, cell)
-    needed = RADIUS + ROOM_AT_GOAL + 0.25 * (cell - 0.05)
+    needed = RADIUS + ROOM_AT_GOAL + 0.5 * (cell - 0.05)
     allowed, refused = (ways.to((2.0, wall + needed + off)) for off in (0.0011, -0.0011))
     assert (allowed.fits, refused.fits, refused.why) == (True, False, "too near")
     assert allowed.route is not None
