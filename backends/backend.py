@@ -5,7 +5,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any, ClassVar, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -49,6 +49,8 @@ class Backend(ABC):
     """How `--backend` calls it."""
     period: float
     """The control period, in [s]."""
+    has_drives: ClassVar[bool] = False
+    """Whether simulated drives can be put before a simulated backend; see `build_on_bench`."""
     simulated: bool = True
     """Whether the world behind it is made anew by `build`; a real one stands as it was left."""
     address: str = ""

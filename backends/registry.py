@@ -100,13 +100,15 @@ def bench_class(name: str, drives: str) -> type[Backend]:
     """The class of a simulated backend before which the drives of the backend `drives` are put.
 
     Raises:
-        NoBench: there is none of that name, or it simulates no robot.
+        NoBench: there is none of that name, it simulates no robot, or there are no drives.
     """
+    if not backend_class(drives).has_drives:
+        raise NoBench(f"the backend {drives!r} has no drives; allowed: --bench with --backend can")
     others = [each for each in backend_names() if each != drives]
     if name not in (*others, drives):
         raise NoBench(f"unknown bench {name!r}{suggest(name, others)}")
     kind = backend_class(name)
-    if name == drives or not kind.simulated:
+    if kind.has_drives or not kind.simulated:
         raise NoBench(f"the backend {name!r} simulates no robot; allowed: --bench kinematic, pybullet")
     return kind
 

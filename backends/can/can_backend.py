@@ -52,6 +52,7 @@ class CanBackend(Backend):
     """
 
     name = "can"
+    has_drives = True
 
     def __init__(self, robot: RobotFile, bench: Bench | None) -> None:
         """Open the interface, and set the drives up.
