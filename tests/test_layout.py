@@ -116,6 +116,7 @@ def imported(path: Path) -> Iterator[str]:
         "docs/faults.md",
         "docs/robots.md",
         "docs/api.md",
+        "docs/architecture.md",
         "docs/dependencies.md",
     ],
 )
