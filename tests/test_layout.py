@@ -9,6 +9,7 @@ import re
 import subprocess
 import sys
 from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
 
 import networkx
@@ -75,6 +76,11 @@ def test_there_are_no_circles() -> None:
     assert [sorted(each) for each in networkx.strongly_connected_components(graph) if len(each) > 1] == []
 
 
+@cache
+def _tree(path: Path) -> ast.Module:
+    return ast.parse(path.read_text(encoding="utf-8"))
+
+
 def _parts(path: Path) -> list[str]:
     parts = ["handcart", *path.relative_to(ROOT).with_suffix("").parts]
     return parts[:-1] if parts[-1] == "__init__" else parts
@@ -83,7 +89,7 @@ def _parts(path: Path) -> list[str]:
 def _named(path: Path) -> Iterator[str]:
     """Everything in a file that may name a module of ours."""
     here = _parts(path) if path.name == "__init__.py" else _parts(path)[:-1]
-    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+    for node in ast.walk(_tree(path)):
         if isinstance(node, ast.Import):
             yield from (each.name for each in node.names)
         elif isinstance(node, ast.ImportFrom):
@@ -96,7 +102,7 @@ def _named(path: Path) -> Iterator[str]:
 
 def imported(path: Path) -> Iterator[str]:
     """The modules that a file imports by their whole names."""
-    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+    for node in ast.walk(_tree(path)):
         if isinstance(node, ast.Import):
             yield from (each.name for each in node.names)
         elif isinstance(node, ast.ImportFrom) and not node.level:

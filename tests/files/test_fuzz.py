@@ -125,7 +125,7 @@ def said(content: bytes) -> object:
         return FileError
 
 
-@bounded
+@settings(bounded, max_examples=100)
 @given(
     st.sampled_from(SHIPPED),
     st.lists(st.tuples(st.integers(0), st.integers(0, 4), st.sampled_from(SYNTAX + WORDS)), max_size=3),
