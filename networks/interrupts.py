@@ -27,17 +27,22 @@ class Interrupts:
         self._before: dict[signal.Signals, Any] = {}
 
     def stop_by(self, stop: Callable[[], object]) -> None:
-        """A run begins: this stops it, and does no harm after its end."""
+        """A run begins: this stops it, and does no harm after its end; at once where there was one before."""
         self._stop = stop
+        if self.came:
+            stop()
 
     def __enter__(self) -> Interrupts:
         if threading.current_thread() is threading.main_thread():
             self._before = {kind: signal.signal(kind, self._heard) for kind in KINDS}
         return self
 
-    def __exit__(self, *_: object) -> None:
-        for kind, handler in self._before.items():
-            signal.signal(kind, handler)
+    def __exit__(self, kind: object, error: BaseException | None, trace: object) -> None:
+        for each, handler in self._before.items():
+            signal.signal(each, handler)
+        if self.came and self._stop is None and isinstance(error, Exception):
+            # Libraries in C may take what the handler raises in them for an error of their own.
+            raise KeyboardInterrupt from error
 
     def _heard(self, _number: int, _frame: FrameType | None) -> None:
         self.came = True

@@ -1,26 +1,43 @@
-"""Ctrl-C, before, in and after a run."""
+"""What Ctrl-C and a signal to end do, wherever they come (row K3)."""
 
 from __future__ import annotations
 
 import signal
+from contextlib import suppress
 
 import pytest
 
-from handcart.networks.interrupts import Interrupts
+from handcart.networks.interrupts import KINDS, Interrupts
 
 
-@pytest.mark.parametrize("kind", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
-def test_before_a_run_it_is_a_keyboard_interrupt_then_a_stop(kind):
-    """K3: however often it comes; a terminal that is closed is one too."""
-    stops = []
+@pytest.mark.parametrize("kind", KINDS)
+def test_before_a_run_it_ends_all_and_what_was_heard_before_is_heard_again(kind: signal.Signals) -> None:
+    """K3"""
     before = signal.getsignal(kind)
-    with Interrupts() as interrupts:
-        assert not interrupts.came
-        with pytest.raises(KeyboardInterrupt):
-            signal.raise_signal(kind)
-        interrupts.stop_by(lambda: stops.append(kind))
-        for _ in range(3):
-            signal.raise_signal(kind)
-    assert interrupts.came
-    assert stops == 3 * [kind]
+    with pytest.raises(KeyboardInterrupt), Interrupts():
+        signal.raise_signal(kind)
     assert signal.getsignal(kind) is before
+
+
+def test_one_that_a_library_takes_for_an_error_of_its_own_is_one() -> None:
+    """K3: C code told "expected sequence" of a generator in which the signal came."""
+    with pytest.raises(KeyboardInterrupt), Interrupts():
+        try:
+            signal.raise_signal(signal.SIGTERM)
+        except KeyboardInterrupt:
+            raise TypeError("expected sequence") from None
+
+
+def test_one_that_a_library_swallowed_stops_the_run_that_begins() -> None:
+    """K3"""
+    stops: list[str] = []
+    with Interrupts() as heard:
+        with suppress(KeyboardInterrupt):
+            signal.raise_signal(signal.SIGTERM)
+        heard.stop_by(lambda: stops.append("stop"))
+    assert stops == ["stop"]
+
+
+def test_an_error_without_one_stays_an_error() -> None:
+    with pytest.raises(TypeError), Interrupts():
+        raise TypeError("expected sequence")

@@ -261,7 +261,7 @@ def test_the_same_seed_gives_the_same_run(make):
 def test_the_engine_writes_nothing_to_our_streams():
     code = (
         "from pathlib import Path; from handcart.backends.registry import make_backend;"
-        "from handcart.backends.robot_file import load_robot;"
+        "from handcart.backends.robot_loading import load_robot;"
         "b = make_backend('pybullet', load_robot('librarian'), Path('tasks/return_book/world.yaml'), 0);"
         "b.step(); b.capabilities()[3].image(); b.close()"
     )
