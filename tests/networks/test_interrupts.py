@@ -1,4 +1,4 @@
-"""What Ctrl-C and a signal to end do, wherever they come (row K3)."""
+"""Ctrl-C and signals to end: before, in and after a run, and inside of libraries."""
 
 from __future__ import annotations
 
@@ -17,6 +17,19 @@ def test_before_a_run_it_ends_all_and_what_was_heard_before_is_heard_again(kind:
     with pytest.raises(KeyboardInterrupt), Interrupts():
         signal.raise_signal(kind)
     assert signal.getsignal(kind) is before
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_in_a_run_it_is_a_stop_however_often_it_comes(kind: signal.Signals) -> None:
+    """K3: a terminal that is closed is one too."""
+    stops: list[signal.Signals] = []
+    with Interrupts() as interrupts:
+        assert not interrupts.came
+        interrupts.stop_by(lambda: stops.append(kind))
+        for _ in range(3):
+            signal.raise_signal(kind)
+    assert interrupts.came
+    assert stops == 3 * [kind]
 
 
 def test_one_that_a_library_takes_for_an_error_of_its_own_is_one() -> None:
