@@ -9,11 +9,13 @@ import tempfile
 import threading
 import time
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, ProcessPoolExecutor, wait
 from dataclasses import dataclass
 from itertools import islice
 from multiprocessing import active_children, get_context, parent_process
+from multiprocessing.connection import wait as wait_for
+from multiprocessing.process import BaseProcess
 from pathlib import Path
 from typing import Any
 
@@ -124,9 +126,17 @@ def _side_by_side(setting: Setting, seeds: Sequence[int], jobs: int) -> Iterator
                 for each in done:
                     yield each.result()
         except BaseException:
-            for process in set(active_children()) - others:
-                process.terminate()
+            pool.shutdown(wait=False, cancel_futures=True)
+            _end(set(active_children()) - others)
             raise
+
+
+def _end(processes: Iterable[BaseProcess]) -> None:
+    """Tell them to end until they have: one whose trial was just over takes up another that waits."""
+    while alive := [each for each in processes if each.is_alive()]:
+        for process in alive:
+            process.terminate()
+        wait_for([each.sentinel for each in alive], timeout=0.5)
 
 
 def _begin() -> None:
