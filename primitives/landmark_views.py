@@ -146,13 +146,13 @@ class LandmarkViews:
         for x, y in offsets(FAR):
             hand = start.copy()
             hand[:2, 3] += (x, y)
-            told = np.zeros(len(others))
+            gains = np.zeros(len(others))
             for kind, some in differences.items():
                 camera = hand @ self._robot.camera.hand_T_camera
                 inside = self._inside(camera, kind, [each.place for each in some])
                 for each, seen in zip(some, inside, strict=True):
-                    told[each.rival] += each.weight * seen
-            gain = float(np.minimum(told, lacks).sum())
+                    gains[each.rival] += each.weight * seen
+            gain = float(np.minimum(gains, lacks).sum())
             if gain > 0.0:
                 ranked.append((-gain, float(np.hypot(*(hand[:2, 3] - here))), hand))
         return [hand for _, _, hand in sorted(ranked, key=lambda each: each[:2])]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 import re
 import subprocess
 import sys
@@ -59,3 +60,20 @@ def test_a_result_shows_itself_in_a_notebook(tmp_path: Path) -> None:
     shown = result._repr_html_()
     assert "<b>Success</b> in situation" in shown
     assert shown.count("<tr>") == 2
+
+
+def test_what_needs_an_operator_is_not_done_unasked(tmp_path: Path) -> None:
+    for source in (ROOT / "tasks" / "drive_map").iterdir():
+        (tmp_path / source.name).write_bytes(source.read_bytes())
+    task = tmp_path / "task.yaml"
+    text = task.read_text(encoding="utf-8")
+    task.write_text(text.replace("{do: MOVE_TO,", "{do: MOVE_TO, permit: operator,"), encoding="utf-8")
+    done = {
+        permit: handcart.run(
+            task, robot="cart", set={"tour": ["desk"]}, runs=tmp_path / "runs", permit=permit
+        ).metrics["path_length_m"]
+        for permit in ("always", "never")
+    }
+    assert done["always"] > 1.0
+    assert done["never"] < 0.05
+    assert inspect.signature(handcart.run).parameters["permit"].default == "ask"

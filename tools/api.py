@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from html import escape
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 import orjson
 
@@ -105,8 +105,9 @@ def run(
     set: Settings | None = None,
     runs: Path | str = "runs",
     errors: bool = True,
+    permit: Literal["ask", "always", "never"] = "ask",
 ) -> Result:
-    """Run a task once, to its end; actions that need a permit get it.
+    """Run a task once, to its end.
 
     Args:
         task: its file.
@@ -116,16 +117,27 @@ def run(
         set: parameters of the task.
         runs: where the run's folder is made.
         errors: whether the simulated robot errs.
+        permit: what becomes of actions with `permit: operator`. Asked, the run waits until somebody answers
+            with `handcart permit` or `refuse` and the run's folder.
 
     Raises:
         FileError: something is wrong with the task or a file that it names; nothing has moved.
         HandcartError: it can't be run for another reason, in words.
     """
     from handcart.evaluation.running import run_task
+    from handcart.networks.permits import Permits
 
     chosen = _words(set, robot)
     summary, status = run_task(
-        Path(task), Path(runs), backend, chosen, seed, draw=True, checkpoints=True, errors=errors
+        Path(task),
+        Path(runs),
+        backend,
+        chosen,
+        seed,
+        draw=True,
+        checkpoints=True,
+        permits=Permits(permit),
+        errors=errors,
     )
     return Result(summary, status)
 

@@ -7,13 +7,15 @@ import os
 import signal
 import subprocess
 import sys
+import threading
 import time
 from contextlib import suppress
+from multiprocessing import get_context
 from pathlib import Path
 
 import pytest
 
-from handcart.evaluation.campaign import Setting, Trial, run_campaign
+from handcart.evaluation.campaign import Setting, Trial, _end, run_campaign
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -117,6 +119,30 @@ def test_a_signal_after_a_trials_last_action_ends_the_campaign_too(monkeypatch, 
     assert next(trials).success
     with pytest.raises(KeyboardInterrupt):
         next(trials)
+
+
+DEAF_ONCE = """
+import signal, time, pathlib
+signal.signal(signal.SIGTERM, lambda *_: signal.signal(signal.SIGTERM, signal.SIG_DFL))
+pathlib.Path(path).touch()
+while True:
+    time.sleep(0.05)
+"""
+
+
+def test_a_process_that_was_told_to_end_as_its_trial_was_over_is_told_again(tmp_path):
+    """K3: else it waits for ever for a lock of the queue that another one took along."""
+    ready = tmp_path / "ready"
+    process = get_context("spawn").Process(target=exec, args=(DEAF_ONCE, {"path": str(ready)}), daemon=True)
+    process.start()
+    end = time.monotonic() + 60.0
+    while not ready.exists():
+        assert time.monotonic() < end
+        time.sleep(0.02)
+    ending = threading.Thread(target=_end, args=([process],), daemon=True)
+    ending.start()
+    ending.join(20.0)
+    assert not process.is_alive()
 
 
 def living(group: int) -> list[str]:
