@@ -10,6 +10,8 @@ from typing import Any
 import orjson
 
 from handcart.files.whole_file import write_whole
+from handcart.networks.journal_record import MAX_JOURNAL
+from handcart.networks.run_folder import read_file
 
 
 class SurveyNotes:
@@ -23,15 +25,20 @@ class SurveyNotes:
         self._path = folder / name
 
     def until(self, time_s: float) -> list[dict[str, Any]]:
-        """The notes up to a time in [s], oldest first; later ones are thrown away: that part is run again."""
-        if not self._path.exists():
+        """The notes up to a time in [s], oldest first; later ones are thrown away: that part is run again.
+
+        Raises:
+            NoRun: they are no file, or larger than a run makes them.
+        """
+        content = read_file(self._path.parent, self._path.name, MAX_JOURNAL, missing=True)
+        if content is None:
             return []
         kept = []
-        for line in self._path.read_bytes().splitlines():
+        for line in content.splitlines():
             with suppress(orjson.JSONDecodeError):  # a crash may have torn the last one
                 note = orjson.loads(line)
-                if note["time_s"] <= time_s + 1e-9:
-                    kept.append(note)
+                if isinstance(note, dict) and isinstance(note.get("time_s"), float | int):
+                    kept += [note] if note["time_s"] <= time_s + 1e-9 else []
         write_whole(self._path, b"".join(map(_line, kept)))
         return kept
 

@@ -17,6 +17,8 @@ from handcart.files.errors import HandcartError
 from handcart.files.printable import printable
 
 _BEGINS, _ENDS = re.compile(rb'\{"q":'), re.compile(rb'"crc":"[0-9a-f]{8}"\}\}')
+MAX_JOURNAL = 128 * 2**20
+"""[bytes]; no run writes as many."""
 FIRST = ""
 """What the first record names as the checksum before it."""
 
@@ -63,13 +65,16 @@ def read_journal(path: Path) -> JournalContents:
     """All records, each checked byte for byte, and the chain.
 
     Raises:
-        JournalError: it can't be read, or a record that others follow isn't what was written; a damaged last
+        JournalError: it can't be read, is larger than a run makes it, or a record that others follow isn't what was written; a damaged last
             record can't be told from what a crash leaves, and is only reported.
     """
     try:
-        content = path.read_bytes()
+        with path.open("rb") as file:
+            content = file.read(MAX_JOURNAL + 1)
     except OSError as error:
         raise JournalError(path, f"can't be read: {error.strerror}") from None
+    if len(content) > MAX_JOURNAL:
+        raise JournalError(path, f"has more than {MAX_JOURNAL} bytes")
     return parse_journal(path, content)
 
 

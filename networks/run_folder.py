@@ -10,14 +10,13 @@ from pathlib import Path
 from handcart.files.errors import InputError
 from handcart.files.printable import printable
 
-from .journal_record import JournalContents, JournalError, parse_journal
+from .journal_record import MAX_JOURNAL, JournalContents, JournalError, parse_journal
 from .run_records import makes_sense
 from .socket_path import CONTROL, STOP
 
 JOURNAL = "journal.jsonl"
 SOCKETS = (CONTROL, STOP)
 """Over which a run hears its operator: no files, and all that may be there beside them."""
-MAX_JOURNAL = 128 * 2**20
 _MOST = 50_000  # files of a run
 _DEEPEST = 4  # folders in it
 _KINDS = (

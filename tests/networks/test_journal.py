@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 
+from handcart.networks.asking import NotAlive, ask
 from handcart.networks.journal import Journal, RunAlive, check_not_alive
 from handcart.networks.journal_record import JournalError, read_journal
 
@@ -38,6 +39,17 @@ def test_truncated_at_any_byte(tmp_path):
         assert len(contents.records) == sum(end < length for end in ends)
         complete = length == 0 or length - 1 in ends
         assert (contents.torn_at is None) == complete
+
+
+def test_a_journal_larger_than_any_run_makes_it_is_refused(tmp_path):
+    """D2: the memory for it isn't there; asking a run that is over reads it as well."""
+    path = tmp_path / "journal.jsonl"
+    written(path, 3)
+    os.truncate(path, 10**11)
+    with pytest.raises(JournalError, match="more than 134217728 bytes"):
+        read_journal(path)
+    with pytest.raises(NotAlive, match="no journal can be read there"):
+        ask(tmp_path, {"do": "status"}, 1.0)
 
 
 @pytest.mark.slow
