@@ -65,8 +65,8 @@ def read_journal(path: Path) -> JournalContents:
     """All records, each checked byte for byte, and the chain.
 
     Raises:
-        JournalError: it can't be read, is larger than a run makes it, or a record that others follow isn't what was written; a damaged last
-            record can't be told from what a crash leaves, and is only reported.
+        JournalError: it can't be read, is larger than any run's, or a record that others follow isn't what
+            was written; a damaged last record can't be told from what a crash leaves, and is only reported.
     """
     try:
         with path.open("rb") as file:

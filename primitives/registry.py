@@ -3,38 +3,28 @@
 from __future__ import annotations
 
 from functools import cache
-from importlib import import_module
 from importlib.metadata import entry_points
 
 from handcart.files.suggest import suggest
+from handcart.tasks.domain import domains, imported
 
 from .action_primitive import ActionPrimitive
 
-TABLE = {
-    "RECOGNIZE": "handcart.primitives.recognize:Recognize",
-    "PICK_UP": "handcart.primitives.pick_up:PickUp",
+GENERAL = {
     "MOVE_TO": "handcart.primitives.move_to:MoveTo",
-    "SEARCH": "handcart.primitives.search:Search",
-    "APPROACH": "handcart.primitives.approach:Approach",
-    "INSERT": "handcart.primitives.insert:Insert",
-    "RELEASE": "handcart.primitives.release:Release",
     "MODIFY": "handcart.primitives.modify:Modify",
-    "FIXATE": "handcart.primitives.fixate:Fixate",
-    "PICK_UP_BLOCK": "handcart.primitives.pick_up_block:PickUpBlock",
     "STAND": "handcart.primitives.stand:Stand",
-    "DEPLOY": "handcart.primitives.deploy:Deploy",
-    "STACK": "handcart.primitives.stack:Stack",
-    "DIVIDE": "handcart.primitives.divide:Divide",
-    "TRACK": "handcart.primitives.track:Track",
-    "CALIBRATE_SUSPENSION": "handcart.primitives.calibrate_suspension:CalibrateSuspension",
-    "CALIBRATE_CAMERA": "handcart.primitives.calibrate_camera:CalibrateCamera",
 }
-"""Name to import path; other packages add theirs by an entry point of the group `handcart.primitives`."""
+"""Of no domain, by name; domains add theirs, and other packages by an entry point of the group
+`handcart.primitives`."""
 
 
 @cache
 def _all() -> dict[str, str]:
-    return TABLE | {each.name: each.value for each in entry_points(group="handcart.primitives")}
+    found = dict(GENERAL)
+    for domain in domains():
+        found |= domain.primitives
+    return found | {each.name: each.value for each in entry_points(group="handcart.primitives")}
 
 
 def primitive_names() -> list[str]:
@@ -50,6 +40,5 @@ def primitive_class(name: str) -> type[ActionPrimitive]:
     """
     if name not in _all():
         raise KeyError(f"unknown primitive {name!r}{suggest(name, primitive_names())}")
-    module, _, attribute = _all()[name].partition(":")
-    found: type[ActionPrimitive] = getattr(import_module(module), attribute)
+    found: type[ActionPrimitive] = imported(_all()[name])
     return found

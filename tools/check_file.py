@@ -138,7 +138,7 @@ def file_facts(file: Path, settings: dict[str, str], asked: Asked = Asked()) -> 
     from handcart.files.yaml_document import read_document
     from handcart.primitives.ros_goals import is_goals
 
-    from .file_kinds import KINDS, is_urdf, model_of
+    from .file_kinds import is_urdf, kinds, model_of
 
     if is_urdf(file):
         from .check_urdf import urdf_facts
@@ -151,8 +151,8 @@ def file_facts(file: Path, settings: dict[str, str], asked: Asked = Asked()) -> 
         return _goals_facts(file)
     data = document.data if isinstance(document.data, dict) else {}
     kind = str(data.get("format", "")).removeprefix("handcart-").split("/")[0]
-    if kind not in KINDS:
-        allowed = [f"handcart-{each}/1" for each in KINDS]
+    if kind not in kinds():
+        allowed = [f"handcart-{each}/1" for each in kinds()]
         wrong = f"the key 'format' doesn't tell what this is{suggest(str(data.get('format', '')), allowed)}"
         raise FileError([document.finding(("format",) if "format" in data else (), wrong)])
     if kind == "task":

@@ -2,24 +2,28 @@
 
 from __future__ import annotations
 
-from importlib import import_module
 from pathlib import Path
 from typing import Any
 
+from handcart.tasks.domain import domains, imported
+
 MOST = 20  # files beside a URDF that are looked at
 
-KINDS = {
+_GENERAL = {
     "task": "handcart.networks.task_model:TaskFile",
     "robot": "handcart.backends.robot_file:RobotFile",
     "world": "handcart.backends.scene.world_file:WorldFile",
     "table": "handcart.networks.analysis.action_table:ActionTable",
     "places": "handcart.primitives.knowledge:Places",
-    "catalogue": "handcart.primitives.knowledge:Catalogue",
-    "work-piece": "handcart.primitives.work_piece:WorkPiece",
-    "building": "handcart.primitives.building:Building",
-    "calibration": "handcart.networks.calibration:Calibration",
 }
-"""What stands behind `handcart-` under the key `format`, and the model that reads it."""
+
+
+def kinds() -> dict[str, str]:
+    """What may stand behind `handcart-` under the key `format`, and the model that reads it."""
+    found = dict(_GENERAL)
+    for domain in domains():
+        found |= domain.files
+    return found
 
 
 def is_urdf(path: Path) -> bool:
@@ -47,5 +51,4 @@ def robots_beside(urdf: Path) -> list[Path]:
 
 def model_of(kind: str) -> Any:
     """The class of a kind of file; raises KeyError for an unknown one."""
-    module, _, name = KINDS[kind].partition(":")
-    return getattr(import_module(module), name)
+    return imported(kinds()[kind])

@@ -7,11 +7,9 @@ from typing import Annotated
 
 import typer
 
-from .file_kinds import KINDS
-
 
 def schema(
-    kind: Annotated[str, typer.Argument(help=", ".join(KINDS))],
+    kind: Annotated[str, typer.Argument(help="such as task, robot, world, places")],
     output: Annotated[Path | None, typer.Option("-o", "--output", help="a file instead of stdout")] = None,
 ) -> None:
     """Print the JSON Schema of a kind of file."""
@@ -20,11 +18,11 @@ def schema(
     from handcart.files import json_schema
     from handcart.files.suggest import suggest
 
-    from .file_kinds import model_of
+    from .file_kinds import kinds, model_of
     from .writing import write_text
 
-    if kind not in KINDS:
-        raise typer.BadParameter(f"unknown kind of file {kind!r}{suggest(kind, KINDS)}")
+    if kind not in kinds():
+        raise typer.BadParameter(f"unknown kind of file {kind!r}{suggest(kind, kinds())}")
     text = json.dumps(json_schema.schema(model_of(kind)), indent=2)
     if output is None:
         print(text)

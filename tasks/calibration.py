@@ -1,0 +1,14 @@
+"""Measuring what a robot's file says of its camera and its suspension."""
+
+from __future__ import annotations
+
+from .domain import Domain
+
+DOMAIN = Domain(
+    "calibration",
+    primitives={
+        "CALIBRATE_SUSPENSION": "handcart.primitives.calibrate_suspension:CalibrateSuspension",
+        "CALIBRATE_CAMERA": "handcart.primitives.calibrate_camera:CalibrateCamera",
+    },
+    files={"calibration": "handcart.networks.calibration:Calibration"},
+)

@@ -1,0 +1,57 @@
+"""What a domain of tasks brings: books, blocks, sensors in a field, potted plants ..."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from functools import cache
+from importlib import import_module
+from importlib.metadata import entry_points
+from pathlib import Path
+from typing import Any
+
+OWN = ("books", "blocks", "field", "seam", "calibration")
+"""Shipped domains, each declared in a module of its name in `handcart.tasks`."""
+
+
+@dataclass(frozen=True)
+class Domain:
+    """All parts of a domain, each by the import path "module:name" of what is imported when it is needed.
+
+    A package of somebody else names its own by an entry point of the group `handcart.domains`.
+    """
+
+    name: str
+    primitives: Mapping[str, str] = field(default_factory=dict)
+    """By the name that task files use."""
+    knowledge: str | None = None
+    """A `handcart.primitives.section:Section`: what of the domain a robot is told, and learns."""
+    props: str | None = None
+    """A `handcart.backends.scene.props:Props`: what of the domain stands in simulated worlds."""
+    survey: str | None = None
+    """A `handcart.evaluation.survey:Survey`: what ground truth says of the domain's outcomes."""
+    files: Mapping[str, str] = field(default_factory=dict)
+    """Models of its kinds of file, by what stands behind `handcart-` under their key `format`."""
+    rehearsals: Mapping[Path, Mapping[str, str]] = field(default_factory=dict)
+    """Task files in whose actions the conformance kit injects faults, with the settings it gives them."""
+
+
+def imported(path: str) -> Any:
+    """What an import path "module:name" stands for."""
+    module, _, name = path.partition(":")
+    return getattr(import_module(module), name)
+
+
+@cache
+def domains() -> tuple[Domain, ...]:
+    """All domains, the shipped ones first, then those of other packages by their names.
+
+    Raises:
+        ValueError: two have the same name.
+    """
+    own = [imported(f"handcart.tasks.{name}:DOMAIN") for name in OWN]
+    others = [each.load() for each in sorted(entry_points(group="handcart.domains"), key=lambda e: e.name)]
+    found = {each.name: each for each in own + others}
+    if len(found) < len(own + others):
+        raise ValueError(f"two domains have the same name; there are: {', '.join(found)}")
+    return tuple(found.values())

@@ -1,0 +1,10 @@
+"""Laying sensors across a field."""
+
+from __future__ import annotations
+
+from .domain import Domain
+
+DOMAIN = Domain(
+    "field",
+    primitives={"DEPLOY": "handcart.primitives.deploy:Deploy"},
+)
