@@ -38,6 +38,7 @@ def handcart(folder: Path, *words: str) -> subprocess.CompletedProcess[str]:
     return subprocess.run(command, env=env, cwd=ROOT, capture_output=True, text=True, check=False)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("document", ["README.md", "docs/primitives.md"])
 def test_a_primitive_of_another_package_runs(tmp_path: Path, document: str) -> None:
     install(tmp_path, document)
@@ -46,6 +47,7 @@ def test_a_primitive_of_another_package_runs(tmp_path: Path, document: str) -> N
     assert said.stdout.startswith("Success")
 
 
+@pytest.mark.slow
 def test_it_is_listed_and_one_that_is_broken_hides_no_others(tmp_path: Path) -> None:
     install(tmp_path, "README.md")
     said = handcart(tmp_path, "list", "primitives")
@@ -56,6 +58,7 @@ def test_it_is_listed_and_one_that_is_broken_hides_no_others(tmp_path: Path) -> 
     assert "MOVE_TO" in told
 
 
+@pytest.mark.slow
 def test_a_backend_of_another_package_is_asked_what_it_can_do(tmp_path: Path) -> None:
     install(tmp_path, "README.md")
     said = handcart(tmp_path, "do", "FORWARD", "distance_m=0.3", "--backend", "ideal")

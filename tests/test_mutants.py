@@ -46,6 +46,7 @@ def test_a_text_that_is_not_there_once_is_told(mutants):
         bug.planted("x x")
 
 
+@pytest.mark.slow
 def test_what_is_noticed_and_what_is_missed(tmp_path):
     project = tmp_path / "project"
     project.mkdir()

@@ -12,6 +12,8 @@ from handcart.evaluation.moving_tracking import Feedback, MovingTracking, Strayi
 from handcart.primitives.seam_file import load_seam
 from handcart.robotics.manipulation.tool_path import ToolPath
 
+pytestmark = pytest.mark.slow
+
 SEAM = Path(__file__).parents[2] / "tasks" / "track_seam" / "seam.csv"
 FAST = Feedback(20.0, 0.005, 200.0)
 

@@ -99,6 +99,7 @@ def test_a_place_as_near_as_can_be_is_reached_without_contact(make_rig: Callable
     assert math.dist(rig.scene.base[:2], (2.0, 0.441)) < 0.04
 
 
+@pytest.mark.slow
 def test_a_pose_in_a_wall_is_told_to_be_held_by_the_map(make_rig: Callable[..., Any]) -> None:
     rig = make_rig()
     failed = rig.run(ReachPose(x=1.0, y=0.3))
@@ -119,6 +120,7 @@ def test_a_start_too_near_to_a_wall_is_left_and_come_back_to(
     assert rig.scene.contacts == []
 
 
+@pytest.mark.slow
 def test_a_cupboard_against_a_wall_that_the_map_lacks_is_not_taken_for_the_wall(
     make_rig: Callable[..., Any],
 ) -> None:

@@ -150,6 +150,7 @@ def test_an_interrupt_stops_with_status_130(tour: Path) -> None:
     assert json.loads(said.stdout.splitlines()[-1])["outcome"] == "Cancelled"
 
 
+@pytest.mark.slow
 def test_run_task_of_a_checkout(tour: Path) -> None:
     (tour.parent / "runs").write_text("no folder", encoding="utf-8")
     words = [str(ROOT / "tools" / "run_task"), str(tour), "--runs", str(tour.parent / "runs")]

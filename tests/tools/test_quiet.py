@@ -29,6 +29,7 @@ def say(*words: object, strict: bool = True) -> subprocess.CompletedProcess[str]
         pytest.param(("check", ROOT / "backends/robots/librarian/robot.yaml"), marks=pytest.mark.slow),
     ],
 )
+@pytest.mark.slow
 def test_commands_with_warnings_as_errors(words):
     said = say(*words)
     assert (said.returncode, said.stderr) == (0, "")

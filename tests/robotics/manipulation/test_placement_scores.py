@@ -18,6 +18,8 @@ from handcart.robotics.manipulation.screw_arm import FreeTurn, ScrewArm
 
 from .seams import arched, five_joint_urdf, stands, straight
 
+pytestmark = pytest.mark.slow
+
 PLANAR = stands((0.0, 4.4, 89), (-1.95, -0.05, 39))
 
 
