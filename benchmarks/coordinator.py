@@ -30,7 +30,6 @@ from handcart.networks.journal import Journal
 from handcart.networks.network import Action, ActionNetwork, Situation
 from handcart.networks.planner import Planner
 from handcart.primitives.action_primitive import ActionPrimitive, Periods
-from handcart.primitives.knowledge import Catalogue
 from handcart.primitives.world_model import ModelView, WorldModel
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.grid_map import GridMap
@@ -114,8 +113,7 @@ def chain(length: int) -> ActionNetwork:
 def coordinator_round(network: ActionNetwork, journal: Journal | None) -> float:
     """Seconds for one run through the network."""
     nothing = np.zeros((1, 1), dtype=np.bool_)
-    catalogue = Catalogue(format="handcart-catalogue/1", books=())
-    model = WorldModel(GridMap(nothing, nothing, 0.05, 0.0, 0.0), {}, catalogue, np.empty((0, 2)))
+    model = WorldModel(GridMap(nothing, nothing, 0.05, 0.0, 0.0), {})
     robot = Robot(Nothing(), RobotFile.model_validate(ROBOT), Pose2(0.0, 0.0, 0.0))
     coordinator = Coordinator(network, robot, model, journal)
     began = perf_counter()

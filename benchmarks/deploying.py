@@ -33,7 +33,8 @@ from handcart.networks.permits import Permits
 from handcart.networks.preparing import Prepared, prepare
 from handcart.networks.run import step_until_end
 from handcart.networks.telemetry import Telemetry
-from handcart.primitives.field import Field
+from handcart.primitives.field.field import Field
+from handcart.primitives.field.field_work import FieldWork
 from handcart.primitives.grip import hand_to_tips
 from handcart.robotics.manipulation.collision_model import HELD, CollisionModel
 from handcart.robotics.navigation.placement_errors import share_radius
@@ -114,16 +115,16 @@ def one_run(job: tuple[str, str, int]) -> list[Laying]:
 
 def _laid(prepared: Prepared, course: str, way: str, seed: int) -> list[Laying]:
     robot, model = prepared.robot, prepared.model
-    assert model.field is not None
-    watcher = Watcher(robot, model.field)
+    assert model.of(FieldWork).field is not None
+    watcher = Watcher(robot, model.of(FieldWork).field)
     coordinator = Coordinator(prepared.task.network, robot, model, permission=Permits("always"))
     end = step_until_end(coordinator, robot, Telemetry(), [watcher.look])
     assert end.outcome == "Success", end.reason
     blocks = robot.backend.scene.blocks  # type: ignore[attr-defined]
-    times = [math.nan, *(laid.time for laid in model.laid)]
+    times = [math.nan, *(laid.time for laid in model.of(FieldWork).laid)]
     rows = []
-    for number, laid in enumerate(model.laid):
-        target = model.targets[laid.name]
+    for number, laid in enumerate(model.of(FieldWork).laid):
+        target = model.of(FieldWork).targets[laid.name]
         lies = min((b.pose[:2, 3] for b in blocks.values()), key=lambda p: math.dist(p, (laid.x, laid.y)))
         off = 1e3 * (lies - (target.x, target.y))
         took = times[number + 1] - times[number]

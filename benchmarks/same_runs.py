@@ -60,10 +60,17 @@ def plain(value: Any) -> Any:
     return [plain(each) for each in value] if isinstance(value, list) else value
 
 
+def read(journal: Path) -> list[dict[str, Any]]:
+    """Its records, as far as they are compared; what entries of the world model an action uses isn't."""
+    records = [plain(orjson.loads(line)) for line in journal.read_bytes().splitlines()]
+    for action in records[0]["plan_on"]["actions"]:
+        action.pop()
+    return records
+
+
 def difference(one: Path, other: Path) -> str:
     """The first one between two runs, in words; empty if they are alike."""
-    lines = [(each / "journal.jsonl").read_bytes().splitlines() for each in (one, other)]
-    records = [[plain(orjson.loads(line)) for line in each] for each in lines]
+    records = [read(each / "journal.jsonl") for each in (one, other)]
     for before, after in zip(*records, strict=False):
         if before != after:
             keys = [key for key in before.keys() | after.keys() if before.get(key) != after.get(key)]

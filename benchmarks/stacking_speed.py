@@ -40,8 +40,7 @@ def main() -> None:
         TASK / "unload_world.yaml",
         TASK / "map.yaml",
         TASK / "places.yaml",
-        None,
-        TASK / "building.yaml",
+        {"building": TASK / "building.yaml"},
         "stacking",
     )
     with set_stage(files, robot="toyama/h1") as stage:

@@ -26,6 +26,7 @@ from ruamel.yaml import YAML
 
 from handcart.evaluation.ground_truth import scene_of
 from handcart.evaluation.stage import AT_THE_WALL, StageFiles, set_stage
+from handcart.primitives.blocks.blocks import Blocks
 from handcart.primitives.fixate import Fixate
 from handcart.primitives.outcome import Success
 from handcart.robotics.geometry.pose2 import Pose2
@@ -96,7 +97,7 @@ def trial(plan: Plan, fault: Fault, seed: int, folder: Path) -> str:
         outcome = stage.do(Fixate(landmark=f"mark_{wanted}"))
         if not isinstance(outcome, Success):
             return str(outcome.reason)
-        fixed = stage.model.fixed
+        fixed = stage.model.of(Blocks).fixed
         return "right" if fixed and 1e3 * fixed.pose.distance(scene.base) < RIGHT_MM else "wrong"
 
 
@@ -111,7 +112,7 @@ def _written(
     building["landmarks"] = {f"mark_{i}": _mark(at) | {"place": "stacking"} for i, at in enumerate(planned)}
     yaml.dump(world, folder / "world.yaml")
     yaml.dump(building, folder / "building.yaml")
-    return replace(AT_THE_WALL, world=folder / "world.yaml", building=folder / "building.yaml")
+    return replace(AT_THE_WALL, world=folder / "world.yaml", knowledge={"building": folder / "building.yaml"})
 
 
 def _mark(at: Sequence[float]) -> dict[str, float | str]:

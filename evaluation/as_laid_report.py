@@ -15,8 +15,9 @@ from numpy.typing import NDArray
 from handcart.backends.robot import Robot
 from handcart.files.whole_file import write_whole
 from handcart.networks.preparing import Prepared
-from handcart.primitives.earth_frame import EarthFrame
-from handcart.primitives.target import Laid
+from handcart.primitives.field.earth_frame import EarthFrame
+from handcart.primitives.field.field_work import FieldWork
+from handcart.primitives.field.target import Laid
 from handcart.primitives.world_model import WorldModel
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.gps_filter import GpsFilter
@@ -56,13 +57,14 @@ class AsLaid(NamedTuple):
 
 def as_laid(robot: Robot, model: WorldModel) -> list[AsLaid]:
     """All sensors that were let go; smoothed where the robot's localiser can be, else as believed then."""
+    work = model.of(FieldWork)
     outdoors = robot.outdoors
     beliefs = outdoors.smoothed() if isinstance(outdoors, GpsFilter) else []
-    if len(beliefs) != len(model.laid):
-        return [AsLaid(laid.name, np.array([laid.x, laid.y]), laid.spread) for laid in model.laid]
+    if len(beliefs) != len(work.laid):
+        return [AsLaid(laid.name, np.array([laid.x, laid.y]), laid.spread) for laid in work.laid]
     return [
         _smoothed(laid, belief.mean[:3], belief.covariance[:3, :3])
-        for laid, belief in zip(model.laid, beliefs, strict=True)
+        for laid, belief in zip(work.laid, beliefs, strict=True)
     ]
 
 
@@ -75,7 +77,7 @@ def _smoothed(laid: Laid, pose: Array, covariance: Array) -> AsLaid:
 
 def write_as_laid(prepared: Prepared, folder: Path) -> list[AsLaid]:
     """Write `as_laid.csv` and, where the field's origin on the Earth is known, `as_laid.geojson`."""
-    field, sensors = prepared.model.field, as_laid(prepared.robot, prepared.model)
+    field, sensors = prepared.model.of(FieldWork).field, as_laid(prepared.robot, prepared.model)
     origin = None if field is None else field.origin
     earth = EarthFrame(origin.latitude_deg, origin.longitude_deg) if origin else None
     write_whole(folder / f"{NAME}.csv", _csv(sensors, earth))

@@ -10,8 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from handcart.backends.scene.suspension import leaning
+from handcart.primitives.blocks.blocks import Blocks, Fixed
 from handcart.primitives.building import Building, Slot
-from handcart.primitives.world_model import Fixed, WorldModel
+from handcart.primitives.world_model import WorldModel
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import inverse, transform
 
@@ -77,9 +78,10 @@ class BlockSurvey:
 
     def look(self) -> None:
         """A period has passed."""
-        if self.model.fixed is not None and not _same_fix(self.model.fixed, self._fixed):
+        blocks = self.model.of(Blocks)
+        if blocks.fixed is not None and not _same_fix(blocks.fixed, self._fixed):
             self._reference = self._attitude()
-        self._fixed = self.model.fixed
+        self._fixed = blocks.fixed
         held = self.scene.held
         if held is not self._held:
             if held is not None and self._rested.get(held.name) == "table":
@@ -103,7 +105,7 @@ class BlockSurvey:
         """Take up the notes of the run that this one goes on with."""
         if notes["reference"] is not None:
             heading, lean = notes["reference"]
-            self._reference, self._fixed = Attitude(heading, tuple(lean)), self.model.fixed
+            self._reference, self._fixed = Attitude(heading, tuple(lean)), self.model.of(Blocks).fixed
         self._gripped = {name: np.array(shift) for name, shift in notes["gripped"].items()}
         self._released = {name: np.array(shift) for name, shift in notes["released"].items()}
         self._moved = {name: tuple(moved) for name, moved in notes["moved"].items()}

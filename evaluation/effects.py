@@ -10,7 +10,11 @@ import numpy as np
 
 from handcart.backends.robot import Robot
 from handcart.primitives.action_primitive import ActionPrimitive
+from handcart.primitives.blocks.blocks import Blocks
+from handcart.primitives.books.books import Books
+from handcart.primitives.field.field_work import FieldWork
 from handcart.primitives.move_to import ARRIVED, DOCKED
+from handcart.primitives.seam.seam import Seam
 from handcart.primitives.stack import MOST_OFF
 from handcart.primitives.world_model import WorldModel
 from handcart.robotics.geometry.transform import inverse
@@ -99,25 +103,28 @@ def _stand(before: GroundTruth, after: GroundTruth) -> list[str]:
 
 
 def _recognize(scene: Any, _: Any, model: WorldModel) -> list[str]:
+    books = model.of(Books)
     book = scene.tray_book()
-    if book is None or model.book is None or model.book_pose is None:
+    if book is None or books.book is None or books.book_pose is None:
         return ["no book stands on the tray, or none is known"]
-    if book.accession != model.book.accession:
-        return [f"book {book.accession} stands on the tray, not {model.book.accession}"]
+    if book.accession != books.book.accession:
+        return [f"book {book.accession} stands on the tray, not {books.book.accession}"]
     place = (inverse(scene.world_T_base) @ book.pose)[:2, 3]
-    off = 1e3 * math.dist(place, model.book_pose[:2])
+    off = 1e3 * math.dist(place, books.book_pose[:2])
     return _most("the book is {:.1f} mm from where it was seen", off, SEEN_MM)
 
 
 def _pick_up(scene: Any, _: Any, model: WorldModel) -> list[str]:
+    books = model.of(Books)
     held = scene.held.accession if scene.held else None
-    wanted = model.book.accession if model.book else None
+    wanted = books.book.accession if books.book else None
     return [] if held is not None and held == wanted else [f"the hand holds {held}, not {wanted}"]
 
 
 def _search(scene: Any, primitive: Any, model: WorldModel) -> list[str]:
-    slot = model.slot
-    if slot is None or model.book is None:
+    books = model.of(Books)
+    slot = books.slot
+    if slot is None or books.book is None:
         return ["no slot is known"]
     row = scene.shelf_books(slot.shelf)
     middle = 0.5 * (slot.left + slot.right)
@@ -125,7 +132,7 @@ def _search(scene: Any, primitive: Any, model: WorldModel) -> list[str]:
     wrong = _most("the slot's middle is {:.1f} mm off", 1e3 * abs(middle - 0.5 * sum(sides)), SLOT_MM)
     at = sum(each.lateral > middle for each in row)
     calls = [each.book.spec.call for each in row]
-    fits = _in_order(calls[:at], calls[at:], model.book.call)
+    fits = _in_order(calls[:at], calls[at:], books.book.call)
     return wrong if fits else [*wrong, "the slot is not where the book belongs"]
 
 
@@ -150,7 +157,8 @@ def _insert(scene: Any, primitive: Any, model: WorldModel) -> list[str]:
 
 
 def _release(scene: Any, _: Any, model: WorldModel) -> list[str]:
-    stands = Shelving((model.book.accession,) if model.book else (), {}).judge(scene)
+    books = model.of(Books)
+    stands = Shelving((books.book.accession,) if books.book else (), {}).judge(scene)
     return [] if stands.right else [f"the book doesn't stand in its place: {stands}"]
 
 
@@ -160,9 +168,10 @@ def _modify(_: Any, primitive: Any, model: WorldModel) -> list[str]:
 
 
 def _fixate(scene: Any, _: Any, model: WorldModel) -> list[str]:
-    if model.fixed is None:
+    blocks = model.of(Blocks)
+    if blocks.fixed is None:
         return ["it isn't known where the base stands"]
-    off, turned = model.fixed.pose.distance(scene.base), model.fixed.pose.turn(scene.base)
+    off, turned = blocks.fixed.pose.distance(scene.base), blocks.fixed.pose.turn(scene.base)
     return [
         *_most("the base is {:.1f} mm from where it was found", 1e3 * off, FIXED_MM),
         *_most("the base is turned {:.2f} deg against how it was found", math.degrees(turned), FIXED_DEG),
@@ -175,37 +184,39 @@ def _pick_up_block(scene: Any, primitive: Any, _: WorldModel) -> list[str]:
 
 
 def _stack(scene: Any, primitive: Any, model: WorldModel) -> list[str]:
+    blocks = model.of(Blocks)
     block = scene.blocks.get(str(primitive.number))
-    if model.building is None or block is None or block.rest.value not in ("table", "tray"):
+    if blocks.building is None or block is None or block.rest.value not in ("table", "tray"):
         return [f"block {primitive.number} doesn't stand anywhere"]
     if primitive.onto == "robot":
-        seat = model.building.seat(primitive.number).pose
+        seat = blocks.building.seat(primitive.number).pose
         off = inverse(seat) @ inverse(scene.world_T_base) @ block.pose
     else:
-        off = inverse(model.building.goals[primitive.number - 1].pose) @ block.pose
+        off = inverse(blocks.building.goals[primitive.number - 1].pose) @ block.pose
     return _most("the block is {:.1f} mm from its goal", 1e3 * math.hypot(*off[:2, 3]), STACKED_MM)
 
 
 def _divide(_: Any, __: Any, model: WorldModel) -> list[str]:
-    return [] if model.seam_work.next is not None else ["no place is known to track the seam from"]
+    return [] if model.of(Seam).seam_work.next is not None else ["no place is known to track the seam from"]
 
 
 def _track(scene: Any, primitive: Any, model: WorldModel) -> list[str]:
     stood = [place.pose for name, place in model.places.items() if name.startswith("place_")]
     far = min((scene.base.distance(pose) for pose in stood), default=math.inf)
-    wrong = [] if model.seam_work.tracked > 0 else ["no part of the seam counts as tracked"]
+    wrong = [] if model.of(Seam).seam_work.tracked > 0 else ["no part of the seam counts as tracked"]
     return wrong + _most("the base is {:.1f} mm from any place of the division", 1e3 * far, TRACKED_MM)
 
 
 def _deploy(scene: Any, primitive: Any, model: WorldModel) -> list[str]:
     """The sensor stands on the ground, where it is believed to and should, as far as that is known."""
-    laid = next((each for each in model.laid if each.name == primitive.target), None)
+    work = model.of(FieldWork)
+    laid = next((each for each in work.laid if each.name == primitive.target), None)
     if laid is None:
         return ["no sensor counts as laid there"]
-    block = scene.blocks.get(str(1 + model.laid.index(laid)))
+    block = scene.blocks.get(str(1 + work.laid.index(laid)))
     if block is None or block.rest.value != "table":
         return ["the sensor doesn't stand on the ground"]
-    target, lies = model.targets[primitive.target], block.pose[:2, 3]
+    target, lies = work.targets[primitive.target], block.pose[:2, 3]
     sigma = 1e3 * math.sqrt(float(np.linalg.eigvalsh(laid.spread)[-1]))
     from_belief = 1e3 * math.dist(lies, (laid.x, laid.y))
     from_target = 1e3 * math.dist(lies, (target.x, target.y))

@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 
 from handcart.backends.gps import Gps
 from handcart.backends.robot import Robot
-from handcart.primitives.target import Laid
+from handcart.primitives.field.field_work import FieldWork
+from handcart.primitives.field.target import Laid
 from handcart.primitives.world_model import WorldModel
 from handcart.robotics.navigation.placement_errors import aligned_spread, nees
 
@@ -80,7 +81,7 @@ class FieldSurvey:
         if self.station is not None:
             self.station.look()
         self._follow(robot)
-        laid = self._model.laid[len(self._blocks) :]
+        laid = self._model.of(FieldWork).laid[len(self._blocks) :]
         for each in laid:
             self._blocks[each.name] = self._held
             self._seen[each.name] = self._measured()
@@ -98,7 +99,7 @@ class FieldSurvey:
                 self._blocks[name], self._seen[name] = block, tuple(place) if place else None
             if self.station is not None:
                 self.station.sights += [Sight(time, np.array(place)) for time, *place in note["sights"]]
-        for laid in self._model.laid:
+        for laid in self._model.of(FieldWork).laid:
             if laid.name not in self._blocks:  # nobody noted anything
                 self._blocks[laid.name], self._seen[laid.name] = self._nearest(laid), None
 
@@ -125,10 +126,11 @@ class FieldSurvey:
 
     def placements(self) -> list[Placement]:
         """All sensors that were let go."""
+        work = self._model.of(FieldWork)
         found = []
-        for laid in self._model.laid:
+        for laid in work.laid:
             block = self._scene.blocks.get(self._blocks.get(laid.name, ""))
-            target = self._model.targets[laid.name]
+            target = work.targets[laid.name]
             if block is not None:
                 lies = (float(block.pose[0, 3]), float(block.pose[1, 3]))
                 seen = self._seen.get(laid.name)

@@ -10,7 +10,10 @@ from handcart.networks.events import Ended, Event, Started
 from handcart.networks.preparing import Prepared
 from handcart.networks.run_end import RunEnd
 from handcart.networks.telemetry import Telemetry
+from handcart.primitives.blocks.blocks import Blocks
+from handcart.primitives.field.field_work import FieldWork
 from handcart.primitives.outcome import Fail, Success
+from handcart.primitives.seam.seam import Seam
 
 from .block_survey import BlockSurvey
 from .calibration_claims import camera_faults, suspension_faults
@@ -51,7 +54,7 @@ class Judge:
         """Outcomes that the ground truth contradicts, in words."""
         self._survey: BlockSurvey | None = None
         self._uncorrected, self._frames = True, 0
-        plan = prepared.model.building
+        plan = prepared.model.of(Blocks).building
         stacks = any(action.do == STACK for action in prepared.task.network.actions)
         if plan is not None and stacks and self._scene is not None:
             self._survey = BlockSurvey(self._scene, prepared.model, plan)
@@ -59,11 +62,11 @@ class Judge:
         self._lasers: LaserSurvey | None = None
         self.seam: SeamSurvey | None = None
         """What was seen of a seam that is tracked."""
-        if self._scene is not None and prepared.model.seam is not None:
+        if self._scene is not None and prepared.model.of(Seam).seam is not None:
             self.seam = SeamSurvey(self._scene, prepared.model, prepared.robot)
         self.field: FieldSurvey | None = None
         """What was seen of sensors that are laid."""
-        if self._scene is not None and prepared.model.targets:
+        if self._scene is not None and prepared.model.of(FieldWork).targets:
             self.field = FieldSurvey(self._scene, prepared.model, prepared.seed, folder)
         self._contacts: ContactSurvey | None = None
         self._localisation: LocalisationSurvey | None = None

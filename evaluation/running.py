@@ -26,6 +26,7 @@ from handcart.networks.run import Onlooker, execute
 from handcart.networks.run_header import boot_id, robot_fingerprint
 from handcart.networks.syncing import sync_for
 from handcart.networks.task_file import load_task
+from handcart.primitives.field.field_work import FieldWork
 
 from .judge import Judge
 
@@ -138,7 +139,7 @@ def run_task(
 
 def _report(prepared: Prepared, folder: Path, judge: Judge, told: Teller | None) -> None:
     """Where sensors were laid: the as-laid report; a disk that takes no more doesn't change how it ended."""
-    if not prepared.model.laid:
+    if not prepared.model.of(FieldWork).laid:
         return
     from .as_laid_plots import draw_as_laid
     from .as_laid_report import write_as_laid

@@ -6,10 +6,11 @@ from typing import Any
 
 from handcart.backends.robot_loading import load_robot
 from handcart.files.errors import FileError
-from handcart.networks.preparing import load_model, start_pose
+from handcart.networks.preparing import load_model
 from handcart.networks.task_file import Task
 from handcart.primitives.discrepancy import Discrepancy
 from handcart.primitives.divide import Divide
+from handcart.primitives.seam.seam import Seam
 from handcart.primitives.seam_file import untrackable
 from handcart.primitives.seam_room import SeamRoom, placer_of
 from handcart.robotics.manipulation.untrackable import Untrackable
@@ -27,17 +28,18 @@ def seam_facts(task: Task) -> dict[str, Any]:
         return {}
     most = max(divides, key=lambda each: each.placements)
     spec, (model, _) = load_robot(task.robot), load_model(task)
-    assert model.seam is not None, "its file is named"
-    boxes = tuple(each.box for each in model.work_piece.boxes) if model.work_piece else ()
+    work = model.of(Seam)
+    assert work.seam is not None, "its file is named"
+    boxes = tuple(each.box for each in work.work_piece.boxes) if work.work_piece else ()
     try:
-        placer, start = placer_of(spec), start_pose(task, model)
+        placer, start = placer_of(spec), task.knowledge.start
         room = SeamRoom(spec, placer.arm, model.map, model.obstacles, start, boxes)
-        found = placer.place(model.seam, room.blocked, most.placements, room.free, most.move_m)
+        found = placer.place(work.seam, room.blocked, most.placements, room.free, most.move_m)
     except Discrepancy as lacking:
         raise FileError([task.document.finding(("robot",), f"DIVIDE can't be done: {lacking}")]) from None
     except Untrackable as error:
         raise untrackable(str(file), error) from None
-    length, count = model.seam.length, len(found.segments)
+    length, count = work.seam.length, len(found.segments)
     return {"seam": f"{length:.2f} m, {count} placements, score {found.score / length:.3f}"}
 
 

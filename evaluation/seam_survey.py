@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from handcart.backends.robot import Robot
 from handcart.primitives.action_primitive import ActionPrimitive
 from handcart.primitives.outcome import Outcome, Success
+from handcart.primitives.seam.seam import Seam
 from handcart.primitives.seam_room import working_arm
 from handcart.primitives.track import MOST_OFF, Track
 from handcart.primitives.world_model import WorldModel
@@ -93,7 +94,7 @@ class SeamSurvey:
 
     def figures(self) -> dict[str, Any]:
         """For a run's metrics."""
-        seam = self.model.seam
+        seam = self.model.of(Seam).seam
         assert seam is not None
         tracked = sum(each.part.length for each in self.stretches)
         found: dict[str, Any] = {"placements": len(self.stretches), "seam_tracked_m": round(tracked, 3)}
@@ -109,7 +110,7 @@ class SeamSurvey:
 
     def faults(self) -> list[str]:
         """What contradicts that the seam is tracked, in words."""
-        seam = self.model.seam
+        seam = self.model.of(Seam).seam
         assert seam is not None
         left = seam.length - sum(each.part.length for each in self.stretches)
         found = [f"{left:.3f} m of the seam were not tracked"] if left > 1e-6 else []

@@ -2,29 +2,30 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from types import TracebackType
-from typing import Literal
-
-import numpy as np
 
 from handcart.backends.backend import Backend
 from handcart.backends.registry import make_backend
 from handcart.backends.robot import MissingCapability, Robot
 from handcart.backends.robot_loading import load_robot
 from handcart.files.errors import InputError
-from handcart.files.loading import load
+from handcart.files.findings import Findings
 from handcart.files.suggest import suggest
+from handcart.files.yaml_document import Document
+from handcart.files.yaml_node import Node
+from handcart.networks.preparing import nowhere
+from handcart.networks.task_file import Task
+from handcart.networks.task_knowledge import ORIGIN, TaskKnowledge, domain_keys, read_sections
 from handcart.primitives.action_primitive import ActionPrimitive
 from handcart.primitives.attempt import attempt
-from handcart.primitives.building import Building
-from handcart.primitives.knowledge import Catalogue, load_map
+from handcart.primitives.knowledge import load_map
 from handcart.primitives.outcome import Outcome
 from handcart.primitives.place_file import load_places
 from handcart.primitives.world_model import WorldModel
 
-NO_BOOKS: Literal["handcart-catalogue/1"] = "handcart-catalogue/1"
 LIBRARY = Path(__file__).parent.parent / "tasks" / "return_book"
 
 
@@ -37,12 +38,26 @@ class StageFiles:
     """What a stage is built from; by default the library of the task return_book."""
 
     world: Path = LIBRARY / "world.yaml"
-    map: Path = LIBRARY / "map.yaml"
-    places: Path = LIBRARY / "places.yaml"
-    catalogue: Path | None = LIBRARY / "catalogue.yaml"
-    building: Path | None = None
+    map: Path | None = LIBRARY / "map.yaml"
+    places: Path | None = LIBRARY / "places.yaml"
+    knowledge: Mapping[str, Path] = field(default_factory=lambda: {"catalogue": LIBRARY / "catalogue.yaml"})
+    """Other files, by their keys under `knowledge:` of a task file."""
     start: str = "home"
     """The place where the robot stands at first."""
+
+    @classmethod
+    def of(cls, task: Task) -> StageFiles:
+        """Those of a task.
+
+        Raises:
+            InputError: it has no world.
+        """
+        world, named = task.path("world"), {key: task.path("knowledge", key) for key in domain_keys()}
+        if world is None:
+            raise InputError(f"{task.document.file}: the task names no world; needed: the key `world`")
+        start = (task.file.knowledge.start if task.file.knowledge else None) or ""
+        others = {key: path for key, path in named.items() if path is not None}
+        return cls(world, task.path("knowledge", "map"), task.path("knowledge", "places"), others, start)
 
 
 STACK_BLOCKS = LIBRARY.parent / "stack_blocks"
@@ -50,8 +65,7 @@ AT_THE_WALL = StageFiles(
     STACK_BLOCKS / "unload_world.yaml",
     STACK_BLOCKS / "map.yaml",
     STACK_BLOCKS / "places.yaml",
-    None,
-    STACK_BLOCKS / "building.yaml",
+    {"building": STACK_BLOCKS / "building.yaml"},
     "stacking",
 )
 """Five blocks on the robot's own table, before the stacking table of the task stack_blocks."""
@@ -64,6 +78,7 @@ class Stage:
     robot: Robot
     model: WorldModel
     backend: Backend
+    knowledge: TaskKnowledge = field(default_factory=lambda: TaskKnowledge(None, {}))
     restored: list[str] = field(default_factory=list)
     """Why restoring began, each time that it did."""
 
@@ -108,14 +123,16 @@ def set_stage(
     Raises:
         FileError: something in the files is wrong.
     """
-    spec = load_robot(robot)
-    places = load_places(files.places).value.places
-    if files.start not in places:
-        raise NoSuchPlace(f"no place {files.start!r} to start at{suggest(files.start, places)}")
-    grid, _ = load_map(files.map)
-    books = load(files.catalogue, Catalogue) if files.catalogue else Catalogue(format=NO_BOOKS, books=())
-    plan = load(files.building, Building) if files.building else None
-    model = WorldModel(grid, places, books, np.empty((0, 2)), building=plan)
-    start = places[files.start].pose
+    spec, findings = load_robot(robot), Findings()
+    places = load_places(files.places) if files.places else None
+    known = places.value.places if places else {}
+    if files.start and files.start not in known:
+        raise NoSuchPlace(f"no place {files.start!r} to start at{suggest(files.start, known)}")
+    start = known[files.start].pose if files.start else ORIGIN
+    where = Document(str(files.world), b"", Node({}, str(files.world), 1, 1, 1, 1))
+    knowledge = TaskKnowledge(places, read_sections(files.knowledge, start, where, findings), start)
+    findings.raise_all()
+    grid = load_map(files.map)[0] if files.map else nowhere()
+    model = WorldModel(grid, knowledge.all_places(), sections=knowledge.fresh_sections())
     made = make_backend(backend, spec, files.world, seed, start)
-    return Stage(Robot(made, spec, start, grid), model, made)
+    return Stage(Robot(made, spec, start, grid), model, made, knowledge)

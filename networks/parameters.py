@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection
 from dataclasses import replace
 
 from handcart.files.errors import Finding
 from handcart.files.findings import Findings
 from handcart.files.yaml_document import Document
-from handcart.files.yaml_node import Node
+from handcart.files.yaml_node import KeyPath, Node
 
 from .parameter_values import ParameterValues, reference
 
@@ -45,16 +45,26 @@ def with_listed_repeats(document: Document) -> Document:
     return document.with_value((REPEAT,), replace(node, content=[node]))
 
 
-def with_all(document: Document, entry: str, names: Sequence[str]) -> Document:
+def with_all(document: Document, entry: str, names: Collection[object]) -> Document:
     """The document with these names where one of its repeats goes over `{all: ENTRY}`."""
-    repeats = document.root.child(REPEAT)
-    count = len(repeats.content) if repeats and isinstance(repeats.content, list) else 0
-    for over in ((REPEAT, number, "over") for number in range(count)):
+    for over in _overs(document):
         node, there = document.root.deepest(over)
         if there and reference(node, "all") == entry:
-            listed = [replace(node, content=name) for name in names]
+            listed = [replace(node, content=name) for name in names if isinstance(name, str | int)]
             document = document.with_value(over, replace(node, content=listed))
     return document
+
+
+def goes_over_unknown(document: Document) -> bool:
+    """Whether one of its repeats goes over `{all: ENTRY}` and nothing was put in for that."""
+    return any(reference(document.root.deepest(over)[0], "all") is not None for over in _overs(document))
+
+
+def _overs(document: Document) -> list[KeyPath]:
+    """Where its repeats tell what they go over."""
+    repeats = document.root.child(REPEAT)
+    count = len(repeats.content) if repeats and isinstance(repeats.content, list) else 0
+    return [(REPEAT, number, "over") for number in range(count)]
 
 
 def with_element(node: Node, name: str | None, element: Node | None, findings: Findings) -> Node:

@@ -12,7 +12,6 @@ from handcart.backends.robot_file import RobotFile
 from handcart.files.errors import Finding
 from handcart.files.loading import Loaded
 from handcart.primitives.knowledge import Places
-from handcart.primitives.place_file import load_places
 from handcart.primitives.world_model import WorldModel
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.ways import Way, Ways
@@ -89,10 +88,9 @@ class _Named(NamedTuple):
 
 def place_rooms(task: Task, robot: RobotFile, model: WorldModel, start: Pose2) -> PlaceRooms:
     """The places of a task's map, where it has one and the robot drives on it."""
-    file = task.path("knowledge", PLACES)
-    if file is None or task.path("knowledge", "map") is None or robot.drive.kind == "ackermann":
+    told = task.knowledge.places
+    if told is None or task.path("knowledge", "map") is None or robot.drive.kind == "ackermann":
         return PlaceRooms()
-    told = load_places(file)
     named, driven = _named(task.network.actions), _named(task.network.actions, driving=True)
     ways = Ways(model.map, robot.footprint_radius_m, start)
     rooms = tuple(

@@ -17,18 +17,10 @@ from handcart.backends.robot_file import RobotFile
 from handcart.backends.robot_loading import load_robot
 from handcart.files.errors import FileError, Finding, InputError
 from handcart.files.findings import Findings
-from handcart.files.loading import load
 from handcart.files.suggest import suggest
-from handcart.primitives.building import Building
-from handcart.primitives.field import Field
-from handcart.primitives.knowledge import Catalogue, Place, load_map
+from handcart.primitives.knowledge import load_map
 from handcart.primitives.map_masks import keepout_findings, load_speed_limits
-from handcart.primitives.place_file import load_places
 from handcart.primitives.registry import primitive_class
-from handcart.primitives.seam_file import load_seam
-from handcart.primitives.target import Target
-from handcart.primitives.target_list import load_targets, place_of
-from handcart.primitives.work_piece import WorkPiece
 from handcart.primitives.world_model import WorldModel
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.grid_map import GridMap
@@ -37,7 +29,6 @@ from handcart.robotics.navigation.keepout import with_keepout
 from .network import ActionNetwork
 from .place_findings import place_findings
 from .place_room import PlaceRoom, PlaceRooms, place_rooms
-from .target_findings import target_findings
 from .task_file import MASK, Primitives, Task, load_task
 
 T = TypeVar("T")
@@ -129,7 +120,7 @@ def _built(
     findings.add(*read.rooms.errors)
     made = None
     if spec is not None and world is not None and told is not None and not findings:
-        start = start_pose(task, told[0])
+        start = task.knowledge.start
         made = _collected(findings, lambda: make_backend(name, spec, world, seed, start, window, bench))
     findings.raise_all()
     assert made is not None
@@ -193,9 +184,9 @@ def _read(
     world = task.path("world")
     if world is None:
         findings.add(task.document.finding((), f"the key 'world' is missing; needed: what {name} builds"))
-    wanted = task.path("knowledge", "targets")
-    if spec is not None and told is not None and told[0].field is not None and wanted is not None:
-        findings.add(*target_findings(told[0].targets, told[0].field, spec, wanted))
+    if spec is not None and told is not None:
+        for section in task.knowledge.sections.values():
+            findings.add(*section.faults(spec))
     if spec is not None and spec.drive.kind == "ackermann":
         for key in ("keepout", "speed_limits"):
             if task.document.root.deepest(("knowledge", key))[1]:
@@ -206,7 +197,7 @@ def _read(
         _collected(findings, lambda: check_world(world, spec, start, grid))
     rooms = PlaceRooms()
     if spec is not None and told is not None and not findings:
-        rooms = place_rooms(task, spec, told[0], start_pose(task, told[0]))
+        rooms = place_rooms(task, spec, told[0], task.knowledge.start)
     return _Read(task, name, spec, told, world, findings, rooms)
 
 
@@ -252,12 +243,7 @@ def _checked(read: _Read) -> Checked:
 def make_robot(task: Task, backend: Backend, spec: RobotFile, model: WorldModel) -> Robot:
     """The robot, standing where the task says that it starts."""
     grid = model.map if task.file.knowledge else None
-    return Robot(backend, spec, start_pose(task, model), grid)
-
-
-def start_pose(task: Task, model: WorldModel) -> Pose2:
-    """map_T_base at first: at the place that the task names, or at the map's origin."""
-    return start_place(task, model.places)
+    return Robot(backend, spec, task.knowledge.start, grid)
 
 
 def _told_start(task: Task, model: WorldModel) -> Pose2 | None:
@@ -266,35 +252,11 @@ def _told_start(task: Task, model: WorldModel) -> Pose2 | None:
     return model.places[named].pose if named and named in model.places else None
 
 
-def start_place(task: Task, places: Mapping[str, Place]) -> Pose2:
-    """map_T_base at the place where the task says that it starts; the map's origin where it says nothing."""
-    named = task.file.knowledge.start if task.file.knowledge else None
-    return places[named].pose if named and named in places else Pose2(0.0, 0.0, 0.0)
-
-
 def load_model(task: Task) -> tuple[WorldModel, tuple[str, ...]]:
     """What the robot knows beforehand, and warnings about it; raises `FileError` with every finding."""
-    findings = Findings()
-    chart, places, catalogue = (task.path("knowledge", key) for key in ("map", "places", "catalogue"))
-    told = _collected(findings, lambda: load_map(chart)) if chart else (_nowhere(), None)
-    named = _collected(findings, lambda: load_places(places)) if places else None
-    books = _collected(findings, lambda: load(catalogue, Catalogue)) if catalogue else None
-    plan = task.path("knowledge", "building")
-    building = _collected(findings, lambda: load(plan, Building)) if plan else None
-    line, piece = (task.path("knowledge", key) for key in ("seam", "work_piece"))
-    seam = _collected(findings, lambda: load_seam(line)) if line else None
-    work_piece = _collected(findings, lambda: load(piece, WorkPiece)) if piece else None
-    ground, wanted = (task.path("knowledge", key) for key in ("field", "targets"))
-    field = _collected(findings, lambda: load(ground, Field)) if ground else None
-    start = start_place(task, named.value.places if named else {})
-    targets: dict[str, Target] = {}
-    if wanted and field is None and not ground:
-        findings.add(
-            task.document.finding(("knowledge", "targets"), "targets lie in a field; needed: `field`")
-        )
-    elif wanted and field is not None:
-        targets = _collected(findings, lambda: load_targets(wanted, field, start)) or {}
-    keepout, mask = task.path("knowledge", "keepout"), task.path(*MASK)
+    findings, named = Findings(), task.knowledge.places
+    chart, keepout, mask = task.path("knowledge", "map"), task.path("knowledge", "keepout"), task.path(*MASK)
+    told = _collected(findings, lambda: load_map(chart)) if chart else (nowhere(), None)
     zones = _collected(findings, lambda: read_occupancy(keepout).grid) if keepout else None
     spec = task.file.knowledge.speed_limits if task.file.knowledge else None
     limits = _collected(findings, lambda: load_speed_limits(mask, spec)) if mask and spec else None
@@ -310,25 +272,13 @@ def load_model(task: Task) -> tuple[WorldModel, tuple[str, ...]]:
     findings.raise_all()
     assert told is not None
     grid, warning = told
-    known = books or Catalogue(format="handcart-catalogue/1", books=())
-    told_places = named.value.places if named else {}
-    told_places = {**told_places, **{name: place_of(target) for name, target in targets.items()}}
-    model = WorldModel(
-        grid,
-        told_places,
-        known,
-        np.empty((0, 2)),
-        building=building,
-        seam=seam,
-        work_piece=work_piece,
-        field=field,
-        targets=targets,
-        speed_limits=limits,
-    )
+    sections = task.knowledge.fresh_sections()
+    model = WorldModel(grid, task.knowledge.all_places(), speed_limits=limits, sections=sections)
     return model, (warning,) if warning else ()
 
 
-def _nowhere() -> GridMap:
+def nowhere() -> GridMap:
+    """A map of one free cell, where there is none."""
     nothing = np.zeros((1, 1), dtype=np.bool_)
     return GridMap(nothing, ~nothing, 0.05, 0.0, 0.0)
 

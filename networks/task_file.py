@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, TypeVar
@@ -16,27 +16,23 @@ from handcart.backends.robot_loading import ROBOTS, robot_names
 from handcart.files.errors import FileError, UnsafePath
 from handcart.files.findings import Findings
 from handcart.files.inside import resolve_inside
-from handcart.files.loading import load, load_document, load_part
+from handcart.files.loading import load_document, load_part
 from handcart.files.model import FileModel
 from handcart.files.settings import SECTION, setting_value, with_settings
 from handcart.files.suggest import suggest
 from handcart.files.yaml_document import Document, read_document
 from handcart.files.yaml_node import KeyPath
 from handcart.primitives.action_primitive import ActionPrimitive
-from handcart.primitives.building import Building
-from handcart.primitives.field import Field
-from handcart.primitives.place_file import load_places
 from handcart.primitives.registry import primitive_class
-from handcart.primitives.target_list import load_targets
-from handcart.robotics.geometry.pose2 import Pose2
 
 from .binding import Binding
 from .network import Action, ActionNetwork, Fact, Situation, faults_of
-from .parameters import with_all, with_listed_repeats, with_parameters
+from .parameters import goes_over_unknown, with_all, with_listed_repeats, with_parameters
 from .primitive_parameters import ParameterReader
 from .repeat_faults import Situations, repeat_faults
 from .repeating import Copied, Copies, repeated
 from .repetition import Repetition, repetitions
+from .task_knowledge import PLACES, TaskKnowledge, domain_keys, read_knowledge
 from .task_model import ActionEntry, Repeat, TaskFile
 from .unwritten import unwritten
 
@@ -56,6 +52,8 @@ class Task:
     network: ActionNetwork
     entries: tuple[int | None, ...]
     """For each action of the network its number in the file; None for a skip."""
+    knowledge: TaskKnowledge
+    """What its files tell."""
 
     def path(self, *key: str) -> Path | None:
         """Where a file that the task names is: beside the task's file, or from the current folder if it was
@@ -109,11 +107,16 @@ class _Reader:
         self._findings = Findings()
         self._document = with_listed_repeats(with_parameters(document, self._findings))
         self._primitives = primitives
-        self._places = self._place_names()
-        targets = self._target_names()
-        self._document = with_all(self._document, "places", self._places or ())
-        self._document = with_all(self._document, "targets", targets)
-        self._targets = targets
+        self._knowledge = read_knowledge(self._document, self._findings, _resolved)
+        self._names = self._knowledge.names()
+        places = self._knowledge.places
+        self._place_names = None if places is None else list(places.value.places)
+        listed = {**self._names, PLACES: self._place_names or ()}
+        for kind, names in listed.items():
+            self._document = with_all(self._document, kind, names)
+        if goes_over_unknown(self._document):  # then each of its actions would be told
+            self._check_files()
+            self._findings.raise_all()
 
     def task(self) -> Task:
         file = self._whole()
@@ -190,12 +193,8 @@ class _Reader:
         return parts
 
     def _actions(self, copies: Copies, entries: Mapping[int, ActionEntry]) -> list[Action | None]:
-        names = self._places
-        self._check_start_place(names)
-        known: dict[str, Collection[object]] = {"targets": self._targets} if self._targets else {}
-        if names is not None or self._targets:
-            known["places"] = [*(names or ()), *self._targets]
-        reader = ParameterReader(self._document, self._findings, {**known, **self._building_names()})
+        self._check_start_place(self._place_names)
+        reader = ParameterReader(self._document, self._findings, self._names)
         kinds = {number: self._kind(number, entry.do) for number, entry in entries.items()}
         return [self._action(copied, entries, kinds, reader) for copied in copies.actions]
 
@@ -230,46 +229,6 @@ class _Reader:
             self._add(("actions", number, "do"), str(unknown.args[0]))
             return None
 
-    def _place_names(self) -> list[str] | None:
-        """The names of the map's places; None where no file tells them."""
-        try:
-            path = _resolved(self._document, ("knowledge", "places"))
-            return list(load_places(path).value.places) if path else None
-        except FileError as error:
-            self._findings.take(error)
-        except UnsafePath:
-            pass  # told by `_check_files`
-        return None
-
-    def _target_names(self) -> list[str]:
-        """The names of the targets; none where no file tells them. Where it is wrong that is raised: without
-        them a part that is repeated over them has no elements, and each of its actions would be told."""
-        try:
-            field, targets = (_resolved(self._document, ("knowledge", key)) for key in ("field", "targets"))
-            if field is None or targets is None:
-                return []
-            if field.is_file() and targets.is_file():
-                return list(load_targets(targets, load(field, Field), Pose2(0.0, 0.0, 0.0)))
-            self._check_files()
-        except FileError as error:
-            self._findings.take(error)
-        except UnsafePath:
-            self._check_files()
-        self._findings.raise_all()
-        return []
-
-    def _building_names(self) -> dict[str, Collection[object]]:
-        """What the building plan names; nothing where there is none."""
-        try:
-            path = _resolved(self._document, ("knowledge", "building"))
-            plan = load(path, Building) if path else None
-        except FileError as error:
-            self._findings.take(error)
-            return {}
-        except UnsafePath:
-            return {}  # told by `_check_files`
-        return {} if plan is None else {"landmarks": plan.landmarks, "blocks": plan.numbers}
-
     def _check_start_place(self, names: list[str] | None) -> None:
         node, there = self._document.root.deepest(("knowledge", "start"))
         name = node.content
@@ -291,9 +250,8 @@ class _Reader:
             self._add(("robot",), f"unknown robot {name!r}{allowed}, or the path of a robot's YAML file")
 
     def _check_files(self) -> None:
-        told = [("knowledge", name) for name in ("map", "keepout", "places", "catalogue", "building")]
-        told += [("knowledge", name) for name in ("seam", "work_piece", "field", "targets")]
-        for key in (("world",), *told, MASK):
+        named = [("knowledge", name) for name in ("map", "keepout", PLACES, *domain_keys())]
+        for key in (("world",), *named, MASK):
             try:
                 path = _resolved(self._document, key)
             except UnsafePath as unsafe:
@@ -317,7 +275,7 @@ class _Reader:
         entries = tuple(copied.entry for copied in copies.actions)
         self._check_late(file, network, entries)
         self._findings.raise_all()
-        return Task(file, self._document, network, entries)
+        return Task(file, self._document, network, entries, self._knowledge)
 
     def _check_late(self, file: TaskFile, network: ActionNetwork, entries: Sequence[int | None]) -> None:
         told = file.knowledge.model_fields_set if file.knowledge else ()

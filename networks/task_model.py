@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
-from pydantic import Field
+from pydantic import Field, create_model
 
 from handcart.files.model import FileModel
 from handcart.primitives.map_masks import SpeedMask
+from handcart.tasks.domain import domains
 
 from .network import MAX_ATTEMPTS, MAX_COST_S, Fact
 
 
-class KnowledgeFiles(FileModel):
+class GeneralFiles(FileModel):
     """What the robot is told beforehand: files beside the task's."""
 
     map: str | None = None
@@ -23,20 +24,24 @@ class KnowledgeFiles(FileModel):
     """A mask over the map (nav2's speed filter): how fast the base may drive where."""
     places: str | None = None
     """The map's named places, or goals as users of nav2 keep them."""
-    catalogue: str | None = None
-    """The books of a library."""
-    building: str | None = None
-    """A building plan, for robots that stack blocks."""
-    seam: str | None = None
-    """A seam, for robots that track one: a CSV file with a pose of the tool a line."""
-    work_piece: str | None = None
-    """What the seam is on."""
-    field: str | None = None
-    """A field, for robots that work outdoors."""
-    targets: str | None = None
-    """Where sensors go in it: CSV or GeoJSON."""
     start: str | None = None
     """The place where the robot stands at first; left out: the map's origin."""
+
+
+def _with_domains() -> type[GeneralFiles]:
+    """The same, with the keys that domains add."""
+    keys: dict[str, Any] = {
+        key: (str | None, Field(None, description=words))
+        for domain in domains()
+        for key, words in (domain.knowledge.files if domain.knowledge else {}).items()
+    }
+    return create_model("KnowledgeFiles", __base__=GeneralFiles, __doc__=GeneralFiles.__doc__, **keys)
+
+
+if TYPE_CHECKING:
+    KnowledgeFiles = GeneralFiles
+else:
+    KnowledgeFiles = _with_domains()
 
 
 class ActionEntry(FileModel):
@@ -71,8 +76,8 @@ class Repeat(FileModel):
     """A part of the network, copied for each element of a list, one copy after the other."""
 
     over: Annotated[list[Any], Field(min_length=1)]
-    """The elements; `{all: places}` stands for the names of the map's places, in their file's order, and
-    `{all: targets}` for those of the targets."""
+    """The elements; `{all: places}` stands for the names of the map's places, in their file's order, and so
+    on for whatever the task's files name, such as `{all: targets}`."""
     name: Annotated[str, Field(alias="as")]
     """What `{each: NAME}` calls the element."""
     start: str

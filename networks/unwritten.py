@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator
-from dataclasses import fields
 
 import networkx as nx
 
@@ -19,9 +18,9 @@ def unwritten(network: ActionNetwork, told: Collection[str]) -> Iterator[tuple[A
 
     Args:
         network: the whole network.
-        told: entries of the world model that the task's knowledge fills.
+        told: entries of the world model that files of the task fill.
     """
-    empty = {each.name for each in fields(WorldModel) if each.default is None} - set(told)
+    empty = WorldModel.unknown_at_first() - set(told)
     ways = _ways(network)
     known: dict[str, set[str]] = {}
     for action in network.actions:

@@ -12,6 +12,7 @@ from handcart.backends.camera import Camera
 from handcart.backends.gripper import Gripper
 from handcart.backends.range_sensor import RangeSensor
 from handcart.backends.robot import Robot
+from handcart.primitives.books.books import Books, Slot
 from handcart.robotics.geometry.transform import Transform, inverse, transform
 from handcart.robotics.kinematics.shapes import Box
 from handcart.robotics.perception.overlay import draw_overlay
@@ -26,7 +27,7 @@ from .knowledge import Book
 from .place_name import PlaceName
 from .shelf_front import measure_shelf
 from .slot_edge import slot_edge
-from .world_model import ModelView, Slot
+from .world_model import ModelView
 
 BEFORE = 0.035  # [m] from the book's fore-edge to the shelf's front
 CLEAR = 0.006  # [m] from the book's foot to the board
@@ -57,7 +58,8 @@ class Approach(ActionPrimitive):
     _around: tuple[Box, ...] = PrivateAttr(default=())
 
     def motion(self, robot: Robot, model: ModelView) -> Periods:
-        book, slot = model.book, model.slot
+        books = model.of(Books)
+        book, slot = books.book, books.slot
         if book is None or not holds(robot, book):
             raise Discrepancy("the hand doesn't hold the book", measured=opening(robot, book))
         if slot is None or slot.shelf != self.shelf:
@@ -69,7 +71,7 @@ class Approach(ActionPrimitive):
         goal = _before(robot, book, (slot.left + slot.right) / 2)
         yield from move_to_pose(robot, base_T_shelf @ goal, self._held, self._around)
         if self.correct:
-            model.slot = yield from self._centre(robot, base_T_shelf, goal, slot)
+            books.slot = yield from self._centre(robot, base_T_shelf, goal, slot)
 
     def _centre(
         self, robot: Robot, base_T_shelf: Transform, goal: Transform, slot: Slot

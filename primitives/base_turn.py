@@ -6,10 +6,9 @@ import math
 from typing import NamedTuple
 
 from handcart.backends.robot import Robot
+from handcart.primitives.blocks.blocks import Fixed
 from handcart.robotics.geometry.pose2 import Pose2, wrap
 from handcart.robotics.navigation.attitude import yaw_sigma
-
-from .world_model import Fixed
 
 GATE = 5.0  # sigmas
 

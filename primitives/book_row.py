@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from handcart.primitives.books.books import Books
+
 from .meant_contact import MeantContact, name_of_book
 from .world_model import WorldModel
 
@@ -11,7 +13,8 @@ PARTS = ("board", "panel", "left panel", "right panel", "book end")
 
 def row_contacts(model: WorldModel, shelf: str) -> tuple[MeantContact, ...]:
     """Of the held book with its shelf, and with the two books that its slot is between."""
-    slot = model.slot
+    known = model.of(Books)
+    slot = known.slot
     beside = () if slot is None else tuple(call for call in (slot.after, slot.before) if call)
-    books = [name_of_book(book) for book in model.catalogue.books if book.call in beside]
+    books = [name_of_book(book) for book in known.catalogue.books if book.call in beside]
     return tuple(MeantContact("held", name) for name in (*(f"{part} of {shelf}" for part in PARTS), *books))

@@ -10,6 +10,7 @@ from pydantic import Field
 
 from handcart.backends.arm import Arm
 from handcart.backends.robot import Robot
+from handcart.primitives.seam.seam import Seam
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.manipulation.placer import Placements, Placer
 from handcart.robotics.manipulation.tool_path import ToolPath
@@ -42,8 +43,9 @@ class Divide(ActionPrimitive):
     only_knowledge: ClassVar = True
 
     def motion(self, robot: Robot, model: ModelView) -> Periods:
-        seam, work = seam_of(model), model.seam_work
-        boxes = tuple(each.box for each in model.work_piece.boxes) if model.work_piece else ()
+        known = model.of(Seam)
+        seam, work = seam_of(model), known.seam_work
+        boxes = tuple(each.box for each in known.work_piece.boxes) if known.work_piece else ()
         room = SeamRoom(
             robot.spec, robot.arm_model, model.map, model.obstacles, robot.pose, boxes, work.avoided
         )
@@ -55,7 +57,7 @@ class Divide(ActionPrimitive):
         found = yield from robot.compute(self._divided, placer, rest, room, work.tracked, takes=2.0)
         parts = _named(found, work, seam)
         model.places = {**model.places, **{part.place: _place(part) for part in parts}}
-        model.seam_work = SeamWork(work.tracked, parts[0], parts[1:], work.named + len(parts), work.avoided)
+        known.seam_work = SeamWork(work.tracked, parts[0], parts[1:], work.named + len(parts), work.avoided)
         model.detour = None
         self.found(placements=len(parts), score=round(found.score / rest.length, 4))
 
@@ -76,9 +78,10 @@ class Divide(ActionPrimitive):
 
 def seam_of(model: ModelView) -> ToolPath:
     """The seam; raises `Discrepancy` where the task tells none."""
-    if model.seam is None:
+    work = model.of(Seam)
+    if work.seam is None:
         raise Discrepancy("the task tells no seam", permanent=True)
-    return model.seam
+    return work.seam
 
 
 def _named(found: Placements, work: SeamWork, seam: ToolPath) -> tuple[SeamPart, ...]:

@@ -86,8 +86,8 @@ def plan_tracker(
 
 
 def plan_car_drive(robot: Robot, model: ModelView, goal: Pose2) -> CarPath | None:
-    """A car's way past the rocks of the field and what was sensed, or None."""
-    rocks = np.empty((0, 3)) if model.field is None else model.field.discs
+    """A car's way past what is known to stand there and what was sensed, or None."""
+    rocks = model.discs
     known = rocks + np.array([0.0, 0.0, ASTRAY]) if len(rocks) else rocks
     discs = np.vstack([known, point_discs(model.obstacles)])
     radius = TURNING / robot.spec.drive.sharpest_per_m

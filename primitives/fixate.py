@@ -11,6 +11,7 @@ from handcart.backends.arm import Arm
 from handcart.backends.camera import Camera
 from handcart.backends.robot import Robot
 from handcart.files.suggest import suggest
+from handcart.primitives.blocks.blocks import Blocks
 
 from .action_primitive import ActionPrimitive, Periods
 from .base_turn import turn_by_gyros
@@ -50,6 +51,7 @@ class Fixate(ActionPrimitive):
     writes: ClassVar = ("fixed",)
 
     def motion(self, robot: Robot, model: ModelView) -> Periods:
+        blocks = model.of(Blocks)
         mark = landmark_of(model, self.landmark)
         place = self.place or mark.place
         planned = model.places[place].pose
@@ -68,15 +70,16 @@ class Fixate(ActionPrimitive):
             frames=found.frames,
             moves=found.moves,
         )
-        model.fixed = fixed_by(robot, self.landmark, place, planned, found)
-        robot.found_at(model.fixed.pose, model.fixed.sigma)
+        blocks.fixed = fixed_by(robot, self.landmark, place, planned, found)
+        robot.found_at(blocks.fixed.pose, blocks.fixed.sigma)
 
     def effect(self, robot: Robot, model: ModelView) -> Generator[None, None, bool]:
         """The base stands as it was found: its gyros, where it has some, have felt no turn since."""
-        fixed, feels = model.fixed, robot.spec.imu is not None
+        blocks = model.of(Blocks)
+        fixed, feels = blocks.fixed, robot.spec.imu is not None
         if fixed is not None and feels and abs(turn_by_gyros(robot, fixed).yaw) >= MOST_TURNED:
-            model.fixed = None  # no longer so
-        return model.fixed is not None
+            blocks.fixed = None  # no longer so
+        return blocks.fixed is not None
         yield
 
 

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from handcart.backends.robot import Robot
+from handcart.primitives.blocks.blocks import Fixed
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import Transform, inverse, transform
 from handcart.robotics.kinematics.shapes import Box
@@ -29,7 +30,6 @@ from .discrepancy import Discrepancy, Measured
 from .evidence import Evidence
 from .hand_down import VIEW, pointing_down
 from .landmark_views import LandmarkViews, Sought, offsets
-from .world_model import Fixed
 
 Rule = Literal["residual", "paper"]
 RULES = {"residual": StopRule(), "paper": PAPER_RULE}

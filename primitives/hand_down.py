@@ -7,6 +7,7 @@ import math
 import numpy as np
 
 from handcart.backends.robot import Robot
+from handcart.primitives.blocks.blocks import Blocks
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import Transform, transform
 from handcart.robotics.kinematics.shapes import Box
@@ -53,7 +54,7 @@ def surroundings(robot: Robot, model: ModelView) -> tuple[Box, ...]:
     base_T_map = standing(robot, model).inverse().lift()
     boxes = [table.box for table in plan.tables.values()]
     length, width, height = plan.block
-    for each in model.placed:
+    for each in model.of(Blocks).placed:
         middle = each.pose.lift(each.height + height / 2)
         boxes.append(Box(middle, (length, width, height), f"block {each.number}"))
     return tuple(Box(base_T_map @ box.pose, box.size, box.name) for box in boxes)
@@ -61,13 +62,14 @@ def surroundings(robot: Robot, model: ModelView) -> tuple[Box, ...]:
 
 def standing(robot: Robot, model: ModelView) -> Pose2:
     """map_T_base: by the landmark where one was seen from here, else as estimated."""
-    fixed = model.fixed
+    fixed = model.of(Blocks).fixed
     here = fixed is not None and fixed.travel == tuple(robot.base.wheel_travel())
     return fixed.pose if fixed is not None and here else robot.pose
 
 
 def building(model: ModelView) -> Building:
     """The building plan; raises `Discrepancy` where the robot has none."""
-    if model.building is None:
+    blocks = model.of(Blocks)
+    if blocks.building is None:
         raise Discrepancy("the task has no building plan", permanent=True)
-    return model.building
+    return blocks.building

@@ -13,6 +13,7 @@ from handcart.backends.arm import Arm
 from handcart.backends.gripper import Gripper
 from handcart.backends.range_sensor import RangeSensor
 from handcart.backends.robot import Robot
+from handcart.primitives.books.books import Books
 from handcart.robotics.geometry.transform import Transform, inverse, transform
 
 from .action_primitive import ActionPrimitive, Periods
@@ -64,14 +65,16 @@ class Insert(ActionPrimitive):
 
     def hindrance(self, robot: Robot, model: ModelView) -> str:
         """A hand that doesn't hold the book."""
-        return "" if model.book and holds(robot, model.book) else "the hand doesn't hold the book"
+        books = model.of(Books)
+        return "" if books.book and holds(robot, books.book) else "the hand doesn't hold the book"
 
     def motion(self, robot: Robot, model: ModelView) -> Periods:
-        if model.book is None or not holds(robot, model.book):
-            raise Discrepancy("the hand doesn't hold the book", measured=opening(robot, model.book))
+        books = model.of(Books)
+        if books.book is None or not holds(robot, books.book):
+            raise Discrepancy("the hand doesn't hold the book", measured=opening(robot, books.book))
         end = yield from self._end(robot, model)
         start = robot.arm_model.forward(robot.arm.command())
-        edge, held = hand_to_spine(robot) + model.book.depth_mm / 1e3, held_box(robot, model.book)
+        edge, held = hand_to_spine(robot) + books.book.depth_mm / 1e3, held_box(robot, books.book)
         ways = WIGGLES if self.wiggle and self.method == "planned" else WIGGLES[:1]
         yield from self.intend("the book is pushed between its neighbours")
         for number, (aside, turn) in enumerate(ways, start=1):
@@ -115,18 +118,21 @@ class Insert(ActionPrimitive):
     def watch(self, robot: Robot, model: ModelView) -> None:
         """A book that slips out of the hand."""
         if self._base_T_end is not None and not robot.gripper.closed_on_something():
-            raise Discrepancy("the book slipped out of the hand", measured=opening(robot, model.book))
+            raise Discrepancy(
+                "the book slipped out of the hand", measured=opening(robot, model.of(Books).book)
+            )
 
     def effect(self, robot: Robot, model: ModelView) -> Generator[None, None, bool]:
         """The book is still held, and the hand stands where it was to go."""
-        if self._base_T_end is None or model.book is None:
+        books = model.of(Books)
+        if self._base_T_end is None or books.book is None:
             return False
         off = float(np.linalg.norm(robot.base_T("hand")[:3, 3] - self._base_T_end[:3, 3]))
         self.found(off_mm=round(1e3 * off, 1))
         if off >= REACHED:
             left = Measured("Arm", "left to where the push ends", 1e3 * off, 1e3 * REACHED, "mm")
             raise Discrepancy("the hand doesn't reach where the push ends", measured=left)
-        return holds(robot, model.book)
+        return holds(robot, books.book)
         yield
 
     def meant_contacts(self, model: WorldModel) -> Sequence[MeantContact]:

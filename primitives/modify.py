@@ -27,7 +27,7 @@ class Modify(ActionPrimitive):
     """Where the path leads."""
 
     needs: ClassVar = (RangeSensor,)
-    reads: ClassVar = ("map", "places", "obstacles", "field")
+    reads: ClassVar = ("map", "places", "obstacles", "discs")
     writes: ClassVar = ("detour",)
     only_knowledge: ClassVar = True
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from typing import Annotated, ClassVar
 
 import numpy as np
@@ -26,10 +26,8 @@ from .discrepancy import Discrepancy, Measured, NeedsPerson
 from .driving import HORIZON, FieldLookout, Lookout, goal_pose, make_lookout, plan_tracker
 from .knowledge import Place
 from .meant_contact import MeantContact
-from .on_the_way import arm_on_the_way
 from .place_name import PlaceName
 from .retrace import LONGEST_REACH, reach_pose, retrace
-from .sensor_arm import sensor_contact
 from .snapshot import Snapshot, settle
 from .trace import Trace
 from .world_model import ModelView, WorldModel
@@ -60,11 +58,10 @@ class MoveTo(ActionPrimitive):
     reverse: bool = False
     """The base drives backwards: where turning around would sweep its rear over something."""
     together: bool = False
-    """The arm moves meanwhile: home as the base departs; it takes a sensor, and is held over the target
-    before the base arrives."""
+    """The arm moves meanwhile, as the place's domain says."""
 
     needs: ClassVar = (Base, RangeSensor)
-    reads: ClassVar = ("map", "places", "speed_limits", "field", "targets")
+    reads: ClassVar = ("map", "places", "speed_limits", "discs")
     writes: ClassVar = ("obstacles", "detour")
 
     _lookout: Lookout | FieldLookout | None = PrivateAttr(default=None)
@@ -72,13 +69,13 @@ class MoveTo(ActionPrimitive):
     _blocked_since: float | None = PrivateAttr(default=None)
 
     def hindrance(self, robot: Robot, model: ModelView) -> str:
-        """The arm is to move along and there is none, or no such target."""
+        """The arm is to move along and there is none, or nothing for it to do."""
         if not self.together:
             return ""
         if robot.backend.get(Arm) is None or robot.backend.get(Gripper) is None:  # type: ignore[type-abstract]
             return "the robot has no arm with a gripper to move along"
-        known = model.field is not None and self.place in model.targets
-        return "" if known else f"there is no target {self.place!r} in the field"
+        known = model.companion(robot, self.place) is not None
+        return "" if known else f"nothing is known that the arm could do on the way to {self.place!r}"
 
     def motion(self, robot: Robot, model: ModelView) -> Periods:
         if not self.together:
@@ -89,8 +86,7 @@ class MoveTo(ActionPrimitive):
             robot.base.may_stand_at(goal)
         tracker, points = yield from plan_tracker(robot, model, self.place, goal, ARRIVED, self.reverse)
         self.evidence.points["planned"] = points
-        arm = arm_on_the_way(robot, model, self.place, tracker) if self.together else iter(())
-        yield from self._follow(robot, model, tracker, arm)
+        yield from self._follow(robot, model, tracker)
         self._ahead = np.empty((0, 2))
         if model.places[self.place].shelf is not None:
             yield from self._dock(robot, model.places[self.place])
@@ -98,9 +94,13 @@ class MoveTo(ActionPrimitive):
         if model.detour and model.detour.goal == self.place:
             model.detour = None
 
-    def _follow(
-        self, robot: Robot, model: ModelView, tracker: PathTracker | CarTracker, arm: Iterator[None]
-    ) -> Periods:
+    def _arm(self, robot: Robot, model: ModelView, remaining: Callable[[], float]) -> Iterator[None]:
+        """What the arm does meanwhile."""
+        companion = model.companion(robot, self.place) if self.together else None
+        return iter(()) if companion is None else companion.motion(remaining)
+
+    def _follow(self, robot: Robot, model: ModelView, tracker: PathTracker | CarTracker) -> Periods:
+        arm = self._arm(robot, model, lambda: tracker.remaining)
         progress, since, rolled, driven, last = 0.0, robot.time, 0.0, 0.0, robot.reckoned
         anew = 0
         while not tracker.finished(robot.pose):
@@ -176,8 +176,8 @@ class MoveTo(ActionPrimitive):
             )
 
     def meant_contacts(self, model: WorldModel) -> Sequence[MeantContact]:
-        """Nothing but the sensor that the arm takes meanwhile."""
-        return (sensor_contact(model, self.place),) if self.together else ()
+        """Nothing but what the arm takes meanwhile."""
+        return model.contacts_on_the_way(self.place) if self.together else ()
 
     def restore(self, robot: Robot, model: ModelView, start: Snapshot, trace: Trace) -> Periods:
         """Drive back the way it came; what stands there now is waited for."""

@@ -11,6 +11,7 @@ from handcart.backends.arm import Arm
 from handcart.backends.camera import Camera
 from handcart.backends.gripper import Gripper
 from handcart.backends.robot import Robot
+from handcart.primitives.books.books import Books
 from handcart.robotics.geometry.transform import Transform, transform
 from handcart.robotics.kinematics.shapes import Box
 from handcart.robotics.perception.tag_reader import read_tags, tag_pose
@@ -55,14 +56,15 @@ class PickUp(ActionPrimitive):
 
     def observe(self, robot: Robot, model: ModelView) -> Generator[None, None, Seen]:
         """Where the book's tag is, in the base frame; nothing where it isn't seen."""
-        if model.book is None:
+        books = model.of(Books)
+        if books.book is None:
             raise Discrepancy("no book has been recognized", permanent=True)
         yield from move_to_posture(robot, "look_at_tag", around=_standing(robot, model))
         yield from settle(robot)
         for _ in range(LOOKS):
             yield
-            for tag in read_tags(robot.picture(), family=model.catalogue.tags):
-                if tag.id == model.book.accession:
+            for tag in read_tags(robot.picture(), family=books.catalogue.tags):
+                if tag.id == books.book.accession:
                     camera_T_tag = tag_pose(tag, robot.camera.model, TAG_SIDE)
                     place = robot.base_T("hand") @ robot.camera.hand_T_camera @ camera_T_tag[:, 3]
                     self._stands = True
@@ -70,7 +72,8 @@ class PickUp(ActionPrimitive):
         return {}
 
     def motion(self, robot: Robot, model: ModelView) -> Periods:
-        book, pose = model.book, model.book_pose
+        books = model.of(Books)
+        book, pose = books.book, books.book_pose
         if book is None or pose is None or not self._stands:
             unseen = Measured("Camera", "pictures in which the book's tag was read", 0, 1)
             raise Discrepancy("the book isn't seen on the tray", measured=unseen)
@@ -111,16 +114,20 @@ class PickUp(ActionPrimitive):
     def watch(self, robot: Robot, model: ModelView) -> None:
         """A book that slips out of the hand."""
         if self._held and not robot.gripper.closed_on_something():
-            raise Discrepancy("the book slipped out of the hand", measured=opening(robot, model.book))
+            raise Discrepancy(
+                "the book slipped out of the hand", measured=opening(robot, model.of(Books).book)
+            )
 
     def effect(self, robot: Robot, model: ModelView) -> Generator[None, None, bool]:
         """The fingers press on something as thick as the book."""
-        return model.book is not None and holds(robot, model.book)
+        books = model.of(Books)
+        return books.book is not None and holds(robot, books.book)
         yield
 
     def meant_contacts(self, model: WorldModel) -> Sequence[MeantContact]:
         """Its book, which stands on the tray."""
-        book = "" if model.book is None else name_of_book(model.book)
+        books = model.of(Books)
+        book = "" if books.book is None else name_of_book(books.book)
         return MeantContact("hand", book), MeantContact("held", "tray")
 
     def restore(self, robot: Robot, model: ModelView, start: Snapshot, trace: Trace) -> Periods:
@@ -136,7 +143,8 @@ def _tray(robot: Robot) -> float:
 
 def _standing(robot: Robot, model: ModelView) -> tuple[Box, ...]:
     """The book on the tray, in the base frame, as far as it was seen."""
-    book, pose = model.book, model.book_pose
+    books = model.of(Books)
+    book, pose = books.book, books.book_pose
     if book is None or pose is None:
         return ()
     depth, thickness, height = (1e-3 * size for size in (book.depth_mm, book.thickness_mm, book.height_mm))

@@ -12,6 +12,7 @@ from handcart.backends.arm import Arm
 from handcart.backends.camera import Camera
 from handcart.backends.gripper import Gripper
 from handcart.backends.robot import Robot
+from handcart.primitives.blocks.blocks import Blocks
 from handcart.robotics.geometry.transform import Transform, inverse
 
 from .action_primitive import ActionPrimitive, Periods
@@ -93,7 +94,7 @@ class PickUpBlock(ActionPrimitive):
 
     def meant_contacts(self, model: WorldModel) -> Sequence[MeantContact]:
         """Its block, and what that stands on."""
-        own, plan = MeantContact("hand", name_of_block(self.number)), model.building
+        own, plan = MeantContact("hand", name_of_block(self.number)), model.of(Blocks).building
         if self.at == "robot":
             return own, MeantContact("held", TRAY)
         if plan is None or self.number > len(plan.supply):

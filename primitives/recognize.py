@@ -12,6 +12,7 @@ from pydantic import PrivateAttr
 from handcart.backends.arm import Arm
 from handcart.backends.camera import Camera
 from handcart.backends.robot import Robot
+from handcart.primitives.books.books import Books
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import Transform, transform
 from handcart.robotics.perception.camera_model import CameraModel
@@ -66,7 +67,7 @@ class Recognize(ActionPrimitive):
         start = robot.arm_model.forward(robot.arm.command())
         for aside, up in ASIDE:
             yield from move_straight(robot, start @ transform((0.0, aside, up)), around=around)
-            yield from self._read(robot, model.catalogue.tags)
+            yield from self._read(robot, model.of(Books).catalogue.tags)
             if len(self._seen) >= ENOUGH:
                 break
         yield from move_straight(robot, start, around=around)
@@ -93,6 +94,7 @@ class Recognize(ActionPrimitive):
             self.evidence.pictures["tray"] = draw_overlay(image, tags)
 
     def _conclude(self, model: ModelView) -> None:
+        books = model.of(Books)
         if not self._seen:
             unread = Measured("Camera", f"of {self._looks} pictures those in which a tag was read", 0, 1)
             raise Discrepancy("no tag can be read on the tray", measured=unread)
@@ -102,14 +104,14 @@ class Recognize(ActionPrimitive):
                 f"there are several tags on the tray: {', '.join(map(str, numbers))}",
                 measured=Measured("Camera", "different tags read", len(numbers), 1),
             )
-        book = model.catalogue.by_accession.get(numbers[0])
+        book = books.catalogue.by_accession.get(numbers[0])
         if book is None:
             read = Measured("Camera", "number of the tag that was read", numbers[0])
             unknown = f"the book with the tag {numbers[0]} is not in the catalogue"
             raise Discrepancy(unknown, permanent=True, measured=read)
         x, y, _ = _place(self._seen)
-        model.book = book
-        model.book_pose = Pose2(float(x), float(y), 0.0)
+        books.book = book
+        books.book_pose = Pose2(float(x), float(y), 0.0)
         self.found(
             accession=float(book.accession),
             call=book.call,

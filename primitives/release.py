@@ -16,6 +16,7 @@ from handcart.backends.camera import Camera
 from handcart.backends.gripper import Gripper
 from handcart.backends.range_sensor import RangeSensor
 from handcart.backends.robot import Robot
+from handcart.primitives.books.books import Books
 from handcart.robotics.geometry.transform import Transform, inverse
 from handcart.robotics.perception.call_number import parse
 from handcart.robotics.perception.label_reader import Label
@@ -72,7 +73,8 @@ class Release(TreePrimitive):
 
     def hindrance(self, robot: Robot, model: ModelView) -> str:
         """A hand that doesn't hold the book."""
-        return "" if model.book and holds(robot, model.book) else "the hand doesn't hold the book"
+        books = model.of(Books)
+        return "" if books.book and holds(robot, books.book) else "the hand doesn't hold the book"
 
     def tree(self, robot: Robot, model: ModelView) -> Behaviour:
         """The steps, one after the other."""
@@ -90,8 +92,9 @@ class Release(TreePrimitive):
         return Sequence("release the book", memory=True, children=leaves)
 
     def _measure(self, robot: Robot, model: ModelView) -> Periods:
-        if model.book is None or not holds(robot, model.book):
-            raise Discrepancy("the hand doesn't hold the book", measured=opening(robot, model.book))
+        books = model.of(Books)
+        if books.book is None or not holds(robot, books.book):
+            raise Discrepancy("the hand doesn't hold the book", measured=opening(robot, books.book))
         self._base_T_shelf = yield from measure_shelf(robot, model.places[self.shelf])
         self._lateral = float(self._hand(robot)[1, 3])
 
@@ -107,8 +110,9 @@ class Release(TreePrimitive):
         yield from relax(robot)
 
     def _open(self, robot: Robot, model: ModelView) -> Periods:
+        books = model.of(Books)
         yield from self.intend("the fingers let the book go")
-        self._open_to = ROOM + (model.book.thickness_mm / 1e3 if model.book else 0.0)
+        self._open_to = ROOM + (books.book.thickness_mm / 1e3 if books.book else 0.0)
         self.point_of_no_return("the fingers let the book go")
         yield from open_to(robot, self._open_to)
         self._open_to = None
@@ -141,7 +145,7 @@ class Release(TreePrimitive):
 
     def effect(self, robot: Robot, model: ModelView) -> Generator[None, None, bool]:
         """The book's label is read in its slot, between the right neighbours; then the arm is put away."""
-        if model.book is None:
+        if model.of(Books).book is None:
             return False
         yield
         image = robot.picture()
@@ -155,7 +159,8 @@ class Release(TreePrimitive):
 
     def meant_contacts(self, model: WorldModel) -> Several[MeantContact]:
         """Its book, which the fingers push home; held, the board and what bounds its slot."""
-        own = "" if model.book is None else name_of_book(model.book)
+        books = model.of(Books)
+        own = "" if books.book is None else name_of_book(books.book)
         return MeantContact("hand", own), *row_contacts(model, self.shelf)
 
     def finish(self, robot: Robot, model: ModelView) -> Periods:
@@ -174,17 +179,18 @@ class Release(TreePrimitive):
 
     def _stands(self, labels: list[Label], model: ModelView) -> bool:
         """Whether the book's label is among those read, where the hand let it go, in order."""
+        books = model.of(Books)
         numbers = [(label.lateral, label.call_number) for label in labels if label.call_number is not None]
-        own = parse(model.book.call) if model.book else None
+        own = parse(books.book.call) if books.book else None
         near = [y for y, number in numbers if number == own and abs(y - self._lateral) < SAME_PLACE]
         if own is None or not near:
             return False
         self.found(label_off_mm=round(1e3 * (near[0] - self._lateral), 1))
-        if model.slot is None:
+        if books.slot is None:
             return True
         left = [number for y, number in numbers if y > near[0]]
         right = [number for y, number in numbers if y < near[0]]
-        return parse(model.slot.after) not in right and parse(model.slot.before) not in left
+        return parse(books.slot.after) not in right and parse(books.slot.before) not in left
 
     def _move_in_shelf(self, robot: Robot, ahead: float) -> Periods:
         """Move the hand along the shelf's x by `ahead` [m]."""

@@ -14,6 +14,7 @@ from handcart.backends.arm import Arm
 from handcart.backends.camera import Camera
 from handcart.backends.range_sensor import RangeSensor
 from handcart.backends.robot import Robot
+from handcart.primitives.books.books import Books, Slot
 from handcart.robotics.geometry.transform import Transform, transform
 from handcart.robotics.kinematics.shapes import Box
 from handcart.robotics.perception.call_number import CallNumber, parse
@@ -35,7 +36,7 @@ from .label_templates import PX_PER_M, label_templates
 from .place_name import PlaceName
 from .shelf_front import measure_shelf
 from .slot_edge import book_end
-from .world_model import ModelView, Slot
+from .world_model import ModelView
 
 AWAY = 0.285  # [m] from the camera to the spines
 ROOM = 0.03  # [m] that a held book keeps from them
@@ -76,15 +77,16 @@ class Search(ActionPrimitive):
     _last: HandView | None = PrivateAttr(default=None)
 
     def motion(self, robot: Robot, model: ModelView) -> Periods:
+        books = model.of(Books)
         book, number = _wanted(model)
         place = model.places[self.shelf]
         self._base_T_shelf = yield from measure_shelf(robot, place)
         assert place.shelf is not None  # it was measured
         self._held = held_book(robot, book)
         self._around = shelf_boxes(self._base_T_shelf, place.shelf)
-        if self._held is None and model.book_pose is not None:
+        if self._held is None and books.book_pose is not None:
             self._around += (tray_box(robot),)
-        reader = self._make_reader([each.call for each in model.catalogue.books])
+        reader = self._make_reader([each.call for each in books.catalogue.books])
         stops = self._stops(robot, place.shelf)
         yield from self._look_from(robot, reader, stops)
         found = self._find(book, number)
@@ -187,7 +189,7 @@ class Search(ActionPrimitive):
         after, before = (str(number) if number is not None else "" for number in (found.before, found.after))
         self.found(gap_mm=round(1e3 * found.width, 1), gap_at_mm=round(1e3 * found.centre, 1))
         self.found(after=after, before=before, misplaced=", ".join(map(str, found.misplaced)))
-        model.slot = Slot(self.shelf, found.left, found.right, SIGMA, after, before)
+        model.of(Books).slot = Slot(self.shelf, found.left, found.right, SIGMA, after, before)
 
     def _decided_by(self, found: NoGap) -> None:
         """The view that shows most nearly in its middle where the book belongs decided."""
@@ -198,7 +200,7 @@ class Search(ActionPrimitive):
 
 def _wanted(model: ModelView) -> tuple[Book, CallNumber]:
     """The book whose slot is looked for, and its call number."""
-    book: Book | None = model.book
+    book: Book | None = model.of(Books).book
     if book is None:
         raise Discrepancy("no book has been recognized", permanent=True)
     number = parse(book.call)

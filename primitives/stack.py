@@ -12,6 +12,7 @@ from handcart.backends.arm import Arm
 from handcart.backends.camera import Camera
 from handcart.backends.gripper import Gripper
 from handcart.backends.robot import Robot
+from handcart.primitives.blocks.blocks import Blocks, Fixed, Placed
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import Transform, inverse, transform
 from handcart.robotics.kinematics.shapes import Box
@@ -43,7 +44,7 @@ from .place_name import BlockNumber
 from .pushing import push, relax
 from .snapshot import settle
 from .supports import TRAY, held_on
-from .world_model import Fixed, ModelView, Placed, WorldModel
+from .world_model import ModelView, WorldModel
 
 NEAR = 0.010  # [m] above the expected contact, where the guarded descent begins
 PAST = 0.012  # [m] below it, where there should have been contact
@@ -116,7 +117,7 @@ class Stack(ActionPrimitive):
 
     def meant_contacts(self, model: WorldModel) -> Sequence[MeantContact]:
         """Its block, and what carries that where it goes."""
-        own, plan = MeantContact("hand", name_of_block(self.number)), model.building
+        own, plan = MeantContact("hand", name_of_block(self.number)), model.of(Blocks).building
         if self.onto == "robot":
             return own, MeantContact("held", TRAY)
         if plan is None or self.number > len(plan.goals):
@@ -136,14 +137,15 @@ class Stack(ActionPrimitive):
         self, robot: Robot, model: ModelView, plan: Building, goal: Standing, around: Sequence[Box]
     ) -> Generator[None, None, Transform]:
         """Bring the block over its goal; gives base_T_hand (4, 4) where it will touch down."""
+        blocks = model.of(Blocks)
         held = held_block(robot, plan)
         if self.onto == "goal" and self.method == "servo":
             return (yield from self._servo(robot, model, plan))
         swing = _is_swing(robot, gripping(robot, plan, self._corrected(robot, model, plan, goal)))
         grip = gripping(robot, plan, self._corrected(robot, model, plan, goal, swing))
         yield from move_to_pose(robot, _raised(grip, ABOVE), held, around)
-        if self.onto == "goal" and model.fixed is not None:
-            model.fixed = model.fixed._replace(swings=model.fixed.swings + swing)
+        if self.onto == "goal" and blocks.fixed is not None:
+            blocks.fixed = blocks.fixed._replace(swings=blocks.fixed.swings + swing)
         return grip
 
     def _corrected(
@@ -153,7 +155,7 @@ class Stack(ActionPrimitive):
         if self.onto == "robot":
             return goal.pose
         base_T_block = np.asarray(inverse(standing(robot, model).lift()) @ goal.pose)
-        fixed = model.fixed
+        fixed = model.of(Blocks).fixed
         if fixed is None:
             raise Discrepancy("no landmark was seen from here", permanent=True)
         if self.method in LEAN_BY_MODEL:
@@ -172,9 +174,10 @@ class Stack(ActionPrimitive):
         return turn_by_model(robot, fixed.swings + swings_to_come).yaw
 
     def _fix_again(self, robot: Robot, model: ModelView) -> Periods:
-        if model.fixed is None:
+        blocks = model.of(Blocks)
+        if blocks.fixed is None:
             raise Discrepancy("no landmark was seen from here", permanent=True)
-        name = model.fixed.landmark
+        name = blocks.fixed.landmark
         yield from self._fix(robot, model, name, None)
 
     def _servo(self, robot: Robot, model: ModelView, plan: Building) -> Generator[None, None, Transform]:
@@ -193,7 +196,8 @@ class Stack(ActionPrimitive):
 
     def _place(self, model: ModelView, mark: LandmarkPlan) -> str:
         """Where the base should stand."""
-        return model.fixed.place if model.fixed is not None else mark.place
+        blocks = model.of(Blocks)
+        return blocks.fixed.place if blocks.fixed is not None else mark.place
 
     def _view_height(self, robot: Robot, surface: float) -> float:
         """Of the hand, from which the camera looks down on a surface as in a fixation."""
@@ -203,12 +207,13 @@ class Stack(ActionPrimitive):
     def _fix(
         self, robot: Robot, model: ModelView, name: str, hand: Transform | None
     ) -> Generator[None, None, Transform]:
+        blocks = model.of(Blocks)
         plan, mark = building(model), landmark_of(model, name)
         place = self._place(model, mark)
         planned = model.places[place].pose
         view = planned_view(robot, mark, planned, hand)
         held, around = held_block(robot, plan), surroundings(robot, model)
-        before = model.fixed
+        before = blocks.fixed
         known = None if before is None else before.pose.relative_to(planned)
         swing = _is_swing(robot, view.base_T_hand)
         stands = (robot.pose, robot.pose_covariance) if before is None else (before.pose, before.covariance)
@@ -220,13 +225,13 @@ class Stack(ActionPrimitive):
             robot, view, wanted, self.rule, self.evidence, held, around, looks=looks, known=known
         )
         self.found(frames=found.frames)
-        model.fixed = fixed_by(robot, name, place, planned, found)
+        blocks.fixed = fixed_by(robot, name, place, planned, found)
         if self.method in FUSE and before is not None:
             if self.method in FEEL:
-                turned = turn_by_gyros(robot, before, model.fixed)
+                turned = turn_by_gyros(robot, before, blocks.fixed)
             else:
                 turned = turn_by_model(robot, before.swings + swing)
-            model.fixed = fused(before, turned, model.fixed)
+            blocks.fixed = fused(before, turned, blocks.fixed)
         return found.planned_T_base.lift()
 
     def _lower(self, robot: Robot, grip: Transform) -> Periods:
@@ -245,6 +250,7 @@ class Stack(ActionPrimitive):
 
     def _check(self, robot: Robot, model: ModelView, plan: Building, goal: Standing) -> Periods:
         """Look where the block stands."""
+        blocks = model.of(Blocks)
         expected = self._corrected(robot, model, plan, goal)
         seen = yield from see_block(robot, plan, expected, self.evidence, surroundings(robot, model))
         if seen is None:
@@ -256,7 +262,7 @@ class Stack(ActionPrimitive):
             apart = Measured("Camera", "block off its goal", 1e3 * far, 1e3 * MOST_OFF, "mm")
             raise Discrepancy(f"block {self.number} stands beside its goal", measured=apart)
         self._placed = Placed(self.number, goal.floor, goal.height_m)
-        model.placed = (*model.placed, self._placed)
+        blocks.placed = (*blocks.placed, self._placed)
 
 
 def _is_swing(robot: Robot, base_T_hand: Transform) -> int:

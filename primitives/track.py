@@ -12,6 +12,7 @@ from pydantic import Field, PrivateAttr
 from handcart.backends.arm import Arm
 from handcart.backends.positioning import Positioning
 from handcart.backends.robot import Robot
+from handcart.primitives.seam.seam import Seam
 from handcart.robotics.geometry.transform import transform
 from handcart.robotics.kinematics.arm_model import ArmModel
 from handcart.robotics.kinematics.shapes import Box
@@ -62,7 +63,8 @@ class Track(ActionPrimitive):
         return self._part if self._at is not None else None
 
     def motion(self, robot: Robot, model: ModelView) -> Periods:
-        seam, work = seam_of(model), model.seam_work
+        known = model.of(Seam)
+        seam, work = seam_of(model), known.seam_work
         if work.next is None:
             raise Discrepancy("the seam isn't divided", permanent=True)
         if work.next.empty:  # all of it is tracked
@@ -75,7 +77,7 @@ class Track(ActionPrimitive):
         try:
             timed, way_in, way_out = yield from robot.compute(self._planned, robot, placer, part, takes=1.0)
         except Untrackable as error:
-            model.seam_work = work._replace(next=None, after=(), avoided=(*work.avoided, robot.pose))
+            known.seam_work = work._replace(next=None, after=(), avoided=(*work.avoided, robot.pose))
             raise Discrepancy(_words(work.next, error)) from None  # not for good: DIVIDE avoids this place
         yield from move_to_joints(robot, way_in[0], None, around)
         yield from follow(robot, way_in)
@@ -83,7 +85,7 @@ class Track(ActionPrimitive):
         yield from follow(robot, way_out)
         yield from move_to_posture(robot, "home", None, around)
         self.found(length_m=round(part.length, 3), part_score_m=round(work.next.score, 4))
-        model.seam_work = work.done()
+        known.seam_work = work.done()
 
     def _planned(self, robot: Robot, placer: Placer, part: ToolPath) -> tuple[TimedTracking, Floats, Floats]:
         """Set-points along the part, and joint angles (m, n) that lead to its start and away from its end."""
@@ -138,10 +140,11 @@ def _lead(part: ToolPath, index: int) -> ToolPath:
 
 def _around(robot: Robot, model: ModelView) -> tuple[Box, ...]:
     """The work piece, posed in the base frame."""
-    if model.work_piece is None:
+    work = model.of(Seam)
+    if work.work_piece is None:
         return ()
     base_T_map = robot.pose.inverse().lift()
-    boxes = (each.box for each in model.work_piece.boxes)
+    boxes = (each.box for each in work.work_piece.boxes)
     return tuple(Box(base_T_map @ box.pose, box.size, box.name) for box in boxes)
 
 

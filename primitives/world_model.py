@@ -3,28 +3,26 @@
 from __future__ import annotations
 
 import typing
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, fields
 from dataclasses import field as dataclass_field
-from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, Protocol
+from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, Protocol, TypeVar, cast
 
 import numpy as np
 from numpy.typing import NDArray
 
 from handcart.backends.plain_values import attributes, set_attributes
+from handcart.backends.robot import Robot
+from handcart.backends.saved_state import NotAState
 from handcart.files.errors import HandcartError
 from handcart.files.suggest import suggest
-from handcart.robotics.geometry.pose2 import Pose2
-from handcart.robotics.manipulation.tool_path import ToolPath
 from handcart.robotics.navigation.grid_map import GridMap
 from handcart.robotics.navigation.speed_limits import SpeedLimits
 
-from .building import Building
-from .field import Field
-from .knowledge import Book, Catalogue, Place
-from .seam_work import SeamWork
-from .target import Laid, Target
-from .work_piece import WorkPiece
+from .knowledge import Place
+from .meant_contact import MeantContact
+from .section import Companion, Section, types_of
+from .sections import name_of, sections
 
 
 class Declares(Protocol):
@@ -47,60 +45,6 @@ class UndeclaredAccess(HandcartError, AttributeError):
     """A primitive reads or writes an entry of the world model that it didn't declare."""
 
 
-class Slot(NamedTuple):
-    """Where a book belongs on its shelf, in the shelf's frame."""
-
-    shelf: str
-    """Name of the place with the shelf."""
-    left: float
-    """y of the left neighbour's side, in [m]."""
-    right: float
-    """y of the right neighbour's side, in [m]; less than `left`."""
-    sigma: float
-    """Of both, in [m]."""
-    after: str
-    """Call number of the left neighbour; empty at the end of the row."""
-    before: str
-    """Call number of the right neighbour."""
-
-
-class Fixed(NamedTuple):
-    """Where the base stands, by a landmark."""
-
-    landmark: str
-    place: str
-    """At which place of the map the base should stand."""
-    pose: Pose2
-    """map_T_base, with the hand where it was then."""
-    sigma: tuple[float, float]
-    """Of its position in [m] and its heading in [rad]."""
-    reach: tuple[float, float]
-    """Where the hand was, in the base frame, in [m]: the base leans after it."""
-    attitude: tuple[float, float, float]
-    """Roll, pitch and yaw by the inertial sensors then, in [rad]."""
-    travel: tuple[float, float]
-    """What the wheels had rolled then, in [m]: once they roll on, this pose is over."""
-    moved: float
-    """Over how long the gyros' rates had been added up then, in [s]: by `Attitude.moved`."""
-    swings: int = 0
-    """Of the loaded arm since then."""
-
-    @property
-    def covariance(self) -> NDArray[np.float64]:
-        """(3, 3) of `pose`, of x, y in [m] and heading in [rad]."""
-        return np.diag([self.sigma[0], self.sigma[0], self.sigma[1]]) ** 2
-
-
-class Placed(NamedTuple):
-    """A block that was put where it goes."""
-
-    number: int
-    pose: Pose2
-    """On the map."""
-    height: float
-    """Of its foot, in [m]."""
-
-
 class Detour(NamedTuple):
     """A route that was planned around what was sensed."""
 
@@ -109,74 +53,74 @@ class Detour(NamedTuple):
     """(n, 2) on the map, in [m]."""
 
 
+S = TypeVar("S", bound=Section)
+
+
 @dataclass
 class WorldModel:
-    """The robot's knowledge. What an element of a repeat learned is forgotten with `clear_element`."""
+    """The robot's knowledge: where it can be and what stands there, and a section for each domain.
 
-    # Told beforehand
+    What an element of a repeat learned is forgotten with `clear_element`.
+    """
+
     map: GridMap
     places: Mapping[str, Place]
-    catalogue: Catalogue
-    # Learned, kept for the run
-    obstacles: NDArray[np.float64]
-    """(n, 2) points that were sensed and are not on the map, in [m]."""
-    # Learned, kept for one element
-    book: Book | None = None
-    """The book that is to be returned."""
-    book_pose: Pose2 | None = None
-    """base_T_book while it stands on the tray: middle of its spine, x along its depth."""
-    slot: Slot | None = None
+    obstacles: NDArray[np.float64] = dataclass_field(default_factory=lambda: np.empty((0, 2)))
+    """(n, 2) points that were sensed and are not on the map, in [m]; kept for the run."""
     detour: Detour | None = None
+    """Kept for one element."""
     speed_limits: SpeedLimits | None = None
-    """How fast the base may drive where; told beforehand."""
-    # For who stacks blocks
-    building: Building | None = None
-    """The building plan; told beforehand."""
-    fixed: Fixed | None = None
-    """Where the base stands by the landmark that was seen last; kept for the run."""
-    placed: tuple[Placed, ...] = ()
-    """The blocks that stand where they go; kept for the run."""
-    # For who tracks a seam
-    seam: ToolPath | None = None
-    """The path of the tool, on the map; told beforehand."""
-    work_piece: WorkPiece | None = None
-    """What the seam is on; told beforehand."""
-    seam_work: SeamWork = dataclass_field(default_factory=SeamWork)
-    """How far it is tracked, and from where; kept for the run."""
-    # For who works outdoors
-    field: Field | None = None
-    """What is known to stand there; told beforehand."""
-    targets: Mapping[str, Target] = dataclass_field(default_factory=dict)
-    """Where sensors go; told beforehand."""
-    laid: tuple[Laid, ...] = ()
-    """Sensors that were let go; kept for the run."""
+    """How fast the base may drive where."""
+    sections: dict[str, Section] = dataclass_field(default_factory=dict)
+    """By the names of their domains; others are empty, and made when they are asked for."""
 
-    ELEMENT: typing.ClassVar = ("book", "book_pose", "slot", "detour")
-    LEARNED: typing.ClassVar = {
+    LEARNED: ClassVar = {
         "places": dict[str, Place],
         "obstacles": NDArray[np.float64],
-        "fixed": Fixed | None,
-        "placed": tuple[Placed, ...],
-        "seam_work": SeamWork,
-        "laid": tuple[Laid, ...],
-        "book": Book | None,
-        "book_pose": Pose2 | None,
-        "slot": Slot | None,
         "detour": Detour | None,
     }
-    """What a checkpoint keeps, with the types."""
+    """What a checkpoint keeps beside the sections' own, with the types."""
+    ENTRIES: ClassVar = ("map", "places", "obstacles", "detour", "speed_limits", "discs")
 
     def __post_init__(self) -> None:
-        self._told = self._state()
+        self._noted = self._now()
+
+    @property
+    def discs(self) -> NDArray[np.float64]:
+        """(n, 3) x, y, radius in [m] of what is known to stand where a base plans without a map."""
+        return np.vstack([np.empty((0, 3)), *(each.discs() for each in self.sections.values())])
+
+    def of(self, kind: type[S]) -> S:
+        """A domain's section."""
+        name = name_of(kind)
+        section = self._section(name, kind)
+        assert isinstance(section, kind)
+        return section
+
+    def _section(self, name: str, kind: type[Section]) -> Section:
+        if name not in self.sections:
+            self.sections[name] = kind()
+            self._noted |= self.sections[name].noted()
+        return self.sections[name]
 
     def clear_element(self) -> None:
         """Forget what belongs to one element of a repeat."""
-        for name in self.ELEMENT:
-            setattr(self, name, None)
+        self.detour = None
+        for section in self.sections.values():
+            section.forget_element()
 
     def view(self, primitive: Declares) -> ModelView:
         """The model as this primitive may use it."""
         return ModelView(self, primitive)
+
+    def companion(self, robot: Robot, place: str) -> Companion | None:
+        """What the arm does while the base drives to a place; None where no domain knows anything."""
+        found = (each.companion(robot, place) for each in self.sections.values())
+        return next((each for each in found if each is not None), None)
+
+    def contacts_on_the_way(self, place: str) -> Sequence[MeantContact]:
+        """What it means to touch."""
+        return [each for section in self.sections.values() for each in section.contacts_on_the_way(place)]
 
     def lookup(self, path: str) -> Any:
         """A value for a late-bound parameter, such as `book.shelf`.
@@ -184,12 +128,33 @@ class WorldModel:
         Raises:
             UnknownFact: it isn't known yet.
         """
-        value: Any = self
-        for name in path.split("."):
+        first, *names = path.split(".")
+        value = getattr(self._owner(first), first, None)
+        for name in names:
             value = getattr(value, name, None)
-            if value is None:
-                raise UnknownFact(f"{path} is not known yet")
+        if value is None:
+            raise UnknownFact(f"{path} is not known yet")
         return value
+
+    def _owner(self, entry: str) -> object:
+        if entry in self.ENTRIES:
+            return self
+        found = ((name, kind) for name, kind in sections().items() if entry in kind.entries())
+        return next((self._section(name, kind) for name, kind in found), None)
+
+    @classmethod
+    def entry_types(cls) -> dict[str, Any]:
+        """The types of all entries, those of the domains' sections too."""
+        found = {name: kind for name, kind in types_of(cls).items() if name in cls.ENTRIES}
+        for section in sections().values():
+            found |= {name: types_of(section)[name] for name in section.entries()}
+        return found
+
+    @classmethod
+    def unknown_at_first(cls) -> set[str]:
+        """Entries that are None until a file or a primitive tells them."""
+        kinds: list[type[WorldModel] | type[Section]] = [cls, *sections().values()]
+        return {each.name for kind in kinds for each in fields(kind) if each.default is None}
 
     @classmethod
     def type_of(cls, path: str) -> Any:
@@ -198,19 +163,21 @@ class WorldModel:
         Raises:
             UnknownFact: there is no such entry; the message lists what there is.
         """
-        kind: Any = cls
+        known = cls.entry_types()
+        kind: Any = None
         for name in path.split("."):
-            known = {key: value for key, value in typing.get_type_hints(kind).items() if key.islower()}
             if name not in known:
                 raise UnknownFact(f"the world model has no {path!r}{suggest(name, known)}")
             kind = known[name]
             options = [each for each in typing.get_args(kind) if each is not type(None)]
             kind = options[0] if type(None) in typing.get_args(kind) else kind
+            known = {key: each for key, each in _hints(kind).items() if key.islower()}
         return kind
 
     def state(self) -> dict[str, Any]:
         """What was learned so far, for a checkpoint, as plain data."""
-        return attributes(self, self.LEARNED)
+        own = {name: attributes(each, each.learned_types()) for name, each in self.sections.items()}
+        return {**attributes(self, self.LEARNED), "sections": own}
 
     def set_state(self, state: object) -> None:
         """Take over what `state` gave.
@@ -218,30 +185,37 @@ class WorldModel:
         Raises:
             NotAState: it is something else.
         """
-        set_attributes(self, self.LEARNED, state)
-        self._told = self._state()
+        if not isinstance(state, dict) or not isinstance(state.get("sections"), dict):
+            raise NotAState("no state of a world model; needed: sections")
+        there = sections()
+        if unknown := state["sections"].keys() - there.keys():
+            names = ", ".join(map(str, sorted(unknown, key=str)))
+            raise NotAState(f"no state of a world model: nothing is known of {names} here")
+        set_attributes(self, self.LEARNED, {key: each for key, each in state.items() if key != "sections"})
+        for name, learned in state["sections"].items():
+            section = self._section(name, there[name])
+            set_attributes(section, section.learned_types(), learned)
+        self._noted = self._now()
 
     def taken_changes(self) -> dict[str, Any]:
         """What was learned or forgotten since the last call, ready for JSON."""
-        now = self._state()
-        changes = {name: value for name, value in now.items() if value != self._told[name]}
-        self._told = now
+        now = self._now()
+        changes = {name: value for name, value in now.items() if value != self._noted.get(name)}
+        self._noted = now
         return changes
 
-    def _state(self) -> dict[str, Any]:
-        return {
+    def _now(self) -> dict[str, Any]:
+        now: dict[str, Any] = {
             "obstacles": len(self.obstacles),
-            "book": self.book.accession if self.book else None,
-            "book_pose": list(self.book_pose) if self.book_pose else None,
-            "slot": list(self.slot) if self.slot else None,
             "detour": self.detour.points.round(4).tolist() if self.detour else None,
-            "fixed": list(self.fixed) if self.fixed else None,
-            "placed": [list(each) for each in self.placed],
-            "seam_tracked": self.seam_work.tracked,
-            "seam_rest": [list(each) for each in self.seam_work.rest],
-            "sensors_laid": len(self.laid),
-            "last_laid": list(self.laid[-1]) if self.laid else None,
         }
+        for section in self.sections.values():
+            now |= section.noted()
+        return now
+
+
+def _hints(kind: Any) -> dict[str, Any]:
+    return types_of(kind) if isinstance(kind, type) else {}
 
 
 class ModelView:
@@ -250,35 +224,37 @@ class ModelView:
     if TYPE_CHECKING:
         map: GridMap
         places: Mapping[str, Place]
-        catalogue: Catalogue
         obstacles: NDArray[np.float64]
-        book: Book | None
-        book_pose: Pose2 | None
-        slot: Slot | None
         detour: Detour | None
         speed_limits: SpeedLimits | None
-        building: Building | None
-        fixed: Fixed | None
-        placed: tuple[Placed, ...]
-        seam: ToolPath | None
-        work_piece: WorkPiece | None
-        seam_work: SeamWork
-        field: Field | None
-        targets: Mapping[str, Target]
-        laid: tuple[Laid, ...]
+        discs: NDArray[np.float64]
 
-    def __init__(self, model: WorldModel, primitive: Declares) -> None:
+    def __init__(self, model: WorldModel, primitive: Declares, part: object = None) -> None:
+        """See a model, or a section of it."""
         object.__setattr__(self, "_model", model)
         object.__setattr__(self, "_primitive", primitive)
+        object.__setattr__(self, "_part", model if part is None else part)
+
+    def of(self, kind: type[S]) -> S:
+        """A domain's section, through the same eyes."""
+        model = self.__dict__["_model"]
+        return cast(S, ModelView(model, self.__dict__["_primitive"], model.of(kind)))
+
+    def companion(self, robot: Robot, place: str) -> Companion | None:
+        """See `WorldModel`."""
+        found: Companion | None = self.__dict__["_model"].companion(robot, place)
+        return found
 
     def __getattr__(self, name: str) -> Any:
-        primitive = self.__dict__["_primitive"]
+        primitive, part = self.__dict__["_primitive"], self.__dict__["_part"]
         if name not in primitive.reads + primitive.writes:
+            if isinstance(part, Section) and name not in part.entries() and not name.startswith("_"):
+                return getattr(part, name)  # how it works something out of what it knows
             raise UndeclaredAccess(f"{primitive.label()} reads {name!r} without declaring it in `reads`")
-        return getattr(self.__dict__["_model"], name)
+        return getattr(part, name)
 
     def __setattr__(self, name: str, value: Any) -> None:
         primitive = self.__dict__["_primitive"]
         if name not in primitive.writes:
             raise UndeclaredAccess(f"{primitive.label()} writes {name!r} without declaring it in `writes`")
-        setattr(self.__dict__["_model"], name, value)
+        setattr(self.__dict__["_part"], name, value)

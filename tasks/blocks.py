@@ -4,12 +4,16 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from .domain import Domain
+from .domain import Domain, Knowledge
 
 _HERE = Path(__file__).parent
 
 DOMAIN = Domain(
     "blocks",
+    knowledge=Knowledge(
+        "handcart.primitives.blocks.blocks:Blocks",
+        {"building": "A building plan: where blocks wait and where they go."},
+    ),
     primitives={
         "FIXATE": "handcart.primitives.fixate:Fixate",
         "PICK_UP_BLOCK": "handcart.primitives.pick_up_block:PickUpBlock",

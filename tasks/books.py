@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from .domain import Domain
+from .domain import Domain, Knowledge
 
 _HERE = Path(__file__).parent
 
 DOMAIN = Domain(
     "books",
+    knowledge=Knowledge("handcart.primitives.books.books:Books", {"catalogue": "The books of a library."}),
     primitives={
         "RECOGNIZE": "handcart.primitives.recognize:Recognize",
         "PICK_UP": "handcart.primitives.pick_up:PickUp",

@@ -8,13 +8,23 @@ from functools import cache
 from importlib import import_module
 from importlib.metadata import entry_points
 from pathlib import Path
-from typing import Any
+from types import MappingProxyType
+from typing import Any, NamedTuple
 
 OWN = ("books", "blocks", "field", "seam", "calibration")
 """Shipped domains, each declared in a module of its name in `handcart.tasks`."""
 
 
-@dataclass(frozen=True)
+class Knowledge(NamedTuple):
+    """What of a domain a robot is told, and learns."""
+
+    section: str
+    """A `handcart.primitives.section:Section`."""
+    files: Mapping[str, str] = MappingProxyType({})
+    """Keys under `knowledge:` of a task file that name its files, each with what the file holds, in words."""
+
+
+@dataclass(frozen=True, eq=False)
 class Domain:
     """All parts of a domain, each by the import path "module:name" of what is imported when it is needed.
 
@@ -24,8 +34,7 @@ class Domain:
     name: str
     primitives: Mapping[str, str] = field(default_factory=dict)
     """By the name that task files use."""
-    knowledge: str | None = None
-    """A `handcart.primitives.section:Section`: what of the domain a robot is told, and learns."""
+    knowledge: Knowledge | None = None
     props: str | None = None
     """A `handcart.backends.scene.props:Props`: what of the domain stands in simulated worlds."""
     survey: str | None = None

@@ -2,9 +2,16 @@
 
 from __future__ import annotations
 
-from .domain import Domain
+from .domain import Domain, Knowledge
 
 DOMAIN = Domain(
     "field",
-    primitives={"DEPLOY": "handcart.primitives.deploy:Deploy"},
+    knowledge=Knowledge(
+        "handcart.primitives.field.field_work:FieldWork",
+        {
+            "field": "A field: how far it reaches, and what is known to stand there.",
+            "targets": "Where sensors go in it: CSV or GeoJSON.",
+        },
+    ),
+    primitives={"DEPLOY": "handcart.primitives.field.deploy:Deploy"},
 )

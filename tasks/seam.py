@@ -4,12 +4,19 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from .domain import Domain
+from .domain import Domain, Knowledge
 
 _HERE = Path(__file__).parent
 
 DOMAIN = Domain(
     "seam",
+    knowledge=Knowledge(
+        "handcart.primitives.seam.seam:Seam",
+        {
+            "seam": "A seam: a CSV file with a pose of the tool a line.",
+            "work_piece": "What the seam is on.",
+        },
+    ),
     primitives={
         "DIVIDE": "handcart.primitives.divide:Divide",
         "TRACK": "handcart.primitives.track:Track",

@@ -9,33 +9,43 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 if TYPE_CHECKING:
+    from handcart.networks.task_knowledge import TaskKnowledge
     from handcart.primitives.action_primitive import ActionPrimitive
 
+DEFAULT = "librarian"
 STATUS = {"Success": 0, "Fail": 3, "GiveUp": 4}
 
 
 def do(
     primitive: Annotated[str, typer.Argument(help="its name, such as MOVE_TO")],
     parameters: Annotated[list[str] | None, typer.Argument(help="KEY=VALUE ...")] = None,
-    robot: Annotated[str, typer.Option(help="a shipped robot, or the path of a robot's file")] = "librarian",
+    knowledge: Annotated[
+        Path | None, typer.Option(help="a task file: its robot, world, map and what else it tells")
+    ] = None,
+    robot: Annotated[str | None, typer.Option(help="a shipped robot, or the path of a robot's file")] = None,
     backend: Annotated[str, typer.Option(help="what stands for the robot")] = "kinematic",
     world: Annotated[Path | None, typer.Option(help="default: the library of return_book")] = None,
     map: Annotated[Path | None, typer.Option(help="a map in ROS format")] = None,
     places: Annotated[Path | None, typer.Option(help="the map's named places")] = None,
-    catalogue: Annotated[Path | None, typer.Option(help="of books")] = None,
-    start: Annotated[str, typer.Option(help="the place at which the world starts the robot")] = "home",
+    start: Annotated[str | None, typer.Option(help="the place at which the world starts the robot")] = None,
     seed: Annotated[int, typer.Option(help="of the simulated errors")] = 0,
 ) -> None:
-    """Run one primitive alone, and tell its outcome."""
+    """Run one primitive alone, and tell its outcome; by itself in the library of return_book."""
+    from dataclasses import replace
+
     from handcart.evaluation.stage import StageFiles, set_stage
     from handcart.networks.robot_claim import claimed
+    from handcart.networks.task_file import load_task
     from handcart.primitives.outcome import Success
 
     made = _made(primitive, parameters or [])
-    given = {"world": world, "map": map, "places": places, "catalogue": catalogue, "start": start}
-    files = StageFiles(**{name: value for name, value in given.items() if value is not None})  # type: ignore[arg-type]
-    with set_stage(files, robot, backend, seed) as stage, claimed(stage.backend):
-        _check_places(made, stage.model.places)
+    task = load_task(knowledge) if knowledge else None
+    own = StageFiles() if task is None else StageFiles.of(task)
+    given = {"world": world, "map": map, "places": places, "start": start}
+    files = replace(own, **{name: value for name, value in given.items() if value is not None})  # type: ignore[arg-type]
+    whose = robot or (DEFAULT if task is None else task.robot)
+    with set_stage(files, whose, backend, seed) as stage, claimed(stage.backend):
+        _check_names(made, stage.knowledge)
         outcome = stage.do(made)
     word = type(outcome).__name__
     print(word if isinstance(outcome, Success) else f"{word}: {outcome.reason}")
@@ -80,11 +90,15 @@ def _as_typed(error: Any) -> list[Any]:
     return [replace(each, file=each.file.removeprefix("--set ")) for each in error.findings]
 
 
-def _check_places(made: ActionPrimitive, places: Any) -> None:
+def _check_names(made: ActionPrimitive, knowledge: TaskKnowledge) -> None:
     from handcart.files.suggest import suggest
-    from handcart.primitives.place_name import Names
+    from handcart.networks.primitive_parameters import named_entry
 
+    known = knowledge.names()
     for key, field in type(made).model_fields.items():
-        name = getattr(made, key)
-        if any(isinstance(mark, Names) for mark in field.metadata) and name not in places:
-            raise typer.BadParameter(f"{key}={name}: unknown place {name!r}{suggest(name, places)}")
+        name, entry = getattr(made, key), named_entry(field)
+        if entry and name is not None and name not in (there := known.get(entry, ())):
+            allowed = (
+                suggest(str(name), [str(each) for each in there]) if there else f"; no {entry} are known"
+            )
+            raise typer.BadParameter(f"{key}={name}: unknown {entry[:-1]} {name!r}{allowed}")

@@ -15,7 +15,7 @@ from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import transform
 
 SEAM = Path(__file__).parents[2] / "tasks" / "track_seam"
-HALL = StageFiles(SEAM / "world.yaml", SEAM / "map.yaml", SEAM / "places.yaml", None)
+HALL = StageFiles(SEAM / "world.yaml", SEAM / "map.yaml", SEAM / "places.yaml", {})
 
 
 @pytest.fixture

@@ -15,12 +15,12 @@ from handcart.backends.scene.world_file import WorldFile
 from handcart.evaluation.contact_survey import ContactSurvey
 from handcart.files.loading import load
 from handcart.primitives.action_primitive import ActionPrimitive
+from handcart.primitives.books.books import Slot
 from handcart.primitives.insert import Insert
 from handcart.primitives.knowledge import Book
 from handcart.primitives.move_to import MoveTo
 from handcart.primitives.pick_up import PickUp
 from handcart.primitives.search import Search
-from handcart.primitives.world_model import Slot
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import transform
 
@@ -58,7 +58,8 @@ class Hands:
     def __init__(self, backend: KinematicBackend) -> None:
         books = [book(103, "512.5 BOR"), book(104, "512.8 POI"), book(117, "512.7 NAG")]
         slot = Slot("shelf_1", 0.07, 0.039, 0.001, "512.5 BOR", "512.8 POI")
-        model: Any = SimpleNamespace(book=books[2], slot=slot, catalogue=SimpleNamespace(books=books))
+        known = SimpleNamespace(book=books[2], slot=slot, catalogue=SimpleNamespace(books=books))
+        model: Any = SimpleNamespace(of=lambda _: known)
         self.backend, self.scene = backend, backend.scene
         self.arm, self.gripper, self.base = backend._arm, backend._gripper, backend._base
         self.survey = ContactSurvey(self.scene, model)

@@ -13,8 +13,8 @@ import pytest
 from handcart.evaluation.effects import EFFECTS, _move_to, _stand
 from handcart.evaluation.ground_truth import Body, GroundTruth, disturbed, moved
 from handcart.evaluation.localisation_survey import LocalisationSurvey
+from handcart.primitives.field.target import Laid
 from handcart.primitives.registry import primitive_names
-from handcart.primitives.target import Laid
 from handcart.robotics.geometry.pose2 import Pose2
 
 CALIBRATIONS = {"CALIBRATE_CAMERA", "CALIBRATE_SUSPENSION"}  # see `calibration_claims`
@@ -78,7 +78,8 @@ def test_arrival_is_held_against_what_is_claimed(kind, shelf, sigma, off, right)
 def laid_at(x: float) -> Any:
     """A model in which one sensor is believed to lie at x."""
     laid = Laid("a", x, 0.0, (1e-4, 0.0, 1e-4), (0.0, 0.0), 1.0)
-    return SimpleNamespace(laid=(laid,), targets={"a": SimpleNamespace(x=0.0, y=0.0)})
+    known = SimpleNamespace(laid=(laid,), targets={"a": SimpleNamespace(x=0.0, y=0.0)})
+    return SimpleNamespace(of=lambda _: known)
 
 
 def lying(x: float, rest: str = "table") -> Any:
@@ -105,13 +106,14 @@ def test_a_base_stands_and_is_turned_as_it_was_found() -> None:
     fixate, scene = EFFECTS["FIXATE"], SimpleNamespace(base=Pose2(1.0, 2.0, 0.5))
 
     def found(x: float, theta: float) -> list[str]:
-        model: Any = SimpleNamespace(fixed=SimpleNamespace(pose=Pose2(x, 2.0, theta)))
+        known = SimpleNamespace(fixed=SimpleNamespace(pose=Pose2(x, 2.0, theta)))
+        model: Any = SimpleNamespace(of=lambda _, known=known: known)
         return fixate(scene, None, model)
 
     assert found(1.005, 0.505) == []
     assert found(1.01, 0.5) == ["the base is 10.0 mm from where it was found (at most 6.0)"]
     assert found(1.0, 0.52) == ["the base is turned 1.15 deg against how it was found (at most 0.3)"]
-    nothing: Any = SimpleNamespace(fixed=None)
+    nothing: Any = SimpleNamespace(of=lambda _: SimpleNamespace(fixed=None))
     assert fixate(scene, None, nothing) == ["it isn't known where the base stands"]
 
 

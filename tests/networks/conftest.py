@@ -22,7 +22,6 @@ from handcart.networks.run_end import RunEnd
 from handcart.networks.task_file import Task, load_task
 from handcart.primitives.action_primitive import ActionPrimitive, Periods
 from handcart.primitives.discrepancy import Discrepancy, NeedsPerson
-from handcart.primitives.knowledge import Catalogue
 from handcart.primitives.world_model import ModelView, WorldModel
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.grid_map import GridMap
@@ -172,8 +171,7 @@ def drain(coordinator: Coordinator, robot: Robot, at: dict[int, Callable[[], Non
 def make_stand() -> Stand:
     Think.script = {}
     empty = np.zeros((2, 2), dtype=np.bool_)
-    catalogue = Catalogue(format="handcart-catalogue/1", books=())
-    model = WorldModel(GridMap(empty, empty, 0.05, 0.0, 0.0), {}, catalogue, np.empty((0, 2)))
+    model = WorldModel(GridMap(empty, empty, 0.05, 0.0, 0.0), {})
     backend = TwoWheels()
     robot = Robot(backend, RobotFile.model_validate(SPEC), Pose2(0.0, 0.0, 0.0))
     return Stand(backend, robot, model, Think.script)

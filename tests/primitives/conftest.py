@@ -17,11 +17,12 @@ from handcart.backends.robot_loading import load_robot
 from handcart.primitives.action_primitive import ActionPrimitive
 from handcart.primitives.arm_motion import held_box, move_to_pose
 from handcart.primitives.attempt import attempt
+from handcart.primitives.books.books import Books, Slot
 from handcart.primitives.discrepancy import Discrepancy
-from handcart.primitives.knowledge import Book, Catalogue, Place, Shelf
+from handcart.primitives.knowledge import Book, Place, Shelf
 from handcart.primitives.outcome import Outcome, Success
 from handcart.primitives.pick_up import PickUp
-from handcart.primitives.world_model import Slot, WorldModel
+from handcart.primitives.world_model import WorldModel
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import inverse, transform
 from handcart.robotics.navigation.grid_map import Box, from_boxes
@@ -114,8 +115,10 @@ class Rig:
     def book_is_recognized(self) -> None:
         """The model knows the book on the tray, and where it stands, without RECOGNIZE's errors."""
         pose = self.scene.base_T_tray_book
-        self.model.book = TRAY_BOOK
-        self.model.book_pose = Pose2(pose[0, 3], pose[1, 3], float(np.arctan2(pose[1, 0], pose[0, 0])))
+        self.model.of(Books).book = TRAY_BOOK
+        self.model.of(Books).book_pose = Pose2(
+            pose[0, 3], pose[1, 3], float(np.arctan2(pose[1, 0], pose[0, 0]))
+        )
 
 
 @pytest.fixture
@@ -133,8 +136,7 @@ def make_rig(tmp_path: Path) -> Callable[..., Rig]:
         spec = load_robot("librarian")
         backend = make_backend("kinematic", spec, world, seed)
         grid = from_boxes(MAPPED + walls, 0.02, (-0.3, -0.3), (8.6, 6.6))
-        catalogue = Catalogue(format="handcart-catalogue/1", books=())
-        model = WorldModel(grid, {"home": HOME, "shelf_1": SHELF}, catalogue, np.empty((0, 2)))
+        model = WorldModel(grid, {"home": HOME, "shelf_1": SHELF})
         start = HOME.pose._replace(y=start_y) if start_y != 1.0 else HOME.pose
         return Rig(Robot(backend, spec, start, grid), model, backend.scene)  # type: ignore[attr-defined]
 
@@ -160,7 +162,7 @@ def at_slot(make_rig: Callable[..., Rig], monkeypatch: pytest.MonkeyPatch) -> Ca
         before = transform((-0.05 - 0.12 - 0.15, GAP_MIDDLE + aside, 0.125))
         rig.drive(move_to_pose(rig.robot, base_T_shelf @ before, held_box(rig.robot, TRAY_BOOK)))
         half = GAP_MM / 2e3
-        rig.model.slot = Slot(
+        rig.model.of(Books).slot = Slot(
             "shelf_1", GAP_MIDDLE + half, GAP_MIDDLE - half, 0.001, "510.7 ABE", "512.8 ABE"
         )
         return rig

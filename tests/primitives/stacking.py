@@ -22,7 +22,7 @@ def at_the_wall(
     building: Path = TASK / "building.yaml",
 ) -> Stage:
     """The robot stands about where it should, five blocks on its own table."""
-    files = StageFiles(world, TASK / "map.yaml", TASK / "places.yaml", None, building, "stacking")
+    files = StageFiles(world, TASK / "map.yaml", TASK / "places.yaml", {"building": building}, "stacking")
     return set_stage(files, robot=robot, seed=seed)
 
 

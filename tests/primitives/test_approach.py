@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from handcart.primitives.approach import Approach
+from handcart.primitives.books.books import Books
 from handcart.primitives.outcome import Fail, Success
 
 
@@ -27,8 +28,8 @@ def middle(rig: Any) -> float:
 
 def off_by(rig: Any, error: float) -> None:
     """Put an error into what is known of the slot, beside that of the robot's pose."""
-    slot = rig.model.slot
-    rig.model.slot = slot._replace(left=slot.left + error, right=slot.right + error)
+    slot = rig.model.of(Books).slot
+    rig.model.of(Books).slot = slot._replace(left=slot.left + error, right=slot.right + error)
 
 
 @pytest.mark.parametrize(("seed", "error"), [(0, 0.003), (1, -0.003), (2, 0.0)])
@@ -65,12 +66,12 @@ def test_a_slot_that_is_not_there_is_a_fail_and_the_arm_back(at_slot: Callable[.
 
 def test_it_needs_a_slot_and_the_book_in_the_hand(at_slot: Callable[..., Any]) -> None:
     rig = at_slot()
-    slot, rig.model.slot = rig.model.slot, None
+    slot, rig.model.of(Books).slot = rig.model.of(Books).slot, None
     outcome = rig.run(Approach(shelf="shelf_1"))
     assert isinstance(outcome, Fail)
     assert outcome.reason == "no slot is known on shelf_1"
-    rig.model.slot = slot
-    rig.model.book = rig.model.book.model_copy(update={"thickness_mm": 40.0})
+    rig.model.of(Books).slot = slot
+    rig.model.of(Books).book = rig.model.of(Books).book.model_copy(update={"thickness_mm": 40.0})
     outcome = rig.run(Approach(shelf="shelf_1"))
     assert isinstance(outcome, Fail)
     assert outcome.reason == "the hand doesn't hold the book"

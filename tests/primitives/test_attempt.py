@@ -13,6 +13,7 @@ from handcart.backends.arm import Arm
 from handcart.backends.base import Base
 from handcart.backends.robot import Robot
 from handcart.primitives.action_primitive import ActionPrimitive, Periods
+from handcart.primitives.books.books import Books
 from handcart.primitives.discrepancy import Discrepancy, NeedsPerson
 from handcart.primitives.outcome import Fail, GiveUp, Success
 from handcart.primitives.snapshot import Seen
@@ -49,7 +50,7 @@ class Wave(ActionPrimitive):
             case "reads":
                 model.places["home"]
             case "writes":
-                model.slot = None
+                model.of(Books).slot = None
 
     def finish(self, robot: Robot, model: ModelView) -> Periods:
         yield

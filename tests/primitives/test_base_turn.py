@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from handcart.primitives.base_turn import BaseTurn, fused
-from handcart.primitives.world_model import Fixed
+from handcart.primitives.blocks.blocks import Fixed
 from handcart.robotics.geometry.pose2 import Pose2
 
 

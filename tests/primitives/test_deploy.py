@@ -12,7 +12,8 @@ import pytest
 
 from handcart.evaluation.stage import Stage
 from handcart.networks.preparing import prepare
-from handcart.primitives.deploy import Deploy, _spread
+from handcart.primitives.field.deploy import Deploy, _spread
+from handcart.primitives.field.field_work import FieldWork
 from handcart.primitives.outcome import Fail, Success
 from handcart.robotics.geometry.pose2 import Pose2
 
@@ -48,7 +49,7 @@ def test_a_sensor_is_laid_where_it_is_believed_to_be(stage: Stage, monkeypatch: 
     assert deploy.hindrance(robot, stage.model) == "the sensor of target 'here' is laid already"
     assert Deploy(target="far").hindrance(robot, stage.model) == ""
     assert "no target 'there'" in Deploy(target="there").hindrance(robot, stage.model)
-    (laid,) = stage.model.laid
+    (laid,) = stage.model.of(FieldWork).laid
     truly = stage.backend.scene.base.inverse().apply(lying(stage).pose[None, :2, 3])[0]  # type: ignore[attr-defined]
     assert lying(stage).rest.value == "table"
     assert truly == pytest.approx(laid.beside, abs=0.03)
@@ -64,11 +65,11 @@ def test_without_ground_below_it_the_sensor_is_not_let_go(
     stage: Stage, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """A pit that is deeper than the arm looks for ground."""
-    monkeypatch.setattr("handcart.primitives.deploy.UNEVEN", -0.06)
+    monkeypatch.setattr("handcart.primitives.field.deploy.UNEVEN", -0.06)
     failed = stage.do(Deploy(target="here"))
     assert isinstance(failed, Fail), failed
     assert failed.reason == "there is no ground below the sensor"
-    assert stage.model.laid == ()
+    assert stage.model.of(FieldWork).laid == ()
 
 
 @pytest.mark.parametrize("away", [(0.6, -0.8), (-0.7, 0.4), (0.0, 1.0)])

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from handcart.evaluation.stage import StageFiles, set_stage
+from handcart.primitives.blocks.blocks import Blocks
 from handcart.primitives.evidence import Evidence
 from handcart.primitives.fixate import Fixate, landmark_of
 from handcart.primitives.fixating import fixate, fixed_by, planned_view, sought
@@ -27,7 +28,7 @@ def moved_base(stage, x, y, turn):
 def test_the_travelling_error_is_measured(seed):
     with at_the_wall(seed=seed) as stage:
         outcome = stage.do(Fixate(landmark="stacking"))
-        fixed, truth = stage.model.fixed, scene_of(stage).base
+        fixed, truth = stage.model.of(Blocks).fixed, scene_of(stage).base
     assert isinstance(outcome, Success)
     # The base also leans: that displaces what is at the table's height by up to a millimetre.
     assert fixed.pose.distance(truth) < 0.0025
@@ -51,7 +52,7 @@ def test_a_base_that_is_turned_once_it_was_found_is_a_fail(turn):
         step = stage.robot.step
 
         def stepping(paused=False):
-            if stage.model.fixed is not None and not found:
+            if stage.model.of(Blocks).fixed is not None and not found:
                 found.append(True)
                 moved_base(stage, 0.0, 0.0, turn)
             step(paused)
@@ -60,7 +61,7 @@ def test_a_base_that_is_turned_once_it_was_found_is_a_fail(turn):
         outcome = stage.do(Fixate(landmark="stacking"))
         assert found
         assert isinstance(outcome, Fail), outcome
-        assert stage.model.fixed is None
+        assert stage.model.of(Blocks).fixed is None
 
 
 @pytest.mark.parametrize(("x", "y"), [(0.11, 0.0), (-0.13, 0.06), (0.02, -0.12), (0.13, 0.09)])
@@ -70,7 +71,7 @@ def test_a_landmark_out_of_view_is_searched_for(x, y):
         outcome = stage.do(Fixate(landmark="stacking"))
         assert isinstance(outcome, Success)
         assert outcome.evidence["frames"] > 5
-        assert stage.model.fixed.pose.distance(scene_of(stage).base) < 0.003
+        assert stage.model.of(Blocks).fixed.pose.distance(scene_of(stage).base) < 0.003
 
 
 def world_without(path: Path, landmark: bool) -> Path:
@@ -114,8 +115,7 @@ def test_of_landmarks_beside_each_other_the_right_one_is_taken(aside):
         TASK / "servo_world.yaml",
         TASK / "map.yaml",
         TASK / "places.yaml",
-        None,
-        TASK / "servo_building.yaml",
+        {"building": TASK / "servo_building.yaml"},
         "stacking",
     )
     with set_stage(files, robot="toyama/h1", seed=1) as stage:
@@ -133,7 +133,9 @@ def looked_at(stage, looks, at=lambda picture: None, name="stacking", aside=0.0)
     hand = planned_view(robot, mark, planned).base_T_hand.copy()
     hand[1, 3] += aside
     view = planned_view(robot, mark, planned, hand)
-    wanted = sought(name, stage.model.building.landmarks, planned, robot.pose, robot.pose_covariance)
+    wanted = sought(
+        name, stage.model.of(Blocks).building.landmarks, planned, robot.pose, robot.pose_covariance
+    )
     looking = fixate(robot, view, wanted, "residual", Evidence(), looks=looks)
     take, taken = robot.picture, []
 

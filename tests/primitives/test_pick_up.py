@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from handcart.primitives.books.books import Books
 from handcart.primitives.outcome import Fail, GiveUp, Success
 from handcart.primitives.pick_up import PickUp
 
@@ -38,7 +39,9 @@ def test_it_takes_the_book_by_the_rear_of_its_covers(with_book: Callable[..., An
 
 def test_a_grip_of_nothing_is_a_fail_while_the_tag_is_where_it_was(with_book: Callable[..., Any]) -> None:
     rig = with_book()
-    rig.model.book_pose = rig.model.book_pose._replace(x=rig.model.book_pose.x - 0.08)
+    rig.model.of(Books).book_pose = rig.model.of(Books).book_pose._replace(
+        x=rig.model.of(Books).book_pose.x - 0.08
+    )
     before = rig.scene.book_pose(117).copy()
     outcome = rig.run(PickUp())
     assert isinstance(outcome, Fail)
@@ -49,7 +52,9 @@ def test_a_grip_of_nothing_is_a_fail_while_the_tag_is_where_it_was(with_book: Ca
 
 def test_a_grip_of_nothing_is_for_a_person_when_the_book_was_moved(with_book: Callable[..., Any]) -> None:
     rig = with_book()
-    rig.model.book_pose = rig.model.book_pose._replace(x=rig.model.book_pose.x - 0.08)
+    rig.model.of(Books).book_pose = rig.model.of(Books).book_pose._replace(
+        x=rig.model.of(Books).book_pose.x - 0.08
+    )
 
     class Knocked(PickUp):
         def restore(self, *args: Any) -> Any:
@@ -110,7 +115,7 @@ def test_taught_it_plays_back_postures_and_trusts_them(with_book: Callable[..., 
 
 def _teach(rig: Any) -> None:
     """Record the postures that a planned grip goes through, as a person would by leading the hand."""
-    arm, pose = rig.robot.arm_model, rig.model.book_pose
+    arm, pose = rig.robot.arm_model, rig.model.of(Books).book_pose
     at, near = [], np.array(rig.robot.spec.posture("carry"))
     for x, z in ((-0.17, 0.74), (-0.12, 0.74), (-0.12, 0.86)):
         hand = pose.lift(z)
@@ -125,7 +130,7 @@ def _teach(rig: Any) -> None:
 def test_another_book_on_the_tray_is_not_taken(with_book: Callable[..., Any]) -> None:
     """Somebody exchanged it: its tag is another one."""
     rig = with_book()
-    rig.model.book = rig.model.book.model_copy(update={"accession": 118})
+    rig.model.of(Books).book = rig.model.of(Books).book.model_copy(update={"accession": 118})
     outcome = rig.run(PickUp())
     assert isinstance(outcome, Fail)
     assert outcome.reason == "the book isn't seen on the tray"

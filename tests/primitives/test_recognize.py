@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from handcart.primitives.books.books import Books
 from handcart.primitives.knowledge import Book, Catalogue
 from handcart.primitives.outcome import Fail, Success
 from handcart.primitives.recognize import Recognize
@@ -30,7 +31,7 @@ NAGEL = Book(
 def with_tray(make_rig: Callable[..., Any]) -> Callable[..., Any]:
     def make(tray: str, seed: int = 0, books: tuple[Book, ...] = (NAGEL,)) -> Any:
         rig = make_rig(tray, seed=seed)
-        rig.model.catalogue = Catalogue(format="handcart-catalogue/1", books=books)
+        rig.model.of(Books).catalogue = Catalogue(format="handcart-catalogue/1", books=books)
         return rig
 
     return make
@@ -41,9 +42,9 @@ def test_it_tells_the_book_and_where_it_stands(with_tray: Callable[..., Any], se
     rig = with_tray(TRAY.format(height, "readable"), seed)
     primitive = Recognize()
     assert isinstance(rig.run(primitive), Success)
-    assert rig.model.book == NAGEL
+    assert rig.model.of(Books).book == NAGEL
     truth = rig.scene.base_T_tray_book[:3, 3]
-    assert math.dist(rig.model.book_pose[:2], truth[:2]) < 0.002
+    assert math.dist(rig.model.of(Books).book_pose[:2], truth[:2]) < 0.002
     assert primitive.facts["call"] == "512.7 NAG"
     assert primitive.evidence.pictures["tray"].shape == (480, 640, 3)
     assert rig.scene.contacts == []
@@ -58,7 +59,7 @@ def test_without_a_tag_it_is_a_fail_and_the_arm_back(with_tray: Callable[..., An
     assert outcome.reason == "no tag can be read on the tray"
     assert not outcome.permanent
     assert np.array_equal(rig.robot.arm.command(), before)
-    assert rig.model.book is None
+    assert rig.model.of(Books).book is None
 
 
 def test_a_book_that_the_library_does_not_own_is_a_fail_for_good(with_tray: Callable[..., Any]) -> None:
@@ -67,18 +68,18 @@ def test_a_book_that_the_library_does_not_own_is_a_fail_for_good(with_tray: Call
     assert isinstance(outcome, Fail)
     assert outcome.reason == "the book with the tag 117 is not in the catalogue"
     assert outcome.permanent
-    assert rig.model.book is None
+    assert rig.model.of(Books).book is None
 
 
 @pytest.mark.parametrize("read_as", ["apriltag_36h11", "6x6_250"])
 def test_tags_of_another_family(with_tray: Callable[..., Any], read_as: str) -> None:
     """A tag is read as what it is, and as nothing else."""
     rig = with_tray(TRAY.format(210, "readable, tags: apriltag_36h11"))
-    rig.model.catalogue = Catalogue(format="handcart-catalogue/1", tags=read_as, books=(NAGEL,))
+    rig.model.of(Books).catalogue = Catalogue(format="handcart-catalogue/1", tags=read_as, books=(NAGEL,))
     outcome = rig.run(Recognize())
     if read_as == "apriltag_36h11":
         assert isinstance(outcome, Success)
-        assert rig.model.book == NAGEL
+        assert rig.model.of(Books).book == NAGEL
     else:
         assert isinstance(outcome, Fail)
         assert "no tag can be read" in outcome.reason
@@ -101,4 +102,4 @@ def test_two_books_on_the_tray_are_told(
     outcome = rig.run(Recognize())
     assert isinstance(outcome, Fail)
     assert outcome.reason == "there are several tags on the tray: 117, 118"
-    assert rig.model.book is None
+    assert rig.model.of(Books).book is None

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from handcart.backends.scene.book import Rest
+from handcart.primitives.books.books import Books
 from handcart.primitives.insert import Insert
 from handcart.primitives.knowledge import Book
 from handcart.primitives.outcome import Fail, GiveUp, Success
@@ -77,7 +78,7 @@ def test_from_opening_on_a_cancel_is_for_a_person_and_the_hand_withdraws(
 
 def test_a_label_that_is_not_read_in_the_slot_is_for_a_person(inserted: Callable[..., Any]) -> None:
     rig = inserted()
-    rig.model.book = rig.model.book.model_copy(update={"call": "533.1 OHM"})
+    rig.model.of(Books).book = rig.model.of(Books).book.model_copy(update={"call": "533.1 OHM"})
     outcome = rig.run(Release(shelf="shelf_1"))
     assert isinstance(outcome, GiveUp)
     assert "what was to be achieved is not seen" in outcome.reason
@@ -85,7 +86,9 @@ def test_a_label_that_is_not_read_in_the_slot_is_for_a_person(inserted: Callable
 
 def test_a_book_between_the_wrong_neighbours_is_for_a_person(inserted: Callable[..., Any]) -> None:
     rig = inserted()
-    rig.model.slot = rig.model.slot._replace(after=rig.model.slot.before, before=rig.model.slot.after)
+    rig.model.of(Books).slot = rig.model.of(Books).slot._replace(
+        after=rig.model.of(Books).slot.before, before=rig.model.of(Books).slot.after
+    )
     assert isinstance(rig.run(Release(shelf="shelf_1")), GiveUp)
 
 
@@ -110,7 +113,7 @@ def test_a_book_that_does_not_go_home_is_for_a_person(
 
 def test_fingers_that_pass_the_book_by_have_not_pushed_it_home(inserted: Callable[..., Any]) -> None:
     rig = inserted()
-    rig.model.slot = None
+    rig.model.of(Books).slot = None
     release = Release(shelf="shelf_1")
     aside = rig.scene.shelves["shelf_1"].pose[:3, 1]
 
@@ -135,7 +138,7 @@ def test_the_label_has_to_be_read_where_the_book_was_let_go(at: float, stands: b
     book = Book(
         accession=1, call="512.7 NAG", title="", shelf="s", thickness_mm=25, height_mm=210, depth_mm=150
     )
-    model: Any = SimpleNamespace(book=book, slot=None)
+    model: Any = SimpleNamespace(of=lambda _: SimpleNamespace(book=book, slot=None))
     release = Release(shelf="shelf_1")
     release._lateral = 0.1
     label = Label("512.7 NAG", parse("512.7 NAG"), 0.9, np.zeros((4, 2)), at, 0.05)

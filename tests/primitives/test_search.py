@@ -8,6 +8,7 @@ from typing import Any, Literal
 import numpy as np
 import pytest
 
+from handcart.primitives.books.books import Books
 from handcart.primitives.knowledge import Book, Catalogue
 from handcart.primitives.outcome import Fail, Success
 from handcart.primitives.search import Search, _end_of_row
@@ -21,8 +22,8 @@ def docked(at_slot: Callable[..., Any]) -> Callable[..., Any]:
 
     def make(seed: int = 0, call: str = "512.7 NAG") -> Any:
         rig = at_slot(seed=seed)
-        rig.model.slot = None
-        rig.model.book = rig.model.book.model_copy(update={"call": call})
+        rig.model.of(Books).slot = None
+        rig.model.of(Books).book = rig.model.of(Books).book.model_copy(update={"call": call})
         specs = [each.book.spec for each in rig.scene.shelf_books("shelf_1")]
         books = [
             Book(
@@ -36,7 +37,9 @@ def docked(at_slot: Callable[..., Any]) -> Callable[..., Any]:
             )
             for spec in specs
         ]
-        rig.model.catalogue = Catalogue(format="handcart-catalogue/1", books=(*books, rig.model.book))
+        rig.model.of(Books).catalogue = Catalogue(
+            format="handcart-catalogue/1", books=(*books, rig.model.of(Books).book)
+        )
         return rig
 
     return make
@@ -58,7 +61,7 @@ def test_it_finds_the_slot_between_the_right_neighbours(
     rig = docked(seed)
     primitive = Search(shelf="shelf_1", reader=reader)
     assert isinstance(rig.run(primitive), Success)
-    slot = rig.model.slot
+    slot = rig.model.of(Books).slot
     assert (slot.shelf, slot.after, slot.before) == ("shelf_1", "510.7 ABE", "512.8 ABE")
     left, right = row(rig)[7][1], row(rig)[8][0]
     assert slot.left - slot.right == pytest.approx(left - right, abs=0.0015)
@@ -75,7 +78,7 @@ def test_at_the_end_of_the_row_it_looks_straight_at_the_book_end(docked: Callabl
     del rig.scene.books[21]
     rig.scene.changes += 1
     assert isinstance(rig.run(Search(shelf="shelf_1")), Success)
-    slot = rig.model.slot
+    slot = rig.model.of(Books).slot
     assert (slot.after, slot.before) == ("512.8 ABE", "")
     assert slot.left - slot.right == pytest.approx(0.031, abs=0.0025)
 
@@ -89,12 +92,12 @@ def test_where_no_slot_is_free_it_is_a_fail_for_good_and_the_arm_back(docked: Ca
     assert outcome.reason == "510.35 ZUS belongs between 510.3 ABE and 510.4 ABE, and there is no free slot"
     assert outcome.permanent
     assert np.array_equal(rig.robot.arm.command(), before)
-    assert rig.model.slot is None
+    assert rig.model.of(Books).slot is None
 
 
 def test_without_a_book_there_is_nothing_to_look_for(docked: Callable[..., Any]) -> None:
     rig = docked()
-    rig.model.book = None
+    rig.model.of(Books).book = None
     outcome = rig.run(Search(shelf="shelf_1"))
     assert isinstance(outcome, Fail)
     assert outcome.reason == "no book has been recognized"

@@ -6,6 +6,7 @@ import pytest
 
 from handcart.primitives.attempt import attempt
 from handcart.primitives.base_turn import turn_by_gyros
+from handcart.primitives.blocks.blocks import Blocks
 from handcart.primitives.discrepancy import Discrepancy
 from handcart.primitives.fixate import Fixate
 from handcart.primitives.outcome import Fail, GiveUp, Success
@@ -18,7 +19,7 @@ from .stacking import at_the_wall, do_with, scene_of, with_block
 
 def error_mm(stage, number):
     """How far a block stands from its goal."""
-    goal = stage.model.building.goals[number - 1].pose
+    goal = stage.model.of(Blocks).building.goals[number - 1].pose
     off = inverse(goal) @ scene_of(stage).blocks[str(number)].pose
     return 1e3 * float((off[0, 3] ** 2 + off[1, 3] ** 2) ** 0.5)
 
@@ -58,7 +59,7 @@ def test_looking_first_a_missing_block_is_a_fail_with_the_arm_back():
 def test_the_gyros_tell_how_far_the_base_turned():
     """What the model says of a swing is wrong by its spread; the gyros feel the turn itself."""
     with with_block(at_the_wall(seed=3)) as stage:
-        before, stood = stage.model.fixed, scene_of(stage).base.theta
+        before, stood = stage.model.of(Blocks).fixed, scene_of(stage).base.theta
         assert isinstance(stage.do(Stack(number=1, onto="goal", method="fix_once")), Success)
         turned = scene_of(stage).base.theta - stood
         felt = turn_by_gyros(stage.robot, before)
@@ -117,9 +118,11 @@ def test_without_inertial_sensors_their_methods_are_refused(method):
 
 def test_no_support_where_one_should_be_is_a_fail_with_the_block_in_hand():
     with with_block(at_the_wall()) as stage:
-        goals = stage.model.building.goals
+        goals = stage.model.of(Blocks).building.goals
         raised = goals[0].model_copy(update={"height_m": 0.44})  # there is no row below
-        stage.model.building = stage.model.building.model_copy(update={"goals": (raised, *goals[1:])})
+        stage.model.of(Blocks).building = stage.model.of(Blocks).building.model_copy(
+            update={"goals": (raised, *goals[1:])}
+        )
         outcome = stage.do(Stack(number=1, onto="goal", method="fix_once"))
         assert isinstance(outcome, Fail)
         assert "doesn't touch down" in outcome.reason
@@ -130,7 +133,7 @@ def test_something_in_the_goals_place_is_a_fail_with_the_block_in_hand():
     with with_block(at_the_wall()) as stage:
         scene = scene_of(stage)
         other = scene.blocks["5"]
-        other.rest, other.pose = type(other.rest).TABLE, stage.model.building.goals[0].pose
+        other.rest, other.pose = type(other.rest).TABLE, stage.model.of(Blocks).building.goals[0].pose
         scene.changes += 1
         outcome = stage.do(Stack(number=1, onto="goal", method="fix_once"))
         assert isinstance(outcome, Fail)
@@ -198,7 +201,7 @@ def test_a_block_that_was_put_back_and_stands_elsewhere_is_for_a_person():
 def test_the_base_is_still_to_turn_when_the_block_is_yet_to_swing():
     """By the suspension's model, the same for each swing that was and that is to come."""
     with with_block(at_the_wall()) as stage:
-        fixed, stack = stage.model.fixed, Stack(number=1, onto="goal", method="model")
+        fixed, stack = stage.model.of(Blocks).fixed, Stack(number=1, onto="goal", method="model")
         swing = stage.robot.spec.suspension.model.yaw_per_swing
         turned = [stack._turned(stage.robot, fixed._replace(swings=3), more) for more in (0, 1, 2)]
         assert turned == pytest.approx([3 * swing, 4 * swing, 5 * swing])

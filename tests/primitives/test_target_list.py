@@ -9,8 +9,8 @@ import os
 import pytest
 
 from handcart.files.errors import FileError
-from handcart.primitives.field import Field, Origin
-from handcart.primitives.target_list import load_targets
+from handcart.primitives.field.field import Field, Origin
+from handcart.primitives.field.target_list import load_targets
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.field_course import zigzag_course
 

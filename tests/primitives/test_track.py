@@ -15,6 +15,7 @@ from handcart.backends.robot_loading import ROBOTS
 from handcart.evaluation.stage import Stage, StageFiles, set_stage
 from handcart.primitives.divide import Divide
 from handcart.primitives.outcome import Fail, Success
+from handcart.primitives.seam.seam import Seam
 from handcart.primitives.seam_file import load_seam
 from handcart.primitives.seam_work import SeamPart, SeamWork
 from handcart.primitives.track import Track
@@ -45,12 +46,10 @@ def make_stage(tmp_path: Path) -> Callable[..., Stage]:
         assert old in robot
         (tmp_path / "robot.yaml").write_text(robot.replace(old, new), encoding="utf-8")
         (tmp_path / "atrv.urdf").write_bytes((ROBOTS / "atrv" / "atrv.urdf").read_bytes())
-        files = StageFiles(
-            tmp_path / "world.yaml", TASK / "map.yaml", tmp_path / "places.yaml", None, None, "here"
-        )
+        files = StageFiles(tmp_path / "world.yaml", TASK / "map.yaml", tmp_path / "places.yaml", {}, "here")
         stage = set_stage(files, robot=str(tmp_path / "robot.yaml"))
-        stage.model.seam = load_seam(TASK / "seam.csv").part(0, LAST)
-        stage.model.seam_work = SeamWork(0, SeamPart("place_1", HERE, 0, LAST, 0.1), (), 1)
+        stage.model.of(Seam).seam = load_seam(TASK / "seam.csv").part(0, LAST)
+        stage.model.of(Seam).seam_work = SeamWork(0, SeamPart("place_1", HERE, 0, LAST, 0.1), (), 1)
         return stage
 
     return made
@@ -61,8 +60,8 @@ def test_a_part_is_tracked_and_counts_as_done(make_stage: Callable[..., Stage]) 
     ended = stage.do(Track())
     assert isinstance(ended, Success), ended
     assert float(str(ended.evidence["off_mm"])) < 1.5
-    assert stage.model.seam_work.tracked == LAST
-    assert stage.model.seam_work.rest == ()
+    assert stage.model.of(Seam).seam_work.tracked == LAST
+    assert stage.model.of(Seam).seam_work.rest == ()
 
 
 @pytest.mark.parametrize("key", [" sigma_mm", "heading_sigma_mrad"])
@@ -122,7 +121,7 @@ def test_a_rest_is_divided_by_the_numbers_of_the_whole_seam(
     make_stage: Callable[..., Stage], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     stage = make_stage()
-    stage.model.seam_work = SeamWork(5, None, (), 2)
+    stage.model.of(Seam).seam_work = SeamWork(5, None, (), 2)
     asked = []
 
     def place(rest: Any, *_: Any) -> Placements:
@@ -132,7 +131,7 @@ def test_a_rest_is_divided_by_the_numbers_of_the_whole_seam(
 
     monkeypatch.setattr("handcart.primitives.divide.placer_of", lambda _: SimpleNamespace(place=place))
     assert isinstance(stage.do(Divide(placements=2)), Success)
-    work = stage.model.seam_work
+    work = stage.model.of(Seam).seam_work
     assert asked == [LAST - 5 + 1]
     assert [(each.place, each.first, each.last) for each in work.rest] == [
         ("place_3", 5, 8),

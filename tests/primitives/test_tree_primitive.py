@@ -17,6 +17,7 @@ from py_trees.decorators import Inverter
 from handcart.backends.base import Base
 from handcart.backends.robot import Robot
 from handcart.primitives.behaviour_primitive import behaviour_primitive
+from handcart.primitives.books.books import Books
 from handcart.primitives.discrepancy import Discrepancy, NeedsPerson
 from handcart.primitives.outcome import Fail, GiveUp, Success
 from handcart.primitives.tree_primitive import GeneratorBehaviour, TreePrimitive, ticked
@@ -165,11 +166,13 @@ class TestForeignBehaviour:
         assert rig.scene.base.theta == pytest.approx(heading, abs=0.02)
 
     def test_what_it_reads_is_declared(self, make_rig: Callable[..., Any]) -> None:
-        Peek = behaviour_primitive("Peek", lambda robot, model: Always(str(model.slot)))
+        Peek = behaviour_primitive("Peek", lambda robot, model: Always(str(model.of(Books).slot)))
         outcome = make_rig().run(Peek())
         assert isinstance(outcome, Fail)
         assert UndeclaredAccess.__name__ in outcome.reason
-        Peek = behaviour_primitive("Peek", lambda robot, model: Always(str(model.slot)), reads=("slot",))
+        Peek = behaviour_primitive(
+            "Peek", lambda robot, model: Always(str(model.of(Books).slot)), reads=("slot",)
+        )
         assert isinstance(make_rig().run(Peek()), Success)
 
     def test_a_counter_from_py_trees_itself(self, make_rig: Callable[..., Any]) -> None:

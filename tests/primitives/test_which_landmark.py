@@ -5,6 +5,7 @@ from __future__ import annotations
 import pytest
 
 from benchmarks.which_landmark import BESIDE, PLANS, trial
+from handcart.primitives.blocks.blocks import Blocks
 from handcart.primitives.fixate import Fixate
 from handcart.primitives.outcome import Success
 from handcart.robotics.geometry.pose2 import Pose2
@@ -20,7 +21,7 @@ def test_a_neighbour_nearer_to_the_middle_of_the_picture_is_not_taken(off):
         scene.move_base(stage.model.places["stacking"].pose.compose(Pose2(*off)))
         outcome = stage.do(Fixate(landmark="stacking"))
         assert isinstance(outcome, Success)
-        assert stage.model.fixed.pose.distance(scene.base) < 0.0025
+        assert stage.model.of(Blocks).fixed.pose.distance(scene.base) < 0.0025
 
 
 def test_a_row_is_looked_at_as_far_as_its_end(tmp_path):

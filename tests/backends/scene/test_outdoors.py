@@ -13,7 +13,7 @@ from handcart.backends.imu import Imu
 from handcart.backends.kinematic.kinematic_backend import KinematicBackend
 from handcart.backends.robot_loading import load_robot
 from handcart.backends.scene.world_file import WorldFile
-from handcart.primitives.scara_arm import scara_of
+from handcart.primitives.field.scara_arm import scara_of
 from handcart.robotics.manipulation.scara import Scara
 
 GROUND = {"format": "handcart-world/1", "start": {"x_m": 0.0, "y_m": 0.0}, "ground": {}}

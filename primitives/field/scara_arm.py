@@ -7,9 +7,8 @@ import math
 import numpy as np
 
 from handcart.backends.robot import Robot
+from handcart.primitives.discrepancy import Discrepancy
 from handcart.robotics.manipulation.scara import Scara
-
-from .discrepancy import Discrepancy
 
 LEVEL = 1e-6
 

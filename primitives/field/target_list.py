@@ -14,11 +14,11 @@ from handcart.files.findings import Findings
 from handcart.files.suggest import listed
 from handcart.files.yaml_document import read_document
 from handcart.files.yaml_node import Node
+from handcart.primitives.knowledge import Place
 from handcart.robotics.geometry.pose2 import Pose2
 
 from .earth_frame import EarthFrame
 from .field import Field
-from .knowledge import Place
 from .target import Target
 
 METRES = ("x_m", "y_m")

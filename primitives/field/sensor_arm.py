@@ -9,18 +9,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from handcart.backends.robot import Robot
+from handcart.primitives.action_primitive import Periods
+from handcart.primitives.arm_motion import collision_model, follow
+from handcart.primitives.discrepancy import Discrepancy, Measured
+from handcart.primitives.grip import close, hand_to_tips, open_to
 from handcart.robotics.manipulation.collision_model import HELD
 from handcart.robotics.manipulation.resolved_rate import RateLimits, ResolvedRate, line_postures, way_to
 from handcart.robotics.manipulation.scara import world_to_base
 
-from .action_primitive import Periods
-from .arm_motion import collision_model, follow
-from .discrepancy import Discrepancy, Measured
 from .field import Field
-from .grip import close, hand_to_tips, open_to
-from .meant_contact import MeantContact, name_of_block
 from .scara_arm import scara_of
-from .world_model import WorldModel
 
 FAST = 0.15  # [m/s] of the slide
 TOUCHES = 5.0  # [N]
@@ -29,13 +27,6 @@ ARRIVED = 3e-4  # [m] of the tip from the end of its line
 LONGEST_LINE = 30.0  # [s]
 
 Vector = NDArray[np.float64]
-
-
-def sensor_contact(model: WorldModel, target: str) -> MeantContact:
-    """Of the hand with the sensor that goes to a target: they are laid as the magazine gives them."""
-    laid = [each.name for each in model.laid]
-    number = laid.index(target) if target in laid else len(laid)
-    return MeantContact("hand", name_of_block(number + 1))
 
 
 class SensorArm:

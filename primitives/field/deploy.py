@@ -15,18 +15,19 @@ from handcart.backends.arm import Arm
 from handcart.backends.gripper import Gripper
 from handcart.backends.imu import Imu
 from handcart.backends.robot import Robot
+from handcart.primitives.action_primitive import ActionPrimitive, Periods
+from handcart.primitives.discrepancy import Discrepancy, Measured
+from handcart.primitives.grip import open_to
+from handcart.primitives.meant_contact import MeantContact
+from handcart.primitives.place_name import TargetName
+from handcart.primitives.snapshot import settle
+from handcart.primitives.world_model import ModelView, WorldModel
 from handcart.robotics.manipulation.scara import base_to_world, world_to_base
 
-from .action_primitive import ActionPrimitive, Periods
-from .discrepancy import Discrepancy, Measured
 from .field import Field
-from .grip import open_to
-from .meant_contact import MeantContact
-from .place_name import TargetName
-from .sensor_arm import TOUCHES, SensorArm, sensor_contact
-from .snapshot import settle
+from .field_work import FieldWork
+from .sensor_arm import TOUCHES, SensorArm
 from .target import Laid, Target
-from .world_model import ModelView, WorldModel
 
 SLOW = 0.03  # [m/s] of the slide
 NEAR = 0.03  # [m] above the ground, from where the sensor is lowered slowly
@@ -71,13 +72,15 @@ class Deploy(ActionPrimitive):
 
     def hindrance(self, robot: Robot, model: ModelView) -> str:
         """No such target, or it is laid already."""
-        if model.field is None or self.target not in model.targets:
+        work = model.of(FieldWork)
+        if work.field is None or self.target not in work.targets:
             return f"there is no target {self.target!r} in the field"
-        if any(laid.name == self.target for laid in model.laid):
+        if any(laid.name == self.target for laid in work.laid):
             return f"the sensor of target {self.target!r} is laid already"
         return ""
 
     def motion(self, robot: Robot, model: ModelView) -> Periods:
+        work = model.of(FieldWork)
         field, target = self._told(model)
         arm = self._arm = SensorArm(robot, field)
         yield from arm.take()
@@ -87,16 +90,18 @@ class Deploy(ActionPrimitive):
         yield from self.intend("the fingers let the sensor go")
         self.point_of_no_return("the sensor is let go")
         robot.note_place()
-        model.laid = (*model.laid, self._laid(robot, arm))
+        work.laid = (*work.laid, self._laid(robot, arm))
         yield from open_to(robot, field.sensor_mm[1] / 1e3 + ROOM)
-        if self.together and len(model.laid) < len(model.targets):
+        if self.together and len(work.laid) < len(work.targets):
             yield from arm.slide(max(0.0, float(robot.arm.command()[2]) - LIFTED))
         else:
             yield from arm.stow()
 
     def meant_contacts(self, model: WorldModel) -> Sequence[MeantContact]:
         """The sensor, and the ground that it is put on."""
-        return sensor_contact(model, self.target), *(MeantContact("held", name) for name in GROUND)
+        return model.of(FieldWork).sensor_contact(self.target), *(
+            MeantContact("held", name) for name in GROUND
+        )
 
     def finish(self, robot: Robot, model: ModelView) -> Periods:
         """Lift the slide and bring the arm back."""
@@ -105,9 +110,10 @@ class Deploy(ActionPrimitive):
             yield from self._arm.stow()
 
     def _told(self, model: ModelView) -> tuple[Field, Target]:
-        if model.field is None or self.target not in model.targets:
+        work = model.of(FieldWork)
+        if work.field is None or self.target not in work.targets:
             raise Discrepancy(f"there is no target {self.target!r} in the field", permanent=True)
-        return model.field, model.targets[self.target]
+        return work.field, work.targets[self.target]
 
     def _be_sure(self, robot: Robot, target: Target) -> Periods:
         """Stand until it is known well enough where the target is."""

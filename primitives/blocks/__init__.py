@@ -1,0 +1,1 @@
+"""Blocks: the building plan, and how they are stacked by landmarks."""

@@ -1,0 +1,1 @@
+"""Books: what is known of them, and how they are returned to their shelves."""

@@ -1,0 +1,58 @@
+"""What is known of books."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, ClassVar, NamedTuple, Self
+
+from handcart.files.loading import load
+from handcart.primitives.knowledge import Book, Catalogue
+from handcart.primitives.section import NamedFiles, Section
+from handcart.robotics.geometry.pose2 import Pose2
+
+NO_BOOKS = Catalogue(format="handcart-catalogue/1", books=())
+
+
+class Slot(NamedTuple):
+    """Where a book belongs on its shelf, in the shelf's frame."""
+
+    shelf: str
+    """Name of the place with the shelf."""
+    left: float
+    """y of the left neighbour's side, in [m]."""
+    right: float
+    """y of the right neighbour's side, in [m]; less than `left`."""
+    sigma: float
+    """Of both, in [m]."""
+    after: str
+    """Call number of the left neighbour; empty at the end of the row."""
+    before: str
+    """Call number of the right neighbour."""
+
+
+@dataclass
+class Books(Section):
+    """Of a robot that returns them to their shelves."""
+
+    LEARNED: ClassVar = ("book", "book_pose", "slot")
+    ELEMENT: ClassVar = LEARNED
+
+    catalogue: Catalogue = NO_BOOKS
+    book: Book | None = None
+    """The one that is to be returned."""
+    book_pose: Pose2 | None = None
+    """base_T_book while it stands on the tray: middle of its spine, x along its depth."""
+    slot: Slot | None = None
+
+    @classmethod
+    def load(cls, files: NamedFiles) -> Self:
+        """See `Section`."""
+        return cls(files.read("catalogue", lambda path: load(path, Catalogue)) or NO_BOOKS)
+
+    def noted(self) -> dict[str, Any]:
+        """See `Section`."""
+        return {
+            "book": self.book.accession if self.book else None,
+            "book_pose": list(self.book_pose) if self.book_pose else None,
+            "slot": list(self.slot) if self.slot else None,
+        }

@@ -1,0 +1,1 @@
+"""A field: its targets, and how sensors are laid there."""

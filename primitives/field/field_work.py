@@ -1,0 +1,104 @@
+"""What is known of work in a field."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from dataclasses import field as dataclass_field
+from pathlib import Path
+from typing import Any, ClassVar, Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from handcart.backends.robot import Robot
+from handcart.backends.robot_file import RobotFile
+from handcart.files.errors import Finding
+from handcart.files.loading import load
+from handcart.primitives.knowledge import Place
+from handcart.primitives.meant_contact import MeantContact, name_of_block
+from handcart.primitives.section import Companion, NamedFiles, Section
+
+from .field import Field
+from .target import Laid, Target
+from .target_list import load_targets, place_of
+
+
+@dataclass
+class FieldWork(Section):
+    """Of a robot that lays sensors."""
+
+    LEARNED: ClassVar = ("laid",)
+
+    field: Field | None = None
+    """What is known to stand there."""
+    targets: Mapping[str, Target] = dataclass_field(default_factory=dict)
+    """Where sensors go."""
+    laid: tuple[Laid, ...] = ()
+    """Sensors that were let go."""
+    listed_in: Path = Path()
+    """The file of the targets."""
+
+    @classmethod
+    def load(cls, files: NamedFiles) -> Self:
+        """See `Section`."""
+        ground = files.read("field", lambda path: load(path, Field))
+        if "targets" in files.paths and "field" not in files.paths:
+            files.wrong("targets", "targets lie in a field; needed: `field`")
+        if ground is None:
+            return cls()
+        targets = files.read("targets", lambda path: load_targets(path, ground, files.start))
+        return cls(ground, targets or {}, listed_in=files.paths.get("targets", Path()))
+
+    def names(self) -> Mapping[str, Collection[object]]:
+        """See `Section`."""
+        return {"targets": list(self.targets)} if self.targets else {}
+
+    def places(self) -> Mapping[str, Place]:
+        """See `Section`: where the base stands for each target."""
+        return {name: place_of(target) for name, target in self.targets.items()}
+
+    def discs(self) -> NDArray[np.float64]:
+        """See `Section`."""
+        return np.empty((0, 3)) if self.field is None else self.field.discs
+
+    def faults(self, robot: RobotFile) -> Iterator[Finding]:
+        """See `Section`: targets that can't be reached, as what stands there is too near to them."""
+        if self.field is None:
+            return
+        room = robot.footprint_radius_m
+        for target in self.targets.values():
+            for x, y, radius in self.field.discs.tolist():
+                near = math.hypot(target.stand.x - x, target.stand.y - y) - radius
+                if near < room or math.hypot(target.x - x, target.y - y) < radius:
+                    wrong = (
+                        f"the target {target.name!r} can't be reached: the rock at ({x:g}, {y:g}) m leaves"
+                    )
+                    left = f"{max(near, 0.0):.2f} m for the base beside it; allowed: {room:g} m at least"
+                    yield Finding(str(self.listed_in), target.line, target.column, f"{wrong} {left}")
+
+    def companion(self, robot: Robot, place: str) -> Companion | None:
+        """See `Section`: the arm takes a sensor, and holds it over the target before the base arrives."""
+        from .on_the_way import SensorOnTheWay
+
+        if self.field is None or place not in self.targets:
+            return None
+        return SensorOnTheWay(robot, self.field, self.targets[place])
+
+    def contacts_on_the_way(self, place: str) -> Sequence[MeantContact]:
+        """See `Section`."""
+        return (self.sensor_contact(place),) if place in self.targets else ()
+
+    def sensor_contact(self, target: str) -> MeantContact:
+        """Of the hand with the sensor that goes to a target: they are laid as the magazine gives them."""
+        laid = [each.name for each in self.laid]
+        number = laid.index(target) if target in laid else len(laid)
+        return MeantContact("hand", name_of_block(number + 1))
+
+    def noted(self) -> dict[str, Any]:
+        """See `Section`."""
+        return {
+            "sensors_laid": len(self.laid),
+            "last_laid": list(self.laid[-1]) if self.laid else None,
+        }

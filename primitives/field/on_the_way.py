@@ -1,0 +1,52 @@
+"""What the arm does while the base drives from one target to the next."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator
+
+import numpy as np
+
+from handcart.backends.robot import Robot
+from handcart.primitives.discrepancy import Discrepancy
+
+from .field import Field
+from .sensor_arm import SensorArm
+from .target import Target
+
+AHEAD = 4.5  # [m] of way before the target, from where the arm reaches out: 9 s at full speed
+LOW = 0.25  # [m] of the sensor's foot above the ground while the base still drives
+
+
+class SensorOnTheWay:
+    """Brings the arm home, takes a sensor, and near its target holds it over where that will be, low.
+
+    All of it stays over the footprint, so nothing is met that the base wouldn't meet.
+    """
+
+    def __init__(self, robot: Robot, field: Field, target: Target) -> None:
+        """Of a robot on its way to a target."""
+        self._robot, self._field, self._target = robot, field, target
+
+    def motion(self, remaining: Callable[[], float]) -> Iterator[None]:
+        """See `Companion`."""
+        arm, target = SensorArm(self._robot, self._field), self._target
+        if not arm.holds:
+            yield from arm.stow()
+            yield from arm.take()
+        while remaining() > AHEAD:
+            yield
+        beside = target.stand.inverse().apply(np.array([[target.x, target.y]])).reshape(2)
+        _check_inside(self._robot, arm, beside)
+        yield from arm.reach(arm.place_beside(beside))
+        yield from arm.slide(max(arm.scara.slide[0], arm.scara.mount[2] - arm.below - LOW))
+
+
+def _check_inside(robot: Robot, arm: SensorArm, beside: np.ndarray) -> None:
+    """Raise `Discrepancy` where arm or sensor would stand out over the footprint at a place (2,) beside."""
+    elbow = math.hypot(*arm.scara.mount[:2]) + arm.scara.upper
+    out = max(elbow, float(np.hypot(*beside)) + arm.wide)
+    if out > robot.spec.footprint_radius_m:
+        raise Discrepancy(
+            f"over its target the sensor stands out {out:.2f} m, beyond the footprint", permanent=True
+        )

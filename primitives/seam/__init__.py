@@ -1,0 +1,1 @@
+"""A seam: how it is divided among places of the base, and tracked."""

@@ -1,0 +1,41 @@
+"""What is known of a seam."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from dataclasses import field as dataclass_field
+from typing import Any, ClassVar, Self
+
+from handcart.files.loading import load
+from handcart.primitives.seam_file import load_seam
+from handcart.primitives.seam_work import SeamWork
+from handcart.primitives.section import NamedFiles, Section
+from handcart.primitives.work_piece import WorkPiece
+from handcart.robotics.manipulation.tool_path import ToolPath
+
+
+@dataclass
+class Seam(Section):
+    """Of a robot that tracks it."""
+
+    LEARNED: ClassVar = ("seam_work",)
+
+    seam: ToolPath | None = None
+    """The path of the tool, on the map."""
+    work_piece: WorkPiece | None = None
+    """What the seam is on."""
+    seam_work: SeamWork = dataclass_field(default_factory=SeamWork)
+    """How far it is tracked, and from where."""
+
+    @classmethod
+    def load(cls, files: NamedFiles) -> Self:
+        """See `Section`."""
+        seam = files.read("seam", load_seam)
+        return cls(seam, files.read("work_piece", lambda path: load(path, WorkPiece)))
+
+    def noted(self) -> dict[str, Any]:
+        """See `Section`."""
+        return {
+            "seam_tracked": self.seam_work.tracked,
+            "seam_rest": [list(each) for each in self.seam_work.rest],
+        }

@@ -1,0 +1,34 @@
+"""The sections that domains declare."""
+
+from __future__ import annotations
+
+from functools import cache
+
+from handcart.tasks.domain import Domain, domains, imported
+
+from .section import Section
+
+
+@cache
+def section_class(domain: Domain) -> type[Section] | None:
+    """The section of a domain, imported; None where it has none."""
+    found: type[Section] | None = imported(domain.knowledge.section) if domain.knowledge else None
+    return found
+
+
+def sections() -> dict[str, type[Section]]:
+    """All sections, by the names of their domains."""
+    found = {each.name: section_class(each) for each in domains()}
+    return {name: kind for name, kind in found.items() if kind is not None}
+
+
+def name_of(kind: type[Section]) -> str:
+    """The domain whose section it is.
+
+    Raises:
+        LookupError: no domain declares it.
+    """
+    for name, each in sections().items():
+        if each is kind:
+            return name
+    raise LookupError(f"no domain declares the section {kind.__name__}")
