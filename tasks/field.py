@@ -13,5 +13,6 @@ DOMAIN = Domain(
             "targets": "Where sensors go in it: CSV or GeoJSON.",
         },
     ),
+    files={"field": "handcart.primitives.field.field:Field"},
     primitives={"DEPLOY": "handcart.primitives.field.deploy:Deploy"},
 )

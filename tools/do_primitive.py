@@ -78,7 +78,11 @@ def _read(name: str, kind: type[ActionPrimitive], parameters: list[str]) -> Acti
 
     content = {}
     for key, value in map(split_setting, parameters):
-        content[key] = setting_value(key, value)
+        field = kind.model_fields.get(key)
+        is_text = field is not None and field.annotation is str and value[:1] not in ("'", '"')
+        content[key] = (
+            Node(value, f"--set {key}={value}", 0, 0, 0, 0) if is_text else setting_value(key, value)
+        )
     command = f"handcart do {name}"
     return load_part(Document(command, b"", Node(content, command, 0, 0, 0, 0)), (), kind)
 

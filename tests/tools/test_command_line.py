@@ -88,6 +88,17 @@ def test_do_runs_one_primitive_and_tells_its_outcome(handcart: Callable[..., Any
     assert said.out.startswith("Fail: the hand doesn't hold the book")
 
 
+def test_do_takes_what_a_task_tells(handcart: Callable[..., Any]) -> None:
+    field = ROOT / "tasks" / "deploy_field"
+    said = handcart("do", "DEPLOY", "target=1", "--knowledge", field / "task.yaml", "--start", "")
+    assert said.out.startswith("Fail: the arm doesn't reach the target from here")
+    said = handcart("do", "DEPLOY", "target=zebra", "--knowledge", field / "task.yaml")
+    assert (said.status, "unknown target 'zebra'" in said.err) == (2, True)
+    said = handcart("do", "DEPLOY", "target=1")
+    assert (said.status, "unknown target '1'; no targets are known" in said.err) == (2, True)
+    assert handcart("check", field / "field.yaml").status == 0
+
+
 def test_the_fixtures_for_users_tests(
     set_stage: Callable[..., Any], do_primitive: Callable[..., Any]
 ) -> None:
