@@ -14,9 +14,9 @@ from handcart.networks.analysis.chance import Chance
 from handcart.networks.analysis.forecast import Forecaster
 from handcart.networks.analysis.policy import TooLarge
 from handcart.networks.analysis.worst_cases import worst_cases
-from handcart.networks.binding import Binding
-from handcart.networks.network import Action, ActionNetwork, Situation
-from handcart.primitives.modify import Modify
+from handcart.networks.graph.binding import Binding
+from handcart.networks.graph.network import Action, ActionNetwork, Situation
+from handcart.primitives.driving.modify import Modify
 
 Row = tuple[str, str, float, int, str | None]
 BOUND = Binding.of(Modify(place="x"))

@@ -16,8 +16,8 @@ from contextlib import suppress
 from pathlib import Path
 
 from handcart.evaluation.fuzzed_messages import fuzzed_messages
-from handcart.networks.asking import ask, goes_on, tell_to_stop
-from handcart.networks.journal_record import read_journal
+from handcart.networks.journal.journal_record import read_journal
+from handcart.networks.operator.asking import ask, goes_on, tell_to_stop
 
 TASK = Path(__file__).resolve().parents[1] / "tasks" / "return_book" / "task.yaml"
 OTHERS = 50

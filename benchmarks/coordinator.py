@@ -24,13 +24,13 @@ from handcart.backends.base import Base, WheelTravel
 from handcart.backends.capability import Capability
 from handcart.backends.robot import Robot
 from handcart.backends.robot_file import RobotFile
-from handcart.networks.binding import Binding
-from handcart.networks.coordinator import Coordinator
-from handcart.networks.journal import Journal
-from handcart.networks.network import Action, ActionNetwork, Situation
-from handcart.networks.planner import Planner
-from handcart.primitives.action_primitive import ActionPrimitive, Periods
-from handcart.primitives.world_model import ModelView, WorldModel
+from handcart.networks.coordination.coordinator import Coordinator
+from handcart.networks.graph.binding import Binding
+from handcart.networks.graph.network import Action, ActionNetwork, Situation
+from handcart.networks.graph.planner import Planner
+from handcart.networks.journal.journal import Journal
+from handcart.primitives.contract.action_primitive import ActionPrimitive, Periods
+from handcart.primitives.knowledge.world_model import ModelView, WorldModel
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.grid_map import GridMap
 

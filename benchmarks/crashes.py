@@ -19,7 +19,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
-from handcart.networks.journal_record import read_journal
+from handcart.networks.journal.journal_record import read_journal
 
 TASK = Path(__file__).resolve().parents[1] / "tasks" / "return_book" / "task.yaml"
 ROOT = TASK.parents[2]

@@ -28,14 +28,14 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from handcart.backends.robot import Robot
-from handcart.networks.coordinator import Coordinator
-from handcart.networks.permits import Permits
-from handcart.networks.preparing import Prepared, prepare
-from handcart.networks.run import step_until_end
-from handcart.networks.telemetry import Telemetry
+from handcart.networks.coordination.coordinator import Coordinator
+from handcart.networks.operator.permits import Permits
+from handcart.networks.runs.run import step_until_end
+from handcart.networks.runs.telemetry import Telemetry
+from handcart.networks.task.preparing import Prepared, prepare
 from handcart.primitives.field.field import Field
 from handcart.primitives.field.field_work import FieldWork
-from handcart.primitives.grip import hand_to_tips
+from handcart.primitives.motions.grip import hand_to_tips
 from handcart.robotics.manipulation.collision_model import HELD, CollisionModel
 from handcart.robotics.navigation.placement_errors import share_radius
 

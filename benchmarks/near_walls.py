@@ -37,11 +37,11 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 from handcart.backends.robot import Robot
 from handcart.backends.robot_loading import ROBOTS, load_robot
 from handcart.evaluation.stage import StageFiles, set_stage
-from handcart.networks.events import Ended, Event
-from handcart.networks.preparing import check, prepare
-from handcart.networks.run import execute
-from handcart.primitives.move_to import MoveTo
-from handcart.primitives.outcome import Success
+from handcart.networks.coordination.events import Ended, Event
+from handcart.networks.runs.run import execute
+from handcart.networks.task.preparing import check, prepare
+from handcart.primitives.contract.outcome import Success
+from handcart.primitives.driving.move_to import MoveTo
 from handcart.robotics.navigation.grid_map import GridMap, from_boxes
 
 TASK = Path(__file__).resolve().parents[1] / "tasks" / "drive_map" / "task.yaml"
@@ -337,7 +337,7 @@ def _try_nearer(room: Room, folder: Path, settings: dict[str, str], told: Told) 
 
 def _home(folder: Path) -> tuple[float, float, float]:
     from handcart.files.loading import load
-    from handcart.primitives.knowledge import Places
+    from handcart.primitives.knowledge.place import Places
 
     home = load(folder / "places.yaml", Places).places["home"]
     return home.x_m, home.y_m, home.heading_deg

@@ -15,8 +15,8 @@ import cv2
 
 from handcart.evaluation.running import run_task
 from handcart.evaluation.stage import StageFiles, set_stage
-from handcart.primitives.fixate import Fixate
-from handcart.primitives.outcome import Success
+from handcart.primitives.blocks.fixate import Fixate
+from handcart.primitives.contract.outcome import Success
 from handcart.robotics.perception.landmark_finder import find_landmarks
 
 TASK = Path(__file__).parent.parent / "tasks" / "stack_blocks"

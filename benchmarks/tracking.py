@@ -22,10 +22,10 @@ from handcart.backends.robot_loading import load_robot
 from handcart.evaluation.judge import Judge
 from handcart.evaluation.moving_tracking import Feedback, MovingTracking
 from handcart.evaluation.placement_plots import draw_tracking_errors
-from handcart.networks.permits import Permits
-from handcart.networks.preparing import prepare
-from handcart.networks.run import execute
-from handcart.primitives.seam_file import load_seam
+from handcart.networks.operator.permits import Permits
+from handcart.networks.runs.run import execute
+from handcart.networks.task.preparing import prepare
+from handcart.primitives.seam.seam_file import load_seam
 
 TASK = Path(__file__).parent.parent / "tasks" / "track_seam"
 MOVING = {

@@ -27,8 +27,8 @@ from ruamel.yaml import YAML
 from handcart.evaluation.ground_truth import scene_of
 from handcart.evaluation.stage import AT_THE_WALL, StageFiles, set_stage
 from handcart.primitives.blocks.blocks import Blocks
-from handcart.primitives.fixate import Fixate
-from handcart.primitives.outcome import Success
+from handcart.primitives.blocks.fixate import Fixate
+from handcart.primitives.contract.outcome import Success
 from handcart.robotics.geometry.pose2 import Pose2
 
 TASK = AT_THE_WALL.world.parent

@@ -10,7 +10,7 @@ from pathlib import Path
 
 from scipy.stats import binomtest
 
-from handcart.networks.past_run import read_run
+from handcart.networks.journal.past_run import read_run
 
 OUTCOMES = ("Success", "Fail", "GiveUp")
 _Key = tuple[str, str, str]

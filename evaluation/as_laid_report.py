@@ -14,11 +14,11 @@ from numpy.typing import NDArray
 
 from handcart.backends.robot import Robot
 from handcart.files.whole_file import write_whole
-from handcart.networks.preparing import Prepared
+from handcart.networks.task.preparing import Prepared
 from handcart.primitives.field.earth_frame import EarthFrame
 from handcart.primitives.field.field_work import FieldWork
 from handcart.primitives.field.target import Laid
-from handcart.primitives.world_model import WorldModel
+from handcart.primitives.knowledge.world_model import WorldModel
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.gps_filter import GpsFilter
 

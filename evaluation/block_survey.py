@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from handcart.backends.scene.suspension import leaning
 from handcart.primitives.blocks.blocks import Blocks, Fixed
-from handcart.primitives.building import Building, Slot
-from handcart.primitives.world_model import WorldModel
+from handcart.primitives.blocks.building import Building, Slot
+from handcart.primitives.knowledge.world_model import WorldModel
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import inverse, transform
 

@@ -11,7 +11,7 @@ from scipy.spatial.transform import Rotation
 from handcart.backends.mounted_camera import stated_camera
 from handcart.backends.robot_file import RobotFile
 from handcart.backends.scene.true_camera import true_camera
-from handcart.primitives.calibrated import Calibrated
+from handcart.primitives.contract.calibrated import Calibrated
 from handcart.robotics.geometry.transform import inverse
 
 from .sensor_sigmas import SIGMAS

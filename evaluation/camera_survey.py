@@ -11,7 +11,7 @@ from handcart.backends.mounted_camera import MountedCamera, known_camera
 from handcart.backends.scene.true_camera import true_camera
 from handcart.backends.sensor_specs import CalibratedCamera, CameraSpec
 from handcart.backends.simulated_errors import Errors
-from handcart.primitives.calibrated import Calibrated
+from handcart.primitives.contract.calibrated import Calibrated
 from handcart.robotics.geometry.transform import apply, difference
 from handcart.robotics.kinematics.arm_model import ArmModel
 

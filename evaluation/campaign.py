@@ -22,8 +22,8 @@ from typing import Any
 import numpy as np
 from scipy.stats import binomtest
 
-from handcart.networks.interrupts import Interrupts
-from handcart.networks.supervision import INTERRUPTED
+from handcart.networks.coordination.interrupts import Interrupts
+from handcart.networks.coordination.supervision import INTERRUPTED
 
 from .library_generator import make_library
 from .running import run_task

@@ -9,9 +9,9 @@ import numpy as np
 
 from handcart.backends.robot import Robot
 from handcart.backends.scene.arm_contact import HELD
-from handcart.primitives.action_primitive import ActionPrimitive
-from handcart.primitives.meant_contact import RobotPart
-from handcart.primitives.world_model import WorldModel
+from handcart.primitives.contract.action_primitive import ActionPrimitive
+from handcart.primitives.contract.meant_contact import RobotPart
+from handcart.primitives.knowledge.world_model import WorldModel
 
 from .robot_links import RobotLinks
 

@@ -9,14 +9,14 @@ from typing import Any
 import numpy as np
 
 from handcart.backends.robot import Robot
-from handcart.primitives.action_primitive import ActionPrimitive
 from handcart.primitives.blocks.blocks import Blocks
+from handcart.primitives.blocks.stack import MOST_OFF
 from handcart.primitives.books.books import Books
+from handcart.primitives.contract.action_primitive import ActionPrimitive
+from handcart.primitives.driving.move_to import ARRIVED, DOCKED
 from handcart.primitives.field.field_work import FieldWork
-from handcart.primitives.move_to import ARRIVED, DOCKED
+from handcart.primitives.knowledge.world_model import WorldModel
 from handcart.primitives.seam.seam import Seam
-from handcart.primitives.stack import MOST_OFF
-from handcart.primitives.world_model import WorldModel
 from handcart.robotics.geometry.transform import inverse
 from handcart.robotics.navigation.pose_regulator import PoseTolerance
 from handcart.robotics.perception.call_number import parse

@@ -10,12 +10,12 @@ from pathlib import Path
 from typing import Any
 
 from handcart.files.errors import HandcartError, InputError
-from handcart.networks.evidence_files import FOLDER
-from handcart.networks.flight_recorder import END, SUFFIX
-from handcart.networks.hindsight import Choice, Option, Way, choice_of
-from handcart.networks.journal_record import JournalError
-from handcart.networks.past_run import PastAction, PastRun
-from handcart.networks.run_folder import JOURNAL
+from handcart.networks.graph.hindsight import Choice, Option, Way, choice_of
+from handcart.networks.journal.evidence_files import FOLDER
+from handcart.networks.journal.journal_record import JournalError
+from handcart.networks.journal.past_run import PastAction, PastRun
+from handcart.networks.runs.flight_recorder import END, SUFFIX
+from handcart.networks.runs.run_folder import JOURNAL
 
 FRAMES = "_frames.log"
 

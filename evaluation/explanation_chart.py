@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from handcart.files.errors import HandcartError
-from handcart.networks.flight_recorder import Readings, load_arrays, load_readings
+from handcart.networks.runs.flight_recorder import Readings, load_arrays, load_readings
 from handcart.robotics.geometry.pose2 import Pose2
 
 from .explanation import Explanation

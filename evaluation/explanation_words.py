@@ -7,9 +7,9 @@ from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from handcart.networks.hindsight import Choice, Option, Way
-from handcart.networks.past_run import PastAction, PastRun
-from handcart.networks.planner import SKIP_WEIGHT
+from handcart.networks.graph.hindsight import Choice, Option, Way
+from handcart.networks.graph.planner import SKIP_WEIGHT
+from handcart.networks.journal.past_run import PastAction, PastRun
 
 from .explanation import Explanation, Residual, relying_on_the_journal
 

@@ -13,7 +13,7 @@ from handcart.backends.gps import Gps
 from handcart.backends.robot import Robot
 from handcart.primitives.field.field_work import FieldWork
 from handcart.primitives.field.target import Laid
-from handcart.primitives.world_model import WorldModel
+from handcart.primitives.knowledge.world_model import WorldModel
 from handcart.robotics.navigation.placement_errors import aligned_spread, nees
 
 from .survey_notes import SurveyNotes

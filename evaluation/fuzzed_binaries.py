@@ -19,7 +19,7 @@ from handcart.backends.map_file import load_map
 from handcart.backends.robot_loading import load_robot
 from handcart.primitives.field.field import Field
 from handcart.primitives.field.target_list import load_targets
-from handcart.primitives.seam_file import COLUMNS, load_seam
+from handcart.primitives.seam.seam_file import COLUMNS, load_seam
 from handcart.robotics.geometry.pose2 import Pose2
 
 from .fuzzed_files import ROBOT, Failure, why_not

@@ -6,13 +6,13 @@ from pathlib import Path
 from typing import Any
 
 from handcart.backends.robot import Robot
-from handcart.networks.events import Ended, Event, Started
-from handcart.networks.preparing import Prepared
-from handcart.networks.run_end import RunEnd
-from handcart.networks.telemetry import Telemetry
+from handcart.networks.coordination.events import Ended, Event, Started
+from handcart.networks.coordination.run_end import RunEnd
+from handcart.networks.runs.telemetry import Telemetry
+from handcart.networks.task.preparing import Prepared
 from handcart.primitives.blocks.blocks import Blocks
+from handcart.primitives.contract.outcome import Fail, Success
 from handcart.primitives.field.field_work import FieldWork
-from handcart.primitives.outcome import Fail, Success
 from handcart.primitives.seam.seam import Seam
 
 from .block_survey import BlockSurvey

@@ -18,7 +18,7 @@ from scipy.spatial.transform import Rotation, Slerp
 
 from handcart.backends.robot_file import RobotFile
 from handcart.backends.scene.arm_error import ArmError
-from handcart.primitives.seam_room import work_of, working_arm
+from handcart.primitives.seam.seam_room import work_of, working_arm
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import inverse
 from handcart.robotics.manipulation.placer import Placer

@@ -11,11 +11,11 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from handcart.networks.evidence_files import FOLDER
-from handcart.networks.flight_recorder import SUFFIX
-from handcart.networks.journal_record import read_journal
-from handcart.networks.telemetry import Track, load_track
-from handcart.primitives.knowledge import Place
+from handcart.networks.journal.evidence_files import FOLDER
+from handcart.networks.journal.journal_record import read_journal
+from handcart.networks.runs.flight_recorder import SUFFIX
+from handcart.networks.runs.telemetry import Track, load_track
+from handcart.primitives.knowledge.place import Place
 from handcart.robotics.navigation.grid_map import GridMap
 from handcart.robotics.navigation.voronoi_graph import voronoi_graph
 

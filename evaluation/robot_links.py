@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from handcart.backends.scene.arm_contact import HELD
-from handcart.primitives.meant_contact import RobotPart
+from handcart.primitives.contract.meant_contact import RobotPart
 from handcart.robotics.kinematics.arm_model import ArmModel
 
 FINGERS = "fingers"  # both together, as one that pushes books

@@ -13,19 +13,19 @@ import orjson
 from handcart.backends.robot import Robot
 from handcart.files.errors import HandcartError
 from handcart.files.printable import printable
-from handcart.networks.events import Event, Observer
-from handcart.networks.interrupts import Interrupts
-from handcart.networks.permits import Permits
-from handcart.networks.preparing import Prepared, beginning_at, prepare
-from handcart.networks.recon import gone_on, reconnoitre, standing_as_left
-from handcart.networks.resuming import NothingToResume as NothingToResume
-from handcart.networks.resuming import Past, read_past, task_of
-from handcart.networks.retracing import NeedsOperator
-from handcart.networks.robot_claim import claimed
-from handcart.networks.run import Onlooker, execute
-from handcart.networks.run_header import boot_id, robot_fingerprint
-from handcart.networks.syncing import sync_for
-from handcart.networks.task_file import load_task
+from handcart.networks.coordination.events import Event, Observer
+from handcart.networks.coordination.interrupts import Interrupts
+from handcart.networks.journal.retracing import NeedsOperator
+from handcart.networks.journal.run_header import boot_id, robot_fingerprint
+from handcart.networks.journal.syncing import sync_for
+from handcart.networks.operator.permits import Permits
+from handcart.networks.runs.recon import gone_on, reconnoitre, standing_as_left
+from handcart.networks.runs.resuming import NothingToResume as NothingToResume
+from handcart.networks.runs.resuming import Past, read_past, task_of
+from handcart.networks.runs.robot_claim import claimed
+from handcart.networks.runs.run import Onlooker, execute
+from handcart.networks.task.preparing import Prepared, beginning_at, prepare
+from handcart.networks.task.task_file import load_task
 from handcart.primitives.field.field_work import FieldWork
 
 from .judge import Judge

@@ -6,13 +6,13 @@ from typing import Any
 
 from handcart.backends.robot_loading import load_robot
 from handcart.files.errors import FileError
-from handcart.networks.preparing import load_model
-from handcart.networks.task_file import Task
-from handcart.primitives.discrepancy import Discrepancy
-from handcart.primitives.divide import Divide
+from handcart.networks.task.preparing import load_model
+from handcart.networks.task.task_file import Task
+from handcart.primitives.contract.discrepancy import Discrepancy
+from handcart.primitives.seam.divide import Divide
 from handcart.primitives.seam.seam import Seam
-from handcart.primitives.seam_file import untrackable
-from handcart.primitives.seam_room import SeamRoom, placer_of
+from handcart.primitives.seam.seam_file import untrackable
+from handcart.primitives.seam.seam_room import SeamRoom, placer_of
 from handcart.robotics.manipulation.untrackable import Untrackable
 
 

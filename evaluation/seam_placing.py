@@ -12,10 +12,10 @@ from numpy.typing import NDArray
 from handcart.backends.robot_file import RobotFile
 from handcart.files.errors import InputError
 from handcart.files.whole_file import write_whole
-from handcart.primitives.discrepancy import Discrepancy
-from handcart.primitives.seam_file import load_seam, untrackable
-from handcart.primitives.seam_room import SeamRoom, placer_of
-from handcart.primitives.work_piece import WorkBox, WorkPiece
+from handcart.primitives.contract.discrepancy import Discrepancy
+from handcart.primitives.seam.seam_file import load_seam, untrackable
+from handcart.primitives.seam.seam_room import SeamRoom, placer_of
+from handcart.primitives.seam.work_piece import WorkBox, WorkPiece
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.manipulation.placement_division import Division
 from handcart.robotics.manipulation.placer import Placements, Placer

@@ -9,12 +9,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from handcart.backends.robot import Robot
-from handcart.primitives.action_primitive import ActionPrimitive
-from handcart.primitives.outcome import Outcome, Success
+from handcart.primitives.contract.action_primitive import ActionPrimitive
+from handcart.primitives.contract.outcome import Outcome, Success
+from handcart.primitives.knowledge.world_model import WorldModel
 from handcart.primitives.seam.seam import Seam
-from handcart.primitives.seam_room import working_arm
-from handcart.primitives.track import MOST_OFF, Track
-from handcart.primitives.world_model import WorldModel
+from handcart.primitives.seam.seam_room import working_arm
+from handcart.primitives.seam.track import MOST_OFF, Track
 from handcart.robotics.manipulation.tool_path import ToolPath
 from handcart.robotics.manipulation.tracking_limits import ArmLoad, LimitUse
 

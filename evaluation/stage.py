@@ -16,15 +16,15 @@ from handcart.files.findings import Findings
 from handcart.files.suggest import suggest
 from handcart.files.yaml_document import Document
 from handcart.files.yaml_node import Node
-from handcart.networks.preparing import nowhere
-from handcart.networks.task_file import Task
-from handcart.networks.task_knowledge import ORIGIN, TaskKnowledge, domain_keys, read_sections
-from handcart.primitives.action_primitive import ActionPrimitive
-from handcart.primitives.attempt import attempt
-from handcart.primitives.knowledge import load_map
-from handcart.primitives.outcome import Outcome
-from handcart.primitives.place_file import load_places
-from handcart.primitives.world_model import WorldModel
+from handcart.networks.task.preparing import nowhere
+from handcart.networks.task.task_file import Task
+from handcart.networks.task.task_knowledge import ORIGIN, TaskKnowledge, domain_keys, read_sections
+from handcart.primitives.contract.action_primitive import ActionPrimitive
+from handcart.primitives.contract.attempt import attempt
+from handcart.primitives.contract.outcome import Outcome
+from handcart.primitives.knowledge.place import load_map
+from handcart.primitives.knowledge.place_file import load_places
+from handcart.primitives.knowledge.world_model import WorldModel
 
 LIBRARY = Path(__file__).parent.parent / "tasks" / "return_book"
 

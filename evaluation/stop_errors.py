@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from handcart.networks.events import Ended
+from handcart.networks.coordination.events import Ended
 from handcart.robotics.geometry.transform import inverse
 
 from .library_room import STAND_OFF

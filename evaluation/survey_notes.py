@@ -10,8 +10,8 @@ from typing import Any
 import orjson
 
 from handcart.files.whole_file import write_whole
-from handcart.networks.journal_record import MAX_JOURNAL
-from handcart.networks.run_folder import read_file
+from handcart.networks.journal.journal_record import MAX_JOURNAL
+from handcart.networks.runs.run_folder import read_file
 
 
 class SurveyNotes:

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from handcart.backends.camera import Camera
 from handcart.backends.robot import Robot
 from handcart.files.errors import InputError
-from handcart.networks.events import Ended, Event, Restoring, Started
+from handcart.networks.coordination.events import Ended, Event, Restoring, Started
 
 FRAMES = 10  # in a second of the robot's time
 HEIGHT, BAR = 480, 32  # of the pictures, of the line of text below them [px]

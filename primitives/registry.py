@@ -6,14 +6,13 @@ from functools import cache
 from importlib.metadata import entry_points
 
 from handcart.files.suggest import suggest
+from handcart.primitives.contract.action_primitive import ActionPrimitive
 from handcart.tasks.domain import domains, imported
 
-from .action_primitive import ActionPrimitive
-
 GENERAL = {
-    "MOVE_TO": "handcart.primitives.move_to:MoveTo",
-    "MODIFY": "handcart.primitives.modify:Modify",
-    "STAND": "handcart.primitives.stand:Stand",
+    "MOVE_TO": "handcart.primitives.driving.move_to:MoveTo",
+    "MODIFY": "handcart.primitives.driving.modify:Modify",
+    "STAND": "handcart.primitives.driving.stand:Stand",
 }
 """Of no domain, by name; domains add theirs, and other packages by an entry point of the group
 `handcart.primitives`."""

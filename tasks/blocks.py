@@ -15,10 +15,10 @@ DOMAIN = Domain(
         {"building": "A building plan: where blocks wait and where they go."},
     ),
     primitives={
-        "FIXATE": "handcart.primitives.fixate:Fixate",
-        "PICK_UP_BLOCK": "handcart.primitives.pick_up_block:PickUpBlock",
-        "STACK": "handcart.primitives.stack:Stack",
+        "FIXATE": "handcart.primitives.blocks.fixate:Fixate",
+        "PICK_UP_BLOCK": "handcart.primitives.blocks.pick_up_block:PickUpBlock",
+        "STACK": "handcart.primitives.blocks.stack:Stack",
     },
-    files={"building": "handcart.primitives.building:Building"},
+    files={"building": "handcart.primitives.blocks.building:Building"},
     rehearsals={_HERE / "stack_blocks" / "unload.yaml": {"blocks": "[1]"}},
 )

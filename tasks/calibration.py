@@ -7,8 +7,8 @@ from .domain import Domain
 DOMAIN = Domain(
     "calibration",
     primitives={
-        "CALIBRATE_SUSPENSION": "handcart.primitives.calibrate_suspension:CalibrateSuspension",
-        "CALIBRATE_CAMERA": "handcart.primitives.calibrate_camera:CalibrateCamera",
+        "CALIBRATE_SUSPENSION": "handcart.primitives.calibration.calibrate_suspension:CalibrateSuspension",
+        "CALIBRATE_CAMERA": "handcart.primitives.calibration.calibrate_camera:CalibrateCamera",
     },
-    files={"calibration": "handcart.networks.calibration:Calibration"},
+    files={"calibration": "handcart.networks.runs.calibration:Calibration"},
 )

@@ -19,7 +19,7 @@ class Knowledge(NamedTuple):
     """What of a domain a robot is told, and learns."""
 
     section: str
-    """A `handcart.primitives.section:Section`."""
+    """A `handcart.primitives.knowledge.section:Section`."""
     files: Mapping[str, str] = MappingProxyType({})
     """Keys under `knowledge:` of a task file that name its files, each with what the file holds, in words."""
 

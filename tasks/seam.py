@@ -18,9 +18,9 @@ DOMAIN = Domain(
         },
     ),
     primitives={
-        "DIVIDE": "handcart.primitives.divide:Divide",
-        "TRACK": "handcart.primitives.track:Track",
+        "DIVIDE": "handcart.primitives.seam.divide:Divide",
+        "TRACK": "handcart.primitives.seam.track:Track",
     },
-    files={"work-piece": "handcart.primitives.work_piece:WorkPiece"},
+    files={"work-piece": "handcart.primitives.seam.work_piece:WorkPiece"},
     rehearsals={_HERE / "track_seam" / "task.yaml": {"places_left": "[3]"}},
 )

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from hypothesis import settings
 
-from handcart.networks.events import Ended, Event
+from handcart.networks.coordination.events import Ended, Event
 
 settings.register_profile("handcart", derandomize=True, deadline=None)
 settings.load_profile("handcart")

@@ -135,7 +135,7 @@ def test_links_lead_somewhere(document: str) -> None:
 
 @pytest.mark.parametrize("document", ["README.md", "docs/tasks.md"])
 def test_tasks_in_documents_are_right(tmp_path: Path, document: str) -> None:
-    from handcart.networks.run import prepare
+    from handcart.networks.runs.run import prepare
 
     text = (ROOT / document).read_text(encoding="utf-8")
     blocks = [each for each in re.findall(r"```yaml\n(.*?)```", text, re.S) if "handcart-task/" in each]

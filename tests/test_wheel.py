@@ -24,7 +24,7 @@ def test_rooms_of_its_own():
 
 
 def test_our_fixture(do_primitive):
-    from handcart.primitives.stand import Stand
+    from handcart.primitives.driving.stand import Stand
 
     assert type(do_primitive(Stand(seconds=1.0))).__name__ == "Success"
 """

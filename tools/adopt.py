@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 if TYPE_CHECKING:
-    from handcart.networks.calibration import Calibration
+    from handcart.networks.runs.calibration import Calibration
 
 
 def adopt(
@@ -57,8 +57,8 @@ def adopt(
 def _calibration(run: Path) -> Calibration:
     from handcart.files.errors import InputError
     from handcart.files.loading import load
-    from handcart.networks.calibration import NAME, Calibration, calibration_path
-    from handcart.networks.run_folder import check_folder
+    from handcart.networks.runs.calibration import NAME, Calibration, calibration_path
+    from handcart.networks.runs.run_folder import check_folder
 
     if run.is_dir():
         check_folder(run)

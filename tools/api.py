@@ -16,8 +16,8 @@ from handcart.files.errors import FileError, Finding, InputError
 if TYPE_CHECKING:
     from handcart.evaluation.campaign import Report as CampaignReport
     from handcart.evaluation.conformance.report import Report as ConformanceReport
-    from handcart.networks.past_run import PastAction
-    from handcart.networks.task_file import Task
+    from handcart.networks.journal.past_run import PastAction
+    from handcart.networks.task.task_file import Task
 
 Settings = Mapping[str, Any]
 """Values of a task's parameters, by name: text as after `--set NAME=`, or numbers, lists and so on."""
@@ -61,7 +61,7 @@ class Result:
     @cached_property
     def actions(self) -> tuple[PastAction, ...]:
         """What was started, in order, each with its outcome; read from the journal."""
-        from handcart.networks.past_run import read_run
+        from handcart.networks.journal.past_run import read_run
 
         return read_run(self.folder).actions
 
@@ -125,7 +125,7 @@ def run(
         HandcartError: it can't be run for another reason, in words.
     """
     from handcart.evaluation.running import run_task
-    from handcart.networks.permits import Permits
+    from handcart.networks.operator.permits import Permits
 
     chosen = _words(set, robot)
     summary, status = run_task(
@@ -168,7 +168,7 @@ def load_task(file: Path | str, *, set: Settings | None = None) -> Task:
     Raises:
         FileError: with all that is wrong with it.
     """
-    from handcart.networks import task_file
+    from handcart.networks.task import task_file
 
     return task_file.load_task(Path(file), _words(set, None))
 

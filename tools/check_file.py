@@ -136,7 +136,7 @@ def file_facts(file: Path, settings: dict[str, str], asked: Asked = Asked()) -> 
     from handcart.files.loading import load
     from handcart.files.suggest import suggest
     from handcart.files.yaml_document import read_document
-    from handcart.primitives.ros_goals import is_goals
+    from handcart.primitives.knowledge.ros_goals import is_goals
 
     from .file_kinds import is_urdf, kinds, model_of
 
@@ -189,7 +189,7 @@ def _map_facts(file: Path) -> dict[str, Any]:
 
 
 def _goals_facts(file: Path) -> dict[str, Any]:
-    from handcart.primitives.place_file import load_places
+    from handcart.primitives.knowledge.place_file import load_places
 
     return {"format": "goals for nav2", "places": list(load_places(file).value.places)}
 
@@ -197,7 +197,7 @@ def _goals_facts(file: Path) -> dict[str, Any]:
 def _task_facts(file: Path, settings: dict[str, str], quick: bool) -> dict[str, Any]:
     from handcart.backends.robot_loading import load_robot
     from handcart.evaluation.robot_report.posture_findings import posture_findings
-    from handcart.networks.preparing import check as check_task
+    from handcart.networks.task.preparing import check as check_task
 
     from .check_task import task_facts
     from .share_shown import share_shown

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from handcart.networks.analysis.figures import Figures, Influence
     from handcart.networks.analysis.forecast import Forecast
-    from handcart.networks.task_file import Task
+    from handcart.networks.task.task_file import Task
 
 Watch = Callable[[float], None]
 """Hears now and then how much is done, 0 to 1."""

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 if TYPE_CHECKING:
-    from handcart.primitives.action_primitive import ActionPrimitive
+    from handcart.primitives.contract.action_primitive import ActionPrimitive
 
 
 def describe(name: Annotated[str, typer.Argument(help="a primitive, such as MOVE_TO, or a backend")]) -> None:

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 if TYPE_CHECKING:
-    from handcart.networks.task_knowledge import TaskKnowledge
-    from handcart.primitives.action_primitive import ActionPrimitive
+    from handcart.networks.task.task_knowledge import TaskKnowledge
+    from handcart.primitives.contract.action_primitive import ActionPrimitive
 
 DEFAULT = "librarian"
 STATUS = {"Success": 0, "Fail": 3, "GiveUp": 4}
@@ -34,9 +34,9 @@ def do(
     from dataclasses import replace
 
     from handcart.evaluation.stage import StageFiles, set_stage
-    from handcart.networks.robot_claim import claimed
-    from handcart.networks.task_file import load_task
-    from handcart.primitives.outcome import Success
+    from handcart.networks.runs.robot_claim import claimed
+    from handcart.networks.task.task_file import load_task
+    from handcart.primitives.contract.outcome import Success
 
     made = _made(primitive, parameters or [])
     task = load_task(knowledge) if knowledge else None
@@ -96,7 +96,7 @@ def _as_typed(error: Any) -> list[Any]:
 
 def _check_names(made: ActionPrimitive, knowledge: TaskKnowledge) -> None:
     from handcart.files.suggest import suggest
-    from handcart.networks.primitive_parameters import named_entry
+    from handcart.networks.task.primitive_parameters import named_entry
 
     known = knowledge.names()
     for key, field in type(made).model_fields.items():

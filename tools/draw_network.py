@@ -14,8 +14,8 @@ def draw(
 ) -> None:
     """Draw a task's action network: as SVG, Mermaid or dot, by the file's ending."""
     from handcart.files.suggest import suggest
-    from handcart.networks.drawing import FORMATS
-    from handcart.networks.task_file import load_task
+    from handcart.networks.drawing.drawing import FORMATS
+    from handcart.networks.task.task_file import load_task
 
     from .writing import write_text
 

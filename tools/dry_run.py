@@ -24,8 +24,8 @@ def dry_run(
     from handcart.evaluation.robot_report.posture_findings import posture_findings
     from handcart.files.errors import FileError
     from handcart.files.settings import split_setting
-    from handcart.networks.preparing import check
-    from handcart.networks.script import follow, load_script
+    from handcart.networks.coordination.script import follow, load_script
+    from handcart.networks.task.preparing import check
 
     outcomes = None if script is None else load_script(script)
     chosen = dict(split_setting(each) for each in settings)

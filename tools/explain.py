@@ -42,7 +42,7 @@ def explain(
     from handcart.evaluation.explanation_chart import UnreadableEvidence
     from handcart.evaluation.explanation_words import in_words
     from handcart.files.printable import printable
-    from handcart.networks.past_run import read_run
+    from handcart.networks.journal.past_run import read_run
 
     past = read_run(run)
     if past.torn_at is not None:

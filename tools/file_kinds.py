@@ -10,11 +10,11 @@ from handcart.tasks.domain import domains, imported
 MOST = 20  # files beside a URDF that are looked at
 
 _GENERAL = {
-    "task": "handcart.networks.task_model:TaskFile",
+    "task": "handcart.networks.task.task_model:TaskFile",
     "robot": "handcart.backends.robot_file:RobotFile",
     "world": "handcart.backends.scene.world_file:WorldFile",
     "table": "handcart.networks.analysis.action_table:ActionTable",
-    "places": "handcart.primitives.knowledge:Places",
+    "places": "handcart.primitives.knowledge.place:Places",
 }
 
 

@@ -25,7 +25,7 @@ def go_on(run: Run, as_json: Json = False) -> None:
 
 def stop(run: Run, as_json: Json = False) -> None:
     """Stop the robot where it is; it holds, and the run ends. Waits until it is over."""
-    from handcart.networks.asking import tell_to_stop
+    from handcart.networks.operator.asking import tell_to_stop
 
     tell_to_stop(run)
     _wait_for_end(run)
@@ -55,7 +55,7 @@ def status(run: Run, as_json: Json = False) -> None:
 def _say(word: str, run: Path, as_json: bool, action: int | None = None) -> None:
     import orjson
 
-    from handcart.networks.asking import ask
+    from handcart.networks.operator.asking import ask
 
     told = ask(run, {"do": word} if action is None else {"do": word, "action": action})
     if as_json:
@@ -72,7 +72,7 @@ def _say(word: str, run: Path, as_json: bool, action: int | None = None) -> None
 def _wait_for_end(run: Path) -> None:
     import time
 
-    from handcart.networks.asking import goes_on
+    from handcart.networks.operator.asking import goes_on
 
     end = time.monotonic() + SOON
     while goes_on(run):
@@ -85,7 +85,7 @@ def _wait_for_end(run: Path) -> None:
 def _tell_end(run: Path, as_json: bool) -> None:
     import orjson
 
-    from handcart.networks.journal_record import read_journal
+    from handcart.networks.journal.journal_record import read_journal
 
     last = read_journal(run / "journal.jsonl").records[-1]
     told = {key: last.get(key) for key in ("outcome", "situation", "reason")} | {"sim_time_s": last["t"]}

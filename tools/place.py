@@ -29,7 +29,7 @@ def place(
     from handcart.evaluation.seam_placing import NoToolArm, place_seam, write_task
     from handcart.files.errors import FileError
     from handcart.files.loading import load
-    from handcart.primitives.work_piece import WorkPiece
+    from handcart.primitives.seam.work_piece import WorkPiece
 
     from .writing import NotWritable, check_folder
 

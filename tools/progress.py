@@ -14,11 +14,11 @@ from rich.markup import escape
 from handcart.backends.robot import Robot
 from handcart.backends.stopping import stopping_distance
 from handcart.files.printable import printable
-from handcart.networks.events import Ended, Event, LeftOut, Planned, Restoring, RunEnded, Started
-from handcart.networks.network import Action
-from handcart.networks.planner import NoWay
-from handcart.networks.preparing import Prepared
-from handcart.primitives.outcome import Fail, GiveUp, Success
+from handcart.networks.coordination.events import Ended, Event, LeftOut, Planned, Restoring, RunEnded, Started
+from handcart.networks.graph.network import Action
+from handcart.networks.graph.planner import NoWay
+from handcart.networks.task.preparing import Prepared
+from handcart.primitives.contract.outcome import Fail, GiveUp, Success
 
 COLOURS = {"Success": "green", "Fail": "yellow", "GiveUp": "red"}
 

@@ -10,8 +10,8 @@ import pytest
 if TYPE_CHECKING:
     from handcart.evaluation.conformance.report import Report
     from handcart.evaluation.stage import Stage, StageFiles
-    from handcart.primitives.action_primitive import ActionPrimitive
-    from handcart.primitives.outcome import Outcome
+    from handcart.primitives.contract.action_primitive import ActionPrimitive
+    from handcart.primitives.contract.outcome import Outcome
 
 
 @pytest.fixture

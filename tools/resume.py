@@ -32,8 +32,8 @@ def resume(
 
     from handcart.evaluation.running import resume_task
     from handcart.files.printable import printable
-    from handcart.networks.interrupts import Interrupts
-    from handcart.networks.permits import Permits
+    from handcart.networks.coordination.interrupts import Interrupts
+    from handcart.networks.operator.permits import Permits
 
     from .progress import Progress
 
@@ -60,7 +60,7 @@ def ack(
     Then the run may go on, and the robot into another one.
     """
     from handcart.files.printable import printable
-    from handcart.networks.acknowledging import acknowledge
+    from handcart.networks.operator.acknowledging import acknowledge
 
     reason = acknowledge(run, record)
     print(printable(f"acknowledged: {reason}; handcart resume {run} goes on with it"))

@@ -60,8 +60,8 @@ def run(
 
     from handcart.evaluation.running import run_task
     from handcart.files.settings import split_setting
-    from handcart.networks.interrupts import Interrupts
-    from handcart.networks.permits import Permits
+    from handcart.networks.coordination.interrupts import Interrupts
+    from handcart.networks.operator.permits import Permits
 
     from .progress import Progress
     from .writing import check_folder

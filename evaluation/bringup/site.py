@@ -18,7 +18,7 @@ from handcart.backends.can.simulated.bench import Bench
 from handcart.backends.can_spec import CanSpec
 from handcart.backends.registry import bench_class
 from handcart.backends.robot_file import RobotFile
-from handcart.networks.robot_claim import claimed
+from handcart.networks.runs.robot_claim import claimed
 
 from .operator import Operator
 

@@ -15,12 +15,12 @@ from handcart.backends.range_sensor import RangeSensor
 from handcart.evaluation.running import run_task
 from handcart.evaluation.stage import LIBRARY, Stage
 from handcart.files.whole_file import write_whole
-from handcart.networks.calibration import NAME, Calibration, rounded
-from handcart.networks.planner import NoWay, Planner
-from handcart.networks.preparing import prepare
-from handcart.networks.robot_claim import claimed
-from handcart.primitives.calibrated import Calibrated
-from handcart.primitives.outcome import Success
+from handcart.networks.graph.planner import NoWay, Planner
+from handcart.networks.runs.calibration import NAME, Calibration, rounded
+from handcart.networks.runs.robot_claim import claimed
+from handcart.networks.task.preparing import prepare
+from handcart.primitives.contract.calibrated import Calibrated
+from handcart.primitives.contract.outcome import Success
 
 from .jog import HAND_SPEED
 from .rung import Facts, Rung, RungFailed

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from functools import partial
 
 from handcart.evaluation.ground_truth import ground_truth
-from handcart.primitives.action_primitive import ActionPrimitive
+from handcart.primitives.contract.action_primitive import ActionPrimitive
 
 from . import primitive_liars, snapshot_checks
 from .all_checks import CHECKS

@@ -9,13 +9,13 @@ import numpy as np
 
 from handcart.backends.base import Base
 from handcart.backends.robot import Robot
-from handcart.primitives.action_primitive import Periods
-from handcart.primitives.grip import open_to
-from handcart.primitives.pick_up import PickUp
-from handcart.primitives.retrace import reach_pose, retrace
-from handcart.primitives.snapshot import Snapshot
-from handcart.primitives.trace import Trace
-from handcart.primitives.world_model import ModelView
+from handcart.primitives.books.pick_up import PickUp
+from handcart.primitives.contract.action_primitive import Periods
+from handcart.primitives.knowledge.world_model import ModelView
+from handcart.primitives.motions.grip import open_to
+from handcart.primitives.restoring.retrace import reach_pose, retrace
+from handcart.primitives.restoring.snapshot import Snapshot
+from handcart.primitives.restoring.trace import Trace
 
 from .parts import parts_of
 from .reach import Reach

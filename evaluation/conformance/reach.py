@@ -12,9 +12,9 @@ from pydantic import PrivateAttr
 from handcart.backends.base import Base
 from handcart.backends.robot import Robot
 from handcart.evaluation.ground_truth import GroundTruth
-from handcart.primitives.action_primitive import ActionPrimitive, Periods
-from handcart.primitives.discrepancy import Discrepancy
-from handcart.primitives.world_model import ModelView
+from handcart.primitives.contract.action_primitive import ActionPrimitive, Periods
+from handcart.primitives.contract.discrepancy import Discrepancy
+from handcart.primitives.knowledge.world_model import ModelView
 
 from .parts import parts_of
 

@@ -8,12 +8,12 @@ from pathlib import Path
 
 from handcart.backends.robot import Robot
 from handcart.backends.robot_loading import load_robot
-from handcart.networks.network import Action
-from handcart.networks.planner import NoWay, Planner
-from handcart.networks.preparing import make_robot, prepare
-from handcart.networks.task_file import Task, load_task
-from handcart.primitives.action_primitive import ActionPrimitive
-from handcart.primitives.outcome import Success
+from handcart.networks.graph.network import Action
+from handcart.networks.graph.planner import NoWay, Planner
+from handcart.networks.task.preparing import make_robot, prepare
+from handcart.networks.task.task_file import Task, load_task
+from handcart.primitives.contract.action_primitive import ActionPrimitive
+from handcart.primitives.contract.outcome import Success
 
 from .bench import Bench, liar_around
 from .faulty_backend import FaultyBackend

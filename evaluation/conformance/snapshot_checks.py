@@ -9,8 +9,8 @@ import numpy as np
 
 from handcart.evaluation.ground_truth import ground_truth, not_restored
 from handcart.evaluation.stage import Stage
-from handcart.primitives.outcome import Fail
-from handcart.primitives.snapshot import Snapshot, limits, residuals, take_snapshot
+from handcart.primitives.contract.outcome import Fail
+from handcart.primitives.restoring.snapshot import Snapshot, limits, residuals, take_snapshot
 
 from .bench import Bench
 from .check import Check, Finding

@@ -10,11 +10,11 @@ from handcart.backends.robot_file import RobotFile
 from handcart.evaluation.contact_survey import ContactSurvey
 from handcart.evaluation.effects import false_effect
 from handcart.evaluation.ground_truth import GroundTruth, ground_truth, not_restored, scene_of
-from handcart.primitives.action_primitive import ActionPrimitive
-from handcart.primitives.attempt import LONGEST_RESTORE, attempt
-from handcart.primitives.discrepancy import Discrepancy
-from handcart.primitives.outcome import Fail, GiveUp, Outcome, Success
-from handcart.primitives.world_model import WorldModel
+from handcart.primitives.contract.action_primitive import ActionPrimitive
+from handcart.primitives.contract.attempt import LONGEST_RESTORE, attempt
+from handcart.primitives.contract.discrepancy import Discrepancy
+from handcart.primitives.contract.outcome import Fail, GiveUp, Outcome, Success
+from handcart.primitives.knowledge.world_model import WorldModel
 
 from .fault import HARMLESS, Fault, FaultKind
 from .faulty_backend import FaultyBackend

@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from handcart.networks.run_folder import JOURNAL
+from handcart.networks.runs.run_folder import JOURNAL
 
 from .forging import ODD, change_somewhere, forge_state, reseal
 from .originals import Original

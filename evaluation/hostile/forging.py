@@ -11,8 +11,8 @@ import numpy as np
 import orjson
 
 from handcart.backends.saved_state import digest, pack, unpack
-from handcart.networks.journal_record import FIRST, read_journal, seal
-from handcart.networks.run_folder import JOURNAL
+from handcart.networks.journal.journal_record import FIRST, read_journal, seal
+from handcart.networks.runs.run_folder import JOURNAL
 
 ODD: tuple[Any, ...] = (
     *(None, True, False, 0, -1, 1, 7, 2**31, 2**63 - 1, -(2**63), 0.0, -0.5, 1e300, -1e300, 3.25),

@@ -13,10 +13,10 @@ import orjson
 
 from handcart.backends.saved_state import digest, pack
 from handcart.evaluation.running import prepare_again, put_back, run_task
-from handcart.networks.events import Ended, Event
-from handcart.networks.journal import Journal
-from handcart.networks.preparing import Prepared
-from handcart.networks.run_folder import JOURNAL, read_run_journal
+from handcart.networks.coordination.events import Ended, Event
+from handcart.networks.journal.journal import Journal
+from handcart.networks.runs.run_folder import JOURNAL, read_run_journal
+from handcart.networks.task.preparing import Prepared
 
 LEFT, OVER, GAVE_UP = "left", "over", "gave up"
 

@@ -21,13 +21,13 @@ from handcart.evaluation.explanation_words import in_words
 from handcart.evaluation.running import prepare_again, put_back, resume_task
 from handcart.files.errors import HandcartError
 from handcart.files.loading import load
-from handcart.networks.acknowledging import acknowledge
-from handcart.networks.calibration import NAME, Calibration
-from handcart.networks.control import ask
-from handcart.networks.past_run import read_run
-from handcart.networks.preparing import Prepared
-from handcart.networks.resuming import task_of
-from handcart.networks.run_folder import check_folder
+from handcart.networks.journal.past_run import read_run
+from handcart.networks.operator.acknowledging import acknowledge
+from handcart.networks.operator.control import ask
+from handcart.networks.runs.calibration import NAME, Calibration
+from handcart.networks.runs.resuming import task_of
+from handcart.networks.runs.run_folder import check_folder
+from handcart.networks.task.preparing import Prepared
 
 from .attacks import ACCIDENTS, HARM, Attack, Scene, nothing
 from .originals import LEFT, Original, Quiet, key_of, state_of

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import networkx as nx
 
-from handcart.networks.network import ActionNetwork
+from handcart.networks.graph.network import ActionNetwork
 
 
 def ways_of(network: ActionNetwork) -> nx.DiGraph[str]:

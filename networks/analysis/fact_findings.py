@@ -8,7 +8,7 @@ from handcart.backends.arm import Arm
 from handcart.backends.base import Base
 from handcart.backends.gripper import Gripper
 from handcart.files.errors import Finding
-from handcart.networks.task_file import Task
+from handcart.networks.task.task_file import Task
 
 _MOVED_BY = {"base": (Base,), "hand": (Arm, Gripper)}
 """Facts that only some capabilities can change, by the names that tasks use for them."""

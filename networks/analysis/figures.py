@@ -6,8 +6,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
-from handcart.networks.task_file import Task
-from handcart.networks.task_model import ActionEntry
+from handcart.networks.task.task_file import Task
+from handcart.networks.task.task_model import ActionEntry
 
 from .chance import Chance
 from .effort import Effort, TooMuch

@@ -7,7 +7,7 @@ from collections.abc import Callable, Collection
 from dataclasses import dataclass
 from itertools import accumulate
 
-from handcart.networks.network import ActionNetwork
+from handcart.networks.graph.network import ActionNetwork
 
 from .effort import Effort
 from .ends import AT_GOAL, Ends

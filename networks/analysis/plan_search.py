@@ -7,15 +7,15 @@ import itertools
 import math
 from collections.abc import Iterable, Mapping
 
-from handcart.networks.network import Action, ActionNetwork
-from handcart.networks.planner import SKIP_WEIGHT
+from handcart.networks.graph.network import Action, ActionNetwork
+from handcart.networks.graph.planner import SKIP_WEIGHT
 
 _SLACK = 1e-9
 """Relative; ways that differ by less are searched both, because sums are rounded."""
 
 
 class PlanSearch:
-    """Finds what `networks/planner.py` plans, of ways of the same weight the same, and searches little.
+    """Finds what `networks/graph/planner.py` plans, of ways of the same weight the same, and searches little.
 
     A Fail only makes ways dearer, so what is left to the goal while nothing has failed never is too much: A*
     finds the cheapest weight with it (Hart, Nilsson and Raphael, 1968), then the planner's own search, by

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from handcart.networks.network import Action, ActionNetwork
+from handcart.networks.graph.network import Action, ActionNetwork
 
 from .ahead import Ahead
 from .effort import Effort, TooMuch

@@ -6,7 +6,7 @@ from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
-from handcart.networks.network import MAX_ATTEMPTS, Action, ActionNetwork
+from handcart.networks.graph.network import MAX_ATTEMPTS, Action, ActionNetwork
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 
 import networkx as nx
 
-from handcart.networks.network import Action, ActionNetwork
+from handcart.networks.graph.network import Action, ActionNetwork
 
 from .ahead import ways_of
 from .stage import Stage

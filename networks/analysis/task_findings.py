@@ -5,8 +5,8 @@ from __future__ import annotations
 import networkx as nx
 
 from handcart.files.errors import Finding
-from handcart.networks.network import Action
-from handcart.networks.task_file import Task
+from handcart.networks.graph.network import Action
+from handcart.networks.task.task_file import Task
 
 from .fact_findings import fact_findings
 from .worst_cases import WorstCases

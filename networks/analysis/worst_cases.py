@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from itertools import groupby
 from typing import NamedTuple
 
-from handcart.networks.network import Action, ActionNetwork
+from handcart.networks.graph.network import Action, ActionNetwork
 
 from .effort import Effort
 from .longest_run import Longest, longest_run

@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from handcart.files.loading import load
-from handcart.primitives.building import Building
-from handcart.primitives.section import NamedFiles, Section
+from handcart.primitives.blocks.building import Building
+from handcart.primitives.knowledge.section import NamedFiles, Section
 from handcart.robotics.geometry.pose2 import Pose2
 
 

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from typing import Any, ClassVar, NamedTuple, Self
 
 from handcart.files.loading import load
-from handcart.primitives.knowledge import Book, Catalogue
-from handcart.primitives.section import NamedFiles, Section
+from handcart.primitives.knowledge.place import Book, Catalogue
+from handcart.primitives.knowledge.section import NamedFiles, Section
 from handcart.robotics.geometry.pose2 import Pose2
 
 NO_BOOKS = Catalogue(format="handcart-catalogue/1", books=())

@@ -15,13 +15,13 @@ from handcart.backends.arm import Arm
 from handcart.backends.gripper import Gripper
 from handcart.backends.imu import Imu
 from handcart.backends.robot import Robot
-from handcart.primitives.action_primitive import ActionPrimitive, Periods
-from handcart.primitives.discrepancy import Discrepancy, Measured
-from handcart.primitives.grip import open_to
-from handcart.primitives.meant_contact import MeantContact
-from handcart.primitives.place_name import TargetName
-from handcart.primitives.snapshot import settle
-from handcart.primitives.world_model import ModelView, WorldModel
+from handcart.primitives.contract.action_primitive import ActionPrimitive, Periods
+from handcart.primitives.contract.discrepancy import Discrepancy, Measured
+from handcart.primitives.contract.meant_contact import MeantContact
+from handcart.primitives.knowledge.place_name import TargetName
+from handcart.primitives.knowledge.world_model import ModelView, WorldModel
+from handcart.primitives.motions.grip import open_to
+from handcart.primitives.restoring.snapshot import settle
 from handcart.robotics.manipulation.scara import base_to_world, world_to_base
 
 from .field import Field

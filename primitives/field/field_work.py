@@ -16,9 +16,9 @@ from handcart.backends.robot import Robot
 from handcart.backends.robot_file import RobotFile
 from handcart.files.errors import Finding
 from handcart.files.loading import load
-from handcart.primitives.knowledge import Place
-from handcart.primitives.meant_contact import MeantContact, name_of_block
-from handcart.primitives.section import Companion, NamedFiles, Section
+from handcart.primitives.contract.meant_contact import MeantContact, name_of_block
+from handcart.primitives.knowledge.place import Place
+from handcart.primitives.knowledge.section import Companion, NamedFiles, Section
 
 from .field import Field
 from .target import Laid, Target

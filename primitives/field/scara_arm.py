@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from handcart.backends.robot import Robot
-from handcart.primitives.discrepancy import Discrepancy
+from handcart.primitives.contract.discrepancy import Discrepancy
 from handcart.robotics.manipulation.scara import Scara
 
 LEVEL = 1e-6

@@ -9,10 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from handcart.backends.robot import Robot
-from handcart.primitives.action_primitive import Periods
-from handcart.primitives.arm_motion import collision_model, follow
-from handcart.primitives.discrepancy import Discrepancy, Measured
-from handcart.primitives.grip import close, hand_to_tips, open_to
+from handcart.primitives.contract.action_primitive import Periods
+from handcart.primitives.contract.discrepancy import Discrepancy, Measured
+from handcart.primitives.motions.arm_motion import collision_model, follow
+from handcart.primitives.motions.grip import close, hand_to_tips, open_to
 from handcart.robotics.manipulation.collision_model import HELD
 from handcart.robotics.manipulation.resolved_rate import RateLimits, ResolvedRate, line_postures, way_to
 from handcart.robotics.manipulation.scara import world_to_base

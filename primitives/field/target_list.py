@@ -14,7 +14,7 @@ from handcart.files.findings import Findings
 from handcart.files.suggest import listed
 from handcart.files.yaml_document import read_document
 from handcart.files.yaml_node import Node
-from handcart.primitives.knowledge import Place
+from handcart.primitives.knowledge.place import Place
 from handcart.robotics.geometry.pose2 import Pose2
 
 from .earth_frame import EarthFrame

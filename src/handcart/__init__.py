@@ -18,10 +18,10 @@ if TYPE_CHECKING:
     from handcart.backends.imu import Imu
     from handcart.backends.positioning import Positioning
     from handcart.backends.range_sensor import RangeSensor
-    from handcart.networks.past_run import read_run as load_run
-    from handcart.primitives.action_primitive import ActionPrimitive
-    from handcart.primitives.discrepancy import Discrepancy, NeedsPerson
-    from handcart.primitives.outcome import Fail, GiveUp, Success
+    from handcart.networks.journal.past_run import read_run as load_run
+    from handcart.primitives.contract.action_primitive import ActionPrimitive
+    from handcart.primitives.contract.discrepancy import Discrepancy, NeedsPerson
+    from handcart.primitives.contract.outcome import Fail, GiveUp, Success
     from handcart.tools.api import Result, campaign, check, conformance, load_task, run
 
 # In a checkout the rooms stand at its top, and `handcart/` holds links to them for tools that look for files.
@@ -30,26 +30,26 @@ if os.path.isfile(os.path.join(_TOP, "src", "handcart", "__init__.py")):
     __path__.insert(0, _TOP)  # first: tracebacks and breakpoints then have the rooms' own paths
 
 _FROM = {
-    "ActionPrimitive": "primitives.action_primitive:ActionPrimitive",
+    "ActionPrimitive": "primitives.contract.action_primitive:ActionPrimitive",
     "Arm": "backends.arm:Arm",
     "Backend": "backends.backend:Backend",
     "Base": "backends.base:Base",
     "Camera": "backends.camera:Camera",
-    "Discrepancy": "primitives.discrepancy:Discrepancy",
-    "Fail": "primitives.outcome:Fail",
-    "GiveUp": "primitives.outcome:GiveUp",
+    "Discrepancy": "primitives.contract.discrepancy:Discrepancy",
+    "Fail": "primitives.contract.outcome:Fail",
+    "GiveUp": "primitives.contract.outcome:GiveUp",
     "Gps": "backends.gps:Gps",
     "Gripper": "backends.gripper:Gripper",
     "Imu": "backends.imu:Imu",
-    "NeedsPerson": "primitives.discrepancy:NeedsPerson",
+    "NeedsPerson": "primitives.contract.discrepancy:NeedsPerson",
     "Positioning": "backends.positioning:Positioning",
     "RangeSensor": "backends.range_sensor:RangeSensor",
     "Result": "tools.api:Result",
-    "Success": "primitives.outcome:Success",
+    "Success": "primitives.contract.outcome:Success",
     "campaign": "tools.api:campaign",
     "check": "tools.api:check",
     "conformance": "tools.api:conformance",
-    "load_run": "networks.past_run:read_run",
+    "load_run": "networks.journal.past_run:read_run",
     "load_task": "tools.api:load_task",
     "run": "tools.api:run",
 }

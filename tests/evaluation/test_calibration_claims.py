@@ -8,7 +8,7 @@ from handcart.backends.mounted_camera import stated_camera
 from handcart.backends.robot_loading import load_robot
 from handcart.backends.scene.true_camera import true_camera
 from handcart.evaluation.calibration_claims import camera_faults, suspension_faults
-from handcart.primitives.calibrated import Calibrated
+from handcart.primitives.contract.calibrated import Calibrated
 from handcart.robotics.geometry.transform import inverse
 
 ROBOT = load_robot("toyama/uncalibrated")

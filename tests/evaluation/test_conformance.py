@@ -19,7 +19,7 @@ from handcart.evaluation.conformance.rehearsal import DRIVE_MAP, RETURN_BOOK, Re
 from handcart.evaluation.conformance.report import Report
 from handcart.evaluation.conformance.task_runs import Ran, compared
 from handcart.evaluation.conformance.underway import Ending
-from handcart.networks.task_file import load_task
+from handcart.networks.task.task_file import load_task
 
 BENCH = Bench("kinematic")
 SAMPLE = (

@@ -11,8 +11,8 @@ import pytest
 
 from handcart.evaluation.hostile.forging import reseal
 from handcart.evaluation.hostile.trial import Watch
-from handcart.networks.journal import Journal
-from handcart.networks.journal_record import read_journal
+from handcart.networks.journal.journal import Journal
+from handcart.networks.journal.journal_record import read_journal
 
 
 @pytest.fixture

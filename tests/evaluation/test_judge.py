@@ -14,12 +14,12 @@ from handcart.backends.robot_loading import load_robot
 from handcart.evaluation.ground_truth import ground_truth, not_restored
 from handcart.evaluation.judge import Judge
 from handcart.evaluation.shelving import longest_rising, shelving
-from handcart.networks.events import Ended, Started
-from handcart.networks.run import prepare
-from handcart.networks.run_end import RunEnd
-from handcart.networks.telemetry import Telemetry
-from handcart.primitives.move_to import MoveTo
-from handcart.primitives.outcome import Outcome, Success, fail_if_restored
+from handcart.networks.coordination.events import Ended, Started
+from handcart.networks.coordination.run_end import RunEnd
+from handcart.networks.runs.run import prepare
+from handcart.networks.runs.telemetry import Telemetry
+from handcart.primitives.contract.outcome import Outcome, Success, fail_if_restored
+from handcart.primitives.driving.move_to import MoveTo
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.perception.call_number import parse
 

@@ -9,7 +9,7 @@ import pytest
 
 from handcart.backends.robot_loading import load_robot
 from handcart.evaluation.moving_tracking import Feedback, MovingTracking, Straying
-from handcart.primitives.seam_file import load_seam
+from handcart.primitives.seam.seam_file import load_seam
 from handcart.robotics.manipulation.tool_path import ToolPath
 
 pytestmark = pytest.mark.slow

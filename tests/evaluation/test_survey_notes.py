@@ -5,7 +5,7 @@ import os
 import pytest
 
 from handcart.evaluation.survey_notes import SurveyNotes
-from handcart.networks.run_folder import NoRun
+from handcart.networks.runs.run_folder import NoRun
 
 NAME = "notes.jsonl"
 

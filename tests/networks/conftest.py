@@ -15,14 +15,14 @@ from handcart.backends.base import Base, WheelTravel
 from handcart.backends.capability import Capability
 from handcart.backends.robot import Robot
 from handcart.backends.robot_file import RobotFile
-from handcart.networks.binding import Binding
-from handcart.networks.coordinator import Coordinator
-from handcart.networks.network import Action, ActionNetwork, Situation
-from handcart.networks.run_end import RunEnd
-from handcart.networks.task_file import Task, load_task
-from handcart.primitives.action_primitive import ActionPrimitive, Periods
-from handcart.primitives.discrepancy import Discrepancy, NeedsPerson
-from handcart.primitives.world_model import ModelView, WorldModel
+from handcart.networks.coordination.coordinator import Coordinator
+from handcart.networks.coordination.run_end import RunEnd
+from handcart.networks.graph.binding import Binding
+from handcart.networks.graph.network import Action, ActionNetwork, Situation
+from handcart.networks.task.task_file import Task, load_task
+from handcart.primitives.contract.action_primitive import ActionPrimitive, Periods
+from handcart.primitives.contract.discrepancy import Discrepancy, NeedsPerson
+from handcart.primitives.knowledge.world_model import ModelView, WorldModel
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.grid_map import GridMap
 

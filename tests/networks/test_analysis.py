@@ -21,12 +21,12 @@ from handcart.networks.analysis.action_table import (
 )
 from handcart.networks.analysis.chance import Chance
 from handcart.networks.analysis.forecast import forecast
-from handcart.networks.binding import Binding
-from handcart.networks.network import Action, ActionNetwork, Situation
-from handcart.networks.planner import NoWay
-from handcart.networks.route import Route
-from handcart.primitives.modify import Modify
-from handcart.primitives.outcome import Success
+from handcart.networks.graph.binding import Binding
+from handcart.networks.graph.network import Action, ActionNetwork, Situation
+from handcart.networks.graph.planner import NoWay
+from handcart.networks.graph.route import Route
+from handcart.primitives.contract.outcome import Success
+from handcart.primitives.driving.modify import Modify
 
 TABLE = Path(__file__).resolve().parents[2] / "tasks" / "return_book" / "paper_table.yaml"
 BOUND = Binding.of(Modify(place="x"))

@@ -15,12 +15,12 @@ import orjson
 import pytest
 
 from handcart.evaluation.fuzzed_messages import fuzzed_messages
-from handcart.networks.asking import ClosedToYou, NotAlive, NotAnswering, ask, goes_on, tell_to_stop
-from handcart.networks.control import MOST, SILENT, Control
-from handcart.networks.coordinator import Coordinator
-from handcart.networks.journal import Journal
-from handcart.networks.operation import Operation
-from handcart.networks.permits import Permits
+from handcart.networks.coordination.coordinator import Coordinator
+from handcart.networks.journal.journal import Journal
+from handcart.networks.operator.asking import ClosedToYou, NotAlive, NotAnswering, ask, goes_on, tell_to_stop
+from handcart.networks.operator.control import MOST, SILENT, Control
+from handcart.networks.operator.operation import Operation
+from handcart.networks.operator.permits import Permits
 
 FAULT = "a fault in handcart"
 

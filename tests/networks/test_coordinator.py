@@ -10,15 +10,15 @@ from hypothesis import strategies as st
 
 from handcart.backends.base import WheelTravel
 from handcart.networks.analysis.worst_cases import worst_cases
-from handcart.networks.binding import Binding
-from handcart.networks.coordinator import Coordinator
-from handcart.networks.events import Ended, LeftOut, Planned, Started
-from handcart.networks.journal import Journal
-from handcart.networks.journal_record import read_journal, without_wall
-from handcart.networks.network import Action, ActionNetwork, NetworkError, Situation
-from handcart.networks.supervision import Request
-from handcart.primitives.action_primitive import ActionPrimitive
-from handcart.primitives.discrepancy import Discrepancy
+from handcart.networks.coordination.coordinator import Coordinator
+from handcart.networks.coordination.events import Ended, LeftOut, Planned, Started
+from handcart.networks.coordination.supervision import Request
+from handcart.networks.graph.binding import Binding
+from handcart.networks.graph.network import Action, ActionNetwork, NetworkError, Situation
+from handcart.networks.journal.journal import Journal
+from handcart.networks.journal.journal_record import read_journal, without_wall
+from handcart.primitives.contract.action_primitive import ActionPrimitive
+from handcart.primitives.contract.discrepancy import Discrepancy
 
 
 def coordinator(stand, network, **more):

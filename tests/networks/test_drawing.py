@@ -4,10 +4,10 @@ from xml.etree import ElementTree
 
 import pytest
 
-from handcart.networks.binding import Binding
-from handcart.networks.drawing import FORMATS
-from handcart.networks.drawing_layout import BOX, lay_out, lines_of
-from handcart.networks.network import Action, ActionNetwork, Situation
+from handcart.networks.drawing.drawing import FORMATS
+from handcart.networks.drawing.layout import BOX, lay_out, lines_of
+from handcart.networks.graph.binding import Binding
+from handcart.networks.graph.network import Action, ActionNetwork, Situation
 
 
 @pytest.fixture

@@ -11,14 +11,14 @@ from typing import ClassVar
 import pytest
 
 from handcart.backends.base import Base
-from handcart.networks.binding import Binding
-from handcart.networks.coordinator import Coordinator
-from handcart.networks.events import Ended, Started
-from handcart.networks.journal import Journal
-from handcart.networks.journal_record import JournalError, read_journal
-from handcart.networks.network import Action, ActionNetwork, Situation
-from handcart.networks.supervision import Request
-from handcart.primitives.action_primitive import ActionPrimitive
+from handcart.networks.coordination.coordinator import Coordinator
+from handcart.networks.coordination.events import Ended, Started
+from handcart.networks.coordination.supervision import Request
+from handcart.networks.graph.binding import Binding
+from handcart.networks.graph.network import Action, ActionNetwork, Situation
+from handcart.networks.journal.journal import Journal
+from handcart.networks.journal.journal_record import JournalError, read_journal
+from handcart.primitives.contract.action_primitive import ActionPrimitive
 
 
 class Lamp(ActionPrimitive):

@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from handcart.networks.coordinator import Coordinator
-from handcart.networks.flight_recorder import FlightRecorder, load_readings
-from handcart.networks.network import Action, ActionNetwork, Situation
-from handcart.primitives.discrepancy import Discrepancy
+from handcart.networks.coordination.coordinator import Coordinator
+from handcart.networks.graph.network import Action, ActionNetwork, Situation
+from handcart.networks.runs.flight_recorder import FlightRecorder, load_readings
+from handcart.primitives.contract.discrepancy import Discrepancy
 
 PERIOD = 0.05
 
@@ -24,7 +24,7 @@ def drive(stand, tmp_path):
                 if error is not None:
                     raise error
 
-        from handcart.networks.binding import Binding
+        from handcart.networks.graph.binding import Binding
 
         network = ActionNetwork.build(
             [Situation("a"), Situation("z")], [Action("a", "z", Binding.of(Drive()), attempts=1)], "a", "z"

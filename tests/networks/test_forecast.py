@@ -20,13 +20,13 @@ from handcart.networks.analysis.policy import TooLarge, policy
 from handcart.networks.analysis.stage import Stage
 from handcart.networks.analysis.stages import stages
 from handcart.networks.analysis.worst_cases import worst_cases
-from handcart.networks.binding import Binding
-from handcart.networks.coordinator import Coordinator
-from handcart.networks.network import Action, ActionNetwork, Situation
-from handcart.networks.planner import NoWay
-from handcart.networks.route import Route
-from handcart.primitives.modify import Modify
-from handcart.primitives.outcome import Success
+from handcart.networks.coordination.coordinator import Coordinator
+from handcart.networks.graph.binding import Binding
+from handcart.networks.graph.network import Action, ActionNetwork, Situation
+from handcart.networks.graph.planner import NoWay
+from handcart.networks.graph.route import Route
+from handcart.primitives.contract.outcome import Success
+from handcart.primitives.driving.modify import Modify
 
 BOUND = Binding.of(Modify(place="x"))
 

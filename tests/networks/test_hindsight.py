@@ -5,15 +5,15 @@ from collections import deque
 
 import pytest
 
-from handcart.networks.hindsight import choice_of
-from handcart.networks.journal import Journal
-from handcart.networks.journal_record import read_journal
-from handcart.networks.journaled_network import network_fields, network_of
-from handcart.networks.past_run import read_run
-from handcart.networks.planner import SKIP_WEIGHT
-from handcart.networks.preparing import Prepared
-from handcart.networks.run import execute
-from handcart.networks.task_file import load_task
+from handcart.networks.graph.hindsight import choice_of
+from handcart.networks.graph.journaled_network import network_fields, network_of
+from handcart.networks.graph.planner import SKIP_WEIGHT
+from handcart.networks.journal.journal import Journal
+from handcart.networks.journal.journal_record import read_journal
+from handcart.networks.journal.past_run import read_run
+from handcart.networks.runs.run import execute
+from handcart.networks.task.preparing import Prepared
+from handcart.networks.task.task_file import load_task
 
 TASK = """\
 format: handcart-task/1

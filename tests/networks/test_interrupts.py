@@ -7,7 +7,7 @@ from contextlib import suppress
 
 import pytest
 
-from handcart.networks.interrupts import KINDS, Interrupts
+from handcart.networks.coordination.interrupts import KINDS, Interrupts
 
 
 @pytest.mark.parametrize("kind", KINDS)

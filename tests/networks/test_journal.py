@@ -6,9 +6,9 @@ from pathlib import Path
 
 import pytest
 
-from handcart.networks.asking import NotAlive, ask
-from handcart.networks.journal import Journal, RunAlive, check_not_alive
-from handcart.networks.journal_record import JournalError, read_journal
+from handcart.networks.journal.journal import Journal, RunAlive, check_not_alive
+from handcart.networks.journal.journal_record import JournalError, read_journal
+from handcart.networks.operator.asking import NotAlive, ask
 
 
 def written(path: Path, count: int = 4) -> bytes:

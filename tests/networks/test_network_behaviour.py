@@ -6,10 +6,10 @@ import py_trees
 import pytest
 from py_trees.common import Status
 
-from handcart.networks.binding import Binding
-from handcart.networks.coordinator import Coordinator
-from handcart.networks.network import Action, ActionNetwork, Situation
-from handcart.networks.network_behaviour import NetworkBehaviour
+from handcart.networks.coordination.coordinator import Coordinator
+from handcart.networks.coordination.network_behaviour import NetworkBehaviour
+from handcart.networks.graph.binding import Binding
+from handcart.networks.graph.network import Action, ActionNetwork, Situation
 
 
 class Alarm(py_trees.behaviour.Behaviour):

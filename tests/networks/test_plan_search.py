@@ -13,8 +13,8 @@ from handcart.networks.analysis.forecast import forecast
 from handcart.networks.analysis.plan_search import PlanSearch
 from handcart.networks.analysis.policy import TooLarge, policy
 from handcart.networks.analysis.worst_cases import worst_cases
-from handcart.networks.network import Action, ActionNetwork, Situation
-from handcart.networks.planner import Plan, Planner
+from handcart.networks.graph.network import Action, ActionNetwork, Situation
+from handcart.networks.graph.planner import Plan, Planner
 
 
 @pytest.mark.parametrize("seed", range(40))

@@ -6,13 +6,13 @@ import sys
 
 import pytest
 
-from handcart.networks.binding import Binding
-from handcart.networks.network import Action, ActionNetwork, NetworkError, Situation
-from handcart.networks.planner import NoWay, Planner
+from handcart.networks.graph.binding import Binding
+from handcart.networks.graph.network import Action, ActionNetwork, NetworkError, Situation
+from handcart.networks.graph.planner import NoWay, Planner
 
 SCRIPT = """
-from handcart.networks.network import Action, ActionNetwork, Situation
-from handcart.networks.planner import Planner
+from handcart.networks.graph.network import Action, ActionNetwork, Situation
+from handcart.networks.graph.planner import Planner
 names = [f"situation {n}" for n in range(30)]
 actions = [Action(a, b, None) for a in names for b in names[::3] if a != b]
 planner = Planner(ActionNetwork.build(map(Situation, names), actions, names[1], names[27]))
@@ -96,7 +96,7 @@ def test_a_hundred_thousand_actions(stand):
 
 def test_more_actions_than_can_be_planned_over_are_refused(stand, monkeypatch):
     """N14, N10: so that no plan takes longer than the robot may be left without one."""
-    monkeypatch.setattr("handcart.networks.network.MAX_ACTIONS", 2)
+    monkeypatch.setattr("handcart.networks.graph.network.MAX_ACTIONS", 2)
     stand.network("a b one 1", "b z two 1")
     with pytest.raises(NetworkError, match="the network has 3 actions; allowed: at most 2"):
         stand.network("a b one 1", "b z two 1", "a z three 1")

@@ -9,11 +9,11 @@ from handcart.files.errors import FileError
 from handcart.files.json_schema import schema
 from handcart.networks.analysis.figures import figures
 from handcart.networks.analysis.task_findings import task_findings
-from handcart.networks.coordinator import Coordinator
-from handcart.networks.drawing import FORMATS
-from handcart.networks.events import Started
-from handcart.networks.preparing import beginning_at
-from handcart.networks.task_model import TaskFile
+from handcart.networks.coordination.coordinator import Coordinator
+from handcart.networks.coordination.events import Started
+from handcart.networks.drawing.drawing import FORMATS
+from handcart.networks.task.preparing import beginning_at
+from handcart.networks.task.task_model import TaskFile
 
 TWICE = """\
 format: handcart-task/1

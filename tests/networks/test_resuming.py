@@ -10,17 +10,17 @@ from typing import Any
 import pytest
 
 from handcart.backends.joint_units import JointUnits
-from handcart.networks.checkpoint import NAME, CheckpointKeeper
-from handcart.networks.journal import Journal
-from handcart.networks.journal_record import read_journal
-from handcart.networks.preparing import Prepared
-from handcart.networks.recon import Recon, gone_on, reconnoitre, standing_as_left
-from handcart.networks.resuming import NothingToResume, Past, read_past, task_of
-from handcart.networks.retracing import NeedsOperator, standing
-from handcart.networks.run import execute
-from handcart.networks.run_folder import read_run_journal
-from handcart.networks.task_file import load_task
-from handcart.networks.waiting import waiting
+from handcart.networks.journal.journal import Journal
+from handcart.networks.journal.journal_record import read_journal
+from handcart.networks.journal.retracing import NeedsOperator, standing
+from handcart.networks.journal.waiting import waiting
+from handcart.networks.runs.checkpoint import NAME, CheckpointKeeper
+from handcart.networks.runs.recon import Recon, gone_on, reconnoitre, standing_as_left
+from handcart.networks.runs.resuming import NothingToResume, Past, read_past, task_of
+from handcart.networks.runs.run import execute
+from handcart.networks.runs.run_folder import read_run_journal
+from handcart.networks.task.preparing import Prepared
+from handcart.networks.task.task_file import load_task
 
 _OWN = ("kind", "q", "t", "wall", "p", "h")
 """What the journal itself writes into each record."""

@@ -9,9 +9,9 @@ from typing import Any
 
 import pytest
 
-from handcart.networks.journal import Journal
-from handcart.networks.retracing import NeedsOperator
-from handcart.networks.robot_claim import RobotBusy, RobotClaim
+from handcart.networks.journal.journal import Journal
+from handcart.networks.journal.retracing import NeedsOperator
+from handcart.networks.runs.robot_claim import RobotBusy, RobotClaim
 
 
 def robot(address: str = "can0 cart") -> Any:

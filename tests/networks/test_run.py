@@ -7,12 +7,12 @@ from pathlib import Path
 import orjson
 import pytest
 
-from handcart.networks.journal import Journal
-from handcart.networks.journal_record import JournalError, read_journal, without_wall
-from handcart.networks.preparing import Prepared, load_model
-from handcart.networks.run import execute
-from handcart.networks.task_file import load_task
-from handcart.networks.telemetry import load_track
+from handcart.networks.journal.journal import Journal
+from handcart.networks.journal.journal_record import JournalError, read_journal, without_wall
+from handcart.networks.runs.run import execute
+from handcart.networks.runs.telemetry import load_track
+from handcart.networks.task.preparing import Prepared, load_model
+from handcart.networks.task.task_file import load_task
 
 TASK = """\
 format: handcart-task/1

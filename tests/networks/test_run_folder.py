@@ -8,9 +8,9 @@ from pathlib import Path
 
 import pytest
 
-from handcart.networks.journal import Journal
-from handcart.networks.journal_record import JournalError
-from handcart.networks.run_folder import NoRun, check_folder, read_file, read_run_journal
+from handcart.networks.journal.journal import Journal
+from handcart.networks.journal.journal_record import JournalError
+from handcart.networks.runs.run_folder import NoRun, check_folder, read_file, read_run_journal
 
 HEADER = {"schema": "handcart-journal/1", "task_path": "/t", "simulated": True}
 

@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-from handcart.networks.script import follow
+from handcart.networks.coordination.script import follow
 
 ROWS = ("a z near 1", "a z far 5 1")
 

@@ -7,8 +7,8 @@ import weakref
 
 import pytest
 
-from handcart.networks.events import Ended, RunEnded
-from handcart.networks.steady_memory import SteadyMemory
+from handcart.networks.coordination.events import Ended, RunEnded
+from handcart.networks.runs.steady_memory import SteadyMemory
 
 
 class Knot:

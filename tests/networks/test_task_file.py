@@ -7,10 +7,10 @@ from typing import ClassVar
 import pytest
 
 from handcart.files.errors import FileError
-from handcart.networks.coordinator import Coordinator
-from handcart.networks.events import Started
-from handcart.primitives.action_primitive import ActionPrimitive
-from handcart.primitives.place_name import PlaceName
+from handcart.networks.coordination.coordinator import Coordinator
+from handcart.networks.coordination.events import Started
+from handcart.primitives.contract.action_primitive import ActionPrimitive
+from handcart.primitives.knowledge.place_name import PlaceName
 
 TASK = """\
 format: handcart-task/1

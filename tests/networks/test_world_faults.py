@@ -8,21 +8,21 @@ from typing import ClassVar
 import pytest
 
 from handcart.backends.base import Base
-from handcart.networks.binding import Binding
-from handcart.networks.coordinator import Coordinator
-from handcart.networks.events import Ended, LeftOut, Started
-from handcart.networks.journal import Journal
-from handcart.networks.journal_record import read_journal
-from handcart.networks.measured import moved
-from handcart.networks.network import Action, ActionNetwork, Situation
-from handcart.networks.planner import Planner
-from handcart.networks.retracing import standing
-from handcart.networks.world_watch import WorldWatch
-from handcart.primitives.action_primitive import ActionPrimitive
-from handcart.primitives.attempt import NOT_ALONE, attempt
-from handcart.primitives.discrepancy import Discrepancy
-from handcart.primitives.outcome import Fail, GiveUp
-from handcart.primitives.snapshot import take_snapshot
+from handcart.networks.coordination.coordinator import Coordinator
+from handcart.networks.coordination.events import Ended, LeftOut, Started
+from handcart.networks.coordination.world_watch import WorldWatch
+from handcart.networks.graph.binding import Binding
+from handcart.networks.graph.network import Action, ActionNetwork, Situation
+from handcart.networks.graph.planner import Planner
+from handcart.networks.journal.journal import Journal
+from handcart.networks.journal.journal_record import read_journal
+from handcart.networks.journal.measured import moved
+from handcart.networks.journal.retracing import standing
+from handcart.primitives.contract.action_primitive import ActionPrimitive
+from handcart.primitives.contract.attempt import NOT_ALONE, attempt
+from handcart.primitives.contract.discrepancy import Discrepancy
+from handcart.primitives.contract.outcome import Fail, GiveUp
+from handcart.primitives.restoring.snapshot import take_snapshot
 
 HOME, FAR = {"base": "home", "book": "in hand"}, {"base": "far", "book": "in hand"}
 

@@ -7,10 +7,10 @@ from pathlib import Path
 from typing import Any
 
 from handcart.evaluation.stage import Stage, StageFiles, set_stage
-from handcart.primitives.action_primitive import ActionPrimitive
-from handcart.primitives.fixate import Fixate
-from handcart.primitives.outcome import Outcome, Success
-from handcart.primitives.pick_up_block import PickUpBlock
+from handcart.primitives.blocks.fixate import Fixate
+from handcart.primitives.blocks.pick_up_block import PickUpBlock
+from handcart.primitives.contract.action_primitive import ActionPrimitive
+from handcart.primitives.contract.outcome import Outcome, Success
 
 TASK = Path(__file__).parents[2] / "tasks" / "stack_blocks"
 

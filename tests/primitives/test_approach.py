@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from handcart.primitives.approach import Approach
+from handcart.primitives.books.approach import Approach
 from handcart.primitives.books.books import Books
-from handcart.primitives.outcome import Fail, Success
+from handcart.primitives.contract.outcome import Fail, Success
 
 
 def fore_edge(rig: Any) -> Any:

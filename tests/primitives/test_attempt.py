@@ -12,12 +12,12 @@ import pytest
 from handcart.backends.arm import Arm
 from handcart.backends.base import Base
 from handcart.backends.robot import Robot
-from handcart.primitives.action_primitive import ActionPrimitive, Periods
 from handcart.primitives.books.books import Books
-from handcart.primitives.discrepancy import Discrepancy, NeedsPerson
-from handcart.primitives.outcome import Fail, GiveUp, Success
-from handcart.primitives.snapshot import Seen
-from handcart.primitives.world_model import ModelView, UndeclaredAccess
+from handcart.primitives.contract.action_primitive import ActionPrimitive, Periods
+from handcart.primitives.contract.discrepancy import Discrepancy, NeedsPerson
+from handcart.primitives.contract.outcome import Fail, GiveUp, Success
+from handcart.primitives.knowledge.world_model import ModelView, UndeclaredAccess
+from handcart.primitives.restoring.snapshot import Seen
 
 
 class Wave(ActionPrimitive):

@@ -12,14 +12,14 @@ from handcart.backends.arm import Arm
 from handcart.backends.base import Base
 from handcart.backends.robot import Robot
 from handcart.evaluation.conformance.layered_backend import LayeredBackend
-from handcart.primitives.action_primitive import ActionPrimitive, Periods
-from handcart.primitives.attempt import NOT_ALONE, PUSHED
-from handcart.primitives.discrepancy import Discrepancy, NeedsPerson
-from handcart.primitives.outcome import GiveUp, Success
-from handcart.primitives.retrace import retrace
-from handcart.primitives.snapshot import STILL, Snapshot
-from handcart.primitives.trace import Trace
-from handcart.primitives.world_model import ModelView
+from handcart.primitives.contract.action_primitive import ActionPrimitive, Periods
+from handcart.primitives.contract.attempt import NOT_ALONE, PUSHED
+from handcart.primitives.contract.discrepancy import Discrepancy, NeedsPerson
+from handcart.primitives.contract.outcome import GiveUp, Success
+from handcart.primitives.knowledge.world_model import ModelView
+from handcart.primitives.restoring.retrace import retrace
+from handcart.primitives.restoring.snapshot import STILL, Snapshot
+from handcart.primitives.restoring.trace import Trace
 from handcart.robotics.geometry.pose2 import Pose2
 
 

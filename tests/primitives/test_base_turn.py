@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from handcart.primitives.base_turn import BaseTurn, fused
+from handcart.primitives.blocks.base_turn import BaseTurn, fused
 from handcart.primitives.blocks.blocks import Fixed
 from handcart.robotics.geometry.pose2 import Pose2
 

@@ -10,12 +10,12 @@ from py_trees.behaviour import Behaviour
 
 from handcart.backends.base import Base
 from handcart.backends.robot import Robot
-from handcart.primitives.action_primitive import ActionPrimitive, Periods
-from handcart.primitives.discrepancy import Discrepancy, Measured, NeedsPerson
-from handcart.primitives.outcome import Fail, GiveUp
-from handcart.primitives.snapshot import Seen
-from handcart.primitives.tree_primitive import GeneratorBehaviour, TreePrimitive
-from handcart.primitives.world_model import ModelView
+from handcart.primitives.contract.action_primitive import ActionPrimitive, Periods
+from handcart.primitives.contract.discrepancy import Discrepancy, Measured, NeedsPerson
+from handcart.primitives.contract.outcome import Fail, GiveUp
+from handcart.primitives.contract.tree_primitive import GeneratorBehaviour, TreePrimitive
+from handcart.primitives.knowledge.world_model import ModelView
+from handcart.primitives.restoring.snapshot import Seen
 
 FELT = Measured("Arm", "force that resists", 8.0, 7.0, "N")
 

@@ -11,10 +11,10 @@ import numpy as np
 import pytest
 
 from handcart.evaluation.stage import Stage
-from handcart.networks.preparing import prepare
+from handcart.networks.task.preparing import prepare
+from handcart.primitives.contract.outcome import Fail, Success
 from handcart.primitives.field.deploy import Deploy, _spread
 from handcart.primitives.field.field_work import FieldWork
-from handcart.primitives.outcome import Fail, Success
 from handcart.robotics.geometry.pose2 import Pose2
 
 TASK = Path(__file__).parents[2] / "tasks" / "deploy_straight" / "task.yaml"

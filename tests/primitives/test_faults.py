@@ -15,9 +15,9 @@ from handcart.evaluation.conformance.reach import Reach
 from handcart.evaluation.conformance.rehearsal import Solo
 from handcart.evaluation.conformance.underway import Ending, Underway
 from handcart.evaluation.ground_truth import scene_of
-from handcart.primitives.action_primitive import ActionPrimitive, Periods
-from handcart.primitives.move_to import MoveTo
-from handcart.primitives.world_model import ModelView
+from handcart.primitives.contract.action_primitive import ActionPrimitive, Periods
+from handcart.primitives.driving.move_to import MoveTo
+from handcart.primitives.knowledge.world_model import ModelView
 from handcart.robotics.geometry.pose2 import Pose2
 
 BENCH = Bench("kinematic")

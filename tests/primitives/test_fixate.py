@@ -9,10 +9,10 @@ import pytest
 
 from handcart.evaluation.stage import StageFiles, set_stage
 from handcart.primitives.blocks.blocks import Blocks
-from handcart.primitives.evidence import Evidence
-from handcart.primitives.fixate import Fixate, landmark_of
-from handcart.primitives.fixating import fixate, fixed_by, planned_view, sought
-from handcart.primitives.outcome import Fail, Success
+from handcart.primitives.blocks.fixate import Fixate, landmark_of
+from handcart.primitives.blocks.fixating import fixate, fixed_by, planned_view, sought
+from handcart.primitives.contract.evidence import Evidence
+from handcart.primitives.contract.outcome import Fail, Success
 from handcart.robotics.geometry.pose2 import Pose2
 
 from .stacking import TASK, at_the_wall, scene_of

@@ -9,14 +9,14 @@ from typing import Any
 import pytest
 
 from handcart.backends.robot import Robot
-from handcart.primitives.action_primitive import ActionPrimitive, Periods
-from handcart.primitives.discrepancy import Discrepancy
-from handcart.primitives.knowledge import Place
-from handcart.primitives.modify import Modify
-from handcart.primitives.move_to import MoveTo
-from handcart.primitives.outcome import Fail, Success
-from handcart.primitives.retrace import reach_pose
-from handcart.primitives.world_model import ModelView
+from handcart.primitives.contract.action_primitive import ActionPrimitive, Periods
+from handcart.primitives.contract.discrepancy import Discrepancy
+from handcart.primitives.contract.outcome import Fail, Success
+from handcart.primitives.driving.modify import Modify
+from handcart.primitives.driving.move_to import MoveTo
+from handcart.primitives.knowledge.place import Place
+from handcart.primitives.knowledge.world_model import ModelView
+from handcart.primitives.restoring.retrace import reach_pose
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.grid_map import Box
 

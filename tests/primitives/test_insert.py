@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from handcart.primitives.insert import Insert
-from handcart.primitives.outcome import Fail, GiveUp, Success
+from handcart.primitives.books.insert import Insert
+from handcart.primitives.contract.outcome import Fail, GiveUp, Success
 
 
 def fronts(rig: Any) -> dict[int, float]:
@@ -66,7 +66,7 @@ def test_a_force_that_moves_neighbours_is_for_a_person(
     at_slot: Callable[..., Any], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     rig = at_slot(0.030)
-    monkeypatch.setattr("handcart.primitives.insert.JAM", 20.0)
+    monkeypatch.setattr("handcart.primitives.books.insert.JAM", 20.0)
     before = fronts(rig)
     outcome = rig.run(Insert(shelf="shelf_1", wiggle=False))
     assert isinstance(outcome, GiveUp)

@@ -10,10 +10,10 @@ from typing import Any, cast
 import numpy as np
 import pytest
 
-from handcart.primitives.discrepancy import Discrepancy
-from handcart.primitives.modify import Modify
-from handcart.primitives.move_to import MoveTo
-from handcart.primitives.outcome import Fail, Success
+from handcart.primitives.contract.discrepancy import Discrepancy
+from handcart.primitives.contract.outcome import Fail, Success
+from handcart.primitives.driving.modify import Modify
+from handcart.primitives.driving.move_to import MoveTo
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import transform
 

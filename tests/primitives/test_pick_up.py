@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from handcart.primitives.books.books import Books
-from handcart.primitives.outcome import Fail, GiveUp, Success
-from handcart.primitives.pick_up import PickUp
+from handcart.primitives.books.pick_up import PickUp
+from handcart.primitives.contract.outcome import Fail, GiveUp, Success
 
 TRAY = "tray: {{accession: 117, call: 512.7 NAG, thickness_mm: {0}, height_mm: 210, depth_mm: 150}}\n"
 

@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 
 from handcart.primitives.books.books import Books
-from handcart.primitives.knowledge import Book, Catalogue
-from handcart.primitives.outcome import Fail, Success
-from handcart.primitives.recognize import Recognize
+from handcart.primitives.books.recognize import Recognize
+from handcart.primitives.contract.outcome import Fail, Success
+from handcart.primitives.knowledge.place import Book, Catalogue
 from handcart.robotics.perception.tag_reader import Tag, read_tags
 
 TRAY = "tray: {{accession: 117, call: 512.7 NAG, thickness_mm: 25, height_mm: {}, depth_mm: 150, tag: {}}}\n"
@@ -97,7 +97,7 @@ def test_two_books_on_the_tray_are_told(
         seen = read_tags(*args, **more)
         return [*seen, *(Tag(118, each.corners + np.array([30.0, 0.0])) for each in seen)]
 
-    monkeypatch.setattr("handcart.primitives.recognize.read_tags", two)
+    monkeypatch.setattr("handcart.primitives.books.recognize.read_tags", two)
     rig = with_tray(TRAY.format(210, "readable"))
     outcome = rig.run(Recognize())
     assert isinstance(outcome, Fail)

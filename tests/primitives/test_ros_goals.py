@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from handcart.files.errors import FileError
-from handcart.primitives.place_file import load_places
+from handcart.primitives.knowledge.place_file import load_places
 
 STAMPED = """\
 - header: {frame_id: map, stamp: {sec: 0, nanosec: 0}}

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from handcart.files.errors import FileError
-from handcart.primitives.seam_file import COLUMNS, load_seam
+from handcart.primitives.seam.seam_file import COLUMNS, load_seam
 
 SEAM = Path(__file__).parents[2] / "tasks" / "track_seam" / "seam.csv"
 

@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from handcart.primitives.snapshot import KNOWN_AGAIN, PATIENCE, STILL, settle
+from handcart.primitives.restoring.snapshot import KNOWN_AGAIN, PATIENCE, STILL, settle
 
 PERIOD = 0.05
 

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import pytest
 
-from handcart.primitives.attempt import attempt
-from handcart.primitives.base_turn import turn_by_gyros
+from handcart.primitives.blocks.base_turn import turn_by_gyros
 from handcart.primitives.blocks.blocks import Blocks
-from handcart.primitives.discrepancy import Discrepancy
-from handcart.primitives.fixate import Fixate
-from handcart.primitives.outcome import Fail, GiveUp, Success
-from handcart.primitives.pick_up_block import PickUpBlock
-from handcart.primitives.stack import Stack
+from handcart.primitives.blocks.fixate import Fixate
+from handcart.primitives.blocks.pick_up_block import PickUpBlock
+from handcart.primitives.blocks.stack import Stack
+from handcart.primitives.contract.attempt import attempt
+from handcart.primitives.contract.discrepancy import Discrepancy
+from handcart.primitives.contract.outcome import Fail, GiveUp, Success
 from handcart.robotics.geometry.transform import inverse
 
 from .stacking import at_the_wall, do_with, scene_of, with_block

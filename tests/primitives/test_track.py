@@ -13,12 +13,12 @@ import pytest
 
 from handcart.backends.robot_loading import ROBOTS
 from handcart.evaluation.stage import Stage, StageFiles, set_stage
-from handcart.primitives.divide import Divide
-from handcart.primitives.outcome import Fail, Success
+from handcart.primitives.contract.outcome import Fail, Success
+from handcart.primitives.seam.divide import Divide
 from handcart.primitives.seam.seam import Seam
-from handcart.primitives.seam_file import load_seam
-from handcart.primitives.seam_work import SeamPart, SeamWork
-from handcart.primitives.track import Track
+from handcart.primitives.seam.seam_file import load_seam
+from handcart.primitives.seam.seam_work import SeamPart, SeamWork
+from handcart.primitives.seam.track import Track
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.manipulation.placement_division import Segment
 from handcart.robotics.manipulation.placer import Placements
@@ -129,7 +129,7 @@ def test_a_rest_is_divided_by_the_numbers_of_the_whole_seam(
         bases = np.array([HERE, HERE])
         return Placements(bases, (Segment(0, 0, 3), Segment(1, 3, LAST - 5)), (0.1, 0.2))
 
-    monkeypatch.setattr("handcart.primitives.divide.placer_of", lambda _: SimpleNamespace(place=place))
+    monkeypatch.setattr("handcart.primitives.seam.divide.placer_of", lambda _: SimpleNamespace(place=place))
     assert isinstance(stage.do(Divide(placements=2)), Success)
     work = stage.model.of(Seam).seam_work
     assert asked == [LAST - 5 + 1]

@@ -16,12 +16,12 @@ from py_trees.decorators import Inverter
 
 from handcart.backends.base import Base
 from handcart.backends.robot import Robot
-from handcart.primitives.behaviour_primitive import behaviour_primitive
 from handcart.primitives.books.books import Books
-from handcart.primitives.discrepancy import Discrepancy, NeedsPerson
-from handcart.primitives.outcome import Fail, GiveUp, Success
-from handcart.primitives.tree_primitive import GeneratorBehaviour, TreePrimitive, ticked
-from handcart.primitives.world_model import ModelView, UndeclaredAccess
+from handcart.primitives.contract.behaviour_primitive import behaviour_primitive
+from handcart.primitives.contract.discrepancy import Discrepancy, NeedsPerson
+from handcart.primitives.contract.outcome import Fail, GiveUp, Success
+from handcart.primitives.contract.tree_primitive import GeneratorBehaviour, TreePrimitive, ticked
+from handcart.primitives.knowledge.world_model import ModelView, UndeclaredAccess
 
 
 def periods(root: Behaviour) -> int:

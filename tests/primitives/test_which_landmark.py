@@ -6,8 +6,8 @@ import pytest
 
 from benchmarks.which_landmark import BESIDE, PLANS, trial
 from handcart.primitives.blocks.blocks import Blocks
-from handcart.primitives.fixate import Fixate
-from handcart.primitives.outcome import Success
+from handcart.primitives.blocks.fixate import Fixate
+from handcart.primitives.contract.outcome import Success
 from handcart.robotics.geometry.pose2 import Pose2
 
 from .stacking import TASK, at_the_wall, scene_of

@@ -12,8 +12,8 @@ import pytest
 from handcart.evaluation.laser_survey import read_spot
 from handcart.evaluation.running import run_task
 from handcart.files.loading import load
-from handcart.networks.calibration import Calibration
-from handcart.primitives.calibrate_camera import _lens
+from handcart.networks.runs.calibration import Calibration
+from handcart.primitives.calibration.calibrate_camera import _lens
 from handcart.robotics.geometry.transform import transform
 
 TASKS = Path(__file__).resolve().parents[2] / "tasks"

@@ -10,7 +10,7 @@ import pytest
 
 from handcart.evaluation.running import resume_task, run_task
 from handcart.files.errors import FileError
-from handcart.networks.permits import Permits
+from handcart.networks.operator.permits import Permits
 
 TASKS = Path(__file__).parents[2] / "tasks"
 STRAIGHT, ZIGZAG = TASKS / "deploy_straight" / "task.yaml", TASKS / "deploy_zigzag" / "task.yaml"

@@ -11,9 +11,9 @@ import pytest
 
 from handcart.evaluation.running import run_task
 from handcart.files.errors import FileError
-from handcart.networks.events import Ended
-from handcart.networks.run import execute, prepare
-from handcart.primitives.outcome import Success
+from handcart.networks.coordination.events import Ended
+from handcart.networks.runs.run import execute, prepare
+from handcart.primitives.contract.outcome import Success
 
 ROOT = Path(__file__).resolve().parents[2]
 TASK = ROOT / "tasks" / "drive_map" / "task.yaml"

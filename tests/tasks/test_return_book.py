@@ -12,7 +12,7 @@ from typing import Any
 import pytest
 
 from handcart.evaluation.campaign import Setting, Trial, run_trial
-from handcart.networks.journal_record import read_journal, without_wall
+from handcart.networks.journal.journal_record import read_journal, without_wall
 
 ROOT = Path(__file__).resolve().parents[2]
 TASK = ROOT / "tasks" / "return_book" / "task.yaml"

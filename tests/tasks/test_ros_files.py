@@ -9,7 +9,7 @@ import pytest
 from PIL import Image
 
 from handcart.files.errors import FileError
-from handcart.networks.preparing import check, prepare
+from handcart.networks.task.preparing import check, prepare
 
 TASKS = Path(__file__).resolve().parents[2] / "tasks"
 GOALS = """\

@@ -12,9 +12,9 @@ import pytest
 from handcart.backends.robot_loading import load_robot
 from handcart.backends.stopping import LATEST, stopping_ramp
 from handcart.evaluation.running import resume_task, run_task
-from handcart.networks.events import Started
-from handcart.networks.flight_recorder import load_readings
-from handcart.networks.journal_record import read_journal
+from handcart.networks.coordination.events import Started
+from handcart.networks.journal.journal_record import read_journal
+from handcart.networks.runs.flight_recorder import load_readings
 
 TASK = Path(__file__).resolve().parents[2] / "tasks" / "return_book" / "task.yaml"
 MOTION = 1e-3  # [m], [rad]: less between two periods is noise

@@ -11,7 +11,7 @@ import cv2
 import numpy as np
 import pytest
 
-from handcart.networks.preparing import check
+from handcart.networks.task.preparing import check
 from handcart.robotics.navigation.grid_map import from_boxes
 
 WALLS = [

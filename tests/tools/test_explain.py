@@ -15,9 +15,9 @@ import pytest
 
 from handcart.evaluation.campaign import Setting, run_trial
 from handcart.evaluation.explanation import explain
-from handcart.networks.flight_recorder import load_readings
-from handcart.networks.journal import Journal
-from handcart.networks.past_run import read_run
+from handcart.networks.journal.journal import Journal
+from handcart.networks.journal.past_run import read_run
+from handcart.networks.runs.flight_recorder import load_readings
 
 ROOT = Path(__file__).resolve().parents[2]
 TASK = ROOT / "tasks" / "return_book" / "task.yaml"

@@ -13,8 +13,8 @@ from can.io.canutils import CanutilsLogReader
 
 from handcart.backends.can.can_backend import CanBackend
 from handcart.backends.can.simulated.misbehaviours import misbehave
-from handcart.networks.preparing import prepare
-from handcart.networks.run import execute
+from handcart.networks.runs.run import execute
+from handcart.networks.task.preparing import prepare
 
 TASK = """\
 format: handcart-task/1

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from handcart.networks.journal_record import read_journal
+from handcart.networks.journal.journal_record import read_journal
 
 ROOT = Path(__file__).resolve().parents[2]
 

@@ -13,8 +13,8 @@ from pathlib import Path
 
 import pytest
 
-from handcart.networks.control import ask
-from handcart.networks.journal_record import read_journal
+from handcart.networks.journal.journal_record import read_journal
+from handcart.networks.operator.control import ask
 
 ROOT = Path(__file__).resolve().parents[2]
 

@@ -15,7 +15,7 @@ from typing import Any
 import pytest
 
 from handcart.backends.can.can_backend import CanBackend
-from handcart.networks.robot_claim import RobotClaim, state_folder
+from handcart.networks.runs.robot_claim import RobotClaim, state_folder
 from handcart.tools.command_line import COMMANDS
 
 ON_CAN = ("--robot", "cart", "--backend", "can")
@@ -73,7 +73,7 @@ def test_a_lock_goes_with_its_process(monkeypatch: pytest.MonkeyPatch, tmp_path:
     holder = python(
         "import time",
         "from handcart.backends.can.can_backend import CanBackend",
-        "from handcart.networks.robot_claim import RobotClaim, state_folder",
+        "from handcart.networks.runs.robot_claim import RobotClaim, state_folder",
         "class Robot:",
         "    name, address = 'can', 'virtual cart'",
         "claim = RobotClaim(Robot(), state_folder())",

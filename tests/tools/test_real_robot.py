@@ -11,9 +11,9 @@ from typing import Any
 import pytest
 
 from handcart.backends.can.can_backend import CanBackend
-from handcart.networks.journal import Journal
-from handcart.networks.journal_record import read_journal
-from handcart.networks.robot_claim import RobotClaim, state_folder
+from handcart.networks.journal.journal import Journal
+from handcart.networks.journal.journal_record import read_journal
+from handcart.networks.runs.robot_claim import RobotClaim, state_folder
 
 TASK = """\
 format: handcart-task/1
@@ -119,7 +119,7 @@ def test_what_waits_for_a_person_is_told_before_a_robot_is_woken(run, handcart, 
     folder = folder_of(run())
     give_up(folder)
     monkeypatch.setattr(
-        "handcart.networks.preparing.make_backend", lambda *_, **__: pytest.fail("a robot was woken")
+        "handcart.networks.task.preparing.make_backend", lambda *_, **__: pytest.fail("a robot was woken")
     )
     said = handcart("resume", folder)
     assert said.status == 6

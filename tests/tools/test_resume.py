@@ -18,12 +18,12 @@ import pytest
 from handcart.backends.saved_state import NotAState
 from handcart.evaluation.hostile.forging import reseal
 from handcart.evaluation.running import run_task
-from handcart.networks.acknowledging import NothingToAcknowledge, acknowledge
-from handcart.networks.checkpoint import load_checkpoint
-from handcart.networks.journal import Journal
-from handcart.networks.journal_record import read_journal
-from handcart.networks.run_folder import read_run_journal
-from handcart.networks.waiting import waiting
+from handcart.networks.journal.journal import Journal
+from handcart.networks.journal.journal_record import read_journal
+from handcart.networks.journal.waiting import waiting
+from handcart.networks.operator.acknowledging import NothingToAcknowledge, acknowledge
+from handcart.networks.runs.checkpoint import load_checkpoint
+from handcart.networks.runs.run_folder import read_run_journal
 
 ROOT = Path(__file__).resolve().parents[2]
 TASK = ROOT / "tasks" / "return_book" / "task.yaml"

@@ -13,8 +13,8 @@ from handcart.evaluation.conformance.all_checks import CHECKS
 from handcart.evaluation.conformance.bench import Bench
 from handcart.evaluation.stage import set_stage
 from handcart.files.errors import FileError
-from handcart.primitives.move_to import MoveTo
-from handcart.primitives.outcome import Success
+from handcart.primitives.contract.outcome import Success
+from handcart.primitives.driving.move_to import MoveTo
 
 
 @pytest.mark.slow

@@ -11,7 +11,7 @@ from typing import Any
 import orjson
 import pytest
 
-from handcart.networks.journal_record import read_journal
+from handcart.networks.journal.journal_record import read_journal
 
 pytest.importorskip("pybullet", reason="PyBullet has no wheel for this Python")
 ROOT = Path(__file__).resolve().parents[3]

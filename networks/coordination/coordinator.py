@@ -1,0 +1,242 @@
+"""The coordinator: plans, runs one primitive at a time, and plans again after a Fail."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Generator, Sequence
+from contextlib import suppress
+
+from handcart.backends.robot import Robot
+from handcart.networks.graph.binding import NotBound
+from handcart.networks.graph.network import Action, ActionNetwork
+from handcart.networks.graph.planner import NoWay, Plan, Planner
+from handcart.networks.graph.route import Route
+from handcart.networks.journal.chronicle import Chronicle, Keep
+from handcart.networks.journal.journal import Journal
+from handcart.networks.journal.measured import in_words, measure, moved
+from handcart.networks.journal.retracing import Standing
+from handcart.primitives.contract.action_primitive import ActionPrimitive
+from handcart.primitives.contract.attempt import attempt
+from handcart.primitives.contract.outcome import GiveUp, Outcome, Success
+from handcart.primitives.knowledge.world_model import WorldModel
+from handcart.primitives.restoring.snapshot import Snapshot
+
+from .events import Elsewhere, NotStarted, Observer
+from .run_end import RunEnd, RunOutcome
+from .run_life import RunLife
+from .supervision import Interrupted, Request, Supervision
+from .world_watch import WorldWatch
+
+Permission = Callable[[Action], bool | None]
+"""Asked once a period before an action starts: yes, no, or None while nobody has answered."""
+
+
+class Coordinator:
+    """One run through an action network, as a generator of periods; it knows no robot.
+
+    Who iterates steps the robot after each `yield` (time standing still while `life.paused`). Everything is
+    in the journal before it is acted on. What failed, was refused or could not be started is counted, and
+    counts never go down, so that every run ends within `network.bound()` actions.
+    """
+
+    def __init__(
+        self,
+        network: ActionNetwork,
+        robot: Robot,
+        model: WorldModel,
+        journal: Journal | None = None,
+        observers: Sequence[Observer] = (),
+        permission: Permission | None = None,
+        standing: Standing | None = None,
+        keep: Keep | None = None,
+    ) -> None:
+        """Nothing is planned or moved before `run` is iterated.
+
+        Args:
+            network: what can be done.
+            robot: at rest in the network's start.
+            model: what the robot knows.
+            journal: what is decided is written there; None: nowhere.
+            observers: called with each event, in order.
+            permission: asked before each action; None: those that need the operator's permission don't start.
+            standing: where a run that goes on stands; None: it begins.
+            keep: keeps a checkpoint after each action; None: nobody does.
+        """
+        self.network = network
+        self._left = "" if standing is None else standing.left
+        self._route = Route(network) if standing is None else standing.route
+        self.life = RunLife()
+        self.asks: Action | None = None
+        """The action that waits for permission."""
+        self._robot = robot
+        self._model = model
+        self._chronicle = Chronicle(robot, model, journal, observers, standing, keep)
+        self._supervision = Supervision(robot, self.life, self._chronicle.stopped)
+        self._watch = WorldWatch(robot, network, standing.seen if standing else {})
+        self._permission = permission
+
+    def request(self, what: Request) -> bool:
+        """Ask for a pause, a stop and so on; honoured at the next period. Safe in a signal handler.
+
+        Whether it was taken: too much may wait already. A stop always is, and goes before all else.
+        """
+        return self._supervision.ask(what)
+
+    @property
+    def situation(self) -> str:
+        """The last that is known to hold."""
+        return self._route.situation
+
+    @property
+    def planner(self) -> Planner:
+        """What has failed how often, and what is out."""
+        return self._route.planner
+
+    @property
+    def running(self) -> int:
+        """Number of the action that was started last, from 1; 0 before the first."""
+        return self._chronicle.started
+
+    def run(self) -> Generator[None, None, RunEnd]:
+        """From the start to the goal, or to where nothing leads on."""
+        try:
+            end = yield from self._pursue()
+        except Interrupted as interrupted:
+            end = self._end("Cancelled", interrupted.reason)
+        self.life.end()
+        self._chronicle.ended(end, measure(self._robot))
+        while not self._chronicle.kept:
+            yield
+        return end
+
+    def _pursue(self) -> Generator[None, None, RunEnd]:
+        if self._left:
+            self._forget(self._left)
+        while not self._route.arrived:
+            self._supervision.between_actions()
+            if not self._route.planned:
+                plan = self._plan()
+                if isinstance(plan, GiveUp):
+                    return self._end("GiveUp", plan.reason)
+                if isinstance(plan, NoWay):
+                    return self._end("Fail", plan.explanation)
+            action, left = self._route.next, self.situation
+            outcome = yield from self._carry_out(action)
+            if isinstance(outcome, GiveUp):
+                return self._end("GiveUp", f"{action}: {outcome.reason}")
+            if not isinstance(outcome, Success):
+                self._chronicle.fails += 1
+            self._route.took(outcome)
+            self._watch.arrived(self.situation)
+            self._forget(left)
+        skipped = self._chronicle.skipped
+        if skipped:
+            return self._end("Fail", f"left undone: {', '.join(skipped)}")
+        return self._end("Success", "")
+
+    def _plan(self) -> Plan | NoWay | GiveUp:
+        self.life.plan()
+        try:
+            plan = self._route.plan()
+        except Exception as error:  # a fault in planning: nobody knows what is next (row N10)
+            self._robot.stop()
+            self._chronicle.not_planned(self.situation, error)
+            return GiveUp(f"planning failed: {type(error).__name__}: {error}")
+        self._chronicle.planned(self.situation, plan)
+        return plan
+
+    def _forget(self, left: str) -> None:
+        """What was learned for an element of a repeat, once it is left."""
+        situations = self.network.situations
+        element = situations[left].element
+        if element is not None and situations[self.situation].element != element:
+            self._model.clear_element()
+
+    def _carry_out(self, action: Action) -> Generator[None, None, Outcome | NotStarted]:
+        if action.binding is None:
+            element = self.network.situations[action.source].element or action.source
+            self._chronicle.skip(action, element)
+            return Success()
+        if not (yield from self._permitted(action)):
+            return self._chronicle.not_started(action, "permission was refused")
+        try:
+            primitive = action.binding.make(self._model)
+        except NotBound as unknown:
+            return self._chronicle.not_started(action, str(unknown))
+        return (yield from self._act(action, primitive))
+
+    def _permitted(self, action: Action) -> Generator[None, None, bool]:
+        if self._permission is None:
+            return not action.permit
+        while (answer := self._permission(action)) is None:
+            self.life.ask()
+            self.asks = action
+            yield
+            self._supervision.between_actions()
+        self.asks = None
+        return answer
+
+    def _act(self, action: Action, primitive: ActionPrimitive) -> Generator[None, None, Outcome | NotStarted]:
+        told, moves = self._chronicle, not primitive.only_knowledge
+        at = measure(self._robot) if moves else None
+        if at is not None and (stood := self._watch.changed(at)):
+            return self._world_changed(action, stood, at)
+        if hindrance := self._hindrance(primitive):
+            return told.not_started(action, hindrance)
+        self._watch.begins(self.situation, at)
+        self.life.act()
+        told.start(action, primitive, self.planner.fails(action), at)
+        periods = attempt(
+            primitive, self._robot, self._model, lambda why: self._restore(action, why), intents=told
+        )
+        outcome = yield from self._supervision.to_its_end(periods, action.time_out_s)
+        if isinstance(outcome, NotStarted):
+            return told.not_started(action, outcome.reason)
+        if moves:
+            at = measure(self._robot)
+            self._watch.stands(at)
+        told.result(primitive, outcome, at)
+        while not told.kept:
+            yield
+            self._supervision.between_actions()
+        told.result_kept(action, primitive, outcome)
+        return outcome
+
+    def _hindrance(self, primitive: ActionPrimitive) -> str:
+        """What stands in the way of its start, where it can tell (row N7)."""
+        try:
+            return primitive.hindrance(self._robot, self._model.view(primitive))
+        except Exception as error:  # a fault of the primitive's own code
+            return f"{type(error).__name__}: {error}"
+
+    def _world_changed(self, action: Action, stood: Snapshot, now: Snapshot) -> GiveUp | Elsewhere:
+        """Nothing has started; go on from the situation that is found, or ask for a person (row N9)."""
+        reason = f"somebody changed the world: {in_words(moved(self._robot, stood, now))}"
+        situation = self._watch.situation(self.situation, stood, now)
+        self._chronicle.world_changed(action, stood, now, situation, reason)
+        if situation is None:
+            self._robot.stop()
+            return GiveUp(reason)
+        self._watch.stands(now)
+        return Elsewhere(reason, situation)
+
+    def _restore(self, action: Action, reason: str) -> None:
+        self.life.restore()
+        self._chronicle.restoring(action, reason)
+
+    def broken_off(self, reason: str, outcome: RunOutcome = "Error") -> RunEnd:
+        """The end of a run that a fault broke off: of ours or the journal, or a GiveUp where the robot's.
+
+        The robot has been stopped.
+        """
+        if self._chronicle.open and outcome == "Error":
+            reason = f"{reason}; how action {self.running} ended is not in the journal for good"
+        end = self._end(outcome, reason)
+        with suppress(Exception):  # what broke the run off may break this off, too
+            self._chronicle.stopped(reason, self._robot.time)
+            self._chronicle.ended(end, measure(self._robot))
+        return end
+
+    def _end(self, outcome: RunOutcome, reason: str) -> RunEnd:
+        told = self._chronicle
+        replans = max(0, told.plans - 1)
+        return RunEnd(outcome, self.situation, reason, told.started, told.fails, replans, tuple(told.skipped))

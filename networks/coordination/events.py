@@ -1,0 +1,95 @@
+"""What a coordinator tells those who look on."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from handcart.networks.graph.network import Action
+from handcart.networks.graph.planner import NoWay, Plan
+from handcart.primitives.contract.action_primitive import ActionPrimitive
+from handcart.primitives.contract.outcome import Outcome
+
+from .run_end import RunEnd
+
+
+@dataclass(frozen=True)
+class NotStarted:
+    """An action that could not be started: refused, or a parameter isn't known. Counts as a Fail."""
+
+    reason: str
+
+
+@dataclass(frozen=True)
+class Elsewhere(NotStarted):
+    """An action that was not started, because somebody changed the world: another situation holds."""
+
+    situation: str
+
+
+@dataclass(frozen=True)
+class Planned:
+    """A plan was made, or there is none."""
+
+    time: float
+    """The robot's, in [s]; so in all events."""
+    situation: str
+    plan: Plan | NoWay
+
+
+@dataclass(frozen=True)
+class Started:
+    """An action starts."""
+
+    time: float
+    number: int
+    """Which action of the run, from 1."""
+    action: Action
+    primitive: ActionPrimitive
+    fails: int
+    """How often this action failed before."""
+
+
+@dataclass(frozen=True)
+class Restoring:
+    """The running action brings everything back."""
+
+    time: float
+    action: Action
+    reason: str
+
+
+@dataclass(frozen=True)
+class Ended:
+    """An action has ended, and its outcome is in the journal."""
+
+    time: float
+    number: int
+    action: Action
+    primitive: ActionPrimitive
+    """With its evidence."""
+    outcome: Outcome
+    changes: Mapping[str, Any]
+    """What was learned or forgotten."""
+
+
+@dataclass(frozen=True)
+class LeftOut:
+    """An action that wasn't started, or an element of a repeat that is left undone."""
+
+    time: float
+    action: Action
+    reason: str
+
+
+@dataclass(frozen=True)
+class RunEnded:
+    """The run has ended."""
+
+    time: float
+    end: RunEnd
+
+
+Event = Planned | Started | Restoring | Ended | LeftOut | RunEnded
+Observer = Callable[[Event], None]

@@ -1,0 +1,79 @@
+"""A run that is only imagined: outcomes come from a file, or all are Success."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+from pydantic import Field
+
+from handcart.files.loading import load
+from handcart.files.model import FileModel
+from handcart.networks.graph.network import ActionNetwork
+from handcart.networks.graph.planner import NoWay
+from handcart.networks.graph.route import Route
+from handcart.primitives.contract.outcome import Success
+
+Word = Literal["Success", "Fail", "FailForGood", "GiveUp"]
+
+
+class Script(FileModel):
+    """Outcomes for the actions of a run, one after the other; when they are used up, all succeed."""
+
+    format: Literal["handcart-script/1"]
+    outcomes: Annotated[list[Word], Field(max_length=10_000)]
+    """`FailForGood` uses up all attempts of its action."""
+
+
+@dataclass(frozen=True)
+class Imagined:
+    """How an imagined run went."""
+
+    outcome: Literal["Success", "Fail", "GiveUp"]
+    situation: str
+    reason: str
+    cost_s: float
+    """Sum of the costs of its actions, in [s]."""
+    lines: tuple[str, ...]
+    """What was done, an action each."""
+
+    def summary(self) -> dict[str, Any]:
+        """For programs."""
+        return {
+            "outcome": self.outcome,
+            "situation": self.situation,
+            "reason": self.reason,
+            "actions": len(self.lines),
+            "cost_s": self.cost_s,
+            "did": list(self.lines),
+        }
+
+
+def load_script(path: Path) -> Script:
+    """A script's file; raises `FileError`."""
+    return load(path, Script)
+
+
+def follow(network: ActionNetwork, outcomes: Iterable[Word]) -> Imagined:
+    """Go through a network as the coordinator would if its actions ended like this."""
+    route, words, cost = Route(network), iter(outcomes), 0.0
+    lines: list[str] = []
+    while not route.arrived:
+        if not route.planned:
+            plan = route.plan()
+            if isinstance(plan, NoWay):
+                return Imagined("Fail", route.situation, plan.explanation, cost, tuple(lines))
+        action = route.next
+        word: Word = "Success" if action.binding is None else next(words, "Success")
+        cost += 0.0 if action.binding is None else action.cost_s
+        lines.append(f"{len(lines) + 1}. {action}: {word}, {action.cost_s:g} s")
+        if word == "GiveUp":
+            reason = f"{action}: as the script says"
+            return Imagined("GiveUp", route.situation, reason, cost, tuple(lines))
+        if word == "Success":
+            route.took(Success({}))
+        else:
+            route.failed("as the script says", word == "FailForGood")
+    return Imagined("Success", route.situation, "", cost, tuple(lines))

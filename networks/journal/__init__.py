@@ -1,0 +1,1 @@
+"""What is decided, written first; and reading it back."""

@@ -1,0 +1,233 @@
+"""Telling of a run: into the journal first, then to those who look on."""
+
+from __future__ import annotations
+
+import traceback
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
+
+import orjson
+
+from handcart.backends.robot import Robot
+from handcart.networks.coordination.events import (
+    Ended,
+    Event,
+    LeftOut,
+    NotStarted,
+    Observer,
+    Planned,
+    Restoring,
+    RunEnded,
+    Started,
+)
+from handcart.networks.coordination.run_end import RunEnd
+from handcart.networks.graph.network import Action
+from handcart.networks.graph.planner import NoWay, Plan
+from handcart.primitives.contract.action_primitive import ActionPrimitive
+from handcart.primitives.contract.cause import Cause
+from handcart.primitives.contract.evidence import Evidence
+from handcart.primitives.contract.intents import Intents
+from handcart.primitives.contract.outcome import Fail, GiveUp, Outcome, Success
+from handcart.primitives.knowledge.world_model import WorldModel
+from handcart.primitives.restoring.snapshot import Snapshot
+
+from .journal import Journal
+from .measured import measured_fields
+from .retracing import Standing
+
+Keep = Callable[[Mapping[str, Any], str], str | None]
+"""Keeps a checkpoint; called with an action's result before the journal has it, and the checksum of the
+journal's last record. Gives the checkpoint's digest, None where none is kept."""
+
+
+_NOTHING: Mapping[str, Any] = {}
+
+
+class Chronicle(Intents):
+    """Counts what happens in a run, journals it and tells the observers."""
+
+    def __init__(
+        self,
+        robot: Robot,
+        model: WorldModel,
+        journal: Journal | None,
+        observers: Sequence[Observer],
+        standing: Standing | None = None,
+        keep: Keep | None = None,
+    ) -> None:
+        self.started = standing.started if standing else 0
+        self.fails = standing.fails if standing else 0
+        self.plans = standing.plans if standing else 0
+        self.skipped: list[str] = list(standing.skipped) if standing else []
+        self.open = False
+        """Whether an action has started whose outcome isn't in the journal for good."""
+        self._keep = keep
+        self._robot = robot
+        self._model = model
+        self._journal = journal
+        self._observers = observers
+        self._said: dict[int, orjson.Fragment] = {}
+        self._changes: Mapping[str, Any] = {}
+
+    def planned(self, situation: str, plan: Plan | NoWay) -> None:
+        """A plan was made, or there is none."""
+        self.plans += 1
+        if isinstance(plan, Plan):
+            way = {"way": [action.index for action in plan.actions], "cost": plan.cost}
+            excluded = plan.excluded
+        else:
+            way, excluded = {"no_way": plan.explanation}, plan.blocking
+        self._write("PLAN", {"situation": situation, **way, "excluded": [each.index for each in excluded]})
+        self._tell(lambda: Planned(self._robot.time, situation, plan))
+
+    def not_planned(self, situation: str, error: Exception) -> None:
+        """A plan could not be made, because of a fault."""
+        told = "".join(traceback.format_exception(error))
+        self._write("PLAN", {"situation": situation, "error": told})
+
+    def start(
+        self, action: Action, primitive: ActionPrimitive, fails: int, at: Snapshot | None = None
+    ) -> None:
+        """An action is about to start; `at` is how the robot stands, where that was measured."""
+        self.started += 1
+        self.open = True
+        if self._journal is not None:
+            fields = {"n": self.started, "action": self._words(action, primitive)}
+            self._write("START", fields | _at(at))
+        self._tell(lambda: Started(self._robot.time, self.started, action, primitive, fails))
+
+    def intends(self, effect: str) -> None:
+        """The running action is about to do what can't simply be done once more."""
+        self._write("INTENT", {"n": self.started, "effect": effect})
+
+    def passed(self, what: str) -> None:
+        """The running action passes a point of no return."""
+        self._write("PNR", {"n": self.started, "what": what})
+
+    @property
+    def kept(self) -> bool:
+        """Whether all that was written is as safe as the journal promises; raises `JournalError`."""
+        return self._journal is None or self._journal.durable
+
+    def restoring(self, action: Action, reason: str) -> None:
+        """The running action restores."""
+        self._write("RESTORE", {"n": self.started, "reason": reason})
+        self._tell(lambda: Restoring(self._robot.time, action, reason))
+
+    def result(self, primitive: ActionPrimitive, outcome: Outcome, at: Snapshot | None = None) -> None:
+        """An action has ended; nobody is told yet. `at` is how the robot stands then."""
+        self._changes = changes = self._model.taken_changes()
+        fields = {"n": self.started, **outcome_fields(outcome)}
+        if changes:
+            fields["learned"] = changes
+        if not isinstance(outcome, Success):
+            fields |= cause_fields(primitive.evidence)
+        fields |= _at(at)
+        after = "" if self._journal is None else self._journal.last
+        kept = None if self._keep is None else self._keep(fields, after)
+        # Outside the chain: a physics engine's state is not the same bytes in two runs of one seed.
+        self._write("RESULT", fields, {} if kept is None else {"checkpoint": kept})
+
+    def result_kept(self, action: Action, primitive: ActionPrimitive, outcome: Outcome) -> None:
+        """Its result is in the journal for good: now the observers hear of it."""
+        self.open, changes = False, self._changes
+        self._tell(lambda: Ended(self._robot.time, self.started, action, primitive, outcome, changes))
+
+    def stopped(self, cause: str, asked: float) -> None:
+        """The robot was told to stop just now, as was asked for at that time, in [s]."""
+        self._write(
+            "STOP", {"cause": cause, "asked_s": round(asked, 6), "sent_s": round(self._robot.time, 6)}
+        )
+
+    def world_changed(
+        self, action: Action, stood: Snapshot, now: Snapshot, situation: str | None, reason: str
+    ) -> None:
+        """Somebody changed the world between two actions: the one that was next is not started."""
+        told = {"action": action.index, "reason": reason, "situation": situation}
+        self._write("RECON", told | {"expected": measured_fields(stood)} | _at(now))
+        self._tell(lambda: LeftOut(self._robot.time, action, reason))
+
+    def not_started(self, action: Action, reason: str) -> NotStarted:
+        """An action could not be started."""
+        self.open = False
+        self._write("NOT_STARTED", {"action": action.index, "reason": reason})
+        self._tell(lambda: LeftOut(self._robot.time, action, reason))
+        return NotStarted(reason)
+
+    def skip(self, action: Action, element: str) -> None:
+        """An element of a repeat is left undone."""
+        self.skipped.append(element)
+        self._write("SKIP", {"action": action.index, "element": element})
+        self._tell(lambda: LeftOut(self._robot.time, action, f"{element} is left undone"))
+
+    def ended(self, end: RunEnd, at: Snapshot | None = None) -> None:
+        """The run has ended; `at` is how the robot stands."""
+        fields = {"outcome": end.outcome, "situation": end.situation, "reason": end.reason}
+        self._write("END", fields | _at(at))
+        self._tell(lambda: RunEnded(self._robot.time, end))
+
+    def _words(self, action: Action, primitive: ActionPrimitive) -> object:
+        """What the journal says of an action; written out once where nothing in it changes."""
+        if action.index in self._said:
+            return self._said[action.index]
+        words = {
+            "index": action.index,
+            "do": action.do,
+            "from": action.source,
+            "to": action.target,
+            "with": primitive.model_dump(mode="json"),
+        }
+        if action.binding is None or not action.binding.late:
+            self._said[action.index] = orjson.Fragment(orjson.dumps(words))
+        return words
+
+    def _write(self, kind: str, fields: Mapping[str, Any], wall: Mapping[str, Any] = _NOTHING) -> None:
+        if self._journal is not None:
+            self._journal.append(kind, self._robot.time, fields, wall)
+
+    def _tell(self, event: Callable[[], Event]) -> None:
+        if self._observers:
+            made = event()
+            for observer in self._observers:
+                observer(made)
+
+
+def _at(at: Snapshot | None) -> dict[str, Any]:
+    return {} if at is None else {"at": measured_fields(at)}
+
+
+def outcome_fields(outcome: Outcome) -> dict[str, Any]:
+    """An outcome as the journal holds it."""
+    match outcome:
+        case Success(evidence):
+            return {"outcome": "Success", "evidence": evidence} if evidence else {"outcome": "Success"}
+        case Fail(reason, permanent, residuals):
+            told = {"reason": reason, "permanent": permanent, "residuals": residuals}
+            return {"outcome": "Fail", **told}
+        case GiveUp(reason, residuals):
+            return {"outcome": "GiveUp", "reason": reason, "residuals": residuals}
+
+
+def cause_fields(evidence: Evidence) -> dict[str, Any]:
+    """What the journal holds of why an attempt didn't succeed."""
+    fields: dict[str, Any] = {}
+    if evidence.causes:
+        fields["cause"] = [_cause(each) for each in evidence.causes]
+    if evidence.limits:
+        fields["tolerance"] = evidence.limits
+    if evidence.decisive:
+        fields["picture"] = evidence.decisive
+    if evidence.facts:
+        fields["evidence"] = evidence.facts
+    return fields
+
+
+def _cause(cause: Cause) -> dict[str, Any]:
+    told: dict[str, Any] = {"reason": cause.reason, "check": cause.check, "calls": cause.calls}
+    if cause.measured is not None:
+        told["measured"] = cause.measured._asdict()
+    if cause.fault:
+        told["fault"] = cause.fault
+    if cause.restoring:
+        told["restoring"] = True
+    return told

@@ -1,0 +1,56 @@
+"""Writing what a primitive saw into the run's folder."""
+
+from __future__ import annotations
+
+from io import BytesIO
+from pathlib import Path
+from typing import Any
+
+import cv2
+import numpy as np
+
+from handcart.files.whole_file import write_whole
+from handcart.networks.coordination.events import Ended, Event
+from handcart.primitives.contract.evidence import Evidence
+from handcart.primitives.contract.outcome import Outcome, Success
+
+FOLDER = "evidence"
+
+
+def stem(number: int, do: str, outcome: Outcome) -> str:
+    """How the names of the files begin that an action leaves: `003_SEARCH_Fail`."""
+    ended = "" if isinstance(outcome, Success) else f"_{type(outcome).__name__}"
+    return f"{number:03d}_{do}{ended}"
+
+
+class EvidenceFiles:
+    """An observer that keeps the pictures and points which decided how each action ended.
+
+    `evidence/003_SEARCH_Fail_shelf.png` is the picture `shelf` of the third action.
+    """
+
+    def __init__(self, run_dir: Path) -> None:
+        self._folder = run_dir / FOLDER
+        self.lost: str | None = None
+        """Why nothing more is kept, where the disk took no more; the run goes on without."""
+
+    def __call__(self, event: Event) -> None:
+        """Write what an action that has ended leaves."""
+        if isinstance(event, Ended):
+            try:
+                self._write(stem(event.number, event.action.do, event.outcome), event.primitive.evidence)
+            except OSError as error:
+                self.lost = error.strerror
+
+    def _write(self, name: str, evidence: Evidence) -> None:
+        if self.lost is not None or not (evidence.pictures or evidence.points):
+            return
+        self._folder.mkdir(exist_ok=True)
+        for key, picture in evidence.pictures.items():
+            _, png = cv2.imencode(".png", picture)
+            write_whole(self._folder / f"{name}_{key}.png", png.tobytes(), sync=False)
+        if evidence.points:
+            points: dict[str, Any] = dict(evidence.points)
+            packed = BytesIO()
+            np.savez_compressed(packed, **points)
+            write_whole(self._folder / f"{name}.npz", packed.getvalue(), sync=False)

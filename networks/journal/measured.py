@@ -1,0 +1,69 @@
+"""The robot at rest, as measured, in the journal's words."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from handcart.backends.robot import Robot
+from handcart.primitives.restoring.snapshot import Snapshot, limits, residuals, take_snapshot
+from handcart.robotics.geometry.pose2 import Pose2
+
+
+def measure(robot: Robot) -> Snapshot | None:
+    """The robot as it stands; None where it can't be read. What objects it sees is not asked for."""
+    try:
+        return take_snapshot(robot, {})
+    except Exception:
+        return None
+
+
+def measured_fields(at: Snapshot) -> dict[str, Any]:
+    """A snapshot, ready for JSON: lengths in [m], angles in [rad]; what isn't known is null."""
+    fields: dict[str, Any] = {"base": tuple(at.pose), "base_sigma": at.pose_sigma}
+    if at.joints.size:
+        fields["joints"] = at.joints
+        fields["joint_command"] = at.joint_command
+    if at.gripper_width or at.gripper_command:
+        fields["grip"] = at.gripper_width
+        fields["grip_command"] = at.gripper_command
+        fields["holding"] = at.holding
+    return fields
+
+
+def snapshot_of(fields: Mapping[str, Any]) -> Snapshot:
+    """The snapshot that `measured_fields` told.
+
+    Raises:
+        KeyError, TypeError: they tell none.
+    """
+    far, turned = (math.inf if each is None else float(each) for each in fields["base_sigma"])
+    return Snapshot(
+        Pose2(*fields["base"]),
+        (far, turned),
+        np.array(fields.get("joints", ()), dtype=np.float64),
+        np.array(fields.get("joint_command", ()), dtype=np.float64),
+        float(fields.get("grip_command", 0.0)),
+        float(fields.get("grip", 0.0)),
+        bool(fields.get("holding", False)),
+        {},
+    )
+
+
+def moved(robot: Robot, stood: Snapshot, now: Snapshot) -> dict[str, float]:
+    """What stands elsewhere than before, beyond the robot's tolerance: the residuals of `snapshot.residuals`.
+
+    That a pose isn't surely known is no motion.
+    """
+    found = residuals(stood, replace(now, pose_sigma=(0.0, 0.0)), robot.spec.joint_units.slides)
+    allowed = limits(robot, found)
+    return {name: size for name, size in found.items() if not size <= allowed[name]}
+
+
+def in_words(off: Mapping[str, float]) -> str:
+    """Residuals for people: `base_mm 312, held inf`."""
+    return ", ".join(f"{name} {size:.3g}" for name, size in off.items())

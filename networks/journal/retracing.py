@@ -1,0 +1,157 @@
+"""From a journal's records to where its run stands in the network."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+from handcart.files.errors import HandcartError
+from handcart.files.printable import printable
+from handcart.networks.coordination.events import Elsewhere
+from handcart.networks.graph.network import ActionNetwork
+from handcart.networks.graph.route import Route
+from handcart.primitives.contract.outcome import Success
+from handcart.primitives.restoring.snapshot import Snapshot
+
+from .measured import snapshot_of
+
+TORN = "TORN"
+"""What an ACK calls a damaged last record."""
+_OF_ONE = ("INTENT", "PNR", "RESTORE", "RESULT")
+Record = Mapping[str, Any]
+
+
+class NeedsOperator(HandcartError):
+    """A run can't go on before a person has decided something. Exit status 6."""
+
+    exit_status = 6
+
+
+@dataclass
+class Standing:
+    """Where a run stands, by its journal alone."""
+
+    route: Route
+    started: int = 0
+    fails: int = 0
+    plans: int = 0
+    skipped: list[str] = field(default_factory=list)
+    in_doubt: Record | None = None
+    """The START of an action of which nobody knows how far it came."""
+    gave_up: Record | None = None
+    """The record of a GiveUp that nobody has acknowledged: a RESULT, or an END between actions."""
+    over: Record | None = None
+    """The END of a run that came to its end."""
+    done: int = 0
+    """Number of the last action with a RESULT."""
+    left: str = ""
+    """The situation in which that action began."""
+    at: Snapshot | None = None
+    """How the robot stood when the run last knew where it is."""
+    seen: dict[str, Snapshot] = field(default_factory=dict)
+    """How it stood in situations that the run was in, the last one at the end."""
+
+    def followed(self, records: Sequence[Record]) -> Standing:
+        """Itself, after these records too; raises `NeedsOperator` for one that doesn't fit."""
+        for record in records:
+            try:
+                _follow(self, record)
+            except (LookupError, TypeError, ValueError) as error:
+                words = f"record {record['q']} ({record['kind']}) doesn't fit the task's network"
+                raise NeedsOperator(printable(f"{words}: {error}")) from None
+        return self
+
+
+def standing(network: ActionNetwork, records: Sequence[Record]) -> Standing:
+    """Follow a journal through the network that it was written for.
+
+    Raises:
+        NeedsOperator: the journal is of another network, or doesn't fit this one.
+    """
+    if not records or records[0].get("network") != network.fingerprint():
+        raise NeedsOperator("the task is not the one that was run: its network is another one")
+    return Standing(Route(network)).followed(records[1:])
+
+
+def _follow(found: Standing, record: Record) -> None:
+    route, kind = found.route, record["kind"]
+    _check(found, record)
+    if kind == "PLAN":
+        found.plans += 1
+        route.plan()
+    elif kind == "START":
+        found.started, found.in_doubt = record["n"], record
+        if found.at is None:
+            _stands(found, record)
+    elif kind == "RESULT":
+        found.in_doubt, found.done, found.left = None, record["n"], route.situation
+        _take(found, record)
+    elif kind == "NOT_STARTED":
+        found.fails, found.in_doubt = found.fails + 1, None
+        route.failed(record["reason"])
+    elif kind == "RECON":
+        _look(found, record)
+    elif kind == "SKIP":
+        found.skipped.append(record["element"])
+        route.took(Success({}))
+    elif kind == "END":
+        found.over = record
+        found.gave_up = found.gave_up or (record if record["outcome"] == "GiveUp" else None)
+    elif kind == "ACK":
+        _acknowledge(found, record)
+    elif kind == "EPOCH":
+        found.in_doubt, found.over = None, None
+    if found.at is not None and kind != "END":
+        found.seen.pop(route.situation, None)
+        found.seen[route.situation] = found.at
+
+
+def _check(found: Standing, record: Record) -> None:
+    """Raise `ValueError` for a record that can't follow those before it."""
+    kind, route = record["kind"], found.route
+    if "situation" in record and record["situation"] not in (None, *route.network.situations):
+        raise ValueError(f"there is no situation {record['situation']!r}")
+    if kind == "PLAN" and record["situation"] != route.situation:
+        raise ValueError(f"it stands in situation {route.situation}")
+    if kind in ("START", "NOT_STARTED", "SKIP", "RECON") and "action" in record:
+        index = record["action"]["index"] if kind == "START" else record["action"]
+        if not route.planned or route.next.index != index:
+            raise ValueError("another action was next")
+    if kind == "START" and record["n"] != found.started + 1:
+        raise ValueError(f"action {found.started + 1} was next")
+    if kind in _OF_ONE and (found.in_doubt is None or record["n"] != found.in_doubt["n"]):
+        raise ValueError(f"action {record['n']} is not the one that was started")
+
+
+def _take(found: Standing, record: Record) -> None:
+    if record["outcome"] == "GiveUp":
+        found.gave_up = record
+        return
+    _stands(found, record)
+    if record["outcome"] == "Success":
+        found.route.took(Success({}))
+    else:
+        found.fails += 1
+        found.route.failed(record["reason"], record["permanent"])
+
+
+def _look(found: Standing, record: Record) -> None:
+    if record["situation"] is not None:
+        found.fails += 1
+        found.route.took(Elsewhere(record["reason"], record["situation"]))
+        _stands(found, record)
+
+
+def _acknowledge(found: Standing, record: Record) -> None:
+    found.gave_up, found.over, found.in_doubt = None, None, None
+    if record["of"] == TORN and not found.route.planned:
+        return
+    if record.get("of") != "END":
+        found.fails += 1
+        found.route.failed(record["reason"])
+
+
+def _stands(found: Standing, record: Record) -> None:
+    if "at" in record:
+        found.at = snapshot_of(record["at"])

@@ -1,0 +1,1 @@
+"""The operator's line to a run: stop, pause, permit, acknowledge."""

@@ -1,0 +1,162 @@
+"""Asking a run that is alive in another process; and telling what is the matter where it doesn't answer."""
+
+from __future__ import annotations
+
+import errno
+import fcntl
+import os
+import socket
+import stat
+import time
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import orjson
+
+from handcart.files.errors import HandcartError, InputError
+from handcart.files.printable import clipped, printable
+from handcart.networks.journal.journal_record import JournalError, read_journal
+
+from .socket_path import CONTROL, STOP, socket_path
+
+PATIENCE = 5.0  # [s] that the other end gets for an answer
+LONGEST_ANSWER = 65_536  # [bytes]
+_PAUSE = 0.02  # [s] between two tries
+_JOURNAL = "journal.jsonl"
+
+
+class NotAlive(InputError):
+    """No run goes on in that folder."""
+
+
+class ClosedToYou(InputError):
+    """The folder, or the run in it, belongs to somebody else."""
+
+
+class NotAnswering(HandcartError):
+    """A run goes on in that folder, but doesn't answer: what it does can't be said."""
+
+
+def ask(folder: Path, message: Mapping[str, Any], patience: float = PATIENCE) -> dict[str, Any]:
+    """Send a message to the run that is alive in a folder; its answer.
+
+    Raises:
+        NotAlive: no run goes on there.
+        ClosedToYou: the folder may not be used.
+        NotAnswering: it goes on, but nobody answered within `patience` [s].
+    """
+    end = time.monotonic() + patience
+    try:
+        answer = _answer(folder, orjson.dumps(message) + b"\n", end)
+    except TimeoutError:
+        raise _unanswered(folder, f"within {patience:g} s") from None
+    except OSError as error:
+        raise _unreached(folder, error) from None
+    try:
+        told = orjson.loads(answer)
+    except orjson.JSONDecodeError:
+        told = None
+    if not isinstance(told, dict) or "ok" not in told:
+        raise NotAnswering(f"what answers in {folder} is no run: {printable(clipped(repr(answer)))}")
+    return told
+
+
+def tell_to_stop(folder: Path) -> None:
+    """Stop the run that is alive in a folder, whatever else it is asked; returns before it is over.
+
+    Raises:
+        NotAlive: no run goes on there.
+        ClosedToYou: the folder may not be used.
+        NotAnswering: it goes on, but can't be reached.
+    """
+    try:
+        with socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as line, socket_path(folder / STOP) as name:
+            line.setblocking(False)
+            line.sendto(b"stop", name)
+    except BlockingIOError:
+        pass  # enough wait there already, and each of them means the same
+    except OSError as error:
+        raise _unreached(folder, error) from None
+
+
+def goes_on(folder: Path) -> bool:
+    """Whether somebody writes the journal in a folder.
+
+    Raises:
+        OSError: it can't be opened.
+    """
+    journal = os.open(folder / _JOURNAL, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC | os.O_NOFOLLOW)
+    try:
+        if not stat.S_ISREG(os.fstat(journal).st_mode):
+            raise OSError(errno.EINVAL, "it is no file")
+        fcntl.flock(journal, fcntl.LOCK_SH | fcntl.LOCK_NB)
+    except BlockingIOError:
+        return True
+    finally:
+        os.close(journal)
+    return False
+
+
+def _answer(folder: Path, message: bytes, end: float) -> bytes:
+    with socket.socket(socket.AF_UNIX, socket.SOCK_STREAM) as line:
+        _connect(line, folder, end)
+        line.settimeout(_left(end))
+        line.sendall(message)
+        answer = b""
+        while not answer.endswith(b"\n") and len(answer) < LONGEST_ANSWER:
+            line.settimeout(_left(end))
+            new = line.recv(LONGEST_ANSWER)
+            if not new:
+                raise ConnectionResetError
+            answer += new
+    return answer
+
+
+def _connect(line: socket.socket, folder: Path, end: float) -> None:
+    """Connect, waiting for a place in the queue where many want to."""
+    with socket_path(folder / CONTROL) as name:
+        while True:
+            line.settimeout(_left(end))
+            try:
+                return line.connect(name)
+            except BlockingIOError:
+                time.sleep(min(_PAUSE, _left(end)))
+
+
+def _left(end: float) -> float:
+    left = end - time.monotonic()
+    if left <= 0.0:
+        raise TimeoutError
+    return left
+
+
+def _unanswered(folder: Path, when: str) -> HandcartError:
+    how = f"handcart stop {folder} stops it all the same"
+    return NotAnswering(f"the run in {folder} is alive, but doesn't answer {when}; {how}")
+
+
+def _unreached(folder: Path, error: OSError) -> HandcartError:
+    """Why nobody could be reached in a folder, as far as it can be known."""
+    if isinstance(error, PermissionError):
+        return _closed(folder, error)
+    if not folder.is_dir():
+        what = f"{folder} is no folder" if folder.exists() else f"there is no folder {folder}"
+        return NotAlive(f"no run is alive there: {what}; allowed: the folder of one that goes on")
+    try:
+        if goes_on(folder):
+            return _unanswered(folder, f"({error.strerror or 'it hung up'}): it begins, or comes to its end")
+        records = read_journal(folder / _JOURNAL).records
+    except PermissionError as closed:
+        return _closed(folder, closed)
+    except (OSError, JournalError):
+        said = f"no run is alive in {folder}: no journal can be read there"
+        return NotAlive(f"{said}; allowed: the folder of one that goes on")
+    if records and records[-1]["kind"] == "END":
+        how = f"{records[-1].get('outcome')} in situation {records[-1].get('situation')}"
+        return NotAlive(printable(f"no run is alive in {folder}: it is over, {how}"))
+    return NotAlive(f"no run is alive in {folder}: it broke off; handcart resume {folder} goes on with it")
+
+
+def _closed(folder: Path, error: OSError) -> ClosedToYou:
+    return ClosedToYou(f"{folder} is closed to you: {error.strerror}; allowed: whoever started the run")

@@ -1,0 +1,60 @@
+"""Who permits an action: the operator, at a terminal or over a socket; or nobody is asked."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection
+from typing import Literal
+
+from handcart.networks.graph.network import Action
+
+Mode = Literal["ask", "always", "never"]
+
+
+class Permits:
+    """Answers the coordinator's question before each action, and keeps it waiting while nobody has answered.
+
+    Asked are actions with `permit: operator`, those that start from a break point, and all of them in single
+    steps. An answer holds for the one action that was asked for.
+    """
+
+    def __init__(self, mode: Mode = "ask", step: bool = False, breaks: Collection[str] = ()) -> None:
+        """Nothing has been asked yet.
+
+        Args:
+            mode: what becomes of actions with `permit: operator`: the operator is asked, or the answer is
+                always yes, or always no.
+            step: whether the operator is asked before every action.
+            breaks: situations before whose actions the operator is asked.
+        """
+        self._mode, self._step, self._breaks = mode, step, frozenset(breaks)
+        self._asks: Action | None = None
+        self._answer: bool | None = None
+        self.asking: Callable[[Action], None] = lambda _: None
+        """Called once for each question."""
+        self.typed: Callable[[], bool | None] = lambda: None
+        """Asked once a period while an action waits: what somebody typed, None for nothing yet."""
+
+    @property
+    def asks(self) -> Action | None:
+        """The action that waits for an answer."""
+        return self._asks
+
+    def answer(self, permitted: bool) -> None:
+        """The operator's word on the action that waits; without one it is lost."""
+        if self._asks is not None:
+            self._answer = permitted
+
+    def __call__(self, action: Action) -> bool | None:
+        """Yes, no, or None while nobody has answered."""
+        if not self._is_asked(action):
+            return not (action.permit and self._mode == "never")
+        if self._asks is not action:
+            self._asks, self._answer = action, None
+            self.asking(action)
+        if self._answer is None:
+            return None
+        answer, self._asks, self._answer = self._answer, None, None
+        return answer
+
+    def _is_asked(self, action: Action) -> bool:
+        return self._step or action.source in self._breaks or (action.permit and self._mode == "ask")

@@ -1,0 +1,92 @@
+"""What a run found of the robot itself, as a file to review: `calibration.yaml` in the run's folder."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from io import StringIO
+from pathlib import Path
+from typing import Annotated, Literal, Self
+
+from pydantic import Field, model_validator
+
+from handcart.files.model import FileModel
+from handcart.primitives.contract.calibrated import Calibrated
+
+NAME = "calibration.yaml"
+_DIGITS = 3  # of a standard deviation: rounding then adds nothing to it
+_HEAD = """\
+# What a run found of the robot. `handcart adopt` shows what that changes in the robot's file, and writes it.
+"""
+
+NotNegative = Annotated[float, Field(ge=0.0)]
+
+
+class Value(FileModel):
+    """A value for the robot's file."""
+
+    value: float | tuple[float, ...]
+    sigma: NotNegative | tuple[NotNegative, ...]
+    """Its standard deviation; of a list, that of each number."""
+
+    @model_validator(mode="after")
+    def _alike(self) -> Self:
+        if _length(self.value) != _length(self.sigma):
+            raise ValueError("value and sigma aren't alike; allowed: two numbers, or two lists of one length")
+        return self
+
+
+class Calibration(FileModel):
+    """What a run found of the robot."""
+
+    format: Literal["handcart-calibration/1"]
+    robot: str
+    """A shipped robot's name, or the path of a robot's file."""
+    backend: str
+    """By which it was found: what a simulation finds is true of a simulation."""
+    found: Annotated[dict[str, Value], Field(min_length=1)]
+    """By key in the robot's file: `camera.calibrated.focal_px`."""
+
+    def text(self) -> str:
+        """As a file."""
+        from ruamel.yaml import YAML
+
+        yaml = YAML()
+        yaml.default_flow_style = None
+        yaml.width = 200
+        out = StringIO()
+        yaml.dump(self.model_dump(mode="json"), out)
+        return _HEAD + out.getvalue()
+
+
+def rounded(found: Mapping[str, Calibrated]) -> dict[str, Value]:
+    """Values with as many digits as their standard deviations allow."""
+    result = {}
+    for key, each in found.items():
+        values, sigmas = _tuple(each.value), _tuple(each.sigma)
+        places = [_places(sigma) for sigma in sigmas]
+        value = tuple(round(number, place) for number, place in zip(values, places, strict=True))
+        sigma = tuple(round(number, place) for number, place in zip(sigmas, places, strict=True))
+        single = isinstance(each.value, float)
+        result[key] = Value(value=value[0] if single else value, sigma=sigma[0] if single else sigma)
+    return result
+
+
+def _places(sigma: float) -> int:
+    """Decimal places of a number with that standard deviation."""
+    if sigma <= 0.0 or not math.isfinite(sigma):
+        return 6
+    return max(0, _DIGITS - 1 - math.floor(math.log10(sigma)))
+
+
+def _tuple(value: float | tuple[float, ...]) -> tuple[float, ...]:
+    return value if isinstance(value, tuple) else (value,)
+
+
+def _length(value: float | tuple[float, ...]) -> int:
+    return len(value) if isinstance(value, tuple) else 0
+
+
+def calibration_path(run: Path) -> Path:
+    """Of a run's folder, or that very file."""
+    return run / NAME if run.is_dir() else run

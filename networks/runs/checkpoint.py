@@ -1,0 +1,137 @@
+"""Where a run stands between two actions, on disk."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from handcart.backends.saved_state import MAX_BYTES, NotAState, digest, pack, unpack
+from handcart.files.errors import HandcartError
+from handcart.files.printable import printable
+
+from handcart.networks.journal.journal import plain_json
+from handcart.networks.task.preparing import Prepared
+from .run_folder import read_file
+from handcart.networks.journal.run_records import RECORDS
+
+NAME = "checkpoint"
+_FORMAT = "handcart-checkpoint/2"
+_KEYS = {"format", "after", "result", "time_s", "backend", "robot", "model"}
+
+
+class NotKeptError(HandcartError):
+    """A checkpoint can't be written. Exit status 5."""
+
+
+@dataclass(frozen=True)
+class Checkpoint:
+    """World, estimates and knowledge after an action, and its result as the journal is to hold it.
+
+    A real robot's holds what is known, and no world.
+    """
+
+    digest: str
+    """What names it: the SHA-256 of its file."""
+    after: str
+    """Checksum of the journal's record before the action's RESULT."""
+    result: Mapping[str, Any]
+    time_s: float
+    """The robot's, in [s]."""
+    backend: object
+    """None of a real robot, whose world stands by itself."""
+    robot: object
+    model: object
+
+    def put_back(self, prepared: Prepared) -> None:
+        """Put a run, prepared anew from the same files and seed, where it stood; a real robot only learns.
+
+        Raises:
+            NotAState: it is of something else.
+        """
+        if self.backend is None and prepared.backend.simulated:
+            raise NotAState("the checkpoint is of a real robot: it holds no world")
+        if self.backend is not None:
+            prepared.backend.set_state(self.backend)
+            prepared.robot.set_state(self.robot)
+        prepared.model.set_state(self.model)
+
+
+class CheckpointKeeper:
+    """Keeps the latest checkpoint of a run in its folder; before the journal has the action's RESULT.
+
+    A GiveUp is not kept: who acknowledges it has put everything back as it was before that action.
+    """
+
+    def __init__(self, folder: Path, prepared: Prepared, durable: bool = False) -> None:
+        """`durable`: each is on the disk before its action's result is."""
+        self._path, self._prepared, self._durable = folder / NAME, prepared, durable
+
+    def keep(self, result: Mapping[str, Any], after: str) -> str | None:
+        """Replace the checkpoint in one step; None where a simulated world can't be kept.
+
+        Args:
+            result: of the action that has ended, as the journal is to hold it.
+            after: checksum of the journal's last record.
+
+        Returns:
+            The checkpoint's digest, by which the journal names it.
+
+        Raises:
+            NotKeptError: it can't be written.
+        """
+        backend = self._prepared.backend.state()
+        if (backend is None and self._prepared.backend.simulated) or result["outcome"] == "GiveUp":
+            return None
+        robot, model = self._prepared.robot, self._prepared.model
+        content = pack(
+            {
+                "format": _FORMAT,
+                "after": after,
+                "result": plain_json(result),
+                "time_s": robot.time,
+                "backend": backend,
+                "robot": robot.state(),
+                "model": model.state(),
+            }
+        )
+        try:
+            self._replace(content)
+        except OSError as error:
+            raise NotKeptError(printable(f"{self._path} can't be written: {error.strerror}")) from None
+        return digest(content)
+
+    def _replace(self, content: bytes) -> None:
+        new = self._path.with_suffix(".new")
+        new.unlink(missing_ok=True)
+        file = os.open(new, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC | os.O_NOFOLLOW, 0o600)
+        with os.fdopen(file, "wb") as stream:
+            stream.write(content)
+            stream.flush()
+            if self._durable:
+                os.fsync(file)
+        os.replace(new, self._path)
+
+
+def load_checkpoint(folder: Path) -> Checkpoint | None:
+    """The checkpoint in a run's folder; None where there is none.
+
+    Raises:
+        NotAState: it isn't one.
+        NoRun: it is no file that can be read.
+    """
+    bytes_ = read_file(folder, NAME, MAX_BYTES, missing=True)
+    if bytes_ is None:
+        return None
+    try:
+        kept = unpack(bytes_)
+        if not isinstance(kept, dict) or kept.keys() != _KEYS or kept.pop("format") != _FORMAT:
+            raise NotAState(f"no checkpoint of the format {_FORMAT}")
+        kept["result"] = RECORDS["RESULT"].validate_python(kept["result"])
+    except ValueError as error:
+        raise NotAState(printable(f"{folder / NAME}: {str(error).splitlines()[0]}")) from None
+    if not isinstance(kept["time_s"], float) or not isinstance(kept["after"], str):
+        raise NotAState(printable(f"{folder / NAME}: no checkpoint: its time is no number"))
+    return Checkpoint(digest(bytes_), **kept)

@@ -1,0 +1,170 @@
+"""The last seconds of readings and commands, kept where something went wrong."""
+
+from __future__ import annotations
+
+import zipfile
+from collections import deque
+from collections.abc import Mapping, Sequence
+from contextlib import suppress
+from io import BytesIO
+from pathlib import Path
+from types import TracebackType
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from handcart.backends.arm import Arm
+from handcart.backends.base import Base
+from handcart.backends.gripper import Gripper
+from handcart.backends.range_sensor import RangeSensor
+from handcart.backends.robot import Robot
+from handcart.files.whole_file import write_whole
+from handcart.primitives.contract.outcome import Success
+
+from handcart.networks.coordination.events import Ended, Event, Restoring, Started
+from handcart.networks.journal.evidence_files import FOLDER, stem
+
+MAX_ARRAYS = 256 * 2**20  # bytes
+SECONDS = 10.0  # of the robot's time
+END = "end"
+"""The stem of the file with the run's last seconds."""
+SUFFIX = "_readings.npz"
+
+Row = dict[str, Any]
+Readings = Mapping[str, NDArray[Any]]
+"""Columns by name, `time_s` and so on: (n,) or (n, m). Beside them what stays the same: `footprint_m` (), and
+for the range sensor `angles_rad` (m,) of its beams and `base_T_sensor` (3,) in [m, m, rad]."""
+
+
+class FlightRecorder:
+    """An onlooker and an observer of a run: reads everything but the camera once a period.
+
+    For each Fail and GiveUp it writes `evidence/003_MOVE_TO_Fail_readings.npz`: the seconds before the motion
+    was broken off, and the last ones of the way back. At the end of the run (leaving it as a context manager)
+    it writes `evidence/end_readings.npz`, unless nothing has happened since. A reading is the same however
+    often it is taken, so the run isn't changed. Names end in the unit.
+    """
+
+    def __init__(self, run_dir: Path, robot: Robot, seconds: float = SECONDS) -> None:
+        """Nothing is read yet; the last `seconds` of the robot's time are kept."""
+        self._folder = run_dir / FOLDER
+        self._rows: deque[Row] = deque(maxlen=max(1, round(seconds / robot.period)))
+        self._decided: list[Row] = []
+        self._same: Row = {"footprint_m": robot.spec.footprint_radius_m}
+        if robot.spec.arm is not None:
+            self._same["joint_slides"] = np.array(robot.spec.joint_units.slides, dtype=bool)
+        self._time = self._kept = -1.0
+        self._action, self._restoring = 0, False
+        backend = robot.backend
+        self._arm, self._gripper = backend.get(Arm), backend.get(Gripper)  # type: ignore[type-abstract]
+        self._base, self._range = backend.get(Base), backend.get(RangeSensor)  # type: ignore[type-abstract]
+        self.lost: str | None = None
+        """Why nothing more is kept, where the disk took no more; the run goes on without."""
+
+    def look(self, robot: Robot) -> None:
+        """Take a period down; while the robot's time stands still there is nothing new."""
+        if robot.time <= self._time:
+            return
+        self._time = robot.time
+        # What a sensor's fault means is for those to say who need the reading.
+        with suppress(Exception):
+            self._rows.append(self._read(robot))
+
+    def _read(self, robot: Robot) -> Row:
+        pose, sigma = robot.pose, robot.pose_sigma
+        row: Row = {
+            "time_s": robot.time,
+            "action": self._action,
+            "restoring": self._restoring,
+            "x_m": pose.x,
+            "y_m": pose.y,
+            "heading_rad": pose.theta,
+            "position_sigma_m": sigma[0],
+            "heading_sigma_rad": sigma[1],
+            "scan_explained": robot.explained,
+        }
+        if self._base is not None:
+            row["wheel_left_m"], row["wheel_right_m"] = self._base.wheel_travel()
+            row["speed_command_m_s"], row["turn_command_rad_s"] = robot.driven
+        if self._arm is not None:
+            row["joints_rad"], row["joints_command_rad"] = self._arm.joints(), self._arm.command()
+            row["hand_force_n"] = self._arm.hand_force()
+        if self._gripper is not None:
+            row["grip_width_m"], row["grip_command_m"] = self._gripper.width(), self._gripper.command()
+            row["grip_presses"] = self._gripper.closed_on_something()
+        if self._range is not None:
+            scan = self._range.scan()
+            self._same["angles_rad"], self._same["base_T_sensor"] = scan.angles, scan.base_T_sensor
+            row["ranges_m"] = scan.ranges.round(3).astype(np.float32)
+        return row
+
+    def __call__(self, event: Event) -> None:
+        """Keep what an event makes worth keeping."""
+        match event:
+            case Started(number=number):
+                self._action, self._restoring, self._decided = number, False, []
+            case Restoring():
+                self._restoring, self._decided = True, list(self._rows)
+            case Ended(number=number, action=action, outcome=outcome):
+                self._restoring = False
+                if not isinstance(outcome, Success):
+                    self._keep(stem(number, action.do, outcome))
+            case _:
+                pass
+
+    def __enter__(self) -> FlightRecorder:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self._decided = []
+        if self._time > self._kept:
+            self._keep(END)
+
+    def _keep(self, name: str) -> None:
+        after = self._decided[-1]["time_s"] if self._decided else -1.0
+        rows = [*self._decided, *(row for row in self._rows if row["time_s"] > after)]
+        if not rows or self.lost is not None:
+            return
+        try:
+            self._folder.mkdir(exist_ok=True)
+            packed = BytesIO()
+            np.savez_compressed(packed, **_columns(rows), **self._same)
+            write_whole(self._folder / f"{name}{SUFFIX}", packed.getvalue(), sync=False)
+            self._kept = self._time
+        except OSError as error:
+            self.lost = error.strerror
+
+
+def _columns(rows: Sequence[Row]) -> dict[str, Any]:
+    return {name: np.array([row[name] for row in rows]) for name in rows[0]}
+
+
+def load_arrays(path: Path) -> dict[str, NDArray[Any]]:
+    """The arrays in an .npz file: numbers, no objects, and no more than a run ever keeps.
+
+    Raises:
+        OSError, ValueError, zipfile.BadZipFile: it is no such file, damaged, or larger.
+    """
+    # NumPy leaves a file open that it opened itself and finds damaged.
+    with path.open("rb") as file:
+        with zipfile.ZipFile(file) as packed:
+            size = sum(each.file_size for each in packed.infolist())
+        if size > MAX_ARRAYS:
+            raise ValueError(f"{size} bytes when unpacked, more than {MAX_ARRAYS}")
+        with np.load(file, allow_pickle=False) as arrays:
+            return {name: arrays[name] for name in arrays.files}
+
+
+def load_readings(path: Path) -> Readings:
+    """What the recorder wrote.
+
+    Raises:
+        OSError, ValueError, zipfile.BadZipFile: it is no such file, or damaged.
+    """
+    columns = load_arrays(path)
+    if "time_s" not in columns:
+        raise ValueError("there is no column time_s")
+    return columns

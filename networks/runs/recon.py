@@ -1,0 +1,133 @@
+"""A real robot's run that broke off: what was expected, what is measured, what nobody can tell."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Any
+
+from handcart.backends.joint_units import JointUnits
+from handcart.backends.robot import Robot
+from handcart.primitives.restoring.snapshot import Snapshot, limits, residuals, settle, take_snapshot
+
+from handcart.networks.journal.measured import measured_fields
+from handcart.networks.task.preparing import Prepared
+from .resuming import Past
+from handcart.networks.journal.retracing import NeedsOperator
+from handcart.networks.journal.waiting import broken_off
+
+LOOK = 40  # periods at rest in which a base that was pushed is found again
+_BY_SCANS = ("base_mm", "base_deg", "base_unsure_mm", "base_unsure_deg")
+
+
+@dataclass(frozen=True)
+class Recon:
+    """How a robot stands, read after the resume began, beside how its journal left it."""
+
+    expected: Snapshot | None
+    """None where the journal doesn't tell."""
+    measured: Snapshot
+    residuals: Mapping[str, float]
+    limits: Mapping[str, float]
+    unknown: tuple[str, ...]
+    """What no sensor tells, in words."""
+    sure: bool
+    """Whether all that was expected could be compared."""
+    units: JointUnits
+    """Of the arm's joints."""
+
+    @property
+    def off(self) -> dict[str, float]:
+        """What is not as it was left, beyond the robot's tolerance."""
+        return {name: size for name, size in self.residuals.items() if not size <= self.limits[name]}
+
+    def words(self) -> list[str]:
+        """Expected, measured and unknown, a line each."""
+        found = [
+            f"{name} {size:.3g} (at most {self.limits[name]:.3g})" for name, size in self.residuals.items()
+        ]
+        lines = [] if self.expected is None else [f"expected: {_stands(self.expected, self.units)}"]
+        lines.append(
+            f"measured: {_stands(self.measured, self.units)}; off by {', '.join(found) or 'nothing known'}"
+        )
+        return [*lines, *(f"unknown: {each}" for each in self.unknown)]
+
+    def fields(self) -> dict[str, Any]:
+        """For the journal's RECON; `situation` is that of the run, so none is named."""
+        expected = None if self.expected is None else measured_fields(self.expected)
+        told = {"expected": expected, "at": measured_fields(self.measured), "residuals": self.residuals}
+        return {"situation": None, **told, "unknown": self.unknown}
+
+
+def standing_as_left(prepared: Prepared, past: Past) -> Prepared:
+    """The same run, its robot's estimate begun where the journal left it."""
+    old, at = prepared.robot, past.standing.at
+    grid = prepared.model.map if prepared.task.file.knowledge else None
+    robot = Robot(prepared.backend, old.spec, old.pose if at is None else at.pose, grid)
+    robot.time = past.time_s
+    return replace(prepared, robot=robot)
+
+
+def reconnoitre(robot: Robot, past: Past) -> Recon:
+    """Hold still, read everything anew and compare; nothing is commanded."""
+    for _ in range(LOOK):
+        robot.step()
+    for _ in settle(robot):
+        robot.step()
+    now, expected = take_snapshot(robot, {}), past.standing.at
+    unknown = list(past.doubts())
+    if expected is None:
+        unknown.append("how the robot stood: the journal doesn't tell")
+        return Recon(None, now, {}, {}, tuple(unknown), False, robot.spec.joint_units)
+    found = residuals(expected, now, robot.spec.joint_units.slides)
+    if robot.dead_reckoned:
+        found = {name: size for name, size in found.items() if name not in _BY_SCANS}
+        unknown.append("where the base stands: only its wheels tell, and they were not heard meanwhile")
+    elif robot.lost:
+        unknown.append("where the base stands: what it scans doesn't fit the map near where it was left")
+    unknown.append("what stands around it that no sensor reads now")
+    allowed, sure = limits(robot, found), not robot.dead_reckoned
+    return Recon(expected, now, found, allowed, tuple(unknown), sure, robot.spec.joint_units)
+
+
+def gone_on(past: Past, recon: Recon, confirm: int | None) -> Past:
+    """A run, to go on from what a look at a real robot found; an action in doubt counts as failed.
+
+    Args:
+        past: the run as its journal left it.
+        recon: what was found.
+        confirm: the journal's last record, as a person has seen it.
+
+    Raises:
+        NeedsOperator: the robot isn't as it was left, nobody can tell, or nobody has confirmed.
+    """
+    doubt = past.standing.in_doubt
+    if recon.off:
+        where = "where that action began" if doubt else "where it was left"
+        off = ", ".join(f"{name} {size:.3g}" for name, size in recon.off.items())
+        raise NeedsOperator(f"the robot isn't {where}: {off}; bring it there, then resume again")
+    if doubt is not None and (not recon.sure or len(list(past.doubts())) > 1):
+        how = f"if all is as it was before that action: handcart ack {past.folder} {doubt['q']}"
+        raise NeedsOperator(f"{broken_off(doubt)}, and no sensor tells what it did; {how}")
+    if confirm != past.last:
+        how = f"handcart resume {past.folder} --confirm {past.last}"
+        raise NeedsOperator(f"a real robot moves only after a look at it: {how}")
+    closing: list[tuple[str, Mapping[str, Any]]] = [("RECON", recon.fields())]
+    if doubt is not None:
+        fail = {"n": doubt["n"], "outcome": "Fail", "reason": broken_off(doubt), "permanent": False}
+        found = {"residuals": recon.residuals, "tolerance": recon.limits, "by": "recon"}
+        closing.append(("RESULT", fail | found))
+    records = [{"kind": kind, "q": -1, **fields} for kind, fields in closing]
+    return replace(past, standing=past.standing.followed(records), closing=tuple(closing))
+
+
+def _stands(at: Snapshot, units: JointUnits) -> str:
+    x, y, heading = at.pose
+    words = f"base at ({x:.2f}, {y:.2f}) m, heading {math.degrees(heading):.1f} deg"
+    if at.joints.size:
+        words += f"; joints {', '.join(units.words(joint, each) for joint, each in enumerate(at.joints))}"
+    if at.gripper_width or at.gripper_command:
+        held = "something" if at.holding else "nothing"
+        words += f"; fingers {1e3 * at.gripper_width:.1f} mm apart, holding {held}"
+    return words

@@ -1,0 +1,228 @@
+"""A run that broke off: what is known of it, and how it goes on."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from importlib.metadata import version
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from handcart.backends.arm import Arm
+from handcart.files.errors import InputError
+from handcart.files.printable import printable
+
+from .checkpoint import NAME, Checkpoint, load_checkpoint
+from handcart.networks.journal.journal import SCHEMA, check_not_alive
+from handcart.networks.journal.journal_record import JournalContents
+from handcart.networks.graph.network import ActionNetwork
+from handcart.networks.graph.planner import NoWay
+from handcart.networks.journal.retracing import NeedsOperator, Standing, standing
+from .run_folder import JOURNAL, read_run_journal
+from handcart.networks.journal.waiting import may_have_begun
+
+if TYPE_CHECKING:
+    from handcart.backends.robot import Robot
+
+_NEEDED = {
+    *("schema", "handcart", "task_path", "settings", "network", "backend", "bench", "seed", "errors"),
+    *("robot", "robot_sha256", "start", "simulated"),
+}
+"""What a header has that a run can be gone on with."""
+_DOUBTFUL = {"INTENT": "effect", "PNR": "what"}
+"""Records that leave unknown what has happened, and where they tell it."""
+
+
+class NothingToResume(InputError):
+    """A run came to its end."""
+
+
+@dataclass(frozen=True)
+class Past:
+    """What a run's folder holds, read once."""
+
+    folder: Path
+    contents: JournalContents
+    standing: Standing
+    checkpoint: Checkpoint | None
+    recovered: Mapping[str, Any] | None
+    """The RESULT that the checkpoint holds and the journal lacks: a crash came in between."""
+    closing: tuple[tuple[str, Mapping[str, Any]], ...] = ()
+    """What a look at a real robot adds to the journal."""
+
+    @property
+    def last(self) -> int:
+        """Number of the journal's last whole record."""
+        return len(self.contents.records) - 1
+
+    @property
+    def time_s(self) -> float:
+        """The robot's time of that record, in [s]."""
+        return float(self.contents.records[-1]["t"])
+
+    @property
+    def to_tell(self) -> list[tuple[str, Mapping[str, Any], Mapping[str, Any]]]:
+        """Records that the journal gets before the run goes on: kind, fields, what stands under `wall`."""
+        records: list[tuple[str, Mapping[str, Any], Mapping[str, Any]]] = []
+        if self.recovered is not None and self.checkpoint is not None:
+            wall = {"checkpoint": self.checkpoint.digest}
+            records.append(("RESULT", {**self.recovered, "recovered": True}, wall))
+        records += [(kind, fields, {}) for kind, fields in self.closing]
+        doubt = self.standing.in_doubt
+        told = {"after": self.last, "in_doubt": None if doubt is None else doubt["n"]}
+        return [*records, ("EPOCH", told, {})]
+
+    def doubts(self) -> Iterator[str]:
+        """What may have happened since the last that is known."""
+        doubt = self.standing.in_doubt
+        if doubt is None:
+            return
+        what = doubt["action"]
+        yield f"how far action {doubt['n']}, {what['do']} from {what['from']}, had come"
+        for record in self.contents.records[doubt["q"] :]:
+            if record["kind"] in _DOUBTFUL:
+                yield f"whether it happened: {record[_DOUBTFUL[record['kind']]]}"
+        if self.contents.torn_at is not None:
+            yield f"what record {self.last + 1}, which is damaged, told of it"
+
+    def words(self, now_s: float, boot: str | None) -> list[str]:
+        """What is known and recovered, and what would come next, a line each.
+
+        Args:
+            now_s: the wall clock, in [s] since 1970.
+            boot: the machine's boot ID now.
+        """
+        here, wall = self.standing, self.contents.records[-1]["wall"]
+        age = f"{max(0.0, now_s - wall['unix_s']):.0f} s ago"
+        lines = [
+            f"known: record {self.last}, {age}; situation {here.route.situation}, {here.started} actions "
+            f"started, {here.fails} failed"
+        ]
+        if self.contents.torn_at is not None:
+            lines.append(f"torn: the journal's tail from byte {self.contents.torn_at} on is set aside")
+        if self.recovered is not None:
+            ended = f"action {self.recovered['n']} had ended with {self.recovered['outcome']}"
+            lines.append(f"recovered: {ended}")
+        before = next(
+            (w["boot_id"] for w in map(_wall, reversed(self.contents.records)) if "boot_id" in w), boot
+        )
+        if before != boot:
+            lines.append("known: the machine was started anew since")
+        return lines
+
+    def check_robot(self, robot: Robot) -> None:
+        """Raise `NeedsOperator` where the journal tells of a robot with other joints."""
+        arm = robot.backend.get(Arm)  # type: ignore[type-abstract]
+        joints = 0 if arm is None else arm.command().size
+        for at in (self.standing.at, *self.standing.seen.values()):
+            if at is not None and (at.joints.size, at.joint_command.size) != (joints, joints):
+                told = f"{self.folder / JOURNAL} tells of {at.joints.size} joints, and the robot has {joints}"
+                raise NeedsOperator(printable(told))
+
+    def next_words(self) -> str:
+        """What would be done next."""
+        route = self.standing.route
+        if route.arrived:
+            return "next: nothing, the goal is reached"
+        plan = route.planner.plan(route.situation)
+        return f"next: {plan.explanation if isinstance(plan, NoWay) else plan.actions[0]}"
+
+
+def read_past(folder: Path, network: ActionNetwork) -> Past:
+    """What is known of the run in a folder.
+
+    Raises:
+        NoRun: it is no run's folder.
+        JournalError: the journal can't be read, or is damaged inside.
+        NotAState: the checkpoint is none.
+        NeedsOperator: the journal doesn't fit the task, the checkpoint isn't the journal's, or the run gave
+            up and nobody has acknowledged that.
+    """
+    contents = read_run_journal(folder)
+    here = standing(network, contents.records)
+    if here.gave_up is not None:
+        record = here.gave_up
+        how = f"when all is as it was before that action: handcart ack {folder} {record['q']}"
+        raise NeedsOperator(f"the run gave up: {record['reason']}; {how}")
+    if contents.torn_at is not None and here.in_doubt is None:
+        here.in_doubt = _maybe_begun(here, contents)
+    checkpoint = load_checkpoint(folder)
+    recovered = None
+    if checkpoint is not None and checkpoint.digest != _named(contents):
+        recovered = _recovered(folder, checkpoint, here, contents)
+        here.followed([{"kind": "RESULT", "q": len(contents.records), **recovered}])
+    return Past(folder, contents, here, checkpoint, recovered)
+
+
+def _named(contents: JournalContents) -> str | None:
+    """The checkpoint that belongs to the last result, by its digest."""
+    results = (each for each in reversed(contents.records) if each["kind"] == "RESULT")
+    kept = (each for each in results if each["outcome"] != "GiveUp" and each.get("by") != "recon")
+    last = next(kept, None)
+    return None if last is None else last["wall"].get("checkpoint")
+
+
+def _recovered(
+    folder: Path, checkpoint: Checkpoint, here: Standing, contents: JournalContents
+) -> Mapping[str, Any]:
+    """The result of the action in doubt: its checkpoint was kept, and a crash came before the journal had it.
+
+    Raises:
+        NeedsOperator: it is any other checkpoint than that.
+    """
+    doubt = here.in_doubt
+    whole = doubt is not None and checkpoint.after == contents.records[-1]["h"]
+    if doubt is None or not whole or checkpoint.result["n"] != doubt["n"]:
+        told = (
+            f"it is of action {checkpoint.result['n']}, and the journal's last result of action {here.done}"
+        )
+        words = f"the checkpoint in {folder} is not the one that its journal names: {told}"
+        if not contents.records[0].get("simulated", True):
+            words += f"; if the robot may go on without what it had learned: rm {folder / NAME}"
+        raise NeedsOperator(words)
+    return checkpoint.result
+
+
+def _maybe_begun(here: Standing, contents: JournalContents) -> Mapping[str, Any] | None:
+    """The START that a damaged last record may have been (row D3)."""
+    route = here.route
+    if not route.planned or not may_have_begun(contents.records):
+        return None
+    action = route.next
+    words = {"index": action.index, "do": action.do, "from": action.source, "to": action.target}
+    return {"kind": "START", "q": len(contents.records), "n": here.started + 1, "action": words}
+
+
+def task_of(folder: Path) -> Mapping[str, Any]:
+    """The header of the journal of a run that isn't over: task, settings, backend, seed.
+
+    Nothing but the journal is read.
+
+    Raises:
+        NoRun: it is no run's folder.
+        JournalError: the journal can't be read, or is damaged inside.
+        RunAlive: it still goes on.
+        NothingToResume: it came to its end.
+        NeedsOperator: no task stands in it, or another handcart has written it (row D12).
+    """
+    records = read_run_journal(folder).records
+    check_not_alive(folder)
+    if not records or not records[0].keys() >= _NEEDED:
+        raise NeedsOperator(f"{folder / JOURNAL} doesn't tell which task was run")
+    header = records[0]
+    for what, said, ours in (
+        ("journal is of the format", header["schema"], SCHEMA),
+        ("run is one of handcart", header["handcart"], version("handcart")),
+    ):
+        if said != ours:
+            raise NeedsOperator(printable(f"the {what} {said[:40]!r}; only {ours!r} can go on with it here"))
+    last = next(each for each in reversed(records) if each["kind"] in ("END", "EPOCH", "RUN"))
+    if last["kind"] == "END" and last["outcome"] in ("Success", "Fail"):
+        words = f"the run in {folder} is over: {last['outcome']} in situation {last['situation']}"
+        raise NothingToResume(printable(f"{words}; allowed: one that broke off, was stopped or gave up"))
+    return header
+
+
+def _wall(record: Mapping[str, Any]) -> Mapping[str, Any]:
+    wall: Mapping[str, Any] = record["wall"]
+    return wall

@@ -1,0 +1,141 @@
+"""One run at a time on a real robot, and none after one that a person has to see to."""
+
+from __future__ import annotations
+
+import fcntl
+import os
+import re
+from contextlib import AbstractContextManager, nullcontext
+from pathlib import Path
+
+from handcart.backends.backend import Backend
+from handcart.files.errors import InputError
+from handcart.files.printable import printable
+
+from handcart.networks.journal.journal_record import JournalError
+from handcart.networks.journal.retracing import NeedsOperator
+from .run_folder import JOURNAL, NoRun, read_run_journal
+from handcart.networks.journal.waiting import waiting
+
+_FLAGS = os.O_RDWR | os.O_CREAT | os.O_CLOEXEC | os.O_NOFOLLOW
+
+
+class RobotBusy(InputError):
+    """Another process has the robot."""
+
+
+class NoClaim(InputError):
+    """The folder that tells which runs robots are in can't be used."""
+
+
+class RobotClaim:
+    """Holds a real robot for this process; names the run that it is in, in a small file.
+
+    The run's journal alone tells whether it waits for a person: it gave up, or was broken off in the middle
+    of an action, and nobody has acknowledged that. Then the next claim is refused (row N13), whoever asks:
+    a service that starts a run again and again moves nothing. A context manager: leaving it lets go of the
+    robot, and of the name where nothing waits.
+    """
+
+    def __init__(self, backend: Backend, folder: Path, own: Path | None = None) -> None:
+        """Claim the robot behind a backend.
+
+        Args:
+            backend: it tells which robot it is.
+            folder: where each robot has its file; made if it isn't there.
+            own: the run that is to go on, where that is what is claimed for: it may wait.
+
+        Raises:
+            RobotBusy: another process has it.
+            NeedsOperator: its last run waits for a person.
+            NoClaim: the folder can't be used.
+        """
+        name = re.sub(r"[^\w.-]", "_", f"{backend.name}-{backend.address}".strip("-"))
+        self.path = folder / name
+        """Holds the path of the run's folder; empty where nothing waits."""
+        self._run: Path | None = None
+        try:
+            folder.mkdir(parents=True, exist_ok=True, mode=0o700)
+            self._file = os.open(self.path, _FLAGS, 0o600)
+        except OSError as error:
+            raise NoClaim(
+                f"{self.path} can't be opened: {error.strerror}; allowed: a folder of yours"
+            ) from None
+        try:
+            self._lock()
+            self._refuse_what_waits(own)
+        except BaseException:
+            os.close(self._file)
+            raise
+
+    def _lock(self) -> None:
+        try:
+            fcntl.flock(self._file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except OSError:
+            words = f"the robot {self.path.name} is in another run: {self._noted() or 'not named yet'}"
+            raise RobotBusy(printable(f"{words}; allowed: one at a time")) from None
+
+    def _refuse_what_waits(self, own: Path | None) -> None:
+        run = self._noted()
+        if run is None or (own is not None and run == own.resolve()):
+            return
+        if not os.path.lexists(run / JOURNAL):
+            how = f"if it may move: rm {self.path}"
+            raise NeedsOperator(f"the robot's last run, {run}, is not over, and its journal is gone; {how}")
+        open_ends = waiting(read_run_journal(run))
+        if open_ends:
+            number, reason = next(iter(open_ends.items()))
+            how = f"when all is safe: handcart ack {run} {number}"
+            raise NeedsOperator(f"the robot's last run, {run}, waits for a person: {reason}; {how}")
+
+    def begin(self, run: Path) -> None:
+        """Name the run that the robot is in from now on; durable before this returns.
+
+        Raises:
+            JournalError: the disk takes no more; nothing has moved.
+        """
+        self._run = run.resolve()
+        try:
+            os.ftruncate(self._file, 0)
+            os.pwrite(self._file, f"{self._run}\n".encode(), 0)
+            os.fsync(self._file)
+        except OSError as error:
+            raise JournalError(self.path, f"can't be written: {error.strerror}") from None
+
+    def close(self) -> None:
+        """Let go of the robot. A second call does nothing."""
+        if self._file < 0:
+            return
+        if self._run is not None and not self._waits(self._run):
+            os.ftruncate(self._file, 0)
+        os.close(self._file)
+        self._file = -1
+
+    def __enter__(self) -> RobotClaim:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def _waits(self, run: Path) -> bool:
+        if not (run / JOURNAL).exists():  # this process has made none: nothing has moved
+            return False
+        try:
+            return bool(waiting(read_run_journal(run)))
+        except (JournalError, NoRun):
+            return True
+
+    def _noted(self) -> Path | None:
+        text = os.pread(self._file, 4096, 0).decode(errors="replace").strip()
+        return Path(text) if text else None
+
+
+def state_folder() -> Path:
+    """Where robots' files are: `$XDG_STATE_HOME/handcart/robots`, by default in `~/.local/state`."""
+    home = os.environ.get("XDG_STATE_HOME")
+    return (Path(home) if home else Path.home() / ".local" / "state") / "handcart" / "robots"
+
+
+def claimed(backend: Backend, own: Path | None = None) -> AbstractContextManager[RobotClaim | None]:
+    """Claim the robot behind a backend; None where it is simulated: a new run is a new world there."""
+    return nullcontext() if backend.simulated else RobotClaim(backend, state_folder(), own)

@@ -1,0 +1,219 @@
+"""Executing a prepared run: the outermost loop, and the run's folder."""
+
+from __future__ import annotations
+
+import time
+import traceback
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import ExitStack, suppress
+from pathlib import Path
+from typing import Any
+
+import orjson
+
+from handcart.backends.backend import RobotFault
+from handcart.backends.recording import Recording
+from handcart.backends.robot import Robot
+from handcart.files.errors import HandcartError
+from handcart.files.whole_file import write_whole
+
+from .calibration_keeper import CalibrationKeeper
+from .checkpoint import CheckpointKeeper
+from handcart.networks.coordination.coordinator import Coordinator
+from handcart.networks.coordination.events import Observer
+from handcart.networks.journal.evidence_files import EvidenceFiles
+from .flight_recorder import FlightRecorder
+from handcart.networks.coordination.interrupts import Interrupts
+from handcart.networks.journal.journal import Journal
+from handcart.networks.journal.journal_record import JournalError
+from handcart.networks.operator.operation import Operation
+from handcart.networks.operator.permits import Permits
+from handcart.networks.task.preparing import Prepared
+from handcart.networks.task.preparing import prepare as prepare
+from .recording_keeper import RecordingKeeper
+from .resuming import Past
+from handcart.networks.coordination.run_end import RunEnd
+from handcart.networks.journal.run_header import header, process_facts
+from handcart.networks.coordination.run_life import RunState
+from .steady_memory import SteadyMemory
+from handcart.networks.coordination.supervision import Request
+from handcart.networks.journal.syncing import Sync, sync_for
+from .telemetry import Telemetry
+
+Metrics = Callable[[Prepared, RunEnd, Telemetry], Mapping[str, Any]]
+"""Task-specific figures about a run that has ended; only evaluation knows the ground truth."""
+
+
+Onlooker = Callable[[Robot], None]
+"""Called after each period; it looks on and changes nothing."""
+
+Recorder = FlightRecorder | RecordingKeeper | SteadyMemory
+"""What looks on at a run by itself: context managers that are observers, and onlookers by `look`."""
+
+
+class NotKept(HandcartError):
+    """A run has ended, but its summary or telemetry can't be written."""
+
+    def __init__(self, run_dir: Path, end: RunEnd, error: OSError) -> None:
+        ended = f"{end.outcome} in situation {end.situation}{': ' if end.reason else ''}{end.reason}"
+        super().__init__(f"{run_dir} can't be written: {error.strerror}; the run itself ended with {ended}")
+
+
+def execute(
+    prepared: Prepared,
+    run_dir: Path,
+    observers: Sequence[Observer] = (),
+    *,
+    metrics: Metrics | None = None,
+    permits: Permits | None = None,
+    onlookers: Sequence[Onlooker] = (),
+    checkpoints: bool = False,
+    past: Past | None = None,
+    sync: Sync | None = None,
+    clock: Callable[[], float] = time.monotonic,
+    interrupts: Interrupts | None = None,
+) -> RunEnd:
+    """Step the robot until the run ends; an interrupt (Ctrl-C) stops it where it is, and it holds.
+
+    `interrupts` is who hears of that; None: somebody of its own, until the run's folder is whole.
+
+    While it goes on, the operator is heard over the socket `control` in `run_dir`.
+
+    With `checkpoints` a simulated world is kept after each action, so that `resume` can go on from there;
+    `past` is a run to go on with. `sync` is how the journal comes to the disk; None: as the backend needs it.
+
+    Writes `journal.jsonl`, `telemetry.npz`, `summary.json` and the evidence into `run_dir`; after a fault in
+    our own code also `error.txt`.
+
+    Raises:
+        JournalError: no journal can be created there; nothing has moved.
+    """
+    began = clock()
+    run_dir.mkdir(parents=True, exist_ok=True)
+    telemetry = Telemetry()
+    sync = sync or sync_for(prepared.backend.simulated)
+    with ExitStack() as whole:
+        heard = interrupts or whole.enter_context(Interrupts())
+        with ExitStack() as stack:
+            journal = stack.enter_context(_journal(prepared, run_dir, past, sync))
+            recorders = list(_recorders(prepared, run_dir))
+            keeper = CalibrationKeeper(run_dir, prepared)
+            looking_on: list[Observer] = [*observers, EvidenceFiles(run_dir), keeper, *recorders]
+            permits = permits or Permits()
+            coordinator = Coordinator(
+                prepared.task.network,
+                prepared.robot,
+                prepared.model,
+                journal,
+                looking_on,
+                permits,
+                standing=past.standing if past else None,
+                keep=CheckpointKeeper(run_dir, prepared, sync == "always").keep if checkpoints else None,
+            )
+            heard.stop_by(lambda: coordinator.request(Request.INTERRUPT))
+            operation = stack.enter_context(Operation(run_dir, coordinator, permits, prepared.robot))
+            for each in recorders:
+                stack.enter_context(each)
+            watching = [*(each.look for each in recorders), *onlookers, lambda _: operation.look()]
+            end = _guarded(coordinator, prepared.robot, telemetry, run_dir, watching)
+        figures = dict(metrics(prepared, end, telemetry)) if metrics else {}
+        try:
+            _write(run_dir / "summary.json", summary(prepared, end, run_dir, clock() - began, figures))
+            telemetry.save(run_dir / "telemetry.npz")
+        except OSError as error:
+            raise NotKept(run_dir, end, error) from None
+    return end
+
+
+def _recorders(prepared: Prepared, run_dir: Path) -> Iterator[Recorder]:
+    """What looks on at every run, beside those who were asked for."""
+    yield FlightRecorder(run_dir, prepared.robot)
+    if prepared.backend.recording is not None:
+        yield RecordingKeeper(run_dir, prepared.backend.recording)
+    if not prepared.backend.simulated:
+        yield SteadyMemory()
+
+
+def _journal(prepared: Prepared, run_dir: Path, past: Past | None, sync: Sync) -> Journal:
+    """A new journal with its header, or the past one with what is known of the crash."""
+    path = run_dir / "journal.jsonl"
+    if past is None:
+        journal = Journal(path, sync)
+        journal.append("RUN", prepared.robot.time, header(prepared), process_facts())
+        return journal
+    journal = Journal.go_on(path, past.contents, sync)
+    for kind, fields, wall in past.to_tell:
+        journal.append(kind, prepared.robot.time, fields, process_facts() if kind == "EPOCH" else wall)
+    return journal
+
+
+def step_until_end(
+    coordinator: Coordinator, robot: Robot, telemetry: Telemetry, onlookers: Sequence[Onlooker] = ()
+) -> RunEnd:
+    """Iterate the coordinator, and step the robot once for each of its periods."""
+    run = coordinator.run()
+    while True:
+        try:
+            next(run)
+        except StopIteration as end:
+            ended: RunEnd = end.value
+            return ended
+        paused = coordinator.life.paused
+        robot.step(paused)
+        if not paused:
+            restoring = coordinator.life.state is RunState.RESTORING
+            telemetry.record(robot, coordinator.running, restoring)
+        for look in onlookers:
+            look(robot)
+
+
+def summary(
+    prepared: Prepared, end: RunEnd, run_dir: Path, wall_time_s: float, metrics: Mapping[str, Any]
+) -> dict[str, Any]:
+    """What programs read about a run: the fields of `handcart run --json`."""
+    return {
+        "outcome": end.outcome,
+        "situation": end.situation,
+        "reason": end.reason,
+        "actions": end.actions,
+        "fails": end.fails,
+        "replans": end.replans,
+        "skipped": list(end.skipped),
+        "sim_time_s": round(prepared.robot.time, 3),
+        "wall_time_s": round(wall_time_s, 3),
+        "seed": prepared.seed,
+        "backend": prepared.backend_name,
+        "run_dir": str(run_dir),
+        **prepared.backend.figures(),
+        **_lost(prepared.backend.recording),
+        "metrics": dict(metrics),
+    }
+
+
+def _lost(recording: Recording | None) -> dict[str, str]:
+    """Why not all traffic with the robot is kept, where it isn't."""
+    return {} if recording is None or recording.lost is None else {"recording_lost": recording.lost}
+
+
+def _guarded(
+    coordinator: Coordinator,
+    robot: Robot,
+    telemetry: Telemetry,
+    run_dir: Path,
+    onlookers: Sequence[Onlooker],
+) -> RunEnd:
+    try:
+        return step_until_end(coordinator, robot, telemetry, onlookers)
+    except Exception as error:
+        robot.stop()
+        known = isinstance(error, HandcartError)
+        if not isinstance(error, JournalError):
+            with suppress(OSError):  # a disk that takes no more doesn't keep the run from ending (row D6)
+                (run_dir / "error.txt").write_text(traceback.format_exc(), encoding="utf-8")
+        reason = str(error) if known else f"{type(error).__name__}: {error}"
+        return coordinator.broken_off(reason, "GiveUp" if isinstance(error, RobotFault) else "Error")
+
+
+def _write(path: Path, content: Mapping[str, Any]) -> None:
+    options = orjson.OPT_INDENT_2 | orjson.OPT_SERIALIZE_NUMPY | orjson.OPT_APPEND_NEWLINE
+    write_whole(path, orjson.dumps(content, option=options))

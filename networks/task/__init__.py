@@ -1,0 +1,1 @@
+"""From a task file to a checked network, and a robot that could start."""

@@ -1,0 +1,157 @@
+"""What can be said of each place of a task before anything moves: the room there, and the way to it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Collection, Iterator
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+from handcart.backends.base import Base
+from handcart.backends.robot_file import RobotFile
+from handcart.files.errors import Finding
+from handcart.files.loading import Loaded
+from handcart.networks.graph.network import Action
+from handcart.primitives.knowledge.place import Places
+from handcart.primitives.knowledge.world_model import WorldModel
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.navigation.ways import Way, Ways
+
+from .primitive_parameters import named_entry
+from .task_file import Task
+
+PLACES = "places"
+
+
+@dataclass(frozen=True)
+class PlaceRoom:
+    """A place of the map, for one robot that starts somewhere."""
+
+    name: str
+    way: Way
+    """From where it starts."""
+    line: int
+    """Where it stands in its file."""
+    used: bool
+    """Whether an action names it, or may."""
+    driven_to: bool
+    """Whether an action that drives names it."""
+
+    def words(self) -> str:
+        """For people, a line."""
+        way = self.way
+        room = f"{way.clearance:.2f} m to {way.kind}, needed: {way.needed:.2f} m"
+        part = "in no component" if way.component is None else f"component {way.component}"
+        reached = f"reached in {way.route.length:.1f} m" if way.route else f"not reached: {way.reason}"
+        return f"place {self.name}: {room}; {part}; {reached}{'' if self.used else '; no action uses it'}"
+
+    def for_programs(self) -> dict[str, Any]:
+        """The same, for JSON."""
+        way = self.way
+        return {
+            "name": self.name,
+            "line": self.line,
+            "clearance_m": _rounded(way.clearance),
+            "needed_m": _rounded(way.needed),
+            "nearest": way.kind,
+            "nearest_m": _rounded_point(way.nearest),
+            "fits": way.fits,
+            "component": way.component,
+            "reachable": way.route is not None,
+            "why_not": way.why or None,
+            "reason": way.reason or None,
+            "narrow_m": None if way.narrow is None else _rounded_point(way.narrow),
+            "width_m": _rounded(way.width),
+            "width_needed_m": _rounded(way.width_needed),
+            "route_m": None if way.route is None else _rounded(way.route.length),
+            "used": self.used,
+        }
+
+
+@dataclass(frozen=True)
+class PlaceRooms:
+    """All places of a task."""
+
+    places: tuple[PlaceRoom, ...] = ()
+    errors: tuple[Finding, ...] = ()
+    """Places that an action drives to and that can't be reached."""
+    warnings: tuple[Finding, ...] = ()
+
+
+class _Named(NamedTuple):
+    """Places that actions name."""
+
+    names: set[str]
+    any: bool
+    """Whether it may be any: one is named only when its action starts."""
+
+
+def place_rooms(task: Task, robot: RobotFile, model: WorldModel, start: Pose2) -> PlaceRooms:
+    """The places of a task's map, where it has one and the robot drives on it."""
+    told = task.knowledge.places
+    if told is None or task.path("knowledge", "map") is None or robot.drive.kind == "ackermann":
+        return PlaceRooms()
+    named, driven = _named(task.network.actions), _named(task.network.actions, driving=True)
+    ways = Ways(model.map, robot.footprint_radius_m, start)
+    rooms = tuple(
+        PlaceRoom(
+            name,
+            ways.to(place.pose, None if place.shelf is None else place.front),
+            told.document.key_position((PLACES, name))[0],
+            named.any or name in named.names or name == _start_of(task),
+            name in driven.names,
+        )
+        for name, place in told.value.places.items()
+    )
+    errors = [_cant(told, each, task) for each in rooms if each.driven_to and each.way.route is None]
+    return PlaceRooms(rooms, tuple(errors), tuple(_warnings(told, rooms, task, driven.any)))
+
+
+def _warnings(
+    told: Loaded[Places], rooms: Collection[PlaceRoom], task: Task, any_driven: bool
+) -> Iterator[Finding]:
+    for each in rooms:
+        if not each.used:
+            allowed = "allowed, if that is meant" if each.way.route else each.way.reason
+            words = f"no action uses the place {each.name!r}; {allowed}"
+            yield told.finding((PLACES, each.name), words, at_key=True)
+        elif each.way.route is None and not each.driven_to and (any_driven or not each.way.fits):
+            yield _cant(told, each, task)
+
+
+def _cant(told: Loaded[Places], room: PlaceRoom, task: Task) -> Finding:
+    if not room.way.fits:
+        words = f"the robot can't stand at the place {room.name!r}: {room.way.reason}"
+    else:
+        start = _start_of(task)
+        words = (
+            f"no way leads to the place {room.name!r}{f' from {start!r}' if start else ''}: {room.way.reason}"
+        )
+        words += "" if ";" in words or "needed" in words else "; needed: a way on the map"
+    return told.finding((PLACES, room.name), words, at_key=True)
+
+
+def _start_of(task: Task) -> str | None:
+    return task.file.knowledge.start if task.file.knowledge else None
+
+
+def _named(actions: Collection[Action], driving: bool = False) -> _Named:
+    """The places that actions name; of those that drive, or of all."""
+    names: set[str] = set()
+    late = False
+    for action in actions:
+        if action.binding is None or (driving and Base not in action.binding.kind.needs):
+            continue
+        binding = action.binding
+        asked = [name for name, field in binding.kind.model_fields.items() if named_entry(field) == PLACES]
+        late = late or any(name in binding.late for name in asked)
+        names |= {str(binding.fixed.get(name)) for name in asked}
+    return _Named(names, late)
+
+
+def _rounded(value: float) -> float | None:
+    return round(value, 3) if math.isfinite(value) else None
+
+
+def _rounded_point(point: tuple[float, float]) -> list[float | None]:
+    return [_rounded(point[0]), _rounded(point[1])]

@@ -1,0 +1,291 @@
+"""From a task file to a robot that could start: everything is checked, nothing has moved."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import NamedTuple, TypeVar
+
+import numpy as np
+
+from handcart.backends.backend import Backend
+from handcart.backends.map_file import read_occupancy
+from handcart.backends.registry import UnknownBackend, backend_class, backend_names, check_world, make_backend
+from handcart.backends.robot import Robot
+from handcart.backends.robot_file import RobotFile
+from handcart.backends.robot_loading import load_robot
+from handcart.files.errors import FileError, Finding, InputError
+from handcart.files.findings import Findings
+from handcart.files.suggest import suggest
+from handcart.networks.graph.network import ActionNetwork
+from handcart.primitives.knowledge.map_masks import keepout_findings, load_speed_limits
+from handcart.primitives.knowledge.place import load_map
+from handcart.primitives.knowledge.world_model import WorldModel
+from handcart.primitives.registry import primitive_class
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.navigation.grid_map import GridMap
+from handcart.robotics.navigation.keepout import with_keepout
+
+from .place_findings import place_findings
+from .place_room import PlaceRoom, PlaceRooms, place_rooms
+from .task_file import MASK, Primitives, Task, load_task
+
+T = TypeVar("T")
+
+
+@dataclass(frozen=True)
+class Prepared:
+    """A run that could start. A context manager: leaving it closes the backend."""
+
+    task: Task
+    backend_name: str
+    backend: Backend
+    robot: Robot
+    model: WorldModel
+    seed: int
+    settings: Mapping[str, str]
+    warnings: tuple[str, ...]
+    """What the user should know before it starts."""
+    errors: bool = True
+    """Whether the simulated robot errs."""
+    bench: str | None = None
+    """The simulated backend behind simulated drives, where there are such."""
+
+    def __enter__(self) -> Prepared:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.backend.close()
+
+
+class UnknownSituation(InputError):
+    """A run can't begin in a situation that isn't there."""
+
+
+def beginning_at(network: ActionNetwork, situation: str) -> ActionNetwork:
+    """The same network, begun elsewhere; raises `UnknownSituation`."""
+    if situation not in network.situations:
+        raise UnknownSituation(f"unknown situation {situation!r}{suggest(situation, network.situations)}")
+    return replace(network, start=situation)
+
+
+def prepare(
+    task_path: Path | str,
+    backend: str | None = None,
+    settings: Mapping[str, str] | None = None,
+    seed: int = 0,
+    primitives: Primitives = primitive_class,
+    window: bool = False,
+    situation: str | None = None,
+    errors: bool = True,
+    bench: str | None = None,
+    resumed: bool = False,
+) -> Prepared:
+    """Read and check a task with all its files, and build its robot.
+
+    Args:
+        task_path: the task's file.
+        backend: another one than the task names.
+        settings: what `--set KEY=VALUE` gave, VALUE unparsed.
+        seed: of the simulated errors.
+        primitives: the class of a primitive by its name.
+        window: whether robot and world are shown.
+        situation: where the run begins, instead of the task's start.
+        errors: whether the simulated robot errs as its file says, or not at all.
+        bench: simulated drives are put before the simulated backend of that name.
+        resumed: a run goes on: the robot stands where that one left it, not where the task has it start.
+
+    Raises:
+        NoBench: the backend has no drives, or there can be no such bench.
+        UnknownSituation: the task has no such situation.
+        NoWindow: they can't be shown.
+        FileError: with every finding in all of the files.
+    """
+    read = _read(task_path, backend, settings, primitives, situation, errors, resumed)
+    return _built(read, settings, seed, window, errors, bench)
+
+
+def _built(
+    read: _Read,
+    settings: Mapping[str, str] | None,
+    seed: int,
+    window: bool = False,
+    errors: bool = True,
+    bench: str | None = None,
+) -> Prepared:
+    """The robot of a task that was read; raises as `prepare` does."""
+    task, name, spec, told = read.task, read.backend, read.spec, read.told
+    findings, world = read.findings, read.world
+    findings.add(*read.rooms.errors)
+    made = None
+    if spec is not None and world is not None and told is not None and not findings:
+        start = task.knowledge.start
+        made = _collected(findings, lambda: make_backend(name, spec, world, seed, start, window, bench))
+    findings.raise_all()
+    assert made is not None
+    assert spec is not None
+    assert told is not None
+    model, warnings = told
+    try:
+        task.check_capabilities(made)
+        robot = make_robot(task, made, spec, model)
+    except BaseException:
+        made.close()
+        raise
+    return Prepared(task, name, made, robot, model, seed, dict(settings or {}), warnings, errors, bench)
+
+
+@dataclass(frozen=True)
+class _Read:
+    """A task with all its files, as far as they could be read."""
+
+    task: Task
+    backend: str
+    """Its name."""
+    spec: RobotFile | None
+    told: tuple[WorldModel, tuple[str, ...]] | None
+    world: Path | None
+    findings: Findings
+    rooms: PlaceRooms
+
+
+class Checked(NamedTuple):
+    """What is known of a task without a robot."""
+
+    task: Task
+    warnings: tuple[str, ...]
+    """What the user should know before it starts."""
+    places: tuple[PlaceRoom, ...]
+    """What can be said of each place of its map."""
+    errors: tuple[Finding, ...]
+    """Places that an action drives to, and that can't be reached: a run is refused."""
+
+
+def _read(
+    task_path: Path | str,
+    backend: str | None,
+    settings: Mapping[str, str] | None,
+    primitives: Primitives,
+    situation: str | None,
+    errors: bool,
+    resumed: bool = False,
+) -> _Read:
+    task = load_task(task_path, settings, primitives)
+    if situation is not None:
+        task = replace(task, network=beginning_at(task.network, situation))
+    findings = Findings()
+    spec = _collected(findings, lambda: load_robot(task.robot))
+    spec = spec if errors or spec is None else spec.without_errors()
+    told = _collected(findings, lambda: load_model(task))
+    name = backend or task.file.backend
+    if backend is None and name not in backend_names():
+        findings.add(task.document.finding(("backend",), str(UnknownBackend(name))))
+    world = task.path("world")
+    if world is None:
+        findings.add(task.document.finding((), f"the key 'world' is missing; needed: what {name} builds"))
+    if spec is not None and told is not None:
+        for section in task.knowledge.sections.values():
+            findings.add(*section.faults(spec))
+    if spec is not None and spec.drive.kind == "ackermann":
+        for key in ("keepout", "speed_limits"):
+            if task.document.root.deepest(("knowledge", key))[1]:
+                wrong = f"{key}: a car-like base plans without a map; allowed: a base that turns on the spot"
+                findings.add(task.document.finding(("knowledge", key), wrong))
+    if spec is not None and told is not None and world is not None and not resumed:
+        start, grid = _told_start(task, told[0]), told[0].map if task.path("knowledge", "map") else None
+        _collected(findings, lambda: check_world(world, spec, start, grid))
+    rooms = PlaceRooms()
+    if spec is not None and told is not None and not findings:
+        rooms = place_rooms(task, spec, told[0], task.knowledge.start)
+    return _Read(task, name, spec, told, world, findings, rooms)
+
+
+def check(
+    task_path: Path | str,
+    backend: str | None = None,
+    settings: Mapping[str, str] | None = None,
+    seed: int = 0,
+    situation: str | None = None,
+) -> Checked:
+    """Read and check a task with all its files; no robot is spoken to, and none can move.
+
+    Args:
+        task_path: the task's file.
+        backend: another one than the task names.
+        settings: what `--set KEY=VALUE` gave, VALUE unparsed.
+        seed: of the simulated errors.
+        situation: where a run would begin, instead of the task's start.
+
+    Raises:
+        UnknownSituation: the task has no such situation.
+        FileError: with every finding in all of the files but those of places, which are given.
+    """
+    read = _read(task_path, backend, settings, primitive_class, situation, True)
+    if read.spec is None or read.told is None or read.findings:
+        read.findings.raise_all()
+    assert read.spec is not None
+    assert read.told is not None
+    kinds = backend_class(read.backend).kinds(read.spec)
+    if kinds is None and not read.rooms.errors:
+        with _built(read, settings, seed) as prepared:
+            return _checked(replace(read, task=prepared.task))
+    if kinds is not None:
+        read.task.check_kinds(kinds)
+    return _checked(read)
+
+
+def _checked(read: _Read) -> Checked:
+    warnings = (*(read.told[1] if read.told else ()), *map(str, read.rooms.warnings))
+    return Checked(read.task, warnings, read.rooms.places, read.rooms.errors)
+
+
+def make_robot(task: Task, backend: Backend, spec: RobotFile, model: WorldModel) -> Robot:
+    """The robot, standing where the task says that it starts."""
+    grid = model.map if task.file.knowledge else None
+    return Robot(backend, spec, task.knowledge.start, grid)
+
+
+def _told_start(task: Task, model: WorldModel) -> Pose2 | None:
+    """None where the task says nothing of where it starts."""
+    named = task.file.knowledge.start if task.file.knowledge else None
+    return model.places[named].pose if named and named in model.places else None
+
+
+def load_model(task: Task) -> tuple[WorldModel, tuple[str, ...]]:
+    """What the robot knows beforehand, and warnings about it; raises `FileError` with every finding."""
+    findings, named = Findings(), task.knowledge.places
+    chart, keepout, mask = task.path("knowledge", "map"), task.path("knowledge", "keepout"), task.path(*MASK)
+    told = _collected(findings, lambda: load_map(chart)) if chart else (nowhere(), None)
+    zones = _collected(findings, lambda: read_occupancy(keepout).grid) if keepout else None
+    spec = task.file.knowledge.speed_limits if task.file.knowledge else None
+    limits = _collected(findings, lambda: load_speed_limits(mask, spec)) if mask and spec else None
+    for key in ("keepout", "speed_limits"):
+        if not chart and task.document.root.deepest(("knowledge", key))[1]:
+            wrong = f"{key} is a mask over a map; needed: the key `map`"
+            findings.add(task.document.finding(("knowledge", key), wrong))
+    if keepout and zones is not None and told:
+        findings.add(*(keepout_findings(named, told[0], zones, keepout) if named else ()))
+        told = with_keepout(told[0], zones), told[1]
+    if chart and told and named:
+        findings.add(*place_findings(named, told[0], chart))
+    findings.raise_all()
+    assert told is not None
+    grid, warning = told
+    sections = task.knowledge.fresh_sections()
+    model = WorldModel(grid, task.knowledge.all_places(), speed_limits=limits, sections=sections)
+    return model, (warning,) if warning else ()
+
+
+def nowhere() -> GridMap:
+    """A map of one free cell, where there is none."""
+    nothing = np.zeros((1, 1), dtype=np.bool_)
+    return GridMap(nothing, ~nothing, 0.05, 0.0, 0.0)
+
+
+def _collected(findings: Findings, read: Callable[[], T]) -> T | None:
+    try:
+        return read()
+    except FileError as error:
+        findings.take(error)
+        return None

@@ -1,0 +1,83 @@
+"""What is wrong with the repeated parts of a task."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from itertools import combinations
+
+from handcart.files.suggest import listed, suggest
+from handcart.files.yaml_node import KeyPath
+from handcart.networks.graph.network import Fact
+
+from .repetition import Repetition
+from .task_model import ActionEntry
+
+Situations = Mapping[str, Mapping[str, Fact]]
+"""By name, with their facts."""
+Fault = tuple[KeyPath, str]
+"""Where in the task's document, and "what is wrong; what is allowed"."""
+
+
+def repeat_faults(
+    parts: Sequence[Repetition],
+    situations: Situations,
+    entries: Mapping[int, ActionEntry],
+    start: str,
+    goal: str,
+) -> Iterator[Fault]:
+    """Parts that have a situation in common, or that begin or end anywhere but at their starts and goals.
+
+    Args:
+        parts: the repeated parts.
+        situations: the file's.
+        entries: the file's actions, by number.
+        start: where the task begins.
+        goal: where it ends.
+    """
+    for part in parts:
+        yield from _unknown(part, situations)
+        yield from _entered_elsewhere(part, entries)
+        yield from _changed_by_fail(part, situations, entries)
+        inside, begin = part.inner, part.repeat.start
+        if start in inside - {begin}:
+            yield ("start",), f"is inside the repeated part; allowed there: {begin}"
+        if goal in inside - {part.repeat.goal}:
+            yield ("goal",), "is inside the repeated part; allowed: its goal, or what lies behind it"
+    yield from _in_common(parts, situations)
+
+
+def _unknown(part: Repetition, situations: Iterable[str]) -> Iterator[Fault]:
+    for key, name in (("start", part.repeat.start), ("goal", part.repeat.goal)):
+        if name not in situations:
+            yield (*part.path, key), f"unknown situation {name!r}{suggest(name, situations)}"
+
+
+def _entered_elsewhere(part: Repetition, entries: Mapping[int, ActionEntry]) -> Iterator[Fault]:
+    """Ways from outside that lead into the part past its start."""
+    inside = part.inner - {part.repeat.start}
+    allowed = f"allowed: {part.repeat.start}, where the part begins"
+    for number, entry in entries.items():
+        for key, name in (("to", entry.target), ("on_fail", entry.on_fail)):
+            if entry.source not in part.inner and name in inside:
+                yield ("actions", number, key), f"leads into the middle of the repeated part; {allowed}"
+
+
+def _changed_by_fail(
+    part: Repetition, situations: Situations, entries: Mapping[int, ActionEntry]
+) -> Iterator[Fault]:
+    """Fails that end an element, though other facts hold where the next one begins."""
+    start, goal = part.repeat.start, part.repeat.goal
+    for number, entry in entries.items():
+        ends = entry.source in part.inner and entry.on_fail == goal
+        if ends and situations.get(entry.source) != situations.get(start):
+            wrong = f"leads to the next element's {start!r}, where other facts hold than in {entry.source!r}"
+            yield ("actions", number, "on_fail"), f"{wrong}; allowed: a situation with the same facts"
+
+
+def _in_common(parts: Sequence[Repetition], situations: Iterable[str]) -> Iterator[Fault]:
+    for before, part in combinations(parts, 2):
+        both = [name for name in situations if name in before.inner & part.inner]
+        if both:
+            wrong = f"the part shares {listed(map(repr, both))} with the one from {before.repeat.start}"
+            allowed = "parts that share no situation; one's goal may be another's start"
+            yield (*part.path, "start"), f"{wrong}; allowed: {allowed}"

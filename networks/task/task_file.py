@@ -1,0 +1,312 @@
+"""From a task file to a checked network: everything wrong is told at once, before anything moves."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, TypeVar
+
+import networkx as nx
+
+from handcart.backends.backend import Backend
+from handcart.backends.capability import Capability
+from handcart.backends.map_file import map_path
+from handcart.backends.robot_loading import ROBOTS, robot_names
+from handcart.files.errors import FileError, UnsafePath
+from handcart.files.findings import Findings
+from handcart.files.inside import resolve_inside
+from handcart.files.loading import load_document, load_part
+from handcart.files.model import FileModel
+from handcart.files.settings import SECTION, setting_value, with_settings
+from handcart.files.suggest import suggest
+from handcart.files.yaml_document import Document, read_document
+from handcart.files.yaml_node import KeyPath
+from handcart.networks.graph.binding import Binding
+from handcart.networks.graph.network import Action, ActionNetwork, Fact, Situation, faults_of
+from handcart.primitives.contract.action_primitive import ActionPrimitive
+from handcart.primitives.registry import primitive_class
+
+from .parameters import goes_over_unknown, with_all, with_listed_repeats, with_parameters
+from .primitive_parameters import ParameterReader
+from .repeat_faults import Situations, repeat_faults
+from .repeating import Copied, Copies, repeated
+from .repetition import Repetition, repetitions
+from .task_knowledge import PLACES, TaskKnowledge, domain_keys, read_knowledge
+from .task_model import ActionEntry, Repeat, TaskFile
+from .unwritten import unwritten
+
+MASK = ("knowledge", "speed_limits", "mask")
+MAPS: tuple[KeyPath, ...] = (("world",), ("knowledge", "map"), ("knowledge", "keepout"), MASK)
+"""What may be a map, which may lie anywhere."""
+M = TypeVar("M", bound=FileModel)
+Primitives = Callable[[str], type[ActionPrimitive]]
+
+
+@dataclass(frozen=True)
+class Task:
+    """A checked task file."""
+
+    file: TaskFile
+    document: Document
+    network: ActionNetwork
+    entries: tuple[int | None, ...]
+    """For each action of the network its number in the file; None for a skip."""
+    knowledge: TaskKnowledge
+    """What its files tell."""
+
+    def path(self, *key: str) -> Path | None:
+        """Where a file that the task names is: beside the task's file, or from the current folder if it was
+        set on the command line. None where the task names none."""
+        return _resolved(self.document, key)
+
+    @property
+    def robot(self) -> str:
+        """A shipped robot's name, or the path of a robot's file."""
+        return _robot(self.document, self.file.robot)
+
+    def check_capabilities(self, backend: Backend) -> None:
+        """Raise `FileError` naming every action whose primitive needs what the robot doesn't have."""
+        self.check_kinds([type(each) for each in backend.capabilities()])
+
+    def check_kinds(self, kinds: Sequence[type[Capability]]) -> None:
+        """The same, by the classes of what the robot has."""
+        findings = Findings()
+        for action, entry in zip(self.network.actions, self.entries, strict=True):
+            if action.binding is None or entry is None:
+                continue
+            needs = action.binding.kind.needs
+            missing = [need.__name__ for need in needs if not any(issubclass(kind, need) for kind in kinds)]
+            if missing:
+                wrong = f"{action.do} needs what the robot doesn't have: {', '.join(missing)}"
+                have = ", ".join(sorted(kind.__name__ for kind in kinds))
+                findings.add(self.document.finding(("actions", entry, "do"), f"{wrong}; it has: {have}"))
+        findings.raise_all()
+
+
+def load_task(
+    path: Path | str, settings: Mapping[str, str] | None = None, primitives: Primitives = primitive_class
+) -> Task:
+    """Read and check a task file.
+
+    Args:
+        path: the file.
+        settings: what `--set KEY=VALUE` gave, VALUE unparsed; `robot` may be set in any task.
+        primitives: the class of a primitive by its name; raises KeyError, saying what there is.
+
+    Raises:
+        FileError: with every finding.
+    """
+    return _Reader(_set(read_document(path), dict(settings or {})), primitives).task()
+
+
+class _Reader:
+    """Reads one document, collecting what is wrong."""
+
+    def __init__(self, document: Document, primitives: Primitives) -> None:
+        self._findings = Findings()
+        self._document = with_listed_repeats(with_parameters(document, self._findings))
+        self._primitives = primitives
+        self._knowledge = read_knowledge(self._document, self._findings, _resolved)
+        self._names = self._knowledge.names()
+        places = self._knowledge.places
+        self._place_names = None if places is None else list(places.value.places)
+        listed = {**self._names, PLACES: self._place_names or ()}
+        for kind, names in listed.items():
+            self._document = with_all(self._document, kind, names)
+        if goes_over_unknown(self._document):  # then each of its actions would be told
+            self._check_files()
+            self._findings.raise_all()
+
+    def task(self) -> Task:
+        file = self._whole()
+        situations, entries = self._situations(), self._listed("actions", ActionEntry)
+        known = {name: Situation(name, facts) for name, facts in situations.items()}
+        for number, entry in entries.items():
+            self._check_entry(number, entry, known)
+        start = self._named("start", situations)
+        goal = self._named("goal", situations)
+        self._check_files()
+        self._check_robot()
+        copies = repeated(situations, entries, start, self._parts(situations, entries, start, goal))
+        actions = self._actions(copies, entries)
+        if self._findings or file is None:
+            self._findings.raise_all()
+        assert file is not None
+        return self._built(file, copies, actions, goal)
+
+    # Parts, each None or left out where the file is wrong: `_whole` tells that
+
+    def _whole(self) -> TaskFile | None:
+        try:
+            return load_document(self._document, TaskFile).value
+        except FileError as error:
+            self._findings.take(error)
+            return None
+
+    def _situations(self) -> dict[str, Mapping[str, Fact]]:
+        found = self._silently(("situations",), dict[str, dict[str, Fact] | None])
+        return {name: facts or {} for name, facts in (found or {}).items()}
+
+    def _listed(self, key: str, kind: type[M]) -> dict[int, M]:
+        listed = self._document.root.child(key)
+        count = len(listed.content) if listed and isinstance(listed.content, list) else 0
+        found = ((number, self._silently((key, number), kind)) for number in range(count))
+        return {number: entry for number, entry in found if entry is not None}
+
+    def _silently(self, path: KeyPath, kind: Any) -> Any:
+        try:
+            return load_part(self._document, path, kind)
+        except FileError:
+            return None
+
+    # Checks
+
+    def _add(self, path: KeyPath, message: str) -> None:
+        self._findings.add(self._document.finding(path, message))
+
+    def _named(self, key: str, situations: Mapping[str, object]) -> str:
+        node = self._document.root.child(key)
+        name = str(node.content) if node else ""
+        if node and situations and name not in situations:
+            self._add((key,), f"unknown situation {name!r}{suggest(name, situations)}")
+        return name
+
+    def _check_entry(self, number: int, entry: ActionEntry, known: Mapping[str, Situation]) -> None:
+        plain = Action(entry.source, entry.target, None, entry.cost_s, entry.attempts, entry.on_fail)
+        for key, fault in faults_of(plain, known):
+            self._add(("actions", number, key), fault)
+        left = 1.0 - (entry.p or 0.0)
+        if entry.p_give_up > left + 1e-12:
+            wrong = f"p_give_up is {entry.p_give_up:g}; allowed: at most {left:g}, what p leaves of 1"
+            self._add(("actions", number, "p_give_up"), wrong)
+
+    def _parts(
+        self, situations: Situations, entries: Mapping[int, ActionEntry], start: str, goal: str
+    ) -> list[Repetition]:
+        parts = repetitions(self._listed("repeat", Repeat), entries.values())
+        faults = list(repeat_faults(parts, situations, entries, start, goal))
+        for path, fault in faults:
+            self._add(path, fault)
+        if faults:  # which element an action belongs to can't be told
+            self._findings.raise_all()
+        return parts
+
+    def _actions(self, copies: Copies, entries: Mapping[int, ActionEntry]) -> list[Action | None]:
+        self._check_start_place(self._place_names)
+        reader = ParameterReader(self._document, self._findings, self._names)
+        kinds = {number: self._kind(number, entry.do) for number, entry in entries.items()}
+        return [self._action(copied, entries, kinds, reader) for copied in copies.actions]
+
+    def _action(
+        self,
+        copied: Copied,
+        entries: Mapping[int, ActionEntry],
+        kinds: Mapping[int, type[ActionPrimitive] | None],
+        reader: ParameterReader,
+    ) -> Action | None:
+        ends = copied.source, copied.target
+        if copied.entry is None:
+            return Action(*ends, None, attempts=1)
+        entry, kind = entries[copied.entry], kinds[copied.entry]
+        binding: Binding | None = reader.binding(kind, copied.entry, copied.element) if kind else None
+        if binding is None:
+            return None
+        return Action(
+            *ends,
+            binding,
+            entry.cost_s,
+            entry.attempts,
+            copied.on_fail,
+            permit=entry.permit == "operator",
+            time_out_s=entry.time_out_s,
+        )
+
+    def _kind(self, number: int, name: str) -> type[ActionPrimitive] | None:
+        try:
+            return self._primitives(name)
+        except KeyError as unknown:
+            self._add(("actions", number, "do"), str(unknown.args[0]))
+            return None
+
+    def _check_start_place(self, names: list[str] | None) -> None:
+        node, there = self._document.root.deepest(("knowledge", "start"))
+        name = node.content
+        if there and not self._document.root.deepest(("knowledge", "places"))[1]:
+            self._add(("knowledge", "start"), "names a place; needed: the key `places`, a file with places")
+        elif there and names is not None and isinstance(name, str) and name not in names:
+            self._add(("knowledge", "start"), f"unknown place {name!r}{suggest(name, names)}")
+
+    def _check_robot(self) -> None:
+        node, there = self._document.root.deepest(("robot",))
+        name = node.content
+        if (
+            there
+            and isinstance(name, str)
+            and not name.endswith((".yaml", ".yml"))
+            and name not in robot_names()
+        ):
+            allowed = suggest(name, robot_names())
+            self._add(("robot",), f"unknown robot {name!r}{allowed}, or the path of a robot's YAML file")
+
+    def _check_files(self) -> None:
+        named = [("knowledge", name) for name in ("map", "keepout", PLACES, *domain_keys())]
+        for key in (("world",), *named, MASK):
+            try:
+                path = _resolved(self._document, key)
+            except UnsafePath as unsafe:
+                self._add(key, str(unsafe))
+                continue
+            if path is not None and not path.is_file():
+                self._add(key, f"there is no file {path.name!r}; allowed: a file, from the task's folder")
+
+    def _built(self, file: TaskFile, copies: Copies, actions: list[Action | None], goal: str) -> Task:
+        situations = [
+            Situation(each, facts, element.words if element else None)
+            for each, (facts, element) in copies.situations.items()
+        ]
+        every = [action for action in actions if action is not None]
+        network = ActionNetwork.build(situations, every, copies.start, goal)
+        if not nx.has_path(network.graph, network.start, network.goal):
+            self._add(
+                ("goal",),
+                f"no actions lead from {network.start} to {goal}; allowed: a goal that can be reached",
+            )
+        entries = tuple(copied.entry for copied in copies.actions)
+        self._check_late(file, network, entries)
+        self._findings.raise_all()
+        return Task(file, self._document, network, entries, self._knowledge)
+
+    def _check_late(self, file: TaskFile, network: ActionNetwork, entries: Sequence[int | None]) -> None:
+        told = file.knowledge.model_fields_set if file.knowledge else ()
+        for action, name, key in unwritten(network, told):
+            wrong = f"{name}: nothing that is done before finds out {key!r}"
+            needed = f"needed: before it an action whose primitive writes {key.split('.')[0]!r}"
+            number = entries[action.index]
+            assert number is not None
+            self._add(("actions", number, "with", name), f"{wrong}; {needed}")
+
+
+def _resolved(document: Document, key: KeyPath) -> Path | None:
+    node, there = document.root.deepest(key)
+    if not there or not isinstance(node.content, str):
+        return None
+    if node.line == 0:  # from the command line: the user's own words
+        return Path(node.content)
+    folder = document.folder.resolve()
+    # Neighbouring tasks may share a world.
+    find = map_path if key in MAPS else resolve_inside
+    return find(folder.parent, node.content, start=folder)
+
+
+def _set(document: Document, settings: dict[str, str]) -> Document:
+    declared = document.root.deepest((*SECTION, "robot"))[1]
+    if "robot" in settings and not declared and document.root.child("robot"):
+        document = document.with_value(("robot",), setting_value("robot", settings.pop("robot")))
+    return with_settings(document, settings)
+
+
+def _robot(document: Document, name: str) -> str:
+    if not name.endswith((".yaml", ".yml")) or (ROBOTS / name).exists():
+        return name
+    return str(_resolved(document, ("robot",)))

@@ -1,0 +1,117 @@
+"""What a task's files tell the robot beforehand, each read once."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from handcart.files.errors import FileError, UnsafePath
+from handcart.files.findings import Findings
+from handcart.files.loading import Loaded
+from handcart.files.yaml_document import Document
+from handcart.files.yaml_node import KeyPath
+from handcart.primitives.knowledge.place import Place, Places
+from handcart.primitives.knowledge.place_file import load_places
+from handcart.primitives.knowledge.section import NamedFiles, Section
+from handcart.primitives.knowledge.sections import section_class
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.tasks.domain import domains
+
+PLACES = "places"
+ORIGIN = Pose2(0.0, 0.0, 0.0)
+
+
+@dataclass(frozen=True)
+class TaskKnowledge:
+    """Places, and the domains' sections of which the task names a file; its map is read when it is needed."""
+
+    places: Loaded[Places] | None
+    """Of the map; None where no file tells them."""
+    sections: Mapping[str, Section]
+    """By the names of their domains."""
+    start: Pose2 = ORIGIN
+    """map_T_base at first: at the place that the task names, or at the map's origin."""
+
+    def names(self) -> dict[str, Collection[object]]:
+        """What can be named, by its kind; a kind that no file tells is left out."""
+        found: dict[str, Collection[object]] = {}
+        for section in self.sections.values():
+            found |= section.names()
+        if self.places is not None or self._more_places():
+            found[PLACES] = list(self.all_places())
+        return found
+
+    def all_places(self) -> dict[str, Place]:
+        """Places of the map, and those that the domains' files add."""
+        return {**(self.places.value.places if self.places else {}), **self._more_places()}
+
+    def _more_places(self) -> dict[str, Place]:
+        return {name: place for each in self.sections.values() for name, place in each.places().items()}
+
+    def fresh_sections(self) -> dict[str, Section]:
+        """Sections of their own for a run, which learns."""
+        return {name: replace(section) for name, section in self.sections.items()}
+
+
+def read_knowledge(
+    document: Document, findings: Findings, resolved: Callable[[Document, KeyPath], Path | None]
+) -> TaskKnowledge:
+    """Read what a task names but for its maps; what is wrong in the files is added to the findings.
+
+    Files that aren't there, or lie where they may not, are passed over.
+    """
+
+    def path(key: str) -> Path | None:
+        try:
+            found = resolved(document, ("knowledge", key))
+        except UnsafePath:
+            return None
+        return found if found is not None and found.is_file() else None
+
+    places = _places(path(PLACES), findings)
+    start = _start(document, places)
+    paths = {key: found for key in domain_keys() if (found := path(key)) is not None}
+    return TaskKnowledge(places, read_sections(paths, start, document, findings), start)
+
+
+def read_sections(
+    paths: Mapping[str, Path], start: Pose2, document: Document, findings: Findings
+) -> dict[str, Section]:
+    """The domains' sections of which there is a file, by the domains' names.
+
+    Args:
+        paths: by their keys under `knowledge:`.
+        start: map_T_base at first.
+        document: what names them.
+        findings: what is wrong in the files is added here.
+    """
+    found = {}
+    for domain in domains():
+        own = {
+            key: paths[key] for key in (domain.knowledge.files if domain.knowledge else ()) if key in paths
+        }
+        kind = section_class(domain)
+        if own and kind is not None:
+            found[domain.name] = kind.load(NamedFiles(own, start, document, findings))
+    return found
+
+
+def _places(path: Path | None, findings: Findings) -> Loaded[Places] | None:
+    try:
+        return load_places(path) if path else None
+    except FileError as error:
+        findings.take(error)
+        return None
+
+
+def _start(document: Document, places: Loaded[Places] | None) -> Pose2:
+    node, there = document.root.deepest(("knowledge", "start"))
+    known = places.value.places if places else {}
+    name = node.content if there and isinstance(node.content, str) else ""
+    return known[name].pose if name in known else ORIGIN
+
+
+def domain_keys() -> list[str]:
+    """The keys under `knowledge:` that domains add."""
+    return [key for domain in domains() if domain.knowledge for key in domain.knowledge.files]

@@ -1,0 +1,115 @@
+"""What stands in a task file."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Annotated, Any, Literal
+
+from pydantic import Field, create_model
+
+from handcart.files.model import FileModel
+from handcart.networks.graph.network import MAX_ATTEMPTS, MAX_COST_S, Fact
+from handcart.primitives.knowledge.map_masks import SpeedMask
+from handcart.tasks.domain import domains
+
+
+class GeneralFiles(FileModel):
+    """What the robot is told beforehand: files beside the task's."""
+
+    map: str | None = None
+    """A map in ROS format, or a `.map` of MovingAI."""
+    keepout: str | None = None
+    """A mask in ROS format over the map (nav2's keepout filter): no way leads where it is occupied."""
+    speed_limits: SpeedMask | None = None
+    """A mask over the map (nav2's speed filter): how fast the base may drive where."""
+    places: str | None = None
+    """The map's named places, or goals as users of nav2 keep them."""
+    start: str | None = None
+    """The place where the robot stands at first; left out: the map's origin."""
+
+
+def _with_domains() -> type[GeneralFiles]:
+    """The same, with the keys that domains add."""
+    keys: dict[str, Any] = {
+        key: (str | None, Field(None, description=words))
+        for domain in domains()
+        for key, words in (domain.knowledge.files if domain.knowledge else {}).items()
+    }
+    return create_model("KnowledgeFiles", __base__=GeneralFiles, __doc__=GeneralFiles.__doc__, **keys)
+
+
+if TYPE_CHECKING:
+    KnowledgeFiles = GeneralFiles
+else:
+    KnowledgeFiles = _with_domains()
+
+
+class ActionEntry(FileModel):
+    """One action of the network."""
+
+    do: str
+    """Name of the primitive."""
+    source: Annotated[str, Field(alias="from")]
+    """The situation in which it can be done."""
+    target: Annotated[str, Field(alias="to")]
+    """The situation that Success leads to."""
+    on_fail: str | None = None
+    """The situation that Fail leads to: same facts, other knowledge. Left out: Fail changes nothing."""
+    cost_s: Annotated[float, Field(gt=0.0, le=MAX_COST_S)]
+    """What it is expected to take; each Fail doubles its weight in planning."""
+    attempts: Annotated[int, Field(ge=1, le=MAX_ATTEMPTS)] = 3
+    """After that many Fails it is out."""
+    p: Annotated[float, Field(gt=0.0, le=1.0)] | None = None
+    """Probability that an attempt ends in Success; for `handcart check`, which then tells how runs end."""
+    p_give_up: Annotated[float, Field(ge=0.0, lt=1.0)] = 0.0
+    """Probability that it ends in GiveUp; what is left is that of Fail."""
+    permit: Literal["operator"] | None = None
+    """`operator`: it starts only when the operator permits it, each time."""
+    time_out_s: Annotated[float, Field(gt=0.0, le=MAX_COST_S)] | None = None
+    """What the motion may take; after that it is called back, restored, and counts as a Fail."""
+    parameters: Annotated[dict[str, Any], Field(alias="with", default_factory=dict)]
+    """The primitive's parameters; `{model: book.shelf}` is looked up when the action starts, `{each: slot}`
+    is the element of a repeat."""
+
+
+class Repeat(FileModel):
+    """A part of the network, copied for each element of a list, one copy after the other."""
+
+    over: Annotated[list[Any], Field(min_length=1)]
+    """The elements; `{all: places}` stands for the names of the map's places, in their file's order, and so
+    on for whatever the task's files name, such as `{all: targets}`."""
+    name: Annotated[str, Field(alias="as")]
+    """What `{each: NAME}` calls the element."""
+    start: str
+    """The situation in which the part begins."""
+    goal: str
+    """The situation in which an element is done: where the next one's part begins."""
+    unfinished: Literal["stop", "skip"] = "stop"
+    """Whether an element that can't be done ends the run, or is left out where the robot stands as at the
+    part's start (the run then ends with status 3)."""
+
+
+class TaskFile(FileModel):
+    """A task: situations, and the actions that lead from one to another."""
+
+    format: Literal["handcart-task/1"]
+    title: str
+    """What is to be achieved, in words."""
+    robot: str
+    """A shipped robot's name, or the path of a robot's YAML file."""
+    world: str | None = None
+    """What simulated backends build, and the robot doesn't know: a world's file, or a map in ROS format. Then
+    what is occupied on the map stands there, and the robot starts where `knowledge` says."""
+    backend: str = "kinematic"
+    """What the robot is, unless the command line says otherwise."""
+    knowledge: KnowledgeFiles | None = None
+    parameters: Annotated[dict[str, Any], Field(default_factory=dict)]
+    """Values that `--set KEY=VALUE` may change; `{parameter: KEY}` stands for them anywhere in the file."""
+    start: str
+    """The situation at the start."""
+    goal: str
+    """The situation to be reached."""
+    situations: dict[str, dict[str, Fact] | None]
+    """By name, each with the physical facts that hold in it."""
+    actions: list[ActionEntry]
+    repeat: Annotated[list[Repeat], Field(min_length=1)] | Repeat | None = None
+    """What is repeated: one part, or a list of parts without a common situation."""

@@ -1,0 +1,54 @@
+"""Late-bound parameters that nothing finds out before they are needed."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator
+
+import networkx as nx
+
+from handcart.networks.graph.network import Action, ActionNetwork
+from handcart.primitives.knowledge.world_model import WorldModel
+
+
+def unwritten(network: ActionNetwork, told: Collection[str]) -> Iterator[tuple[Action, str, str]]:
+    """Actions with a parameter that nobody could know there: the action, the parameter, `book.shelf`.
+
+    What the world model doesn't know at first has to be found out by an action that comes before.
+
+    Args:
+        network: the whole network.
+        told: entries of the world model that files of the task fill.
+    """
+    empty = WorldModel.unknown_at_first() - set(told)
+    ways = _ways(network)
+    known: dict[str, set[str]] = {}
+    for action in network.actions:
+        for name, key in (action.binding.late if action.binding else {}).items():
+            entry = key.split(".")[0]
+            if entry not in known:
+                known[entry] = _reached(ways, [a for a in network.actions if _writes(a, entry)])
+            if entry in empty and action.source not in known[entry]:
+                yield action, name, key
+
+
+def _writes(action: Action, entry: str) -> bool:
+    return action.binding is not None and entry in action.binding.kind.writes
+
+
+def _ways(network: ActionNetwork) -> nx.DiGraph[str]:
+    """Where an action may lead, also one that fails."""
+    ways: nx.DiGraph[str] = nx.DiGraph()
+    ways.add_nodes_from(network.situations)
+    ways.add_edges_from((a.source, to) for a in network.actions for to in (a.target, a.on_fail) if to)
+    return ways
+
+
+def _reached(ways: nx.DiGraph[str], writers: list[Action]) -> set[str]:
+    """Where one of these may have been done, or tried."""
+    seen = {action.source for action in writers}
+    waiting = [to for source in seen for to in ways.successors(source)]
+    while waiting:
+        if (there := waiting.pop()) not in seen:
+            seen.add(there)
+            waiting.extend(ways.successors(there))
+    return seen

@@ -1,0 +1,75 @@
+"""Seeing where a block stands, from above."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Generator, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from handcart.backends.robot import Robot
+from handcart.primitives.contract.evidence import Evidence
+from handcart.primitives.motions.arm_motion import move_to_pose
+from handcart.primitives.restoring.snapshot import settle
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.geometry.transform import Transform, apply, inverse
+from handcart.robotics.kinematics.shapes import Box
+from handcart.robotics.perception.block_finder import find_block
+from handcart.robotics.perception.overlay import draw_overlay
+
+from .building import Building
+from .hand_down import VIEW, on_level, pointing_down
+
+WITHIN = 0.015  # [m] about where it should stand
+LOOKS = 2  # pictures
+
+
+def see_block(
+    robot: Robot, plan: Building, base_T_block: Transform, evidence: Evidence, around: Sequence[Box] = ()
+) -> Generator[None, None, Pose2 | None]:
+    """Move the camera over a block and measure where it stands, in the base frame; None: it isn't there.
+
+    Args:
+        robot: its hand is empty.
+        plan: tells the block's size.
+        base_T_block: (4, 4), where it should stand.
+        evidence: takes the picture.
+        around: bodies to keep clear of, in the base frame.
+    """
+    length, width, height = plan.block
+    top = base_T_block.copy()
+    top[2, 3] += height
+    view = pointing_down(Pose2(0.0, 0.0, on_level(top).theta), 0.0)
+    view[:3, 3] = top[:3, 3] + (0.0, 0.0, VIEW) - (view @ robot.camera.hand_T_camera)[:3, 3]
+    yield from move_to_pose(robot, view, around=around)
+    for _ in range(LOOKS):
+        yield from settle(robot)
+        yield
+        image = robot.picture()
+        base_T_camera = robot.base_T("hand") @ robot.camera.hand_T_camera
+        camera_T_top = inverse(base_T_camera) @ _flat(top[2, 3])
+        seen = find_block(image, robot.camera.model, camera_T_top, (length, width), on_level(top), WITHIN)
+        drawn = [] if seen is None else [_outline(seen, camera_T_top, length, width)]
+        outlines = [robot.camera.model.project(each) for each in drawn]
+        evidence.pictures["block"] = draw_overlay(image, outlines=outlines)
+        if seen is not None:
+            return _as_block(seen, on_level(top))
+    return None
+
+
+def _flat(height: float) -> Transform:
+    """base_T_plane of a level plane."""
+    return Pose2(0.0, 0.0, 0.0).lift(height)
+
+
+def _as_block(seen: Pose2, expected: Pose2) -> Pose2:
+    """A block looks the same from both sides: the heading nearer to what is expected."""
+    turned = math.cos(seen.theta - expected.theta) < 0.0
+    return seen.compose(Pose2(0.0, 0.0, math.pi)) if turned else seen
+
+
+def _outline(place: Pose2, camera_T_top: Transform, length: float, width: float) -> NDArray[np.float64]:
+    """(4, 3) corners in the camera frame."""
+    corners = place.apply(np.array([[1, 1], [-1, 1], [-1, -1], [1, -1]]) * (length / 2, width / 2))
+    return apply(camera_T_top, np.column_stack([corners, np.zeros(4)]))

@@ -1,0 +1,91 @@
+"""FIXATE: find out by a landmark where the base stands."""
+
+from __future__ import annotations
+
+from collections.abc import Generator
+from typing import Annotated, ClassVar
+
+from pydantic import Field
+
+from handcart.backends.arm import Arm
+from handcart.backends.camera import Camera
+from handcart.backends.robot import Robot
+from handcart.files.suggest import suggest
+from handcart.primitives.blocks.blocks import Blocks
+from handcart.primitives.contract.action_primitive import ActionPrimitive, Periods
+from handcart.primitives.contract.discrepancy import Discrepancy
+from handcart.primitives.knowledge.place_name import LandmarkName, PlaceName
+from handcart.primitives.knowledge.world_model import ModelView
+
+from .base_turn import turn_by_gyros
+from .building import LandmarkPlan
+from .fixating import Rule, fixate, fixed_by, planned_view, sought
+from .hand_down import building, surroundings
+
+MOST_TURNED = 0.002  # [rad] that the base may turn once it was found
+
+
+class Fixate(ActionPrimitive):
+    """Turn the hand until the landmark stands in the middle of the picture; that tells the travelling error.
+
+    Hatano et al. (2000), section 2.2, with the equations put right. The middle of the picture is where the
+    lens distorts least, and a closed loop forgives errors of the arm. A landmark out of view is searched for.
+    Landmarks look alike: which is which is told by all that are seen, as the plan has them, and by where the
+    base is believed to stand. Where that leaves two answers, the camera looks beside, until only one is left.
+    """
+
+    landmark: LandmarkName
+    """Its name in the building plan."""
+    place: PlaceName | None = None
+    """Where the base should stand; left out: where the plan says that the landmark is looked at from."""
+    rule: Rule = "residual"
+    """When the hand is close enough, and what of the rest counts: `residual` stops within 0.5 mm and 3.5 mrad
+    and takes the rest in; `paper` stops within 0.5 mm and 0.2 rad, and forgets it."""
+    looks: Annotated[int, Field(ge=1, le=10)] = 4
+    """How often the hand comes to stand over it at least: the error is the mean of what is then seen."""
+    search: bool = True
+    """Whether a landmark out of view is searched for."""
+
+    needs: ClassVar = (Arm, Camera)
+    reads: ClassVar = ("places", "building", "placed")
+    writes: ClassVar = ("fixed",)
+
+    def motion(self, robot: Robot, model: ModelView) -> Periods:
+        blocks = model.of(Blocks)
+        mark = landmark_of(model, self.landmark)
+        place = self.place or mark.place
+        planned = model.places[place].pose
+        view = planned_view(robot, mark, planned)
+        around = surroundings(robot, model)
+        marks = building(model).landmarks
+        wanted = sought(self.landmark, marks, planned, robot.pose, robot.pose_covariance)
+        found = yield from fixate(
+            robot, view, wanted, self.rule, self.evidence, None, around, self.search, self.looks
+        )
+        x, y, turn = found.planned_T_base
+        self.found(
+            error_x_mm=round(1e3 * x, 2),
+            error_y_mm=round(1e3 * y, 2),
+            error_mrad=round(1e3 * turn, 2),
+            frames=found.frames,
+            moves=found.moves,
+        )
+        blocks.fixed = fixed_by(robot, self.landmark, place, planned, found)
+        robot.found_at(blocks.fixed.pose, blocks.fixed.sigma)
+
+    def effect(self, robot: Robot, model: ModelView) -> Generator[None, None, bool]:
+        """The base stands as it was found: its gyros, where it has some, have felt no turn since."""
+        blocks = model.of(Blocks)
+        fixed, feels = blocks.fixed, robot.spec.imu is not None
+        if fixed is not None and feels and abs(turn_by_gyros(robot, fixed).yaw) >= MOST_TURNED:
+            blocks.fixed = None  # no longer so
+        return blocks.fixed is not None
+        yield
+
+
+def landmark_of(model: ModelView, name: str) -> LandmarkPlan:
+    """A landmark of the building plan; raises `Discrepancy` where it has none of that name."""
+    marks = building(model).landmarks
+    if name not in marks:
+        raise Discrepancy(f"the building plan has no landmark {name!r}{suggest(name, marks)}", permanent=True)
+    return marks[name]

@@ -1,0 +1,221 @@
+"""What the pictures of a fixation show together: which of the plan's landmarks is which."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Generator, Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from handcart.backends.robot import Robot
+from handcart.primitives.contract.evidence import Evidence
+from handcart.primitives.restoring.snapshot import settle
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.geometry.transform import Transform, inverse
+from handcart.robotics.manipulation.fixation import PlannedView
+from handcart.robotics.perception.constellation import (
+    CERTAIN,
+    STRAY,
+    UNSEEN,
+    Belief,
+    Explanation,
+    Kind,
+    Mark,
+    Sighting,
+    explain,
+    rivals,
+)
+from handcart.robotics.perception.landmark import Landmark
+from handcart.robotics.perception.landmark_finder import find_landmarks
+from handcart.robotics.perception.landmark_in_view import wholly_in_view
+from handcart.robotics.perception.landmark_pose import planar_pose
+from handcart.robotics.perception.overlay import draw_overlay
+
+NEARER, FARTHER = 0.05, 0.05  # [m] by which a landmark may be off its height in a picture
+OVERLAP = 0.02  # [m] nearer than that two marks can't stand
+STEP = 0.09  # [m] between the views of a search: the picture shows 0.24 x 0.18 m
+FAR = 6  # steps, to a view that tells two explanations apart
+SAME_PX = 8.0  # between two finds of one mark in a picture
+
+
+class Sought(NamedTuple):
+    """A landmark to be looked at, among those around it."""
+
+    mark: Mark
+    among: tuple[Mark, ...]
+    """All of the plan, `mark` as well."""
+    belief: Belief
+    """Where the base stands, as far as it is known."""
+
+
+class _Seen(NamedTuple):
+    landmark: Landmark
+    at: Sighting
+
+
+class _Difference(NamedTuple):
+    rival: int
+    """Index of the explanation that differs."""
+    place: Pose2
+    """base_T_mark."""
+    weight: float
+    """What seeing that the likeliest explanation is right there adds to its lead."""
+
+
+class LandmarkViews:
+    """Pictures of one fixation. `frames` counts them, `explanation` is the likeliest one of what they show.
+
+    A mark that was seen is remembered until a picture that should show it doesn't.
+    """
+
+    def __init__(self, robot: Robot, view: PlannedView, sought: Sought, evidence: Evidence) -> None:
+        self._robot, self._view, self._sought, self._evidence = robot, view, sought, evidence
+        self._seen: list[_Seen] = []
+        self._last: list[_Seen] = []
+        self._cameras: list[Transform] = []
+        self._explained: list[Explanation] = []
+        self._pushes = robot.pushes
+        self.frames = 0
+
+    def look(self) -> Generator[None, None, None]:
+        """Take one more picture."""
+        robot = self._robot
+        yield from settle(robot)
+        yield
+        image = robot.picture()
+        if robot.pushes != self._pushes:
+            self._seen, self._cameras, self._pushes = [], [], robot.pushes
+        camera = robot.base_T("hand") @ robot.camera.hand_T_camera
+        self._last = self._found(image, camera)
+        self._evidence.pictures["landmark"] = draw_overlay(
+            image, landmarks=[each.landmark for each in self._last]
+        )
+        kept = [each for each in self._seen if not self._is_over(each, camera)]
+        self._seen = kept + self._last
+        self._cameras.append(camera)
+        self.frames += 1
+        sightings = [each.at for each in self._seen]
+        self._explained = explain(self._sought.among, sightings, self._sought.belief, self._shown)
+
+    @property
+    def explanation(self) -> Explanation | None:
+        """The likeliest one; None as long as no landmark was seen."""
+        return self._explained[0] if self._explained else None
+
+    @property
+    def explanations(self) -> list[Explanation]:
+        """The likeliest one, and all with the base elsewhere that are hardly less likely."""
+        return rivals(self._explained) if self._explained else []
+
+    def wanted(self) -> Transform | None:
+        """camera_T_landmark (4, 4) of the landmark that is looked for, by the last picture.
+
+        The camera is taken to be tilted as planned. None: the picture doesn't show it.
+        """
+        if self.explanation is None:
+            return None
+        index = self._sought.among.index(self._sought.mark)
+        for each, mark in zip(self._seen, self.explanation.marks, strict=True):
+            if mark == index and any(each is last for last in self._last):
+                plane = self._view.camera_T_landmark
+                return np.asarray(plane @ planar_pose(each.landmark, plane).lift())
+        return None
+
+    def hides(self) -> bool:
+        """Whether the last picture should show it, but doesn't."""
+        if self.explanation is None or self.wanted() is not None:
+            return False
+        mark = self._sought.mark
+        place = self.explanation.planned_T_base.inverse().compose(mark.place)
+        return bool(self._inside(self._cameras[-1], mark.kind, [place])[0])
+
+    def telling_hands(self, start: Transform) -> list[Transform]:
+        """Poses base_T_hand from where a picture tells the explanations apart, the most telling one first.
+
+        Args:
+            start: base_T_hand (4, 4) that they are beside, at its height.
+        """
+        best, *others = self.explanations
+        here = self._robot.base_T("hand")[:2, 3]
+        differences = self._differences(best, others)
+        lacks = np.array([other.score - best.score + CERTAIN for other in others])
+        ranked = []
+        for x, y in offsets(FAR):
+            hand = start.copy()
+            hand[:2, 3] += (x, y)
+            gains = np.zeros(len(others))
+            for kind, some in differences.items():
+                camera = hand @ self._robot.camera.hand_T_camera
+                inside = self._inside(camera, kind, [each.place for each in some])
+                for each, seen in zip(some, inside, strict=True):
+                    gains[each.rival] += each.weight * seen
+            gain = float(np.minimum(gains, lacks).sum())
+            if gain > 0.0:
+                ranked.append((-gain, float(np.hypot(*(hand[:2, 3] - here))), hand))
+        return [hand for _, _, hand in sorted(ranked, key=lambda each: each[:2])]
+
+    def _differences(self, best: Explanation, others: Sequence[Explanation]) -> dict[Kind, list[_Difference]]:
+        """Landmarks that only one of two explanations has, where no picture was taken yet."""
+        found: dict[Kind, list[_Difference]] = {}
+        expected = self._expected(best)
+        for rival, otherwise in enumerate(map(self._expected, others)):
+            for ones, twos, weight in ((expected, otherwise, STRAY), (otherwise, expected, UNSEEN)):
+                for kind, places in ones.items():
+                    for place, shown in zip(places, self._shown(kind, places), strict=True):
+                        if not shown and all(place.distance(each) > OVERLAP for each in twos[kind]):
+                            found.setdefault(kind, []).append(_Difference(rival, place, weight))
+        return found
+
+    def _expected(self, explanation: Explanation) -> dict[Kind, list[Pose2]]:
+        """base_T_mark of all landmarks of the plan, by kind."""
+        to_base = explanation.planned_T_base.inverse()
+        places: dict[Kind, list[Pose2]] = {}
+        for mark in self._sought.among:
+            places.setdefault(mark.kind, []).append(to_base.compose(mark.place))
+        return places
+
+    def _found(self, image: NDArray[np.uint8], base_T_camera: Transform) -> list[_Seen]:
+        found: list[_Seen] = []
+        for kind in {mark.kind: None for mark in self._sought.among}:
+            camera_T_level = inverse(base_T_camera) @ Pose2(0.0, 0.0, 0.0).lift(kind.height)
+            away = self._distance(base_T_camera, kind)
+            span = (away - NEARER, away + FARTHER)
+            for each in find_landmarks(image, self._robot.camera.model, kind.side, span):
+                at = planar_pose(each, camera_T_level)
+                same = [one for one in found if math.dist(one.landmark.centre, each.centre) < SAME_PX]
+                if same:
+                    found.remove(same[0])
+                found.append(_Seen(each, {**(same[0].at if same else {}), kind: at}))
+        return found
+
+    def _distance(self, base_T_camera: Transform, kind: Kind) -> float:
+        """From the camera down to a landmark, in [m]; to the wanted one as planned."""
+        wanted = self._sought.mark.kind
+        planned = float(self._view.camera_T_landmark[2, 3])
+        return planned if kind == wanted else float(base_T_camera[2, 3]) - kind.height
+
+    def _is_over(self, seen: _Seen, base_T_camera: Transform) -> bool:
+        """Whether a remembered mark should be in the last picture; what that shows then holds."""
+        again = any(
+            at.distance(last.at[kind]) < OVERLAP
+            for last in self._last
+            for kind, at in seen.at.items()
+            if kind in last.at
+        )
+        return again or any(self._inside(base_T_camera, kind, [at])[0] for kind, at in seen.at.items())
+
+    def _inside(self, base_T_camera: Transform, kind: Kind, places: Sequence[Pose2]) -> NDArray[np.bool_]:
+        return wholly_in_view(self._robot.camera.model, base_T_camera, kind, places)
+
+    def _shown(self, kind: Kind, places: Sequence[Pose2]) -> NDArray[np.bool_]:
+        inside = [self._inside(camera, kind, places) for camera in self._cameras]
+        return np.any(inside, axis=0) if inside else np.zeros(len(places), dtype=bool)
+
+
+def offsets(rings: int) -> list[tuple[float, float]]:
+    """x and y of views beside a first one in [m], the nearest first."""
+    steps = [STEP * n for n in range(-rings, rings + 1)]
+    views = [(x, y) for x in steps for y in steps if (x, y) != (0.0, 0.0)]
+    return sorted(views, key=lambda each: (math.hypot(*each), math.atan2(each[1], each[0])))

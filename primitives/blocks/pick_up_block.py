@@ -1,0 +1,151 @@
+"""PICK_UP_BLOCK: take a block from where it is known to stand."""
+
+from __future__ import annotations
+
+from collections.abc import Generator, Sequence
+from typing import ClassVar, Literal
+
+import numpy as np
+from pydantic import PrivateAttr
+
+from handcart.backends.arm import Arm
+from handcart.backends.camera import Camera
+from handcart.backends.gripper import Gripper
+from handcart.backends.robot import Robot
+from handcart.primitives.blocks.blocks import Blocks
+from handcart.primitives.contract.action_primitive import ActionPrimitive, Periods
+from handcart.primitives.contract.discrepancy import Discrepancy, Measured, NeedsPerson
+from handcart.primitives.contract.meant_contact import MeantContact, name_of_block
+from handcart.primitives.knowledge.place_name import BlockNumber
+from handcart.primitives.knowledge.world_model import ModelView, WorldModel
+from handcart.primitives.motions.arm_motion import move_straight, move_to_joints, move_to_pose
+from handcart.primitives.motions.grip import close, open_to
+from handcart.primitives.motions.pushing import push
+from handcart.primitives.restoring.retrace import retrace
+from handcart.primitives.restoring.snapshot import Snapshot
+from handcart.primitives.restoring.trace import Trace
+from handcart.robotics.geometry.transform import Transform, inverse
+
+from .block_view import see_block
+from .building import Building
+from .hand_down import building, gripping, held_block, on_level, standing, surroundings
+from .supports import TRAY, held_on
+
+ABOVE = 0.06  # [m] over the grip, where the hand waits before it goes straight down and after it came up
+OPEN = 0.020  # [m] wider than the block
+SPEED = 0.10  # [m/s]
+TOUCH = 6.0  # [N]: more means that a finger stands on the block
+THICKNESS_ERROR = 0.002  # [m]
+
+
+class PickUpBlock(ActionPrimitive):
+    """Take a block from above: at the supply, where the landmark says it is, or off the robot's own table.
+
+    Closing, the fingers centre it between them: whatever it was off in that direction is gone. Along the
+    fingers it stays as it was (Hatano et al. 2000, sections 5.4 and 5.5), unless the camera looks first where
+    it stands.
+    """
+
+    number: BlockNumber
+    """Of the block, by the building plan."""
+    at: Literal["supply", "robot"]
+    """Where it stands: at the supply, or on the robot's own table."""
+    look: bool = False
+    """Whether to look first where exactly it stands."""
+
+    needs: ClassVar = (Arm, Gripper, Camera)
+    reads: ClassVar = ("building", "fixed", "placed")
+
+    _held: bool = PrivateAttr(default=False)
+    _touched: bool = PrivateAttr(default=False)
+
+    def motion(self, robot: Robot, model: ModelView) -> Periods:
+        plan = building(model)
+        stands = self._stands(robot, model, plan)
+        if self.look:
+            stands = yield from self._seen(robot, model, plan, stands)
+        base_T_grip = gripping(robot, plan, stands)
+        above = base_T_grip.copy()
+        above[2, 3] += ABOVE
+        yield from move_to_pose(robot, above, around=surroundings(robot, model))
+        yield from open_to(robot, plan.block[0] + OPEN)
+        pushed = yield from push(robot, base_T_grip, SPEED, TOUCH)
+        if pushed.met:
+            felt = Measured("Arm", "force that resists the hand", pushed.force, TOUCH, "N")
+            raise Discrepancy("a finger stands on the block", measured=felt)
+        yield from self.intend("the fingers close on the block")
+        self._touched = True
+        yield from close(robot)
+        if not _grips(robot, plan):
+            raise Discrepancy("the fingers don't hold a block", measured=_opening(robot, plan))
+        self._held = True
+        yield from move_straight(robot, above, held_block(robot, plan))
+        self.found(width_mm=round(1e3 * robot.gripper.width(), 2))
+
+    def watch(self, robot: Robot, model: ModelView) -> None:
+        """A block that slips out of the hand."""
+        if self._held and not robot.gripper.closed_on_something():
+            raise Discrepancy("the block slipped out of the hand", measured=_opening(robot, building(model)))
+
+    def effect(self, robot: Robot, model: ModelView) -> Generator[None, None, bool]:
+        """The fingers press on something as long as a block."""
+        return _grips(robot, building(model))
+        yield
+
+    def meant_contacts(self, model: WorldModel) -> Sequence[MeantContact]:
+        """Its block, and what that stands on."""
+        own, plan = MeantContact("hand", name_of_block(self.number)), model.of(Blocks).building
+        if self.at == "robot":
+            return own, MeantContact("held", TRAY)
+        if plan is None or self.number > len(plan.supply):
+            return (own,)
+        return own, *held_on(plan, plan.supply[self.number - 1], plan.supply)
+
+    def restore(self, robot: Robot, model: ModelView, start: Snapshot, trace: Trace) -> Periods:
+        """Played backwards, the block stands where it stood; then a picture tells whether it does."""
+        self._held = False
+        yield from retrace(robot, start, trace)
+        if not self._touched:
+            return
+        plan, back = building(model), robot.arm.command()
+        stands = self._stands(robot, model, plan)
+        seen = yield from see_block(robot, plan, stands, self.evidence, surroundings(robot, model))
+        if seen is None:
+            raise NeedsPerson(f"block {self.number} isn't seen where it stood")
+        off = 1e3 * seen.distance(on_level(stands))
+        most = robot.spec.tolerance.object_mm
+        if off > most:
+            moved = Measured("Camera", "block off its place", off, most, "mm")
+            raise NeedsPerson(f"block {self.number} doesn't stand where it stood", moved)
+        yield from move_to_joints(robot, back, around=surroundings(robot, model))
+
+    def _seen(
+        self, robot: Robot, model: ModelView, plan: Building, stands: Transform
+    ) -> Generator[None, None, Transform]:
+        """base_T_block (4, 4) as a picture shows it."""
+        seen = yield from see_block(robot, plan, stands, self.evidence, surroundings(robot, model))
+        if seen is None:
+            raise Discrepancy(f"block {self.number} isn't seen where it should stand")
+        off = seen.relative_to(on_level(stands))
+        self.found(seen_x_mm=round(1e3 * off.x, 2), seen_y_mm=round(1e3 * off.y, 2))
+        return seen.lift(float(stands[2, 3]))
+
+    def _stands(self, robot: Robot, model: ModelView, plan: Building) -> Transform:
+        """base_T_block (4, 4) by the plan and where the base stands."""
+        if self.at == "robot":
+            return plan.seat(self.number).pose
+        if self.number > len(plan.supply):
+            raise Discrepancy(
+                f"the supply has {len(plan.supply)} blocks, no block {self.number}", permanent=True
+            )
+        return np.asarray(inverse(standing(robot, model).lift()) @ plan.supply[self.number - 1].pose)
+
+
+def _grips(robot: Robot, plan: Building) -> bool:
+    off = abs(robot.gripper.width() - plan.block[0])
+    return robot.gripper.closed_on_something() and off < THICKNESS_ERROR
+
+
+def _opening(robot: Robot, plan: Building) -> Measured:
+    off = 1e3 * abs(robot.gripper.width() - plan.block[0])
+    return Measured("Gripper", "opening off the block's length", off, 1e3 * THICKNESS_ERROR, "mm")

@@ -1,0 +1,294 @@
+"""STACK: put the held block down where it goes."""
+
+from __future__ import annotations
+
+from collections.abc import Generator, Sequence
+from typing import ClassVar, Literal
+
+import numpy as np
+from pydantic import PrivateAttr
+
+from handcart.backends.arm import Arm
+from handcart.backends.camera import Camera
+from handcart.backends.gripper import Gripper
+from handcart.backends.robot import Robot
+from handcart.primitives.blocks.blocks import Blocks, Fixed, Placed
+from handcart.primitives.contract.action_primitive import ActionPrimitive, Periods
+from handcart.primitives.contract.discrepancy import Discrepancy, Measured
+from handcart.primitives.contract.meant_contact import MeantContact, name_of_block
+from handcart.primitives.knowledge.place_name import BlockNumber
+from handcart.primitives.knowledge.world_model import ModelView, WorldModel
+from handcart.primitives.motions.arm_motion import move_straight, move_to_pose, move_to_posture
+from handcart.primitives.motions.grip import open_to
+from handcart.primitives.motions.pushing import push, relax
+from handcart.primitives.restoring.snapshot import settle
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.geometry.transform import Transform, inverse, transform
+from handcart.robotics.kinematics.shapes import Box
+from handcart.robotics.manipulation.fixation import placing_posture, split_goal
+from handcart.robotics.manipulation.suspension_model import SuspensionModel, base_motion
+
+from .base_turn import fused, turn_by_gyros, turn_by_model
+from .block_view import see_block
+from .building import Building, LandmarkPlan, Standing
+from .fixate import landmark_of
+from .fixating import Rule, fixate, fixed_by, planned_view, sought
+from .hand_down import (
+    VIEW,
+    building,
+    gripping,
+    held_block,
+    on_level,
+    pointing_down,
+    standing,
+    surroundings,
+)
+from .pick_up_block import ABOVE, OPEN
+from .supports import TRAY, held_on
+
+NEAR = 0.010  # [m] above the expected contact, where the guarded descent begins
+PAST = 0.012  # [m] below it, where there should have been contact
+FAST, SLOW = 0.10, 0.02  # [m/s]
+CONTACT = 4.0  # [N]
+UNEXPECTED = 12.0  # [N] on the way down
+SERVO_LOOKS = 2  # at a landmark beside the goal: after each move the arm errs anew
+MOST_OFF = 0.008  # [m] from its goal at which a block still counts as put there
+
+Method = Literal["fix_once", "model", "imu", "fix_again", "fix_again_model", "fix_again_imu", "servo"]
+FIX_AGAIN = ("fix_again", "fix_again_model", "fix_again_imu")
+FEEL = ("imu", "fix_again_imu")
+FUSE = ("fix_again_model", "fix_again_imu")
+LEAN_BY_MODEL = ("model", *FUSE)
+
+
+class Stack(ActionPrimitive):
+    """Move the held block over its goal, lower it until it touches down, let go, withdraw, and look at it.
+
+    The goal is split into where the base should stand and the arm's posture from there; the posture is
+    corrected for where the base does stand (Hatano et al. 2000, eq. 7). That is known from the last fixation.
+    Since then the base turned and leans otherwise; what of that is corrected is the method. `fix_once`:
+    nothing, as in the paper. `model`: what the suspension's model says (eq. 12). `imu`: what the inertial
+    sensors felt. `fix_again`: the landmark is looked at once more, with the block in hand. `fix_again_model`:
+    that, and the model from there on, and what was found before. `fix_again_imu`: the same, but for the turn,
+    which the gyros feel. `servo`: a landmark beside the goal is looked at.
+    """
+
+    number: BlockNumber
+    """Of the block, by the building plan."""
+    onto: Literal["goal", "robot"]
+    """Where to: its goal, or its seat on the robot's own table."""
+    method: Method = "fix_again_model"
+    """What is done about the base's turning and leaning."""
+    rule: Rule = "residual"
+    """When a fixation is close enough; see FIXATE."""
+    stow: bool = False
+    """Whether the arm goes home in the end, as it must before the base drives away."""
+
+    needs: ClassVar = (Arm, Gripper, Camera)
+    reads: ClassVar = ("places", "building")
+    writes: ClassVar = ("fixed", "placed")
+
+    _placed: Placed | None = PrivateAttr(default=None)
+
+    def motion(self, robot: Robot, model: ModelView) -> Periods:
+        plan = building(model)
+        if not robot.gripper.closed_on_something():
+            raise Discrepancy("the hand holds no block", permanent=True)
+        if self.method in FEEL and robot.spec.imu is None:
+            raise Discrepancy(f"the method {self.method} needs inertial sensors", permanent=True)
+        held = held_block(robot, plan)
+        goal = self._goal(plan)
+        around = surroundings(robot, model)
+        if self.onto == "goal" and self.method in FIX_AGAIN:
+            yield from self._fix_again(robot, model)
+        grip = yield from self._over(robot, model, plan, goal, around)
+        yield from move_straight(robot, _raised(grip, ABOVE), held)
+        if self.onto == "goal" and self.method in FEEL:
+            yield from settle(robot)
+            grip = gripping(robot, plan, self._corrected(robot, model, plan, goal))
+        yield from self._lower(robot, grip)
+        yield from self.intend("the fingers let the block go")
+        yield from open_to(robot, plan.block[0] + OPEN)
+        yield from move_straight(robot, _raised(robot.arm_model.forward(robot.arm.command()), ABOVE))
+        if self.onto == "goal":
+            yield from self._check(robot, model, plan, goal)
+        if self.stow:
+            yield from move_to_posture(robot, "home", around=surroundings(robot, model))
+
+    def meant_contacts(self, model: WorldModel) -> Sequence[MeantContact]:
+        """Its block, and what carries that where it goes."""
+        own, plan = MeantContact("hand", name_of_block(self.number)), model.of(Blocks).building
+        if self.onto == "robot":
+            return own, MeantContact("held", TRAY)
+        if plan is None or self.number > len(plan.goals):
+            return (own,)
+        return own, *held_on(plan, plan.goals[self.number - 1], plan.goals)
+
+    def _goal(self, plan: Building) -> Standing:
+        if self.onto == "robot":
+            return plan.seat(self.number)
+        if self.number > len(plan.goals):
+            raise Discrepancy(
+                f"the plan has {len(plan.goals)} goals, none for block {self.number}", permanent=True
+            )
+        return plan.goals[self.number - 1]
+
+    def _over(
+        self, robot: Robot, model: ModelView, plan: Building, goal: Standing, around: Sequence[Box]
+    ) -> Generator[None, None, Transform]:
+        """Bring the block over its goal; gives base_T_hand (4, 4) where it will touch down."""
+        blocks = model.of(Blocks)
+        held = held_block(robot, plan)
+        if self.onto == "goal" and self.method == "servo":
+            return (yield from self._servo(robot, model, plan))
+        swing = _is_swing(robot, gripping(robot, plan, self._corrected(robot, model, plan, goal)))
+        grip = gripping(robot, plan, self._corrected(robot, model, plan, goal, swing))
+        yield from move_to_pose(robot, _raised(grip, ABOVE), held, around)
+        if self.onto == "goal" and blocks.fixed is not None:
+            blocks.fixed = blocks.fixed._replace(swings=blocks.fixed.swings + swing)
+        return grip
+
+    def _corrected(
+        self, robot: Robot, model: ModelView, plan: Building, goal: Standing, swings_to_come: int = 0
+    ) -> Transform:
+        """base_T_block (4, 4) at the goal; on the way there the base is still to turn by `swings_to_come`."""
+        if self.onto == "robot":
+            return goal.pose
+        base_T_block = np.asarray(inverse(standing(robot, model).lift()) @ goal.pose)
+        fixed = model.of(Blocks).fixed
+        if fixed is None:
+            raise Discrepancy("no landmark was seen from here", permanent=True)
+        if self.method in LEAN_BY_MODEL:
+            known, turn = robot.spec.suspension.model, self._turned(robot, fixed, swings_to_come)
+            upright = _upright(fixed, known, landmark_of(model, fixed.landmark).height_m)
+            turned = upright.compose(Pose2(0.0, 0.0, turn))
+            return known.corrected(inverse(turned.lift()) @ goal.pose, np.eye(4), 0)
+        if self.method == "imu" and swings_to_come == 0:
+            return inverse(_felt(robot, fixed)) @ base_T_block
+        return base_T_block
+
+    def _turned(self, robot: Robot, fixed: Fixed, swings_to_come: int) -> float:
+        """By how much the base has turned since it was fixed, and is still to turn, in [rad]."""
+        if self.method in FEEL:
+            return turn_by_gyros(robot, fixed).yaw + turn_by_model(robot, swings_to_come).yaw
+        return turn_by_model(robot, fixed.swings + swings_to_come).yaw
+
+    def _fix_again(self, robot: Robot, model: ModelView) -> Periods:
+        blocks = model.of(Blocks)
+        if blocks.fixed is None:
+            raise Discrepancy("no landmark was seen from here", permanent=True)
+        name = blocks.fixed.landmark
+        yield from self._fix(robot, model, name, None)
+
+    def _servo(self, robot: Robot, model: ModelView, plan: Building) -> Generator[None, None, Transform]:
+        goal = plan.goals[self.number - 1]
+        if goal.landmark is None:
+            raise Discrepancy(
+                f"the plan has no landmark beside the goal of block {self.number}", permanent=True
+            )
+        mark = landmark_of(model, goal.landmark)
+        planned = model.places[self._place(model, mark)].pose
+        planned_T_block = split_goal(goal.pose, planned.lift())
+        hover = gripping(robot, plan, planned_T_block)
+        hover[2, 3] = self._view_height(robot, mark.height_m)
+        error = yield from self._fix(robot, model, goal.landmark, hover)
+        return gripping(robot, plan, placing_posture(error, planned_T_block))
+
+    def _place(self, model: ModelView, mark: LandmarkPlan) -> str:
+        """Where the base should stand."""
+        blocks = model.of(Blocks)
+        return blocks.fixed.place if blocks.fixed is not None else mark.place
+
+    def _view_height(self, robot: Robot, surface: float) -> float:
+        """Of the hand, from which the camera looks down on a surface as in a fixation."""
+        level = pointing_down(Pose2(0.0, 0.0, 0.0), 0.0)
+        return surface + VIEW - float((level @ robot.camera.hand_T_camera)[2, 3])
+
+    def _fix(
+        self, robot: Robot, model: ModelView, name: str, hand: Transform | None
+    ) -> Generator[None, None, Transform]:
+        blocks = model.of(Blocks)
+        plan, mark = building(model), landmark_of(model, name)
+        place = self._place(model, mark)
+        planned = model.places[place].pose
+        view = planned_view(robot, mark, planned, hand)
+        held, around = held_block(robot, plan), surroundings(robot, model)
+        before = blocks.fixed
+        known = None if before is None else before.pose.relative_to(planned)
+        swing = _is_swing(robot, view.base_T_hand)
+        stands = (robot.pose, robot.pose_covariance) if before is None else (before.pose, before.covariance)
+        wanted, looks = (
+            sought(name, plan.landmarks, planned, *stands),
+            SERVO_LOOKS if self.method == "servo" else 1,
+        )
+        found = yield from fixate(
+            robot, view, wanted, self.rule, self.evidence, held, around, looks=looks, known=known
+        )
+        self.found(frames=found.frames)
+        blocks.fixed = fixed_by(robot, name, place, planned, found)
+        if self.method in FUSE and before is not None:
+            if self.method in FEEL:
+                turned = turn_by_gyros(robot, before, blocks.fixed)
+            else:
+                turned = turn_by_model(robot, before.swings + swing)
+            blocks.fixed = fused(before, turned, blocks.fixed)
+        return found.planned_T_base.lift()
+
+    def _lower(self, robot: Robot, grip: Transform) -> Periods:
+        """Down until the block touches."""
+        pushed = yield from push(robot, _raised(grip, NEAR), FAST, UNEXPECTED)
+        if pushed.met:
+            felt = Measured("Arm", "force that resists the hand", pushed.force, UNEXPECTED, "N")
+            raise Discrepancy("something stands where the block goes", measured=felt)
+        pushed = yield from push(robot, _raised(grip, -PAST), SLOW, CONTACT)
+        if not pushed.met:
+            felt = Measured("Arm", "force that resists the hand", pushed.force, CONTACT, "N")
+            raise Discrepancy("the block doesn't touch down where its support should be", measured=felt)
+        touched = float(robot.base_T("hand")[2, 3] - grip[2, 3])
+        yield from relax(robot)
+        self.found(touched_mm=round(1e3 * touched, 2))
+
+    def _check(self, robot: Robot, model: ModelView, plan: Building, goal: Standing) -> Periods:
+        """Look where the block stands."""
+        blocks = model.of(Blocks)
+        expected = self._corrected(robot, model, plan, goal)
+        seen = yield from see_block(robot, plan, expected, self.evidence, surroundings(robot, model))
+        if seen is None:
+            raise Discrepancy(f"block {self.number} isn't seen where it was put")
+        off = seen.relative_to(on_level(expected))
+        self.found(seen_x_mm=round(1e3 * off.x, 2), seen_y_mm=round(1e3 * off.y, 2))
+        far = float(np.hypot(off.x, off.y))
+        if far > MOST_OFF:
+            apart = Measured("Camera", "block off its goal", 1e3 * far, 1e3 * MOST_OFF, "mm")
+            raise Discrepancy(f"block {self.number} stands beside its goal", measured=apart)
+        self._placed = Placed(self.number, goal.floor, goal.height_m)
+        blocks.placed = (*blocks.placed, self._placed)
+
+
+def _is_swing(robot: Robot, base_T_hand: Transform) -> int:
+    """1 where carrying the load to there swings the arm so far that the base gives, else 0."""
+    here = robot.arm_model.forward(robot.arm.command())
+    across = float(np.linalg.norm(base_T_hand[:2, 3] - here[:2, 3]))
+    return int(across >= robot.spec.suspension.swing_from_mm / 1e3)
+
+
+def _upright(fixed: Fixed, known: SuspensionModel, height: float) -> Pose2:
+    """map_T_base as it would stand if it didn't lean: a landmark at that height in [m] is seen displaced."""
+    hand = transform((*fixed.reach, height))
+    seen = known.displaced(hand, np.eye(4), 0)
+    x, y = (hand - seen)[:2, 3].tolist()
+    return fixed.pose.compose(Pose2(x, y, 0.0))
+
+
+def _raised(base_T_hand: Transform, by: float) -> Transform:
+    result = base_T_hand.copy()
+    result[2, 3] += by
+    return result
+
+
+def _felt(robot: Robot, fixed: Fixed) -> Transform:
+    """fixed_T_base by the inertial sensors: how the base turned and leans against when it was fixed."""
+    roll, pitch = robot.attitude.tilt
+    before = fixed.attitude
+    yaw = robot.attitude.yaw - before[2]
+    return base_motion(yaw, roll - before[0], pitch - before[1], robot.spec.suspension.pivot_m)

@@ -1,0 +1,45 @@
+"""What should carry a block, by the building plan."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from handcart.primitives.contract.meant_contact import MeantContact, name_of_block
+from handcart.robotics.geometry.pose2 import Pose2
+
+from .building import Building, Standing
+
+LEVEL = 0.005  # [m] that a support's top may be off the foot of what it carries
+TRAY = "tray"
+
+
+def held_on(plan: Building, foot: Standing, among: Sequence[Standing]) -> tuple[MeantContact, ...]:
+    """The contacts of a held block with what carries it at `foot`.
+
+    Args:
+        plan: with the tables.
+        foot: where the block stands, on the map.
+        among: where the other blocks stand, in the order of their numbers, on the map.
+    """
+    length, width, height = plan.block
+    blocks = [
+        name_of_block(number)
+        for number, each in enumerate(among, start=1)
+        if abs(each.height_m + height - foot.height_m) < LEVEL
+        and _below(foot.floor, each.floor, (2 * length, 2 * width))
+    ]
+    tables = [
+        name
+        for name, table in plan.tables.items()
+        if abs(table.height_m - foot.height_m) < LEVEL
+        and _below(foot.floor, table.floor, (table.size_m[0] + length, table.size_m[1] + width))
+    ]
+    # A table of the plan may be a block of the world: a stone that the wall begins at.
+    stones = [f"block {name}" for name in tables]
+    return tuple(MeantContact("held", name) for name in (*tables, *stones, *blocks))
+
+
+def _below(foot: Pose2, middle: Pose2, size: tuple[float, float]) -> bool:
+    """Whether a foot is within a rectangle of that size about a middle."""
+    off = foot.relative_to(middle)
+    return abs(off.x) < size[0] / 2 and abs(off.y) < size[1] / 2

@@ -1,0 +1,124 @@
+"""APPROACH: bring the held book before its slot."""
+
+from __future__ import annotations
+
+from collections.abc import Generator
+from typing import ClassVar
+
+from pydantic import PrivateAttr
+
+from handcart.backends.arm import Arm
+from handcart.backends.camera import Camera
+from handcart.backends.gripper import Gripper
+from handcart.backends.range_sensor import RangeSensor
+from handcart.backends.robot import Robot
+from handcart.primitives.books.books import Books, Slot
+from handcart.primitives.contract.action_primitive import ActionPrimitive, Periods
+from handcart.primitives.contract.discrepancy import Discrepancy, Measured
+from handcart.primitives.knowledge.place import Book
+from handcart.primitives.knowledge.place_name import PlaceName
+from handcart.primitives.knowledge.world_model import ModelView
+from handcart.primitives.motions.arm_motion import held_box, move_straight, move_to_pose, shelf_boxes
+from handcart.primitives.motions.grip import GRIP_HEIGHT, hand_to_spine, holds, opening
+from handcart.robotics.geometry.transform import Transform, inverse, transform
+from handcart.robotics.kinematics.shapes import Box
+from handcart.robotics.perception.overlay import draw_overlay
+from handcart.robotics.perception.spines import Gap
+
+from .hand_view import look
+from .shelf_front import measure_shelf
+from .slot_edge import slot_edge
+
+BEFORE = 0.035  # [m] from the book's fore-edge to the shelf's front
+CLEAR = 0.006  # [m] from the book's foot to the board
+LOOKS = 4
+GOOD = 0.0005  # [m] off its slot's middle that the hand needn't move for
+WITHIN = 0.010  # [m] from where SEARCH saw it that the slot's side is looked for
+WITHIN_AT_END = 0.005  # [m]: the same where nothing but its place tells it from another edge
+
+
+class Approach(ActionPrimitive):
+    """Bring the held book before its slot, straight and centred, just above the board.
+
+    A planned motion goes to where SEARCH saw the slot. There the camera, which sits left of the hand, sees
+    the slot's left side past the book; the hand is moved until the book's middle is half a slot beside it.
+    What counts is hand and slot in one picture: errors of base, arm and SEARCH cancel.
+    """
+
+    shelf: PlaceName
+    """The place before the shelf."""
+    correct: bool = True
+    """Whether the hand is corrected by what it sees."""
+
+    needs: ClassVar = (Arm, Gripper, Camera, RangeSensor)
+    reads: ClassVar = ("places", "book")
+    writes: ClassVar = ("slot",)
+
+    _held: Box | None = PrivateAttr(default=None)
+    _around: tuple[Box, ...] = PrivateAttr(default=())
+
+    def motion(self, robot: Robot, model: ModelView) -> Periods:
+        books = model.of(Books)
+        book, slot = books.book, books.slot
+        if book is None or not holds(robot, book):
+            raise Discrepancy("the hand doesn't hold the book", measured=opening(robot, book))
+        if slot is None or slot.shelf != self.shelf:
+            raise Discrepancy(f"no slot is known on {self.shelf}", permanent=True)
+        place = model.places[self.shelf]
+        base_T_shelf = yield from measure_shelf(robot, place)
+        assert place.shelf is not None  # it was measured
+        self._held, self._around = held_box(robot, book), shelf_boxes(base_T_shelf, place.shelf)
+        goal = _before(robot, book, (slot.left + slot.right) / 2)
+        yield from move_to_pose(robot, base_T_shelf @ goal, self._held, self._around)
+        if self.correct:
+            books.slot = yield from self._centre(robot, base_T_shelf, goal, slot)
+
+    def _centre(
+        self, robot: Robot, base_T_shelf: Transform, goal: Transform, slot: Slot
+    ) -> Generator[None, None, Slot]:
+        """Look and move until the hand is before the slot's middle; gives the slot as seen from there."""
+        for number in range(1, LOOKS + 1):
+            slot = yield from self._measured(robot, base_T_shelf, slot)
+            hand = inverse(base_T_shelf) @ robot.base_T("hand")
+            off = float((slot.left + slot.right) / 2 - hand[1, 3])
+            self.found(looks=number, off_mm=round(1e3 * off, 2))
+            if number == 1:
+                self.found(corrected_mm=round(1e3 * off, 2))
+            if abs(off) <= GOOD:
+                return slot
+            goal[1, 3] += off
+            yield from move_straight(robot, base_T_shelf @ goal, self._held, self._around)
+        left = Measured("Camera", "the hand off its slot's middle", 1e3 * abs(off), 1e3 * GOOD, "mm")
+        raise Discrepancy(
+            f"the hand doesn't come before the slot: {1e3 * off:.1f} mm are left", measured=left
+        )
+
+    def _measured(self, robot: Robot, base_T_shelf: Transform, slot: Slot) -> Generator[None, None, Slot]:
+        """The slot moved to where its left side is seen now."""
+        view = yield from look(robot, base_T_shelf, self._held)
+        between = bool(slot.before)
+        within = WITHIN if between else WITHIN_AT_END
+        left = slot_edge(view, slot.left, within, between)
+        moved = slot if left is None else slot._replace(left=left, right=left - (slot.left - slot.right))
+        self.evidence.pictures["slot"] = draw_overlay(
+            view.image,
+            gaps=[Gap(moved.left, moved.right)],
+            camera=view.camera,
+            camera_T_shelf=view.camera_T_shelf,
+        )
+        if left is None:
+            unseen = Measured("Camera", "an edge near where the slot's side was", None, 1e3 * within, "mm")
+            raise Discrepancy(
+                f"the slot's side is not seen where SEARCH saw it: {_beside(slot)}", measured=unseen
+            )
+        return moved
+
+
+def _before(robot: Robot, book: Book, lateral: float) -> Transform:
+    """shelf_T_hand (4, 4) with the book straight before the shelf at y `lateral` in [m]."""
+    away = BEFORE + book.depth_mm / 1e3 + hand_to_spine(robot)
+    return transform((-away, lateral, CLEAR + GRIP_HEIGHT))
+
+
+def _beside(slot: Slot) -> str:
+    return f"right of {slot.after}" if slot.after else "at the left end of the row"

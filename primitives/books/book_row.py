@@ -1,0 +1,19 @@
+"""What a held book touches in its slot."""
+
+from __future__ import annotations
+
+from handcart.primitives.books.books import Books
+from handcart.primitives.contract.meant_contact import MeantContact, name_of_book
+from handcart.primitives.knowledge.world_model import WorldModel
+
+PARTS = ("board", "panel", "left panel", "right panel", "book end")
+"""Of a shelf, as the world calls them."""
+
+
+def row_contacts(model: WorldModel, shelf: str) -> tuple[MeantContact, ...]:
+    """Of the held book with its shelf, and with the two books that its slot is between."""
+    known = model.of(Books)
+    slot = known.slot
+    beside = () if slot is None else tuple(call for call in (slot.after, slot.before) if call)
+    books = [name_of_book(book) for book in known.catalogue.books if book.call in beside]
+    return tuple(MeantContact("held", name) for name in (*(f"{part} of {shelf}" for part in PARTS), *books))

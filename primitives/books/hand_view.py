@@ -1,0 +1,90 @@
+"""What the camera on the hand shows of a shelf, past what the hand holds."""
+
+from __future__ import annotations
+
+from collections.abc import Generator, Sequence
+from itertools import product
+from typing import NamedTuple
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from handcart.backends.gripper import Gripper
+from handcart.backends.robot import Robot
+from handcart.primitives.knowledge.place import Book
+from handcart.primitives.motions.arm_motion import held_box
+from handcart.primitives.motions.grip import holds
+from handcart.primitives.restoring.snapshot import settle
+from handcart.robotics.geometry.transform import Transform, apply, inverse
+from handcart.robotics.kinematics.shapes import Box
+from handcart.robotics.perception.camera_model import CameraModel
+
+RIM = 5  # [px] beside a held book that don't count: its own blur, and how exactly it sits in the hand
+FINGERS = ("left_finger", "right_finger")
+_ALONG = np.linspace(-0.5, 0.5, 9)
+
+
+class HandView(NamedTuple):
+    """A picture, and from where it was taken."""
+
+    image: NDArray[np.uint8]
+    camera: CameraModel
+    camera_T_shelf: Transform
+    """(4, 4), by the measured joints."""
+    mask: NDArray[np.bool_]
+    """(height, width), True where the shelf is seen rather than hand or held book."""
+
+
+def look(robot: Robot, base_T_shelf: Transform, held: Box | None) -> Generator[None, None, HandView]:
+    """Wait until the hand is at rest, and take a picture of the shelf.
+
+    Args:
+        robot: its camera before the shelf.
+        base_T_shelf: (4, 4), as measured.
+        held: what the hand holds, posed in the hand frame.
+    """
+    yield from settle(robot)
+    base_T_camera = robot.base_T("hand") @ robot.camera.hand_T_camera
+    mask = _free(robot, held)
+    return HandView(robot.picture(), robot.camera.model, inverse(base_T_camera) @ base_T_shelf, mask)
+
+
+def held_book(robot: Robot, book: Book) -> Box | None:
+    """The book in the hand, posed in the hand frame; None where the hand doesn't hold it."""
+    gripper = robot.backend.get(Gripper)  # type: ignore[type-abstract]
+    return held_box(robot, book) if gripper is not None and holds(robot, book) else None
+
+
+def _free(robot: Robot, held: Box | None) -> NDArray[np.bool_]:
+    camera = robot.camera.model
+    shown = np.full((camera.height, camera.width), 255, dtype=np.uint8)
+    camera_T_hand = inverse(robot.camera.hand_T_camera)
+    for box in (*_fingers(robot), *([held] if held is not None else [])):
+        points = apply(camera_T_hand @ box.pose, _edges(box))
+        pixels = camera.project(points[points[:, 2] > 0.005])
+        if len(pixels):
+            cv2.fillConvexPoly(shown, cv2.convexHull(np.rint(pixels).astype(np.int32)), 0)
+    return np.asarray(cv2.erode(shown, np.ones((2 * RIM + 1, 2 * RIM + 1), np.uint8)) > 0)
+
+
+def _fingers(robot: Robot) -> Sequence[Box]:
+    """The fingers as they stand, in the hand frame."""
+    gripper = robot.backend.get(Gripper)  # type: ignore[type-abstract]
+    if gripper is None:
+        return []
+    width = max(0.0, gripper.width() / 2)
+    joints = robot.arm.joints()
+    arm = robot.arm_model.with_others(dict.fromkeys(FINGERS, width))
+    hand_T_base = inverse(arm.forward(joints))
+    bodies = [body for body in arm.link_shapes(joints) if body.name in FINGERS]
+    return [Box(hand_T_base @ body.pose, body.size) for body in bodies if isinstance(body, Box)]
+
+
+def _edges(box: Box) -> NDArray[np.float64]:
+    """Points (108, 3) on a box's edges, in its frame: a lens bends the lines between corners."""
+    ends = list(product((-0.5, 0.5), repeat=2))
+    lines = [
+        np.insert(np.tile(end, (len(_ALONG), 1)), axis, _ALONG, axis=1) for axis in range(3) for end in ends
+    ]
+    return np.asarray(np.vstack(lines) * np.array(box.size))

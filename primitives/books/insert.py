@@ -1,0 +1,182 @@
+"""INSERT: push the held book into its slot."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Generator, Sequence
+from typing import ClassVar, Literal
+
+import numpy as np
+from pydantic import PrivateAttr
+
+from handcart.backends.arm import Arm
+from handcart.backends.gripper import Gripper
+from handcart.backends.range_sensor import RangeSensor
+from handcart.backends.robot import Robot
+from handcart.primitives.books.books import Books
+from handcart.primitives.contract.action_primitive import ActionPrimitive, Periods
+from handcart.primitives.contract.discrepancy import Discrepancy, Measured, NeedsPerson
+from handcart.primitives.contract.meant_contact import MeantContact
+from handcart.primitives.knowledge.place_name import PlaceName
+from handcart.primitives.knowledge.world_model import ModelView, WorldModel
+from handcart.primitives.motions.arm_motion import held_box, move_straight, move_to_joints
+from handcart.primitives.motions.grip import hand_to_spine, hand_to_tips, holds, opening
+from handcart.primitives.motions.pushing import Pushed, push, relax
+from handcart.primitives.motions.taught import taught_postures
+from handcart.primitives.restoring.retrace import retrace
+from handcart.primitives.restoring.snapshot import Snapshot
+from handcart.primitives.restoring.trace import Trace
+from handcart.robotics.geometry.transform import Transform, inverse, transform
+
+from .book_row import row_contacts
+from .shelf_front import measure_shelf
+
+TIPS_BEFORE = 0.007  # [m] that the finger tips stay before the shelf's front: spines stand 3 mm before it
+SPEED = 0.02  # [m/s]
+JAM = 7.0  # [N]: sliding in takes 2
+PUSHES_BACK = 10.0  # [N]: a neighbour gives way from here on, and the hand's camera doesn't see it
+WIGGLES = ((0.0, 0.0), (0.003, 0.035), (-0.003, -0.035))  # to the left in [m], turned left by [rad]
+SIDE_FORCE = 1.5  # [N] from the slot's sides that the hand yields to
+ASIDE, MOST_ASIDE = 0.0005, 0.008  # [m]: a step, and how far the hand yields at most
+REACHED = 0.004  # [m]
+
+
+class Insert(ActionPrimitive):
+    """Push the held book straight into its slot, until the finger tips stand just before the spines.
+
+    Where it enters is where APPROACH brought it; how far it goes is measured on the shelf's front. A book
+    that jams is pulled out and tried a few millimetres beside; one that jams everywhere is a Fail, pulled
+    back to where it was. No sensor sees whether a neighbour was pushed back, so the force must tell: above
+    10 N a person has to look. Taught, the hand plays back `insert_1` and on, whatever the range sensor says.
+    """
+
+    shelf: PlaceName
+    """The place before the shelf."""
+    method: Literal["planned", "taught"] = "planned"
+    """How the hand finds its way."""
+    wiggle: bool = True
+    """Whether a book that jams is tried beside."""
+
+    needs: ClassVar = (Arm, Gripper, RangeSensor)
+    reads: ClassVar = ("places", "book")
+
+    _base_T_end: Transform | None = PrivateAttr(default=None)
+    _strongest: float = PrivateAttr(default=0.0)
+
+    def hindrance(self, robot: Robot, model: ModelView) -> str:
+        """A hand that doesn't hold the book."""
+        books = model.of(Books)
+        return "" if books.book and holds(robot, books.book) else "the hand doesn't hold the book"
+
+    def motion(self, robot: Robot, model: ModelView) -> Periods:
+        books = model.of(Books)
+        if books.book is None or not holds(robot, books.book):
+            raise Discrepancy("the hand doesn't hold the book", measured=opening(robot, books.book))
+        end = yield from self._end(robot, model)
+        start = robot.arm_model.forward(robot.arm.command())
+        edge, held = hand_to_spine(robot) + books.book.depth_mm / 1e3, held_box(robot, books.book)
+        ways = WIGGLES if self.wiggle and self.method == "planned" else WIGGLES[:1]
+        yield from self.intend("the book is pushed between its neighbours")
+        for number, (aside, turn) in enumerate(ways, start=1):
+            yield from move_straight(robot, start @ _about(edge, aside, turn), held)
+            pushed = yield from self._try(robot, end)
+            self.found(force_n=round(self._strongest, 1), tries=number)
+            if not pushed.met:
+                return
+            yield from relax(robot)
+            yield from move_straight(robot, start, held)
+        raise Discrepancy(
+            f"the book jams: it resists with {pushed.force:.0f} N",
+            measured=Measured("Arm", "force that resists the push", pushed.force, JAM, "N"),
+        )
+
+    def _end(self, robot: Robot, model: ModelView) -> Generator[None, None, Transform]:
+        """base_T_hand (4, 4) where the push ends; taught, the hand goes to the posture before it."""
+        if self.method == "planned":
+            base_T_shelf = yield from measure_shelf(robot, model.places[self.shelf])
+            return _before_spines(robot, base_T_shelf, robot.arm_model.forward(robot.arm.command()))
+        *way, last = taught_postures(robot, "insert", 1)
+        for posture in way:
+            yield from move_to_joints(robot, posture)
+        return robot.arm_model.forward(last)
+
+    def _try(self, robot: Robot, end: Transform) -> Generator[None, None, Pushed]:
+        """Half the way straight ahead, which brings the book into the slot; then on to `end`."""
+        start = robot.arm_model.forward(robot.arm.command())
+        ahead = (end[:3, 3] - start[:3, 3]) @ end[:3, 0] / 2
+        halfway = start.copy()
+        halfway[:3, 3] += ahead * end[:3, 0]
+        pushed = yield from push(robot, halfway, SPEED, JAM)
+        if not pushed.met:
+            aside = yield from _yield_aside(robot)
+            self._base_T_end = end @ transform((0.0, aside, 0.0))
+            self.found(yielded_mm=round(1e3 * aside, 1))
+            pushed = yield from push(robot, self._base_T_end, SPEED, JAM)
+        self._strongest = max(self._strongest, pushed.force)
+        return pushed
+
+    def watch(self, robot: Robot, model: ModelView) -> None:
+        """A book that slips out of the hand."""
+        if self._base_T_end is not None and not robot.gripper.closed_on_something():
+            raise Discrepancy(
+                "the book slipped out of the hand", measured=opening(robot, model.of(Books).book)
+            )
+
+    def effect(self, robot: Robot, model: ModelView) -> Generator[None, None, bool]:
+        """The book is still held, and the hand stands where it was to go."""
+        books = model.of(Books)
+        if self._base_T_end is None or books.book is None:
+            return False
+        off = float(np.linalg.norm(robot.base_T("hand")[:3, 3] - self._base_T_end[:3, 3]))
+        self.found(off_mm=round(1e3 * off, 1))
+        if off >= REACHED:
+            left = Measured("Arm", "left to where the push ends", 1e3 * off, 1e3 * REACHED, "mm")
+            raise Discrepancy("the hand doesn't reach where the push ends", measured=left)
+        return holds(robot, books.book)
+        yield
+
+    def meant_contacts(self, model: WorldModel) -> Sequence[MeantContact]:
+        """The book, held: the board and what bounds its slot."""
+        return row_contacts(model, self.shelf)
+
+    def restore(self, robot: Robot, model: ModelView, start: Snapshot, trace: Trace) -> Periods:
+        """Pull straight back."""
+        yield from retrace(robot, start, trace)
+        if self._strongest > PUSHES_BACK:
+            raise NeedsPerson(
+                f"{self._strongest:.0f} N may have pushed a neighbour back",
+                Measured("Arm", "strongest force of the push", self._strongest, PUSHES_BACK, "N"),
+            )
+
+
+def _before_spines(robot: Robot, base_T_shelf: Transform, base_T_hand: Transform) -> Transform:
+    """The pose of the hand (4, 4) further along the shelf's x, its tips just before the spines."""
+    shelf_T_hand = inverse(base_T_shelf) @ base_T_hand
+    away = TIPS_BEFORE + hand_to_tips(robot)
+    if shelf_T_hand[0, 3] > -away:
+        ahead = Measured(
+            "RangeSensor",
+            "the hand before the shelf's front",
+            -1e3 * float(shelf_T_hand[0, 3]),
+            1e3 * away,
+            "mm",
+        )
+        raise Discrepancy("the hand stands too close to the shelf to push a book in", measured=ahead)
+    shelf_T_hand[0, 3] = -away
+    return base_T_shelf @ shelf_T_hand
+
+
+def _yield_aside(robot: Robot) -> Generator[None, None, float]:
+    """Go with the slot's sides until they hardly press: how far to the left, in [m]."""
+    start = robot.arm_model.forward(robot.arm.command())
+    aside = 0.0
+    while abs(aside) < MOST_ASIDE and abs(force := float(robot.arm.hand_force()[1])) > SIDE_FORCE:
+        aside += math.copysign(ASIDE, force)
+        yield from push(robot, start @ transform((0.0, aside, 0.0)), SPEED, np.inf)
+    return aside
+
+
+def _about(edge: float, aside: float, turn: float) -> Transform:
+    """hand_T_hand (4, 4) moved aside, and turned about a point so far ahead that the leading edge stays."""
+    there = transform((edge, aside, 0.0), (0.0, 0.0, turn))
+    return there @ transform((-edge, 0.0, 0.0))

@@ -1,0 +1,145 @@
+"""RECOGNIZE: tell which book stands on the tray, and where."""
+
+from __future__ import annotations
+
+from collections.abc import Generator, Sequence
+from typing import ClassVar, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import PrivateAttr
+
+from handcart.backends.arm import Arm
+from handcart.backends.camera import Camera
+from handcart.backends.robot import Robot
+from handcart.primitives.books.books import Books
+from handcart.primitives.contract.action_primitive import ActionPrimitive, Periods
+from handcart.primitives.contract.discrepancy import Discrepancy, Measured
+from handcart.primitives.knowledge.world_model import ModelView
+from handcart.primitives.motions.arm_motion import move_straight, move_to_posture, tray_box
+from handcart.primitives.restoring.snapshot import settle
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.geometry.transform import Transform, transform
+from handcart.robotics.perception.camera_model import CameraModel
+from handcart.robotics.perception.overlay import draw_overlay
+from handcart.robotics.perception.tag_family import TagFamily
+from handcart.robotics.perception.tag_reader import Tag, read_tags, tag_pose
+
+POSTURE = "look_at_tag"
+ASIDE = ((0.0, 0.0), (0.0, 0.025), (0.0, -0.025), (0.02, 0.0))  # of views: left and up, in [m]
+ENOUGH = 3  # views in which the tag was read
+PICTURES = 2  # from each view, until the tag is read
+Vector = NDArray[np.float64]
+
+TAG_SIDE = 0.010  # [m] of the tag's black square
+REARMOST, FOREMOST = -0.04, 0.14  # [m] from the tray's rear: where a spine can stand
+ASIDE_ON_TRAY = 0.10  # [m] from the tray's middle, likewise
+DEPTH_WEIGHT = 5e-4  # of a distance along a line of sight: 1 % of 0.2 m, against 0.05 mm across
+
+
+class _Sighting(NamedTuple):
+    number: int
+    eye: Vector
+    """The camera (3,) in the base frame, in [m]."""
+    place: Vector
+    """The tag's middle (3,) by this picture alone, in [m]."""
+
+
+class Recognize(ActionPrimitive):
+    """Read the tag of the book on the tray, and look it up in the catalogue.
+
+    The tag is read in a few views from beside each other: where their lines of sight meet stands the spine.
+    How far the book is turned can't be seen on a tag of 10 mm: it counts as set straight, and the fingers
+    turn it.
+    """
+
+    needs: ClassVar = (Arm, Camera)
+    reads: ClassVar = ("catalogue",)
+    writes: ClassVar = ("book", "book_pose")
+
+    _seen: list[_Sighting] = PrivateAttr(default_factory=list)
+    _looks: int = PrivateAttr(default=0)
+
+    def motion(self, robot: Robot, model: ModelView) -> Periods:
+        around = (tray_box(robot),)
+        yield from move_to_posture(robot, POSTURE, around=around)
+        start = robot.arm_model.forward(robot.arm.command())
+        for aside, up in ASIDE:
+            yield from move_straight(robot, start @ transform((0.0, aside, up)), around=around)
+            yield from self._read(robot, model.of(Books).catalogue.tags)
+            if len(self._seen) >= ENOUGH:
+                break
+        yield from move_straight(robot, start, around=around)
+        self._conclude(model)
+
+    def _read(self, robot: Robot, family: TagFamily) -> Generator[None, None, None]:
+        """Look for a tag from here."""
+        yield from settle(robot)
+        base_T_camera = robot.base_T("hand") @ robot.camera.hand_T_camera
+        for _ in range(PICTURES):
+            yield
+            image = robot.picture()
+            self._looks += 1
+            tags = read_tags(image, family=family)
+            found = [(tag, _sighting(tag, robot.camera.model, base_T_camera)) for tag in tags]
+            found = [(tag, sighting) for tag, sighting in found if _on_tray(robot, sighting.place)]
+            self._show(image, [tag for tag, _ in found])
+            if found:
+                self._seen += [sighting for _, sighting in found]
+                return
+
+    def _show(self, image: NDArray[np.uint8], tags: list[Tag]) -> None:
+        if tags or not self._seen:
+            self.evidence.pictures["tray"] = draw_overlay(image, tags)
+
+    def _conclude(self, model: ModelView) -> None:
+        books = model.of(Books)
+        if not self._seen:
+            unread = Measured("Camera", f"of {self._looks} pictures those in which a tag was read", 0, 1)
+            raise Discrepancy("no tag can be read on the tray", measured=unread)
+        numbers = sorted({sighting.number for sighting in self._seen})
+        if len(numbers) > 1:
+            raise Discrepancy(
+                f"there are several tags on the tray: {', '.join(map(str, numbers))}",
+                measured=Measured("Camera", "different tags read", len(numbers), 1),
+            )
+        book = books.catalogue.by_accession.get(numbers[0])
+        if book is None:
+            read = Measured("Camera", "number of the tag that was read", numbers[0])
+            unknown = f"the book with the tag {numbers[0]} is not in the catalogue"
+            raise Discrepancy(unknown, permanent=True, measured=read)
+        x, y, _ = _place(self._seen)
+        books.book = book
+        books.book_pose = Pose2(float(x), float(y), 0.0)
+        self.found(
+            accession=float(book.accession),
+            call=book.call,
+            x_mm=round(1e3 * float(x), 1),
+            y_mm=round(1e3 * float(y), 1),
+            views=len(self._seen),
+        )
+
+
+def _sighting(tag: Tag, camera: CameraModel, base_T_camera: Transform) -> _Sighting:
+    camera_T_tag = tag_pose(tag, camera, TAG_SIDE)
+    return _Sighting(tag.id, base_T_camera[:3, 3], (base_T_camera @ camera_T_tag)[:3, 3])
+
+
+def _place(seen: Sequence[_Sighting]) -> Vector:
+    """Where the lines of sight meet best, (3,) in [m]; they tell depth better than the tag's small size does.
+
+    Least squares over the distances from the lines, and with little weight along them.
+    """
+    normal, right = np.zeros((3, 3)), np.zeros(3)
+    for sighting in seen:
+        sight = sighting.place - sighting.eye
+        sight /= np.linalg.norm(sight)
+        across = np.eye(3) - (1.0 - DEPTH_WEIGHT) * np.outer(sight, sight)
+        normal, right = normal + across, right + across @ sighting.place
+    return np.asarray(np.linalg.solve(normal, right))
+
+
+def _on_tray(robot: Robot, place: Vector) -> bool:
+    tray = robot.spec.tray_shape
+    ahead, aside = place[0] - tray.rear, place[1] - tray.middle[1]
+    return bool(REARMOST < ahead < FOREMOST and abs(aside) < ASIDE_ON_TRAY)

@@ -1,0 +1,217 @@
+"""RELEASE: let the book go in its slot, and push it home."""
+
+from __future__ import annotations
+
+from collections.abc import Generator
+from collections.abc import Sequence as Several
+from typing import ClassVar
+
+import numpy as np
+from py_trees.behaviour import Behaviour
+from py_trees.composites import Sequence
+from pydantic import PrivateAttr
+
+from handcart.backends.arm import Arm
+from handcart.backends.camera import Camera
+from handcart.backends.gripper import Gripper
+from handcart.backends.range_sensor import RangeSensor
+from handcart.backends.robot import Robot
+from handcart.primitives.books.books import Books
+from handcart.primitives.contract.action_primitive import Periods
+from handcart.primitives.contract.discrepancy import Discrepancy, Measured
+from handcart.primitives.contract.meant_contact import MeantContact, name_of_book
+from handcart.primitives.contract.tree_primitive import GeneratorBehaviour, TreePrimitive
+from handcart.primitives.knowledge.place_name import PlaceName
+from handcart.primitives.knowledge.world_model import ModelView, WorldModel
+from handcart.primitives.motions.arm_motion import move_straight, move_to_posture, shelf_boxes
+from handcart.primitives.motions.grip import GRIP_HEIGHT, close, hand_to_tips, holds, open_to, opening
+from handcart.primitives.motions.pushing import push, relax
+from handcart.primitives.restoring.snapshot import settle
+from handcart.robotics.geometry.transform import Transform, inverse
+from handcart.robotics.perception.call_number import parse
+from handcart.robotics.perception.label_reader import Label
+from handcart.robotics.perception.ocr_label_reader import OcrLabelReader
+from handcart.robotics.perception.overlay import draw_overlay
+
+from .book_row import row_contacts
+from .shelf_front import measure_shelf
+
+LOWER_SPEED = 0.01  # [m/s]
+STANDS = 3.0  # [N] from below that mean that the book stands on the board
+TOO_LOW = 0.006  # [m] below where the board should be: there is none
+ROOM = 0.012  # [m] that the fingers open wider than the book
+BACK_OFF = 0.06  # [m]: the tips leave the book's rear
+HOME_SPEED = 0.02  # [m/s]
+HOME = 8.0  # [N]: sliding home takes 3
+BEYOND = 0.008  # [m] that the push may be commanded beyond flush: the arm gives under the book's friction
+FELT = 1.5  # [N]: below this the fingers pushed nothing: they passed the book by
+FLUSH = 0.0  # [m] behind the shelf's front edge, to which the tips push: spines stand 3 mm about it
+PROUD = 0.006  # [m] before the front edge: a book that stays there isn't home
+AWAY = 0.18  # [m] from the tips to the shelf's front, after withdrawing and while looking
+LOOK_HEIGHT = 0.09  # [m] of the camera above the board: labels stand near the foot
+SAME_PLACE = 0.012  # [m] between where the book was let go and where its label is seen
+
+
+class Release(TreePrimitive):
+    """Let the book go in its slot and push it home: lower, open, back off, close, push, withdraw, look.
+
+    From opening on it can't be undone: pushed home, the book offers the fingers nothing to take it by. Its
+    label must then be read in its slot, between the right neighbours; else a person has to look.
+    """
+
+    shelf: PlaceName
+    """The place before the shelf."""
+
+    needs: ClassVar = (Arm, Gripper, Camera, RangeSensor)
+    reads: ClassVar = ("places", "book", "slot")
+
+    _base_T_shelf: Transform | None = PrivateAttr(default=None)
+    _lateral: float = PrivateAttr(default=0.0)
+    """y in the shelf frame where the book is let go, in [m]."""
+    _open_to: float | None = PrivateAttr(default=None)
+    """How far the fingers are to open, in [m], while they do."""
+
+    def hindrance(self, robot: Robot, model: ModelView) -> str:
+        """A hand that doesn't hold the book."""
+        books = model.of(Books)
+        return "" if books.book and holds(robot, books.book) else "the hand doesn't hold the book"
+
+    def tree(self, robot: Robot, model: ModelView) -> Behaviour:
+        """The steps, one after the other."""
+        steps = {
+            "measure the shelf": lambda: self._measure(robot, model),
+            "lower the book onto the board": lambda: self._lower(robot),
+            "open the fingers": lambda: self._open(robot, model),
+            "back off": lambda: self._move_in_shelf(robot, -BACK_OFF),
+            "close the fingers": lambda: close(robot),
+            "push the book home": lambda: self._push_home(robot),
+            "withdraw": lambda: self._withdraw(robot),
+            "look at the shelf": lambda: self._look(robot),
+        }
+        leaves: list[Behaviour] = [GeneratorBehaviour(name, step) for name, step in steps.items()]
+        return Sequence("release the book", memory=True, children=leaves)
+
+    def _measure(self, robot: Robot, model: ModelView) -> Periods:
+        books = model.of(Books)
+        if books.book is None or not holds(robot, books.book):
+            raise Discrepancy("the hand doesn't hold the book", measured=opening(robot, books.book))
+        self._base_T_shelf = yield from measure_shelf(robot, model.places[self.shelf])
+        self._lateral = float(self._hand(robot)[1, 3])
+
+    def _lower(self, robot: Robot) -> Periods:
+        foot = float(self._hand(robot)[2, 3]) - GRIP_HEIGHT
+        goal = robot.arm_model.forward(robot.arm.command())
+        goal[2, 3] -= max(0.002, foot + TOO_LOW)
+        pushed = yield from push(robot, goal, LOWER_SPEED, STANDS)
+        if not pushed.met:
+            felt = Measured("Arm", "force from below", pushed.force, STANDS, "N")
+            raise Discrepancy("there is no board below the book", measured=felt)
+        self.found(lowered_mm=round(1e3 * (foot + GRIP_HEIGHT - float(self._hand(robot)[2, 3])), 1))
+        yield from relax(robot)
+
+    def _open(self, robot: Robot, model: ModelView) -> Periods:
+        books = model.of(Books)
+        yield from self.intend("the fingers let the book go")
+        self._open_to = ROOM + (books.book.thickness_mm / 1e3 if books.book else 0.0)
+        self.point_of_no_return("the fingers let the book go")
+        yield from open_to(robot, self._open_to)
+        self._open_to = None
+
+    def _push_home(self, robot: Robot) -> Periods:
+        tips = float(self._hand(robot)[0, 3]) + hand_to_tips(robot)
+        goal = self._in_shelf(robot, FLUSH + BEYOND - tips)
+        pushed = yield from push(robot, goal, HOME_SPEED, HOME, lambda: self._tips(robot) >= FLUSH)
+        proud = -self._tips(robot)
+        self.found(proud_mm=round(1e3 * proud, 1), push_n=round(pushed.force, 1))
+        if proud > PROUD:
+            raise Discrepancy(
+                f"the book doesn't go home: it stands {1e3 * proud:.0f} mm proud",
+                measured=Measured("Arm", "the finger tips before flush", 1e3 * proud, 1e3 * PROUD, "mm"),
+            )
+        if pushed.force < FELT:
+            felt = Measured("Arm", "force of the push", pushed.force, FELT, "N")
+            raise Discrepancy("the fingers don't meet the book: it may stand proud", measured=felt)
+
+    def _withdraw(self, robot: Robot) -> Periods:
+        yield from self._move_in_shelf(robot, -AWAY - self._tips(robot))
+
+    def _look(self, robot: Robot) -> Periods:
+        """Bring the camera before the slot, as far as the hand is now."""
+        shelf_T_hand = self._hand(robot)
+        eye = robot.camera.hand_T_camera[:3, 3]
+        goal = np.eye(4)
+        goal[:3, 3] = (shelf_T_hand[0, 3], self._lateral - eye[1], LOOK_HEIGHT - eye[2])
+        yield from move_straight(robot, self._shelf @ goal)
+
+    def effect(self, robot: Robot, model: ModelView) -> Generator[None, None, bool]:
+        """The book's label is read in its slot, between the right neighbours; then the arm is put away."""
+        if model.of(Books).book is None:
+            return False
+        yield
+        image = robot.picture()
+        camera_T_shelf = inverse(robot.base_T("hand") @ robot.camera.hand_T_camera) @ self._shelf
+        reader = OcrLabelReader()
+        labels = yield from robot.compute(reader.read, image, robot.camera.model, camera_T_shelf)
+        self.evidence.pictures["after_release"] = draw_overlay(image, labels=labels)
+        stands = self._stands(labels, model)
+        yield from self._put_away(robot, model)
+        return stands
+
+    def meant_contacts(self, model: WorldModel) -> Several[MeantContact]:
+        """Its book, which the fingers push home; held, the board and what bounds its slot."""
+        books = model.of(Books)
+        own = "" if books.book is None else name_of_book(books.book)
+        return MeantContact("hand", own), *row_contacts(model, self.shelf)
+
+    def finish(self, robot: Robot, model: ModelView) -> Periods:
+        """Pull the hand back from the shelf, and put the arm away."""
+        yield from settle(robot)
+        if self._open_to is not None:
+            yield from open_to(robot, self._open_to)
+        if self._tips(robot) > -AWAY:
+            yield from self._withdraw(robot)
+        yield from self._put_away(robot, model)
+
+    def _put_away(self, robot: Robot, model: ModelView) -> Periods:
+        shelf = model.places[self.shelf].shelf
+        around = () if shelf is None else shelf_boxes(self._shelf, shelf)
+        yield from move_to_posture(robot, "home", around=around)
+
+    def _stands(self, labels: list[Label], model: ModelView) -> bool:
+        """Whether the book's label is among those read, where the hand let it go, in order."""
+        books = model.of(Books)
+        numbers = [(label.lateral, label.call_number) for label in labels if label.call_number is not None]
+        own = parse(books.book.call) if books.book else None
+        near = [y for y, number in numbers if number == own and abs(y - self._lateral) < SAME_PLACE]
+        if own is None or not near:
+            return False
+        self.found(label_off_mm=round(1e3 * (near[0] - self._lateral), 1))
+        if books.slot is None:
+            return True
+        left = [number for y, number in numbers if y > near[0]]
+        right = [number for y, number in numbers if y < near[0]]
+        return parse(books.slot.after) not in right and parse(books.slot.before) not in left
+
+    def _move_in_shelf(self, robot: Robot, ahead: float) -> Periods:
+        """Move the hand along the shelf's x by `ahead` [m]."""
+        yield from relax(robot)
+        yield from move_straight(robot, self._in_shelf(robot, ahead))
+
+    def _in_shelf(self, robot: Robot, ahead: float) -> Transform:
+        base_T_hand = robot.arm_model.forward(robot.arm.command())
+        base_T_hand[:3, 3] += ahead * self._shelf[:3, 0]
+        return base_T_hand
+
+    def _tips(self, robot: Robot) -> float:
+        """x of the finger tips in the shelf frame, by the measured joints, in [m]."""
+        return float((self._hand(robot) @ np.array([hand_to_tips(robot), 0.0, 0.0, 1.0]))[0])
+
+    def _hand(self, robot: Robot) -> Transform:
+        """shelf_T_hand (4, 4) by the measured joints."""
+        return inverse(self._shelf) @ robot.base_T("hand")
+
+    @property
+    def _shelf(self) -> Transform:
+        if self._base_T_shelf is None:
+            raise Discrepancy("the shelf hasn't been measured")
+        return self._base_T_shelf

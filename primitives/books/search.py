@@ -1,0 +1,223 @@
+"""SEARCH: find where on the shelf the book belongs."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Generator, Sequence
+from itertools import pairwise
+from typing import ClassVar, Literal
+
+import numpy as np
+from pydantic import PrivateAttr
+
+from handcart.backends.arm import Arm
+from handcart.backends.camera import Camera
+from handcart.backends.range_sensor import RangeSensor
+from handcart.backends.robot import Robot
+from handcart.primitives.books.books import Books, Slot
+from handcart.primitives.contract.action_primitive import ActionPrimitive, Periods
+from handcart.primitives.contract.discrepancy import Discrepancy, Measured
+from handcart.primitives.knowledge.place import Book, Shelf
+from handcart.primitives.knowledge.place_name import PlaceName
+from handcart.primitives.knowledge.world_model import ModelView
+from handcart.primitives.motions.arm_motion import move_straight, move_to_pose, shelf_boxes, tray_box
+from handcart.primitives.motions.grip import hand_to_spine
+from handcart.robotics.geometry.transform import Transform, transform
+from handcart.robotics.kinematics.shapes import Box
+from handcart.robotics.perception.call_number import CallNumber, parse
+from handcart.robotics.perception.gap_finder import GapFound, NoGap, find_gap, ordered
+from handcart.robotics.perception.label_reader import LabelReader
+from handcart.robotics.perception.ocr_label_reader import OcrLabelReader
+from handcart.robotics.perception.overlay import draw_overlay
+from handcart.robotics.perception.shelf_views import ShelfReading, fuse_views
+from handcart.robotics.perception.spines import Gap, SpineView, find_spines
+from handcart.robotics.perception.template_label_reader import TemplateLabelReader
+
+from .hand_view import HandView, held_book, look
+from .label_templates import PX_PER_M, label_templates
+from .shelf_front import measure_shelf
+from .slot_edge import book_end
+
+AWAY = 0.285  # [m] from the camera to the spines
+ROOM = 0.03  # [m] that a held book keeps from them
+HEIGHT = 0.082  # [m] of the camera above the board: labels and the foot of the spines are in view
+STEP = 0.125  # [m] between views: with a thick book in the hand, a view shows 0.18 m
+BEYOND = 0.012  # [m] of the side panels that is in view
+ASIDE = 0.03  # [m] to both sides of the slot, for a closer look
+PLAY = 0.006  # [m] that a slot is wider than its book, about
+SIGMA = 0.001  # [m] of a slot's sides
+
+
+class Search(ActionPrimitive):
+    """Look along the shelf, read the labels, and find the slot where the book belongs.
+
+    The camera moves on a straight line from left to right, past the held book, and stops for each view (a
+    book on the tray would stand in the hand's way: pick it up first). The slot is then looked at twice more
+    from nearly straight ahead. Where it is holds in the shelf's frame as the robot has it at this stop;
+    APPROACH sees to the rest.
+    """
+
+    shelf: PlaceName
+    """The place before the shelf."""
+    reader: Literal["ocr", "template"] = "ocr"
+    """How labels are read: letter by letter, or compared with pictures of those in the catalogue."""
+    fuse: bool = True
+    """Whether what several views show of one book is aligned, averaged and voted on."""
+    misplacement: bool = True
+    """Whether a book that stands out of order is seen through."""
+
+    needs: ClassVar = (Arm, Camera, RangeSensor)
+    reads: ClassVar = ("places", "catalogue", "book", "book_pose")
+    writes: ClassVar = ("slot",)
+
+    _base_T_shelf: Transform = PrivateAttr(default_factory=lambda: np.eye(4))
+    _held: Box | None = PrivateAttr(default=None)
+    _around: tuple[Box, ...] = PrivateAttr(default=())
+    _views: list[SpineView] = PrivateAttr(default_factory=list)
+    _last: HandView | None = PrivateAttr(default=None)
+
+    def motion(self, robot: Robot, model: ModelView) -> Periods:
+        books = model.of(Books)
+        book, number = _wanted(model)
+        place = model.places[self.shelf]
+        self._base_T_shelf = yield from measure_shelf(robot, place)
+        assert place.shelf is not None  # it was measured
+        self._held = held_book(robot, book)
+        self._around = shelf_boxes(self._base_T_shelf, place.shelf)
+        if self._held is None and books.book_pose is not None:
+            self._around += (tray_box(robot),)
+        reader = self._make_reader([each.call for each in books.catalogue.books])
+        stops = self._stops(robot, place.shelf)
+        yield from self._look_from(robot, reader, stops)
+        found = self._find(book, number)
+        end = _end_of_row(self._reading(), number, isinstance(found, NoGap))
+        if end is not None:
+            closer = [end - book.thickness_mm / 1e3 - PLAY]
+        elif isinstance(found, GapFound):
+            closer = [found.centre + ASIDE, found.centre - ASIDE]
+        else:
+            closer = [(a + b) / 2 for a, b in pairwise(stops)][::-1]
+        yield from self._look_from(robot, reader, closer)
+        slots = None if end is None else self._slot_at(end, book)
+        self._conclude(model, self._find(book, number, slots))
+
+    def _make_reader(self, calls: Sequence[str]) -> LabelReader:
+        numbers: list[CallNumber] = [number for call in calls if (number := parse(call)) is not None]
+        if self.reader == "template":
+            return TemplateLabelReader(label_templates(numbers), PX_PER_M)
+        return OcrLabelReader(numbers)
+
+    def _stops(self, robot: Robot, shelf: Shelf) -> list[float]:
+        """y of the camera for views that together show the whole shelf, from left to right, in [m]."""
+        camera = robot.camera.model
+        left = right = self._away(robot) * camera.width / (2 * camera.K[0, 0])
+        if self._held is not None:
+            right = min(right, self._past(robot))
+        first, last = 0.5 * shelf.width_m + BEYOND - left, -0.5 * shelf.width_m - BEYOND + right
+        count = 1 + max(0, math.ceil((first - last) / STEP))
+        return [float(y) for y in np.linspace(first, last, count)]
+
+    def _away(self, robot: Robot) -> float:
+        """From the camera to the spines, in [m]."""
+        if self._held is None:
+            return AWAY
+        return max(
+            AWAY, hand_to_spine(robot) + self._held.size[0] + ROOM - float(robot.camera.hand_T_camera[0, 3])
+        )
+
+    def _past(self, robot: Robot) -> float:
+        """How far to the right of the camera the spines are seen past the held book, in [m]."""
+        assert self._held is not None
+        eye = robot.camera.hand_T_camera[:3, 3]
+        ahead = hand_to_spine(robot) + self._held.size[0] - float(eye[0])
+        return (float(eye[1]) - 0.5 * self._held.size[1]) * self._away(robot) / ahead - 0.003
+
+    def _look_from(self, robot: Robot, reader: LabelReader, stops: Sequence[float]) -> Periods:
+        eye = robot.camera.hand_T_camera[:3, 3]
+        for y in stops:
+            place = (-self._away(robot) - eye[0], y - eye[1], HEIGHT - eye[2])
+            yield from self._move(robot, self._base_T_shelf @ transform(place))
+            yield from self._see(robot, reader)
+
+    def _move(self, robot: Robot, base_T_hand: Transform) -> Periods:
+        """On a straight line where there is one."""
+        if self._views:
+            try:
+                yield from move_straight(robot, base_T_hand, self._held, self._around)
+                return
+            except Discrepancy:
+                pass
+        yield from move_to_pose(robot, base_T_hand, self._held, self._around)
+
+    def _see(self, robot: Robot, reader: LabelReader) -> Generator[None, None, None]:
+        view = self._last = yield from look(robot, self._base_T_shelf, self._held)
+        labels = reader.read(view.image, view.camera, view.camera_T_shelf, view.mask)
+        seen = find_spines(view.image, view.camera, view.camera_T_shelf, labels, view.mask)
+        self._views.append(seen)
+        self.evidence.pictures[f"view_{len(self._views)}"] = draw_overlay(
+            view.image, (), labels, seen.spines, seen.gaps, view.camera, view.camera_T_shelf
+        )
+
+    def _reading(self) -> ShelfReading:
+        return fuse_views(self._views, self.fuse)
+
+    def _slot_at(self, left: float, book: Book) -> tuple[Gap, ...]:
+        """The slot between the last book, whose right side is `left`, and the book end, in the last view."""
+        assert self._last is not None
+        right = book_end(self._last, left, book.thickness_mm / 1e3)
+        return () if right is None else (Gap(left, right),)
+
+    def _find(self, book: Book, number: CallNumber, slots: tuple[Gap, ...] | None = None) -> GapFound | NoGap:
+        """The slot in what was seen, among `slots` if they are given."""
+        reading = self._reading()
+        self._note(reading)
+        if slots is not None:
+            reading = reading._replace(gaps=slots)
+        return find_gap(reading, number, book.thickness_mm / 1e3, misplacement=self.misplacement)
+
+    def _note(self, reading: ShelfReading) -> None:
+        read = [str(book.call_number) for book in reading.books if book.call_number is not None]
+        self.found(
+            views=len(self._views), books_seen=len(reading.books), labels_read=len(read), row=", ".join(read)
+        )
+
+    def _conclude(self, model: ModelView, found: GapFound | NoGap) -> None:
+        if isinstance(found, NoGap):
+            self._decided_by(found)
+            read = Measured("Camera", found.what, found.value, found.limit, found.unit)
+            raise Discrepancy(found.reason, permanent=True, measured=read)
+        after, before = (str(number) if number is not None else "" for number in (found.before, found.after))
+        self.found(gap_mm=round(1e3 * found.width, 1), gap_at_mm=round(1e3 * found.centre, 1))
+        self.found(after=after, before=before, misplaced=", ".join(map(str, found.misplaced)))
+        model.of(Books).slot = Slot(self.shelf, found.left, found.right, SIGMA, after, before)
+
+    def _decided_by(self, found: NoGap) -> None:
+        """The view that shows most nearly in its middle where the book belongs decided."""
+        if found.at is not None:
+            middles = [abs((view.left + view.right) / 2 - found.at) for view in self._views]
+            self.evidence.decisive = f"view_{1 + int(np.argmin(middles))}"
+
+
+def _wanted(model: ModelView) -> tuple[Book, CallNumber]:
+    """The book whose slot is looked for, and its call number."""
+    book: Book | None = model.of(Books).book
+    if book is None:
+        raise Discrepancy("no book has been recognized", permanent=True)
+    number = parse(book.call)
+    if number is None:
+        raise Discrepancy(f"{book.call!r} in the catalogue is no call number", permanent=True)
+    return book, number
+
+
+def _end_of_row(reading: ShelfReading, number: CallNumber, no_gap: bool) -> float | None:
+    """y of the last book's right side in [m], where the wanted one belongs to the right of all in order.
+
+    The slot there is bounded by a book end, which stands back: only straight before it is its place seen.
+    Where the last book is a misplaced one, the slot may also be left of it: then `no_gap` was found there.
+    """
+    known = [(book.right, book.call_number) for book in reading.books if book.call_number is not None]
+    read = ordered([name for _, name in known])
+    if not read or number < read[-1]:
+        return None
+    right, last = known[-1]
+    return right if no_gap or last == read[-1] else None

@@ -1,0 +1,38 @@
+"""Where the shelf stands that the robot has docked on."""
+
+from __future__ import annotations
+
+from collections.abc import Generator
+
+import numpy as np
+
+from handcart.backends.robot import Robot
+from handcart.primitives.contract.discrepancy import Discrepancy, Measured
+from handcart.primitives.knowledge.place import Place
+from handcart.robotics.geometry.transform import Transform, inverse
+from handcart.robotics.navigation.front_line import fit_front, pose_from_front
+
+SCANS = 20  # stacked for one measurement: 10 mm of noise become 0.5 mm of distance
+GATE = 0.10  # [m] that the front may be off where map and pose have it
+
+
+def measure_shelf(robot: Robot, place: Place) -> Generator[None, None, Transform]:
+    """base_T_shelf (4, 4), the base standing still before it: see `Shelf` for the frame.
+
+    Distance and angle are measured on the shelf's front; along it the localiser's pose counts.
+
+    Raises:
+        Discrepancy: no front is seen where it should be.
+    """
+    if place.shelf is None:
+        raise Discrepancy("there is no shelf at this place", permanent=True)
+    scans = []
+    for _ in range(SCANS):
+        yield
+        scans.append(robot.range_sensor.scan().points())
+    front = fit_front(np.vstack(scans), robot.pose.inverse().apply(place.front), gate=GATE)
+    if front is None:
+        unseen = Measured("RangeSensor", "a straight front where the shelf should be", None, GATE, "m")
+        raise Discrepancy("the front of the shelf is not seen where it should be", measured=unseen)
+    map_T_base = pose_from_front(robot.pose, front, place.front)
+    return inverse(map_T_base.lift()) @ place.map_T_shelf

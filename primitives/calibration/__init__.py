@@ -1,0 +1,1 @@
+"""Primitives that measure what a robot's file says."""

@@ -1,0 +1,167 @@
+"""CALIBRATE_CAMERA: find out how the camera on the hand sees, and where on the hand it sits."""
+
+from __future__ import annotations
+
+from collections.abc import Generator, Sequence
+from typing import Annotated, ClassVar, NamedTuple
+
+import numpy as np
+import pinocchio as pin
+from pydantic import Field
+
+from handcart.backends.arm import Arm
+from handcart.backends.camera import Camera
+from handcart.backends.mounted_camera import stated_camera
+from handcart.backends.robot import Robot
+from handcart.files.suggest import suggest
+from handcart.primitives.blocks.building import BoardPlan
+from handcart.primitives.blocks.hand_down import building, standing, surroundings
+from handcart.primitives.contract.action_primitive import ActionPrimitive, Periods
+from handcart.primitives.contract.calibrated import Calibrated, as_facts
+from handcart.primitives.contract.discrepancy import Discrepancy, Measured
+from handcart.primitives.knowledge.world_model import ModelView
+from handcart.primitives.motions.arm_motion import move_to_pose
+from handcart.primitives.restoring.snapshot import settle
+from handcart.robotics.geometry.transform import Transform, difference, inverse
+from handcart.robotics.perception.calibration_board import CalibrationBoard
+from handcart.robotics.perception.camera_calibration import CameraCalibration, calibrate_camera
+from handcart.robotics.perception.hand_eye_calibration import (
+    HandEyeCalibration,
+    HandEyeView,
+    calibrate_hand_eye,
+)
+from handcart.robotics.perception.overlay import draw_overlay
+
+from .board_views import board_views
+
+SPARE = 2  # times as many postures are tried as views are wanted: the arm doesn't reach all
+CORNERS = 0.5  # of the board's: fewer in a picture don't count
+USUAL_WIDTH = 0.18  # [m] of the board that `board_views` looks at
+
+
+class Found(NamedTuple):
+    """Of one calibration."""
+
+    camera: CameraCalibration
+    hand_eye: HandEyeCalibration
+
+
+class CalibrateCamera(ActionPrimitive):
+    """Look at a calibration board from all sides; find the camera's intrinsics and where it sits on the hand.
+
+    Zhang (2000) for the intrinsics, `cv2.calibrateHandEye` and a refinement for the mount. The base leans as
+    the arm moves: what the suspension's model knows of that is taken out. What was found is a proposal for
+    the robot's file.
+    """
+
+    board: Annotated[str, Field(min_length=1)]
+    """Its name in the building plan."""
+    views: Annotated[int, Field(ge=10, le=100)] = 36
+    """How many pictures are taken."""
+
+    needs: ClassVar = (Arm, Camera)
+    reads: ClassVar = ("building", "placed", "fixed")
+
+    def motion(self, robot: Robot, model: ModelView) -> Periods:
+        plan = _board_of(model, self.board)
+        base_T_board = inverse(standing(robot, model).lift()) @ plan.pose
+        views = yield from self._look(robot, model, plan, base_T_board)
+        if len(views) < self.views:
+            few = Measured("Camera", "views of the board", len(views), self.views)
+            raise Discrepancy("the board can't be seen from enough sides", measured=few)
+        try:
+            found = yield from robot.compute(_calibrated, robot, views)
+        except ValueError as error:
+            raise Discrepancy(f"the views don't calibrate the camera: {error}") from None
+        self._tell(robot, found)
+
+    def _look(
+        self, robot: Robot, model: ModelView, plan: BoardPlan, base_T_board: Transform
+    ) -> Generator[None, None, list[HandEyeView]]:
+        """Pictures from as many postures as are wanted, if the arm reaches so many."""
+        board, around = plan.board(plan.square_mm), surroundings(robot, model)
+        camera_T_hand = inverse(robot.camera.hand_T_camera)
+        views: list[HandEyeView] = []
+        for base_T_camera in board_views(base_T_board, SPARE * self.views, max(board.size) / USUAL_WIDTH):
+            if len(views) == self.views:
+                break
+            try:
+                yield from move_to_pose(robot, base_T_camera @ camera_T_hand, around=around)
+            except Discrepancy as error:
+                if error.measured is not None:
+                    raise
+                continue  # out of reach
+            yield from settle(robot)
+            yield
+            view = self._picture(robot, board)
+            if view is not None:
+                views.append(view)
+        return views
+
+    def _picture(self, robot: Robot, board: CalibrationBoard) -> HandEyeView | None:
+        image = robot.picture()
+        seen = board.find(image)
+        if seen is None or len(seen.points) < CORNERS * board.corners:
+            return None
+        self.evidence.pictures["board"] = draw_overlay(image, points=seen.pixels)
+        return HandEyeView(robot.base_T("hand"), seen)
+
+    def _tell(self, robot: Robot, found: Found) -> None:
+        assert robot.spec.camera is not None
+        camera, sigmas = found.camera.camera, found.camera.sigmas
+        mount = stated_camera(robot.spec.camera, robot.arm_model).hand_T_camera
+        off = inverse(mount) @ found.hand_eye.hand_T_camera
+        turn = np.degrees(pin.rpy.matrixToRpy(off[:3, :3]))
+        of_mount = found.hand_eye.sigmas
+        self.evidence.calibrated.update(
+            {
+                "camera.calibrated.focal_px": Calibrated(float(camera.K[1, 1]), float(sigmas[1])),
+                "camera.calibrated.cx_px": Calibrated(float(camera.K[0, 2]), float(sigmas[2])),
+                "camera.calibrated.cy_px": Calibrated(float(camera.K[1, 2]), float(sigmas[3])),
+                **_lens(found.camera),
+                "camera.calibrated.xyz_mm": Calibrated(
+                    tuple((1e3 * off[:3, 3]).tolist()), tuple((1e3 * of_mount[:3]).tolist())
+                ),
+                "camera.calibrated.rpy_deg": Calibrated(
+                    tuple(turn.tolist()), tuple(np.degrees(of_mount[3:]).tolist())
+                ),
+            }
+        )
+        far, turned = difference(robot.camera.hand_T_camera, found.hand_eye.hand_T_camera)
+        self.found(**as_facts(self.evidence.calibrated))
+        self.found(
+            fit_px=round(found.camera.rms, 3),
+            mount_off_mm=round(1e3 * far, 2),
+            mount_off_mrad=round(1e3 * turned, 2),
+            arm_error_mm=round(1e3 * found.hand_eye.arm_error, 2),
+            frames=len(found.camera.rms_of_views),
+        )
+
+
+def _lens(found: CameraCalibration) -> dict[str, Calibrated]:
+    """The coefficients that the pictures bear; the others stay 0."""
+    values, sigmas = found.camera.distortion, found.sigmas[4:]
+    return {
+        f"camera.calibrated.{name}": Calibrated(float(value), float(sigma))
+        for name, value, sigma in zip(("k1", "k2", "p1", "p2", "k3"), values, sigmas, strict=True)
+        if sigma > 0.0
+    }
+
+
+def _board_of(model: ModelView, name: str) -> BoardPlan:
+    boards = building(model).boards
+    if name not in boards:
+        raise Discrepancy(f"the building plan has no board {name!r}{suggest(name, boards)}", permanent=True)
+    return boards[name]
+
+
+def _calibrated(robot: Robot, views: Sequence[HandEyeView]) -> Found:
+    """Raises ValueError where the views tell too little."""
+    known = robot.camera.model
+    boards = [view.board for view in views]
+    camera = calibrate_camera(boards, known.width, known.height, square_pixels=True)
+    suspension, reference = robot.spec.suspension.model, views[0].base_T_hand
+    leaning = [
+        view._replace(base_T_hand=suspension.displaced(view.base_T_hand, reference, 0.0)) for view in views
+    ]
+    return Found(camera, calibrate_hand_eye(leaning, camera.camera))

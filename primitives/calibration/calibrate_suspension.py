@@ -1,0 +1,178 @@
+"""CALIBRATE_SUSPENSION: find out how the base turns and leans when the arm moves a load."""
+
+from __future__ import annotations
+
+from collections.abc import Generator, Sequence
+from typing import Annotated, ClassVar, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import Field
+
+from handcart.backends.arm import Arm
+from handcart.backends.camera import Camera
+from handcart.backends.gripper import Gripper
+from handcart.backends.robot import Robot
+from handcart.primitives.blocks.building import LandmarkPlan
+from handcart.primitives.blocks.fixate import landmark_of
+from handcart.primitives.blocks.hand_down import building, held_block, standing, surroundings
+from handcart.primitives.contract.action_primitive import ActionPrimitive, Periods
+from handcart.primitives.contract.calibrated import Calibrated, as_facts
+from handcart.primitives.contract.discrepancy import Discrepancy, Measured
+from handcart.primitives.knowledge.place_name import LandmarkName
+from handcart.primitives.knowledge.world_model import ModelView
+from handcart.primitives.motions.arm_motion import move_straight, move_to_pose
+from handcart.robotics.geometry.transform import Transform, apply, inverse
+from handcart.robotics.kinematics.shapes import Box
+from handcart.robotics.manipulation.suspension_identification import (
+    Sighting,
+    SuspensionFit,
+    Swing,
+    fit_sightings,
+)
+from handcart.robotics.manipulation.swing_yaw import SwingYaw, fit_swing_yaw
+from handcart.robotics.perception.landmark import square_corners
+
+from .sightings import above, creep, see
+
+HEIGHTS = (0.26, 0.32)  # [m] of the camera above the landmarks
+APART = 1.2  # times what counts as a swing: so far the hand must swing at least
+LOOKS = 2  # between swings; the hand is raised and lowered between them, so that the arm errs anew
+RAISED = 0.03  # [m]
+
+Names = Annotated[tuple[LandmarkName, ...], Field(min_length=3)]
+
+
+class Scene(NamedTuple):
+    """What the hand moves among, in the base frame."""
+
+    marks: list[LandmarkPlan]
+    base_T_marks: list[Transform]
+    held: Box
+    around: tuple[Box, ...]
+
+
+class CalibrateSuspension(ActionPrimitive):
+    """Look at landmarks near and far, then swing the load out and back; find how the base leaned and turned.
+
+    The base leans to where the hand is: from near and far, high and low, landmarks then seem to have moved
+    and to have come nearer. It turns with each swing: then the same landmark is seen turned. Between the
+    landmarks the hand goes in short steps, so that the one isn't mixed with the other. What was found is a
+    proposal for the robot's file (Hatano et al. 2000, section 4).
+    """
+
+    landmarks: Names
+    """Their names in the building plan: on one table, near and far, to both sides. Over the first one the
+    hand stands between the swings."""
+    rounds: Annotated[int, Field(ge=1, le=20)] = 6
+    """How often each is looked at from each height."""
+    swings: Annotated[int, Field(ge=4, le=200)] = 20
+    """How often the hand swings out and back."""
+
+    needs: ClassVar = (Arm, Gripper, Camera)
+    reads: ClassVar = ("building", "placed", "fixed")
+
+    def hindrance(self, robot: Robot, model: ModelView) -> str:
+        """A hand that holds nothing: the base gives under a load."""
+        return "" if robot.gripper.closed_on_something() else "the hand holds no block"
+
+    def motion(self, robot: Robot, model: ModelView) -> Periods:
+        scene = self._scene(robot, model)
+        first = above(robot, scene.base_T_marks[0], HEIGHTS[0])
+        yield from move_to_pose(robot, first, scene.held, scene.around)
+        sightings = yield from self._look_around(robot, scene)
+        headings, between = yield from self._swing(robot, scene)
+        try:
+            yaw = fit_swing_yaw(headings, between)
+            fit = yield from robot.compute(_fitted, robot, scene, sightings, yaw.yaw_per_swing)
+        except ValueError as error:
+            raise Discrepancy(f"what was seen doesn't tell how the base gives: {error}") from None
+        self._tell(yaw, fit, len(sightings) + headings.size)
+
+    def watch(self, robot: Robot, model: ModelView) -> None:
+        """A block that slips out of the hand."""
+        if not robot.gripper.closed_on_something():
+            width = Measured("Gripper", "opening", 1e3 * robot.gripper.width(), unit="mm")
+            raise Discrepancy("the block slipped out of the hand", measured=width)
+
+    def _scene(self, robot: Robot, model: ModelView) -> Scene:
+        marks = [landmark_of(model, name) for name in self.landmarks]
+        base_T_map = inverse(standing(robot, model).lift())
+        held = held_block(robot, building(model))
+        return Scene(marks, [base_T_map @ mark.pose for mark in marks], held, surroundings(robot, model))
+
+    def _look_around(self, robot: Robot, scene: Scene) -> Generator[None, None, list[Sighting]]:
+        """Each landmark from each height, again and again."""
+        reference = robot.base_T("hand")
+        sheet_T_map = inverse(scene.marks[0].pose)
+        sightings, swings = [], 0
+        for n in range(self.rounds * len(HEIGHTS)):
+            for mark, base_T_mark in zip(scene.marks, scene.base_T_marks, strict=True):
+                place = above(robot, base_T_mark, HEIGHTS[n % len(HEIGHTS)])
+                swings += yield from creep(robot, place, scene.held, scene.around)
+                seen = yield from see(robot, mark, base_T_mark, self.evidence)
+                printed = apply(sheet_T_map @ mark.pose, square_corners(mark.side_mm / 1e3))
+                swing = Swing(seen.base_T_hand, reference, swings)
+                sightings.append(Sighting(swing, printed, seen.landmark.rays))
+        return sightings
+
+    def _swing(self, robot: Robot, scene: Scene) -> Generator[None, None, tuple[NDArray[np.float64], int]]:
+        """Headings (n, m) of the base over the first landmark, and the swings between rows."""
+        mark, base_T_mark = scene.marks[0], scene.base_T_marks[0]
+        here = above(robot, base_T_mark, HEIGHTS[0])
+        out = _farthest(robot, scene, here)
+        yield from creep(robot, here, scene.held, scene.around)
+        rows = []
+        for n in range(self.swings + 1):
+            if n > 0:
+                yield from move_straight(robot, out, scene.held, scene.around)
+                yield
+                yield from move_straight(robot, here, scene.held, scene.around)
+            row = []
+            for look in range(LOOKS):
+                if look > 0:
+                    yield from move_straight(robot, _raised(here), scene.held, scene.around)
+                    yield
+                    yield from move_straight(robot, here, scene.held, scene.around)
+                seen = yield from see(robot, mark, base_T_mark, self.evidence)
+                row.append(-seen.base_T_landmark.theta)
+            rows.append(row)
+        return np.array(rows), 2
+
+    def _tell(self, yaw: SwingYaw, fit: SuspensionFit, frames: int) -> None:
+        model, sigmas = fit.model, fit.sigmas
+        found = {
+            "yaw_mrad_per_swing": Calibrated(1e3 * yaw.yaw_per_swing, 1e3 * yaw.sigma),
+            "yaw_sigma_mrad": Calibrated(1e3 * yaw.spread, 1e3 * yaw.spread_sigma),
+            "roll_mrad_per_m": Calibrated(1e3 * model.roll_per_m, 1e3 * sigmas.roll_per_m),
+            "pitch_mrad_per_m": Calibrated(1e3 * model.pitch_per_m, 1e3 * sigmas.pitch_per_m),
+            "pivot_m": Calibrated(model.pivot, sigmas.pivot),
+        }
+        self.evidence.calibrated.update({f"suspension.{key}": value for key, value in found.items()})
+        self.found(**as_facts(found))
+        self.found(heading_noise_mrad=round(1e3 * yaw.noise, 3), frames=frames)
+
+
+def _farthest(robot: Robot, scene: Scene, here: Transform) -> Transform:
+    """base_T_hand (4, 4) over the landmark that is farthest from `here`; it must be a swing away."""
+    views = [above(robot, each, HEIGHTS[0]) for each in scene.base_T_marks]
+    far = [float(np.linalg.norm(view[:2, 3] - here[:2, 3])) for view in views]
+    least = APART * robot.spec.suspension.swing_from_mm / 1e3
+    if max(far) < least:
+        near = Measured("Arm", "way of a swing", max(far), least, "m")
+        raise Discrepancy("the landmarks are too near for a swing", permanent=True, measured=near)
+    return views[int(np.argmax(far))]
+
+
+def _fitted(robot: Robot, scene: Scene, sightings: Sequence[Sighting], yaw: float) -> SuspensionFit:
+    """How the base leans; raises ValueError where the sightings don't tell it."""
+    known = {"yaw_per_swing": yaw}
+    assert robot.spec.arm is not None
+    off = robot.spec.arm.accuracy_mm / 1e3
+    return fit_sightings(sightings, robot.camera.hand_T_camera, scene.base_T_marks[0], known, off)
+
+
+def _raised(base_T_hand: Transform) -> Transform:
+    result = base_T_hand.copy()
+    result[2, 3] += RAISED
+    return result

@@ -1,0 +1,87 @@
+"""Looking at known landmarks from straight above, without swinging the arm."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Generator, Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from handcart.backends.robot import Robot
+from handcart.primitives.blocks.building import LandmarkPlan
+from handcart.primitives.blocks.hand_down import on_level, pointing_down
+from handcart.primitives.contract.discrepancy import Discrepancy, Measured
+from handcart.primitives.contract.evidence import Evidence
+from handcart.primitives.motions.arm_motion import move_straight
+from handcart.primitives.restoring.snapshot import settle
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.geometry.transform import Transform, inverse
+from handcart.robotics.kinematics.shapes import Box
+from handcart.robotics.perception.landmark import Landmark
+from handcart.robotics.perception.landmark_finder import find_landmarks
+from handcart.robotics.perception.landmark_pose import planar_pose
+from handcart.robotics.perception.overlay import draw_overlay
+
+SHORT = 0.75  # of what counts as a swing: so far the hand is moved at once
+ABOUT = 0.05  # [m] from its place within which a landmark counts
+NEARER = 0.06  # [m] by which it may be nearer or farther than planned
+
+
+class Seen(NamedTuple):
+    """A landmark, and how the arm stood by its joints."""
+
+    landmark: Landmark
+    base_T_hand: Transform
+    base_T_landmark: Pose2
+    """On its table, the base taken to stand level."""
+
+
+def above(robot: Robot, base_T_mark: Transform, height: float) -> Transform:
+    """base_T_hand (4, 4), pointing down, the camera `height` [m] straight above a landmark."""
+    hand = pointing_down(Pose2(0.0, 0.0, 0.0), 0.0)
+    hand[:3, 3] = base_T_mark[:3, 3] + (0.0, 0.0, height) - (hand @ robot.camera.hand_T_camera)[:3, 3]
+    return np.asarray(hand)
+
+
+def creep(
+    robot: Robot, base_T_hand: Transform, held: Box, around: Sequence[Box]
+) -> Generator[None, None, int]:
+    """Move the hand straight to a pose (4, 4), in steps too short to be swings; gives the swings made.
+
+    Where any motion is a swing it is one motion.
+    """
+    start = robot.arm_model.forward(robot.arm.command())
+    way = base_T_hand[:3, 3] - start[:3, 3]
+    step = SHORT * robot.spec.suspension.swing_from_mm / 1e3
+    count = max(1, math.ceil(float(np.linalg.norm(way[:2])) / step)) if step > 0.0 else 1
+    for n in range(1, count + 1):
+        place = base_T_hand.copy()
+        place[:3, 3] = start[:3, 3] + way * n / count
+        yield from move_straight(robot, place, held, around)
+        yield
+    return 0 if step > 0.0 else 1
+
+
+def see(
+    robot: Robot, mark: LandmarkPlan, base_T_mark: Transform, evidence: Evidence
+) -> Generator[None, None, Seen]:
+    """One picture of a landmark below the camera; raises `Discrepancy` where it doesn't show it."""
+    yield from settle(robot)
+    yield
+    image = robot.picture()
+    base_T_hand = robot.base_T("hand")
+    base_T_camera = base_T_hand @ robot.camera.hand_T_camera
+    away = float(base_T_camera[2, 3] - base_T_mark[2, 3])
+    span = (away - NEARER, away + NEARER)
+    found = find_landmarks(image, robot.camera.model, mark.side_mm / 1e3, span)
+    evidence.pictures["landmark"] = draw_overlay(image, landmarks=found)
+    level = Pose2(0.0, 0.0, 0.0).lift(float(base_T_mark[2, 3]))
+    camera_T_level = inverse(base_T_camera) @ level
+    expected = on_level(base_T_mark)
+    seen = [Seen(each, base_T_hand, planar_pose(each, camera_T_level)) for each in found]
+    near = [each for each in seen if each.base_T_landmark.distance(expected) < ABOUT]
+    if not near:
+        nothing = Measured("Camera", "landmarks where one should be", len(near), 1)
+        raise Discrepancy("a landmark is not where it should be", measured=nothing)
+    return min(near, key=lambda each: each.base_T_landmark.distance(expected))

@@ -1,0 +1,1 @@
+"""What every primitive promises, and the attempt that holds it to that."""

@@ -1,0 +1,236 @@
+"""One attempt of a primitive: the part that no primitive may get wrong."""
+
+from __future__ import annotations
+
+import traceback
+from collections.abc import Callable, Generator
+from contextlib import suppress
+from dataclasses import replace
+from typing import TypeVar
+
+from handcart.backends.robot import Robot
+from handcart.primitives.knowledge.world_model import ModelView, WorldModel
+from handcart.primitives.restoring.retrace import reach_pose, retrace
+from handcart.primitives.restoring.snapshot import Seen, Snapshot, limits, residuals, settle, take_snapshot
+from handcart.primitives.restoring.trace import Trace
+
+from .action_primitive import ActionPrimitive, Periods
+from .cause import FRAMEWORK, Cause
+from .discrepancy import Discrepancy, NeedsPerson
+from .following import Following
+from .intents import UNKEPT, Intents
+from .outcome import Fail, GiveUp, Outcome, Success, fail_if_restored
+
+T = TypeVar("T")
+FRAMEWORK.add(__name__)
+
+RESTORES = 2  # times that restoring is tried before a person is called
+LONGEST_RESTORE = 600.0  # [s]
+PUSHED = "the base was moved while it stood"
+NOT_ALONE = "another primitive moves the robot at the same time"
+
+
+def attempt(
+    primitive: ActionPrimitive,
+    robot: Robot,
+    model: WorldModel,
+    on_restore: Callable[[str], None] = lambda reason: None,
+    intents: Intents = UNKEPT,
+) -> Generator[None, None, Outcome]:
+    """Run a primitive to its outcome. One `yield` is one period; who iterates steps the robot after each.
+
+    Stops, restores, waits for rest, measures and compares with the absolute snapshot; whether that is Fail
+    or GiveUp is decided here. A `Discrepancy` thrown in from outside (a cancel) restores like any other.
+
+    Args:
+        primitive: a fresh instance, its parameters bound.
+        robot: at rest.
+        model: what the robot knows; the primitive sees what it declared.
+        on_restore: told the reason when restoring begins.
+        intents: hears what the primitive intends; nothing is commanded before what it heard is kept.
+    """
+    view = model.view(primitive)
+    if primitive.only_knowledge:
+        return (yield from _think(primitive, robot, view))
+    primitive._intents = intents
+    pushes = robot.pushes
+    try:
+        while not intents.kept:
+            yield
+        rests = yield from settle(robot)
+        start = take_snapshot(robot, {})
+        robot.base.starts_here()
+    except Exception as early:  # nothing was commanded yet
+        robot.stop()
+        primitive.evidence.blame(early)
+        return fail_if_restored(_words(early), isinstance(early, Discrepancy) and early.permanent, {}, {})
+    if not rests:
+        robot.stop()
+        primitive.evidence.causes.append(Cause("the robot doesn't come to rest before the start", "rest"))
+        return GiveUp("the robot doesn't come to rest before the start")
+    if robot.pushes > pushes:
+        robot.stop()
+        primitive.evidence.causes.append(Cause(PUSHED, "push"))
+        return GiveUp(PUSHED)
+    trace = Trace(robot)
+    try:
+        start = replace(start, seen=(yield from _recorded(primitive.observe(robot, view), trace)))
+        yield from _watched(primitive, primitive.motion(robot, view), robot, view, trace)
+        if not (yield from settle(robot)):
+            raise Discrepancy("the robot doesn't come to rest", check="rest")
+        if not (yield from _recorded(primitive.effect(robot, view), trace)):
+            raise Discrepancy("success is not confirmed: what was to be achieved is not seen", check="effect")
+        robot.look_again()
+        if robot.pushes > pushes:
+            raise NeedsPerson(PUSHED, check="push")
+        return Success(dict(primitive.facts))
+    except NeedsPerson as need:
+        primitive.evidence.blame(need)
+        yield from _halt(robot)
+        return GiveUp(need.reason)
+    except Discrepancy as discrepancy:
+        primitive.evidence.blame(discrepancy)
+        reason, permanent = discrepancy.reason, discrepancy.permanent
+    except Exception as error:  # a fault of the primitive's own code is restored from like any other
+        primitive.evidence.blame(error)
+        reason, permanent = _words(error), False
+        primitive.found(traceback=traceback.format_exc())
+    robot.stop()
+    on_restore(reason)
+    if primitive._no_return is not None:
+        return (yield from _finish(primitive, robot, view, reason))
+    return (yield from _restore(primitive, robot, view, start, trace, reason, permanent))
+
+
+def _think(primitive: ActionPrimitive, robot: Robot, view: ModelView) -> Generator[None, None, Outcome]:
+    """A primitive that only changes knowledge: nothing moves, so nothing has to be restored."""
+    try:
+        yield from primitive.motion(robot, view)
+        return Success(dict(primitive.facts))
+    except NeedsPerson as need:
+        primitive.evidence.blame(need)
+        return GiveUp(need.reason)
+    except Discrepancy as discrepancy:
+        primitive.evidence.blame(discrepancy)
+        return fail_if_restored(discrepancy.reason, discrepancy.permanent, {}, {})
+    except Exception as error:  # a fault of the primitive's own code
+        primitive.evidence.blame(error)
+        primitive.found(traceback=traceback.format_exc())
+        return fail_if_restored(_words(error), False, {}, {})
+
+
+def _halt(robot: Robot) -> Periods:
+    """Stop, and wait until nothing moves any more; where that can't be read, there is nothing to wait for."""
+    robot.stop()
+    with suppress(Exception):
+        yield from settle(robot)
+
+
+def _recorded(periods: Generator[None, None, T], trace: Trace) -> Generator[None, None, T]:
+    """Take every period down for the way back."""
+    trace.record()
+    while True:
+        try:
+            next(periods)
+        except StopIteration as end:
+            value: T = end.value
+            return value
+        yield
+        trace.record()
+
+
+def _watched(
+    primitive: ActionPrimitive, periods: Periods, robot: Robot, view: ModelView, trace: Trace
+) -> Periods:
+    """The motion, watched every period; taken down for the way back up to the point of no return."""
+    trace.record()
+    following, pushes = Following(robot), robot.pushes
+    for _ in periods:
+        _alone(robot, primitive)
+        yield
+        if primitive._no_return is None:
+            trace.record()
+        following.check()
+        if robot.pushes > pushes:
+            raise NeedsPerson(PUSHED, check="push")
+        primitive.watch(robot, view)
+
+
+def _finish(
+    primitive: ActionPrimitive, robot: Robot, view: ModelView, reason: str
+) -> Generator[None, None, GiveUp]:
+    """Withdraw; what happened can't be undone, so a person has to look."""
+    try:
+        yield from primitive.finish(robot, view)
+    except Exception as error:
+        primitive.evidence.blame(error, restoring=True)
+        reason = f"{reason}; and withdrawing: {_words(error)}"
+    yield from _halt(robot)
+    return GiveUp(f"{reason}; after a point of no return ({primitive._no_return})")
+
+
+def _restore(
+    primitive: ActionPrimitive,
+    robot: Robot,
+    view: ModelView,
+    start: Snapshot,
+    trace: Trace,
+    reason: str,
+    permanent: bool,
+) -> Generator[None, None, Fail | GiveUp]:
+    """Restore, wait for rest, measure, compare with the absolute snapshot."""
+    verdict: Fail | GiveUp = GiveUp(reason)
+    for again in range(RESTORES):
+        way_back = reach_pose(robot, start.pose) if again else primitive.restore(robot, view, start, trace)
+        try:
+            yield from _within_time(way_back, robot, primitive, view)
+            yield from settle(robot)
+            seen = (yield from _look_again(primitive, robot, view, start)) if start.seen else {}
+            now = take_snapshot(robot, seen)
+        except Exception as error:  # no second restore on top of a fault in restoring
+            primitive.evidence.blame(error, restoring=True)
+            yield from _halt(robot)
+            return GiveUp(f"{reason}; and restoring failed: {_words(error)}")
+        found = residuals(start, now, robot.spec.joint_units.slides)
+        primitive.evidence.limits = limits(robot, found)
+        verdict = fail_if_restored(reason, permanent, found, primitive.evidence.limits)
+        if isinstance(verdict, Fail):
+            break
+    robot.stop()
+    return verdict
+
+
+def _look_again(
+    primitive: ActionPrimitive, robot: Robot, view: ModelView, start: Snapshot
+) -> Generator[None, None, Seen]:
+    """Measure the objects once more; what that moved is moved back."""
+    trace = Trace(robot)
+    seen = yield from _recorded(primitive.observe(robot, view), trace)
+    yield from retrace(robot, start, trace)
+    yield from settle(robot)
+    return seen
+
+
+def _within_time(way_back: Periods, robot: Robot, primitive: ActionPrimitive, view: ModelView) -> Periods:
+    end, following, pushes = robot.time + LONGEST_RESTORE, Following(robot), robot.pushes
+    for _ in way_back:
+        _alone(robot, primitive)
+        yield
+        following.check()
+        if robot.pushes > pushes:
+            raise NeedsPerson(PUSHED, check="push")
+        primitive.watch(robot, view)
+        if robot.time > end:
+            why = "" if robot.held is None else f": {robot.held.words}"
+            raise Discrepancy(f"restoring takes too long{why}", check="time")
+
+
+def _alone(robot: Robot, primitive: ActionPrimitive) -> None:
+    """Once a period; both of two that move the robot at the same time stop and give up (row N12)."""
+    if not robot.moved_by(primitive):
+        raise NeedsPerson(NOT_ALONE, check="robot")
+
+
+def _words(error: Exception) -> str:
+    words = getattr(error, "reason", None) or str(error)
+    return words if isinstance(error, Discrepancy | NeedsPerson) else f"{type(error).__name__}: {words}"

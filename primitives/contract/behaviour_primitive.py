@@ -1,0 +1,45 @@
+"""Somebody's py_trees behaviour as a primitive."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from py_trees.behaviour import Behaviour
+
+from handcart.backends.capability import Capability
+from handcart.backends.robot import Robot
+from handcart.primitives.knowledge.world_model import ModelView
+
+from .tree_primitive import TreePrimitive
+
+
+def behaviour_primitive(
+    name: str,
+    make: Callable[[Robot, ModelView], Behaviour],
+    needs: tuple[type[Capability], ...] = (),
+    reads: tuple[str, ...] = (),
+    writes: tuple[str, ...] = (),
+) -> type[TreePrimitive]:
+    """A primitive class around any behaviour or tree; restoring plays its motion backwards as always.
+
+    An entry point of the group `handcart.primitives` makes it known to task files.
+
+    Args:
+        name: of the class, in CamelCase: `WaterPlants` is WATER_PLANTS in task files.
+        make: a new behaviour for each attempt. It commands the robot in `update`, once a period, and never
+            steps it.
+        needs, reads, writes: as for every primitive.
+    """
+
+    def tree(self: TreePrimitive, robot: Robot, model: ModelView) -> Behaviour:
+        return make(robot, model)
+
+    body = {
+        "__doc__": f"The behaviour {name} as a primitive.",
+        "__module__": make.__module__,
+        "tree": tree,
+        "needs": needs,
+        "reads": reads,
+        "writes": writes,
+    }
+    return type(name, (TreePrimitive,), body)

@@ -1,0 +1,92 @@
+"""Primitives with inner structure: a py_trees behaviour tree inside the contract of a primitive."""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from collections.abc import Callable, Generator
+
+from py_trees.behaviour import Behaviour
+from py_trees.common import Status
+
+from handcart.backends.robot import Robot
+from handcart.primitives.knowledge.world_model import ModelView
+
+from .action_primitive import ActionPrimitive, Periods
+from .cause import FRAMEWORK
+from .discrepancy import Discrepancy
+
+FRAMEWORK.add(__name__)
+
+
+class TreePrimitive(ActionPrimitive):
+    """A primitive whose motion is a behaviour tree, ticked once a period.
+
+    The tree's SUCCESS ends the motion, its FAILURE is a `Discrepancy` in the words of the leaf that failed.
+    What a leaf raises leaves the tree at once: a Selector takes neither `Discrepancy` nor `NeedsPerson` for a
+    failure that another child could make good. However the motion ends, running leaves are stopped.
+    """
+
+    @abstractmethod
+    def tree(self, robot: Robot, model: ModelView) -> Behaviour:
+        """A new tree for this attempt."""
+
+    def motion(self, robot: Robot, model: ModelView) -> Periods:
+        """Tick the tree to its end."""
+        yield from ticked(self.tree(robot, model))
+
+
+class GeneratorBehaviour(Behaviour):
+    """A generator of periods as a leaf: RUNNING while it yields, FAILURE if it returns False."""
+
+    def __init__(self, name: str, factory: Callable[[], Generator[None, None, bool | None]]) -> None:
+        """Name the leaf; `factory` is called each time that the leaf starts anew."""
+        super().__init__(name)
+        self._factory = factory
+        self._periods: Generator[None, None, bool | None] | None = None
+
+    def initialise(self) -> None:
+        """Start anew."""
+        self._periods = self._factory()
+
+    def update(self) -> Status:
+        """Go on for one period."""
+        if self._periods is None:
+            return Status.INVALID
+        try:
+            next(self._periods)
+        except StopIteration as end:
+            return Status.FAILURE if end.value is False else Status.SUCCESS
+        return Status.RUNNING
+
+    def terminate(self, new_status: Status) -> None:
+        """Close the generator: its `finally` blocks run now, not when memory is cleaned up."""
+        if self._periods is not None and new_status != Status.RUNNING:
+            self._periods.close()
+            self._periods = None
+
+
+def ticked(root: Behaviour) -> Periods:
+    """Tick a tree once a period until it has succeeded.
+
+    Raises:
+        Discrepancy: the tree failed.
+    """
+    root.setup_with_descendants()
+    try:
+        while True:
+            root.tick_once()
+            if root.status == Status.SUCCESS:
+                return
+            if root.status != Status.RUNNING:
+                raise Discrepancy(_why(root))
+            yield
+    finally:
+        root.stop(Status.INVALID)
+        for each in root.iterate():
+            each.shutdown()
+
+
+def _why(root: Behaviour) -> str:
+    tip = root.tip()
+    failed = tip if tip is not None and tip.status == Status.FAILURE else root
+    return failed.feedback_message or f"{failed.name} failed"

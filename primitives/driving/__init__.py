@@ -1,0 +1,1 @@
+"""Primitives that move the base, or plan how."""

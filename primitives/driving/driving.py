@@ -1,0 +1,168 @@
+"""What MOVE_TO and MODIFY share: planning a drive, and seeing what stands in its way."""
+
+from __future__ import annotations
+
+from collections.abc import Generator
+
+import numpy as np
+from numpy.typing import NDArray
+
+from handcart.backends.robot import Robot
+from handcart.primitives.contract.discrepancy import Discrepancy, Measured
+from handcart.primitives.knowledge.place import Place
+from handcart.primitives.knowledge.world_model import ModelView
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.navigation.car_route import plan_car_route
+from handcart.robotics.navigation.car_tracker import CarTracker
+from handcart.robotics.navigation.grid_map import GridMap
+from handcart.robotics.navigation.path_tracking import PathTracker
+from handcart.robotics.navigation.point_discs import point_discs
+from handcart.robotics.navigation.pose_regulator import PoseTolerance
+from handcart.robotics.navigation.scan_matching import LikelihoodField
+from handcart.robotics.navigation.tangent_path import CarPath
+from handcart.robotics.navigation.unexpected import path_blocked, unexpected_points
+from handcart.robotics.navigation.ways import Way, Ways
+
+WATCHED_ROOM = 0.015  # [m] beside the footprint that must be free while driving
+UNEXPLAINED = 0.12  # [m] from anything on the map: pose error, noise and half a cell together
+BESIDE_IT = 0.6  # [m] about what the base would touch, in which the scan is remembered
+LEAST_OFF = 0.05  # [m] from a wall of the map that a scan must show something, to be something else
+HORIZON = 1.0  # [m] of route that is watched ahead
+CAR_ROOM = 0.15  # [m] beside the footprint that a car's planned path keeps
+KEPT = 2.5  # [m] about what stands in a car's way, in which what was sensed is remembered
+ASTRAY = 0.4  # [m] by which a rock may stand elsewhere than a car believes, mostly by its own error
+TURNING = 1.05  # of the turning circle that the steering allows: planned with something in hand
+
+
+def plan_drive(robot: Robot, model: ModelView, goal: Place) -> Way:
+    """The way on the reduced generalized Voronoi graph, for the footprint with arm and load, past what
+    the map shows and what was sensed; or why there is none."""
+    ways = Ways(model.map, robot.spec.footprint_radius_m, robot.pose, model.obstacles)
+    return ways.to(goal.pose, None if goal.shelf is None else goal.front)
+
+
+def no_way(name: str, way: Way) -> Discrepancy:
+    """That no way leads to a place, for good, and why."""
+    words = f"no way leads to {name}" if way.fits else f"the base can't stand at {name}"
+    return Discrepancy(f"{words}: {way.reason}", permanent=True, measured=_shortage(way))
+
+
+def _shortage(way: Way) -> Measured | None:
+    """What is too little."""
+    if not way.fits:
+        return Measured("Base", "from the place to what is nearest", way.clearance, way.needed, "m")
+    return Measured("Base", "width of the way", way.width, way.width_needed, "m") if way.narrow else None
+
+
+def plan_tracker(
+    robot: Robot, model: ModelView, place: str, goal: Pose2, tolerance: PoseTolerance, reverse: bool = False
+) -> Generator[None, None, tuple[PathTracker | CarTracker, NDArray[np.float64]]]:
+    """What follows a route to a place, and the route's points (n, 2) in [m].
+
+    That is the detour that was planned for the place, or a new route on the map. For a car it is always a new
+    one, from where it stands, past what is known and what was sensed. With `reverse` the rear leads.
+
+    Raises:
+        Discrepancy: there is none; or a car is to go backwards.
+    """
+    if robot.spec.drive.kind == "ackermann":
+        if reverse:
+            raise Discrepancy("a car-like base isn't driven backwards", permanent=True)
+        way = yield from robot.compute(plan_car_drive, robot, model, goal)
+        if way is None:
+            raise Discrepancy(f"no way leads to {place} in the field", permanent=True)
+        sharpest = robot.spec.drive.sharpest_per_m
+        tracker = CarTracker.along(way, robot.pose, goal, sharpest, robot.drive_limits)
+        return tracker, way.poses[:, :2]
+    if model.detour and model.detour.goal == place:
+        points = model.detour.points
+    else:
+        found = yield from robot.compute(plan_drive, robot, model, model.places[place])
+        if found.route is None:
+            raise no_way(place, found)
+        points = found.route.points
+    return PathTracker(points, goal.theta, robot.drive_limits, reverse, tolerance, model.speed_limits), points
+
+
+def plan_car_drive(robot: Robot, model: ModelView, goal: Pose2) -> CarPath | None:
+    """A car's way past what is known to stand there and what was sensed, or None."""
+    rocks = model.discs
+    known = rocks + np.array([0.0, 0.0, ASTRAY]) if len(rocks) else rocks
+    discs = np.vstack([known, point_discs(model.obstacles)])
+    radius = TURNING / robot.spec.drive.sharpest_per_m
+    return plan_car_route(robot.pose, goal, discs, robot.spec.footprint_radius_m + CAR_ROOM, radius)
+
+
+def goal_pose(model: ModelView, place: str) -> Pose2:
+    """map_T_base of a place; raises `Discrepancy` where the model has no such place."""
+    if place not in model.places:
+        raise Discrepancy(f"there is no place {place!r} on the map", permanent=True)
+    return model.places[place].pose
+
+
+def make_lookout(robot: Robot, model: ModelView) -> Lookout | FieldLookout:
+    """What watches the way of this robot."""
+    radius = robot.spec.footprint_radius_m
+    if robot.spec.drive.kind == "ackermann":
+        return FieldLookout(radius)
+    return Lookout(model.map, radius)
+
+
+class FieldLookout:
+    """Watches a car's path for whatever stands there, known or not: outdoors a map isn't that exact."""
+
+    def __init__(self, radius: float) -> None:
+        """For a robot whose footprint has `radius`, in [m]."""
+        self._radius = radius + WATCHED_ROOM
+
+    def unexpected(self, robot: Robot) -> NDArray[np.float64]:
+        """(n, 2) points of this period's scan, in the field's frame, in [m]; without a lowered hand's own."""
+        return robot.pose.apply(robot.without_hand(robot.range_sensor.scan().points()))
+
+    def kept(self, sensed: NDArray[np.float64], blocking: NDArray[np.float64]) -> NDArray[np.float64]:
+        """(m, 2) those of the points that are near the one in the way (2,)."""
+        return np.asarray(sensed[np.hypot(*(sensed - blocking).T) < KEPT])
+
+    def around(self, robot: Robot, blocking: NDArray[np.float64]) -> NDArray[np.float64]:
+        """(n, 2) what this period's scan shows around a point (2,) that the base would touch, in [m]."""
+        return np.vstack([blocking, self.kept(self.unexpected(robot), blocking)])
+
+    def obstacle(
+        self, route: NDArray[np.float64], sensed: NDArray[np.float64]
+    ) -> tuple[float, NDArray[np.float64]] | None:
+        """How far the way is free, in [m], and the point (2,) in it; None if nothing is near."""
+        return path_blocked(route, sensed, self._radius, HORIZON)
+
+
+class Lookout:
+    """Watches a route for what the map doesn't show."""
+
+    def __init__(self, grid: GridMap, radius: float) -> None:
+        """For a robot whose footprint has `radius`, in [m]."""
+        self._field = LikelihoodField(grid)
+        self._radius = radius + WATCHED_ROOM
+
+    def unexpected(self, robot: Robot) -> NDArray[np.float64]:
+        """(n, 2) points of this period's scan that the map doesn't explain, on the map, in [m]."""
+        points = robot.pose.apply(robot.range_sensor.scan().points())
+        return unexpected_points(points, self._field, UNEXPLAINED)
+
+    def kept(self, sensed: NDArray[np.float64], blocking: NDArray[np.float64]) -> NDArray[np.float64]:
+        """(n, 2) those of the points that are remembered: all."""
+        return sensed
+
+    def around(self, robot: Robot, blocking: NDArray[np.float64]) -> NDArray[np.float64]:
+        """(n, 2) what this period's scan shows around a point (2,) that the base would touch, in [m].
+
+        What stands close to a wall of the map is told from it by lying a cell before it.
+        """
+        points = robot.pose.apply(robot.surroundings())
+        near = points[np.hypot(*(points - blocking).T) < BESIDE_IT]
+        before = near[self._field.read(near) > max(LEAST_OFF, self._field.map.resolution)]
+        return np.vstack([blocking, before])
+
+    def obstacle(
+        self, route: NDArray[np.float64], sensed: NDArray[np.float64]
+    ) -> tuple[float, NDArray[np.float64]] | None:
+        """How far the way is free, in [m], and the point (2,) in it; None if nothing is near."""
+        return path_blocked(route, sensed, self._radius, HORIZON)

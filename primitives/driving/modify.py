@@ -1,0 +1,57 @@
+"""MODIFY: plan another path around what was sensed."""
+
+from __future__ import annotations
+
+from typing import ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from handcart.backends.range_sensor import RangeSensor
+from handcart.backends.robot import Robot
+from handcart.primitives.contract.action_primitive import ActionPrimitive, Periods
+from handcart.primitives.contract.discrepancy import Discrepancy, Measured
+from handcart.primitives.knowledge.place_name import PlaceName
+from handcart.primitives.knowledge.world_model import Detour, ModelView
+
+from .driving import goal_pose, no_way, plan_car_drive, plan_drive
+
+
+class Modify(ActionPrimitive):
+    """Plan another path to a place, clear of everything that was sensed and isn't on the map.
+
+    Only knowledge changes. Where there is no other way, it Fails for good.
+    """
+
+    place: PlaceName
+    """Where the path leads."""
+
+    needs: ClassVar = (RangeSensor,)
+    reads: ClassVar = ("map", "places", "obstacles", "discs")
+    writes: ClassVar = ("detour",)
+    only_knowledge: ClassVar = True
+
+    def motion(self, robot: Robot, model: ModelView) -> Periods:
+        goal = goal_pose(model, self.place)
+        if robot.spec.drive.kind == "ackermann":
+            way = yield from robot.compute(plan_car_drive, robot, model, goal)
+            self._take(model, None if way is None else way.poses[:, :2], way.length if way else 0.0)
+            return
+        found = yield from robot.compute(plan_drive, robot, model, model.places[self.place])
+        if found.route is None and not len(model.obstacles):
+            raise no_way(self.place, found)
+        self._take(model, found.route and found.route.points, found.route.length if found.route else 0.0)
+
+    def _take(self, model: ModelView, points: NDArray[np.float64] | None, length: float) -> None:
+        if points is None:
+            sensed = Measured("RangeSensor", "points sensed that are not on the map", len(model.obstacles))
+            raise Discrepancy(self._no_way(model), permanent=True, measured=sensed)
+        self.evidence.points["planned"] = points
+        self.found(detour_m=round(length, 3))
+        model.detour = Detour(self.place, points)
+
+    def _no_way(self, model: ModelView) -> str:
+        if not len(model.obstacles):
+            return f"no way leads to {self.place} in the field"
+        x, y = model.obstacles[-1]
+        return f"no way around leads to {self.place}: something stands at ({x:.2f}, {y:.2f}) m"

@@ -1,0 +1,228 @@
+"""MOVE_TO: drive the base to a named place."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Sequence
+from typing import Annotated, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import Field, PrivateAttr
+
+from handcart.backends.arm import Arm
+from handcart.backends.base import Base
+from handcart.backends.gripper import Gripper
+from handcart.backends.range_sensor import RangeSensor
+from handcart.backends.robot import Robot
+from handcart.primitives.contract.action_primitive import ActionPrimitive, Periods
+from handcart.primitives.contract.discrepancy import Discrepancy, Measured, NeedsPerson
+from handcart.primitives.contract.meant_contact import MeantContact
+from handcart.primitives.knowledge.place import Place
+from handcart.primitives.knowledge.place_name import PlaceName
+from handcart.primitives.knowledge.world_model import ModelView, WorldModel
+from handcart.primitives.restoring.retrace import LONGEST_REACH, reach_pose, retrace
+from handcart.primitives.restoring.snapshot import Snapshot, settle
+from handcart.primitives.restoring.trace import Trace
+from handcart.robotics.navigation.car_tracker import CarTracker
+from handcart.robotics.navigation.front_line import fit_front, pose_from_front
+from handcart.robotics.navigation.localizer import LEAST_INLIERS
+from handcart.robotics.navigation.path_tracking import PathTracker
+from handcart.robotics.navigation.pose_regulator import PoseTolerance
+
+from .driving import HORIZON, FieldLookout, Lookout, goal_pose, make_lookout, plan_tracker
+
+ARRIVED = PoseTolerance(position=0.02, heading=0.01)
+DOCKED = PoseTolerance(position=0.004, heading=0.003)
+DOCKINGS = 4  # times that the front is measured and the pose corrected
+FRONT_SCANS = 20  # scans stacked for one measurement of the front
+STUCK = 6.0  # [s] without getting on, though nothing is seen in the way
+HELD = 2.0  # [s] that what the map shows may hold it, until another route is planned from there
+ANEW = 3  # times that this is done
+SLIPPED = 0.1  # [m] that the base was driven meanwhile: something stops it
+NEAR = 0.05  # [m] before the goal, where it turns and comes to stand
+
+
+class MoveTo(ActionPrimitive):
+    """Drive the base to a named place along the Voronoi graph, and dock there if a shelf stands before it.
+
+    Odometry is corrected by comparing scans with the map. A car drives arcs and straight lines past the rocks
+    of its field, by what tells it outdoors where it is. What the map doesn't show and stands in the way is
+    waited for, then it is a Fail and what was sensed is kept.
+    """
+
+    place: PlaceName
+    """Where to."""
+    wait_s: Annotated[float, Field(ge=0.0, le=600.0)] = 5.0
+    """How long to wait for a passer-by to leave the way."""
+    reverse: bool = False
+    """The base drives backwards: where turning around would sweep its rear over something."""
+    together: bool = False
+    """The arm moves meanwhile, as the place's domain says."""
+
+    needs: ClassVar = (Base, RangeSensor)
+    reads: ClassVar = ("map", "places", "speed_limits", "discs")
+    writes: ClassVar = ("obstacles", "detour")
+
+    _lookout: Lookout | FieldLookout | None = PrivateAttr(default=None)
+    _ahead: NDArray[np.float64] = PrivateAttr(default_factory=lambda: np.empty((0, 2)))
+    _blocked_since: float | None = PrivateAttr(default=None)
+
+    def hindrance(self, robot: Robot, model: ModelView) -> str:
+        """The arm is to move along and there is none, or nothing for it to do."""
+        if not self.together:
+            return ""
+        if robot.backend.get(Arm) is None or robot.backend.get(Gripper) is None:  # type: ignore[type-abstract]
+            return "the robot has no arm with a gripper to move along"
+        known = model.companion(robot, self.place) is not None
+        return "" if known else f"nothing is known that the arm could do on the way to {self.place!r}"
+
+    def motion(self, robot: Robot, model: ModelView) -> Periods:
+        if not self.together:
+            _check_arm(robot)
+        goal = goal_pose(model, self.place)
+        self._lookout = make_lookout(robot, model)
+        if model.places[self.place].shelf is not None:
+            robot.base.may_stand_at(goal)
+        tracker, points = yield from plan_tracker(robot, model, self.place, goal, ARRIVED, self.reverse)
+        self.evidence.points["planned"] = points
+        yield from self._follow(robot, model, tracker)
+        self._ahead = np.empty((0, 2))
+        if model.places[self.place].shelf is not None:
+            yield from self._dock(robot, model.places[self.place])
+        self.evidence.points["scan"] = robot.pose.apply(robot.range_sensor.scan().points())
+        if model.detour and model.detour.goal == self.place:
+            model.detour = None
+
+    def _arm(self, robot: Robot, model: ModelView, remaining: Callable[[], float]) -> Iterator[None]:
+        """What the arm does meanwhile."""
+        companion = model.companion(robot, self.place) if self.together else None
+        return iter(()) if companion is None else companion.motion(remaining)
+
+    def _follow(self, robot: Robot, model: ModelView, tracker: PathTracker | CarTracker) -> Periods:
+        arm = self._arm(robot, model, lambda: tracker.remaining)
+        progress, since, rolled, driven, last = 0.0, robot.time, 0.0, 0.0, robot.reckoned
+        anew = 0
+        while not tracker.finished(robot.pose):
+            self._ahead = tracker.ahead
+            waits = self._blocked_since is not None
+            drive = tracker.hold(robot.period) if waits else tracker.command(robot.pose, robot.period)
+            robot.base.drive(*drive)
+            if tracker.progress > progress + 0.01 or waits:
+                progress, since, rolled = tracker.progress, robot.time, 0.0
+            if anew < ANEW and robot.time > since + HELD and self._held_by_map(robot, model):
+                goal = goal_pose(model, self.place)
+                tracker, _ = yield from plan_tracker(robot, model, self.place, goal, ARRIVED, self.reverse)
+                progress, since, anew = 0.0, robot.time, anew + 1
+            if robot.time > since + self._patience(robot, tracker):
+                raise self._stuck(robot, model, robot.time - since, rolled)
+            next(arm, None)
+            yield
+            rolled += abs(robot.driven[0]) * robot.period
+            driven += robot.reckoned.distance(last)
+            last = robot.reckoned
+            self.found(path_length_m=round(driven, 3))
+        yield from arm
+
+    def _held_by_map(self, robot: Robot, model: ModelView) -> bool:
+        """Whether it came off its route, towards a wall: another one leads away from there first."""
+        detour = model.detour is not None and model.detour.goal == self.place
+        return robot.held is not None and robot.held.shown_by == "map" and not detour
+
+    def _patience(self, robot: Robot, tracker: PathTracker | CarTracker) -> float:
+        """How long the base may not get on, in [s]."""
+        if robot.held is not None:
+            return max(STUCK, self.wait_s)
+        return STUCK if tracker.remaining > NEAR else LONGEST_REACH
+
+    def _stuck(self, robot: Robot, model: ModelView, seconds: float, rolled: float) -> Discrepancy:
+        """Why the base doesn't get on; what the scan shows in its way is kept."""
+        held = robot.held
+        if held is None:
+            stood = Measured("Base", "time without getting on", seconds, STUCK, "s")
+            touches = "its wheels slip, or it touches something that neither map nor scan shows"
+            why = f": {touches}" if rolled > SLIPPED else ""
+            return Discrepancy(f"the base doesn't get on{why}", measured=stood)
+        if held.shown_by == "scan" and self._lookout is not None:
+            found = self._lookout.around(robot, np.array([held.x, held.y]))
+            model.obstacles = np.vstack([model.obstacles, found])
+        near = Measured("RangeSensor", f"room to what the {held.shown_by} shows", held.room, held.needed, "m")
+        return Discrepancy(f"the base doesn't get on to {self.place}: {held.words}", measured=near)
+
+    def watch(self, robot: Robot, model: ModelView) -> None:
+        """Something unexpected in the way: hold, and after `wait_s` it is a Discrepancy."""
+        if robot.lost:
+            raise NeedsPerson(
+                "the robot doesn't know where it is: its scans fit the map nowhere near",
+                Measured(
+                    "RangeSensor", "share of the scan that the map explains", robot.explained, LEAST_INLIERS
+                ),
+            )
+        if self._lookout is None or len(self._ahead) < 2:
+            return
+        sensed = self._lookout.unexpected(robot)
+        found = self._lookout.obstacle(self._ahead, sensed)
+        if found is None:
+            self._blocked_since = None
+            return
+        self._blocked_since = robot.time if self._blocked_since is None else self._blocked_since
+        if robot.time >= self._blocked_since + self.wait_s:
+            model.obstacles = np.vstack([model.obstacles, self._lookout.kept(sensed, found[1])])
+            self.evidence.points |= {"sensed": sensed, "in the way": found[1][None], "ahead": self._ahead}
+            x, y = found[1]
+            raise Discrepancy(
+                f"an obstacle stands on the path to {self.place}, at ({x:.2f}, {y:.2f}) m",
+                measured=Measured("RangeSensor", "free way ahead", found[0], HORIZON, "m"),
+            )
+
+    def meant_contacts(self, model: WorldModel) -> Sequence[MeantContact]:
+        """Nothing but what the arm takes meanwhile."""
+        return model.contacts_on_the_way(self.place) if self.together else ()
+
+    def restore(self, robot: Robot, model: ModelView, start: Snapshot, trace: Trace) -> Periods:
+        """Drive back the way it came; what stands there now is waited for."""
+        self._blocked_since = None
+        behind = np.array([[moment.pose.x, moment.pose.y] for moment in trace.moments])[::-1]
+        way_back = retrace(robot, start, trace, model.speed_limits)
+        while True:
+            nearest = int(np.argmin(np.hypot(*(behind - (robot.pose.x, robot.pose.y)).T)))
+            self._ahead = behind[nearest:]
+            if self._blocked_since is None and next(way_back, self) is self:
+                return
+            yield
+
+    def _dock(self, robot: Robot, place: Place) -> Periods:
+        """Correct the pose by the shelf's front until it stands square before it."""
+        for _ in range(DOCKINGS):
+            yield from settle(robot)
+            scans = []
+            for _ in range(FRONT_SCANS):
+                scans.append(robot.range_sensor.scan().points())
+                yield
+            expected = robot.pose.inverse().apply(place.front)
+            front = fit_front(np.vstack(scans), expected, gate=0.15)
+            if front is None:
+                unseen = Measured("RangeSensor", "a straight front where the map has the shelf")
+                raise Discrepancy(f"the front of the shelf at {self.place} is not seen", measured=unseen)
+            seen = pose_from_front(robot.pose, front, place.front)
+            self.found(dock_mm=round(1e3 * seen.distance(place.pose), 1))
+            if seen.distance(place.pose) < DOCKED.position and seen.turn(place.pose) < DOCKED.heading:
+                return
+            yield from reach_pose(robot, robot.pose.compose(place.pose.relative_to(seen)), DOCKED)
+        off = Measured(
+            "RangeSensor", "off its place", 1e3 * seen.distance(place.pose), 1e3 * DOCKED.position, "mm"
+        )
+        raise Discrepancy(f"the base doesn't come to stand square before {self.place}", measured=off)
+
+
+def _check_arm(robot: Robot) -> None:
+    """Raise `Discrepancy` where the hand stands out beyond the footprint: nothing would look out for it."""
+    if robot.spec.arm is None:
+        return
+    out, radius = math.hypot(*robot.base_T("hand")[:2, 3]), robot.spec.footprint_radius_m
+    if out > radius:
+        raise Discrepancy(
+            "the hand stands out beyond the robot's footprint: the arm goes home before the base drives",
+            permanent=True,
+            measured=Measured("Arm", "distance of the hand from the base's middle", out, radius, "m"),
+        )

@@ -1,0 +1,45 @@
+"""Masks over a map, as nav2 has them: where to keep out, where to drive slowly."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Literal
+
+from handcart.backends.map_file import read_occupancy
+from handcart.files.errors import Finding
+from handcart.files.loading import Loaded
+from handcart.files.model import FileModel
+from handcart.robotics.navigation.grid_map import GridMap
+from handcart.robotics.navigation.keepout import keepout_cells
+from handcart.robotics.navigation.speed_limits import SpeedLimits
+
+from .place import Places
+
+
+class SpeedMask(FileModel):
+    """A mask whose cells, from 0 to 100, limit the base's speed: base + multiplier * value; 0 is no limit."""
+
+    mask: str
+    """A file in ROS format, usually with `mode: scale`."""
+    type: Literal["percent", "absolute"] = "percent"
+    """Whether a limit is in percent of the robot's top speed (nav2's type 1) or in m/s (type 2)."""
+    base: float = 0.0
+    multiplier: float = 1.0
+
+
+def load_speed_limits(path: Path, spec: SpeedMask) -> SpeedLimits:
+    """The limits in a mask's file; raises `FileError` where that is missing or wrong."""
+    read = read_occupancy(path)
+    percent = spec.type == "percent"
+    return SpeedLimits(read.values, read.resolution, read.origin, percent, spec.base, spec.multiplier)
+
+
+def keepout_findings(places: Loaded[Places], grid: GridMap, zones: GridMap, mask: Path) -> Iterator[Finding]:
+    """Places that lie in a zone to keep out of; `mask` is the file that tells the zones."""
+    barred = keepout_cells(grid, zones)
+    for name, place in places.value.places.items():
+        point = place.pose.lift()[None, :2, 3]
+        if grid.inside(point)[0] and barred[tuple(grid.to_cell(point)[0])]:
+            wrong = f"place {name!r} lies where {mask.name} keeps the robot out; allowed: elsewhere"
+            yield places.finding(("places", name), wrong, at_key=True)

@@ -1,0 +1,260 @@
+"""What the robot knows: told beforehand, seen and learned."""
+
+from __future__ import annotations
+
+import typing
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, fields
+from dataclasses import field as dataclass_field
+from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, Protocol, TypeVar, cast
+
+import numpy as np
+from numpy.typing import NDArray
+
+from handcart.backends.plain_values import attributes, set_attributes
+from handcart.backends.robot import Robot
+from handcart.backends.saved_state import NotAState
+from handcart.files.errors import HandcartError
+from handcart.files.suggest import suggest
+from handcart.primitives.contract.meant_contact import MeantContact
+from handcart.robotics.navigation.grid_map import GridMap
+from handcart.robotics.navigation.speed_limits import SpeedLimits
+
+from .place import Place
+from .section import Companion, Section, types_of
+from .sections import name_of, sections
+
+
+class Declares(Protocol):
+    """Says what of the world model it reads and writes, as every primitive does."""
+
+    reads: ClassVar[tuple[str, ...]]
+    writes: ClassVar[tuple[str, ...]]
+
+    @classmethod
+    def label(cls) -> str:
+        """What it is called."""
+        ...
+
+
+class UnknownFact(HandcartError, LookupError):
+    """Something that the robot doesn't know (yet)."""
+
+
+class UndeclaredAccess(HandcartError, AttributeError):
+    """A primitive reads or writes an entry of the world model that it didn't declare."""
+
+
+class Detour(NamedTuple):
+    """A route that was planned around what was sensed."""
+
+    goal: str
+    points: NDArray[np.float64]
+    """(n, 2) on the map, in [m]."""
+
+
+S = TypeVar("S", bound=Section)
+
+
+@dataclass
+class WorldModel:
+    """The robot's knowledge: where it can be and what stands there, and a section for each domain.
+
+    What an element of a repeat learned is forgotten with `clear_element`.
+    """
+
+    map: GridMap
+    places: Mapping[str, Place]
+    obstacles: NDArray[np.float64] = dataclass_field(default_factory=lambda: np.empty((0, 2)))
+    """(n, 2) points that were sensed and are not on the map, in [m]; kept for the run."""
+    detour: Detour | None = None
+    """Kept for one element."""
+    speed_limits: SpeedLimits | None = None
+    """How fast the base may drive where."""
+    sections: dict[str, Section] = dataclass_field(default_factory=dict)
+    """By the names of their domains; others are empty, and made when they are asked for."""
+
+    LEARNED: ClassVar = {
+        "places": dict[str, Place],
+        "obstacles": NDArray[np.float64],
+        "detour": Detour | None,
+    }
+    """What a checkpoint keeps beside the sections' own, with the types."""
+    ENTRIES: ClassVar = ("map", "places", "obstacles", "detour", "speed_limits", "discs")
+
+    def __post_init__(self) -> None:
+        self._noted = self._now()
+
+    @property
+    def discs(self) -> NDArray[np.float64]:
+        """(n, 3) x, y, radius in [m] of what is known to stand where a base plans without a map."""
+        return np.vstack([np.empty((0, 3)), *(each.discs() for each in self.sections.values())])
+
+    def of(self, kind: type[S]) -> S:
+        """A domain's section."""
+        name = name_of(kind)
+        section = self._section(name, kind)
+        assert isinstance(section, kind)
+        return section
+
+    def _section(self, name: str, kind: type[Section]) -> Section:
+        if name not in self.sections:
+            self.sections[name] = kind()
+            self._noted |= self.sections[name].noted()
+        return self.sections[name]
+
+    def clear_element(self) -> None:
+        """Forget what belongs to one element of a repeat."""
+        self.detour = None
+        for section in self.sections.values():
+            section.forget_element()
+
+    def view(self, primitive: Declares) -> ModelView:
+        """The model as this primitive may use it."""
+        return ModelView(self, primitive)
+
+    def companion(self, robot: Robot, place: str) -> Companion | None:
+        """What the arm does while the base drives to a place; None where no domain knows anything."""
+        found = (each.companion(robot, place) for each in self.sections.values())
+        return next((each for each in found if each is not None), None)
+
+    def contacts_on_the_way(self, place: str) -> Sequence[MeantContact]:
+        """What it means to touch."""
+        return [each for section in self.sections.values() for each in section.contacts_on_the_way(place)]
+
+    def lookup(self, path: str) -> Any:
+        """A value for a late-bound parameter, such as `book.shelf`.
+
+        Raises:
+            UnknownFact: it isn't known yet.
+        """
+        first, *names = path.split(".")
+        value = getattr(self._owner(first), first, None)
+        for name in names:
+            value = getattr(value, name, None)
+        if value is None:
+            raise UnknownFact(f"{path} is not known yet")
+        return value
+
+    def _owner(self, entry: str) -> object:
+        if entry in self.ENTRIES:
+            return self
+        found = ((name, kind) for name, kind in sections().items() if entry in kind.entries())
+        return next((self._section(name, kind) for name, kind in found), None)
+
+    @classmethod
+    def entry_types(cls) -> dict[str, Any]:
+        """The types of all entries, those of the domains' sections too."""
+        found = {name: kind for name, kind in types_of(cls).items() if name in cls.ENTRIES}
+        for section in sections().values():
+            found |= {name: types_of(section)[name] for name in section.entries()}
+        return found
+
+    @classmethod
+    def unknown_at_first(cls) -> set[str]:
+        """Entries that are None until a file or a primitive tells them."""
+        kinds: list[type[WorldModel] | type[Section]] = [cls, *sections().values()]
+        return {each.name for kind in kinds for each in fields(kind) if each.default is None}
+
+    @classmethod
+    def type_of(cls, path: str) -> Any:
+        """The type that `lookup` will give.
+
+        Raises:
+            UnknownFact: there is no such entry; the message lists what there is.
+        """
+        known = cls.entry_types()
+        kind: Any = None
+        for name in path.split("."):
+            if name not in known:
+                raise UnknownFact(f"the world model has no {path!r}{suggest(name, known)}")
+            kind = known[name]
+            options = [each for each in typing.get_args(kind) if each is not type(None)]
+            kind = options[0] if type(None) in typing.get_args(kind) else kind
+            known = {key: each for key, each in _hints(kind).items() if key.islower()}
+        return kind
+
+    def state(self) -> dict[str, Any]:
+        """What was learned so far, for a checkpoint, as plain data."""
+        own = {name: attributes(each, each.learned_types()) for name, each in self.sections.items()}
+        return {**attributes(self, self.LEARNED), "sections": own}
+
+    def set_state(self, state: object) -> None:
+        """Take over what `state` gave.
+
+        Raises:
+            NotAState: it is something else.
+        """
+        if not isinstance(state, dict) or not isinstance(state.get("sections"), dict):
+            raise NotAState("no state of a world model; needed: sections")
+        there = sections()
+        if unknown := state["sections"].keys() - there.keys():
+            names = ", ".join(map(str, sorted(unknown, key=str)))
+            raise NotAState(f"no state of a world model: nothing is known of {names} here")
+        set_attributes(self, self.LEARNED, {key: each for key, each in state.items() if key != "sections"})
+        for name, learned in state["sections"].items():
+            section = self._section(name, there[name])
+            set_attributes(section, section.learned_types(), learned)
+        self._noted = self._now()
+
+    def taken_changes(self) -> dict[str, Any]:
+        """What was learned or forgotten since the last call, ready for JSON."""
+        now = self._now()
+        changes = {name: value for name, value in now.items() if value != self._noted.get(name)}
+        self._noted = now
+        return changes
+
+    def _now(self) -> dict[str, Any]:
+        now: dict[str, Any] = {
+            "obstacles": len(self.obstacles),
+            "detour": self.detour.points.round(4).tolist() if self.detour else None,
+        }
+        for section in self.sections.values():
+            now |= section.noted()
+        return now
+
+
+def _hints(kind: Any) -> dict[str, Any]:
+    return types_of(kind) if isinstance(kind, type) else {}
+
+
+class ModelView:
+    """The world model through one primitive's eyes: what it didn't declare it can neither read nor write."""
+
+    if TYPE_CHECKING:
+        map: GridMap
+        places: Mapping[str, Place]
+        obstacles: NDArray[np.float64]
+        detour: Detour | None
+        speed_limits: SpeedLimits | None
+        discs: NDArray[np.float64]
+
+    def __init__(self, model: WorldModel, primitive: Declares, part: object = None) -> None:
+        """See a model, or a section of it."""
+        object.__setattr__(self, "_model", model)
+        object.__setattr__(self, "_primitive", primitive)
+        object.__setattr__(self, "_part", model if part is None else part)
+
+    def of(self, kind: type[S]) -> S:
+        """A domain's section, through the same eyes."""
+        model = self.__dict__["_model"]
+        return cast(S, ModelView(model, self.__dict__["_primitive"], model.of(kind)))
+
+    def companion(self, robot: Robot, place: str) -> Companion | None:
+        """See `WorldModel`."""
+        found: Companion | None = self.__dict__["_model"].companion(robot, place)
+        return found
+
+    def __getattr__(self, name: str) -> Any:
+        primitive, part = self.__dict__["_primitive"], self.__dict__["_part"]
+        if name not in primitive.reads + primitive.writes:
+            if isinstance(part, Section) and name not in part.entries() and not name.startswith("_"):
+                return getattr(part, name)  # how it works something out of what it knows
+            raise UndeclaredAccess(f"{primitive.label()} reads {name!r} without declaring it in `reads`")
+        return getattr(part, name)
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        primitive = self.__dict__["_primitive"]
+        if name not in primitive.writes:
+            raise UndeclaredAccess(f"{primitive.label()} writes {name!r} without declaring it in `writes`")
+        setattr(self.__dict__["_part"], name, value)

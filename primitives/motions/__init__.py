@@ -1,0 +1,1 @@
+"""Motions of arm and hand that any primitive may use."""

@@ -1,0 +1,149 @@
+"""Motions of the arm: to postures and poses, around what stands in the way."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from handcart.backends.gripper import Gripper
+from handcart.backends.robot import Robot
+from handcart.primitives.contract.action_primitive import Periods
+from handcart.primitives.contract.discrepancy import Discrepancy, Measured
+from handcart.primitives.knowledge.place import Book, Shelf
+from handcart.robotics.geometry.transform import Transform, transform
+from handcart.robotics.kinematics.shapes import Box, Shape
+from handcart.robotics.manipulation.collision_model import HELD, CollisionModel
+from handcart.robotics.manipulation.motion_planner import plan_motion, plan_straight
+from handcart.robotics.manipulation.trajectory import time_path
+
+from .grip import GRIP_HEIGHT, hand_to_spine
+
+MARGIN = 0.005  # [m] between the arm and anything
+ALLOWED = ((HELD, "tray"),)  # what the hand holds was taken from there
+LAGS = 0.15  # [rad] behind the command at which something stops the arm: two periods at top speed
+PROUD = 0.004  # [m] that spines stand before a shelf's front
+ABOVE = 0.35  # [m] above its board that a shelf may be filled, or closed
+PANEL = 0.03  # [m] at most, of its sides
+ON_TRAY = (0.005, 0.15, 0.10, 0.26)  # [m] from its rear, how deep, wide and high a book may stand there
+INSIDE = 0.25  # [m] of its depth that counts
+
+Vector = NDArray[np.float64]
+
+
+def move_to_posture(
+    robot: Robot, name: str, held: Shape | None = None, around: Sequence[Shape] = ()
+) -> Periods:
+    """Move to a named posture of the robot's file. Arguments and errors as for `move_to_joints`."""
+    yield from move_to_joints(robot, np.array(robot.spec.posture(name)), held, around)
+
+
+def move_to_pose(
+    robot: Robot, base_T_hand: Transform, held: Shape | None = None, around: Sequence[Shape] = ()
+) -> Periods:
+    """Move the hand to a pose (4, 4). Arguments and errors as for `move_to_joints`."""
+    joints = robot.arm_model.inverse(base_T_hand, near=robot.arm.command())
+    if joints is None:
+        x, y, z = base_T_hand[:3, 3]
+        raise Discrepancy(f"the arm doesn't reach ({x:.2f}, {y:.2f}, {z:.2f}) m")
+    yield from move_to_joints(robot, joints, held, around)
+
+
+def move_to_joints(
+    robot: Robot, joints: Vector, held: Shape | None = None, around: Sequence[Shape] = ()
+) -> Periods:
+    """Move to joint angles (n,) in [rad], free of collisions with the robot and what it knows of.
+
+    Args:
+        robot: the arm holds where it was last commanded.
+        joints: where to.
+        held: what the hand holds, posed in the hand frame.
+        around: bodies to keep clear of, posed in the base frame.
+
+    Raises:
+        Discrepancy: no free way was found.
+    """
+    here = robot.arm.command()
+    if np.allclose(here, joints, atol=1e-4):
+        return
+    collision = collision_model(robot, held, around)
+    path = yield from robot.compute(plan_motion, collision.arm, collision, here, joints)
+    if path is None:
+        hits = collision.contacts(joints) or collision.contacts(here)
+        raise Discrepancy(f"the arm finds no free way{_between(hits)}")
+    yield from follow(robot, path)
+
+
+def move_straight(
+    robot: Robot, base_T_hand: Transform, held: Shape | None = None, around: Sequence[Shape] = ()
+) -> Periods:
+    """Move the hand to a pose (4, 4) in a straight line. Arguments as for `move_to_joints`.
+
+    Raises:
+        Discrepancy: the line can't be followed, or something is in its way.
+    """
+    collision = collision_model(robot, held, around)
+    here = robot.arm.command()
+    path = yield from robot.compute(plan_straight, collision.arm, here, base_T_hand, 0.005, collision)
+    if path is None:
+        x, y, z = base_T_hand[:3, 3]
+        raise Discrepancy(f"the hand can't go straight to ({x:.2f}, {y:.2f}, {z:.2f}) m")
+    yield from follow(robot, path)
+
+
+def follow(robot: Robot, path: NDArray[np.float64]) -> Periods:
+    """Move along straight joint lines (m, n) in [rad], from where the arm was last commanded.
+
+    Raises:
+        Discrepancy: the arm doesn't follow.
+    """
+    speed = np.minimum(robot.arm_model.velocity, robot.spec.joint_speeds())
+    for joints in time_path(path, speed, robot.spec.joint_accelerations(), robot.period)[1:]:
+        robot.arm.move(joints)
+        yield
+        behind = float(np.abs(robot.arm.joints() - joints).max())
+        if behind > LAGS:
+            lag = Measured("Arm", "a joint behind its command", behind, LAGS, "rad")
+            raise Discrepancy("something stops the arm", measured=lag)
+
+
+def shelf_boxes(base_T_shelf: Transform, shelf: Shelf) -> tuple[Box, ...]:
+    """A shelf for who stays before it, in the base frame: solid from just before its spines.
+
+    Args:
+        base_T_shelf: (4, 4), as measured.
+        shelf: what is known of it.
+    """
+    depth, height = INSIDE + PROUD, shelf.board_m + ABOVE
+    middle = transform((depth / 2 - PROUD, 0.0, height / 2 - shelf.board_m))
+    width = max(shelf.width_m, shelf.front_m) + 2 * PANEL
+    return (Box(base_T_shelf @ middle, (depth, width, height), "the shelf"),)
+
+
+def tray_box(robot: Robot) -> Box:
+    """Where some book may stand on the tray, in the base frame."""
+    rear, *size = ON_TRAY
+    tray = robot.spec.tray_shape
+    middle = transform((tray.rear + rear + size[0] / 2, tray.middle[1], tray.top + size[2] / 2))
+    return Box(middle, (size[0], size[1], size[2]), "book on the tray")
+
+
+def held_box(robot: Robot, book: Book) -> Box:
+    """A book as PICK_UP grips it, posed in the hand frame."""
+    depth, thickness, height = (1e-3 * size for size in (book.depth_mm, book.thickness_mm, book.height_mm))
+    middle = transform((hand_to_spine(robot) + depth / 2, 0.0, height / 2 - GRIP_HEIGHT))
+    return Box(middle, (depth, thickness, height), HELD)
+
+
+def collision_model(robot: Robot, held: Shape | None, around: Sequence[Shape] = ()) -> CollisionModel:
+    """What arm, hand and what it holds must not touch; arguments as for `move_to_joints`."""
+    gripper, arm = robot.backend.get(Gripper), robot.arm_model  # type: ignore[type-abstract]
+    if gripper is not None:
+        width = max(0.0, gripper.width() / 2.0)
+        arm = arm.with_others({"left_finger": width, "right_finger": width})
+    return CollisionModel(arm, around, held, margin=MARGIN, allowed=ALLOWED)
+
+
+def _between(hits: Sequence[tuple[str, str]]) -> str:
+    return f": {hits[0][0]} would touch {hits[0][1]}" if hits else ""

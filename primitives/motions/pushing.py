@@ -1,0 +1,69 @@
+"""Slow straight motions of the hand that feel what they meet."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Generator
+from typing import NamedTuple
+
+import numpy as np
+
+from handcart.backends.robot import Robot
+from handcart.primitives.contract.discrepancy import Discrepancy
+from handcart.robotics.geometry.transform import Transform
+from handcart.robotics.manipulation.motion_planner import plan_straight
+
+
+class Pushed(NamedTuple):
+    """How a push ended."""
+
+    met: bool
+    """It was stopped by a resistance above the limit."""
+    force: float
+    """The largest resistance that was felt on the way, in [N]."""
+
+
+def push(
+    robot: Robot,
+    base_T_goal: Transform,
+    speed: float,
+    most: float,
+    enough: Callable[[], bool] = lambda: False,
+) -> Generator[None, None, Pushed]:
+    """Move the hand in a straight line at constant speed until something resists.
+
+    Slow enough that a period's step adds little force: with a stiffness of 2 N a mm, 20 mm/s add 2 N.
+
+    Args:
+        robot: the arm holds where it was last commanded.
+        base_T_goal: (4, 4) pose of the hand to end at.
+        speed: of the hand, in [m/s].
+        most: resistance against the direction of motion at which it stops, in [N].
+        enough: asked every period; it stops as soon as this holds.
+
+    Raises:
+        Discrepancy: the arm can't move the hand along that line.
+    """
+    arm = robot.arm_model
+    path = plan_straight(arm, robot.arm.command(), base_T_goal, step=speed * robot.period)
+    if path is None:
+        raise Discrepancy("the arm can't move the hand straight to where it is to go")
+    base_T_hand = arm.forward(path[0])
+    way = base_T_goal[:3, 3] - base_T_hand[:3, 3]
+    along = base_T_hand[:3, :3].T @ way / max(float(np.linalg.norm(way)), 1e-9)
+    strongest = 0.0
+    for joints in path[1:]:
+        robot.arm.move(joints)
+        yield
+        resistance = float(-along @ robot.arm.hand_force())
+        strongest = max(strongest, resistance)
+        if resistance > most:
+            return Pushed(True, strongest)
+        if enough():
+            break
+    return Pushed(False, strongest)
+
+
+def relax(robot: Robot) -> Generator[None, None, None]:
+    """Command the arm to where it stands, so that it no longer presses."""
+    robot.arm.move(robot.arm.joints())
+    yield

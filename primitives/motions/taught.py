@@ -1,0 +1,25 @@
+"""Postures that a person taught, instead of planned ones."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from handcart.backends.robot import Robot
+from handcart.primitives.contract.discrepancy import Discrepancy
+
+
+def taught_postures(robot: Robot, name: str, fewest: int) -> list[NDArray[np.float64]]:
+    """The postures `name_1`, `name_2`, ... of the robot's file, each (n,) in [rad].
+
+    Raises:
+        Discrepancy: fewer than `fewest` were taught; the words say how to teach them.
+    """
+    postures = {} if robot.spec.arm is None else robot.spec.arm.postures
+    found: list[NDArray[np.float64]] = []
+    while f"{name}_{len(found) + 1}" in postures:
+        found.append(np.array(robot.spec.posture(f"{name}_{len(found) + 1}")))
+    if len(found) < fewest:
+        missing = ", ".join(f"{name}_{number}" for number in range(len(found) + 1, fewest + 1))
+        raise Discrepancy(f"not taught yet: {missing} (handcart teach {name})", permanent=True)
+    return found

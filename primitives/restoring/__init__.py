@@ -1,0 +1,1 @@
+"""How everything comes back to where it was, measured."""

@@ -1,0 +1,89 @@
+"""Playing the recorded motion of a car backwards: it can only go back along its own track."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Generator, Sequence
+from itertools import pairwise
+
+import numpy as np
+
+from handcart.backends.robot import Robot
+from handcart.primitives.contract.discrepancy import Discrepancy, Measured
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.navigation.car_tracker import CarTracker
+
+from .arm_command import command_moment, moves_fingers, renew_arm
+from .snapshot import Snapshot
+from .trace import Moment, Trace
+
+ROLLS = 1e-5  # [m] between two periods, less is no motion
+COARSE = 0.05  # [m] between points of the way back
+SHORT = 0.10  # [m]: a way that is not worth driving back
+
+
+def car_retrace(robot: Robot, start: Snapshot, trace: Trace) -> Generator[None, None, None]:
+    """Bring a car back to the snapshot the way it came, arm and gripper on the same time line.
+
+    It is steered by what doesn't jump (`Robot.reckoned`): over the length of an action that is the best that
+    is known, and whether it came back is measured afterwards.
+    """
+    for stretch in reversed(_stretches(trace.moments)):
+        forward = _forward(stretch[0], stretch[-1])
+        if abs(forward) < SHORT:
+            for moment in reversed(stretch):
+                yield from command_moment(robot, moment)
+        else:
+            yield from _drive_back(robot, stretch, forward > 0.0)
+    yield from command_moment(robot, Moment(start.pose, start.joint_command, start.gripper_command))
+
+
+def check_stands(robot: Robot, goal: Pose2) -> None:
+    """Raise `Discrepancy` where a car isn't at a pose within its tolerance: it can't be moved sideways."""
+    off, most = robot.pose.distance(goal), robot.spec.tolerance.base_mm / 1e3
+    if off > most or math.degrees(robot.pose.turn(goal)) > robot.spec.tolerance.base_deg:
+        away = Measured("Base", "off where it is to stand", off, most, "m")
+        raise Discrepancy("the car doesn't stand where it is to", measured=away)
+
+
+def _reckoned(moment: Moment) -> Pose2:
+    return moment.reckoned if moment.reckoned is not None else moment.pose
+
+
+def _forward(before: Moment, after: Moment) -> float:
+    """Way from one to the other, below zero if backwards, in [m]."""
+    moved = _reckoned(after).relative_to(_reckoned(before))
+    return math.copysign(math.hypot(moved.x, moved.y), moved.x)
+
+
+def _stretches(moments: Sequence[Moment]) -> list[list[Moment]]:
+    """The moments, divided where the car stands, or changes its direction."""
+    result: list[list[Moment]] = []
+    direction = 0
+    for before, now in pairwise(moments):
+        rolled = _reckoned(now).relative_to(_reckoned(before)).x
+        moves = 0 if abs(rolled) < ROLLS else int(math.copysign(1, rolled))
+        if not result or moves != direction:
+            result.append([before])
+        result[-1].append(now)
+        direction = moves
+    return result or [list(moments)]
+
+
+def _drive_back(robot: Robot, stretch: Sequence[Moment], forwards: bool) -> Generator[None, None, None]:
+    """Along a stretch that was driven in one direction; the arm as it was when the base was there."""
+    left = list(stretch)
+    poses, along = [_reckoned(left[-1])], [0.0]
+    for before, now in pairwise(reversed(left)):
+        along.append(along[-1] + _reckoned(now).distance(_reckoned(before)))
+        if _reckoned(now).distance(poses[-1]) >= COARSE:
+            poses.append(_reckoned(now))
+    sharpest = robot.spec.drive.sharpest_per_m
+    tracker = CarTracker([(np.array(poses), forwards)], sharpest, robot.drive_limits)
+    while not tracker.finished(robot.reckoned):
+        robot.base.drive(*tracker.command(robot.reckoned, robot.period))
+        if left and along[-len(left)] <= tracker.progress and not moves_fingers(robot, left[-1]):
+            renew_arm(robot, left.pop())
+        yield
+    for moment in reversed(left):
+        yield from command_moment(robot, moment)

@@ -1,0 +1,155 @@
+"""Playing a recorded motion backwards."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Generator, Sequence
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from handcart.backends.robot import Robot
+from handcart.primitives.contract.discrepancy import Discrepancy, Measured
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.navigation.path_tracking import PathTracker
+from handcart.robotics.navigation.pose_regulator import PoseRegulator, PoseTolerance
+from handcart.robotics.navigation.speed_limits import SpeedLimits
+
+from .arm_command import command_moment as _command
+from .arm_command import moves_fingers
+from .arm_command import renew_arm as _renew_arm
+from .car_retrace import car_retrace, check_stands
+from .snapshot import Snapshot
+from .trace import Moment, Trace
+
+TOLERANCE = PoseTolerance(position=0.006, heading=0.004)
+FINE = PoseTolerance(position=0.003, heading=0.002)
+NUDGE = 10  # periods for what is left then
+LOOK = 0.5  # [s] at rest for the estimate of the pose to be its best
+COARSE = 0.02  # [m] between points of the way back
+SHORT = 0.05  # [m]: less travel than this is regulated, not tracked
+LONGEST_REACH = 60.0  # [s] that the base gets to a pose near by
+STOOD = 1e-4  # [m], [rad]: between two periods, less is no motion
+
+
+def retrace(
+    robot: Robot, start: Snapshot, trace: Trace, allowed: SpeedLimits | None = None
+) -> Generator[None, None, None]:
+    """Bring the robot back to the absolute snapshot along the way it came, on one time line.
+
+    Stretches in which the base moved are driven back with feedback of its pose, no faster than `allowed`, the
+    arm where it was when the base was there; in between, arm and gripper play their commands backwards.
+    """
+    if robot.spec.drive.kind == "ackermann":
+        yield from car_retrace(robot, start, trace)
+        return
+    stretches = _stretches(trace.moments)
+    for stretch in reversed(stretches):
+        if _travelled(stretch):
+            yield from _drive_back(robot, stretch, allowed)
+        else:
+            yield from _play_back(robot, stretch)
+    yield from _command(robot, Moment(start.pose, start.joint_command, start.gripper_command))
+    yield from reach_pose(robot, start.pose, FINE)
+    if any(_travelled(stretch) for stretch in stretches):
+        yield from _nudge(robot, start.pose)
+
+
+def _nudge(robot: Robot, goal: Pose2) -> Generator[None, None, None]:
+    """Take back what a regulator leaves, always to the same side: it would add up from Fail to Fail."""
+    yield from robot.wait(LOOK)
+    left, seconds = goal.relative_to(robot.pose), NUDGE * robot.period
+    if math.hypot(left.x, left.y) > TOLERANCE.position or abs(left.theta) > TOLERANCE.heading:
+        return
+    for _ in range(NUDGE):
+        robot.base.drive(left.x / seconds, left.theta / seconds)
+        yield
+
+
+def reach_pose(
+    robot: Robot, goal: Pose2, tolerance: PoseTolerance = TOLERANCE
+) -> Generator[None, None, None]:
+    """Bring the base to a pose near by; does nothing where it stands there already, twice as exact.
+
+    Raises:
+        Discrepancy: it isn't there after a minute.
+    """
+    if robot.spec.drive.kind == "ackermann":
+        check_stands(robot, goal)
+        return
+    if robot.pose.distance(goal) < 0.5 * tolerance.position and robot.pose.turn(goal) < tolerance.heading:
+        return
+    regulator = PoseRegulator(goal, robot.drive_limits, tolerance)
+    end = robot.time + LONGEST_REACH
+    while not regulator.finished(robot.pose):
+        if robot.time > end:
+            off = robot.pose.distance(goal)
+            away = Measured("Base", "off where it is to stand", off, tolerance.position, "m")
+            why = "" if robot.held is None else f": {robot.held.words}"
+            raise Discrepancy(f"the base doesn't come to stand where it is to{why}", measured=away)
+        robot.base.drive(*regulator.command(robot.pose, robot.period))
+        yield
+
+
+def _stretches(moments: Sequence[Moment]) -> list[list[Moment]]:
+    """The moments, divided where the base starts or stops moving."""
+    result: list[list[Moment]] = []
+    moving = False
+    for before, now in pairwise(moments):
+        moves = before.pose.distance(now.pose) > STOOD or before.pose.turn(now.pose) > STOOD
+        if not result or moves != moving:
+            result.append([before])
+        result[-1].append(now)
+        moving = moves
+    return result or [list(moments)]
+
+
+def _travelled(stretch: Sequence[Moment]) -> bool:
+    ends = stretch[0].pose, stretch[-1].pose
+    return ends[0].distance(ends[1]) > 0.01 or ends[0].turn(ends[1]) > 0.02
+
+
+def _drive_back(
+    robot: Robot, stretch: Sequence[Moment], allowed: SpeedLimits | None
+) -> Generator[None, None, None]:
+    goal, left = stretch[0].pose, list(stretch)
+    points, way = _way_back(stretch)
+    if way[0] < SHORT:
+        yield from reach_pose(robot, goal)
+    else:
+        limits = robot.drive_limits
+        tracker = PathTracker(points, goal.theta, limits, _forwards(stretch), TOLERANCE, allowed)
+        while not tracker.finished(robot.pose):
+            robot.base.drive(*tracker.command(robot.pose, robot.period))
+            if left and way[len(left) - 1] <= tracker.progress and not moves_fingers(robot, left[-1]):
+                _renew_arm(robot, left.pop())
+            yield
+    yield from _play_back(robot, left)
+
+
+def _way_back(stretch: Sequence[Moment]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Points (n, 2) from the end to the start, and for each moment how far along them it is, in [m].
+
+    Estimated poses tremble: points nearer to each other than `COARSE` would tell a wrong direction.
+    """
+    ends = np.array([[each.pose.x, each.pose.y] for each in reversed(stretch)])
+    kept, along = [ends[0]], [0.0]
+    for point in ends[1:]:
+        step = float(np.hypot(*(point - kept[-1])))
+        along.append(along[-1] + (step if step >= COARSE else 0.0))
+        if step >= COARSE:
+            kept.append(point)
+    kept[1:] = [*kept[1:-1], ends[-1]]
+    return np.array(kept), np.array(along)[::-1]
+
+
+def _forwards(stretch: Sequence[Moment]) -> bool:
+    """Whether the base mostly drove forwards, so that the way back is driven backwards."""
+    steps = [now.pose.relative_to(before.pose).x for before, now in pairwise(stretch)]
+    return sum(steps) > 0.0
+
+
+def _play_back(robot: Robot, stretch: Sequence[Moment]) -> Generator[None, None, None]:
+    for moment in reversed(stretch):
+        yield from _command(robot, moment)

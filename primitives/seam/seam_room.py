@@ -1,0 +1,115 @@
+"""Where a base can stand beside a seam, and whether the arm is free there: what DIVIDE and others ask."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from handcart.backends.robot_file import RobotFile
+from handcart.primitives.contract.discrepancy import Discrepancy
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.kinematics.arm_model import ArmModel
+from handcart.robotics.kinematics.shapes import Box
+from handcart.robotics.manipulation.collision_model import CollisionModel
+from handcart.robotics.manipulation.placer import Placer, Work
+from handcart.robotics.manipulation.screw_arm import FreeTurn
+from handcart.robotics.manipulation.standing_places import has_way, stands_clear
+from handcart.robotics.navigation.clearances import Clearances
+from handcart.robotics.navigation.grid_map import GridMap
+from handcart.robotics.navigation.ways import ROOM_AT_GOAL, SENSED_ROOM
+
+MARGIN = 0.002  # [m] between the arm and the work piece
+AVOIDED = 0.15  # [m] from where it couldn't be done
+FREE = {"nothing": FreeTurn.NONE, "azimuth": FreeTurn.VERTICAL, "roll": FreeTurn.TOOL}
+EVERY = 4  # points of a path between looks for contacts
+OFF = 0.3  # [m] that the base may stand too near to something, when it sets out
+
+Floats = NDArray[np.float64]
+Masks = NDArray[np.bool_]
+
+
+class SeamRoom:
+    """What stands around a seam, for one robot."""
+
+    def __init__(
+        self,
+        spec: RobotFile,
+        arm: ArmModel,
+        grid: GridMap,
+        sensed: Floats,
+        here: Pose2,
+        boxes: tuple[Box, ...] = (),
+        avoided: tuple[Pose2, ...] = (),
+    ) -> None:
+        """Take down what is known.
+
+        Args:
+            spec: of the robot; its posture `home` is the one that it drives in.
+            arm: of the robot.
+            grid: the map.
+            sensed: (n, 2) points that are not on it, in [m].
+            here: map_T_base from where it sets out.
+            boxes: the work piece, posed on the map.
+            avoided: where it can't be done.
+        """
+        self._arm, self._boxes, self._avoided = arm, boxes, avoided
+        self._home = np.array(spec.posture("home"))
+        self._grid = grid.with_points(sensed, SENSED_ROOM)
+        self._radius = spec.footprint_radius_m + ROOM_AT_GOAL
+        self._clearances = Clearances(self._grid, self._grid.blocked, walled=True)
+        self._start = self._way_out(here)
+
+    def blocked(self, bases: Floats) -> Masks:
+        """Which of base poses (b, 3) leave the base no room, or no way leads to, by the map."""
+        no_way = ~has_way(bases, self._grid, self._start, self._radius)
+        no_way |= self._clearances.at(bases[:, :2]) < self._radius
+        for each in self._avoided:
+            no_way |= np.hypot(bases[:, 0] - each.x, bases[:, 1] - each.y) < AVOIDED
+        return no_way
+
+    def free(self, base: Floats, angles: Floats) -> bool:
+        """Whether robot and arm touch nothing from a base pose (3,), at home and at the angles (p, n)."""
+        bodies = self._arm.link_shapes(self._home)
+        if not stands_clear(base[None], bodies, self._boxes)[0]:
+            return False
+        stand = Pose2(*base.tolist()).lift()
+        collision = CollisionModel(self._arm, self._boxes, world_T_base=stand, margin=MARGIN)
+        return not any(collision.in_collision(q) for q in angles[::EVERY])
+
+    def _way_out(self, here: Pose2) -> tuple[float, float]:
+        """A place near by from which ways lead on: the base stands where it does, not where it should."""
+        turns = np.linspace(0.0, 2.0 * math.pi, 16, endpoint=False)
+        for away in np.linspace(0.0, OFF, 7):
+            x, y = here.x + away * np.cos(turns), here.y + away * np.sin(turns)
+            for spot in zip(x.tolist(), y.tolist(), strict=True):
+                if has_way(np.array([[*spot, 0.0]]), self._grid, spot, self._radius)[0]:
+                    return spot
+        return here.x, here.y
+
+
+def work_of(spec: RobotFile, speed: float | None = None) -> Work:
+    """What the robot's tool does, by its file; raises `Discrepancy` where it has none."""
+    tool = spec.tool
+    if tool is None:
+        raise Discrepancy("the robot's file has no tool", permanent=True)
+    tolerance = math.radians(tool.azimuth_tolerance_deg)
+    return Work(speed or tool.speed_m_s, tool.force_n, FREE[tool.free], tolerance)
+
+
+def working_arm(spec: RobotFile) -> ArmModel:
+    """The robot's arm, its joint speeds limited by the robot's file as well as by the URDF."""
+    if spec.arm is None:
+        raise Discrepancy("the robot's file has no arm", permanent=True)
+    arm = spec.arm_model()
+    arm.velocity = np.minimum(arm.velocity, spec.joint_speeds())
+    return arm
+
+
+def placer_of(spec: RobotFile, speed: float | None = None) -> Placer:
+    """What divides seams for the robot; raises `Discrepancy` where arm or tool can't."""
+    try:
+        return Placer(working_arm(spec), work_of(spec, speed))
+    except ValueError as wrong:
+        raise Discrepancy(str(wrong), permanent=True) from None
