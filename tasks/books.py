@@ -19,6 +19,6 @@ DOMAIN = Domain(
         "INSERT": "handcart.primitives.books.insert:Insert",
         "RELEASE": "handcart.primitives.books.release:Release",
     },
-    files={"catalogue": "handcart.primitives.knowledge.place:Catalogue"},
+    files={"catalogue": "handcart.primitives.books.catalogue:Catalogue"},
     rehearsals={_HERE / "return_book" / "task.yaml": {}},
 )

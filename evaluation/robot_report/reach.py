@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from handcart.backends.robot_file import RobotFile
-from handcart.primitives.motions.grip import GRIP_HEIGHT
+from handcart.primitives.books.book_grip import GRIP_HEIGHT
 from handcart.robotics.geometry.transform import transform
 from handcart.robotics.kinematics.arm_model import ArmModel
 from handcart.robotics.manipulation.collision_model import CollisionModel

@@ -96,7 +96,7 @@ def place_rooms(task: Task, robot: RobotFile, model: WorldModel, start: Pose2) -
     rooms = tuple(
         PlaceRoom(
             name,
-            ways.to(place.pose, None if place.shelf is None else place.front),
+            ways.to(place.pose, place.front if place.docks else None),
             told.document.key_position((PLACES, name))[0],
             named.any or name in named.names or name == _start_of(task),
             name in driven.names,

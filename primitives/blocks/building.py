@@ -100,3 +100,8 @@ class Building(FileModel):
     def seat(self, number: int) -> Standing:
         """Where block `number`, from 1, stands on the robot's own table."""
         return self.carried[(number - 1) % len(self.carried)]
+
+
+def name_of_block(number: int) -> str:
+    """How the world calls a block of a plan, or a sensor."""
+    return f"block {number}"

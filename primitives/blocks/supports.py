@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from handcart.primitives.contract.meant_contact import MeantContact, name_of_block
+from handcart.primitives.blocks.building import name_of_block
+from handcart.primitives.contract.meant_contact import MeantContact
 from handcart.robotics.geometry.pose2 import Pose2
 
 from .building import Building, Standing

@@ -12,14 +12,15 @@ from handcart.backends.camera import Camera
 from handcart.backends.gripper import Gripper
 from handcart.backends.range_sensor import RangeSensor
 from handcart.backends.robot import Robot
+from handcart.primitives.books.book_boxes import held_box, shelf_boxes
+from handcart.primitives.books.book_grip import GRIP_HEIGHT, hand_to_spine, holds, opening
 from handcart.primitives.books.books import Books, Slot
+from handcart.primitives.books.catalogue import Book
 from handcart.primitives.contract.action_primitive import ActionPrimitive, Periods
 from handcart.primitives.contract.discrepancy import Discrepancy, Measured
-from handcart.primitives.knowledge.place import Book
 from handcart.primitives.knowledge.place_name import PlaceName
 from handcart.primitives.knowledge.world_model import ModelView
-from handcart.primitives.motions.arm_motion import held_box, move_straight, move_to_pose, shelf_boxes
-from handcart.primitives.motions.grip import GRIP_HEIGHT, hand_to_spine, holds, opening
+from handcart.primitives.motions.arm_motion import move_straight, move_to_pose
 from handcart.robotics.geometry.transform import Transform, inverse, transform
 from handcart.robotics.kinematics.shapes import Box
 from handcart.robotics.perception.overlay import draw_overlay

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Any, ClassVar, NamedTuple, Self
 
 from handcart.files.loading import load
-from handcart.primitives.knowledge.place import Book, Catalogue
+from handcart.primitives.books.catalogue import Book, Catalogue
 from handcart.primitives.knowledge.section import NamedFiles, Section
 from handcart.robotics.geometry.pose2 import Pose2
 

@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 
 from handcart.backends.gripper import Gripper
 from handcart.backends.robot import Robot
-from handcart.primitives.knowledge.place import Book
-from handcart.primitives.motions.arm_motion import held_box
-from handcart.primitives.motions.grip import holds
+from handcart.primitives.books.book_boxes import held_box
+from handcart.primitives.books.book_grip import holds
+from handcart.primitives.books.catalogue import Book
 from handcart.primitives.restoring.snapshot import settle
 from handcart.robotics.geometry.transform import Transform, apply, inverse
 from handcart.robotics.kinematics.shapes import Box

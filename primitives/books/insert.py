@@ -13,14 +13,16 @@ from handcart.backends.arm import Arm
 from handcart.backends.gripper import Gripper
 from handcart.backends.range_sensor import RangeSensor
 from handcart.backends.robot import Robot
+from handcart.primitives.books.book_boxes import held_box
+from handcart.primitives.books.book_grip import hand_to_spine, holds, opening
 from handcart.primitives.books.books import Books
 from handcart.primitives.contract.action_primitive import ActionPrimitive, Periods
 from handcart.primitives.contract.discrepancy import Discrepancy, Measured, NeedsPerson
 from handcart.primitives.contract.meant_contact import MeantContact
 from handcart.primitives.knowledge.place_name import PlaceName
 from handcart.primitives.knowledge.world_model import ModelView, WorldModel
-from handcart.primitives.motions.arm_motion import held_box, move_straight, move_to_joints
-from handcart.primitives.motions.grip import hand_to_spine, hand_to_tips, holds, opening
+from handcart.primitives.motions.arm_motion import move_straight, move_to_joints
+from handcart.primitives.motions.grip import hand_to_tips
 from handcart.primitives.motions.pushing import Pushed, push, relax
 from handcart.primitives.motions.taught import taught_postures
 from handcart.primitives.restoring.retrace import retrace

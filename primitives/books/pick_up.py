@@ -11,20 +11,21 @@ from handcart.backends.arm import Arm
 from handcart.backends.camera import Camera
 from handcart.backends.gripper import Gripper
 from handcart.backends.robot import Robot
+from handcart.primitives.books.book_boxes import held_box
+from handcart.primitives.books.book_grip import GRIP_HEIGHT, close_on, hand_to_spine, holds, opening
 from handcart.primitives.books.books import Books
+from handcart.primitives.books.catalogue import Book, name_of_book
 from handcart.primitives.contract.action_primitive import ActionPrimitive, Periods
 from handcart.primitives.contract.discrepancy import Discrepancy, Measured
-from handcart.primitives.contract.meant_contact import MeantContact, name_of_book
-from handcart.primitives.knowledge.place import Book
+from handcart.primitives.contract.meant_contact import MeantContact
 from handcart.primitives.knowledge.world_model import ModelView, WorldModel
 from handcart.primitives.motions.arm_motion import (
-    held_box,
     move_straight,
     move_to_joints,
     move_to_pose,
     move_to_posture,
 )
-from handcart.primitives.motions.grip import GRIP_HEIGHT, close_on, hand_to_spine, holds, open_to, opening
+from handcart.primitives.motions.grip import open_to
 from handcart.primitives.motions.pushing import push
 from handcart.primitives.motions.taught import taught_postures
 from handcart.primitives.restoring.retrace import retrace

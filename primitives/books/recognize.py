@@ -12,11 +12,12 @@ from pydantic import PrivateAttr
 from handcart.backends.arm import Arm
 from handcart.backends.camera import Camera
 from handcart.backends.robot import Robot
+from handcart.primitives.books.book_boxes import tray_box
 from handcart.primitives.books.books import Books
 from handcart.primitives.contract.action_primitive import ActionPrimitive, Periods
 from handcart.primitives.contract.discrepancy import Discrepancy, Measured
 from handcart.primitives.knowledge.world_model import ModelView
-from handcart.primitives.motions.arm_motion import move_straight, move_to_posture, tray_box
+from handcart.primitives.motions.arm_motion import move_straight, move_to_posture
 from handcart.primitives.restoring.snapshot import settle
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import Transform, transform

@@ -16,15 +16,18 @@ from handcart.backends.camera import Camera
 from handcart.backends.gripper import Gripper
 from handcart.backends.range_sensor import RangeSensor
 from handcart.backends.robot import Robot
+from handcart.primitives.books.book_boxes import shelf_boxes
+from handcart.primitives.books.book_grip import GRIP_HEIGHT, holds, opening
 from handcart.primitives.books.books import Books
+from handcart.primitives.books.catalogue import name_of_book
 from handcart.primitives.contract.action_primitive import Periods
 from handcart.primitives.contract.discrepancy import Discrepancy, Measured
-from handcart.primitives.contract.meant_contact import MeantContact, name_of_book
+from handcart.primitives.contract.meant_contact import MeantContact
 from handcart.primitives.contract.tree_primitive import GeneratorBehaviour, TreePrimitive
 from handcart.primitives.knowledge.place_name import PlaceName
 from handcart.primitives.knowledge.world_model import ModelView, WorldModel
-from handcart.primitives.motions.arm_motion import move_straight, move_to_posture, shelf_boxes
-from handcart.primitives.motions.grip import GRIP_HEIGHT, close, hand_to_tips, holds, open_to, opening
+from handcart.primitives.motions.arm_motion import move_straight, move_to_posture
+from handcart.primitives.motions.grip import close, hand_to_tips, open_to
 from handcart.primitives.motions.pushing import push, relax
 from handcart.primitives.restoring.snapshot import settle
 from handcart.robotics.geometry.transform import Transform, inverse

@@ -14,14 +14,16 @@ from handcart.backends.arm import Arm
 from handcart.backends.camera import Camera
 from handcart.backends.range_sensor import RangeSensor
 from handcart.backends.robot import Robot
+from handcart.primitives.books.book_boxes import shelf_boxes, tray_box
+from handcart.primitives.books.book_grip import hand_to_spine
 from handcart.primitives.books.books import Books, Slot
+from handcart.primitives.books.catalogue import Book
 from handcart.primitives.contract.action_primitive import ActionPrimitive, Periods
 from handcart.primitives.contract.discrepancy import Discrepancy, Measured
-from handcart.primitives.knowledge.place import Book, Shelf
+from handcart.primitives.knowledge.place import Shelf
 from handcart.primitives.knowledge.place_name import PlaceName
 from handcart.primitives.knowledge.world_model import ModelView
-from handcart.primitives.motions.arm_motion import move_straight, move_to_pose, shelf_boxes, tray_box
-from handcart.primitives.motions.grip import hand_to_spine
+from handcart.primitives.motions.arm_motion import move_straight, move_to_pose
 from handcart.robotics.geometry.transform import Transform, transform
 from handcart.robotics.kinematics.shapes import Box
 from handcart.robotics.perception.call_number import CallNumber, parse

@@ -38,7 +38,7 @@ def plan_drive(robot: Robot, model: ModelView, goal: Place) -> Way:
     """The way on the reduced generalized Voronoi graph, for the footprint with arm and load, past what
     the map shows and what was sensed; or why there is none."""
     ways = Ways(model.map, robot.spec.footprint_radius_m, robot.pose, model.obstacles)
-    return ways.to(goal.pose, None if goal.shelf is None else goal.front)
+    return ways.to(goal.pose, goal.front if goal.docks else None)
 
 
 def no_way(name: str, way: Way) -> Discrepancy:

@@ -44,7 +44,7 @@ NEAR = 0.05  # [m] before the goal, where it turns and comes to stand
 
 
 class MoveTo(ActionPrimitive):
-    """Drive the base to a named place along the Voronoi graph, and dock there if a shelf stands before it.
+    """Drive the base to a named place along the Voronoi graph, and dock there if something with a straight front stands before it.
 
     Odometry is corrected by comparing scans with the map. A car drives arcs and straight lines past the rocks
     of its field, by what tells it outdoors where it is. What the map doesn't show and stands in the way is
@@ -82,13 +82,13 @@ class MoveTo(ActionPrimitive):
             _check_arm(robot)
         goal = goal_pose(model, self.place)
         self._lookout = make_lookout(robot, model)
-        if model.places[self.place].shelf is not None:
+        if model.places[self.place].docks:
             robot.base.may_stand_at(goal)
         tracker, points = yield from plan_tracker(robot, model, self.place, goal, ARRIVED, self.reverse)
         self.evidence.points["planned"] = points
         yield from self._follow(robot, model, tracker)
         self._ahead = np.empty((0, 2))
-        if model.places[self.place].shelf is not None:
+        if model.places[self.place].docks:
             yield from self._dock(robot, model.places[self.place])
         self.evidence.points["scan"] = robot.pose.apply(robot.range_sensor.scan().points())
         if model.detour and model.detour.goal == self.place:
@@ -192,7 +192,7 @@ class MoveTo(ActionPrimitive):
             yield
 
     def _dock(self, robot: Robot, place: Place) -> Periods:
-        """Correct the pose by the shelf's front until it stands square before it."""
+        """Correct the pose by the front until it stands square before it."""
         for _ in range(DOCKINGS):
             yield from settle(robot)
             scans = []
@@ -202,8 +202,8 @@ class MoveTo(ActionPrimitive):
             expected = robot.pose.inverse().apply(place.front)
             front = fit_front(np.vstack(scans), expected, gate=0.15)
             if front is None:
-                unseen = Measured("RangeSensor", "a straight front where the map has the shelf")
-                raise Discrepancy(f"the front of the shelf at {self.place} is not seen", measured=unseen)
+                unseen = Measured("RangeSensor", "a straight front where the map has one")
+                raise Discrepancy(f"the front before {self.place} is not seen", measured=unseen)
             seen = pose_from_front(robot.pose, front, place.front)
             self.found(dock_mm=round(1e3 * seen.distance(place.pose), 1))
             if seen.distance(place.pose) < DOCKED.position and seen.turn(place.pose) < DOCKED.heading:

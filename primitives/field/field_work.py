@@ -16,7 +16,8 @@ from handcart.backends.robot import Robot
 from handcart.backends.robot_file import RobotFile
 from handcart.files.errors import Finding
 from handcart.files.loading import load
-from handcart.primitives.contract.meant_contact import MeantContact, name_of_block
+from handcart.primitives.blocks.building import name_of_block
+from handcart.primitives.contract.meant_contact import MeantContact
 from handcart.primitives.knowledge.place import Place
 from handcart.primitives.knowledge.section import Companion, NamedFiles, Section
 

@@ -1,19 +1,17 @@
-"""What a task tells the robot beforehand, in files: a map, places, a catalogue."""
+"""The named places of a map."""
 
 from __future__ import annotations
 
 import math
-from functools import cached_property
-from typing import Annotated, Literal, Self
+from typing import Annotated, Literal
 
 import numpy as np
-from pydantic import Field, model_validator
+from pydantic import Field
 
 from handcart.backends.map_file import load_map as load_map
 from handcart.files.model import FileModel
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import Transform
-from handcart.robotics.perception.tag_family import USUAL, TagFamily, tags_of
 
 Positive = Annotated[float, Field(gt=0.0)]
 
@@ -48,6 +46,11 @@ class Place(FileModel):
         return Pose2(self.x_m, self.y_m, math.radians(self.heading_deg))
 
     @property
+    def docks(self) -> bool:
+        """Whether the base docks there: something with a straight front stands before it."""
+        return self.shelf is not None
+
+    @property
     def map_T_shelf(self) -> Transform:
         """Pose of the shelf frame, (4, 4). Raises ValueError where the place has no shelf."""
         shelf = self._shelf()
@@ -71,39 +74,3 @@ class Places(FileModel):
 
     format: Literal["handcart-places/1"]
     places: dict[str, Place]
-
-
-class Book(FileModel):
-    """A book in the catalogue."""
-
-    accession: Annotated[int, Field(ge=0)]
-    """Number of its tag."""
-    call: str
-    """Call number, as on its label."""
-    title: str
-    shelf: str
-    """The place where it belongs."""
-    thickness_mm: Positive
-    height_mm: Positive
-    depth_mm: Positive
-
-
-class Catalogue(FileModel):
-    """All books that the library owns."""
-
-    format: Literal["handcart-catalogue/1"]
-    tags: TagFamily = USUAL
-    """The family that the books' tags are of."""
-    books: tuple[Book, ...]
-
-    @model_validator(mode="after")
-    def _tags_are_there(self) -> Self:
-        if beyond := [book.accession for book in self.books if book.accession >= tags_of(self.tags)]:
-            allowed = f"allowed: below {tags_of(self.tags)}"
-            raise ValueError(f"the family {self.tags} has no tag {', '.join(map(str, beyond))}; {allowed}")
-        return self
-
-    @cached_property
-    def by_accession(self) -> dict[int, Book]:
-        """The books by the number of their tag."""
-        return {book.accession: book for book in self.books}

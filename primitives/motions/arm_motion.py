@@ -11,23 +11,15 @@ from handcart.backends.gripper import Gripper
 from handcart.backends.robot import Robot
 from handcart.primitives.contract.action_primitive import Periods
 from handcart.primitives.contract.discrepancy import Discrepancy, Measured
-from handcart.primitives.knowledge.place import Book, Shelf
-from handcart.robotics.geometry.transform import Transform, transform
-from handcart.robotics.kinematics.shapes import Box, Shape
+from handcart.robotics.geometry.transform import Transform
+from handcart.robotics.kinematics.shapes import Shape
 from handcart.robotics.manipulation.collision_model import HELD, CollisionModel
 from handcart.robotics.manipulation.motion_planner import plan_motion, plan_straight
 from handcart.robotics.manipulation.trajectory import time_path
 
-from .grip import GRIP_HEIGHT, hand_to_spine
-
 MARGIN = 0.005  # [m] between the arm and anything
 ALLOWED = ((HELD, "tray"),)  # what the hand holds was taken from there
 LAGS = 0.15  # [rad] behind the command at which something stops the arm: two periods at top speed
-PROUD = 0.004  # [m] that spines stand before a shelf's front
-ABOVE = 0.35  # [m] above its board that a shelf may be filled, or closed
-PANEL = 0.03  # [m] at most, of its sides
-ON_TRAY = (0.005, 0.15, 0.10, 0.26)  # [m] from its rear, how deep, wide and high a book may stand there
-INSIDE = 0.25  # [m] of its depth that counts
 
 Vector = NDArray[np.float64]
 
@@ -106,34 +98,6 @@ def follow(robot: Robot, path: NDArray[np.float64]) -> Periods:
         if behind > LAGS:
             lag = Measured("Arm", "a joint behind its command", behind, LAGS, "rad")
             raise Discrepancy("something stops the arm", measured=lag)
-
-
-def shelf_boxes(base_T_shelf: Transform, shelf: Shelf) -> tuple[Box, ...]:
-    """A shelf for who stays before it, in the base frame: solid from just before its spines.
-
-    Args:
-        base_T_shelf: (4, 4), as measured.
-        shelf: what is known of it.
-    """
-    depth, height = INSIDE + PROUD, shelf.board_m + ABOVE
-    middle = transform((depth / 2 - PROUD, 0.0, height / 2 - shelf.board_m))
-    width = max(shelf.width_m, shelf.front_m) + 2 * PANEL
-    return (Box(base_T_shelf @ middle, (depth, width, height), "the shelf"),)
-
-
-def tray_box(robot: Robot) -> Box:
-    """Where some book may stand on the tray, in the base frame."""
-    rear, *size = ON_TRAY
-    tray = robot.spec.tray_shape
-    middle = transform((tray.rear + rear + size[0] / 2, tray.middle[1], tray.top + size[2] / 2))
-    return Box(middle, (size[0], size[1], size[2]), "book on the tray")
-
-
-def held_box(robot: Robot, book: Book) -> Box:
-    """A book as PICK_UP grips it, posed in the hand frame."""
-    depth, thickness, height = (1e-3 * size for size in (book.depth_mm, book.thickness_mm, book.height_mm))
-    middle = transform((hand_to_spine(robot) + depth / 2, 0.0, height / 2 - GRIP_HEIGHT))
-    return Box(middle, (depth, thickness, height), HELD)
 
 
 def collision_model(robot: Robot, held: Shape | None, around: Sequence[Shape] = ()) -> CollisionModel:

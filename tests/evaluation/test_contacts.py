@@ -15,12 +15,12 @@ from handcart.backends.scene.world_file import WorldFile
 from handcart.evaluation.contact_survey import ContactSurvey
 from handcart.files.loading import load
 from handcart.primitives.books.books import Slot
+from handcart.primitives.books.catalogue import Book
 from handcart.primitives.books.insert import Insert
 from handcart.primitives.books.pick_up import PickUp
 from handcart.primitives.books.search import Search
 from handcart.primitives.contract.action_primitive import ActionPrimitive
 from handcart.primitives.driving.move_to import MoveTo
-from handcart.primitives.knowledge.place import Book
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import transform
 

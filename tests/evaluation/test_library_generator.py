@@ -13,7 +13,8 @@ from handcart.evaluation.library_books import GeneratedBook
 from handcart.evaluation.library_files import write_library
 from handcart.evaluation.library_generator import NoSuchLibrary, make_library
 from handcart.files.loading import load
-from handcart.primitives.knowledge.place import Catalogue, Places, load_map
+from handcart.primitives.books.catalogue import Catalogue
+from handcart.primitives.knowledge.place import Places, load_map
 
 
 @settings(max_examples=15, deadline=None)

@@ -14,15 +14,17 @@ import pytest
 from handcart.backends.registry import make_backend
 from handcart.backends.robot import Robot
 from handcart.backends.robot_loading import load_robot
+from handcart.primitives.books.book_boxes import held_box
 from handcart.primitives.books.books import Books, Slot
+from handcart.primitives.books.catalogue import Book
 from handcart.primitives.books.pick_up import PickUp
 from handcart.primitives.contract.action_primitive import ActionPrimitive
 from handcart.primitives.contract.attempt import attempt
 from handcart.primitives.contract.discrepancy import Discrepancy
 from handcart.primitives.contract.outcome import Outcome, Success
-from handcart.primitives.knowledge.place import Book, Place, Shelf
+from handcart.primitives.knowledge.place import Place, Shelf
 from handcart.primitives.knowledge.world_model import WorldModel
-from handcart.primitives.motions.arm_motion import held_box, move_to_pose
+from handcart.primitives.motions.arm_motion import move_to_pose
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import inverse, transform
 from handcart.robotics.navigation.grid_map import Box, from_boxes

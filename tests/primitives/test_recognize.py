@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 
 from handcart.primitives.books.books import Books
+from handcart.primitives.books.catalogue import Book, Catalogue
 from handcart.primitives.books.recognize import Recognize
 from handcart.primitives.contract.outcome import Fail, Success
-from handcart.primitives.knowledge.place import Book, Catalogue
 from handcart.robotics.perception.tag_reader import Tag, read_tags
 
 TRAY = "tray: {{accession: 117, call: 512.7 NAG, thickness_mm: 25, height_mm: {}, depth_mm: 150, tag: {}}}\n"

@@ -12,10 +12,10 @@ import pytest
 
 from handcart.backends.scene.book import Rest
 from handcart.primitives.books.books import Books
+from handcart.primitives.books.catalogue import Book
 from handcart.primitives.books.insert import Insert
 from handcart.primitives.books.release import Release
 from handcart.primitives.contract.outcome import Fail, GiveUp, Success
-from handcart.primitives.knowledge.place import Book
 from handcart.robotics.perception.call_number import parse
 from handcart.robotics.perception.label_reader import Label
 

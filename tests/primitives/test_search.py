@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 from handcart.primitives.books.books import Books
+from handcart.primitives.books.catalogue import Book, Catalogue
 from handcart.primitives.books.search import Search, _end_of_row
 from handcart.primitives.contract.outcome import Fail, Success
-from handcart.primitives.knowledge.place import Book, Catalogue
 from handcart.robotics.perception.call_number import parse
 from handcart.robotics.perception.shelf_views import ShelfBook, ShelfReading
 

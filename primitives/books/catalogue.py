@@ -1,0 +1,54 @@
+"""The books of a library."""
+
+from __future__ import annotations
+
+from functools import cached_property
+from typing import Annotated, Literal, Self
+
+from pydantic import Field, model_validator
+
+from handcart.files.model import FileModel
+from handcart.robotics.perception.tag_family import USUAL, TagFamily, tags_of
+
+Positive = Annotated[float, Field(gt=0.0)]
+
+
+class Book(FileModel):
+    """A book in the catalogue."""
+
+    accession: Annotated[int, Field(ge=0)]
+    """Number of its tag."""
+    call: str
+    """Call number, as on its label."""
+    title: str
+    shelf: str
+    """The place where it belongs."""
+    thickness_mm: Positive
+    height_mm: Positive
+    depth_mm: Positive
+
+
+class Catalogue(FileModel):
+    """All books that the library owns."""
+
+    format: Literal["handcart-catalogue/1"]
+    tags: TagFamily = USUAL
+    """The family that the books' tags are of."""
+    books: tuple[Book, ...]
+
+    @model_validator(mode="after")
+    def _tags_are_there(self) -> Self:
+        if beyond := [book.accession for book in self.books if book.accession >= tags_of(self.tags)]:
+            allowed = f"allowed: below {tags_of(self.tags)}"
+            raise ValueError(f"the family {self.tags} has no tag {', '.join(map(str, beyond))}; {allowed}")
+        return self
+
+    @cached_property
+    def by_accession(self) -> dict[int, Book]:
+        """The books by the number of their tag."""
+        return {book.accession: book for book in self.books}
+
+
+def name_of_book(book: Book) -> str:
+    """How the world calls it."""
+    return f"book {book.accession}"
