@@ -6,9 +6,7 @@ from typing import ClassVar
 
 from handcart.backends.scene.block import Block
 from handcart.backends.scene.magazine import Magazine
-from handcart.backends.scene.scene import Scene
 from handcart.backends.scene.thing import Rest
-from handcart.backends.scene.world_file import SensorSpec
 
 from .bullet_gripper import BulletGripper
 from .grip import Grip
@@ -27,19 +25,16 @@ class BulletMagazine:
 
     def __init__(
         self,
-        scene: Scene,
-        spec: SensorSpec,
+        magazine: Magazine,
         body: RobotBody,
         world: WorldBodies,
         physics: Physics,
         gripper: BulletGripper,
         grip: Grip,
     ) -> None:
-        self._scene, self._body, self._world, self._physics = scene, body, world, physics
+        self._scene, self._body, self._world, self._physics = magazine.scene, body, world, physics
         self._gripper, self._grip = gripper, grip
-        self._wide = spec.size_mm[1] / 1e3
-        self.shelf = Magazine(scene, spec)
-        """What gives the sensors."""
+        self._magazine, self._wide = magazine, magazine.spec.size_mm[1] / 1e3
         self._given = FRESH
 
     @property
@@ -50,7 +45,7 @@ class BulletMagazine:
     def step(self) -> None:
         """A period begins."""
         self._given += 1
-        self.shelf.step()
+        self._magazine.step()
         sensor = self._waiting()
         if sensor is None:
             return
