@@ -120,7 +120,7 @@ def _laid(prepared: Prepared, course: str, way: str, seed: int) -> list[Laying]:
     coordinator = Coordinator(prepared.task.network, robot, model, permission=Permits("always"))
     end = step_until_end(coordinator, robot, Telemetry(), [watcher.look])
     assert end.outcome == "Success", end.reason
-    blocks = robot.backend.scene.blocks  # type: ignore[attr-defined]
+    blocks = robot.backend.scene.sensors  # type: ignore[attr-defined]
     times = [math.nan, *(laid.time for laid in model.of(FieldWork).laid)]
     rows = []
     for number, laid in enumerate(model.of(FieldWork).laid):

@@ -14,6 +14,7 @@ DOMAIN = Domain(
         "handcart.primitives.blocks.blocks:Blocks",
         {"building": "A building plan: where blocks wait and where they go."},
     ),
+    props="handcart.backends.scene.blocks.blocks:Blocks",
     primitives={
         "FIXATE": "handcart.primitives.fixate:Fixate",
         "PICK_UP_BLOCK": "handcart.primitives.pick_up_block:PickUpBlock",

@@ -6,6 +6,7 @@ from .domain import Domain
 
 DOMAIN = Domain(
     "calibration",
+    props="handcart.backends.scene.calibration.marks:Marks",
     primitives={
         "CALIBRATE_SUSPENSION": "handcart.primitives.calibrate_suspension:CalibrateSuspension",
         "CALIBRATE_CAMERA": "handcart.primitives.calibrate_camera:CalibrateCamera",

@@ -68,7 +68,7 @@ class KinematicBackend(SimulatedBackend):
         self._hand: Hand | None = None
         model = self.scene.arm
         if model is not None:
-            self._hand = Hand(self.scene, model, seed)
+            self._hand = Hand(self.scene, model)
             self._arm = KinematicArm(robot, self._hand, seed)
             if robot.gripper is not None:
                 self._gripper = KinematicGripper(robot.gripper, self._hand, self.period, seed)
@@ -96,9 +96,8 @@ class KinematicBackend(SimulatedBackend):
         """See `Backend`."""
         self._periods += 1
         self.scene.time = self._periods * self.period
-        self._person.step()
-        if self._magazine is not None:
-            self._magazine.step()
+        for props in self.scene.props.values():
+            props.step()
         motion = self._base.advance(self._periods)
         if self._ride is not None:
             self.scene.lean_to(self._ride.tilt)
@@ -138,7 +137,8 @@ class KinematicBackend(SimulatedBackend):
             self._hand.forget_derived()
 
     def _own_parts(self) -> Mapping[str, Part | None]:
-        return {"ride": self._ride, "hand": self._hand}
+        rules = self._hand.rules if self._hand is not None else {}
+        return {"ride": self._ride, **{f"rule {name}": rule for name, rule in rules.items()}}
 
     def close(self) -> None:
         """See `Backend`; there is nothing to let go of."""

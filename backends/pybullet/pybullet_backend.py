@@ -17,10 +17,12 @@ from handcart.backends.robot_file import RobotFile
 from handcart.backends.robot_shape import finger_shape
 from handcart.backends.saved_state import NotAState
 from handcart.backends.scene.mounts import base_T_frame
+from handcart.backends.scene.props import Props
 from handcart.backends.scene.simulated_backend import Part, SimulatedBackend
 from handcart.backends.scene.thing import Thing
 from handcart.backends.scene.world_file import WorldFile
 from handcart.robotics.geometry.transform import Transform, inverse
+from handcart.tasks.domain import imported
 
 from .bullet_arm import BulletArm
 from .bullet_base import BulletBase
@@ -29,10 +31,10 @@ from .bullet_car import BulletCar
 from .bullet_field_imu import BulletFieldImu
 from .bullet_gripper import BulletGripper
 from .bullet_imu import BulletImu
-from .bullet_magazine import BulletMagazine
 from .bullet_range_sensor import BulletRangeSensor
 from .grip import Grip
 from .physics import Physics
+from .props_body import Pieces, PropsBody
 from .robot_body import RobotBody
 from .scene_sync import SceneSync
 from .suspension_springs import SuspensionSprings
@@ -90,7 +92,10 @@ class PyBulletBackend(SimulatedBackend):
 
     def _build(self, robot: RobotFile, world: WorldFile, seed: int) -> None:
         terrain = self._put_up(robot, world, seed)
-        self._build_arm(robot, world, seed)
+        self._build_arm(robot, seed)
+        pieces = Pieces(self._physics, self._body, self._world, self._gripper, self._grip)
+        found = {name: self._acting(props, pieces) for name, props in self.scene.props.items()}
+        self._bodies = {name: each for name, each in found.items() if each is not None}
         self._base = (
             BulletCar(robot, self._body, self._physics)
             if robot.drive.kind == "ackermann"
@@ -119,11 +124,10 @@ class PyBulletBackend(SimulatedBackend):
         self._sync = SceneSync(self.scene, self._body, self._world)
         return terrain
 
-    def _build_arm(self, robot: RobotFile, world: WorldFile, seed: int) -> None:
-        """The arm and what it carries: gripper, camera, and where they are taken from, sensors."""
+    def _build_arm(self, robot: RobotFile, seed: int) -> None:
+        """The arm and what it carries: gripper and camera."""
         self._springs: SuspensionSprings | None = None
         self._grip: Grip | None = None
-        self._shelf: BulletMagazine | None = None
         model, body, physics = self.scene.arm, self._body, self._physics
         if model is None:
             return
@@ -131,16 +135,17 @@ class PyBulletBackend(SimulatedBackend):
             body.reset(name, float(angle))
         if body.sprung:
             self._springs = SuspensionSprings(robot, model, body, physics)
-        self._arm = BulletArm(robot, model, body, physics, seed)
+        self._arm = BulletArm(robot, model, body, physics, self.scene.felt_force, seed)
         if robot.gripper is not None:
             self._gripper = BulletGripper(robot.gripper, robot.errors, body, physics, self.period, seed)
             self._grip = Grip(robot.gripper, finger_shape(model), physics, body)
-            if self._magazine is not None:
-                self._shelf = BulletMagazine(
-                    self._magazine, body, self._world, physics, self._gripper, self._grip
-                )
         if robot.camera is not None:
             self._camera = BulletCamera(robot, robot.camera, model, body, self._world, physics, seed)
+
+    def _acting(self, props: Props[Any], pieces: Pieces) -> PropsBody | None:
+        """What acts for props in physics, if anything does."""
+        path = props.BODIES.get(self.name)
+        return None if path is None else imported(path)(props, pieces)
 
     def _build_sensors(self, robot: RobotFile, seed: int, outdoors: bool) -> None:
         """What is mounted on the base."""
@@ -180,19 +185,14 @@ class PyBulletBackend(SimulatedBackend):
         """See `Backend`."""
         self._periods += 1
         self.scene.time = self._periods * self.period
-        self._person.step()
-        self._add_books()
+        for props in self.scene.props.values():
+            props.step()
         self._world.keep_time()
         self._world.reach(self.scene.base.x, self.scene.base.y)
-        if self._shelf is not None:
-            self._shelf.step()
+        self._world.keep_things()
+        for each in self._bodies.values():
+            each.step()
         self._run_period()
-
-    def _add_books(self) -> None:
-        """Those that a person has brought."""
-        for book in self.scene.books.values():
-            if book.name not in self._world.bodies:
-                self._world.add(book)
 
     def _run_period(self) -> None:
         if self._grip is not None and self._gripper is not None and self._gripper.opening:
@@ -211,8 +211,8 @@ class PyBulletBackend(SimulatedBackend):
         chunks, felt = self._physics.chunks, np.zeros(3)
         touched: set[tuple[str, str]] = set()
         for chunk in range(chunks):
-            if self._shelf is not None:
-                self._shelf.hold()
+            for each in self._bodies.values():
+                each.act()
             self._base.act()
             if self._springs is not None:
                 self._springs.act()
@@ -247,19 +247,19 @@ class PyBulletBackend(SimulatedBackend):
             self._arm.end()
             self.scene.joints = self._arm.true_joints()
             turn = self._body.link_pose("hand")[:3, :3]
-            self.scene.hand_force = self._arm.force = turn.T @ felt
+            self.scene.hand_force = turn.T @ felt
             self._arm.load = self._load()
         taken = "" if self._held is None else self._held.name
         self.scene.touch(frozenset(pair for pair in touched if pair[1] != taken))
 
     def _find_held(self) -> Thing | None:
-        """The book or block between fingers that press."""
+        """What is between fingers that press."""
         if self._gripper is None or self._grip is None:
             return None
         body = self._touch.gripped()
         if body is not None and self._gripper.closed_on_something():
             self._grip.take(body)
-        elif body is None and not (self._shelf is not None and self._shelf.fresh):
+        elif body is None and not any(each.keeps_grip for each in self._bodies.values()):
             self._grip.let_go()
         body = self._grip.holds
         if body is None:
@@ -270,7 +270,7 @@ class PyBulletBackend(SimulatedBackend):
         if self._held is None:
             return 0.0, np.zeros(3)
         middle = self._held.pose @ self._held.thing_T_middle
-        return self._world.mass(self._held), (inverse(self._body.base_pose()) @ middle)[:3, 3]
+        return self._held.mass, (inverse(self._body.base_pose()) @ middle)[:3, 3]
 
     def _riding(self) -> list[int]:
         """Bodies of what stands on the robot."""
@@ -299,7 +299,8 @@ class PyBulletBackend(SimulatedBackend):
         self._held = self.scene.thing_named(name)
 
     def _own_parts(self) -> Mapping[str, Part | None]:
-        return {"drives": self._base.drives, "given": self._shelf, "made": self._world}
+        bodies = {f"body {name}": each for name, each in self._bodies.items()}
+        return {"drives": self._base.drives, **bodies, "made": self._world}
 
     def close(self) -> None:
         """See `Backend`."""

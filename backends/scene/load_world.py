@@ -14,6 +14,7 @@ from handcart.robotics.navigation.grid_map import GridMap
 from handcart.robotics.navigation.map_walls import map_walls
 
 from .world_file import Furniture, WorldFile
+from .world_model import world_model
 
 HEIGHT = 2.0  # of what stands on a map [m]
 
@@ -29,7 +30,7 @@ def load_world(path: Path) -> WorldFile:
 
 def read_world(path: Path) -> tuple[Loaded[WorldFile], WorldFile]:
     """The file as it is, with the place of each value, and what `load_world` gives; raises `FileError`."""
-    loaded = load_document(read_document(path), WorldFile)
+    loaded = load_document(read_document(path), world_model())
     world = loaded.value
     if world.map is None:
         return loaded, world

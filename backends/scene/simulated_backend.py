@@ -14,8 +14,6 @@ from handcart.backends.robot_file import RobotFile
 from handcart.backends.saved_state import NotAState
 
 from .load_world import load_world
-from .magazine import Magazine
-from .person import Person
 from .scene import build_scene
 from .simulated_arm import SimulatedArm
 from .simulated_camera import SimulatedCamera
@@ -58,10 +56,6 @@ class SimulatedBackend(Backend):
         self._imu: SimulatedImu | None = None
         self._gps: SimulatedGps | None = None
         self._positioning: SimulatedPositioning | None = None
-        self._person = Person(self.scene, seed)
-        self._magazine: Magazine | None = None
-        if world.sensors is not None and robot.gripper is not None:
-            self._magazine = Magazine(self.scene, world.sensors)
 
     @classmethod
     def build(cls, robot: RobotFile, world: Path | None, seed: int) -> SimulatedBackend:
@@ -106,6 +100,7 @@ class SimulatedBackend(Backend):
     def _parts(self) -> dict[str, Part]:
         """What changes in a run, by name, in the order in which it is put back."""
         named = {
+            **{f"props {name}": props for name, props in self.scene.props.items()},
             "scene": self.scene,
             "backend": self,
             "base": self._base,
@@ -115,9 +110,7 @@ class SimulatedBackend(Backend):
             "range": self._range,
             "imu": self._imu,
             "gps": self._gps,
-            "magazine": self._magazine,
             "positioning": self._positioning,
-            "person": self._person,
             **self._own_parts(),
         }
         return {name: part for name, part in named.items() if part is not None}

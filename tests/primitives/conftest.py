@@ -114,7 +114,7 @@ class Rig:
 
     def book_is_recognized(self) -> None:
         """The model knows the book on the tray, and where it stands, without RECOGNIZE's errors."""
-        pose = self.scene.base_T_tray_book
+        pose = self.scene.tray_book().base_T_thing
         self.model.of(Books).book = TRAY_BOOK
         self.model.of(Books).book_pose = Pose2(
             pose[0, 3], pose[1, 3], float(np.arctan2(pose[1, 0], pose[0, 0]))

@@ -37,7 +37,7 @@ def stage(tmp_path: Path) -> Iterator[Stage]:
 
 
 def lying(stage: Stage) -> Any:
-    return stage.backend.scene.blocks["1"]  # type: ignore[attr-defined]
+    return stage.backend.scene.sensors["1"]  # type: ignore[attr-defined]
 
 
 def test_a_sensor_is_laid_where_it_is_believed_to_be(stage: Stage, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -59,7 +59,7 @@ def test_a_grip_of_nothing_is_for_a_person_when_the_book_was_moved(with_book: Ca
     class Knocked(PickUp):
         def restore(self, *args: Any) -> Any:
             yield from super().restore(*args)
-            rig.scene.base_T_tray_book[1, 3] += 0.015
+            rig.scene.tray_book().base_T_thing[1, 3] += 0.015
             rig.scene.move_base(rig.scene.base)
 
     outcome = rig.run(Knocked())

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from handcart.backends.scene.book import Rest
+from handcart.backends.scene.thing import Rest
 from handcart.primitives.books.books import Books
 from handcart.primitives.insert import Insert
 from handcart.primitives.knowledge import Book

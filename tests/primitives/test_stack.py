@@ -38,7 +38,7 @@ def test_looking_first_the_block_is_taken_at_its_middle(look):
     with at_the_wall() as stage:
         stage.do(Fixate(landmark="stacking"))
         scene = scene_of(stage)
-        scene.blocks["2"].base_T_block[1, 3] += 0.003
+        scene.blocks["2"].base_T_thing[1, 3] += 0.003
         scene.changes += 1
         assert isinstance(stage.do(PickUpBlock(number=2, at="robot", look=look)), Success)
         along_the_fingers = abs(scene.hand_T_held[2, 3])
@@ -191,7 +191,7 @@ def test_a_block_that_was_put_back_and_stands_elsewhere_is_for_a_person():
                 outcome = end.value
             if cancelled and scene.held is None and gripper.width() > 0.04 and not pushed:
                 pushed = True
-                scene.blocks["1"].base_T_block[1, 3] += 0.012
+                scene.blocks["1"].base_T_thing[1, 3] += 0.012
                 scene.move_base(scene.base)
             stage.robot.step()
     assert isinstance(outcome, GiveUp), outcome

@@ -3,7 +3,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from handcart.backends.scene.book import Rest
+from handcart.backends.scene.thing import Rest
 from handcart.robotics.geometry.pose2 import Pose2
 
 

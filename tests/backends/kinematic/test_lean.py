@@ -9,11 +9,12 @@ import pytest
 
 from handcart.backends.kinematic.kinematic_backend import KinematicBackend
 from handcart.backends.robot_loading import load_robot
-from handcart.backends.scene.book import Book, Rest
-from handcart.backends.scene.book_lean import lean_in_row
-from handcart.backends.scene.putting_down import put_down
-from handcart.backends.scene.row import Member
-from handcart.backends.scene.world_file import BookSpec
+from handcart.backends.scene.books.book import Book
+from handcart.backends.scene.books.book_lean import lean_in_row
+from handcart.backends.scene.books.putting_down import put_down
+from handcart.backends.scene.books.row import Member
+from handcart.backends.scene.books.spec import BookSpec
+from handcart.backends.scene.thing import Rest
 from handcart.evaluation.shelving import shelving
 from handcart.robotics.geometry.transform import transform
 

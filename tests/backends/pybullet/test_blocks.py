@@ -13,7 +13,7 @@ from handcart.backends.robot_file import RobotFile
 from handcart.backends.robot_loading import load_robot
 from handcart.backends.saved_state import pack, unpack
 from handcart.backends.scene.thing import Rest
-from handcart.backends.scene.world_file import WorldFile
+from handcart.backends.scene.world_model import world_model
 from handcart.files.loading import load
 from handcart.robotics.geometry.transform import inverse, transform
 from handcart.robotics.perception.landmark_finder import find_landmarks
@@ -49,7 +49,7 @@ def build(tmp_path: Path) -> Iterator[Build]:
         path = tmp_path / "world.yaml"
         path.write_text(WORLD + blocks, encoding="utf-8")
         robot = load_robot("toyama").without_errors() if robot is None else robot
-        made.append(PyBulletBackend(robot, load(path, WorldFile), 0))
+        made.append(PyBulletBackend(robot, load(path, world_model()), 0))
         return made[-1]
 
     yield make
@@ -96,7 +96,7 @@ def test_blocks_stand_on_tables_on_each_other_and_on_the_robot(build):
     steps(backend, 40)
     blocks = backend.scene.blocks
     assert blocks["1"].rest is Rest.TRAY
-    assert np.abs(blocks["1"].base_T_block[:3, 3] - (-0.26, 0.0, 0.45)).max() < 2e-4
+    assert np.abs(blocks["1"].base_T_thing[:3, 3] - (-0.26, 0.0, 0.45)).max() < 2e-4
     for number in (2, 3, 4):
         block = blocks[str(number)]
         assert block.rest is Rest.TABLE

@@ -13,7 +13,7 @@ from handcart.backends.kinematic.kinematic_backend import KinematicBackend
 from handcart.backends.plain_values import to_plain
 from handcart.backends.pybullet.physics import Pinned
 from handcart.backends.saved_state import pack, unpack
-from handcart.backends.scene.book import Rest
+from handcart.backends.scene.thing import Rest
 
 pytest.importorskip("pybullet", reason="PyBullet has no wheel for this Python")
 ROOT = Path(__file__).resolve().parents[3]
@@ -177,7 +177,7 @@ def test_fingers_hold_a_book_by_friction_and_let_it_fall(hand):
 
 
 def test_closed_fingers_that_push_a_book_do_not_hold_it(hand):
-    spine = hand.backend.scene.base_T_tray_book[:3, 3]
+    spine = hand.backend.scene.tray_book().base_T_thing[:3, 3]
     hand.line(-0.10, spine[1], 0.80)
     hand.grip(0.0)
     hand.line(-0.10, spine[1], 0.70)
