@@ -51,6 +51,6 @@ def robots_beside(urdf: Path) -> list[Path]:
 
 
 def model_of(kind: str) -> Any:
-    """The class of a kind of file, or what a function of that name gives; raises KeyError for an unknown one."""
+    """The class of a kind of file, or what a function gives for it; raises KeyError for an unknown one."""
     found = imported(kinds()[kind])
     return found() if isfunction(found) else found

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from pydantic import create_model
 
-from handcart.tasks.domain import domains, imported
+from handcart.tasks import domain
 
 from .world_file import WorldFile
 
@@ -21,7 +21,8 @@ if TYPE_CHECKING:
 
 def kinds_of_props() -> Mapping[str, type[Props[Any]]]:
     """The classes of what domains have in simulated worlds, by the domain's name, in a fixed order."""
-    return {each.name: imported(each.props) for each in domains() if each.props is not None}
+    declared = domain.domains()
+    return {each.name: domain.imported(each.props) for each in declared if each.props is not None}
 
 
 def world_model() -> type[WorldFile]:
@@ -43,7 +44,9 @@ def _composed(sections: tuple[type[FileModel], ...]) -> type[WorldFile]:
     if needed:
         raise ValueError(f"a world can't be made to have {', '.join(needed)}; needed: a default")
     bases: Any = (*reversed(sections), WorldFile)
-    model: type[WorldFile] = create_model("WorldFile", __base__=bases, __doc__="What stands around the robot.")
+    model: type[WorldFile] = create_model(
+        "WorldFile", __base__=bases, __doc__="What stands around the robot."
+    )
     return model
 
 
