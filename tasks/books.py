@@ -11,7 +11,7 @@ _HERE = Path(__file__).parent
 DOMAIN = Domain(
     "books",
     knowledge=Knowledge("handcart.primitives.books.books:Books", {"catalogue": "The books of a library."}),
-    props="handcart.backends.scene.books.books:Books",
+    props="handcart.backends.scene.books.book_props:BookProps",
     primitives={
         "RECOGNIZE": "handcart.primitives.recognize:Recognize",
         "PICK_UP": "handcart.primitives.pick_up:PickUp",

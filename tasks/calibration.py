@@ -6,7 +6,7 @@ from .domain import Domain
 
 DOMAIN = Domain(
     "calibration",
-    props="handcart.backends.scene.calibration.marks:Marks",
+    props="handcart.backends.scene.calibration.mark_props:MarkProps",
     primitives={
         "CALIBRATE_SUSPENSION": "handcart.primitives.calibrate_suspension:CalibrateSuspension",
         "CALIBRATE_CAMERA": "handcart.primitives.calibrate_camera:CalibrateCamera",

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import ClassVar
 
 from handcart.backends.plain_values import Kinds
-from handcart.backends.scene.field.field import Field
+from handcart.backends.scene.field.field_props import FieldProps
 from handcart.backends.scene.field.sensor import Sensor
 from handcart.backends.scene.thing import Rest
 
@@ -20,7 +20,7 @@ class BulletMagazine(PropsBody):
 
     STATE: ClassVar[Kinds] = {"_given": int}
 
-    def __init__(self, props: Field, pieces: Pieces) -> None:
+    def __init__(self, props: FieldProps, pieces: Pieces) -> None:
         super().__init__(props, pieces)
         self._magazine = props.magazine
         self._given = FRESH

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from handcart.robotics.geometry.pose2 import Pose2
 
 if TYPE_CHECKING:
-    from .books import Books
+    from .book_props import BookProps
 
 NEAR = 0.5  # [m] from where the robot started, within a person's reach
 STILL = 1e-3  # [m], [rad]: motors that hold a robot still let it move less
@@ -28,7 +28,7 @@ class Waiting(NamedTuple):
 class Person:
     """Puts the next book onto the robot's tray when it stands at its start again, tray and hand empty."""
 
-    def __init__(self, books: Books) -> None:
+    def __init__(self, books: BookProps) -> None:
         """Hand over the books in `books.to_come`; how far that is stands in `books.waits`."""
         self._books, self._start = books, books.scene.base
 

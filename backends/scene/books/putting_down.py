@@ -16,13 +16,13 @@ from .row import Slot, members, slots
 from .shelf import DEPTH, Shelf
 
 if TYPE_CHECKING:
-    from .books import Books
+    from .book_props import BookProps
 
 HIGHEST_DROP = 0.020  # onto a support; from higher up a book falls over and off [m]
 _BELOW = 0.003
 
 
-def put_down(books: Books, book: Book, slot: Slot | None, aside: float = 0.0) -> None:
+def put_down(books: BookProps, book: Book, slot: Slot | None, aside: float = 0.0) -> None:
     """Let a book drop from where it is.
 
     On a shelf's board or the tray, if one carries its middle and is at most 20 mm below its foot, it stands
@@ -51,7 +51,7 @@ def put_down(books: Books, book: Book, slot: Slot | None, aside: float = 0.0) ->
         _fall(book)
 
 
-def _carries(books: Books, shelf: Shelf, book: Book, slot: Slot | None) -> bool:
+def _carries(books: BookProps, shelf: Shelf, book: Book, slot: Slot | None) -> bool:
     pose = shelf.inverse_pose @ book.pose
     x, y, z = pose[:3, 3]
     middle = x + pose[0, 0] * book.depth / 2
@@ -62,7 +62,7 @@ def _carries(books: Books, shelf: Shelf, book: Book, slot: Slot | None) -> bool:
     return any(each.right <= y - half and y + half <= each.left for each in free)
 
 
-def _on_tray(books: Books, book: Book) -> bool:
+def _on_tray(books: BookProps, book: Book) -> bool:
     scene = books.scene
     if books.tray_book() is not None or not scene.robot.has_tray:
         return False

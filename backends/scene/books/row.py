@@ -14,7 +14,7 @@ from .book import Book
 from .shelf import DEPTH, Shelf
 
 if TYPE_CHECKING:
-    from .books import Books
+    from .book_props import BookProps
 
 PUSH_FRICTION = 3.0  # of a standing book pushed on its spine [N]
 JAM_FRICTION = 10.0  # of a book pushed back by an edge that jams against it [N]
@@ -71,7 +71,7 @@ class Push(NamedTuple):
     met: tuple[str, ...]
 
 
-def members(books: Books, shelf: Shelf, without: Thing | None) -> list[Member]:
+def members(books: BookProps, shelf: Shelf, without: Thing | None) -> list[Member]:
     """The row from right to left, the fixed parts included, `without` the book that the hand holds."""
     row = [Member(right, left, front, 0.35, None) for right, left, front in shelf.fixed_intervals()]
     row += [
@@ -87,7 +87,7 @@ def slots(row: Sequence[Member]) -> list[Slot]:
     return [Slot(a.left, b.right, min(a.front, b.front)) for a, b in pairwise(row) if b.right - a.left > 1e-4]
 
 
-def push(books: Books, shelf: Shelf, row: Sequence[Member], pusher: Pusher, start: float) -> Push:
+def push(books: BookProps, shelf: Shelf, row: Sequence[Member], pusher: Pusher, start: float) -> Push:
     """Let the pusher, commanded to `pusher.lead` from `start` (x in S), meet the row; books give way.
 
     Quasi-static: the arm is a spring of `STIFFNESS` behind its command, each book met resists with its
@@ -117,7 +117,7 @@ def _meets(member: Member, pusher: Pusher, start: float) -> bool:
     return beside and level and member.front > start - 0.005
 
 
-def _move(books: Books, shelf: Shelf, moved: Sequence[Member], lead: float) -> None:
+def _move(books: BookProps, shelf: Shelf, moved: Sequence[Member], lead: float) -> None:
     for member in moved:
         if member.book is not None and lead > member.front + 1e-9:
             member.book.pose = member.book.pose.copy()

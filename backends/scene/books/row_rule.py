@@ -20,7 +20,7 @@ from .row import JAM_FRICTION, PUSH_FRICTION, Member, Pusher, Slot, members, pus
 from .shelf import Shelf
 
 if TYPE_CHECKING:
-    from .books import Books
+    from .book_props import BookProps
 
 SLOT_FRICTION = 2.0  # of a book that slides in its slot [N]
 _WRENCH = np.radians(10.0)  # turned further than this against its slot, a book stops the arm
@@ -45,7 +45,7 @@ class RowRule(HandRule):
     STATE: ClassVar[Kinds] = {"entered": tuple[str, Slot, bool] | None, "entries": int, "strain": float}
     strained_by = "the sides of its slot"
 
-    def __init__(self, books: Books, arm: ArmModel) -> None:
+    def __init__(self, books: BookProps, arm: ArmModel) -> None:
         self._books, self._scene, self._arm = books, books.scene, arm
         self.entry: Entry | None = None
         self._front: Front | None = None

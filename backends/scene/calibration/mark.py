@@ -16,7 +16,7 @@ from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.perception.landmark import INK, PAPER, draw_landmark
 
 if TYPE_CHECKING:
-    from .marks import MarkSpec
+    from .mark_props import MarkSpec
 
 MARGIN = 0.01  # of paper about what is painted [m]
 M_PER_PX = 1.25e-4

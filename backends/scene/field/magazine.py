@@ -13,7 +13,7 @@ from handcart.robotics.geometry.transform import Transform, inverse, transform
 from .sensor import Sensor
 
 if TYPE_CHECKING:
-    from .field import Field
+    from .field_props import FieldProps
     from .spec import SensorSpec
 
 NEAR = 0.01  # [rad], [m] of each joint from the posture `home`, at which the magazine meets the hand
@@ -26,7 +26,7 @@ class Magazine:
     What the fingers let go there, it takes back.
     """
 
-    def __init__(self, field: Field, spec: SensorSpec) -> None:
+    def __init__(self, field: FieldProps, spec: SensorSpec) -> None:
         """Give sensors to `field`, whose state says how many so far."""
         self._field, self.scene, self.spec = field, field.scene, spec
         self._home = np.array(self.scene.robot.posture("home"))

@@ -34,7 +34,7 @@ class MarksSection(FileModel):
     marks: tuple[MarkSpec, ...] = ()
 
 
-class Marks(Props[MarksSection]):
+class MarkProps(Props[MarksSection]):
     """Sheets of paper, in the order of the world's file."""
 
     section = MarksSection

@@ -26,7 +26,7 @@ class BlocksSection(FileModel):
         return self
 
 
-class Blocks(Props[BlocksSection]):
+class BlockProps(Props[BlocksSection]):
     """Blocks by their names in the world's file: a person sets them down, hands stack them."""
 
     section = BlocksSection

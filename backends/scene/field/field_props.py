@@ -15,7 +15,7 @@ from .sensor import Sensor
 from .spec import FieldSection
 
 
-class Field(Props[FieldSection]):
+class FieldProps(Props[FieldSection]):
     """Sensors by their numbers, as a magazine gives them to the hand."""
 
     section = FieldSection

@@ -35,7 +35,7 @@ PROTRUSION = 0.003  # spines stand this much before or behind the board's front 
 AWAKE = 1.3  # books of shelves further from the hand than this sleep in physics [m]
 
 
-class Books(Props[BooksSection]):
+class BookProps(Props[BooksSection]):
     """Books by their accession numbers, shelves by their names; a person hands books over."""
 
     section = BooksSection
