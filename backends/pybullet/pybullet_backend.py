@@ -158,7 +158,7 @@ class PyBulletBackend(SimulatedBackend):
         self._receive()
 
     @classmethod
-    def build_in_window(cls, robot: RobotFile, world: Path | None, seed: int) -> PyBulletBackend:
+    def build_in_window(cls, robot: RobotFile, world: Path | WorldFile | None, seed: int) -> PyBulletBackend:
         """See `Backend`."""
         if sys.platform == "linux" and not os.environ.get("DISPLAY"):
             raise NoWindow(

@@ -12,8 +12,9 @@ from handcart.backends.commanded_base import CommandedBase
 from handcart.backends.plain_values import Kinds, attributes, set_attributes
 from handcart.backends.robot_file import RobotFile
 from handcart.backends.saved_state import NotAState
+from handcart.robotics.geometry.pose2 import Pose2
 
-from .load_world import load_world
+from .load_world import load_world, load_world_or_map
 from .scene import build_scene
 from .simulated_arm import SimulatedArm
 from .simulated_camera import SimulatedCamera
@@ -58,16 +59,21 @@ class SimulatedBackend(Backend):
         self._positioning: SimulatedPositioning | None = None
 
     @classmethod
-    def build(cls, robot: RobotFile, world: Path | None, seed: int) -> SimulatedBackend:
+    def build(cls, robot: RobotFile, world: Path | WorldFile | None, seed: int) -> SimulatedBackend:
         """See `Backend`."""
         return cls(robot, cls.needed(world), seed)
 
     @classmethod
-    def needed(cls, world: Path | None) -> WorldFile:
-        """What the world's file has in it; raises `MissingWorld` where there is none, or `FileError`."""
+    def read_world(cls, path: Path, start: Pose2) -> WorldFile:
+        """See `Backend`."""
+        return load_world_or_map(path, start)
+
+    @classmethod
+    def needed(cls, world: Path | WorldFile | None) -> WorldFile:
+        """The world, read if it is a file; raises `MissingWorld` where there is none, or `FileError`."""
         if world is None:
             raise MissingWorld(f"the backend {cls.name!r} simulates; needed: a world file")
-        return load_world(world)
+        return world if isinstance(world, WorldFile) else load_world(world)
 
     def _receive(self) -> None:
         """Build what tells where the base is from outside: satellites."""
