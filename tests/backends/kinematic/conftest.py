@@ -10,6 +10,7 @@ import pytest
 
 from handcart.backends.kinematic.kinematic_backend import KinematicBackend
 from handcart.backends.robot_loading import load_robot
+from handcart.backends.scene.books.book_props import BookProps
 from handcart.backends.scene.world_file import WorldFile
 from handcart.backends.scene.world_model import world_model
 from handcart.files.loading import load
@@ -88,7 +89,7 @@ class Puppet:
             self.backend.step()
 
     def take_book(self) -> None:
-        spine = self.scene.tray_book().base_T_thing[:3, 3]
+        spine = self.scene.of(BookProps).tray_book().base_T_thing[:3, 3]
         self.to(-0.10, spine[1], 0.80)
         self.to(-0.10, spine[1], 0.70)
         self.to(spine[0] - 0.12, spine[1], 0.70)
@@ -101,7 +102,7 @@ class Puppet:
 
     def before_slot(self, error: float = 0.0) -> None:
         """Hand with the book in front of its slot, foot 4 mm above the board."""
-        spine = self.scene.tray_book().base_T_thing
+        spine = self.scene.of(BookProps).tray_book().base_T_thing
         self.take_book()
         self.to(spine[0, 3] - 0.12, spine[1, 3], 0.80)
         self.to(0.0, self.slot + error, 0.80)

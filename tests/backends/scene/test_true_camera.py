@@ -4,6 +4,7 @@ import pytest
 from handcart.backends.kinematic.kinematic_backend import KinematicBackend
 from handcart.backends.mounted_camera import camera_model, known_camera, stated_camera
 from handcart.backends.robot_loading import load_robot
+from handcart.backends.scene.calibration.mark_props import MarkProps
 from handcart.backends.scene.renderer import Renderer
 from handcart.backends.scene.scene import build_scene
 from handcart.backends.scene.true_camera import true_camera
@@ -86,7 +87,9 @@ def test_a_board_is_seen_where_it_lies(square):
     scene = build_scene(robot, world_model().model_validate(WORLD | {"marks": [mark]}), 0)
     camera = camera_model(robot.camera)
     camera_T_board = facing(0.3) @ transform(rpy=(0.2, -0.3, 0.1))
-    image = Renderer(camera, robot.errors, 0).render(scene, scene.marks[0].pose @ inverse(camera_T_board), 1)
+    image = Renderer(camera, robot.errors, 0).render(
+        scene, scene.of(MarkProps).marks[0].pose @ inverse(camera_T_board), 1
+    )
     view = CharucoBoard(square=square / 1e3).find(image)
     assert view is not None and len(view.points) == 40
     off = view.pixels - camera.project(apply(camera_T_board, view.points))
