@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from handcart.files.errors import HandcartError, InputError
+from handcart.robotics.geometry.pose2 import Pose2
 
 from .capability import Capability
 from .recording import Recording
@@ -71,6 +72,17 @@ class Backend(ABC):
         Raises:
             FileError: the world's file is missing or something in it is wrong.
         """
+
+    @classmethod
+    def read_world(cls, path: Path, start: Pose2) -> Any:
+        """What `build` takes in place of a world's file, or of a map on which the robot is at `start`.
+
+        None where it reads the file itself: then it gets a world's file in place of a map.
+
+        Raises:
+            FileError: the file is missing or something in it is wrong.
+        """
+        return None
 
     @classmethod
     def build_in_window(cls, robot: RobotFile, world: Path | None, seed: int) -> Backend:

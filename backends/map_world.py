@@ -22,7 +22,8 @@ from .map_file import is_map_file, load_map
 def as_world_file(path: Path, start: Pose2) -> Iterator[Path]:
     """A world's file as it is; for a map one that lasts as long as the context.
 
-    In the map's world stands what is occupied on the map, and the robot at `start` (world_T_base).
+    In the map's world stands what is occupied on the map, and the robot at `start` (world_T_base). For
+    backends that read files themselves; see `Backend.read_world`.
 
     Raises:
         FileError: the file cannot be read; of a map, also if its picture cannot.

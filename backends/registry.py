@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import cache, partial
 from importlib import import_module
 from importlib.metadata import entry_points
@@ -85,11 +86,14 @@ def make_backend(
         NoBench: it has no drives, or there can be no such bench.
     """
     kind = backend_class(name)
-    build = kind.build_in_window if window else kind.build
+    build: Callable[..., Backend] = kind.build_in_window if window else kind.build
     if bench is not None:
         build = partial(kind.build_on_bench, bench=bench_class(bench, name))
     if world is None:
         return build(robot, None, seed)
+    read = kind.read_world(world, start)
+    if read is not None:
+        return build(robot, read, seed)
     from .map_world import as_world_file
 
     with as_world_file(world, start) as file:

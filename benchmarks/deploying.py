@@ -28,6 +28,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from handcart.backends.robot import Robot
+from handcart.backends.scene.field.field_props import FieldProps
 from handcart.networks.coordination.coordinator import Coordinator
 from handcart.networks.operator.permits import Permits
 from handcart.networks.runs.run import step_until_end
@@ -120,7 +121,7 @@ def _laid(prepared: Prepared, course: str, way: str, seed: int) -> list[Laying]:
     coordinator = Coordinator(prepared.task.network, robot, model, permission=Permits("always"))
     end = step_until_end(coordinator, robot, Telemetry(), [watcher.look])
     assert end.outcome == "Success", end.reason
-    blocks = robot.backend.scene.blocks  # type: ignore[attr-defined]
+    blocks = robot.backend.scene.of(FieldProps).sensors  # type: ignore[attr-defined]
     times = [math.nan, *(laid.time for laid in model.of(FieldWork).laid)]
     rows = []
     for number, laid in enumerate(model.of(FieldWork).laid):

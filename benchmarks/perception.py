@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
-from handcart.backends.scene.textures import draw_spine, label_fonts
+from handcart.backends.scene.books.textures import draw_spine, label_fonts
 from handcart.robotics.geometry.transform import inverse, transform
 from handcart.robotics.perception.call_number import CallNumber, parse, snap
 from handcart.robotics.perception.camera_model import CameraModel, plane_to_rays

@@ -213,7 +213,7 @@ def _deploy(scene: Any, primitive: Any, model: WorldModel) -> list[str]:
     laid = next((each for each in work.laid if each.name == primitive.target), None)
     if laid is None:
         return ["no sensor counts as laid there"]
-    block = scene.blocks.get(str(1 + work.laid.index(laid)))
+    block = scene.sensors.get(str(1 + work.laid.index(laid)))
     if block is None or block.rest.value != "table":
         return ["the sensor doesn't stand on the ground"]
     target, lies = work.targets[primitive.target], block.pose[:2, 3]

@@ -129,7 +129,7 @@ class FieldSurvey:
         work = self._model.of(FieldWork)
         found = []
         for laid in work.laid:
-            block = self._scene.blocks.get(self._blocks.get(laid.name, ""))
+            block = self._scene.sensors.get(self._blocks.get(laid.name, ""))
             target = work.targets[laid.name]
             if block is not None:
                 lies = (float(block.pose[0, 3]), float(block.pose[1, 3]))
@@ -158,7 +158,7 @@ class FieldSurvey:
         """The block that lies nearest to where the robot believed to lay it."""
         away = {
             block.spec.name: math.dist(block.pose[:2, 3], (laid.x, laid.y))
-            for block in self._scene.blocks.values()
+            for block in self._scene.sensors.values()
         }
         return min(away, key=lambda name: away[name], default="")
 

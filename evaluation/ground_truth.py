@@ -74,7 +74,7 @@ def ground_truth(backend: Backend) -> GroundTruth | None:
     scene = scene_of(backend)
     if scene is None:
         return None
-    bodies = {each.name: _body(scene, each) for each in (*scene.books.values(), *scene.blocks.values())}
+    bodies = {each.name: _body(scene, each) for each in scene.things()}
     slides = np.array(scene.robot.joint_units.slides[: scene.joints.size], dtype=np.bool_)
     bumps = sum(contact.body == "base" for contact in scene.contacts)
     return GroundTruth(scene.base, scene.joints.copy(), slides, float(scene.width), bodies, bumps)

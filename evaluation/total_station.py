@@ -7,8 +7,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from handcart.backends.scene.field.spec import StationSpec
 from handcart.backends.scene.keyed_noise import keyed
-from handcart.backends.scene.world_file import StationSpec
 from handcart.robotics.geometry.transform import inverse
 from handcart.robotics.kinematics.shapes import Box
 

@@ -14,6 +14,7 @@ DOMAIN = Domain(
         "handcart.primitives.blocks.blocks:Blocks",
         {"building": "A building plan: where blocks wait and where they go."},
     ),
+    props="handcart.backends.scene.blocks.block_props:BlockProps",
     primitives={
         "FIXATE": "handcart.primitives.blocks.fixate:Fixate",
         "PICK_UP_BLOCK": "handcart.primitives.blocks.pick_up_block:PickUpBlock",

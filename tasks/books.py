@@ -11,6 +11,7 @@ _HERE = Path(__file__).parent
 DOMAIN = Domain(
     "books",
     knowledge=Knowledge("handcart.primitives.books.books:Books", {"catalogue": "The books of a library."}),
+    props="handcart.backends.scene.books.book_props:BookProps",
     primitives={
         "RECOGNIZE": "handcart.primitives.books.recognize:Recognize",
         "PICK_UP": "handcart.primitives.books.pick_up:PickUp",

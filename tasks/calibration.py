@@ -6,6 +6,7 @@ from .domain import Domain
 
 DOMAIN = Domain(
     "calibration",
+    props="handcart.backends.scene.calibration.mark_props:MarkProps",
     primitives={
         "CALIBRATE_SUSPENSION": "handcart.primitives.calibration.calibrate_suspension:CalibrateSuspension",
         "CALIBRATE_CAMERA": "handcart.primitives.calibration.calibrate_camera:CalibrateCamera",

@@ -15,4 +15,5 @@ DOMAIN = Domain(
     ),
     files={"field": "handcart.primitives.field.field:Field"},
     primitives={"DEPLOY": "handcart.primitives.field.deploy:Deploy"},
+    props="handcart.backends.scene.field.field_props:FieldProps",
 )

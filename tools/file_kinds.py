@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from inspect import isfunction
 from pathlib import Path
 from typing import Any
 
@@ -12,7 +13,7 @@ MOST = 20  # files beside a URDF that are looked at
 _GENERAL = {
     "task": "handcart.networks.task.task_model:TaskFile",
     "robot": "handcart.backends.robot_file:RobotFile",
-    "world": "handcart.backends.scene.world_file:WorldFile",
+    "world": "handcart.backends.scene.world_model:world_model",
     "table": "handcart.networks.analysis.action_table:ActionTable",
     "places": "handcart.primitives.knowledge.place:Places",
 }
@@ -50,5 +51,6 @@ def robots_beside(urdf: Path) -> list[Path]:
 
 
 def model_of(kind: str) -> Any:
-    """The class of a kind of file; raises KeyError for an unknown one."""
-    return imported(kinds()[kind])
+    """The class of a kind of file, or what a function gives for it; raises KeyError for an unknown one."""
+    found = imported(kinds()[kind])
+    return found() if isfunction(found) else found

@@ -25,7 +25,7 @@ class KinematicArm(SimulatedArm):
         return self._hand.scene.joints
 
     def _true_force(self) -> Vector:
-        return self._hand.scene.hand_force
+        return self._hand.scene.felt_force()
 
     def advance(self, period: int, disturbed: bool) -> frozenset[tuple[str, str]]:
         """Move for a period; gives what touches. `disturbed`: the fingers have moved."""

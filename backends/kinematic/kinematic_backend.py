@@ -3,29 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from pathlib import Path
-from typing import Any
 
-from handcart.backends.backend import Backend
-from handcart.backends.capability import Capability
 from handcart.backends.ground_spec import GroundSpec
-from handcart.backends.plain_values import Kinds, attributes, set_attributes
 from handcart.backends.robot_file import RobotFile
-from handcart.backends.saved_state import NotAState
 from handcart.backends.scene.base_contact import move_base
 from handcart.backends.scene.field_imu import FieldImu
 from handcart.backends.scene.hand import Hand
-from handcart.backends.scene.load_world import load_world
-from handcart.backends.scene.magazine import Magazine
 from handcart.backends.scene.mounts import base_T_frame
-from handcart.backends.scene.person import Person
 from handcart.backends.scene.rough_ride import RoughRide
-from handcart.backends.scene.scene import Scene, build_scene
-from handcart.backends.scene.simulated_gps import SimulatedGps
+from handcart.backends.scene.simulated_backend import Part, SimulatedBackend
 from handcart.backends.scene.simulated_imu import SimulatedImu
-from handcart.backends.scene.simulated_positioning import SimulatedPositioning
 from handcart.backends.scene.suspension import lean_of
-from handcart.backends.scene.world_file import MissingWorld, WorldFile
+from handcart.backends.scene.world_file import WorldFile
 from handcart.robotics.geometry.pose2 import Pose2
 
 from .kinematic_arm import KinematicArm
@@ -35,30 +24,11 @@ from .kinematic_car import KinematicCar
 from .kinematic_gripper import KinematicGripper
 from .kinematic_range_sensor import KinematicRangeSensor
 
-_STATE: Mapping[str, Kinds] = {
-    "backend": {"_periods": int},
-    "scene": Scene.STATE,
-    "base": KinematicBase.STATE,
-    "car": KinematicCar.STATE,
-    "ride": RoughRide.STATE,
-    "field imu": FieldImu.STATE,
-    "gps": SimulatedGps.STATE,
-    "magazine": Magazine.STATE,
-    "arm": KinematicArm.STATE,
-    "gripper": KinematicGripper.STATE,
-    "camera": {"_now": int},
-    "range": {"_now": int},
-    "imu": SimulatedImu.STATE,
-    "positioning": SimulatedPositioning.STATE,
-    "hand": Hand.STATE,
-    "person": Person.STATE,
-}
-"""Attributes that a checkpoint keeps, by part; what follows from them isn't kept."""
 LEVEL = GroundSpec(roughness_deg=0.0)
 """What a car rides over where the world's file tells of no ground."""
 
 
-class KinematicBackend(Backend):
+class KinematicBackend(SimulatedBackend):
     """A differential drive with arm, gripper, camera and range sensor among solid things.
 
     How it errs, seeded: radius of each wheel, tread, slip in each period, joint repeatability, the base that
@@ -87,21 +57,18 @@ class KinematicBackend(Backend):
     """
 
     name = "kinematic"
+    _base: KinematicBase | KinematicCar
+    _arm: KinematicArm | None
+    _gripper: KinematicGripper | None
 
     def __init__(self, robot: RobotFile, world: WorldFile, seed: int) -> None:
         """Set robot and world up. The same seed gives the same run, bit for bit."""
-        self.period = robot.period_s
-        self.scene = build_scene(robot, world, seed)
-        self._periods = 0
+        super().__init__(robot, world, seed)
         self._base, self._ride = self._wheels(robot, world, seed)
-        self._arm: KinematicArm | None = None
-        self._gripper: KinematicGripper | None = None
-        self._camera: KinematicCamera | None = None
-        self._range: KinematicRangeSensor | None = None
         self._hand: Hand | None = None
         model = self.scene.arm
         if model is not None:
-            self._hand = Hand(self.scene, model, seed)
+            self._hand = Hand(self.scene, model)
             self._arm = KinematicArm(robot, self._hand, seed)
             if robot.gripper is not None:
                 self._gripper = KinematicGripper(robot.gripper, self._hand, self.period, seed)
@@ -110,27 +77,11 @@ class KinematicBackend(Backend):
         if robot.range_sensor is not None:
             mount = base_T_frame(robot.urdf_text(), "range_sensor")
             self._range = KinematicRangeSensor(robot.range_sensor, mount, self.scene, seed)
-        self._imu: SimulatedImu | None = None
         if robot.imu is not None:
             imu = FieldImu if self.scene.open_ground else SimulatedImu
             self._imu = imu(robot.imu, self.scene, self.period, seed)
-        self._gps: SimulatedGps | None = None
-        if robot.gps is not None:
-            self._gps = SimulatedGps(robot.gps, world.sky, self.scene, self.period, seed)
-        self._magazine: Magazine | None = None
-        if world.sensors is not None and robot.gripper is not None:
-            self._magazine = Magazine(self.scene, world.sensors)
-        self._positioning: SimulatedPositioning | None = None
-        if robot.positioning is not None:
-            self._positioning = SimulatedPositioning(robot.positioning, self.scene, self.period, seed)
-        self._person = Person(self.scene, seed)
-
-    @classmethod
-    def build(cls, robot: RobotFile, world: Path | None, seed: int) -> KinematicBackend:
-        """See `Backend`."""
-        if world is None:
-            raise MissingWorld("the backend 'kinematic' simulates; needed: a world file")
-        return cls(robot, load_world(world), seed)
+        self._receive()
+        self._position()
 
     def _wheels(
         self, robot: RobotFile, world: WorldFile, seed: int
@@ -141,19 +92,12 @@ class KinematicBackend(Backend):
         self.scene.lean_to(ride.tilt)
         return KinematicCar(robot, ride), ride
 
-    def capabilities(self) -> tuple[Capability, ...]:
-        """See `Backend`."""
-        sensors = (self._camera, self._range, self._imu, self._gps, self._positioning)
-        parts = (self._base, self._arm, self._gripper, *sensors)
-        return tuple(part for part in parts if part is not None)
-
     def step(self) -> None:
         """See `Backend`."""
         self._periods += 1
         self.scene.time = self._periods * self.period
-        self._person.step()
-        if self._magazine is not None:
-            self._magazine.step()
+        for props in self.scene.props.values():
+            props.step()
         motion = self._base.advance(self._periods)
         if self._ride is not None:
             self.scene.lean_to(self._ride.tilt)
@@ -186,45 +130,15 @@ class KinematicBackend(Backend):
         self.scene.lean_to(lean_of((float(x), float(y)), rate))
         self._hand.follow_base()
 
-    def state(self) -> dict[str, Any]:
-        """See `Backend`."""
-        return {name: attributes(part, _STATE[name]) for name, part in self._parts().items()}
-
     def set_state(self, state: object) -> None:
         """See `Backend`."""
-        parts = self._parts()
-        if not isinstance(state, dict) or state.keys() != parts.keys():
-            raise NotAState(f"no state of this robot in {self.name}; needed: {', '.join(parts)}")
-        for name, part in parts.items():
-            set_attributes(part, _STATE[name], state[name])
+        super().set_state(state)
         if self._hand is not None:
             self._hand.forget_derived()
 
-    def _parts(self) -> dict[str, object]:
-        """What changes in a run, by the names of `_STATE`."""
-        named = {
-            "backend": self,
-            "scene": self.scene,
-            "car" if isinstance(self._base, KinematicCar) else "base": self._base,
-            "ride": self._ride,
-            "arm": self._arm,
-            "gripper": self._gripper,
-            "camera": self._camera,
-            "range": self._range,
-            "field imu" if isinstance(self._imu, FieldImu) else "imu": self._imu,
-            "gps": self._gps,
-            "magazine": self._magazine,
-            "positioning": self._positioning,
-            "hand": self._hand,
-            "person": self._person,
-        }
-        return {name: part for name, part in named.items() if part is not None}
-
-    def stop(self) -> None:
-        """See `Backend`."""
-        for part in (self._base, self._arm, self._gripper):
-            if part is not None:
-                part.halt()
+    def _own_parts(self) -> Mapping[str, Part | None]:
+        rules = self._hand.rules if self._hand is not None else {}
+        return {"ride": self._ride, **{f"rule {name}": rule for name, rule in rules.items()}}
 
     def close(self) -> None:
         """See `Backend`; there is nothing to let go of."""

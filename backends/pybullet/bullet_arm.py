@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import ClassVar
 
 import numpy as np
@@ -27,12 +28,18 @@ class BulletArm(SimulatedArm):
     how far it is off, up to the URDF's effort: it gives like a spring where something is in its way.
     """
 
-    STATE: ClassVar = {**SimulatedArm.STATE, "force": Vector, "load": tuple[float, Vector]}
+    STATE: ClassVar = {**SimulatedArm.STATE, "load": tuple[float, Vector]}
 
     def __init__(
-        self, robot: RobotFile, model: ArmModel, body: RobotBody, physics: Physics, seed: int
+        self,
+        robot: RobotFile,
+        model: ArmModel,
+        body: RobotBody,
+        physics: Physics,
+        felt: Callable[[], Vector],
+        seed: int,
     ) -> None:
-        """Take the arm's joints over, where they stand."""
+        """Take the arm's joints over, where they stand; `felt` gives what truly acts on the hand, (3,)."""
         joints = [body.joint_index[name] for name in model.joint_names]
         super().__init__(robot, model, body.states(joints)[0], seed)
         self._body, self._physics, self._joints = body, physics, joints
@@ -44,8 +51,7 @@ class BulletArm(SimulatedArm):
         for name, (leader, factor, offset) in self._followers.items():
             stands = self._command[model.joint_names.index(leader)]
             body.reset(name, factor * float(stands) + offset)
-        self.force: Vector = np.zeros(3)
-        """What truly acts on the hand, (3,) in [N] in its frame, as measured in this period."""
+        self._felt = felt
         self.load: tuple[float, Vector] = (0.0, np.zeros(3))
         """Mass in [kg] of what is held, and its middle of mass in the base frame, (3,) in [m]."""
 
@@ -54,7 +60,7 @@ class BulletArm(SimulatedArm):
         return self._body.states(self._joints)[0]
 
     def _true_force(self) -> Vector:
-        return self.force
+        return self._felt()
 
     def begin(self, period: int) -> None:
         """A period begins."""

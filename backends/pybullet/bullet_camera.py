@@ -21,7 +21,6 @@ from .world_bodies import WorldBodies
 
 NEAREST, FURTHEST = 0.02, 20.0  # of what is shown [m]
 SAMPLES = 2  # along each side of a pixel, which takes in light from all of its area: edges have no steps
-_PRINTS = 1.5  # spines nearer than this to the camera are printed [m]
 _TO_OPENGL = np.diag([1.0, -1.0, -1.0, 1.0])
 
 
@@ -52,7 +51,8 @@ class BulletCamera(SimulatedCamera):
     def ideal(self) -> NDArray[np.uint8]:
         """What a pinhole camera sees, larger than the picture so that the lens has all of it, grey."""
         pose = self._body.link_pose("hand") @ self._true.hand_T_camera
-        self._show_books(pose[:3, 3])
+        for each in self._world.things.values():
+            each.look(pose[:3, 3])
         width, height = self._lens.size
         K = self._lens.K * [[SAMPLES], [SAMPLES], [1.0]]
         K[:2, 2] += (SAMPLES - 1) / 2
@@ -64,12 +64,6 @@ class BulletCamera(SimulatedCamera):
             tile = render(self._physics, pose, moved, (width, height))
             fine[row : row + height, column : column + width] = tile[..., 1]
         return np.asarray(cv2.resize(fine, (width, height), interpolation=cv2.INTER_AREA), dtype=np.uint8)
-
-    def _show_books(self, eye: NDArray[np.float64]) -> None:
-        for name, printed in self._world.printed.items():
-            body = self._world.bodies[name]
-            place = self._physics.pose(body)[:3, 3]
-            printed.show(body, bool(np.linalg.norm(place - eye) < _PRINTS))
 
 
 def render(

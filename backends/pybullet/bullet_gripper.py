@@ -4,10 +4,8 @@ from __future__ import annotations
 
 from typing import ClassVar
 
-from handcart.backends.gripper import Gripper
-from handcart.backends.limits import checked_width
 from handcart.backends.robot_file import GripperSpec
-from handcart.backends.scene.keyed_noise import keyed
+from handcart.backends.scene.simulated_gripper import SimulatedGripper
 from handcart.backends.simulated_errors import Errors
 
 from .physics import Physics
@@ -20,26 +18,24 @@ STANDS = 3e-4  # [m] in a period: slower fingers stand
 _GEAR_FORCE = 500.0  # with which the linkage keeps both fingers alike [N]
 
 
-class BulletGripper(Gripper):
+class BulletGripper(SimulatedGripper):
     """Two fingers with pads of rubber, one drive, and a linkage by which one mirrors the other."""
 
-    STATE: ClassVar = {"_command": float, "_target": float, "_stood": float, "_now": int, "_pressing": bool}
-    """Attributes that a checkpoint keeps, with their types."""
+    STATE: ClassVar = {**SimulatedGripper.STATE, "_target": float, "_stood": float}
 
     def __init__(
         self, spec: GripperSpec, errors: Errors, body: RobotBody, physics: Physics, period: float, seed: int
     ) -> None:
         """Take the joints `left_finger` and `right_finger` over and open them."""
-        self._spec, self._body, self._physics, self._seed = spec, body, physics, seed
-        self._sigma = errors.opening_mm / 1e3
+        opening = spec.opening_mm / 1e3
+        super().__init__(spec, errors, opening, seed)
+        self._body, self._physics = body, physics
         self._joints = [body.joint_index[name] for name in FINGERS]
         self._step = spec.speed_mm_s / 1e3 * period
-        opening = self._opening = spec.opening_mm / 1e3
         for name in FINGERS:
             body.reset(name, opening / 2)
         body.pad(FINGERS)
-        self._command = self._target = self._stood = opening
-        self._now, self._pressing = 0, False
+        self._target = self._stood = opening
         self._link()
 
     def _link(self) -> None:
@@ -59,36 +55,14 @@ class BulletGripper(Gripper):
             gear, gearRatio=-1, maxForce=_GEAR_FORCE / self._physics.substeps, erp=0.8, physicsClientId=client
         )
 
-    def command(self) -> float:
-        """See `Gripper`."""
-        return self._command
-
-    def move(self, width: float) -> None:
-        """See `Gripper`."""
-        self._command = checked_width(self._spec, width)
-
-    def width(self) -> float:
-        """See `Gripper`."""
-        noise = self._sigma * keyed(self._seed, "width", self._now).standard_normal()
-        return float(max(0.0, self.true_width() + noise))
-
     def true_width(self) -> float:
-        """The opening, in [m]."""
+        """See `SimulatedGripper`."""
         return float(self._body.states(self._joints)[0].sum())
-
-    def closed_on_something(self) -> bool:
-        """See `Gripper`."""
-        return self._pressing
 
     @property
     def opening(self) -> bool:
         """Whether it is told to open."""
         return self._command > self._target + PRESSES
-
-    def halt(self) -> None:
-        """Hold: fingers that press go on pressing, those that move stop."""
-        if not self._pressing:
-            self._command = min(max(0.0, self.true_width()), self._opening)
 
     def begin(self, period: int) -> None:
         """A period begins."""

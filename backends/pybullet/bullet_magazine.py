@@ -4,73 +4,52 @@ from __future__ import annotations
 
 from typing import ClassVar
 
-from handcart.backends.scene.block import Block
-from handcart.backends.scene.magazine import Magazine
-from handcart.backends.scene.scene import Scene
+from handcart.backends.plain_values import Kinds
+from handcart.backends.scene.field.field_props import FieldProps
+from handcart.backends.scene.field.sensor import Sensor
 from handcart.backends.scene.thing import Rest
-from handcart.backends.scene.world_file import SensorSpec
 
-from .bullet_gripper import BulletGripper
-from .grip import Grip
-from .physics import Physics
-from .robot_body import RobotBody
-from .world_bodies import WorldBodies
+from .props_body import Pieces, PropsBody
 
 CLOSED = 0.0005  # [m] between fingers and sensor, from where on they hold it
 FRESH = 8  # periods that they get to press on it
 
 
-class BulletMagazine:
+class BulletMagazine(PropsBody):
     """Holds the next sensor between the open fingers until they close on it; till then it touches nothing."""
 
-    STATE: ClassVar = {"_given": int}
+    STATE: ClassVar[Kinds] = {"_given": int}
 
-    def __init__(
-        self,
-        scene: Scene,
-        spec: SensorSpec,
-        body: RobotBody,
-        world: WorldBodies,
-        physics: Physics,
-        gripper: BulletGripper,
-        grip: Grip,
-    ) -> None:
-        self._scene, self._body, self._world, self._physics = scene, body, world, physics
-        self._gripper, self._grip = gripper, grip
-        self._wide = spec.size_mm[1] / 1e3
-        self.shelf = Magazine(scene, spec)
-        """What gives the sensors."""
+    def __init__(self, props: FieldProps, pieces: Pieces) -> None:
+        super().__init__(props, pieces)
+        self._magazine = props.magazine
         self._given = FRESH
 
     @property
-    def fresh(self) -> bool:
-        """Whether the fingers have just been given a sensor, and needn't press on it yet."""
+    def keeps_grip(self) -> bool:
+        """See `PropsBody`: just given a sensor, the fingers needn't press on it yet."""
         return self._given < FRESH
 
     def step(self) -> None:
-        """A period begins."""
+        """See `PropsBody`."""
         self._given += 1
-        self.shelf.step()
-        sensor = self._waiting()
-        if sensor is None:
+        sensor, (physics, _, world, gripper, grip) = self._waiting(), self.pieces
+        if sensor is None or gripper is None or grip is None:
             return
-        if sensor.name not in self._world.bodies:
-            self._world.add(sensor)
-        body = self._world.bodies[sensor.name]
-        closed = self._gripper.true_width() < self._wide + CLOSED
-        self._physics.touches(body, closed)
+        body = world.bodies[sensor.name]
+        closed = gripper.true_width() < sensor.size[1] + CLOSED
+        physics.touches(body, closed)
         if closed:
-            self.hold()
-            self._grip.take(body)
+            self.act()
+            grip.take(body)
             sensor.rest, self._given = Rest.HAND, 0
 
-    def hold(self) -> None:
-        """Keep what waits where it is on the robot, however the robot moves; asked each chunk."""
-        sensor = self._waiting()
-        if sensor is not None and sensor.name in self._world.bodies:
-            pose = self._body.base_pose() @ sensor.base_T_block @ sensor.thing_T_middle
-            self._physics.set_pose(self._world.bodies[sensor.name], pose)
+    def act(self) -> None:
+        """See `PropsBody`: keep what waits where it is on the robot, however the robot moves."""
+        sensor, (physics, body, world, *_) = self._waiting(), self.pieces
+        if sensor is not None and sensor.name in world.bodies:
+            pose = body.base_pose() @ sensor.base_T_thing @ sensor.thing_T_middle
+            physics.set_pose(world.bodies[sensor.name], pose)
 
-    def _waiting(self) -> Block | None:
-        sensor = self._scene.blocks.get(str(self._scene.loaded))
-        return sensor if sensor is not None and sensor.rest is Rest.TRAY else None
+    def _waiting(self) -> Sensor | None:
+        return None if self._magazine is None else self._magazine.waiting()

@@ -1,4 +1,4 @@
-"""What holds a book or block between the pads."""
+"""What holds a thing between the pads."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from handcart.robotics.geometry.transform import inverse
 
 from .physics import Physics, Pinned, Point
 from .robot_body import FRICTION_SHARE, PAD_FRICTION, RobotBody
-from .world_bodies import THING_FRICTION
+from .thing_body import THING_FRICTION
 
 BEHIND_TIP = (0.01, 0.04)  # of the points along a finger [m]
 ACROSS = 0.375  # of a finger's height, above and below its middle
@@ -22,7 +22,7 @@ FIRM = 500.0  # with which a constraint holds at each point [N]
 
 
 class Grip:
-    """Holds a book or block at points of the pads while both fingers press on it.
+    """Holds a thing at points of the pads while both fingers press on it.
 
     With `friction` as soft fingers do (Howe and Cutkosky 1996): these points and the engine's own contacts
     together carry Coulomb's share of the fingers' force, along the pads and about their normal, and slip

@@ -76,6 +76,7 @@ class Physics:
         multiplied."""
         self._connected = True
         self._pins: list[int] = []
+        self._textures: dict[tuple[tuple[int, ...], bytes], int] = {}
         self.pinned: Pinned | None = None
         """What is held together now."""
         self.renderer = self._start_renderer(window)
@@ -146,8 +147,14 @@ class Physics:
         self.p.changeDynamics(body, -1, lateralFriction=friction, physicsClientId=self.client)
         return int(body)
 
-    def load_texture(self, picture: NDArray[np.uint8]) -> int:
-        """Give the renderer a grey picture; its number."""
+    def texture(self, picture: NDArray[np.uint8]) -> int:
+        """Number of a grey picture, which the renderer is given once."""
+        key = (picture.shape, picture.tobytes())
+        if key not in self._textures:
+            self._textures[key] = self._load_texture(picture)
+        return self._textures[key]
+
+    def _load_texture(self, picture: NDArray[np.uint8]) -> int:
         with tempfile.TemporaryDirectory() as folder:
             path = str(Path(folder) / "texture.png")
             cv2.imwrite(path, cv2.cvtColor(picture, cv2.COLOR_GRAY2BGR))

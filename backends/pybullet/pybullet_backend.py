@@ -6,27 +6,23 @@ import os
 import sys
 from collections.abc import Mapping, Set
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from handcart.backends.backend import Backend, NoWindow
-from handcart.backends.capability import Capability
-from handcart.backends.plain_values import Kinds, attributes, set_attributes
+from handcart.backends.backend import NoWindow
+from handcart.backends.plain_values import Kinds
 from handcart.backends.robot_file import RobotFile
 from handcart.backends.robot_shape import finger_shape
 from handcart.backends.saved_state import NotAState
-from handcart.backends.scene.load_world import load_world
-from handcart.backends.scene.magazine import Magazine
 from handcart.backends.scene.mounts import base_T_frame
-from handcart.backends.scene.person import Person
-from handcart.backends.scene.scene import Scene, build_scene
-from handcart.backends.scene.simulated_gps import SimulatedGps
-from handcart.backends.scene.simulated_positioning import SimulatedPositioning
+from handcart.backends.scene.props import Props
+from handcart.backends.scene.simulated_backend import Part, SimulatedBackend
 from handcart.backends.scene.thing import Thing
-from handcart.backends.scene.world_file import MissingWorld, WorldFile
+from handcart.backends.scene.world_file import WorldFile
 from handcart.robotics.geometry.transform import Transform, inverse
+from handcart.tasks.domain import imported
 
 from .bullet_arm import BulletArm
 from .bullet_base import BulletBase
@@ -35,16 +31,15 @@ from .bullet_car import BulletCar
 from .bullet_field_imu import BulletFieldImu
 from .bullet_gripper import BulletGripper
 from .bullet_imu import BulletImu
-from .bullet_magazine import BulletMagazine
 from .bullet_range_sensor import BulletRangeSensor
 from .grip import Grip
 from .physics import Physics
+from .props_body import Pieces, PropsBody
 from .robot_body import RobotBody
 from .scene_sync import SceneSync
 from .suspension_springs import SuspensionSprings
 from .terrain import Terrain
 from .touch import Touch
-from .wheel_drives import WheelDrives
 from .world_bodies import WorldBodies
 
 SETTLES = 0.3  # [s] that everything gets to come to rest before time begins
@@ -54,29 +49,10 @@ WHEELS = np.array([[x, y] for x in (0.0, 0.6) for y in (-0.3, 0.3)])  # of a car
 _VIEW_SIZE = (640, 480)
 _VIEW_K = np.array([[520.0, 0.0, 319.5], [0.0, 520.0, 239.5], [0.0, 0.0, 1.0]])
 _VIEW_FROM, _VIEW_TO = np.array([-1.3, 1.3, 2.0]), np.array([0.5, -0.1, 0.6])  # in the frame `base` [m]
-_STATE: Mapping[str, Kinds] = {
-    "backend": {"_periods": int, "held_name": str | None},
-    "scene": Scene.STATE,
-    "base": BulletBase.STATE,
-    "car": BulletCar.STATE,
-    "drives": WheelDrives.STATE,
-    "field imu": BulletFieldImu.STATE,
-    "gps": SimulatedGps.STATE,
-    "magazine": Magazine.STATE,
-    "given": BulletMagazine.STATE,
-    "arm": BulletArm.STATE,
-    "gripper": BulletGripper.STATE,
-    "camera": {"_now": int},
-    "range": {"_now": int},
-    "imu": BulletImu.STATE,
-    "positioning": SimulatedPositioning.STATE,
-    "person": Person.STATE,
-}
-"""Attributes that a checkpoint keeps, by part; the rest is the engine's."""
 _FELT = 4  # of a period's chunks, the last ones in which the force on the hand is measured
 
 
-class PyBulletBackend(Backend):
+class PyBulletBackend(SimulatedBackend):
     """A differential drive with arm, gripper, camera and range sensor in Bullet.
 
     The same robot and world files as on the kinematic backend; what is solid there is solid here. Two driven
@@ -97,10 +73,16 @@ class PyBulletBackend(Backend):
     """
 
     name = "pybullet"
+    STATE: ClassVar[Kinds] = {**SimulatedBackend.STATE, "held_name": str | None}
+    _base: BulletBase | BulletCar
+    _arm: BulletArm | None
+    _gripper: BulletGripper | None
+    _camera: BulletCamera | None
 
     def __init__(self, robot: RobotFile, world: WorldFile, seed: int, window: bool = False) -> None:
         """Set robot and world up; `window` shows them. The same seed gives the same run, bit for bit."""
-        self.period = robot.period_s
+        super().__init__(robot, world, seed)
+        self._held: Thing | None = None
         self._physics = Physics(self.period, window)
         try:
             self._build(robot, world, seed)
@@ -109,25 +91,22 @@ class PyBulletBackend(Backend):
             raise
 
     def _build(self, robot: RobotFile, world: WorldFile, seed: int) -> None:
-        self.scene = build_scene(robot, world, seed)
-        self._periods = 0
-        self._held: Thing | None = None
-        self._positioning: SimulatedPositioning | None = None
         terrain = self._put_up(robot, world, seed)
-        self._build_arm(robot, world, seed)
-        self._base: BulletBase | BulletCar = (
+        self._build_arm(robot, seed)
+        pieces = Pieces(self._physics, self._body, self._world, self._gripper, self._grip)
+        found = {name: self._acting(props, pieces) for name, props in self.scene.props.items()}
+        self._bodies = {name: each for name, each in found.items() if each is not None}
+        self._base = (
             BulletCar(robot, self._body, self._physics)
             if robot.drive.kind == "ackermann"
             else BulletBase(robot, self._body, self._physics, seed)
         )
         self._body.slide()
-        self._build_sensors(robot, world, seed, outdoors=terrain is not None)
-        self._person = Person(self.scene, seed)
+        self._build_sensors(robot, seed, outdoors=terrain is not None)
         for _ in range(round((SETTLES if terrain is None else SETTLES_OUTDOORS) / self.period)):
             self._run_period()
         self._base.rezero()
-        if robot.positioning is not None:
-            self._positioning = SimulatedPositioning(robot.positioning, self.scene, self.period, seed)
+        self._position()
 
     def _put_up(self, robot: RobotFile, world: WorldFile, seed: int) -> Terrain | None:
         """The world, and the robot's body in it; gives the ground where it is rough."""
@@ -145,14 +124,10 @@ class PyBulletBackend(Backend):
         self._sync = SceneSync(self.scene, self._body, self._world)
         return terrain
 
-    def _build_arm(self, robot: RobotFile, world: WorldFile, seed: int) -> None:
-        """The arm and what it carries: gripper, camera, and where they are taken from, sensors."""
-        self._arm: BulletArm | None = None
+    def _build_arm(self, robot: RobotFile, seed: int) -> None:
+        """The arm and what it carries: gripper and camera."""
         self._springs: SuspensionSprings | None = None
-        self._gripper: BulletGripper | None = None
         self._grip: Grip | None = None
-        self._magazine: BulletMagazine | None = None
-        self._camera: BulletCamera | None = None
         model, body, physics = self.scene.arm, self._body, self._physics
         if model is None:
             return
@@ -160,48 +135,36 @@ class PyBulletBackend(Backend):
             body.reset(name, float(angle))
         if body.sprung:
             self._springs = SuspensionSprings(robot, model, body, physics)
-        self._arm = BulletArm(robot, model, body, physics, seed)
+        self._arm = BulletArm(robot, model, body, physics, self.scene.felt_force, seed)
         if robot.gripper is not None:
             self._gripper = BulletGripper(robot.gripper, robot.errors, body, physics, self.period, seed)
             self._grip = Grip(robot.gripper, finger_shape(model), physics, body)
-            if world.sensors is not None:
-                self._magazine = BulletMagazine(
-                    self.scene, world.sensors, body, self._world, physics, self._gripper, self._grip
-                )
         if robot.camera is not None:
             self._camera = BulletCamera(robot, robot.camera, model, body, self._world, physics, seed)
 
-    def _build_sensors(self, robot: RobotFile, world: WorldFile, seed: int, outdoors: bool) -> None:
+    def _acting(self, props: Props[Any], pieces: Pieces) -> PropsBody | None:
+        """What acts for props in physics, if anything does."""
+        path = props.BODIES.get(self.name)
+        return None if path is None else imported(path)(props, pieces)
+
+    def _build_sensors(self, robot: RobotFile, seed: int, outdoors: bool) -> None:
         """What is mounted on the base."""
-        self._range: BulletRangeSensor | None = None
-        self._imu: BulletImu | BulletFieldImu | None = None
-        self._gps: SimulatedGps | None = None
         if robot.range_sensor is not None:
             mount = base_T_frame(robot.urdf_text(), "range_sensor")
             self._range = BulletRangeSensor(robot.range_sensor, mount, self._body, self._physics, seed)
         if robot.imu is not None:
             imu = BulletFieldImu if outdoors else BulletImu
             self._imu = imu(robot.imu, self.scene, self.period, seed)
-        if robot.gps is not None:
-            self._gps = SimulatedGps(robot.gps, world.sky, self.scene, self.period, seed)
+        self._receive()
 
     @classmethod
-    def build(cls, robot: RobotFile, world: Path | None, seed: int) -> PyBulletBackend:
-        """See `Backend`."""
-        if world is None:
-            raise MissingWorld("the backend 'pybullet' simulates; needed: a world file")
-        return cls(robot, load_world(world), seed)
-
-    @classmethod
-    def build_in_window(cls, robot: RobotFile, world: Path | None, seed: int) -> PyBulletBackend:
+    def build_in_window(cls, robot: RobotFile, world: Path | WorldFile | None, seed: int) -> PyBulletBackend:
         """See `Backend`."""
         if sys.platform == "linux" and not os.environ.get("DISPLAY"):
             raise NoWindow(
                 "there is no display to show a window on: $DISPLAY is not set; allowed: --video FILE.mp4"
             )
-        if world is None:
-            raise MissingWorld("the backend 'pybullet' simulates; needed: a world file")
-        return cls(robot, load_world(world), seed, window=True)
+        return cls(robot, cls.needed(world), seed, window=True)
 
     def view(self) -> NDArray[np.uint8]:
         """See `Backend`."""
@@ -218,29 +181,18 @@ class PyBulletBackend(Backend):
         """True world pose (4, 4) of a link's frame, as the engine has it."""
         return self._body.link_pose(link)
 
-    def capabilities(self) -> tuple[Capability, ...]:
-        """See `Backend`."""
-        sensors = (self._camera, self._range, self._imu, self._gps, self._positioning)
-        parts = (self._base, self._arm, self._gripper, *sensors)
-        return tuple(part for part in parts if part is not None)
-
     def step(self) -> None:
         """See `Backend`."""
         self._periods += 1
         self.scene.time = self._periods * self.period
-        self._person.step()
-        self._add_books()
+        for props in self.scene.props.values():
+            props.step()
         self._world.keep_time()
         self._world.reach(self.scene.base.x, self.scene.base.y)
-        if self._magazine is not None:
-            self._magazine.step()
+        self._world.keep_things()
+        for each in self._bodies.values():
+            each.step()
         self._run_period()
-
-    def _add_books(self) -> None:
-        """Those that a person has brought."""
-        for book in self.scene.books.values():
-            if book.name not in self._world.bodies:
-                self._world.add(book)
 
     def _run_period(self) -> None:
         if self._grip is not None and self._gripper is not None and self._gripper.opening:
@@ -259,8 +211,8 @@ class PyBulletBackend(Backend):
         chunks, felt = self._physics.chunks, np.zeros(3)
         touched: set[tuple[str, str]] = set()
         for chunk in range(chunks):
-            if self._magazine is not None:
-                self._magazine.hold()
+            for each in self._bodies.values():
+                each.act()
             self._base.act()
             if self._springs is not None:
                 self._springs.act()
@@ -295,19 +247,19 @@ class PyBulletBackend(Backend):
             self._arm.end()
             self.scene.joints = self._arm.true_joints()
             turn = self._body.link_pose("hand")[:3, :3]
-            self.scene.hand_force = self._arm.force = turn.T @ felt
+            self.scene.hand_force = turn.T @ felt
             self._arm.load = self._load()
         taken = "" if self._held is None else self._held.name
         self.scene.touch(frozenset(pair for pair in touched if pair[1] != taken))
 
     def _find_held(self) -> Thing | None:
-        """The book or block between fingers that press."""
+        """What is between fingers that press."""
         if self._gripper is None or self._grip is None:
             return None
         body = self._touch.gripped()
         if body is not None and self._gripper.closed_on_something():
             self._grip.take(body)
-        elif body is None and not (self._magazine is not None and self._magazine.fresh):
+        elif body is None and not any(each.keeps_grip for each in self._bodies.values()):
             self._grip.let_go()
         body = self._grip.holds
         if body is None:
@@ -318,7 +270,7 @@ class PyBulletBackend(Backend):
         if self._held is None:
             return 0.0, np.zeros(3)
         middle = self._held.pose @ self._held.thing_T_middle
-        return self._world.mass(self._held), (inverse(self._body.base_pose()) @ middle)[:3, 3]
+        return self._held.mass, (inverse(self._body.base_pose()) @ middle)[:3, 3]
 
     def _riding(self) -> list[int]:
         """Bodies of what stands on the robot."""
@@ -326,18 +278,15 @@ class PyBulletBackend(Backend):
 
     def state(self) -> dict[str, Any]:
         """See `Backend`."""
-        kept = {name: attributes(part, _STATE[name]) for name, part in self._parts().items()}
-        return {**kept, "made": attributes(self._world, WorldBodies.STATE), "engine": self._physics.state()}
+        return {**super().state(), "engine": self._physics.state()}
 
     def set_state(self, state: object) -> None:
         """See `Backend`."""
-        parts = self._parts()
-        if not isinstance(state, dict) or state.keys() != {*parts, "made", "engine"}:
-            needed = ", ".join((*parts, "made", "engine"))
-            raise NotAState(f"no state of this robot in {self.name}; needed: {needed}")
-        for name, part in parts.items():
-            set_attributes(part, _STATE[name], state[name])
-        set_attributes(self._world, WorldBodies.STATE, state["made"])
+        if not isinstance(state, dict) or "engine" not in state:
+            raise NotAState(
+                f"no state of this robot in {self.name}; needed: {', '.join(self._parts())}, engine"
+            )
+        super().set_state({name: part for name, part in state.items() if name != "engine"})
         self._physics.set_state(state["engine"])
 
     @property
@@ -349,31 +298,9 @@ class PyBulletBackend(Backend):
     def held_name(self, name: str | None) -> None:
         self._held = self.scene.thing_named(name)
 
-    def _parts(self) -> dict[str, object]:
-        """What changes in a run, by the names of `_STATE`."""
-        named = {
-            "scene": self.scene,
-            "backend": self,
-            "car" if isinstance(self._base, BulletCar) else "base": self._base,
-            "drives": self._base.drives,
-            "arm": self._arm,
-            "gripper": self._gripper,
-            "camera": self._camera,
-            "range": self._range,
-            "field imu" if isinstance(self._imu, BulletFieldImu) else "imu": self._imu,
-            "gps": self._gps,
-            "magazine": None if self._magazine is None else self._magazine.shelf,
-            "given": self._magazine,
-            "positioning": self._positioning,
-            "person": self._person,
-        }
-        return {name: part for name, part in named.items() if part is not None}
-
-    def stop(self) -> None:
-        """See `Backend`."""
-        for part in (self._base, self._arm, self._gripper):
-            if part is not None:
-                part.halt()
+    def _own_parts(self) -> Mapping[str, Part | None]:
+        bodies = {f"body {name}": each for name, each in self._bodies.items()}
+        return {"drives": self._base.drives, **bodies, "made": self._world}
 
     def close(self) -> None:
         """See `Backend`."""

@@ -33,7 +33,7 @@ class Touch:
         self._read.clear()
 
     def gripped(self) -> int | None:
-        """Body of the book or block that both fingers touch from its two sides."""
+        """Body of the thing that both fingers touch from its two sides."""
         if not self._fingers:
             return None
         across = self._body.link_pose("hand")[:3, 1]

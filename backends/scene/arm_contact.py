@@ -41,11 +41,11 @@ FREE = Touch(0.0, "", "")
 
 
 class ArmContact:
-    """Overlaps of the moved links, fingers and held book with the world's solids and the books in it.
+    """Overlaps of the moved links, fingers and held thing with the world's solids and the things in it.
 
     Where the base is moved, those of what is mounted above its body (tray, column) and of what stands on it
-    as well. The arm against itself and its own base is not checked (a planner's task), the hand and the held
-    book against all that the arm doesn't move (base, tray, column) are. Spheres about the bodies sort out
+    as well. The arm against itself and its own base is not checked (a planner's task), the hand and what
+    it holds against all that the arm doesn't move (base, tray, column) are. Spheres about the bodies sort out
     what is far; coal measures the rest.
     """
 
@@ -96,7 +96,7 @@ class ArmContact:
         """The same where the base is, the robot's own tray and what stands on it included."""
         world_T_base = self._scene.world_T_base
         worst = self.deepest(self._scene.base, joints, skip)
-        if worst is FREE and (self._scene.open_ground or self._scene.tray_book() is not None):
+        if worst is FREE and (self._scene.open_ground or self._scene.riding()):
             worst = self._check(world_T_base, joints, skip)
         poses = world_T_base @ self._link_poses(joints)
         hand = [body for body in self._bodies(world_T_base, poses, joints) if body[0] in _HANDS]
@@ -151,7 +151,7 @@ class ArmContact:
     def _bodies(
         self, world_T_base: Transform, poses: NDArray[np.float64], joints: NDArray[np.float64]
     ) -> list[Body]:
-        """Moved links, fingers where they stand, and the held book."""
+        """Moved links, fingers where they stand, and what is held."""
         bodies = [(self._names[i], self._geometry[i], poses[i], self._radius[i]) for i in self._links]
         for i, (name, geometry, pose, radius) in enumerate(bodies):
             if name in FINGERS:
@@ -213,13 +213,14 @@ class ArmContact:
         return np.flatnonzero(close)
 
     def _refresh(self) -> None:
-        """Take books and blocks from where they are now."""
+        """Take things from where they are now."""
         key = self._scene.changes
         if key == self._changes:
             return
         self._changes = key
-        things = (*self._scene.books.values(), *self._scene.blocks.values())
-        standing = [thing.box() for thing in things if thing.rest not in (Rest.HAND, Rest.FLOOR)]
+        standing = [
+            thing.box() for thing in self._scene.things() if thing.rest not in (Rest.HAND, Rest.FLOOR)
+        ]
         self._boxes = [*self._fixed, *standing]
         self._solids = [pin.coal.Box(*(np.array(box.size) - _GIVE)) for box in self._boxes]
         poses = np.array([box.pose for box in self._boxes]).reshape(-1, 4, 4)

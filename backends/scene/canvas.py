@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import cv2
 import numpy as np
 from numpy.typing import NDArray
@@ -44,7 +46,7 @@ class Canvas:
         fixed = np.rint(np.clip(pixels, -_FAR, _FAR) * 2**_SHIFT).astype(np.int32)
         cv2.fillConvexPoly(self.picture, fixed, grey, cv2.LINE_AA, _SHIFT)
 
-    def texture(self, levels: list[tuple[GreyImage, float]], face: Transform) -> None:
+    def texture(self, levels: Sequence[tuple[GreyImage, float]], face: Transform) -> None:
         """A printed face.
 
         `face` (4, 4): origin at the picture's upper left corner, x along its rows, y down its columns, in
@@ -62,7 +64,7 @@ class Canvas:
         self._warp(picture, metres, face, pixels)
 
     def _level(
-        self, levels: list[tuple[GreyImage, float]], pixels: Floats, size: Floats
+        self, levels: Sequence[tuple[GreyImage, float]], pixels: Floats, size: Floats
     ) -> tuple[GreyImage, float]:
         """The coarsest level that is as fine as the picture."""
         px_per_m = max(

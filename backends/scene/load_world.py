@@ -2,18 +2,21 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 
 import numpy as np
 
-from handcart.backends.map_file import load_map, map_path
+from handcart.backends.map_file import is_map_file, load_map, map_path
 from handcart.files.errors import UnsafePath
 from handcart.files.loading import Loaded, load_document
 from handcart.files.yaml_document import read_document
+from handcart.robotics.geometry.pose2 import Pose2, wrap
 from handcart.robotics.navigation.grid_map import GridMap
 from handcart.robotics.navigation.map_walls import map_walls
 
-from .world_file import Furniture, WorldFile
+from .world_file import Furniture, Place, WorldFile
+from .world_model import world_model
 
 HEIGHT = 2.0  # of what stands on a map [m]
 
@@ -27,14 +30,30 @@ def load_world(path: Path) -> WorldFile:
     return read_world(path)[1]
 
 
+def load_world_or_map(path: Path, start: Pose2) -> WorldFile:
+    """The same; of a map, a world with nothing else in it, the robot at `start` (world_T_base).
+
+    Raises:
+        FileError: the file, or a map's picture, is missing, or something in them is wrong.
+    """
+    if not is_map_file(path):
+        return load_world(path)
+    place = Place(x_m=start.x, y_m=start.y, heading_deg=math.degrees(wrap(start.theta)))
+    return on_the_map(world_model()(format="handcart-world/1", start=place), load_map(path)[0])
+
+
 def read_world(path: Path) -> tuple[Loaded[WorldFile], WorldFile]:
     """The file as it is, with the place of each value, and what `load_world` gives; raises `FileError`."""
-    loaded = load_document(read_document(path), WorldFile)
+    loaded = load_document(read_document(path), world_model())
     world = loaded.value
     if world.map is None:
         return loaded, world
-    grid, _ = load_map(_map_path(loaded, world.map))
-    return loaded, world.model_copy(update={"furniture": (*world.furniture, *_standing(grid)), "map": None})
+    return loaded, on_the_map(world, load_map(_map_path(loaded, world.map))[0])
+
+
+def on_the_map(world: WorldFile, grid: GridMap) -> WorldFile:
+    """A world with what is occupied on a map among its furniture."""
+    return world.model_copy(update={"furniture": (*world.furniture, *_standing(grid)), "map": None})
 
 
 def _map_path(loaded: Loaded[WorldFile], name: str) -> Path:

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass, field
-from typing import ClassVar, NamedTuple
+from typing import Any, ClassVar, NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,21 +12,19 @@ from handcart.backends.plain_values import Kinds
 from handcart.backends.robot_file import RobotFile
 from handcart.backends.saved_state import NotAState
 from handcart.robotics.geometry.pose2 import Pose2
-from handcart.robotics.geometry.transform import Transform, transform
+from handcart.robotics.geometry.transform import Transform
 from handcart.robotics.kinematics.arm_model import ArmModel
 
-from .block import Block
-from .book import Book, Rest
 from .keyed_noise import keyed
-from .mark import Mark
-from .shelf import Shelf
-from .solids import THE_GROUND, FloorPlan, Solid, of_furniture, of_table, of_wall
+from .props import Props
+from .solids import THE_GROUND, FloorPlan, Solid, room_of
 from .suspension import leaning
-from .thing import Thing
-from .world_file import BookSpec, StationSpec, WorldFile
+from .thing import Rest, Thing
+from .world_file import WorldFile
+from .world_model import kinds_of_props
 
-SPINE_ON_TRAY = 0.02  # from the tray's rear to the book's spine, as a person sets it down [m]
-PROTRUSION = 0.003  # spines stand this much before or behind the board's front edge at most [m]
+GRAVITY = 9.81  # [m/s²]
+P = TypeVar("P", bound=Props[Any])
 
 
 class Contact(NamedTuple):
@@ -39,29 +36,6 @@ class Contact(NamedTuple):
     """What of the robot: "base", a link, "held book", "fingers"."""
     other: str
     """What it ran into."""
-
-
-class StandingBook(NamedTuple):
-    """How a book stands on a shelf, in S."""
-
-    book: Book
-    lateral: float
-    """y of the middle of its spine, in [m]."""
-    front: float
-    """x of its spine, in [m]: below zero, it is proud."""
-    tilt: float
-    """Of its height against the vertical, in [rad]."""
-    yaw: float
-    """Of its depth against the shelf's, in [rad]."""
-    lean: float
-    """Sideways, to the left, in [rad]."""
-
-    @property
-    def sides(self) -> tuple[float, float]:
-        """y of its rightmost and its leftmost point, in [m]."""
-        half = self.book.thickness / 2 * math.cos(self.lean)
-        over = self.book.height * math.sin(self.lean)
-        return self.lateral - half + min(0.0, over), self.lateral + half + max(0.0, over)
 
 
 @dataclass(eq=False)
@@ -78,53 +52,49 @@ class Scene:
         "joints": NDArray[np.float64],
         "width": float,
         "time": float,
-        "books": dict[int, Book],
-        "blocks": dict[str, Block],
         "held_name": str | None,
         "hand_T_held": Transform,
         "lean": tuple[float, float],
-        "base_T_tray_book": Transform,
         "hand_force": NDArray[np.float64],
         "contacts": list[Contact],
         "touching": frozenset[tuple[str, str]],
-        "to_come": list[BookSpec],
-        "loaded": int,
         "changes": int,
     }
     """Attributes that a checkpoint keeps, with their types."""
 
     robot: RobotFile
     arm: ArmModel | None
-    shelves: dict[str, Shelf]
     solids: tuple[Solid, ...]
-    books: dict[int, Book]
+    """All of them: the room's, then those of domains."""
     base: Pose2
     joints: NDArray[np.float64]
     width: float
-    blocks: dict[str, Block] = field(default_factory=dict)
-    marks: tuple[Mark, ...] = ()
+    room: tuple[Solid, ...] = ()
+    """Those of no domain."""
+    props: dict[str, Props[Any]] = field(default_factory=dict)
+    """What domains have in it, by the domain's name."""
     time: float = 0.0
     lean: tuple[float, float] = (0.0, 0.0)
     """Roll and pitch of the base on its suspension, in [rad]."""
     held: Thing | None = None
     hand_T_held: Transform = field(default_factory=lambda: np.eye(4))
-    base_T_tray_book: Transform = field(default_factory=lambda: np.eye(4))
     hand_force: NDArray[np.float64] = field(default_factory=lambda: np.zeros(3))
     contacts: list[Contact] = field(default_factory=list)
     touching: frozenset[tuple[str, str]] = frozenset()
     """What touches in this period: pairs as in `Contact`."""
-    to_come: list[BookSpec] = field(default_factory=list)
-    """Books that a person still has for the robot."""
     open_ground: bool = False
     """Whether it stands outdoors: what is let go stands on the ground."""
-    total_station: StationSpec | None = None
-    """What measures, for evaluation, where the hand is."""
-    loaded: int = 0
-    """How many sensors its magazine has given so far."""
     tilted_base: Transform | None = None
     """world_T_base (4, 4) where physics lets the base tilt; None: it stands level."""
     changes: int = 0
-    """Counts the times that a book was moved: what is derived from their poses asks it."""
+    """Counts the times that a thing was moved: what is derived from their poses asks it."""
+
+    def __getattr__(self, name: str) -> Any:
+        """TRANSITION."""
+        for each in self.__dict__.get("props", {}).values():
+            if not name.startswith("_") and hasattr(each, name):
+                return getattr(each, name)
+        raise AttributeError(name)
 
     def __post_init__(self) -> None:
         self.body_plan = FloorPlan(self.solids, 0.02, self.robot.body_height)
@@ -140,7 +110,7 @@ class Scene:
         self.held = self.thing_named(name)
 
     def thing_named(self, name: str | None) -> Thing | None:
-        """A book or block by its name; None has none. Raises `NotAState` where there is no such thing."""
+        """A thing by its name; None has none. Raises `NotAState` where there is no such thing."""
         found = next((thing for thing in self.things() if thing.name == name), None)
         if name is not None and found is None:
             raise NotAState(f"no saved state: there is no {name!r} in this world")
@@ -164,39 +134,39 @@ class Scene:
             raise ValueError("the robot has no arm")
         return self.world_T_base @ self.arm.forward(self.joints, frame)
 
-    def book_pose(self, accession: int) -> Transform:
-        """world_T_book (4, 4); its frame is that of `Book`."""
-        return self.books[accession].pose
-
-    def shelf_books(self, shelf: str) -> list[StandingBook]:
-        """What stands on a shelf, from left to right."""
-        frame = self.shelves[shelf].inverse_pose
-        standing = []
-        for book in self.books.values():
-            if book.rest is Rest.SHELF and book.shelf == shelf:
-                pose = frame @ book.pose
-                yaw = float(np.arctan2(pose[1, 0], pose[0, 0]))
-                lean = -float(np.arctan2(pose[2, 1], pose[2, 2]))
-                y, x = float(pose[1, 3]), float(pose[0, 3])
-                standing.append(StandingBook(book, y, x, book.tilt(), yaw, lean))
-        return sorted(standing, key=lambda each: -each.lateral)
-
-    def tray_book(self) -> Book | None:
-        """What stands on the tray."""
-        return next((book for book in self.books.values() if book.rest is Rest.TRAY), None)
+    def of(self, kind: type[P]) -> P:
+        """What a domain has in it, by the class of its props; raises KeyError where it has none."""
+        for each in self.props.values():
+            if isinstance(each, kind):
+                return each
+        raise KeyError(f"no domain has {kind.__name__} in this world")
 
     def things(self) -> list[Thing]:
-        """All books and blocks that are there."""
-        return [*self.books.values(), *self.blocks.values()]
+        """All that hands can carry."""
+        return [thing for props in self.props.values() for thing in props.things()]
+
+    def props_of(self, thing: Thing) -> Props[Any]:
+        """Of which domain a thing is."""
+        return next(props for props in self.props.values() if any(each is thing for each in props.things()))
 
     def riding(self) -> list[Thing]:
         """What stands on the robot."""
         return [thing for thing in self.things() if thing.rest is Rest.TRAY]
 
+    def felt_force(self) -> NDArray[np.float64]:
+        """(3,) in [N] in the hand frame: `hand_force`, weights that are felt, what props add."""
+        force = self.hand_force
+        for props in self.props.values():
+            force = force + props.hand_force()
+        if self.held is not None and self.held.WEIGHS:
+            down = np.array([0.0, 0.0, -GRAVITY * self.held.mass])
+            force = force + self.world_T("hand")[:3, :3].T @ down
+        return force
+
     # What changes it
 
     def move_base(self, base: Pose2) -> None:
-        """Put the base elsewhere, with what stands on its tray; what is held is the hand's."""
+        """Put the base elsewhere, with what stands on it; what is held is the hand's."""
         self.base = base
         self._carry_along()
 
@@ -207,14 +177,9 @@ class Scene:
             self._carry_along()
 
     def _carry_along(self) -> None:
-        book = self.tray_book()
-        if book is not None:
-            book.pose = self.world_T_base @ self.base_T_tray_book
+        for thing in self.riding():
+            thing.pose = self.world_T_base @ thing.base_T_thing
             self.changes += 1
-        for block in self.blocks.values():
-            if block.rest is Rest.TRAY:
-                block.pose = self.world_T_base @ block.base_T_block
-                self.changes += 1
 
     def touch(self, pairs: frozenset[tuple[str, str]]) -> None:
         """Note what touches in this period; what didn't before is a new contact."""
@@ -224,26 +189,22 @@ class Scene:
 
 
 def build_scene(robot: RobotFile, world: WorldFile, seed: int) -> Scene:
-    """The world at first: robot and tray's book set down by a person, spines not quite in line."""
+    """The world at first: a person has put the robot there, and set up what domains have in it."""
     assert world.map is None, "load_world puts what the map shows among the furniture"
-    shelves = {spec.name: Shelf(spec) for spec in world.shelves}
-    solids = [of_wall(wall, i) for i, wall in enumerate(world.walls)]
-    solids += [of_furniture(piece) for piece in (*world.furniture, *world.surprises)]
-    solids += [part for table in world.tables for part in of_table(table)]
-    solids += [THE_GROUND] if world.ground is not None else []
-    solids += [Solid(part) for shelf in shelves.values() for part in shelf.parts().values()]
-    books = {book.accession: book for shelf in shelves.values() for book in _standing(shelf, seed)}
+    kinds = kinds_of_props()
+    specs = {
+        name: world if isinstance(world, kind.section) else kind.section() for name, kind in kinds.items()
+    }
+    room = [*room_of(world), *([THE_GROUND] if world.ground is not None else [])]
+    solids = [*room, *(each for name, kind in kinds.items() for each in kind.solids(specs[name]))]
     arm = None if robot.arm is None else robot.arm_model()
     joints = np.zeros(0) if robot.arm is None else np.array(robot.posture("home"))
     width = 0.0 if robot.gripper is None else robot.gripper.opening_mm / 1e3
-    scene = Scene(robot, arm, shelves, tuple(solids), books, _start(robot, world, seed), joints, width)
-    if world.tray is not None and robot.has_tray:
-        set_on_tray(scene, world.tray, seed)
-    scene.total_station = world.total_station
+    scene = Scene(robot, arm, tuple(solids), _start(robot, world, seed), joints, width, tuple(room))
     scene.open_ground = world.ground is not None
-    scene.to_come += world.handed_over
-    scene.marks = tuple(Mark(spec) for spec in world.marks)
-    set_blocks(scene, world, seed)
+    for name, kind in kinds.items():
+        scene.props[name] = kind(scene, specs[name], seed)
+        scene.props[name].set_up()
     return scene
 
 
@@ -253,45 +214,3 @@ def _start(robot: RobotFile, world: WorldFile, seed: int) -> Pose2:
     heading = np.radians(world.start.heading_deg + robot.errors.start_deg * turn)
     x, y = world.start.x_m + error * dx, world.start.y_m + error * dy
     return Pose2(float(x), float(y), float(heading))
-
-
-def _standing(shelf: Shelf, seed: int) -> list[Book]:
-    rng = keyed(seed, f"row of {shelf.name}")
-    return [
-        Book(
-            shelf.pose @ transform((rng.uniform(-PROTRUSION, PROTRUSION), y, 0.0)),
-            Rest.SHELF,
-            spec,
-            shelf.name,
-        )
-        for spec, y in shelf.standing()
-    ]
-
-
-def set_on_tray(scene: Scene, spec: BookSpec, seed: int, number: int = 0) -> None:
-    """A person puts the book with this number down on the tray, not quite in its place."""
-    dx, dy, turn = keyed(seed, f"tray {number}" if number else "tray").standard_normal(3)
-    place = scene.robot.errors.book_place_mm / 1e3
-    yaw = np.radians(scene.robot.errors.book_turn_deg * turn)
-    tray = scene.robot.tray_shape
-    spine = (tray.rear + SPINE_ON_TRAY + place * dx, tray.middle[1] + place * dy, tray.top)
-    scene.base_T_tray_book = transform(spine, (0.0, 0.0, yaw))
-    pose = scene.world_T_base @ scene.base_T_tray_book
-    scene.books[spec.accession] = Book(pose, Rest.TRAY, spec)
-    scene.changes += 1
-
-
-def set_blocks(scene: Scene, world: WorldFile, seed: int) -> None:
-    """A person sets the blocks down, on tables and on the robot's own, not quite in their places."""
-    errors = scene.robot.errors
-    for spec in world.blocks:
-        dx, dy, turn = keyed(seed, f"block {spec.name}").standard_normal(3)
-        place = errors.block_place_mm / 1e3
-        yaw = np.radians(spec.heading_deg + errors.block_turn_deg * turn)
-        stands = transform((spec.x_m + place * dx, spec.y_m + place * dy, spec.height_m), (0.0, 0.0, yaw))
-        if spec.on == "robot":
-            pose = scene.world_T_base @ stands
-            scene.blocks[spec.name] = Block(pose, Rest.TRAY, spec, stands)
-        else:
-            scene.blocks[spec.name] = Block(stands, Rest.TABLE, spec)
-    scene.changes += 1

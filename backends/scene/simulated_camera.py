@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from abc import abstractmethod
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from handcart.backends.camera import Camera
 from handcart.backends.mounted_camera import known_camera
+from handcart.backends.plain_values import Kinds
 from handcart.backends.robot_file import RobotFile
 from handcart.backends.scene.true_camera import true_camera
 from handcart.backends.sensor_specs import CameraSpec
@@ -19,6 +21,9 @@ from handcart.robotics.perception.camera_model import CameraModel
 
 class SimulatedCamera(Camera):
     """Takes a picture as the true camera sees, on demand, once a period; model and mount are those known."""
+
+    STATE: ClassVar[Kinds] = {"_now": int}
+    """Attributes that a checkpoint keeps, with their types."""
 
     def __init__(self, robot: RobotFile, spec: CameraSpec, arm: ArmModel, seed: int) -> None:
         """Mounted at the URDF's link `camera`, unless `errors` has its mount or focal length off."""

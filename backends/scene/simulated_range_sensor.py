@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import math
 from abc import abstractmethod
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
+from handcart.backends.plain_values import Kinds
 from handcart.backends.range_sensor import RangeSensor, Scan
 from handcart.backends.scene.keyed_noise import keyed
 from handcart.backends.sensor_specs import RangeSpec
@@ -17,6 +19,9 @@ from handcart.robotics.geometry.transform import Transform
 
 class SimulatedRangeSensor(RangeSensor):
     """Beams all round, all at the same instant, with Gaussian noise; nothing is black, bright or oblique."""
+
+    STATE: ClassVar[Kinds] = {"_now": int}
+    """Attributes that a checkpoint keeps, with their types."""
 
     def __init__(self, spec: RangeSpec, base_T_sensor: Transform, seed: int) -> None:
         """`base_T_sensor` (4, 4) is where the URDF mounts it."""

@@ -1,4 +1,4 @@
-"""Solid boxes that stand upright: walls, furniture, surprises, shelves."""
+"""Solid boxes that stand upright: walls, furniture, surprises, tables."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.kinematics.shapes import Box
 
-from .world_file import Furniture, Surprise, TableSpec, Wall
+from .world_file import Furniture, Surprise, TableSpec, Wall, WorldFile
 
 WALL_HEIGHT = 2.0
 _WIDE = 4000.0  # [m]
@@ -26,10 +26,19 @@ class Solid:
     box: Box
     appears: float = 0.0
     leaves: float = _FOREVER
+    grey: int | None = None
+    """Of its sides, 0 to 255; None: as of furniture."""
 
 
 THE_GROUND = Solid(Box(Pose2(0.0, 0.0, 0.0).lift(-0.5), (_WIDE, _WIDE, 1.0), "the ground"))
 """Outdoors: its top is at height 0."""
+
+
+def room_of(world: WorldFile) -> list[Solid]:
+    """What stands in a world whatever it is for, those who come and go included; outdoors not the ground."""
+    solids = [of_wall(wall, number) for number, wall in enumerate(world.walls)]
+    solids += [of_furniture(piece) for piece in (*world.furniture, *world.surprises)]
+    return solids + [part for table in world.tables for part in of_table(table)]
 
 
 def of_wall(wall: Wall, index: int) -> Solid:

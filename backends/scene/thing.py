@@ -2,13 +2,19 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from enum import Enum
+from typing import ClassVar, Literal
 
 import numpy as np
+from numpy.typing import NDArray
 
 from handcart.robotics.geometry.transform import Transform
 from handcart.robotics.kinematics.shapes import Box
+
+Side = Literal["-x", "+x", "-y", "+y", "-z", "+z"]
+GreyImage = NDArray[np.uint8]
 
 
 class Rest(Enum):
@@ -25,15 +31,27 @@ class Rest(Enum):
 
 @dataclass(eq=False, repr=False)
 class Thing:
-    """A box and where it truly is. Its frame: origin in the foot, z up."""
+    """A box and where it truly is. Its frame: origin in the foot, z up.
+
+    A subclass is a dataclass; its fields that `__init__` takes are kept in checkpoints.
+    """
+
+    DENSITY: ClassVar[float] = 600.0
+    """Of wood, in [kg/m³]."""
+    WEIGHS: ClassVar[bool] = False
+    """Whether the hand's force reading has the weight of a held one in it; else that is taken for granted."""
+    BODIES: ClassVar[Mapping[str, str]] = {}
+    """Import path "module:name" of the class of its body, by the backend's name; left out: a box."""
 
     pose: Transform
     """world_T_thing (4, 4)."""
     rest: Rest
+    base_T_thing: Transform = field(default_factory=lambda: np.eye(4), kw_only=True)
+    """Where it stands on the robot, as long as it does."""
 
     @property
     def name(self) -> str:
-        """How contacts call it."""
+        """How contacts call it: no other thing of the world has that name."""
         raise NotImplementedError
 
     @property
@@ -43,8 +61,29 @@ class Thing:
 
     @property
     def thing_T_middle(self) -> Transform:
-        """Of its middle (4, 4)."""
-        raise NotImplementedError
+        """Of its middle (4, 4): right above the origin, where nothing else is said."""
+        result = np.eye(4)
+        result[2, 3] = self.size[2] / 2
+        return result
+
+    @property
+    def mass(self) -> float:
+        """In [kg]."""
+        length, width, height = self.size
+        return self.DENSITY * (length * width * height)
+
+    @property
+    def grey(self) -> int:
+        """Of its sides, 0 to 255, under full light."""
+        return 150
+
+    def faces(self) -> Mapping[Side, GreyImage]:
+        """What is printed on its sides, each picture filling one; sides left out are plain.
+
+        As who looks at it from outside sees it, z up; "+z" from above and "-z" from below, x to the right.
+        Asked for each image that is taken: the pictures may change, but not which sides have one.
+        """
+        return {}
 
     def box(self) -> Box:
         """The solid, posed in the world."""

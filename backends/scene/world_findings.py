@@ -11,8 +11,8 @@ import numpy as np
 
 from handcart.robotics.navigation.grid_map import GridMap, from_boxes
 
-from .shelf import Shelf
-from .solids import FloorPlan, Solid, of_furniture, of_table, of_wall
+from .solids import FloorPlan, Solid, room_of
+from .world_model import kinds_of_props
 
 if TYPE_CHECKING:
     from handcart.backends.robot_file import RobotFile
@@ -43,6 +43,9 @@ def world_findings(
     """
     solids = solids_of(world)
     yield from _stands_on(loaded, robot, solids)
+    for kind in kinds_of_props().values():
+        if isinstance(world, kind.section):
+            yield from kind.findings(loaded, robot)
     if told is not None:
         yield from _elsewhere(loaded, robot, told)
     if grid is not None and grid.occupied.any():
@@ -50,11 +53,10 @@ def world_findings(
 
 
 def solids_of(world: WorldFile) -> list[Solid]:
-    """All that stands in a world, shelves and those who come and go included."""
-    solids = [of_wall(wall, number) for number, wall in enumerate(world.walls)]
-    solids += [of_furniture(piece) for piece in (*world.furniture, *world.surprises)]
-    solids += [part for table in world.tables for part in of_table(table)]
-    return solids + [Solid(part) for shelf in world.shelves for part in Shelf(shelf).parts().values()]
+    """All that stands in a world, domains' solids and those who come and go included."""
+    kinds = kinds_of_props().values()
+    solids = room_of(world)
+    return solids + [each for kind in kinds if isinstance(world, kind.section) for each in kind.solids(world)]
 
 
 def _stands_on(loaded: Loaded[WorldFile], robot: RobotFile, solids: list[Solid]) -> Iterator[Finding]:

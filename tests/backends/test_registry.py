@@ -1,10 +1,15 @@
 from __future__ import annotations
 
+from pathlib import Path
+
 import pytest
 
 from handcart.backends.backend import Backend
+from handcart.backends.kinematic.kinematic_backend import KinematicBackend
 from handcart.backends.registry import UnknownBackend, backend_names, make_backend
 from handcart.backends.robot_loading import load_robot
+from handcart.backends.scene.load_world import load_world
+from handcart.robotics.geometry.pose2 import Pose2
 
 
 def test_the_kinematic_backend_is_made_by_its_name(tmp_path):
@@ -21,3 +26,22 @@ def test_an_unknown_name_is_told_with_the_nearest(tmp_path):
     assert "kinematic" in backend_names()
     with pytest.raises(UnknownBackend, match="did you mean 'kinematic'"):
         make_backend("kinematik", load_robot("librarian"), tmp_path, seed=0)
+
+
+def test_a_backend_that_reads_files_itself_gets_one_for_a_map(monkeypatch):
+    """Others are handed the world; see `Backend.read_world`."""
+
+    class Reads(KinematicBackend):
+        @classmethod
+        def read_world(cls, path, start):
+            return None
+
+        @classmethod
+        def build(cls, robot, world, seed):
+            assert load_world(world).start.x_m == 1.5
+            return super().build(robot, world, seed)
+
+    monkeypatch.setattr("handcart.backends.registry.backend_class", lambda name: Reads)
+    chart = Path(__file__).parents[2] / "tasks" / "drive_map" / "map.yaml"
+    with make_backend("reads", load_robot("librarian"), chart, 0, Pose2(1.5, 1.0, 0.0)) as backend:
+        assert len(backend.scene.solids) > 3

@@ -12,6 +12,7 @@ import pytest
 from handcart.backends.kinematic.kinematic_backend import KinematicBackend
 from handcart.backends.robot_loading import load_robot
 from handcart.backends.scene.world_file import WorldFile
+from handcart.backends.scene.world_model import world_model
 from handcart.evaluation.contact_survey import ContactSurvey
 from handcart.files.loading import load
 from handcart.primitives.books.books import Slot
@@ -103,7 +104,7 @@ class Hands:
         self.step(35)
 
     def take_book(self) -> None:
-        spine = self.scene.base_T_tray_book[:3, 3]
+        spine = self.scene.tray_book().base_T_thing[:3, 3]
         self.hand(-0.10, spine[1], 0.80)
         self.hand(-0.10, spine[1], 0.70)
         self.hand(spine[0] - 0.12, spine[1], 0.70)
@@ -115,7 +116,7 @@ class Hands:
 def files(tmp_path_factory: pytest.TempPathFactory) -> tuple[Any, WorldFile]:
     path = tmp_path_factory.mktemp("room") / "world.yaml"
     path.write_text(WORLD, encoding="utf-8")
-    return load_robot("librarian"), load(path, WorldFile)
+    return load_robot("librarian"), load(path, world_model())
 
 
 @pytest.fixture
@@ -211,7 +212,7 @@ def test_the_held_book_may_touch_its_neighbours_but_no_other(hands: Hands) -> No
 
 def test_the_book_that_is_picked_up_may_be_touched(hands: Hands) -> None:
     hands.begins(PickUp())
-    spine = hands.scene.base_T_tray_book[:3, 3]
+    spine = hands.scene.tray_book().base_T_thing[:3, 3]
     hands.hand(-0.10, spine[1], 0.80)
     hands.fingers(0.0)
     hands.hand(-0.10, spine[1], 0.70)

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from handcart.backends.scene.world_file import WorldFile
+from handcart.backends.scene.world_model import world_model
 from handcart.evaluation.library_books import GeneratedBook
 from handcart.evaluation.library_files import write_library
 from handcart.evaluation.library_generator import NoSuchLibrary, make_library
@@ -32,7 +32,7 @@ def test_every_library_has_a_slot_for_the_book(seed: int) -> None:
 
 def test_its_files_are_right(tmp_path: Path) -> None:
     write_library(make_library(3, blocked="way_around"), tmp_path)
-    world = load(tmp_path / "world.yaml", WorldFile)
+    world = load(tmp_path / "world.yaml", world_model())
     assert len(world.shelves) >= 3
     assert len(world.surprises) == 1
     assert "shelf_1" in load(tmp_path / "places.yaml", Places).places

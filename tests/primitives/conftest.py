@@ -14,6 +14,7 @@ import pytest
 from handcart.backends.registry import make_backend
 from handcart.backends.robot import Robot
 from handcart.backends.robot_loading import load_robot
+from handcart.backends.scene.books.book_props import BookProps
 from handcart.primitives.books.book_boxes import held_box
 from handcart.primitives.books.books import Books, Slot
 from handcart.primitives.books.catalogue import Book
@@ -116,7 +117,7 @@ class Rig:
 
     def book_is_recognized(self) -> None:
         """The model knows the book on the tray, and where it stands, without RECOGNIZE's errors."""
-        pose = self.scene.base_T_tray_book
+        pose = self.scene.of(BookProps).tray_book().base_T_thing
         self.model.of(Books).book = TRAY_BOOK
         self.model.of(Books).book_pose = Pose2(
             pose[0, 3], pose[1, 3], float(np.arctan2(pose[1, 0], pose[0, 0]))
@@ -160,7 +161,7 @@ def at_slot(make_rig: Callable[..., Rig], monkeypatch: pytest.MonkeyPatch) -> Ca
         rig = make_rig(row() + TRAY, seed=seed)
         rig.book_is_recognized()
         assert isinstance(rig.run(PickUp()), Success)
-        base_T_shelf = inverse(rig.scene.world_T_base) @ rig.scene.shelves["shelf_1"].pose
+        base_T_shelf = inverse(rig.scene.world_T_base) @ rig.scene.of(BookProps).shelves["shelf_1"].pose
         before = transform((-0.05 - 0.12 - 0.15, GAP_MIDDLE + aside, 0.125))
         rig.drive(move_to_pose(rig.robot, base_T_shelf @ before, held_box(rig.robot, TRAY_BOOK)))
         half = GAP_MM / 2e3

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from handcart.backends.scene.books.book_props import BookProps
 from handcart.primitives.books.approach import Approach
 from handcart.primitives.books.books import Books
 from handcart.primitives.contract.outcome import Fail, Success
@@ -15,13 +16,13 @@ from handcart.primitives.contract.outcome import Fail, Success
 
 def fore_edge(rig: Any) -> Any:
     """Foot of the held book's leading edge in the shelf frame, (3,) in [m]."""
-    pose = rig.scene.shelves["shelf_1"].inverse_pose @ rig.scene.held.pose
+    pose = rig.scene.of(BookProps).shelves["shelf_1"].inverse_pose @ rig.scene.held.pose
     return (pose @ np.array([rig.scene.held.depth, 0.0, 0.0, 1.0]))[:3]
 
 
 def middle(rig: Any) -> float:
     """y of the true slot's middle in the shelf frame, in [m]."""
-    books = rig.scene.shelf_books("shelf_1")
+    books = rig.scene.of(BookProps).shelf_books("shelf_1")
     left, right = books[7], books[8]
     return float(left.lateral - left.book.thickness / 2 + right.lateral + right.book.thickness / 2) / 2
 

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from handcart.backends.scene.field.field_props import FieldProps
 from handcart.evaluation.stage import Stage
 from handcart.networks.task.preparing import prepare
 from handcart.primitives.contract.outcome import Fail, Success
@@ -37,7 +38,7 @@ def stage(tmp_path: Path) -> Iterator[Stage]:
 
 
 def lying(stage: Stage) -> Any:
-    return stage.backend.scene.blocks["1"]  # type: ignore[attr-defined]
+    return stage.backend.scene.of(FieldProps).sensors["1"]  # type: ignore[attr-defined]
 
 
 def test_a_sensor_is_laid_where_it_is_believed_to_be(stage: Stage, monkeypatch: pytest.MonkeyPatch) -> None:

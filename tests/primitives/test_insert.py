@@ -8,18 +8,19 @@ from typing import Any
 import numpy as np
 import pytest
 
+from handcart.backends.scene.books.book_props import BookProps
 from handcart.primitives.books.insert import Insert
 from handcart.primitives.contract.outcome import Fail, GiveUp, Success
 
 
 def fronts(rig: Any) -> dict[int, float]:
     """x of the spines on the shelf, by accession, in [m]."""
-    return {each.book.accession: each.front for each in rig.scene.shelf_books("shelf_1")}
+    return {each.book.accession: each.front for each in rig.scene.of(BookProps).shelf_books("shelf_1")}
 
 
 def spine(rig: Any) -> Any:
     """The held book's spine in the shelf frame, (3,) in [m]."""
-    return (rig.scene.shelves["shelf_1"].inverse_pose @ rig.scene.held.pose)[:3, 3]
+    return (rig.scene.of(BookProps).shelves["shelf_1"].inverse_pose @ rig.scene.held.pose)[:3, 3]
 
 
 @pytest.mark.parametrize(("seed", "aside"), [(0, 0.0), (1, 0.004), (2, -0.004)])

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from handcart.backends.scene.books.book_props import BookProps
 from handcart.primitives.books.books import Books
 from handcart.primitives.books.pick_up import PickUp
 from handcart.primitives.contract.outcome import Fail, GiveUp, Success
@@ -42,12 +43,12 @@ def test_a_grip_of_nothing_is_a_fail_while_the_tag_is_where_it_was(with_book: Ca
     rig.model.of(Books).book_pose = rig.model.of(Books).book_pose._replace(
         x=rig.model.of(Books).book_pose.x - 0.08
     )
-    before = rig.scene.book_pose(117).copy()
+    before = rig.scene.of(BookProps).book_pose(117).copy()
     outcome = rig.run(PickUp())
     assert isinstance(outcome, Fail)
     assert outcome.reason == "the fingers closed on nothing"
     assert outcome.residuals["object book mm"] < 3.0
-    assert np.allclose(rig.scene.book_pose(117), before)
+    assert np.allclose(rig.scene.of(BookProps).book_pose(117), before)
 
 
 def test_a_grip_of_nothing_is_for_a_person_when_the_book_was_moved(with_book: Callable[..., Any]) -> None:
@@ -59,7 +60,7 @@ def test_a_grip_of_nothing_is_for_a_person_when_the_book_was_moved(with_book: Ca
     class Knocked(PickUp):
         def restore(self, *args: Any) -> Any:
             yield from super().restore(*args)
-            rig.scene.base_T_tray_book[1, 3] += 0.015
+            rig.scene.of(BookProps).tray_book().base_T_thing[1, 3] += 0.015
             rig.scene.move_base(rig.scene.base)
 
     outcome = rig.run(Knocked())
@@ -70,7 +71,7 @@ def test_a_grip_of_nothing_is_for_a_person_when_the_book_was_moved(with_book: Ca
 def test_an_empty_tray_is_a_fail_that_the_hand_did_not_go_there_for(make_rig: Callable[..., Any]) -> None:
     rig = make_rig(TRAY.format(25))
     rig.book_is_recognized()
-    rig.scene.books.clear()
+    rig.scene.of(BookProps).books.clear()
     outcome = rig.run(PickUp())
     assert isinstance(outcome, Fail)
     assert "isn't seen" in outcome.reason
@@ -78,11 +79,11 @@ def test_an_empty_tray_is_a_fail_that_the_hand_did_not_go_there_for(make_rig: Ca
 
 def test_another_thickness_is_set_down_where_it_was(with_book: Callable[..., Any]) -> None:
     rig = with_book(thickness=33)
-    before = rig.scene.book_pose(117).copy()
+    before = rig.scene.of(BookProps).book_pose(117).copy()
     outcome = rig.run(PickUp())
     assert isinstance(outcome, Fail)
     assert outcome.reason == "what the fingers hold is 33 mm thick, not 25"
-    assert np.allclose(rig.scene.book_pose(117)[:3, 3], before[:3, 3], atol=1e-3)
+    assert np.allclose(rig.scene.of(BookProps).book_pose(117)[:3, 3], before[:3, 3], atol=1e-3)
 
 
 @pytest.mark.parametrize("lifted", [0.0, 0.06, 0.11])
@@ -90,16 +91,17 @@ def test_a_cancel_sets_the_lifted_book_down_where_it_stood(
     with_book: Callable[..., Any], lifted: float
 ) -> None:
     rig = with_book(seed=2)
-    before = rig.scene.book_pose(117).copy()
+    before = rig.scene.of(BookProps).book_pose(117).copy()
     height = before[2, 3] + lifted
     outcome = rig.run(
-        PickUp(), lambda: rig.scene.held is not None and rig.scene.book_pose(117)[2, 3] >= height - 1e-3
+        PickUp(),
+        lambda: rig.scene.held is not None and rig.scene.of(BookProps).book_pose(117)[2, 3] >= height - 1e-3,
     )
     assert isinstance(outcome, Fail)
     assert outcome.reason == "cancelled by the operator"
     assert rig.scene.held is None
-    assert rig.scene.tray_book() is not None
-    assert np.allclose(rig.scene.book_pose(117)[:3, 3], before[:3, 3], atol=2e-3)
+    assert rig.scene.of(BookProps).tray_book() is not None
+    assert np.allclose(rig.scene.of(BookProps).book_pose(117)[:3, 3], before[:3, 3], atol=2e-3)
 
 
 def test_taught_it_plays_back_postures_and_trusts_them(with_book: Callable[..., Any]) -> None:

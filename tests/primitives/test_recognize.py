@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from handcart.backends.scene.books.book_props import BookProps
 from handcart.primitives.books.books import Books
 from handcart.primitives.books.catalogue import Book, Catalogue
 from handcart.primitives.books.recognize import Recognize
@@ -43,7 +44,7 @@ def test_it_tells_the_book_and_where_it_stands(with_tray: Callable[..., Any], se
     primitive = Recognize()
     assert isinstance(rig.run(primitive), Success)
     assert rig.model.of(Books).book == NAGEL
-    truth = rig.scene.base_T_tray_book[:3, 3]
+    truth = rig.scene.of(BookProps).tray_book().base_T_thing[:3, 3]
     assert math.dist(rig.model.of(Books).book_pose[:2], truth[:2]) < 0.002
     assert primitive.facts["call"] == "512.7 NAG"
     assert primitive.evidence.pictures["tray"].shape == (480, 640, 3)

@@ -10,7 +10,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from handcart.backends.scene.book import Rest
+from handcart.backends.scene.books.book_props import BookProps
+from handcart.backends.scene.thing import Rest
 from handcart.primitives.books.books import Books
 from handcart.primitives.books.catalogue import Book
 from handcart.primitives.books.insert import Insert
@@ -32,7 +33,9 @@ def inserted(at_slot: Callable[..., Any]) -> Callable[..., Any]:
 
 def standing(rig: Any, accession: int) -> Any:
     """How a book stands on the shelf; None if it doesn't."""
-    found = [each for each in rig.scene.shelf_books("shelf_1") if each.book.accession == accession]
+    found = [
+        each for each in rig.scene.of(BookProps).shelf_books("shelf_1") if each.book.accession == accession
+    ]
     return found[0] if found else None
 
 
@@ -42,7 +45,7 @@ def test_the_book_stands_in_its_slot_flush_with_its_neighbours(
     inserted: Callable[..., Any], seed: int
 ) -> None:
     rig = inserted(seed)
-    others = {each.book.accession: each.front for each in rig.scene.shelf_books("shelf_1")}
+    others = {each.book.accession: each.front for each in rig.scene.of(BookProps).shelf_books("shelf_1")}
     outcome = rig.run(Release(shelf="shelf_1"))
     assert isinstance(outcome, Success)
     book = standing(rig, 117)
@@ -104,7 +107,7 @@ def test_a_book_that_does_not_go_home_is_for_a_person(
     inserted: Callable[..., Any], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     rig = inserted()
-    monkeypatch.setattr("handcart.backends.scene.hand.PUSH_FRICTION", 40.0)
+    monkeypatch.setattr("handcart.backends.scene.of(BookProps).books.row_rule.PUSH_FRICTION", 40.0)
     outcome = rig.run(Release(shelf="shelf_1"))
     assert isinstance(outcome, GiveUp)
     assert "doesn't go home" in outcome.reason
@@ -115,10 +118,10 @@ def test_fingers_that_pass_the_book_by_have_not_pushed_it_home(inserted: Callabl
     rig = inserted()
     rig.model.of(Books).slot = None
     release = Release(shelf="shelf_1")
-    aside = rig.scene.shelves["shelf_1"].pose[:3, 1]
+    aside = rig.scene.of(BookProps).shelves["shelf_1"].pose[:3, 1]
 
     def let_go() -> bool:
-        book = rig.scene.books[117]
+        book = rig.scene.of(BookProps).books[117]
         if book.rest is Rest.SHELF and not moved:
             book.pose = book.pose.copy()
             book.pose[:3, 3] += 0.5 * aside

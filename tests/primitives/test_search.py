@@ -8,6 +8,7 @@ from typing import Any, Literal
 import numpy as np
 import pytest
 
+from handcart.backends.scene.books.book_props import BookProps
 from handcart.primitives.books.books import Books
 from handcart.primitives.books.catalogue import Book, Catalogue
 from handcart.primitives.books.search import Search, _end_of_row
@@ -24,7 +25,7 @@ def docked(at_slot: Callable[..., Any]) -> Callable[..., Any]:
         rig = at_slot(seed=seed)
         rig.model.of(Books).slot = None
         rig.model.of(Books).book = rig.model.of(Books).book.model_copy(update={"call": call})
-        specs = [each.book.spec for each in rig.scene.shelf_books("shelf_1")]
+        specs = [each.book.spec for each in rig.scene.of(BookProps).shelf_books("shelf_1")]
         books = [
             Book(
                 accession=spec.accession,
@@ -49,7 +50,7 @@ def row(rig: Any) -> list[tuple[float, float]]:
     """Left and right of each book in the shelf frame, in [m]."""
     return [
         (each.lateral + each.book.thickness / 2, each.lateral - each.book.thickness / 2)
-        for each in rig.scene.shelf_books("shelf_1")
+        for each in rig.scene.of(BookProps).shelf_books("shelf_1")
     ]
 
 
@@ -73,9 +74,9 @@ def test_it_finds_the_slot_between_the_right_neighbours(
 
 def test_at_the_end_of_the_row_it_looks_straight_at_the_book_end(docked: Callable[..., Any]) -> None:
     rig = docked(0, call="512.9 ZUS")
-    aside = rig.scene.shelves["shelf_1"].pose[:3, 1]
-    rig.scene.books[20].pose[:3, 3] -= 0.009 * aside
-    del rig.scene.books[21]
+    aside = rig.scene.of(BookProps).shelves["shelf_1"].pose[:3, 1]
+    rig.scene.of(BookProps).books[20].pose[:3, 3] -= 0.009 * aside
+    del rig.scene.of(BookProps).books[21]
     rig.scene.changes += 1
     assert isinstance(rig.run(Search(shelf="shelf_1")), Success)
     slot = rig.model.of(Books).slot

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pytest
 
+from handcart.backends.scene.blocks.block_props import BlockProps
 from handcart.primitives.blocks.base_turn import turn_by_gyros
 from handcart.primitives.blocks.blocks import Blocks
 from handcart.primitives.blocks.fixate import Fixate
@@ -38,7 +39,7 @@ def test_looking_first_the_block_is_taken_at_its_middle(look):
     with at_the_wall() as stage:
         stage.do(Fixate(landmark="stacking"))
         scene = scene_of(stage)
-        scene.blocks["2"].base_T_block[1, 3] += 0.003
+        scene.of(BlockProps).blocks["2"].base_T_thing[1, 3] += 0.003
         scene.changes += 1
         assert isinstance(stage.do(PickUpBlock(number=2, at="robot", look=look)), Success)
         along_the_fingers = abs(scene.hand_T_held[2, 3])
@@ -132,25 +133,25 @@ def test_no_support_where_one_should_be_is_a_fail_with_the_block_in_hand():
 def test_something_in_the_goals_place_is_a_fail_with_the_block_in_hand():
     with with_block(at_the_wall()) as stage:
         scene = scene_of(stage)
-        other = scene.blocks["5"]
+        other = scene.of(BlockProps).blocks["5"]
         other.rest, other.pose = type(other.rest).TABLE, stage.model.of(Blocks).building.goals[0].pose
         scene.changes += 1
         outcome = stage.do(Stack(number=1, onto="goal", method="fix_once"))
         assert isinstance(outcome, Fail)
         assert "something stands where the block goes" in outcome.reason
-        assert scene.held is scene.blocks["1"]
+        assert scene.held is scene.of(BlockProps).blocks["1"]
 
 
 def test_a_block_that_is_taken_away_once_placed_is_no_success():
     def vanish(scene):
-        del scene.blocks["1"]
+        del scene.of(BlockProps).blocks["1"]
         scene.changes += 1
 
     with with_block(at_the_wall()) as stage:
         outcome = do_with(
             stage,
             Stack(number=1, onto="goal", method="fix_once"),
-            lambda scene: scene.blocks["1"].rest.value == "table",
+            lambda scene: scene.of(BlockProps).blocks["1"].rest.value == "table",
             vanish,
         )
     assert isinstance(outcome, GiveUp)
@@ -159,14 +160,14 @@ def test_a_block_that_is_taken_away_once_placed_is_no_success():
 
 def test_a_block_pushed_aside_once_placed_is_seen():
     def push(scene):
-        scene.blocks["1"].pose[1, 3] += 0.011
+        scene.of(BlockProps).blocks["1"].pose[1, 3] += 0.011
         scene.changes += 1
 
     with with_block(at_the_wall()) as stage:
         outcome = do_with(
             stage,
             Stack(number=1, onto="goal", method="fix_once"),
-            lambda scene: scene.blocks["1"].rest.value == "table",
+            lambda scene: scene.of(BlockProps).blocks["1"].rest.value == "table",
             push,
         )
     assert not isinstance(outcome, Success)
@@ -191,7 +192,7 @@ def test_a_block_that_was_put_back_and_stands_elsewhere_is_for_a_person():
                 outcome = end.value
             if cancelled and scene.held is None and gripper.width() > 0.04 and not pushed:
                 pushed = True
-                scene.blocks["1"].base_T_block[1, 3] += 0.012
+                scene.of(BlockProps).blocks["1"].base_T_thing[1, 3] += 0.012
                 scene.move_base(scene.base)
             stage.robot.step()
     assert isinstance(outcome, GiveUp), outcome

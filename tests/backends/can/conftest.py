@@ -14,7 +14,7 @@ from handcart.backends.can.simulated.bench import Bench
 from handcart.backends.kinematic.kinematic_backend import KinematicBackend
 from handcart.backends.robot_file import RobotFile
 from handcart.backends.robot_loading import load_robot
-from handcart.backends.scene.world_file import WorldFile
+from handcart.backends.scene.world_model import world_model
 
 ROOM = {
     "format": "handcart-world/1",
@@ -49,7 +49,7 @@ def make(cart: RobotFile) -> Iterator[Callable[..., CanBackend]]:
 
     def build(seed: int = 0, room: bool = True, robot: RobotFile = cart) -> CanBackend:
         assert robot.can is not None
-        inner = KinematicBackend(robot, WorldFile.model_validate(ROOM), seed) if room else None
+        inner = KinematicBackend(robot, world_model().model_validate(ROOM), seed) if room else None
         bench = Bench(robot, robot.can, inner)
         try:
             made.append(CanBackend(robot, bench))

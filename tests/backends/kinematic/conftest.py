@@ -10,7 +10,9 @@ import pytest
 
 from handcart.backends.kinematic.kinematic_backend import KinematicBackend
 from handcart.backends.robot_loading import load_robot
+from handcart.backends.scene.books.book_props import BookProps
 from handcart.backends.scene.world_file import WorldFile
+from handcart.backends.scene.world_model import world_model
 from handcart.files.loading import load
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import transform
@@ -49,7 +51,7 @@ tray: {accession: 117, call: 512.7 NAG, thickness_mm: 25, height_mm: 210, depth_
 def world(tmp_path: Path) -> WorldFile:
     path = tmp_path / "world.yaml"
     path.write_text(WORLD, encoding="utf-8")
-    return load(path, WorldFile)
+    return load(path, world_model())
 
 
 @pytest.fixture
@@ -87,7 +89,7 @@ class Puppet:
             self.backend.step()
 
     def take_book(self) -> None:
-        spine = self.scene.base_T_tray_book[:3, 3]
+        spine = self.scene.of(BookProps).tray_book().base_T_thing[:3, 3]
         self.to(-0.10, spine[1], 0.80)
         self.to(-0.10, spine[1], 0.70)
         self.to(spine[0] - 0.12, spine[1], 0.70)
@@ -100,8 +102,8 @@ class Puppet:
 
     def before_slot(self, error: float = 0.0) -> None:
         """Hand with the book in front of its slot, foot 4 mm above the board."""
+        spine = self.scene.of(BookProps).tray_book().base_T_thing
         self.take_book()
-        spine = self.scene.base_T_tray_book
         self.to(spine[0, 3] - 0.12, spine[1, 3], 0.80)
         self.to(0.0, self.slot + error, 0.80)
         self.to(0.10, self.slot + error, self.height)

@@ -3,23 +3,24 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from handcart.backends.scene.book import Rest
+from handcart.backends.scene.books.book_props import BookProps
+from handcart.backends.scene.thing import Rest
 from handcart.robotics.geometry.pose2 import Pose2
 
 
 def front(puppet, accession):
-    standing = puppet.scene.shelf_books("shelf_1")
+    standing = puppet.scene.of(BookProps).shelf_books("shelf_1")
     return next(each for each in standing if each.book.accession == accession)
 
 
 def test_the_gripper_takes_the_book_from_the_tray_and_carries_it(puppet):
     puppet.take_book()
-    assert puppet.scene.held is puppet.scene.books[117]
+    assert puppet.scene.held is puppet.scene.of(BookProps).books[117]
     assert puppet.gripper.closed_on_something()
     assert puppet.gripper.width() == pytest.approx(0.025, abs=3e-4)
-    foot = puppet.scene.book_pose(117)[2, 3]
+    foot = puppet.scene.of(BookProps).book_pose(117)[2, 3]
     puppet.to(-0.02, 0.0, 0.78)
-    assert puppet.scene.book_pose(117)[2, 3] - foot == pytest.approx(0.08, abs=1e-3)
+    assert puppet.scene.of(BookProps).book_pose(117)[2, 3] - foot == pytest.approx(0.08, abs=1e-3)
     assert puppet.scene.contacts == []
 
 
@@ -54,7 +55,7 @@ def test_a_book_set_back_onto_the_tray_stands_there_and_rides_along(puppet):
     puppet.to(here[0], here[1], here[2] + 0.05)
     puppet.to(here[0], here[1], here[2] + 0.01)
     puppet.fingers(0.06)
-    book = puppet.scene.books[117]
+    book = puppet.scene.of(BookProps).books[117]
     assert book.rest is Rest.TRAY
     assert book.pose[2, 3] == pytest.approx(0.62)
 
@@ -64,8 +65,8 @@ def test_a_book_let_go_in_the_air_falls_to_the_floor(puppet):
     puppet.to(-0.02, 0.0, 0.80)
     puppet.fingers(0.06)
     assert puppet.scene.held is None
-    assert puppet.scene.books[117].rest is Rest.FLOOR
-    assert puppet.scene.books[117].tilt() == pytest.approx(np.pi / 2)
+    assert puppet.scene.of(BookProps).books[117].rest is Rest.FLOOR
+    assert puppet.scene.of(BookProps).books[117].tilt() == pytest.approx(np.pi / 2)
 
 
 def test_a_book_straight_before_its_slot_goes_in_and_stands_after_release(puppet):
@@ -119,10 +120,10 @@ def test_an_inserted_book_can_be_gripped_again_and_drawn_out(puppet):
     puppet.insert()
     puppet.fingers(0.07)
     puppet.fingers(0.0)
-    assert puppet.scene.held is puppet.scene.books[117]
+    assert puppet.scene.held is puppet.scene.of(BookProps).books[117]
     puppet.to(0.10, puppet.slot, puppet.height)
-    assert puppet.scene.shelf_books("shelf_1")[0].book.accession == 101
-    assert 117 not in [each.book.accession for each in puppet.scene.shelf_books("shelf_1")]
+    assert puppet.scene.of(BookProps).shelf_books("shelf_1")[0].book.accession == 101
+    assert 117 not in [each.book.accession for each in puppet.scene.of(BookProps).shelf_books("shelf_1")]
 
 
 def test_the_arm_stops_at_what_is_solid_and_feels_it(puppet):
@@ -163,5 +164,7 @@ def test_a_book_in_its_slot_holds_a_hand_that_wrenches_sideways(puppet):
 
 def front_of_held(puppet):
     """y of the held book in S, about the slot's middle."""
-    pose = puppet.scene.shelves["shelf_1"].inverse_pose @ puppet.scene.book_pose(117)
+    pose = puppet.scene.of(BookProps).shelves["shelf_1"].inverse_pose @ puppet.scene.of(BookProps).book_pose(
+        117
+    )
     return pose[1, 3] - puppet.slot

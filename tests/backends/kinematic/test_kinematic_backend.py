@@ -12,6 +12,7 @@ from handcart.backends.base import Base
 from handcart.backends.camera import Camera
 from handcart.backends.gripper import Gripper
 from handcart.backends.range_sensor import RangeSensor
+from handcart.backends.scene.books.book_props import BookProps
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import apply, inverse, transform
 from handcart.robotics.perception.tag_reader import read_tags
@@ -182,7 +183,7 @@ def test_joints_repeat_within_what_the_file_states(make):
 
 
 def tag_corners(scene, accession):
-    book = scene.books[accession]
+    book = scene.of(BookProps).books[accession]
     middle, half = book.height - 0.014, 0.005
     corners = [
         (0, half, middle + half),
@@ -200,7 +201,11 @@ def test_the_picture_shows_a_tag_where_the_camera_model_puts_it(make):
     optical = np.array([[0, 0, 1, 0], [-1, 0, 0, 0], [0, -1, 0, 0], [0, 0, 0, 1.0]])
     renderer, errors = backend._camera._renderer, []
     for y in (-0.08, -0.04, 0.0, 0.04, 0.08):
-        pose = scene.shelves["shelf_1"].pose @ transform((-0.2, y, 0.19), (0.0, 0.0, 0.1)) @ optical
+        pose = (
+            scene.of(BookProps).shelves["shelf_1"].pose
+            @ transform((-0.2, y, 0.19), (0.0, 0.0, 0.1))
+            @ optical
+        )
         picture = renderer.render(scene, pose, 1)
         for tag in read_tags(picture):
             expected = camera.model.project(apply(inverse(pose), tag_corners(scene, tag.id)))
@@ -214,10 +219,10 @@ def test_the_picture_shows_a_tag_where_the_camera_model_puts_it(make):
 
 def test_the_tray_book_is_set_down_near_its_place_and_rides_along(make):
     backend = make()
-    before = inverse(backend.scene.world_T_base) @ backend.scene.book_pose(117)
+    before = inverse(backend.scene.world_T_base) @ backend.scene.of(BookProps).book_pose(117)
     assert before[:3, 3] == pytest.approx((0.10, 0.0, 0.62), abs=0.01)
     run(backend, 10, speed=-0.2, turn_rate=0.5)
-    after = inverse(backend.scene.world_T_base) @ backend.scene.book_pose(117)
+    after = inverse(backend.scene.world_T_base) @ backend.scene.of(BookProps).book_pose(117)
     assert np.allclose(before, after)
 
 

@@ -9,11 +9,13 @@ import pytest
 
 from handcart.backends.kinematic.kinematic_backend import KinematicBackend
 from handcart.backends.robot_loading import load_robot
-from handcart.backends.scene.book import Book, Rest
-from handcart.backends.scene.book_lean import lean_in_row
-from handcart.backends.scene.putting_down import put_down
-from handcart.backends.scene.row import Member
-from handcart.backends.scene.world_file import BookSpec
+from handcart.backends.scene.books.book import Book
+from handcart.backends.scene.books.book_lean import lean_in_row
+from handcart.backends.scene.books.book_props import BookProps
+from handcart.backends.scene.books.putting_down import put_down
+from handcart.backends.scene.books.row import Member
+from handcart.backends.scene.books.spec import BookSpec
+from handcart.backends.scene.thing import Rest
 from handcart.evaluation.shelving import shelving
 from handcart.robotics.geometry.transform import transform
 
@@ -66,11 +68,11 @@ def test_a_book_left_leaning_in_a_wide_gap_is_not_right(world) -> None:
         robot = load_robot("librarian")
         with KinematicBackend(robot, world.model_copy(update={"shelves": (wider,)}), 0) as backend:
             scene = backend.scene
-            book, frame = scene.books[117], scene.shelves["shelf_1"]
+            book, frame = scene.of(BookProps).books[117], scene.of(BookProps).shelves["shelf_1"]
             book.pose = frame.pose @ transform((0.0, 0.25 - 0.13 - gap / 2e3, 0.002))
             book.rest = Rest.HAND
             judged = shelving(scene, (117,))
-            put_down(scene, book, None, aside=TIPPING + 0.01)
+            put_down(scene.of(BookProps), book, None, aside=TIPPING + 0.01)
             stood[gap] = judged.judge(scene)
     assert stood[31].tilt_deg == pytest.approx(math.degrees(math.asin(0.003 / 0.21)), abs=0.01)
     assert stood[31].right
@@ -82,7 +84,9 @@ def test_a_book_left_leaning_in_a_wide_gap_is_not_right(world) -> None:
 def test_released_by_the_hand_it_leans_by_the_robots_errors(puppet) -> None:
     puppet.insert()
     puppet.fingers(0.07)
-    (book,) = [each for each in puppet.scene.shelf_books("shelf_1") if each.book.accession == 117]
+    (book,) = [
+        each for each in puppet.scene.of(BookProps).shelf_books("shelf_1") if each.book.accession == 117
+    ]
     assert 1e-5 < abs(book.lean) < 0.03
     right, left = book.sides
     assert left - right > 0.025
@@ -91,8 +95,8 @@ def test_released_by_the_hand_it_leans_by_the_robots_errors(puppet) -> None:
 def test_without_errors_it_stands_upright(world) -> None:
     with KinematicBackend(load_robot("librarian").without_errors(), world, 0) as backend:
         scene = backend.scene
-        book = scene.books[117]
-        book.pose = scene.shelves["shelf_1"].pose @ transform((0.0, 0.0545, 0.002))
-        put_down(scene, book, None)
-        (stands,) = [each for each in scene.shelf_books("shelf_1") if each.book is book]
+        book = scene.of(BookProps).books[117]
+        book.pose = scene.of(BookProps).shelves["shelf_1"].pose @ transform((0.0, 0.0545, 0.002))
+        put_down(scene.of(BookProps), book, None)
+        (stands,) = [each for each in scene.of(BookProps).shelf_books("shelf_1") if each.book is book]
         assert stands.tilt == pytest.approx(0.0, abs=1e-9)

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from handcart.backends.saved_state import pack, unpack
+from handcart.backends.scene.books.book_props import BookProps
 from handcart.robotics.geometry.pose2 import Pose2
 
 
@@ -20,7 +21,7 @@ def readings(puppet):
             [gripper.width(), gripper.closed_on_something()],
             ranges.scan().ranges,
             camera.image().ravel()[::97],
-            *(book.pose.ravel() for book in backend.scene.books.values()),
+            *(book.pose.ravel() for book in backend.scene.of(BookProps).books.values()),
         ]
     )
 

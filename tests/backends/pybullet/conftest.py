@@ -11,7 +11,9 @@ import pytest
 from handcart.backends.pybullet.pybullet_backend import PyBulletBackend
 from handcart.backends.robot_file import RobotFile
 from handcart.backends.robot_loading import load_robot
+from handcart.backends.scene.books.book_props import BookProps
 from handcart.backends.scene.world_file import WorldFile
+from handcart.backends.scene.world_model import world_model
 from handcart.files.loading import load
 from handcart.robotics.geometry.transform import Transform, transform
 from handcart.robotics.kinematics.arm_model import ArmModel
@@ -48,7 +50,7 @@ Make = Callable[..., PyBulletBackend]
 def world(tmp_path: Path) -> WorldFile:
     path = tmp_path / "world.yaml"
     path.write_text(WORLD, encoding="utf-8")
-    return load(path, WorldFile)
+    return load(path, world_model())
 
 
 @pytest.fixture
@@ -91,7 +93,7 @@ class Hand:
 
     def take_book(self) -> None:
         """Grip the book on the tray by its spine."""
-        spine = self.backend.scene.base_T_tray_book[:3, 3]
+        spine = self.backend.scene.of(BookProps).tray_book().base_T_thing[:3, 3]
         for x, z in ((-0.10, 0.80), (-0.10, 0.70), (spine[0] - 0.12, 0.70)):
             self.line(x, spine[1], z)
         self.grip(0.0)

@@ -12,8 +12,10 @@ from handcart.backends.pybullet.pybullet_backend import PyBulletBackend
 from handcart.backends.robot_file import RobotFile
 from handcart.backends.robot_loading import load_robot
 from handcart.backends.saved_state import pack, unpack
+from handcart.backends.scene.blocks.block_props import BlockProps
+from handcart.backends.scene.calibration.mark_props import MarkProps
 from handcart.backends.scene.thing import Rest
-from handcart.backends.scene.world_file import WorldFile
+from handcart.backends.scene.world_model import world_model
 from handcart.files.loading import load
 from handcart.robotics.geometry.transform import inverse, transform
 from handcart.robotics.perception.landmark_finder import find_landmarks
@@ -49,7 +51,7 @@ def build(tmp_path: Path) -> Iterator[Build]:
         path = tmp_path / "world.yaml"
         path.write_text(WORLD + blocks, encoding="utf-8")
         robot = load_robot("toyama").without_errors() if robot is None else robot
-        made.append(PyBulletBackend(robot, load(path, WorldFile), 0))
+        made.append(PyBulletBackend(robot, load(path, world_model()), 0))
         return made[-1]
 
     yield make
@@ -94,9 +96,9 @@ def turn_of(block):
 def test_blocks_stand_on_tables_on_each_other_and_on_the_robot(build):
     backend = build(ON_TRAY + PILE)
     steps(backend, 40)
-    blocks = backend.scene.blocks
+    blocks = backend.scene.of(BlockProps).blocks
     assert blocks["1"].rest is Rest.TRAY
-    assert np.abs(blocks["1"].base_T_block[:3, 3] - (-0.26, 0.0, 0.45)).max() < 2e-4
+    assert np.abs(blocks["1"].base_T_thing[:3, 3] - (-0.26, 0.0, 0.45)).max() < 2e-4
     for number in (2, 3, 4):
         block = blocks[str(number)]
         assert block.rest is Rest.TABLE
@@ -107,14 +109,14 @@ def test_blocks_stand_on_tables_on_each_other_and_on_the_robot(build):
 def test_a_block_whose_middle_nothing_carries_falls_and_is_lost(build):
     backend = build(PILE + SHIFTED)
     steps(backend, 40)
-    assert backend.scene.blocks["5"].rest is Rest.FLOOR
-    assert backend.scene.blocks["5"].pose[2, 3] < 0.45
+    assert backend.scene.of(BlockProps).blocks["5"].rest is Rest.FLOOR
+    assert backend.scene.of(BlockProps).blocks["5"].pose[2, 3] < 0.45
 
 
 @pytest.mark.slow
 def test_a_block_is_taken_carried_and_put_on_others_that_stay_where_they_are(build):
     backend = build(ON_TRAY + PILE)
-    blocks = backend.scene.blocks
+    blocks = backend.scene.of(BlockProps).blocks
     before = {name: block.pose.copy() for name, block in blocks.items()}
     go(backend, -0.26, 0.0, 0.45 + OVER)
     grip(backend, 0.0)
@@ -154,7 +156,7 @@ def test_the_camera_sees_a_mark_where_it_is(build):
     go(backend, 0.08, 0.5, 0.73)
     camera = part(backend, "Camera")
     world_T_camera = backend.scene.world_T("hand") @ camera.hand_T_camera
-    true = inverse(world_T_camera) @ backend.scene.marks[0].pose
+    true = inverse(world_T_camera) @ backend.scene.of(MarkProps).marks[0].pose
     (seen,) = find_landmarks(camera.image(), camera.model, 0.06, (0.2, 0.4))
     plane = facing(float(true[2, 3]))
     assert np.abs((plane @ planar_pose(seen, plane).lift() - true)[:2, 3]).max() < 3e-4
@@ -169,6 +171,6 @@ def test_a_world_put_back_has_its_blocks(build):
     again = build(ON_TRAY + PILE)
     again.set_state(unpack(kept))
     steps(again, 3)
-    assert again.scene.held is again.scene.blocks["1"]
-    for name, block in backend.scene.blocks.items():
-        assert np.abs(again.scene.blocks[name].pose - block.pose).max() < 1e-4
+    assert again.scene.held is again.scene.of(BlockProps).blocks["1"]
+    for name, block in backend.scene.of(BlockProps).blocks.items():
+        assert np.abs(again.scene.of(BlockProps).blocks[name].pose - block.pose).max() < 1e-4

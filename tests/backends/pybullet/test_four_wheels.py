@@ -13,10 +13,10 @@ from handcart.backends.driven_wheels import NoWheels, driven_wheels
 from handcart.backends.positioning import Positioning
 from handcart.backends.pybullet.pybullet_backend import PyBulletBackend
 from handcart.backends.robot_loading import load_robot
-from handcart.backends.scene.world_file import WorldFile
+from handcart.backends.scene.world_model import world_model
 
 pytest.importorskip("pybullet", reason="PyBullet has no wheel for this Python")
-EMPTY = WorldFile.model_validate({"format": "handcart-world/1", "start": {"x_m": 0.0, "y_m": 0.0}})
+EMPTY = world_model().model_validate({"format": "handcart-world/1", "start": {"x_m": 0.0, "y_m": 0.0}})
 
 
 @pytest.fixture

@@ -13,7 +13,8 @@ from handcart.backends.kinematic.kinematic_backend import KinematicBackend
 from handcart.backends.plain_values import to_plain
 from handcart.backends.pybullet.physics import Pinned
 from handcart.backends.saved_state import pack, unpack
-from handcart.backends.scene.book import Rest
+from handcart.backends.scene.books.book_props import BookProps
+from handcart.backends.scene.thing import Rest
 
 pytest.importorskip("pybullet", reason="PyBullet has no wheel for this Python")
 ROOT = Path(__file__).resolve().parents[3]
@@ -32,8 +33,8 @@ def test_all_books_stand_where_the_world_file_puts_them(make, world, spec):
     backend = make()
     planned = KinematicBackend(spec, world, 0).scene
     steps(backend, 20)
-    for number, book in backend.scene.books.items():
-        off = backend.scene.book_pose(number)[:3, 3] - planned.book_pose(number)[:3, 3]
+    for number, book in backend.scene.of(BookProps).books.items():
+        off = backend.scene.of(BookProps).book_pose(number)[:3, 3] - planned.book_pose(number)[:3, 3]
         assert np.linalg.norm(off) < 2e-3
         assert book.tilt() < 0.01
     assert backend.scene.contacts == []
@@ -161,7 +162,7 @@ def test_the_arm_goes_where_it_is_told_as_exactly_as_its_repeatability(hand, spe
 
 
 def test_fingers_hold_a_book_by_friction_and_let_it_fall(hand):
-    book = hand.backend.scene.books[117]
+    book = hand.backend.scene.of(BookProps).books[117]
     hand.take_book()
     assert hand.gripper.closed_on_something()
     assert hand.backend.scene.held is book
@@ -177,7 +178,7 @@ def test_fingers_hold_a_book_by_friction_and_let_it_fall(hand):
 
 
 def test_closed_fingers_that_push_a_book_do_not_hold_it(hand):
-    spine = hand.backend.scene.base_T_tray_book[:3, 3]
+    spine = hand.backend.scene.of(BookProps).tray_book().base_T_thing[:3, 3]
     hand.line(-0.10, spine[1], 0.80)
     hand.grip(0.0)
     hand.line(-0.10, spine[1], 0.70)
@@ -189,7 +190,7 @@ def test_closed_fingers_that_push_a_book_do_not_hold_it(hand):
 def test_weak_fingers_let_the_book_slip(make, spec, hand_of):
     gripper = spec.gripper.model_copy(update={"force_n": 1.0})
     hand = hand_of(make(robot=spec.model_copy(update={"gripper": gripper})))
-    book = hand.backend.scene.books[117]
+    book = hand.backend.scene.of(BookProps).books[117]
     hand.take_book()
     before = book.pose[2, 3]
     here = hand.model.forward(hand.arm.command())[:3, 3]
@@ -206,7 +207,7 @@ def test_fingers_that_close_on_nothing_meet(hand):
 def test_a_constraint_grasp_holds_and_a_restored_state_has_it_as_it_was(make, spec, hand_of):
     gripper = spec.gripper.model_copy(update={"grasp": "constraint"})
     hand = hand_of(make(robot=spec.model_copy(update={"gripper": gripper})))
-    physics, book = hand.backend._physics, hand.backend.scene.books[117]
+    physics, book = hand.backend._physics, hand.backend.scene.of(BookProps).books[117]
     free = physics.state()
     hand.take_book()
     held = physics.state()
@@ -274,7 +275,7 @@ def test_what_stands_there_weighs_what_it_weighs(make):
     backend = make()
     for _ in range(20):
         backend.step()
-    book = backend._world.bodies[backend.scene.tray_book().name]
+    book = backend._world.bodies[backend.scene.of(BookProps).tray_book().name]
     mass = backend._physics.p.getDynamicsInfo(book, -1, physicsClientId=backend._physics.client)[0]
     felt = []
     for _ in range(10):

@@ -4,10 +4,10 @@ import math
 
 import pytest
 
-from handcart.backends.scene.insertion import Entrance, entry_chance
-from handcart.backends.scene.row import Member
-from handcart.backends.scene.shelf import Shelf
-from handcart.backends.scene.world_file import ShelfSpec
+from handcart.backends.scene.books.insertion import Entrance, entry_chance
+from handcart.backends.scene.books.row import Member
+from handcart.backends.scene.books.shelf import Shelf
+from handcart.backends.scene.books.spec import ShelfSpec
 
 SHELF = Shelf(ShelfSpec(name="s", x_m=0, y_m=0))
 # A slot of 33 mm about y = 0 between two fixed members.

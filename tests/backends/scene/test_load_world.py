@@ -4,8 +4,10 @@ import cv2
 import numpy as np
 import pytest
 
-from handcart.backends.scene.load_world import load_world
+from handcart.backends.map_world import as_world_file
+from handcart.backends.scene.load_world import load_world, load_world_or_map
 from handcart.files.errors import FileError
+from handcart.robotics.geometry.pose2 import Pose2
 
 HEAD = "format: handcart-world/1\nstart: {x_m: 0, y_m: 0}\n"
 MAP = "image: map.png\nresolution: 0.1\norigin: [-1.0, 2.0, 0.0]\n"
@@ -45,3 +47,12 @@ def test_what_is_occupied_on_the_map_stands_among_the_furniture(read):
 def test_a_map_that_cannot_be_read_is_told_with_its_place(read, world, chart, message):
     with pytest.raises(FileError, match=message):
         read(world, chart)
+
+
+def test_a_map_in_place_of_a_world_is_the_same_read_and_as_a_file(read, tmp_path):
+    read("")
+    start = Pose2(0.25, 2.5, 0.1)
+    world = load_world_or_map(tmp_path / "map.yaml", start)
+    assert len(world.furniture) == 1
+    with as_world_file(tmp_path / "map.yaml", start) as path:
+        assert load_world(path) == world

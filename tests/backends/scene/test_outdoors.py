@@ -12,7 +12,7 @@ from handcart.backends.gps import Gps
 from handcart.backends.imu import Imu
 from handcart.backends.kinematic.kinematic_backend import KinematicBackend
 from handcart.backends.robot_loading import load_robot
-from handcart.backends.scene.world_file import WorldFile
+from handcart.backends.scene.world_model import world_model
 from handcart.primitives.field.scara_arm import scara_of
 from handcart.robotics.manipulation.scara import Scara
 
@@ -25,7 +25,7 @@ def robot():
 
 
 def backend(robot, seed=0, **world):
-    return KinematicBackend(robot, WorldFile.model_validate({**GROUND, **world}), seed)
+    return KinematicBackend(robot, world_model().model_validate({**GROUND, **world}), seed)
 
 
 def drive(made, seconds, speed, turn=0.0):

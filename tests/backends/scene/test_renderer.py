@@ -7,7 +7,7 @@ from handcart.backends.mounted_camera import camera_model
 from handcart.backends.robot_loading import load_robot
 from handcart.backends.scene.renderer import Renderer
 from handcart.backends.scene.scene import build_scene
-from handcart.backends.scene.world_file import WorldFile
+from handcart.backends.scene.world_model import world_model
 from handcart.robotics.geometry.transform import transform
 from handcart.robotics.perception.tag_reader import read_tags
 
@@ -23,7 +23,7 @@ def scene(tag="readable", gap=31.0):
         "shelves": [shelf],
         "tray": book | {"accession": 3, "tag": tag},
     }
-    file = WorldFile.model_validate({"format": "handcart-world/1"} | world)
+    file = world_model().model_validate({"format": "handcart-world/1"} | world)
     return build_scene(load_robot("librarian"), file, seed=0)
 
 

@@ -10,11 +10,11 @@ from handcart.backends.positioning import PoseReading
 from handcart.backends.robot_loading import load_robot
 from handcart.backends.scene.scene import Scene, build_scene
 from handcart.backends.scene.simulated_positioning import SimulatedPositioning
-from handcart.backends.scene.world_file import WorldFile
+from handcart.backends.scene.world_model import world_model
 from handcart.backends.sensor_specs import PositioningSpec
 from handcart.robotics.geometry.pose2 import Pose2
 
-EMPTY = WorldFile.model_validate({"format": "handcart-world/1", "start": {"x_m": 0.0, "y_m": 0.0}})
+EMPTY = world_model().model_validate({"format": "handcart-world/1", "start": {"x_m": 0.0, "y_m": 0.0}})
 PERIOD = 0.01
 
 

@@ -1,8 +1,8 @@
 import numpy as np
 import pytest
 
-from handcart.backends.scene import textures
-from handcart.backends.scene.textures import draw_label, draw_spine, label_fonts
+from handcart.backends.scene.books import textures
+from handcart.backends.scene.books.textures import draw_label, draw_spine, label_fonts
 from handcart.robotics.perception.tag_reader import read_tags
 
 

@@ -4,10 +4,11 @@ import pytest
 from handcart.backends.kinematic.kinematic_backend import KinematicBackend
 from handcart.backends.mounted_camera import camera_model, known_camera, stated_camera
 from handcart.backends.robot_loading import load_robot
+from handcart.backends.scene.calibration.mark_props import MarkProps
 from handcart.backends.scene.renderer import Renderer
 from handcart.backends.scene.scene import build_scene
 from handcart.backends.scene.true_camera import true_camera
-from handcart.backends.scene.world_file import WorldFile
+from handcart.backends.scene.world_model import world_model
 from handcart.backends.sensor_specs import CalibratedCamera
 from handcart.robotics.geometry.transform import apply, difference, inverse, transform
 from handcart.robotics.perception.charuco_board import CharucoBoard
@@ -62,7 +63,7 @@ def test_a_calibration_changes_what_is_known_and_not_what_is():
     assert np.array_equal(ways[0].hand_T_camera, ways[1].hand_T_camera)
     assert np.array_equal(ways[0].model.K, ways[1].model.K)
     changed = robot.model_copy(update={"camera": after})
-    backends = [KinematicBackend(each, WorldFile.model_validate(WORLD), 5) for each in (robot, changed)]
+    backends = [KinematicBackend(each, world_model().model_validate(WORLD), 5) for each in (robot, changed)]
     pictures = []
     for backend in backends:
         backend.step()
@@ -83,10 +84,12 @@ def test_a_board_is_seen_where_it_lies(square):
         "kind": "board",
         "size_mm": square,
     }
-    scene = build_scene(robot, WorldFile.model_validate(WORLD | {"marks": [mark]}), 0)
+    scene = build_scene(robot, world_model().model_validate(WORLD | {"marks": [mark]}), 0)
     camera = camera_model(robot.camera)
     camera_T_board = facing(0.3) @ transform(rpy=(0.2, -0.3, 0.1))
-    image = Renderer(camera, robot.errors, 0).render(scene, scene.marks[0].pose @ inverse(camera_T_board), 1)
+    image = Renderer(camera, robot.errors, 0).render(
+        scene, scene.of(MarkProps).marks[0].pose @ inverse(camera_T_board), 1
+    )
     view = CharucoBoard(square=square / 1e3).find(image)
     assert view is not None and len(view.points) == 40
     off = view.pixels - camera.project(apply(camera_T_board, view.points))

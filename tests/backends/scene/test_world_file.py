@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import pytest
 
-from handcart.backends.scene.world_file import WorldFile
+from handcart.backends.scene.world_model import world_model
 from handcart.files.errors import FileError
 from handcart.files.loading import load
 
@@ -13,7 +13,7 @@ BOOK = "{accession: 1, call: 512.7 NAG, thickness_mm: 30, height_mm: 200, depth_
 def read(tmp_path, text):
     path = tmp_path / "world.yaml"
     path.write_text(HEAD + text, encoding="utf-8")
-    return load(path, WorldFile)
+    return load(path, world_model())
 
 
 def test_the_smallest_world_is_an_empty_floor(tmp_path):

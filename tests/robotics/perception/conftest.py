@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from handcart.backends.scene.textures import draw_spine
+from handcart.backends.scene.books.textures import draw_spine
 from handcart.robotics.geometry.transform import transform
 from handcart.robotics.perception.camera_model import CameraModel, plane_to_rays
 

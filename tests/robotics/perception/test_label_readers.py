@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from handcart.backends.scene.textures import PX_PER_MM, draw_label
+from handcart.backends.scene.books.textures import PX_PER_MM, draw_label
 from handcart.robotics.perception.call_number import parse
 from handcart.robotics.perception.label_finder import find_labels
 from handcart.robotics.perception.ocr_label_reader import OcrLabelReader

@@ -5,15 +5,17 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from itertools import pairwise
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
+
+from handcart.backends.scene.hand_rule import FORCE_CAP, STIFFNESS
+from handcart.backends.scene.thing import Thing
 
 from .book import Book
-from .scene import Scene
 from .shelf import DEPTH, Shelf
-from .thing import Thing
 
-STIFFNESS = 2000.0  # of the arm under position control [N/m]
-FORCE_CAP = 60.0  # what the hand can press with before its drives give way [N]
+if TYPE_CHECKING:
+    from .book_props import BookProps
+
 PUSH_FRICTION = 3.0  # of a standing book pushed on its spine [N]
 JAM_FRICTION = 10.0  # of a book pushed back by an edge that jams against it [N]
 _LEAST_OVERLAP = 3e-4
@@ -69,12 +71,12 @@ class Push(NamedTuple):
     met: tuple[str, ...]
 
 
-def members(scene: Scene, shelf: Shelf, without: Thing | None) -> list[Member]:
+def members(books: BookProps, shelf: Shelf, without: Thing | None) -> list[Member]:
     """The row from right to left, the fixed parts included, `without` the book that the hand holds."""
     row = [Member(right, left, front, 0.35, None) for right, left, front in shelf.fixed_intervals()]
     row += [
         Member(*each.sides, each.front, each.book.height, each.book)
-        for each in scene.shelf_books(shelf.name)
+        for each in books.shelf_books(shelf.name)
         if each.book is not without
     ]
     return sorted(row, key=lambda member: member.right)
@@ -85,7 +87,7 @@ def slots(row: Sequence[Member]) -> list[Slot]:
     return [Slot(a.left, b.right, min(a.front, b.front)) for a, b in pairwise(row) if b.right - a.left > 1e-4]
 
 
-def push(scene: Scene, shelf: Shelf, row: Sequence[Member], pusher: Pusher, start: float) -> Push:
+def push(books: BookProps, shelf: Shelf, row: Sequence[Member], pusher: Pusher, start: float) -> Push:
     """Let the pusher, commanded to `pusher.lead` from `start` (x in S), meet the row; books give way.
 
     Quasi-static: the arm is a spring of `STIFFNESS` behind its command, each book met resists with its
@@ -104,7 +106,7 @@ def push(scene: Scene, shelf: Shelf, row: Sequence[Member], pusher: Pusher, star
         lead = min([lead, *(max(end, m.front) for end, m in zip(ends, moved, strict=False))])
     if not moved:
         return Push(lead, 0.0, ())
-    _move(scene, shelf, moved, lead)
+    _move(books, shelf, moved, lead)
     names = tuple(f"book {m.book.accession}" if m.book else f"panel of {shelf.name}" for m in moved)
     return Push(lead, min(FORCE_CAP, STIFFNESS * (pusher.lead - lead)), names)
 
@@ -115,9 +117,9 @@ def _meets(member: Member, pusher: Pusher, start: float) -> bool:
     return beside and level and member.front > start - 0.005
 
 
-def _move(scene: Scene, shelf: Shelf, moved: Sequence[Member], lead: float) -> None:
+def _move(books: BookProps, shelf: Shelf, moved: Sequence[Member], lead: float) -> None:
     for member in moved:
         if member.book is not None and lead > member.front + 1e-9:
             member.book.pose = member.book.pose.copy()
             member.book.pose[:3, 3] += shelf.pose[:3, 0] * (lead - member.front)
-            scene.changes += 1
+            books.scene.changes += 1

@@ -7,11 +7,12 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from handcart.backends.scene.solids import Solid
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import Transform, inverse, transform
 from handcart.robotics.kinematics.shapes import Box
 
-from .world_file import BookSpec, GapSpec, ShelfSpec
+from .spec import BookSpec, GapSpec, ShelfSpec
 
 BOARD_HEIGHT = 0.70  # top of the board above the floor [m]
 DEPTH = 0.25
@@ -19,6 +20,9 @@ PANEL = 0.02
 BOARD = 0.02
 BACK = 0.005
 TOP = 1.05
+WOOD, DARK = 130, 16
+"""Greys, of what is lit and what isn't."""
+INSIDE = ("back", "board", "left panel", "right panel")
 _BOOK_END_HEIGHT = 0.16
 _BOOK_END_FRONT = 0.03  # behind the board's front edge
 
@@ -69,6 +73,10 @@ class Shelf:
                 (DEPTH, self.book_end_left, _BOOK_END_HEIGHT),
             )
         return {part: self._box(part, *ends) for part, ends in bounds.items()}
+
+    def solids(self) -> list[Solid]:
+        """The same as a world has them: dark inside."""
+        return [Solid(box, grey=DARK if part in INSIDE else WOOD) for part, box in self.parts().items()]
 
     def _box(self, part: str, low: tuple[float, ...], high: tuple[float, ...]) -> Box:
         middle = (np.array(low) + high) / 2

@@ -4,17 +4,19 @@ from __future__ import annotations
 
 import math
 from functools import lru_cache
+from typing import TYPE_CHECKING
 
 import cv2
 import numpy as np
 from numpy.typing import NDArray
 
 from handcart.backends.board_layout import BoardLayout
+from handcart.backends.scene.sheet import Sheet
 from handcart.robotics.geometry.pose2 import Pose2
-from handcart.robotics.geometry.transform import Transform, transform
 from handcart.robotics.perception.landmark import INK, PAPER, draw_landmark
 
-from .world_file import MarkSpec
+if TYPE_CHECKING:
+    from .mark_props import MarkSpec
 
 MARGIN = 0.01  # of paper about what is painted [m]
 M_PER_PX = 1.25e-4
@@ -22,24 +24,12 @@ M_PER_PX = 1.25e-4
 GreyImage = NDArray[np.uint8]
 
 
-class Mark:
-    """A sheet of paper. Its frame: origin in the middle, x to the right of the picture, y up, z upwards."""
+class Mark(Sheet):
+    """A sheet of paper by its spec."""
 
     def __init__(self, spec: MarkSpec) -> None:
-        self.spec = spec
-        heading = math.radians(spec.heading_deg)
-        self.pose: Transform = Pose2(spec.x_m, spec.y_m, heading).lift(spec.height_m)
-        """world_T_mark (4, 4)."""
-
-    def levels(self) -> list[tuple[GreyImage, float]]:
-        """The picture in falling resolution, each with its metres a pixel."""
-        return _levels(self.spec.kind, self.spec.size_mm, self.spec.board)
-
-    def face(self) -> Transform:
-        """Of the picture (4, 4): origin in its upper left corner, x along its rows, y down its columns."""
-        picture, metres = self.levels()[0]
-        height, width = (size * metres for size in picture.shape)
-        return np.asarray(self.pose @ transform((-width / 2, height / 2, 0.0), (math.pi, 0.0, 0.0)))
+        pose = Pose2(spec.x_m, spec.y_m, math.radians(spec.heading_deg)).lift(spec.height_m)
+        super().__init__(pose, _levels(spec.kind, spec.size_mm, spec.board))
 
 
 @lru_cache(maxsize=64)

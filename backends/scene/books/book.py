@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
+from typing import ClassVar
 
 import numpy as np
 
+from handcart.backends.scene.thing import Thing
 from handcart.robotics.geometry.transform import Transform
 
-from .thing import Rest as Rest
-from .thing import Thing
-from .world_file import BookSpec
+from .spec import BookSpec
 
 
 @dataclass(eq=False, repr=False)
@@ -21,6 +22,10 @@ class Book(Thing):
     Its frame: origin at the foot of the spine, in its middle; x from the spine to the fore-edge, y to the
     left for who faces the spine, z up.
     """
+
+    DENSITY = 700.0
+    """Of paper, in [kg/m³]."""
+    BODIES: ClassVar[Mapping[str, str]] = {"pybullet": "handcart.backends.pybullet.book_body:BookBody"}
 
     spec: BookSpec
     shelf: str | None = None

@@ -6,7 +6,8 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from .keyed_noise import keyed
+from handcart.backends.scene.keyed_noise import keyed
+
 from .row import Member, Slot, slots
 from .shelf import Shelf
 

@@ -1,0 +1,77 @@
+"""A book as Bullet's body."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from handcart.backends.scene.books.book import Book
+from handcart.backends.scene.books.painted_books import spine_levels
+
+from .box_mesh import box_mesh
+from .rounded_book import rounded_book
+from .thing_body import ThingBody
+
+_COVER = 0.2  # of the spine's grey: no light falls between the books of a row
+_STRIP = 32  # width of the plain strips beside the spine in the picture [px]
+_PAGES = 60
+_FROM_AFAR = np.full((4, 4), 110, np.uint8)
+_PRINTS = 1.5  # spines nearer than this to the camera are printed [m]
+
+
+class BookBody(ThingBody):
+    """A box with a printed spine; one to be returned has rounded edges.
+
+    Plain from afar, its picture is made when a camera first comes near. What stands in a row sleeps until
+    something touches it.
+    """
+
+    thing: Book
+    _printed: bool | None = None
+
+    def shape(self) -> int:
+        """See `ThingBody`."""
+        return (
+            super().shape() if self.thing.shelf is not None else rounded_book(self.physics, self.thing.size)
+        )
+
+    def visual(self) -> int:
+        """See `ThingBody`."""
+        width = int(spine_levels(self.thing.spec)[1][0].shape[1]) + 2 * _STRIP
+        return box_mesh(self.physics, self.thing.size, [_uvs(face, width) for face in range(6)])
+
+    def activation(self) -> int:
+        """See `ThingBody`."""
+        asleep = self.physics.p.ACTIVATION_STATE_SLEEP if self.thing.shelf is not None else 0
+        return super().activation() | int(asleep)
+
+    def look(self, eye: NDArray[np.float64] | None) -> None:
+        """See `ThingBody`: printed or plain as near or far as it is now, whoever looked before."""
+        printed = eye is not None and self._is_near(eye)
+        if printed == self._printed:
+            return
+        self._printed = printed
+        texture = self.physics.texture(_picture(self.thing) if printed else _FROM_AFAR)
+        p, client = self.physics.p, self.physics.client
+        p.changeVisualShape(self.id, -1, textureUniqueId=texture, physicsClientId=client)
+
+    def _is_near(self, eye: NDArray[np.float64]) -> bool:
+        return bool(np.linalg.norm(self.physics.pose(self.id)[:3, 3] - eye) < _PRINTS)
+
+
+def _uvs(face: int, width: int) -> list[tuple[float, float]]:
+    """Where a side's corners lie in the picture, which is `width` [px] wide."""
+    spine = (width - 2 * _STRIP) / width
+    if face == 0:
+        # Seen from before the spine, +y is left, and up is up; the picture's first row is the head.
+        return [(0.0, 0.0), (spine, 0.0), (spine, 1.0), (0.0, 1.0)]
+    strip = 0.5 if face < 4 else 1.5
+    u = spine + strip * _STRIP / width
+    return [(u, 0.25), (u, 0.25), (u, 0.75), (u, 0.75)]
+
+
+def _picture(book: Book) -> NDArray[np.uint8]:
+    """The spine, then strips for cover and pages."""
+    spine = spine_levels(book.spec)[1][0]
+    cover = np.full((spine.shape[0], _STRIP), round(_COVER * book.spec.grey), np.uint8)
+    return np.hstack((spine, cover, np.full((spine.shape[0], _STRIP), _PAGES, np.uint8)))

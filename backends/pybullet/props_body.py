@@ -1,0 +1,45 @@
+"""What acts for a domain's props in physics."""
+
+from __future__ import annotations
+
+from typing import Any, ClassVar, NamedTuple
+
+from handcart.backends.plain_values import Kinds
+from handcart.backends.scene.props import Props
+
+from .bullet_gripper import BulletGripper
+from .grip import Grip
+from .physics import Physics
+from .robot_body import RobotBody
+from .world_bodies import WorldBodies
+
+
+class Pieces(NamedTuple):
+    """What it may act upon."""
+
+    physics: Physics
+    body: RobotBody
+    world: WorldBodies
+    gripper: BulletGripper | None
+    grip: Grip | None
+
+
+class PropsBody:
+    """Named by `Props.BODIES`; by default it does nothing."""
+
+    STATE: ClassVar[Kinds] = {}
+    """Attributes that a checkpoint keeps, with their types."""
+
+    def __init__(self, props: Props[Any], pieces: Pieces) -> None:
+        self.props, self.pieces = props, pieces
+
+    def step(self) -> None:
+        """A period begins; `Props.step` was asked before."""
+
+    def act(self) -> None:
+        """A chunk of the period begins."""
+
+    @property
+    def keeps_grip(self) -> bool:
+        """Whether the hand keeps what it holds although its fingers don't press on it."""
+        return False

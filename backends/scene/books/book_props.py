@@ -1,0 +1,170 @@
+"""The books and shelves of a simulated world."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+from typing import ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from handcart.backends.plain_values import Kinds
+from handcart.backends.scene.grasp import BITE, PAD, Pads
+from handcart.backends.scene.keyed_noise import keyed
+from handcart.backends.scene.painting import Painted
+from handcart.backends.scene.props import Props
+from handcart.backends.scene.scene import Scene
+from handcart.backends.scene.solids import Solid
+from handcart.backends.scene.thing import Rest, Thing
+from handcart.robotics.geometry.transform import Transform, inverse, transform
+from handcart.robotics.kinematics.arm_model import ArmModel
+
+from . import painted_books
+from .book import Book
+from .book_rest import book_rest
+from .person import Person, Waiting
+from .putting_down import put_down
+from .row_rule import RowRule
+from .shelf import Shelf
+from .spec import BookSpec, BooksSection
+from .standing_book import StandingBook
+
+SPINE_ON_TRAY = 0.02  # from the tray's rear to the book's spine, as a person sets it down [m]
+PROTRUSION = 0.003  # spines stand this much before or behind the board's front edge at most [m]
+AWAKE = 1.3  # books of shelves further from the hand than this sleep in physics [m]
+
+
+class BookProps(Props[BooksSection]):
+    """Books by their accession numbers, shelves by their names; a person hands books over."""
+
+    section = BooksSection
+    STATE: ClassVar[Kinds] = {"books": dict[int, Book], "to_come": list[BookSpec], "waits": Waiting}
+
+    def __init__(self, scene: Scene, spec: BooksSection, seed: int) -> None:
+        super().__init__(scene, spec, seed)
+        self.shelves = {each.name: Shelf(each) for each in spec.shelves}
+        self.books: dict[int, Book] = {}
+        self.to_come = list(spec.handed_over)
+        """Books that a person still has for the robot."""
+        self.waits = Waiting()
+        self._rule: RowRule | None = None
+        self._places = np.array([each.pose[:3, 3] for each in self.shelves.values()]).reshape(-1, 3)
+        """Where shelves stand, (n, 3) in [m]."""
+
+    @classmethod
+    def solids(cls, spec: BooksSection) -> Sequence[Solid]:
+        """See `Props`."""
+        return [solid for each in spec.shelves for solid in Shelf(each).solids()]
+
+    def set_up(self) -> None:
+        """See `Props`: spines not quite in line, and a book on the tray."""
+        for shelf in self.shelves.values():
+            rng = keyed(self.seed, f"row of {shelf.name}")
+            for spec, y in shelf.standing():
+                pose = shelf.pose @ transform((rng.uniform(-PROTRUSION, PROTRUSION), y, 0.0))
+                self.books[spec.accession] = Book(pose, Rest.SHELF, spec, shelf.name)
+        if self.spec.tray is not None and self.scene.robot.has_tray:
+            self.set_on_tray(self.spec.tray)
+        self._person = Person(self)
+
+    def set_on_tray(self, spec: BookSpec, number: int = 0) -> None:
+        """A person puts the book with this number down on the tray, not quite in its place."""
+        scene, errors = self.scene, self.scene.robot.errors
+        dx, dy, turn = keyed(self.seed, f"tray {number}" if number else "tray").standard_normal(3)
+        place = errors.book_place_mm / 1e3
+        yaw = np.radians(errors.book_turn_deg * turn)
+        tray = scene.robot.tray_shape
+        spine = (tray.rear + SPINE_ON_TRAY + place * dx, tray.middle[1] + place * dy, tray.top)
+        stands = transform(spine, (0.0, 0.0, yaw))
+        self.books[spec.accession] = Book(scene.world_T_base @ stands, Rest.TRAY, spec, base_T_thing=stands)
+        scene.changes += 1
+
+    # What is there
+
+    def things(self) -> Iterable[Book]:
+        """See `Props`."""
+        return self.books.values()
+
+    def book_pose(self, accession: int) -> Transform:
+        """world_T_book (4, 4); its frame is that of `Book`."""
+        return self.books[accession].pose
+
+    def shelf_books(self, shelf: str) -> list[StandingBook]:
+        """What stands on a shelf, from left to right."""
+        frame = self.shelves[shelf].inverse_pose
+        standing = []
+        for book in self.books.values():
+            if book.rest is Rest.SHELF and book.shelf == shelf:
+                pose = frame @ book.pose
+                yaw = float(np.arctan2(pose[1, 0], pose[0, 0]))
+                lean = -float(np.arctan2(pose[2, 1], pose[2, 2]))
+                y, x = float(pose[1, 3]), float(pose[0, 3])
+                standing.append(StandingBook(book, y, x, book.tilt(), yaw, lean))
+        return sorted(standing, key=lambda each: -each.lateral)
+
+    def tray_book(self) -> Book | None:
+        """What stands on the tray."""
+        return next((book for book in self.books.values() if book.rest is Rest.TRAY), None)
+
+    def painted(self, rests: frozenset[Rest]) -> Iterable[Painted]:
+        """See `Props`."""
+        return painted_books.painted(self, rests)
+
+    # What happens
+
+    def step(self) -> None:
+        """See `Props`."""
+        self._person.step()
+
+    def hand_rule(self, arm: ArmModel) -> RowRule:
+        """See `Props`."""
+        self._rule = RowRule(self, arm)
+        return self._rule
+
+    def thickness(self, thing: Thing, pads: Pads) -> float:
+        """See `Props`."""
+        return thing.size[1]
+
+    def fits(self, thing: Thing, pads: Pads) -> bool:
+        """See `Props`: it is gripped about its covers, from before its spine."""
+        finger = pads.finger
+        pose = inverse(pads.world_T_hand) @ thing.pose
+        depth, thick, height = thing.size
+        x, y, z = pose[:3, 3]
+        inside = x < finger.tip - BITE and x + depth > finger.tip - PAD and pose[0, 0] > 0.9
+        level = z < finger.height / 2 and z + height > -finger.height / 2
+        return bool(inside and level and abs(y) + thick / 2 < pads.outer())
+
+    def gripped(self, thing: Thing, pads: Pads) -> Transform:
+        """See `Props`: covers align with the pads; centred, turned to the hand; depth and height stay."""
+        before = inverse(pads.world_T_hand) @ thing.pose
+        pitch = float(np.arctan2(-before[2, 0], before[0, 0]))
+        return transform((before[0, 3], 0.0, before[2, 3]), (0.0, pitch, 0.0))
+
+    def let_go(self, thing: Thing) -> None:
+        """See `Props`."""
+        assert isinstance(thing, Book)
+        slot = None if self._rule is None else self._rule.left()
+        put_down(self, thing, slot, self._left_aside(thing))
+
+    def _left_aside(self, book: Book) -> float:
+        """How far to the left a book leans as the second finger leaves it, in [rad]."""
+        spread = math.radians(self.scene.robot.errors.book_lean_deg)
+        instant = round(self.scene.time / self.scene.robot.period_s)
+        return spread * float(keyed(self.seed, f"{book.name} let go", instant).standard_normal())
+
+    # In physics
+
+    def awake(self, hand: NDArray[np.float64]) -> Iterable[Book]:
+        """See `Props`: the rows within reach, and what is in none."""
+        away = np.linalg.norm(self._places - hand, axis=1)
+        near = {name for name, far in zip(self.shelves, away.tolist(), strict=True) if far < AWAKE}
+        return [book for book in self.books.values() if book.rest is not Rest.SHELF or book.shelf in near]
+
+    def rested(self, thing: Thing) -> None:
+        """See `Props`."""
+        assert isinstance(thing, Book)
+        thing.rest, thing.shelf = book_rest(self, thing)
+        if thing.rest is Rest.TRAY:
+            thing.base_T_thing = inverse(self.scene.world_T_base) @ thing.pose

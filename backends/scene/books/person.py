@@ -1,0 +1,46 @@
+"""The person who hands books over."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
+
+from handcart.robotics.geometry.pose2 import Pose2
+
+if TYPE_CHECKING:
+    from .book_props import BookProps
+
+NEAR = 0.5  # [m] from where the robot started, within a person's reach
+STILL = 1e-3  # [m], [rad]: motors that hold a robot still let it move less
+AFTER = 1.0  # [s] that the robot stands there with an empty tray and hand before the next book comes
+
+
+class Waiting(NamedTuple):
+    """How far a person has come."""
+
+    given: int = 0
+    """Books so far."""
+    stood: Pose2 = Pose2(0.0, 0.0, 0.0)
+    """Where the robot stands, or was last seen moving."""
+    since: float = 0.0
+    """[s]"""
+
+
+class Person:
+    """Puts the next book onto the robot's tray when it stands at its start again, tray and hand empty."""
+
+    def __init__(self, books: BookProps) -> None:
+        """Hand over the books in `books.to_come`; how far that is stands in `books.waits`."""
+        self._books, self._start = books, books.scene.base
+
+    def step(self) -> None:
+        """One period passes."""
+        books, scene, waits = self._books, self._books.scene, self._books.waits
+        if not books.to_come or not scene.robot.has_tray:
+            return
+        idle = scene.held is None and books.tray_book() is None
+        stands = scene.base.distance(waits.stood) < STILL and scene.base.turn(waits.stood) < STILL
+        if not (idle and stands) or scene.base.distance(self._start) > NEAR:
+            books.waits = Waiting(waits.given, scene.base, scene.time)
+        elif scene.time >= waits.since + AFTER:
+            books.waits = waits._replace(given=waits.given + 1)
+            books.set_on_tray(books.to_come.pop(0), books.waits.given)

@@ -1,0 +1,31 @@
+"""A book in its row."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+from .book import Book
+
+
+class StandingBook(NamedTuple):
+    """How a book stands on a shelf, in S."""
+
+    book: Book
+    lateral: float
+    """y of the middle of its spine, in [m]."""
+    front: float
+    """x of its spine, in [m]: below zero, it is proud."""
+    tilt: float
+    """Of its height against the vertical, in [rad]."""
+    yaw: float
+    """Of its depth against the shelf's, in [rad]."""
+    lean: float
+    """Sideways, to the left, in [rad]."""
+
+    @property
+    def sides(self) -> tuple[float, float]:
+        """y of its rightmost and its leftmost point, in [m]."""
+        half = self.book.thickness / 2 * math.cos(self.lean)
+        over = self.book.height * math.sin(self.lean)
+        return self.lateral - half + min(0.0, over), self.lateral + half + max(0.0, over)

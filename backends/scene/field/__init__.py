@@ -1,0 +1,1 @@
+"""What a field of sensors has in it, in simulated worlds."""

@@ -1,0 +1,33 @@
+"""A picture that lies on a level surface."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from handcart.robotics.geometry.transform import Transform, transform
+
+GreyImage = NDArray[np.uint8]
+Levels = Sequence[tuple[GreyImage, float]]
+"""A picture in falling resolution, each with its metres a pixel."""
+
+
+class Sheet:
+    """Can be seen from above, and not touched.
+
+    Its frame: origin in the middle, x to the right of the picture, y up, z upwards.
+    """
+
+    def __init__(self, pose: Transform, levels: Levels) -> None:
+        self.pose = pose
+        """world_T_sheet (4, 4)."""
+        self.levels = levels
+
+    def face(self) -> Transform:
+        """Of the picture (4, 4): origin in its upper left corner, x along its rows, y down its columns."""
+        picture, metres = self.levels[0]
+        height, width = (size * metres for size in picture.shape)
+        return np.asarray(self.pose @ transform((-width / 2, height / 2, 0.0), (math.pi, 0.0, 0.0)))
