@@ -44,7 +44,7 @@ NEAR = 0.05  # [m] before the goal, where it turns and comes to stand
 
 
 class MoveTo(ActionPrimitive):
-    """Drive the base to a named place along the Voronoi graph, and dock there before what has a straight front.
+    """Drive the base to a named place along the Voronoi graph, and dock before what has a straight front.
 
     Odometry is corrected by comparing scans with the map. A car drives arcs and straight lines past the rocks
     of its field, by what tells it outdoors where it is. What the map doesn't show and stands in the way is
