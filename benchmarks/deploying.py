@@ -31,6 +31,7 @@ from handcart.backends.robot import Robot
 from handcart.backends.scene.field.field_props import FieldProps
 from handcart.networks.coordination.coordinator import Coordinator
 from handcart.networks.operator.permits import Permits
+from handcart.networks.run_observer import RunObserver
 from handcart.networks.runs.run import step_until_end
 from handcart.networks.runs.telemetry import Telemetry
 from handcart.networks.task.preparing import Prepared, prepare
@@ -69,7 +70,7 @@ class Laying(NamedTuple):
     """Contacts with something else in the whole run."""
 
 
-class Watcher:
+class Watcher(RunObserver):
     """Holds the arm against its robot in each period of a run."""
 
     def __init__(self, robot: Robot, field: Field) -> None:
@@ -82,7 +83,7 @@ class Watcher:
         self.nearest = math.inf
         self.met = 0
 
-    def look(self, robot: Robot) -> None:
+    def period(self, robot: Robot) -> None:
         """A period has passed."""
         scene = self._scene
         speed, turn = robot.driven
@@ -119,7 +120,7 @@ def _laid(prepared: Prepared, course: str, way: str, seed: int) -> list[Laying]:
     assert model.of(FieldWork).field is not None
     watcher = Watcher(robot, model.of(FieldWork).field)
     coordinator = Coordinator(prepared.task.network, robot, model, permission=Permits("always"))
-    end = step_until_end(coordinator, robot, Telemetry(), [watcher.look])
+    end = step_until_end(coordinator, robot, Telemetry(), [watcher])
     assert end.outcome == "Success", end.reason
     blocks = robot.backend.scene.of(FieldProps).sensors  # type: ignore[attr-defined]
     times = [math.nan, *(laid.time for laid in model.of(FieldWork).laid)]

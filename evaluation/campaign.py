@@ -24,6 +24,7 @@ from scipy.stats import binomtest
 
 from handcart.networks.coordination.interrupts import Interrupts
 from handcart.networks.coordination.supervision import INTERRUPTED
+from handcart.networks.run_options import RunOptions
 
 from .library_generator import make_library
 from .running import run_task
@@ -87,7 +88,9 @@ def run_trial(setting: Setting, seed: int) -> Trial:
 
 def _run(setting: Setting, task: Path, settings: Mapping[str, str], seed: int) -> Trial:
     with Interrupts() as heard:
-        summary, status = run_task(task, setting.runs, setting.backend, settings, seed, interrupts=heard)
+        summary, status = run_task(
+            task, setting.runs, RunOptions(setting.backend, settings, seed, interrupts=heard)
+        )
     return Trial(seed, status, summary, heard.came)
 
 

@@ -60,17 +60,6 @@ class StageFiles:
         return cls(world, task.path("knowledge", "map"), task.path("knowledge", "places"), others, start)
 
 
-STACK_BLOCKS = LIBRARY.parent / "stack_blocks"
-AT_THE_WALL = StageFiles(
-    STACK_BLOCKS / "unload_world.yaml",
-    STACK_BLOCKS / "map.yaml",
-    STACK_BLOCKS / "places.yaml",
-    {"building": STACK_BLOCKS / "building.yaml"},
-    "stacking",
-)
-"""Five blocks on the robot's own table, before the stacking table of the task stack_blocks."""
-
-
 @dataclass
 class Stage:
     """A robot in a world, with what it is told beforehand; leaving it as a context closes the backend."""

@@ -20,6 +20,7 @@ DOMAIN = Domain(
         "PICK_UP_BLOCK": "handcart.primitives.blocks.pick_up_block:PickUpBlock",
         "STACK": "handcart.primitives.blocks.stack:Stack",
     },
+    survey="handcart.evaluation.block_survey:BlockSurvey",
     files={"building": "handcart.primitives.blocks.building:Building"},
     rehearsals={_HERE / "stack_blocks" / "unload.yaml": {"blocks": "[1]"}},
 )

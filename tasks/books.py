@@ -20,6 +20,7 @@ DOMAIN = Domain(
         "INSERT": "handcart.primitives.books.insert:Insert",
         "RELEASE": "handcart.primitives.books.release:Release",
     },
+    survey="handcart.evaluation.book_survey:BookSurvey",
     files={"catalogue": "handcart.primitives.books.catalogue:Catalogue"},
-    rehearsals={_HERE / "return_book" / "task.yaml": {}},
+    rehearsals={_HERE / name / "task.yaml": {} for name in ("return_book", "return_books")},
 )

@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 from .domain import Domain
+
+_HERE = Path(__file__).parent
 
 DOMAIN = Domain(
     "calibration",
@@ -11,5 +15,10 @@ DOMAIN = Domain(
         "CALIBRATE_SUSPENSION": "handcart.primitives.calibration.calibrate_suspension:CalibrateSuspension",
         "CALIBRATE_CAMERA": "handcart.primitives.calibration.calibrate_camera:CalibrateCamera",
     },
+    survey="handcart.evaluation.calibration_survey:CalibrationSurvey",
     files={"calibration": "handcart.networks.runs.calibration:Calibration"},
+    rehearsals={
+        _HERE / "calibrate_camera" / "task.yaml": {"views": "24"},
+        _HERE / "calibrate_suspension" / "task.yaml": {"rounds": "3", "swings": "8"},
+    },
 )

@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 from .domain import Domain, Knowledge
+
+_HERE = Path(__file__).parent / "deploy_straight"
 
 DOMAIN = Domain(
     "field",
@@ -16,4 +20,6 @@ DOMAIN = Domain(
     files={"field": "handcart.primitives.field.field:Field"},
     primitives={"DEPLOY": "handcart.primitives.field.deploy:Deploy"},
     props="handcart.backends.scene.field.field_props:FieldProps",
+    rehearsals={_HERE / "task.yaml": {"targets": str(_HERE / "one_target.csv")}},
+    survey="handcart.evaluation.field_survey:FieldSurvey",
 )

@@ -16,6 +16,7 @@ from handcart.evaluation.running import run_task
 from handcart.evaluation.stage import LIBRARY, Stage
 from handcart.files.whole_file import write_whole
 from handcart.networks.graph.planner import NoWay, Planner
+from handcart.networks.run_options import RunOptions
 from handcart.networks.runs.calibration import NAME, Calibration, rounded
 from handcart.networks.runs.robot_claim import claimed
 from handcart.networks.task.preparing import prepare
@@ -216,7 +217,9 @@ class TaskRung(Rung):
 def _run(site: Site, task: Path) -> Facts:
     """Run a task to its Success; raises `RungFailed`."""
     summary, _ = run_task(
-        task, site.folder / "runs", "can", {"robot": site.name}, 0, draw=True, bench=site.bench or None
+        task,
+        site.folder / "runs",
+        RunOptions("can", {"robot": site.name}, draw=True, bench=site.bench or None),
     )
     if summary["outcome"] != "Success":
         explained = f"handcart explain {summary['run_dir']}"

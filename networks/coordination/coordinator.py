@@ -20,7 +20,7 @@ from handcart.primitives.contract.outcome import GiveUp, Outcome, Success
 from handcart.primitives.knowledge.world_model import WorldModel
 from handcart.primitives.restoring.snapshot import Snapshot
 
-from .events import Elsewhere, NotStarted, Observer
+from .events import Elsewhere, Event, NotStarted
 from .run_end import RunEnd, RunOutcome
 from .run_life import RunLife
 from .supervision import Interrupted, Request, Supervision
@@ -44,7 +44,7 @@ class Coordinator:
         robot: Robot,
         model: WorldModel,
         journal: Journal | None = None,
-        observers: Sequence[Observer] = (),
+        observers: Sequence[Callable[[Event], None]] = (),
         permission: Permission | None = None,
         standing: Standing | None = None,
         keep: Keep | None = None,

@@ -14,7 +14,6 @@ from handcart.networks.coordination.events import (
     Event,
     LeftOut,
     NotStarted,
-    Observer,
     Planned,
     Restoring,
     RunEnded,
@@ -51,7 +50,7 @@ class Chronicle(Intents):
         robot: Robot,
         model: WorldModel,
         journal: Journal | None,
-        observers: Sequence[Observer],
+        observers: Sequence[Callable[[Event], None]],
         standing: Standing | None = None,
         keep: Keep | None = None,
     ) -> None:

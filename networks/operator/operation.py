@@ -12,6 +12,7 @@ from handcart.networks.coordination.coordinator import Coordinator
 from handcart.networks.coordination.run_life import RunState
 from handcart.networks.coordination.supervision import Request
 from handcart.networks.graph.network import Action
+from handcart.networks.run_observer import RunObserver
 
 from .control import Control, Message
 from .permits import Permits
@@ -27,7 +28,7 @@ WORDS = (*REQUESTS, "permit", "refuse", "status")
 _IDLE = (RunState.WAITING_FOR_PERMISSION, RunState.PAUSED_WHILE_ACTING, RunState.PAUSED_WHILE_RESTORING)
 
 
-class Operation:
+class Operation(RunObserver):
     """Listens in the run's folder while the run lives; asked once a period.
 
     While the run waits for a permission or is paused, a period lasts as long on the wall clock: there is
@@ -45,6 +46,10 @@ class Operation:
         answer = self._permits.typed() if self._permits.asks is not None else None
         if answer is not None:
             self._permits.answer(answer)
+
+    def period(self, robot: Robot) -> None:
+        """See `RunObserver`."""
+        self.look()
 
     def answer(self, message: Message) -> dict[str, Any]:
         """Do what a message asks for, and tell how things stand."""

@@ -14,6 +14,7 @@ from handcart.backends.robot_loading import load_robot
 from handcart.backends.scene.world_file import WorldFile
 from handcart.backends.scene.world_model import world_model
 from handcart.evaluation.contact_survey import ContactSurvey
+from handcart.evaluation.surveyed_run import SurveyedRun
 from handcart.files.loading import load
 from handcart.primitives.books.books import Slot
 from handcart.primitives.books.catalogue import Book
@@ -21,6 +22,7 @@ from handcart.primitives.books.insert import Insert
 from handcart.primitives.books.pick_up import PickUp
 from handcart.primitives.books.search import Search
 from handcart.primitives.contract.action_primitive import ActionPrimitive
+from handcart.primitives.contract.outcome import Success
 from handcart.primitives.driving.move_to import MoveTo
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import transform
@@ -63,14 +65,16 @@ class Hands:
         model: Any = SimpleNamespace(of=lambda _: known)
         self.backend, self.scene = backend, backend.scene
         self.arm, self.gripper, self.base = backend._arm, backend._gripper, backend._base
-        self.survey = ContactSurvey(self.scene, model)
+        robot: Any = SimpleNamespace()
+        self.survey = ContactSurvey(SurveyedRun(robot, load_robot("librarian"), model, self.scene))
 
     def begins(self, primitive: ActionPrimitive) -> None:
+        self.primitive = primitive
         self.survey.started(1, primitive)
 
     def ends(self) -> list[str]:
         """What contradicts a Success."""
-        return [str(each) for each in self.survey.ended()]
+        return self.survey.ended(1, self.primitive, Success())
 
     def step(self, periods: int = 1) -> None:
         for _ in range(periods):
@@ -226,7 +230,7 @@ def test_notes_bring_back_what_was_touched(hands: Hands) -> None:
     hands.begins(MoveTo(place="home"))
     hands.drive(0.2, 20)
     hands.ends()
-    again = ContactSurvey(hands.scene, hands.survey.model)
+    again = ContactSurvey(hands.survey.run)
     again.go_on(hands.survey.notes())
     assert again.figures() == hands.survey.figures()
 

@@ -14,6 +14,7 @@ from handcart.networks.journal.journal import Journal
 from handcart.networks.journal.journal_record import read_journal
 from handcart.networks.journal.retracing import NeedsOperator, standing
 from handcart.networks.journal.waiting import waiting
+from handcart.networks.run_options import RunOptions
 from handcart.networks.runs.checkpoint import NAME, CheckpointKeeper
 from handcart.networks.runs.recon import Recon, gone_on, reconnoitre, standing_as_left
 from handcart.networks.runs.resuming import NothingToResume, Past, read_past, task_of
@@ -46,7 +47,7 @@ class Run:
         self.folder, self.prepare = folder, prepare
         prepared = prepare()
         self.network, self.model = prepared.task.network, prepared.model
-        execute(prepared, folder, checkpoints=True, sync="never")
+        execute(prepared, folder, RunOptions(checkpoints=True, sync=False))
 
     @property
     def records(self) -> tuple[Any, ...]:
