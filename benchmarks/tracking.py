@@ -22,6 +22,7 @@ from handcart.backends.robot_loading import load_robot
 from handcart.evaluation.judge import Judge
 from handcart.evaluation.moving_tracking import Feedback, MovingTracking
 from handcart.evaluation.placement_plots import draw_tracking_errors
+from handcart.evaluation.seam_survey import SeamSurvey
 from handcart.networks.permits import Permits
 from handcart.networks.preparing import prepare
 from handcart.networks.run import execute
@@ -59,23 +60,24 @@ def standing(count: int, backend: str | None = None) -> tuple[Row, Run]:
     maxima, rms, last, use = [], [], (np.zeros(1), np.zeros(1)), 0.0
     with tempfile.TemporaryDirectory() as folder:
         for seed in range(count):
-            judge = _judged(Path(folder) / str(seed), seed, backend)
-            assert judge.seam is not None
-            figures = judge.seam.figures()
+            seam = _surveyed(Path(folder) / str(seed), seed, backend)
+            figures = seam.figures()
             maxima.append(figures["tracking_error_mm_max"])
             rms.append(figures["tracking_error_mm_rms"])
-            use = max(use, *(float(each.speed.max()) for each in judge.seam.uses()))
-            last = _in_a_row(judge.seam.errors())
+            use = max(use, *(float(each.speed.max()) for each in seam.uses()))
+            last = _in_a_row(seam.errors())
     return Row(f"standing, {backend}" if backend else "standing", maxima, rms, use, "<= 1"), last
 
 
-def _judged(folder: Path, seed: int, backend: str | None) -> Judge:
+def _surveyed(folder: Path, seed: int, backend: str | None) -> SeamSurvey:
     """What the ground truth says of a run."""
     with prepare(TASK / "task.yaml", backend, seed=seed) as prepared:
         judge = Judge(prepared)
         end = execute(prepared, folder, [judge], permits=Permits("always"), onlookers=[judge.look])
         assert end.outcome == "Success", end.reason
-    return judge
+    seam = judge.surveys.of(SeamSurvey)
+    assert seam is not None, "the task has one"
+    return seam
 
 
 def _in_a_row(stretches: list[Run]) -> Run:

@@ -3,17 +3,24 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from handcart.backends.robot import Robot
 from handcart.backends.scene.suspension import leaning
-from handcart.primitives.building import Building, Slot
-from handcart.primitives.world_model import Fixed, WorldModel
+from handcart.primitives.action_primitive import ActionPrimitive
+from handcart.primitives.building import Slot
+from handcart.primitives.outcome import Outcome
+from handcart.primitives.world_model import Fixed
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import inverse, transform
+
+from .block_effects import EFFECTS, STACK, STACKED_MM
+from .survey import Survey
+from .surveyed_run import SurveyedRun
 
 SCALE_MM = 0.5  # of the paper's readings
 FALLEN_MM = 30.0  # further away from its goal a block counts as not placed
@@ -58,25 +65,45 @@ class BlockError(NamedTuple):
         return max(abs(self.processed_x), abs(self.processed_y))
 
 
-@dataclass
-class BlockSurvey:
+@dataclass(frozen=True)
+class BlockNotes:
+    """What couldn't be seen again."""
+
+    reference: tuple[float, tuple[float, float]] | None
+    """Heading and lean."""
+    gripped: dict[str, tuple[float, float, float]]
+    released: dict[str, tuple[float, float, float]]
+    moved: dict[str, tuple[float, float]]
+    frames: int
+    uncorrected: bool
+
+
+class BlockSurvey(Survey):
     """Looks at a scene once a period, and notes how the base stood when blocks were gripped and let go."""
 
-    scene: Any
-    model: WorldModel
-    plan: Building
-    _fixed: Fixed | None = None
-    _reference: Attitude | None = None
-    _held: Any = None
-    _rested: dict[str, str] = field(default_factory=dict)
-    _gripped: dict[str, Vector] = field(default_factory=dict)
-    """By block: the shift (3,) with which it was gripped off a table, in the base frame, in [m]."""
-    _released: dict[str, Vector] = field(default_factory=dict)
-    _moved: dict[str, tuple[float, float]] = field(default_factory=dict)
-    """Turn and lean about x since the fixation when it was let go, in [rad]."""
+    name = "blocks"
+    effects = EFFECTS
+    noted = BlockNotes
 
-    def look(self) -> None:
-        """A period has passed."""
+    def __init__(self, run: SurveyedRun) -> None:
+        """See `Survey`."""
+        super().__init__(run)
+        self.scene, self.model = run.world, run.model
+        self.plan = run.model.building if STACK in run.does else None
+        """Where blocks are to be stacked; None: none are."""
+        self._frames, self._uncorrected = 0, True
+        self._fixed: Fixed | None = None
+        self._reference: Attitude | None = None
+        self._held: Any = None
+        self._rested: dict[str, str] = {}
+        self._gripped: dict[str, Vector] = {}
+        """By block: the shift (3,) with which it was gripped off a table, in the base frame, in [m]."""
+        self._released: dict[str, Vector] = {}
+        self._moved: dict[str, tuple[float, float]] = {}
+        """Turn and lean about x since the fixation when it was let go, in [rad]."""
+
+    def look(self, robot: Robot) -> None:
+        """See `Survey`."""
         if self.model.fixed is not None and not _same_fix(self.model.fixed, self._fixed):
             self._reference = self._attitude()
         self._fixed = self.model.fixed
@@ -90,28 +117,35 @@ class BlockSurvey:
             self._held = held
         self._rested = {block.name: block.rest.value for block in self.scene.blocks.values()}
 
-    def notes(self) -> dict[str, Any]:
-        """What couldn't be seen again."""
-        return {
-            "reference": None if self._reference is None else tuple(self._reference),
-            "gripped": self._gripped,
-            "released": self._released,
-            "moved": self._moved,
-        }
+    def ended(self, number: int, primitive: ActionPrimitive, outcome: Outcome) -> list[str]:
+        """See `Survey`."""
+        self._frames += int(primitive.facts.get("frames", 0))
+        if getattr(primitive, "onto", "") == "goal":
+            self._uncorrected &= getattr(primitive, "method", "") == "fix_once"
+        return []
 
-    def go_on(self, notes: dict[str, Any]) -> None:
-        """Take up the notes of the run that this one goes on with."""
-        if notes["reference"] is not None:
-            heading, lean = notes["reference"]
-            self._reference, self._fixed = Attitude(heading, tuple(lean)), self.model.fixed
-        self._gripped = {name: np.array(shift) for name, shift in notes["gripped"].items()}
-        self._released = {name: np.array(shift) for name, shift in notes["released"].items()}
-        self._moved = {name: tuple(moved) for name, moved in notes["moved"].items()}
+    def notes(self) -> BlockNotes:
+        """See `Survey`."""
+        gripped, released = (
+            {name: tuple(shift.tolist()) for name, shift in each.items()}
+            for each in (self._gripped, self._released)
+        )
+        reference = None if self._reference is None else (self._reference.heading, self._reference.lean)
+        return BlockNotes(reference, gripped, released, self._moved, self._frames, self._uncorrected)
+
+    def go_on(self, noted: BlockNotes) -> None:
+        """See `Survey`."""
+        if noted.reference is not None:
+            self._reference, self._fixed = Attitude(*noted.reference), self.model.fixed
+        self._gripped = {name: np.array(shift) for name, shift in noted.gripped.items()}
+        self._released = {name: np.array(shift) for name, shift in noted.released.items()}
+        self._moved = dict(noted.moved)
+        self._frames, self._uncorrected = noted.frames, noted.uncorrected
 
     def errors(self) -> list[BlockError]:
         """Of all blocks that stand about where they should."""
         found = []
-        for number, goal in enumerate(self.plan.goals, start=1):
+        for number, goal in enumerate(self.plan.goals if self.plan else (), start=1):
             block = self.scene.blocks.get(str(number))
             if block is not None and block.rest.value == "table":
                 error = self._error(number, goal, block)
@@ -119,20 +153,31 @@ class BlockSurvey:
                     found.append(error)
         return found
 
-    def figures(self, processed: bool) -> dict[str, Any]:
-        """For a run's metrics; `processed`: whether the method leaves the base's motion uncorrected."""
+    def figures(self) -> dict[str, Any]:
+        """See `Survey`; none where no blocks are to be stacked."""
+        if self.plan is None:
+            return {}
         errors = self.errors()
         sizes = [error.size for error in errors]
-        result: dict[str, Any] = {"blocks_placed": len(errors)}
+        result: dict[str, Any] = {"blocks_placed": len(errors), "frames": self._frames}
         if errors:
             result["raw_error_mm_mean"] = round(float(np.mean(sizes)), 3)
             result["raw_error_mm_max"] = round(max(sizes), 3)
-            if processed:
+            if self._uncorrected:  # the method leaves the base's motion uncorrected
                 result["processed_error_mm_max"] = round(max(error.processed for error in errors), 3)
         result["blocks"] = [
             {name: round(float(value), 3) for name, value in error._asdict().items()} for error in errors
         ]
         return result
+
+    def faults(self) -> list[str]:
+        """See `Survey`; Success claims that every block of the plan stands about where it should."""
+        goals, errors = len(self.plan.goals) if self.plan else 0, self.errors()
+        far = [
+            f"block {error.number} is {error.size:.1f} mm off" for error in errors if error.size > STACKED_MM
+        ]
+        missing = goals - len(errors)
+        return far + ([f"{missing} of {goals} blocks don't stand where they should"] if missing else [])
 
     def _attitude(self) -> Attitude:
         return Attitude(self.scene.base.theta, tuple(self.scene.lean))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass
 from typing import Any
 
 import numpy as np
@@ -11,9 +11,11 @@ from handcart.backends.robot import Robot
 from handcart.backends.scene.arm_contact import HELD
 from handcart.primitives.action_primitive import ActionPrimitive
 from handcart.primitives.meant_contact import RobotPart
-from handcart.primitives.world_model import WorldModel
+from handcart.primitives.outcome import Outcome, Success
 
 from .robot_links import RobotLinks
+from .survey import Survey
+from .surveyed_run import SurveyedRun
 
 LISTED = 8  # contacts that a run's metrics tell one by one
 Pair = tuple[str, str]
@@ -45,39 +47,48 @@ class Touched:
         return f"{self.body} touched {self.other}, which it didn't mean to, {how_long}"
 
 
-@dataclass
-class ContactSurvey:
+class ContactSurvey(Survey):
     """Looks at a scene once a period."""
 
-    scene: Any
-    """Ground truth."""
-    model: WorldModel
-    contacts: list[Touched] = field(default_factory=list)
-    """All of them that are over, and those that last."""
-    _running: tuple[int, ActionPrimitive] | None = None
-    _lasting: dict[Pair, Touched | None] = field(default_factory=dict)
-    """What touches now; None: since before this action ended."""
+    name = "contacts"
+    noted = list[Touched]
 
-    def __post_init__(self) -> None:
-        self._links = RobotLinks(self.scene.arm)
-        self._held = ""
+    def __init__(self, run: SurveyedRun) -> None:
+        """See `Survey`."""
+        super().__init__(run)
+        self.contacts: list[Touched] = []
+        """All of them that are over, and those that last."""
+        self._running: tuple[int, ActionPrimitive] | None = None
+        self._lasting: dict[Pair, Touched | None] = {}
+        """What touches now; None: since before this action ended."""
+        self._links, self._held = RobotLinks(run.world.arm), ""
+
+    @classmethod
+    def applies(cls, run: SurveyedRun) -> bool:
+        """See `Survey`."""
+        return run.world is not None
 
     def started(self, number: int, primitive: ActionPrimitive) -> None:
         """An action with that number starts; what touches already counts as touched by it."""
         self._running, self._lasting = (number, primitive), {}
 
-    def ended(self) -> list[Touched]:
-        """The running action has ended; gives what it touched without meaning to."""
-        number = 0 if self._running is None else self._running[0]
+    def ended(self, number: int, primitive: ActionPrimitive, outcome: Outcome) -> list[str]:
+        """See `Survey`; a Success touched nothing that its primitive doesn't mean to."""
+        unmeant = self.unmeant()
         self._running = None
-        self._lasting = dict.fromkeys(self.scene.touching)
+        self._lasting = dict.fromkeys(self.run.world.touching)
+        return [str(each) for each in unmeant] if isinstance(outcome, Success) else []
+
+    def unmeant(self) -> list[Touched]:
+        """What the running action touched without meaning to."""
+        number = 0 if self._running is None else self._running[0]
         return [each for each in self.contacts if each.action == number and number and not each.meant]
 
     def look(self, robot: Robot) -> None:
         """A period has passed."""
-        if self.scene.held is not None:
-            self._held = self.scene.held.name
-        touching = self.scene.touching
+        if self.run.world.held is not None:
+            self._held = self.run.world.held.name
+        touching = self.run.world.touching
         if not touching and not self._lasting:
             return
         self._lasting = {pair: each for pair, each in self._lasting.items() if pair in touching}
@@ -93,7 +104,7 @@ class ContactSurvey:
         part, number, do, meant = self._links.part(body), 0, "", False
         if self._running is not None:
             number, primitive = self._running
-            do, means = primitive.label(), primitive.meant_contacts(self.model)
+            do, means = primitive.label(), primitive.meant_contacts(self.run.model)
             meant = any(each.covers(part, other) for each in means)
         name = f"held {self._held}" if body == HELD else body
         touched = Touched(part, name, other, number, do, round(now, 3), now, None, meant)
@@ -103,17 +114,17 @@ class ContactSurvey:
     def _go_on_touching(self, each: Touched, now: float) -> None:
         each.to_s = round(now, 3)
         if each.part in ("hand", "held"):
-            force = float(np.linalg.norm(self.scene.hand_force))
+            force = float(np.linalg.norm(self.run.world.hand_force))
             each.force_n = round(max(force, each.force_n or 0.0), 1)
 
-    def notes(self) -> list[dict[str, Any]]:
-        """All of it, as it can be noted."""
-        return [asdict(each) for each in self.contacts]
+    def notes(self) -> list[Touched]:
+        """See `Survey`."""
+        return self.contacts
 
-    def go_on(self, notes: list[dict[str, Any]]) -> None:
-        """Take up the notes of the run that this one goes on with."""
-        self.contacts = [Touched(**each) for each in notes]
-        self._lasting = dict.fromkeys(self.scene.touching)
+    def go_on(self, noted: list[Touched]) -> None:
+        """See `Survey`."""
+        self.contacts = noted
+        self._lasting = dict.fromkeys(self.run.world.touching)
 
     def figures(self) -> dict[str, Any]:
         """For a run's metrics: how many contacts, and the first of those that weren't meant."""

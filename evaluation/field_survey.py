@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -11,16 +12,20 @@ from numpy.typing import NDArray
 
 from handcart.backends.gps import Gps
 from handcart.backends.robot import Robot
+from handcart.networks.preparing import Prepared
 from handcart.primitives.target import Laid
-from handcart.primitives.world_model import WorldModel
 from handcart.robotics.navigation.placement_errors import aligned_spread, nees
 
+from .field_effects import EFFECTS
+from .survey import Survey
 from .survey_notes import SurveyNotes
+from .surveyed_run import SurveyedRun
 from .total_station import Sight, TotalStation
 
 LOOKS_BACK = 1.0  # [s] before a sensor is let go, in which the hand stands over it
 EVERY = 0.5  # [s] between points of the tracks that are drawn
 NOTES = "survey.jsonl"
+TRACKS = ("fixes", "odometry", "estimate", "truth")
 NOTED = 5.0  # [s] at most between two notes
 Array = NDArray[np.float64]
 Place = tuple[float, float]
@@ -48,35 +53,53 @@ class Placement(NamedTuple):
         return 1e3 * (self.measured[0] - self.target[0]), 1e3 * (self.measured[1] - self.target[1])
 
 
-class FieldSurvey:
-    """Looks at a scene once a period, and notes where sensors are let go."""
+@dataclass(frozen=True)
+class FieldNote:
+    """What is new since the last one."""
 
-    def __init__(self, scene: Any, model: WorldModel, seed: int, folder: Path | None = None) -> None:
-        """Of a run that hasn't started, or goes on.
+    laid: dict[str, tuple[str, Place | None]]
+    """By sensor: the block that it is, and where it was measured to lie."""
+    tracks: dict[str, list[Place]]
+    sights: list[tuple[float, float, float, float]]
+    """Time in [s], place in [m]."""
 
-        Args:
-            scene: ground truth.
-            model: what the robot knows.
-            seed: of the total station's errors.
-            folder: the run's, where notes are kept; None: nowhere.
-        """
-        self._scene, self._model = scene, model
-        spec = scene.total_station
-        self.station = TotalStation(spec, scene, seed) if spec is not None else None
+
+class FieldSurvey(Survey):
+    """Looks at a scene once a period, and notes where sensors are let go.
+
+    Its notes grow with the way, so they have a file of their own in the run's folder.
+    """
+
+    name = "field"
+    effects = EFFECTS
+
+    def __init__(self, run: SurveyedRun) -> None:
+        """See `Survey`; raises NotAState where the notes in the run's folder make no sense."""
+        super().__init__(run)
+        self._scene, self._model = run.world, run.model
+        spec = None if run.world is None else run.world.total_station
+        self.station = TotalStation(spec, run.world, run.seed) if spec is not None else None
         self._blocks: dict[str, str] = {}
         self._seen: dict[str, Place | None] = {}
-        self.tracks: dict[str, list[Place]] = {
-            name: [] for name in ("fixes", "odometry", "estimate", "truth")
-        }
+        self.tracks: dict[str, list[Place]] = {name: [] for name in TRACKS}
         """Points (x, y) in [m], for plots."""
         self._next = 0.0
         self._held = ""
-        self._notes = SurveyNotes(folder, NOTES) if folder is not None else None
-        self._go_on()
-        self._noted, self._told = scene.time, self._lengths()
+        simulated = run.folder is not None and run.world is not None
+        self._notes = SurveyNotes(run.folder, NOTES) if run.folder is not None and simulated else None
+        if run.world is not None:
+            self._go_on()
+            self._noted, self._told = run.world.time, self._lengths()
+
+    @classmethod
+    def applies(cls, run: SurveyedRun) -> bool:
+        """See `Survey`; the as-laid report needs no ground truth."""
+        return bool(run.does & cls.effects.keys() or run.model.targets)
 
     def look(self, robot: Robot) -> None:
-        """A period has passed."""
+        """See `Survey`."""
+        if self._scene is None:
+            return
         if self.station is not None:
             self.station.look()
         self._follow(robot)
@@ -91,16 +114,20 @@ class FieldSurvey:
 
     def _go_on(self) -> None:
         """Take up what was noted of the run that this one goes on with."""
-        for note in self._notes.until(self._scene.time) if self._notes is not None else []:
-            for name, points in note["tracks"].items():
-                self.tracks[name] += [(x, y) for x, y in points]
-            for name, (block, place) in note["laid"].items():
-                self._blocks[name], self._seen[name] = block, tuple(place) if place else None
-            if self.station is not None:
-                self.station.sights += [Sight(time, np.array(place)) for time, *place in note["sights"]]
+        if self._notes is not None:
+            for note in self._notes.until(self._scene.time):
+                self._take_up(self._notes.checked(note, FieldNote))
         for laid in self._model.laid:
             if laid.name not in self._blocks:  # nobody noted anything
                 self._blocks[laid.name], self._seen[laid.name] = self._nearest(laid), None
+
+    def _take_up(self, note: FieldNote) -> None:
+        for name in TRACKS:
+            self.tracks[name] += note.tracks.get(name, [])
+        for name, (block, place) in note.laid.items():
+            self._blocks[name], self._seen[name] = block, place
+        if self.station is not None:
+            self.station.sights += [Sight(time, np.array(place)) for time, *place in note.sights]
 
     def _lengths(self) -> dict[str, int]:
         """How many points there are of each kind."""
@@ -112,15 +139,15 @@ class FieldSurvey:
         if self._notes is None:
             return
         sights = self.station.sights[self._told["sights"] :] if self.station is not None else []
-        note = {
-            "laid": {name: (self._blocks[name], self._seen[name]) for name in laid},
-            "tracks": {
+        note = FieldNote(
+            {name: (self._blocks[name], self._seen[name]) for name in laid},
+            {
                 name: [(round(x, 3), round(y, 3)) for x, y in points[self._told[name] :]]
                 for name, points in self.tracks.items()
             },
-            "sights": [(sight.time, *sight.place.round(4).tolist()) for sight in sights],
-        }
-        self._notes.add(self._scene.time, note)
+            [(sight.time, *sight.place.round(4).tolist()) for sight in sights],
+        )
+        self._notes.add(self._scene.time, vars(note))
         self._noted, self._told = self._scene.time, self._lengths()
 
     def placements(self) -> list[Placement]:
@@ -136,7 +163,9 @@ class FieldSurvey:
         return found
 
     def figures(self) -> dict[str, Any]:
-        """For a run's metrics."""
+        """See `Survey`."""
+        if self._scene is None or not self._model.targets:
+            return {}
         every = self.placements()
         seen = [each for each in every if each.error_mm is not None]
         result: dict[str, Any] = {"placed": len(every), "out_of_sight": len(every) - len(seen)}
@@ -151,6 +180,17 @@ class FieldSurvey:
             result["aligned_sd_x_mm"], result["aligned_sd_y_mm"] = (round(float(each), 1) for each in spread)
         result["placements"] = [_row(each) for each in every]
         return result
+
+    def report(self, prepared: Prepared, folder: Path) -> None:
+        """Write the as-laid report where sensors were laid; draw it where they were surveyed."""
+        if not prepared.model.laid:
+            return
+        from .as_laid_plots import draw_as_laid
+        from .as_laid_report import write_as_laid
+
+        sensors = write_as_laid(prepared, folder)
+        if self._scene is not None:
+            draw_as_laid(folder, self, sensors)
 
     def _nearest(self, laid: Laid) -> str:
         """The block that lies nearest to where the robot believed to lay it."""

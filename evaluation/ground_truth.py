@@ -71,7 +71,11 @@ def scene_of(backend: Backend) -> Any:
 
 def ground_truth(backend: Backend) -> GroundTruth | None:
     """Read it; None where nothing is simulated."""
-    scene = scene_of(backend)
+    return true_state(scene_of(backend))
+
+
+def true_state(scene: Any) -> GroundTruth | None:
+    """Of a simulated world; None of none."""
     if scene is None:
         return None
     bodies = {each.name: _body(scene, each) for each in (*scene.books.values(), *scene.blocks.values())}

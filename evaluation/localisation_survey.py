@@ -3,29 +3,38 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
-from typing import Any
 
 from handcart.backends.robot import Robot
 
+from .survey import Survey
+from .surveyed_run import SurveyedRun
 
-@dataclass
-class LocalisationSurvey:
+
+class LocalisationSurvey(Survey):
     """Looks at a scene once a period."""
 
-    scene: Any
-    """Ground truth."""
-    periods: int = 0
-    squares: float = 0.0
-    """Sum of squared distances, in [m²]."""
-    farthest: float = 0.0
-    """In [m]."""
-    turned: float = 0.0
-    """The largest error of the heading, in [rad]."""
+    name = "localisation"
+    noted = tuple[int, float, float, float]
+
+    def __init__(self, run: SurveyedRun) -> None:
+        """See `Survey`."""
+        super().__init__(run)
+        self.periods = 0
+        self.squares = 0.0
+        """Sum of squared distances, in [m²]."""
+        self.farthest = 0.0
+        """In [m]."""
+        self.turned = 0.0
+        """The largest error of the heading, in [rad]."""
+
+    @classmethod
+    def applies(cls, run: SurveyedRun) -> bool:
+        """See `Survey`."""
+        return run.world is not None
 
     def look(self, robot: Robot) -> None:
         """A period has passed."""
-        pose, truth = robot.pose, self.scene.base
+        pose, truth = robot.pose, self.run.world.base
         off = pose.distance(truth)
         self.periods += 1
         self.squares += off * off
@@ -33,12 +42,12 @@ class LocalisationSurvey:
         self.turned = max(self.turned, pose.turn(truth))
 
     def notes(self) -> tuple[int, float, float, float]:
-        """All of it, as it can be noted."""
+        """See `Survey`."""
         return self.periods, self.squares, self.farthest, self.turned
 
-    def go_on(self, notes: tuple[int, float, float, float]) -> None:
-        """Take up the notes of the run that this one goes on with."""
-        self.periods, self.squares, self.farthest, self.turned = notes
+    def go_on(self, noted: tuple[int, float, float, float]) -> None:
+        """See `Survey`."""
+        self.periods, self.squares, self.farthest, self.turned = noted
 
     def figures(self) -> dict[str, float]:
         """For a run's metrics."""

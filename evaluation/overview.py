@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -40,7 +40,13 @@ class Stretch:
     outcome: str
 
 
-def draw_overview(run_dir: Path, grid: GridMap, places: Mapping[str, Place], radius: float) -> Path:
+def draw_overview(
+    run_dir: Path,
+    grid: GridMap,
+    places: Mapping[str, Place],
+    radius: float,
+    shown: Collection[str] = (),
+) -> Path:
     """Draw a run that has ended.
 
     Args:
@@ -48,6 +54,7 @@ def draw_overview(run_dir: Path, grid: GridMap, places: Mapping[str, Place], rad
         grid: the map that the robot had.
         places: on it.
         radius: of the robot's footprint, in [m].
+        shown: primitives whose pictures are shown before others'.
 
     Returns:
         The path of the picture.
@@ -56,7 +63,7 @@ def draw_overview(run_dir: Path, grid: GridMap, places: Mapping[str, Place], rad
     from matplotlib.figure import Figure
 
     track, stretches = load_track(run_dir / "telemetry.npz"), time_line(run_dir)
-    picture = _last_picture(run_dir)
+    picture = _last_picture(run_dir, shown)
     figure = Figure(figsize=(12.0, 7.2), layout="constrained")
     axes = figure.subplot_mosaic(
         [["map", "picture"], ["time", "time"]] if picture is not None else [["map"], ["time"]],
@@ -190,9 +197,10 @@ def _points(run_dir: Path) -> dict[str, dict[str, NDArray[np.float64]]]:
     return found
 
 
-def _last_picture(run_dir: Path) -> tuple[str, NDArray[np.uint8]] | None:
-    """The last picture of SEARCH, or else of any primitive, half its size; RGB."""
-    paths = sorted((run_dir / FOLDER).glob("*SEARCH*.png")) or sorted((run_dir / FOLDER).glob("*.png"))
+def _last_picture(run_dir: Path, shown: Collection[str]) -> tuple[str, NDArray[np.uint8]] | None:
+    """The last picture of one of these primitives, or else of any, half its size; RGB."""
+    every = sorted((run_dir / FOLDER).glob("*.png"))
+    paths = [path for path in every if any(f"_{name}" in path.name for name in shown)] or every
     if not paths:
         return None
     pixels = cv2.imread(str(paths[-1]))

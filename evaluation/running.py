@@ -132,33 +132,26 @@ def run_task(
         )
         _report(prepared, folder, judge, told)
         if draw:
-            _draw(prepared, folder, told)
+            _draw(prepared, folder, judge, told)
     return orjson.loads((folder / "summary.json").read_bytes()), end.exit_status
 
 
 def _report(prepared: Prepared, folder: Path, judge: Judge, told: Teller | None) -> None:
-    """Where sensors were laid: the as-laid report; a disk that takes no more doesn't change how it ended."""
-    if not prepared.model.laid:
-        return
-    from .as_laid_plots import draw_as_laid
-    from .as_laid_report import write_as_laid
-
+    """What the surveys write and draw; a disk that takes no more doesn't change how the run ended."""
     try:
-        sensors = write_as_laid(prepared, folder)
-        if judge.field is not None:
-            draw_as_laid(folder, judge.field, sensors)
+        judge.surveys.report(prepared, folder)
     except OSError as error:
         if told is not None:
-            told.say(f"{folder} can't be written: {error.strerror}; the as-laid report isn't whole")
+            told.say(f"{folder} can't be written: {error.strerror}; what was surveyed isn't reported whole")
 
 
-def _draw(prepared: Prepared, folder: Path, told: Teller | None) -> None:
+def _draw(prepared: Prepared, folder: Path, judge: Judge, told: Teller | None) -> None:
     """Draw the overview; a disk that takes no more doesn't change how the run ended."""
     from .overview import draw_overview
 
     model, radius = prepared.model, prepared.robot.spec.footprint_radius_m
     try:
-        draw_overview(folder, model.map, model.places, radius)
+        draw_overview(folder, model.map, model.places, radius, judge.surveys.shown)
     except OSError as error:
         if told is not None:
             told.say(f"{folder} can't be written: {error.strerror}; there is no overview.svg")
@@ -188,7 +181,7 @@ def resume_task(
     Raises:
         NoRun: it is no run's folder.
         JournalError: the journal can't be read, or is damaged inside.
-        NotAState: the checkpoint is damaged, or of something else.
+        NotAState: the checkpoint, or what was noted to judge the run by, is damaged or of something else.
         RunAlive: the run still goes on.
         NothingToResume: the run came to its end.
         NeedsOperator: a person has to decide something first.
@@ -206,7 +199,7 @@ def resume_task(
             for words in (*recon.words(), past.next_words()):
                 told.say(words)
             past = gone_on(past, recon, confirm)
-        judge = _judge_going_on(prepared, folder)
+        judge = Judge(prepared, folder)
         told.begin(prepared, folder)
         if claim is not None:
             claim.begin(folder)
@@ -247,17 +240,6 @@ def prepare_again(folder: Path) -> tuple[Mapping[str, Any], Prepared]:
         resumed=True,
     )
     return header, prepared
-
-
-def _judge_going_on(prepared: Prepared, folder: Path) -> Judge:
-    """The judge of a run that goes on: it takes up what it had noted in the run's folder."""
-    try:
-        return Judge(prepared, folder)
-    except (LookupError, TypeError, ValueError, AttributeError) as error:
-        told = (
-            f"what was noted in {folder} to judge the run by makes no sense: {type(error).__name__}: {error}"
-        )
-        raise NeedsOperator(printable(told)) from None
 
 
 def put_back(folder: Path, header: Mapping[str, Any], prepared: Prepared, told: Teller) -> Past:

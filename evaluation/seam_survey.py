@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -13,9 +13,12 @@ from handcart.primitives.action_primitive import ActionPrimitive
 from handcart.primitives.outcome import Outcome, Success
 from handcart.primitives.seam_room import working_arm
 from handcart.primitives.track import MOST_OFF, Track
-from handcart.primitives.world_model import WorldModel
 from handcart.robotics.manipulation.tool_path import ToolPath
 from handcart.robotics.manipulation.tracking_limits import ArmLoad, LimitUse
+
+from .seam_effects import EFFECTS
+from .survey import Survey
+from .surveyed_run import SurveyedRun
 
 Floats = NDArray[np.float64]
 
@@ -35,54 +38,69 @@ class Stretch:
         self.tips: list[Floats] = []
 
 
-@dataclass
-class SeamSurvey:
+@dataclass(frozen=True)
+class StretchNotes:
+    """A `Stretch`, as it can be noted."""
+
+    part: dict[str, Any]
+    score: float
+    times: list[float]
+    joints: list[list[float]]
+    tips: list[tuple[float, float, float]]
+
+
+class SeamSurvey(Survey):
     """Looks at a scene once a period while TRACK has the tool on the seam."""
 
-    scene: Any
-    """Ground truth."""
-    model: WorldModel
-    robot: Robot
-    tracks: Track | None = None
-    """The running one."""
-    stretches: list[Stretch] = field(default_factory=list)
-    """Of the TRACKs that succeeded."""
-    _now: Stretch | None = None
+    name = "seam"
+    effects = EFFECTS
+    noted = list[StretchNotes]
 
-    def started(self, primitive: ActionPrimitive) -> None:
-        """An action starts."""
+    def __init__(self, run: SurveyedRun) -> None:
+        """See `Survey`."""
+        super().__init__(run)
+        self.tracks: Track | None = None
+        """The running one."""
+        self.stretches: list[Stretch] = []
+        """Of the TRACKs that succeeded."""
+        self._now: Stretch | None = None
+
+    @classmethod
+    def applies(cls, run: SurveyedRun) -> bool:
+        """See `Survey`; where a seam is known, it says how much of it was tracked."""
+        return super().applies(run) or (run.world is not None and run.model.seam is not None)
+
+    def started(self, number: int, primitive: ActionPrimitive) -> None:
+        """See `Survey`."""
         self.tracks = primitive if isinstance(primitive, Track) else None
         self._now = None
 
-    def look(self) -> None:
-        """A period has passed."""
+    def look(self, robot: Robot) -> None:
+        """See `Survey`."""
         part = None if self.tracks is None else self.tracks.tracking
         if part is None:
             return
         if self._now is None:
             self._now = Stretch(part)
-        self._now.times.append(self.robot.time)
-        self._now.joints.append(self.robot.arm.command())
-        self._now.tips.append(self.scene.world_T("hand")[:3, 3].copy())
+        self._now.times.append(robot.time)
+        self._now.joints.append(robot.arm.command())
+        self._now.tips.append(self.run.world.world_T("hand")[:3, 3].copy())
 
-    def ended(self, outcome: Outcome) -> None:
-        """The action has ended."""
+    def ended(self, number: int, primitive: ActionPrimitive, outcome: Outcome) -> list[str]:
+        """See `Survey`."""
         if isinstance(outcome, Success) and self._now is not None:
             self._now.score = float(outcome.evidence.get("part_score_m", 0.0))
             self.stretches.append(self._now)
         self.tracks = self._now = None
+        return []
 
-    def notes(self) -> dict[str, Any]:
-        """What couldn't be seen again."""
-        return {"stretches": [{**vars(each), "part": each.part._asdict()} for each in self.stretches]}
+    def notes(self) -> list[StretchNotes]:
+        """See `Survey`."""
+        return [_noted(each) for each in self.stretches]
 
-    def go_on(self, notes: dict[str, Any]) -> None:
-        """Take up the notes of the run that this one goes on with."""
-        for each in notes["stretches"]:
-            stretch = Stretch(ToolPath(**{name: np.array(value) for name, value in each["part"].items()}))
-            stretch.score, stretch.times = each["score"], each["times"]
-            stretch.joints, stretch.tips = (list(np.array(each[name])) for name in ("joints", "tips"))
-            self.stretches.append(stretch)
+    def go_on(self, noted: list[StretchNotes]) -> None:
+        """See `Survey`."""
+        self.stretches = [_again(each, self.run.robot.arm_model.dof) for each in noted]
 
     def errors(self) -> list[tuple[Floats, Floats]]:
         """For each stretch times (k,) in [s] and distances (k,) of the tool from the seam in [m]."""
@@ -92,9 +110,10 @@ class SeamSurvey:
         ]
 
     def figures(self) -> dict[str, Any]:
-        """For a run's metrics."""
-        seam = self.model.seam
-        assert seam is not None
+        """See `Survey`; none where no seam is known."""
+        seam = self.run.model.seam
+        if seam is None:
+            return {}
         tracked = sum(each.part.length for each in self.stretches)
         found: dict[str, Any] = {"placements": len(self.stretches), "seam_tracked_m": round(tracked, 3)}
         found["score"] = round(sum(each.score for each in self.stretches) / seam.length, 4)
@@ -108,9 +127,10 @@ class SeamSurvey:
         }
 
     def faults(self) -> list[str]:
-        """What contradicts that the seam is tracked, in words."""
-        seam = self.model.seam
-        assert seam is not None
+        """See `Survey`; Success claims that all of it was tracked, nowhere farther off than TRACK allows."""
+        seam = self.run.model.seam
+        if seam is None:
+            return []
         left = seam.length - sum(each.part.length for each in self.stretches)
         found = [f"{left:.3f} m of the seam were not tracked"] if left > 1e-6 else []
         off = max((float(distance.max()) for _, distance in self.errors()), default=0.0)
@@ -122,19 +142,45 @@ class SeamSurvey:
 
     def _violations(self) -> int:
         """Periods and joints with an angle, a speed or a torque beyond its limit."""
-        arm = self.robot.arm_model
+        arm = self.run.robot.arm_model
         joints = np.vstack([each.joints for each in self.stretches])
         beyond = (joints < arm.lower - ROUNDING) | (joints > arm.upper + ROUNDING)
         return sum(use.violations for use in self.uses()) + int(beyond.sum())
 
     def _use(self, stretch: Stretch) -> LimitUse:
-        arm, tool = working_arm(self.robot.spec), self.robot.spec.tool
+        arm, tool = working_arm(self.run.robot.spec), self.run.robot.spec.tool
         load, joints = ArmLoad(arm), np.array(stretch.joints)
         ways = np.gradient(np.array([arm.forward(q)[:3, 3] for q in joints]), axis=0)
         ways /= np.maximum(np.linalg.norm(ways, axis=1, keepdims=True), ROUNDING)
         force = 0.0 if tool is None else tool.force_n
         push = np.array([load.push(q, force * way) for q, way in zip(joints, ways, strict=True)])
-        return load.use(joints, self.robot.period, load.torque, push)
+        return load.use(joints, self.run.robot.period, load.torque, push)
+
+
+def _noted(stretch: Stretch) -> StretchNotes:
+    part = {name: np.asarray(value).tolist() for name, value in stretch.part._asdict().items()}
+    joints, tips = ([each.tolist() for each in points] for points in (stretch.joints, stretch.tips))
+    return StretchNotes(part, stretch.score, stretch.times, joints, [(x, y, z) for x, y, z in tips])
+
+
+def _again(noted: StretchNotes, dof: int) -> Stretch:
+    """Raises ValueError for what is no stretch of such an arm."""
+    part = {name: np.array(value, dtype=np.float64) for name, value in noted.part.items()}
+    joints, tips = np.array(noted.joints, dtype=np.float64), np.array(noted.tips, dtype=np.float64)
+    found = {name: each.shape for name, each in {**part, "joints": joints, "tips": tips}.items()}
+    count, points = len(noted.times), len(part["lengths"]) if "lengths" in part else 0
+    shapes = {name: (points, *shape) for name, shape in _PART.items()}
+    shapes |= {"joints": (count, dof), "tips": (count, 3)}
+    if found != shapes or not count or points < 2:
+        raise ValueError(f"arrays {found}, needed: {shapes}")
+    stretch = Stretch(ToolPath(**part))
+    stretch.score, stretch.times = noted.score, noted.times
+    stretch.joints, stretch.tips = list(joints), list(tips)
+    return stretch
+
+
+_PART = {"points": (3,), "rotations": (3, 3), "tangents": (3,), "turns": (3,), "lengths": ()}
+"""Shapes of what a `ToolPath` has for each of its points."""
 
 
 def distances(points: Floats, path: Floats) -> Floats:

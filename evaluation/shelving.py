@@ -53,15 +53,6 @@ class Shelving:
     fronts: Mapping[int, float]
     """S x of each standing book's spine, by accession, in [m]."""
 
-    def notes(self) -> dict[str, Any]:
-        """All of it, as it can be noted."""
-        return {"accessions": self.accessions, "fronts": list(self.fronts.items())}
-
-    @classmethod
-    def noted(cls, notes: Mapping[str, Any]) -> Shelving:
-        """From what `notes` gave."""
-        return cls(tuple(notes["accessions"]), dict(notes["fronts"]))
-
     def judge(self, scene: Any) -> Standing:
         """How the books stand now."""
         pushed = self._pushed(scene)

@@ -7,18 +7,20 @@ from typing import Any
 
 import numpy as np
 
-from handcart.networks.events import Ended
+from handcart.primitives.action_primitive import ActionPrimitive
 from handcart.robotics.geometry.transform import inverse
 
+from .arrival_survey import DRIVES
+from .book_effects import APPROACH
 from .library_room import STAND_OFF
 
 
-def stop_errors(scene: Any, event: Ended) -> dict[str, float]:
+def stop_errors(scene: Any, primitive: ActionPrimitive) -> dict[str, float]:
     """Figures about an action that has succeeded; none for those that stop nowhere in particular."""
-    if event.action.do == "MOVE_TO":
-        return _dock(scene, str(getattr(event.primitive, "place", "")))
-    if event.action.do == "APPROACH" and scene.held is not None:
-        return _slot(scene, str(getattr(event.primitive, "shelf", "")))
+    if primitive.label() == DRIVES:
+        return _dock(scene, str(getattr(primitive, "place", "")))
+    if primitive.label() == APPROACH and scene.held is not None:
+        return _slot(scene, str(getattr(primitive, "shelf", "")))
     return {}
 
 

@@ -5,13 +5,17 @@ from __future__ import annotations
 from collections.abc import Mapping
 from contextlib import suppress
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import orjson
+from pydantic import TypeAdapter, ValidationError
 
+from handcart.backends.saved_state import NotAState
 from handcart.files.whole_file import write_whole
 from handcart.networks.journal_record import MAX_JOURNAL
 from handcart.networks.run_folder import read_file
+
+T = TypeVar("T")
 
 
 class SurveyNotes:
@@ -42,6 +46,17 @@ class SurveyNotes:
         write_whole(self._path, b"".join(map(_line, kept)))
         return kept
 
+    def checked(self, note: object, kind: type[T]) -> T:
+        """A note as a value of the type that was noted.
+
+        Raises:
+            NotAState: it is none.
+        """
+        try:
+            return as_noted(note, kind)
+        except ValueError as error:
+            raise NotAState(f"{self._path}: {error}") from None
+
     def add(self, time_s: float, note: Mapping[str, Any]) -> None:
         """Note something at a time in [s]."""
         with suppress(OSError), self._path.open("ab") as file:
@@ -50,3 +65,17 @@ class SurveyNotes:
 
 def _line(note: Mapping[str, Any]) -> bytes:
     return orjson.dumps(note, default=lambda array: array.tolist(), option=orjson.OPT_APPEND_NEWLINE)
+
+
+def as_noted(read: object, kind: type[T]) -> T:
+    """What was read from a JSON file, as a value of the type that was written.
+
+    Raises:
+        ValueError: it is none, with the place in it and what is wrong there.
+    """
+    try:
+        return TypeAdapter(kind).validate_json(orjson.dumps(read), strict=True)
+    except ValidationError as error:
+        first = error.errors()[0]
+        at = ".".join(map(str, first["loc"]))
+        raise ValueError(f"no such notes: {at}{at and ': '}{first['msg']}") from None

@@ -15,6 +15,7 @@ DOMAIN = Domain(
         "PICK_UP_BLOCK": "handcart.primitives.pick_up_block:PickUpBlock",
         "STACK": "handcart.primitives.stack:Stack",
     },
+    survey="handcart.evaluation.block_survey:BlockSurvey",
     files={"building": "handcart.primitives.building:Building"},
     rehearsals={_HERE / "stack_blocks" / "unload.yaml": {"blocks": "[1]"}},
 )

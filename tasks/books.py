@@ -18,6 +18,7 @@ DOMAIN = Domain(
         "INSERT": "handcart.primitives.insert:Insert",
         "RELEASE": "handcart.primitives.release:Release",
     },
+    survey="handcart.evaluation.book_survey:BookSurvey",
     files={"catalogue": "handcart.primitives.knowledge:Catalogue"},
     rehearsals={_HERE / "return_book" / "task.yaml": {}},
 )

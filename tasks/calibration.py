@@ -10,5 +10,6 @@ DOMAIN = Domain(
         "CALIBRATE_SUSPENSION": "handcart.primitives.calibrate_suspension:CalibrateSuspension",
         "CALIBRATE_CAMERA": "handcart.primitives.calibrate_camera:CalibrateCamera",
     },
+    survey="handcart.evaluation.calibration_survey:CalibrationSurvey",
     files={"calibration": "handcart.networks.calibration:Calibration"},
 )

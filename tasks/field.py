@@ -7,4 +7,5 @@ from .domain import Domain
 DOMAIN = Domain(
     "field",
     primitives={"DEPLOY": "handcart.primitives.deploy:Deploy"},
+    survey="handcart.evaluation.field_survey:FieldSurvey",
 )

@@ -14,6 +14,7 @@ DOMAIN = Domain(
         "DIVIDE": "handcart.primitives.divide:Divide",
         "TRACK": "handcart.primitives.track:Track",
     },
+    survey="handcart.evaluation.seam_survey:SeamSurvey",
     files={"work-piece": "handcart.primitives.work_piece:WorkPiece"},
     rehearsals={_HERE / "track_seam" / "task.yaml": {"places_left": "[3]"}},
 )

@@ -70,7 +70,7 @@ class Rehearsal:
                 primitive = action.binding.make(prepared.model)
                 kind = self.instead.get(action.do)
                 made = primitive if kind is None else kind.model_validate(primitive.model_dump())
-                underway = Underway(made, robot, backend, prepared.model, spec)
+                underway = Underway(made, robot, backend, prepared.model, spec, self.seed)
                 yield number, action.do, underway
                 outcome = None
                 while outcome is None:
@@ -93,7 +93,8 @@ class Solo:
             faulty = FaultyBackend(stage.backend)
             robot = self.bench.around(stage, faulty).robot
             primitive = self.primitive.model_copy()
-            yield 0, primitive.label(), Underway(primitive, robot, faulty, stage.model, self.bench.spec())
+            underway = Underway(primitive, robot, faulty, stage.model, self.bench.spec(), self.seed)
+            yield 0, primitive.label(), underway
 
 
 def rehearsed(task: Task) -> list[Action]:

@@ -7,9 +7,9 @@ from dataclasses import dataclass, field
 
 from handcart.backends.robot import Robot
 from handcart.backends.robot_file import RobotFile
-from handcart.evaluation.contact_survey import ContactSurvey
-from handcart.evaluation.effects import false_effect
-from handcart.evaluation.ground_truth import GroundTruth, ground_truth, not_restored, scene_of
+from handcart.evaluation.ground_truth import ground_truth, scene_of
+from handcart.evaluation.surveyed_run import SurveyedRun
+from handcart.evaluation.surveys import Surveys
 from handcart.primitives.action_primitive import ActionPrimitive
 from handcart.primitives.attempt import LONGEST_RESTORE, attempt
 from handcart.primitives.discrepancy import Discrepancy
@@ -55,20 +55,20 @@ class Underway:
     model: WorldModel
     spec: RobotFile
     """As nobody has changed it."""
+    seed: int = 0
+    """Of the simulated errors."""
     periods: Generator[None, None, Outcome] = field(init=False)
-    before: GroundTruth | None = field(init=False)
+    surveys: Surveys = field(init=False)
     _bumps: int | None = field(default=None, init=False)
     """Of the base, before it was restored."""
-    _contacts: ContactSurvey | None = field(default=None, init=False)
     _no_return: bool = field(default=False, init=False)
     """Whether a point of no return was declared, be it taken back."""
 
     def __post_init__(self) -> None:
-        self.before = ground_truth(self.backend)
-        scene = scene_of(self.backend)
-        if scene is not None:
-            self._contacts = ContactSurvey(scene, self.model)
-            self._contacts.started(1, self.primitive)
+        does = frozenset({self.primitive.label()})
+        world = scene_of(self.backend)
+        self.surveys = Surveys(SurveyedRun(self.robot, self.spec, self.model, world, self.seed, does))
+        self.surveys.started(1, self.primitive)
         self.periods = attempt(self.primitive, self.robot, self.model, self._restores)
 
     def _restores(self, reason: str) -> None:
@@ -79,8 +79,7 @@ class Underway:
         self._no_return |= self.primitive._no_return is not None
         self.backend.asked = False
         self.robot.step()
-        if self._contacts is not None:
-            self._contacts.look(self.robot)
+        self.surveys.look(self.robot)
         self.backend.asked = True
 
     def advance(self) -> Outcome | None:
@@ -140,18 +139,12 @@ class Underway:
         wrong = []
         if isinstance(outcome, Fail) and self._no_return:
             wrong.append("Fail after a point of no return")
-        if after is not None and self.before is not None:
-            if isinstance(outcome, Fail):
-                wrong += [f"Fail, but {each}" for each in not_restored(self.before, after, self.spec)]
-                if self._bumps is not None and after.bumps > self._bumps:
-                    wrong.append("the base ran into something while it was restored")
-            if isinstance(outcome, Success):
-                wrong += [
-                    f"Success, but {each}"
-                    for each in false_effect(self.primitive, self.robot, self.model, self.before)
-                ]
-                touched = [] if self._contacts is None else self._contacts.ended()
-                wrong += [f"Success, but {each}" for each in touched]
+        word = type(outcome).__name__
+        wrong += [f"{word}, but {each}" for each in self.surveys.ended(1, self.primitive, outcome)]
+        bumps = 0 if self._bumps is None or after is None else after.bumps - self._bumps
+        if isinstance(outcome, Fail) and bumps > 0:
+            wrong.append("the base ran into something while it was restored")
+        wrong += self.surveys.broken
         return wrong + self._unquiet(outcome)
 
     def _unquiet(self, outcome: Outcome) -> list[str]:

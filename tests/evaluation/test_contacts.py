@@ -13,11 +13,13 @@ from handcart.backends.kinematic.kinematic_backend import KinematicBackend
 from handcart.backends.robot_loading import load_robot
 from handcart.backends.scene.world_file import WorldFile
 from handcart.evaluation.contact_survey import ContactSurvey
+from handcart.evaluation.surveyed_run import SurveyedRun
 from handcart.files.loading import load
 from handcart.primitives.action_primitive import ActionPrimitive
 from handcart.primitives.insert import Insert
 from handcart.primitives.knowledge import Book
 from handcart.primitives.move_to import MoveTo
+from handcart.primitives.outcome import Success
 from handcart.primitives.pick_up import PickUp
 from handcart.primitives.search import Search
 from handcart.primitives.world_model import Slot
@@ -61,14 +63,16 @@ class Hands:
         model: Any = SimpleNamespace(book=books[2], slot=slot, catalogue=SimpleNamespace(books=books))
         self.backend, self.scene = backend, backend.scene
         self.arm, self.gripper, self.base = backend._arm, backend._gripper, backend._base
-        self.survey = ContactSurvey(self.scene, model)
+        robot: Any = SimpleNamespace()
+        self.survey = ContactSurvey(SurveyedRun(robot, load_robot("librarian"), model, self.scene))
 
     def begins(self, primitive: ActionPrimitive) -> None:
+        self.primitive = primitive
         self.survey.started(1, primitive)
 
     def ends(self) -> list[str]:
         """What contradicts a Success."""
-        return [str(each) for each in self.survey.ended()]
+        return self.survey.ended(1, self.primitive, Success())
 
     def step(self, periods: int = 1) -> None:
         for _ in range(periods):
@@ -224,7 +228,7 @@ def test_notes_bring_back_what_was_touched(hands: Hands) -> None:
     hands.begins(MoveTo(place="home"))
     hands.drive(0.2, 20)
     hands.ends()
-    again = ContactSurvey(hands.scene, hands.survey.model)
+    again = ContactSurvey(hands.survey.run)
     again.go_on(hands.survey.notes())
     assert again.figures() == hands.survey.figures()
 

@@ -10,15 +10,21 @@ from typing import Any
 import numpy as np
 import pytest
 
-from handcart.evaluation.effects import EFFECTS, _move_to, _stand
+from handcart.backends.robot_loading import load_robot
+from handcart.evaluation.arrival_survey import ArrivalSurvey
+from handcart.evaluation.block_survey import BlockSurvey
+from handcart.evaluation.calibration_survey import CalibrationSurvey
+from handcart.evaluation.field_survey import FieldSurvey
 from handcart.evaluation.ground_truth import Body, GroundTruth, disturbed, moved
 from handcart.evaluation.localisation_survey import LocalisationSurvey
+from handcart.evaluation.survey import Claim, Survey
+from handcart.evaluation.surveys import survey_kinds
+from handcart.primitives.calibrated import Calibrated
 from handcart.primitives.registry import primitive_names
 from handcart.primitives.target import Laid
 from handcart.robotics.geometry.pose2 import Pose2
 
-CALIBRATIONS = {"CALIBRATE_CAMERA", "CALIBRATE_SUSPENSION"}  # see `calibration_claims`
-BY_THEMSELVES = {"MOVE_TO", "STAND"}
+HERE = Pose2(0.0, 0.0, 0.0)
 
 
 def truth(base: Pose2, **places: float) -> GroundTruth:
@@ -31,16 +37,45 @@ def truth(base: Pose2, **places: float) -> GroundTruth:
     return GroundTruth(base, np.zeros(2), np.zeros(2, dtype=np.bool_), 0.0, bodies, 0)
 
 
+def false(kind: type[Survey], do: str, claim: Claim, **run: Any) -> list[str]:
+    """What a survey says of a Success; of the run it sees nothing but what is given."""
+    survey: Any = SimpleNamespace(run=SimpleNamespace(**run))
+    return kind.effects[do](survey, claim)
+
+
+def claimed(primitive: Any = None, before: Pose2 = HERE, after: Pose2 = HERE) -> Claim:
+    return Claim(primitive, truth(before), truth(after))
+
+
 def test_every_primitive_has_a_check_of_its_success() -> None:
-    assert set(primitive_names()) == set(EFFECTS) | CALIBRATIONS | BY_THEMSELVES
+    """Those of all domains, the calibrations too; and no two surveys check the same."""
+    checked = [name for kind in survey_kinds() for name in kind.effects]
+    assert sorted(checked) == sorted(primitive_names())
+
+
+def test_surveys_keep_their_notes_apart() -> None:
+    names = [kind.name for kind in survey_kinds()]
+    assert len(set(names)) == len(names)
+
+
+def test_a_calibration_is_held_against_the_truth() -> None:
+    wrong = {"camera.calibrated.k1": Calibrated(9.0, 0.01)}
+    primitive = SimpleNamespace(evidence=SimpleNamespace(calibrated=wrong))
+    spec = load_robot("toyama/uncalibrated")
+    (told,) = false(CalibrationSurvey, "CALIBRATE_CAMERA", claimed(primitive), spec=spec, seed=3)
+    assert told.startswith("k1 is 9")
 
 
 def test_a_base_that_stood_stood() -> None:
     here = Pose2(1.0, 2.0, 0.1)
-    assert _stand(truth(here), truth(Pose2(1.002, 2.0, 0.101))) == []
-    (wrong,) = _stand(truth(here), truth(Pose2(1.01, 2.0, 0.1)))
+
+    def stood(after: Pose2) -> list[str]:
+        return false(ArrivalSurvey, "STAND", claimed(None, here, after))
+
+    assert stood(Pose2(1.002, 2.0, 0.101)) == []
+    (wrong,) = stood(Pose2(1.01, 2.0, 0.1))
     assert wrong == "the base moved by 10.0 mm (at most 5.0)"
-    (wrong,) = _stand(truth(here), truth(Pose2(1.0, 2.0, 0.2)))
+    (wrong,) = stood(Pose2(1.0, 2.0, 0.2))
     assert wrong.startswith("the base turned by 5.73 deg")
 
 
@@ -67,12 +102,13 @@ def test_arrival_is_held_against_what_is_claimed(kind, shelf, sigma, off, right)
     goal = Pose2(1.0, 2.0, 0.0)
     scene = SimpleNamespace(base=Pose2(1.0 + off, 2.0, 0.0))
     robot: Any = SimpleNamespace(
-        backend=SimpleNamespace(scene=scene),
         pose_sigma=(sigma, 0.001),
         spec=SimpleNamespace(drive=SimpleNamespace(kind=kind)),
     )
     model: Any = SimpleNamespace(places={"there": SimpleNamespace(pose=goal, shelf=shelf)})
-    assert (_move_to(robot, SimpleNamespace(place="there"), model) == []) is right
+    claim = claimed(SimpleNamespace(place="there"))
+    told = false(ArrivalSurvey, "MOVE_TO", claim, robot=robot, model=model, world=scene)
+    assert (told == []) is right
 
 
 def laid_at(x: float) -> Any:
@@ -89,7 +125,11 @@ def lying(x: float, rest: str = "table") -> Any:
 
 
 def test_a_sensor_lies_where_it_is_believed_to_and_should() -> None:
-    deploy, primitive = EFFECTS["DEPLOY"], SimpleNamespace(target="a")
+
+    def deploy(world: Any, primitive: Any, model: Any) -> list[str]:
+        return false(FieldSurvey, "DEPLOY", claimed(primitive), world=world, model=model)
+
+    primitive = SimpleNamespace(target="a")
     assert deploy(lying(0.05), primitive, laid_at(0.04)) == []
     assert deploy(lying(0.05, "floor"), primitive, laid_at(0.05)) == [
         "the sensor doesn't stand on the ground"
@@ -102,17 +142,18 @@ def test_a_sensor_lies_where_it_is_believed_to_and_should() -> None:
 
 
 def test_a_base_stands_and_is_turned_as_it_was_found() -> None:
-    fixate, scene = EFFECTS["FIXATE"], SimpleNamespace(base=Pose2(1.0, 2.0, 0.5))
+    scene = SimpleNamespace(base=Pose2(1.0, 2.0, 0.5))
 
     def found(x: float, theta: float) -> list[str]:
         model: Any = SimpleNamespace(fixed=SimpleNamespace(pose=Pose2(x, 2.0, theta)))
-        return fixate(scene, None, model)
+        return false(BlockSurvey, "FIXATE", claimed(), world=scene, model=model)
 
     assert found(1.005, 0.505) == []
     assert found(1.01, 0.5) == ["the base is 10.0 mm from where it was found (at most 6.0)"]
     assert found(1.0, 0.52) == ["the base is turned 1.15 deg against how it was found (at most 0.3)"]
     nothing: Any = SimpleNamespace(fixed=None)
-    assert fixate(scene, None, nothing) == ["it isn't known where the base stands"]
+    told = false(BlockSurvey, "FIXATE", claimed(), world=scene, model=nothing)
+    assert told == ["it isn't known where the base stands"]
 
 
 def test_what_another_thing_carries_now_is_infinitely_far() -> None:
@@ -124,12 +165,13 @@ def test_what_another_thing_carries_now_is_infinitely_far() -> None:
 
 
 def test_how_far_off_it_believed_to_be_is_told_by_squares_and_worst() -> None:
-    survey = LocalisationSurvey(SimpleNamespace(base=Pose2(0.0, 0.0, 0.0)))
+    run: Any = SimpleNamespace(world=SimpleNamespace(base=Pose2(0.0, 0.0, 0.0)))
+    survey = LocalisationSurvey(run)
     assert survey.figures() == {}
     for off, turned in ((0.003, 0.0), (0.004, -0.02), (0.0, 0.01)):
         robot: Any = SimpleNamespace(pose=Pose2(off, 0.0, turned))
         survey.look(robot)
-    again = LocalisationSurvey(survey.scene)
+    again = LocalisationSurvey(run)
     again.go_on(survey.notes())
     assert (
         again.figures()

@@ -1,0 +1,38 @@
+"""What a Success of who lays sensors in a field promises."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+
+import numpy as np
+
+from .at_most import at_most
+from .sensor_sigmas import SIGMAS
+from .survey import Claim, Effect, Survey
+
+LAID_MM = 30.0  # by which a sensor shifts while it is let go, on uneven ground
+DEPLOY = "DEPLOY"
+
+
+def _deployed(survey: Survey, claim: Claim) -> list[str]:
+    """The sensor stands on the ground, where it is believed to and should, as far as that is known."""
+    model, name = survey.run.model, claim.primitive.target
+    laid = next((each for each in model.laid if each.name == name), None)
+    if laid is None:
+        return ["no sensor counts as laid there"]
+    block = survey.run.world.blocks.get(str(1 + model.laid.index(laid)))
+    if block is None or block.rest.value != "table":
+        return ["the sensor doesn't stand on the ground"]
+    target, lies = model.targets[name], block.pose[:2, 3]
+    most = LAID_MM + SIGMAS * 1e3 * math.sqrt(float(np.linalg.eigvalsh(laid.spread)[-1]))
+    from_belief = 1e3 * math.dist(lies, (laid.x, laid.y))
+    from_target = 1e3 * math.dist(lies, (target.x, target.y))
+    return [
+        *at_most("the sensor is {:.0f} mm from where it is believed to be", from_belief, most),
+        *at_most("the sensor is {:.0f} mm from its target", from_target, most),
+    ]
+
+
+EFFECTS: Mapping[str, Effect] = {DEPLOY: _deployed}
+"""By the primitive's name."""
