@@ -25,12 +25,13 @@ from rich.progress import track
 from ruamel.yaml import YAML
 
 from handcart.evaluation.ground_truth import scene_of
-from handcart.evaluation.stage import AT_THE_WALL, StageFiles, set_stage
+from handcart.evaluation.stage import StageFiles, files_of, set_stage
+from handcart.networks.task_file import load_task
 from handcart.primitives.fixate import Fixate
 from handcart.primitives.outcome import Success
 from handcart.robotics.geometry.pose2 import Pose2
 
-TASK = AT_THE_WALL.world.parent
+TASK = Path(__file__).parents[1] / "tasks" / "stack_blocks"
 HEIGHT = 0.4
 MIDDLE = (4.27, 1.80)  # of the plans, on the table
 SIGMA = (0.05, 0.05, 0.035)  # [m], [m], [rad]
@@ -111,7 +112,11 @@ def _written(
     building["landmarks"] = {f"mark_{i}": _mark(at) | {"place": "stacking"} for i, at in enumerate(planned)}
     yaml.dump(world, folder / "world.yaml")
     yaml.dump(building, folder / "building.yaml")
-    return replace(AT_THE_WALL, world=folder / "world.yaml", building=folder / "building.yaml")
+    return replace(
+        files_of(load_task(TASK / "unload.yaml")),
+        world=folder / "world.yaml",
+        building=folder / "building.yaml",
+    )
 
 
 def _mark(at: Sequence[float]) -> dict[str, float | str]:

@@ -16,6 +16,7 @@ from handcart.backends.robot_loading import load_robot
 from handcart.files.errors import InputError
 from handcart.files.loading import load
 from handcart.files.suggest import suggest
+from handcart.networks.task_file import Task
 from handcart.primitives.action_primitive import ActionPrimitive
 from handcart.primitives.attempt import attempt
 from handcart.primitives.building import Building
@@ -45,16 +46,15 @@ class StageFiles:
     """The place where the robot stands at first."""
 
 
-STACK_BLOCKS = LIBRARY.parent / "stack_blocks"
-AT_THE_WALL = StageFiles(
-    STACK_BLOCKS / "unload_world.yaml",
-    STACK_BLOCKS / "map.yaml",
-    STACK_BLOCKS / "places.yaml",
-    None,
-    STACK_BLOCKS / "building.yaml",
-    "stacking",
-)
-"""Five blocks on the robot's own table, before the stacking table of the task stack_blocks."""
+def files_of(task: Task) -> StageFiles:
+    """What a task with a map and places is run with."""
+    world, grid, places = task.path("world"), task.path("knowledge", "map"), task.path("knowledge", "places")
+    assert world is not None
+    assert grid is not None
+    assert places is not None
+    catalogue, building = (task.path("knowledge", name) for name in ("catalogue", "building"))
+    start = task.file.knowledge.start if task.file.knowledge else StageFiles.start
+    return StageFiles(world, grid, places, catalogue, building, start or StageFiles.start)
 
 
 @dataclass

@@ -20,5 +20,5 @@ DOMAIN = Domain(
     },
     survey="handcart.evaluation.book_survey:BookSurvey",
     files={"catalogue": "handcart.primitives.knowledge:Catalogue"},
-    rehearsals={_HERE / "return_book" / "task.yaml": {}},
+    rehearsals={_HERE / name / "task.yaml": {} for name in ("return_book", "return_books")},
 )

@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 from .domain import Domain
+
+_HERE = Path(__file__).parent
 
 DOMAIN = Domain(
     "calibration",
@@ -12,4 +16,5 @@ DOMAIN = Domain(
     },
     survey="handcart.evaluation.calibration_survey:CalibrationSurvey",
     files={"calibration": "handcart.networks.calibration:Calibration"},
+    rehearsals={_HERE / f"calibrate_{what}" / "task.yaml": {} for what in ("camera", "suspension")},
 )

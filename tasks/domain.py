@@ -33,7 +33,8 @@ class Domain:
     files: Mapping[str, str] = field(default_factory=dict)
     """Models of its kinds of file, by what stands behind `handcart-` under their key `format`."""
     rehearsals: Mapping[Path, Mapping[str, str]] = field(default_factory=dict)
-    """Task files in whose actions the conformance kit injects faults, with the settings it gives them."""
+    """Task files that the conformance kit runs, and in whose actions it injects faults: for that with these
+    settings, so that an action of each kind is enough. The robot that a file names is tried in it."""
 
 
 def imported(path: str) -> Any:

@@ -111,7 +111,7 @@ def _check(setting: Setting) -> None:
     for name in setting.primitives:
         if name not in tried:
             raise typer.BadParameter(f"no fault can be tried in {name!r}{suggest(name, tried)}")
-    whole = [task.parent.name for task in setting.tasks()]
+    whole = [task.parent.name for task in setting.tasks]
     for name in setting.only_tasks:
         if name not in whole:
             raise typer.BadParameter(f"the robot can't do a whole task {name!r}{suggest(name, whole)}")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from typing import Any, TypeVar
 
@@ -24,6 +25,7 @@ from .parts import parts_of
 from .periods import SETTLES
 
 SLIPS = 0.5  # share of the wheels' roll that is lost
+SLIDE = 0.1  # [m/s] of a standing car, see `Fault.speed`
 T = TypeVar("T")
 Vector = NDArray[np.float64]
 
@@ -63,6 +65,13 @@ class FaultyBackend(LayeredBackend):
         """Names of the sensors that were read so far."""
         return tuple(name for name in SENSORS if name in self._last)
 
+    def _slide(self, base: Base, fault: Fault) -> None:
+        """A standing base slides; one that can't turn where it stands slides ahead or back instead."""
+        try:
+            base.drive(fault.speed, fault.turn_rate)
+        except CommandError:
+            base.drive(math.copysign(SLIDE, fault.turn_rate), 0.0)
+
     def stay(self) -> bool:
         """The fault moves nothing from now on, what is stuck stays so; whether the base slid just now."""
         slid = self._fault is not None and self._fault.kind is FaultKind.SLIP and self._left > -SETTLES
@@ -76,7 +85,7 @@ class FaultyBackend(LayeredBackend):
         base = parts_of(self.inner).base if slips else None
         before = base.wheel_travel() if base else WheelTravel(0.0, 0.0)
         if slips and base and not self._driven and self._fault:
-            base.drive(self._fault.speed, self._fault.turn_rate)
+            self._slide(base, self._fault)
         self._catch_up()
         self.inner.step()
         if base:

@@ -6,11 +6,12 @@ import math
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from dataclasses import dataclass
+from functools import cached_property
 from multiprocessing import get_context
 from pathlib import Path
 
-from handcart.backends.robot_loading import load_robot
-from handcart.evaluation.stage import AT_THE_WALL, StageFiles
+from handcart.evaluation.stage import StageFiles, files_of
+from handcart.networks.task_file import load_task
 
 from .all_checks import CHECKS
 from .bench import Bench
@@ -19,7 +20,8 @@ from .fail_is_true import Batch
 from .forked import Died, Hung, forked
 from .mutants import MUTANTS, Caught, try_mutant
 from .reach import Reach
-from .rehearsal import DRIVE_MAP, RETURN_BOOK, RETURN_BOOKS, TRACK_SEAM, UNLOAD, Rehearsal, Solo
+from .rehearsal import Rehearsal, Solo
+from .repertoire import declared, repertoire
 from .report import Broken, Report, Result
 from .task_runs import OneRun, task_runs
 
@@ -33,10 +35,6 @@ SEEDS, SEEDS_QUICK = 50, 2
 """Of each shipped task with errors: in full, and quick."""
 NEWS = 10.0  # [s] between two words of how many jobs are done, at most
 LONGEST = 600.0  # [s] of CPU time that a check or a liar gets
-STACKER = "toyama"  # the shipped robot that has blocks instead of books
-TRACKER = "atrv"  # the one that has a torch
-ONCE = {UNLOAD: {"blocks": "[1]"}, TRACK_SEAM: {"places_left": "[3]"}}
-"""What of a task with a `repeat` is rehearsed: one element."""
 
 
 @dataclass(frozen=True)
@@ -60,8 +58,13 @@ class Setting:
     @property
     def bench(self) -> Bench:
         """Where checks are made."""
-        files = AT_THE_WALL if self._stacks else StageFiles()
-        return Bench(self.backend, self.robot, files, quick=self.quick)
+        return Bench(self.backend, self.robot, self._files, quick=self.quick)
+
+    @cached_property
+    def _files(self) -> StageFiles:
+        """Of the first task that is made for the robot; one without a map gives no stage."""
+        task = load_task(self.tasks[0], self._chosen) if self.tasks else None
+        return StageFiles() if task is None or task.path("knowledge", "map") is None else files_of(task)
 
     def batches(self) -> list[Batch]:
         """Faults in each primitive of a shipped task that the robot can do, and in REACH."""
@@ -80,45 +83,37 @@ class Setting:
         return sorted({name for _, _, name in self._actions()})
 
     def _actions(self) -> list[tuple[Rehearsal | Solo, int, str]]:
+        """REACH, then of each rehearsal what no earlier one has."""
         result: list[tuple[Rehearsal | Solo, int, str]] = [(Solo(self.bench, Reach()), 0, Reach.label())]
-        rehearsal = self.rehearsal()
-        if rehearsal is not None:
-            result += [(rehearsal, at, action.do) for at, action in enumerate(rehearsal.actions(), start=1)]
+        for rehearsal in self.rehearsals:
+            tried = {name for _, _, name in result}
+            actions = enumerate(rehearsal.actions(), start=1)
+            result += [(rehearsal, at, action.do) for at, action in actions if action.do not in tried]
         return result
 
-    def rehearsal(self) -> Rehearsal | None:
-        """The shipped task with the most primitives that the robot can do."""
-        tasks = self.tasks()
-        if not tasks:
-            return None
-        return Rehearsal(tasks[0], self.backend, settings={**self._chosen, **ONCE.get(tasks[0], {})})
+    @cached_property
+    def rehearsals(self) -> tuple[Rehearsal, ...]:
+        """The shipped tasks that the robot is tried in, each cut short as its domain says."""
+        short = declared()
+        return tuple(
+            Rehearsal(task, self.backend, settings={**self._chosen, **short[task]}) for task in self.tasks
+        )
 
+    @cached_property
     def tasks(self) -> tuple[Path, ...]:
-        """The shipped tasks that the robot can do."""
-        spec = load_robot(self.robot)
-        if self._stacks:
-            return (UNLOAD,)
-        if self.robot.partition("/")[0] == TRACKER:
-            return (TRACK_SEAM,) if self.robot == TRACKER else ()  # other arms need other places
-        if spec.arm and spec.gripper and spec.camera and spec.range_sensor:
-            return RETURN_BOOK, RETURN_BOOKS, DRIVE_MAP
-        return (DRIVE_MAP,) if spec.range_sensor else ()
+        """The shipped tasks that the robot is tried in."""
+        return repertoire(self.robot, self._chosen, self.backend)
 
     def task_runs(self) -> list[OneRun]:
         """Each of them without errors, and with."""
         seeds = self.seeds or (SEEDS_QUICK if self.quick else SEEDS)
-        chosen = [task for task in self.tasks() if task.parent.name in self.only_tasks or not self.only_tasks]
+        chosen = [task for task in self.tasks if task.parent.name in self.only_tasks or not self.only_tasks]
         return task_runs(chosen, self.backend, seeds, self._chosen)
 
     @property
     def chosen_parts(self) -> Sequence[str]:
         """What is tried."""
         return self.parts or (QUICK_PARTS if self.quick else PARTS)
-
-    @property
-    def _stacks(self) -> bool:
-        """Whether it handles blocks."""
-        return self.robot.partition("/")[0] == STACKER
 
     @property
     def _chosen(self) -> dict[str, str]:

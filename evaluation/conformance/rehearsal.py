@@ -20,11 +20,7 @@ from .faulty_backend import FaultyBackend
 from .underway import Underway
 
 TASKS = Path(__file__).parents[2] / "tasks"
-RETURN_BOOK, RETURN_BOOKS, DRIVE_MAP = (
-    TASKS / name / "task.yaml" for name in ("return_book", "return_books", "drive_map")
-)
-UNLOAD = TASKS / "stack_blocks" / "unload.yaml"
-TRACK_SEAM = TASKS / "track_seam" / "task.yaml"
+RETURN_BOOK, DRIVE_MAP = (TASKS / name / "task.yaml" for name in ("return_book", "drive_map"))
 
 
 class NoRehearsal(Exception):

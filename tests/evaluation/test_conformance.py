@@ -90,9 +90,7 @@ def test_what_is_tried_depends_on_what_the_robot_can_do() -> None:
     with_arm, without = Setting("kinematic"), Setting("kinematic", robot="cart")
     assert {"REACH", "MOVE_TO", "RELEASE"} <= set(with_arm.tried())
     assert without.tried() == ["MODIFY", "MOVE_TO", "REACH"]
-    found = without.rehearsal()
-    assert found is not None
-    assert found.task == DRIVE_MAP
+    assert [found.task for found in without.rehearsals] == [DRIVE_MAP]
 
 
 def test_full_mode_injects_more_than_2500_faults_on_the_kinematic_backend() -> None:
