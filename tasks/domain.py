@@ -30,6 +30,9 @@ class Domain:
     """A `handcart.backends.scene.props:Props`: what of the domain stands in simulated worlds."""
     survey: str | None = None
     """A `handcart.evaluation.survey:Survey`: what ground truth says of the domain's outcomes."""
+    faults: str | None = None
+    """A sequence of `handcart.evaluation.conformance.fault:Fault`: what may happen in a simulated world to
+    what the domain's primitives work on. The conformance kit injects them into these primitives."""
     files: Mapping[str, str] = field(default_factory=dict)
     """Models of its kinds of file, by what stands behind `handcart-` under their key `format`."""
     rehearsals: Mapping[Path, Mapping[str, str]] = field(default_factory=dict)

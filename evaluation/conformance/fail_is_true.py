@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .fault import NOTHING, SENSORS, Fault, FaultKind, variant
+from .fault import EVERYWHERE, NOTHING, SENSORS, Fault, FaultKind, faults_of, variant
 from .forked import Died, Hung, forkable, forked
 from .rehearsal import Rehearsal, Solo
 from .underway import Ending, Underway
@@ -46,7 +46,7 @@ class Batch:
     """Over the whole run of the action."""
     part: int = 0
     parts: int = 1
-    kinds: tuple[FaultKind, ...] = tuple(FaultKind)
+    kinds: tuple[FaultKind, ...] = EVERYWHERE
     seconds: float = 120.0
     """Of CPU time that a trial gets: longer means that it hangs."""
 
@@ -79,10 +79,15 @@ class Batch:
             while period < instant:
                 underway.advance()
                 period += 1
-            for at, kind in enumerate(self.kinds):
-                fault = variant(kind, number + at + self.action, nominal.sensors or SENSORS)
+            for fault in self.faults(name, number, nominal.sensors or SENSORS):
                 ending = self._tried(underway, fault)
-                yield Trial(name, self.action, period, str(fault), kind.value, ending)
+                yield Trial(name, self.action, period, str(fault), fault.kind.value, ending)
+
+    def faults(self, name: str, number: int, sensors: Sequence[str]) -> list[Fault]:
+        """What is tried at an instant, by its number: one of each kind, and all of the domain's own."""
+        own = faults_of(name) if self.kinds == EVERYWHERE else ()
+        general = [variant(kind, number + at + self.action, sensors) for at, kind in enumerate(self.kinds)]
+        return [*general, *own]
 
     def _tried(self, underway: Underway, fault: Fault | None) -> Ending:
         try:

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from enum import Enum
+from typing import Any
+
+from handcart.tasks.domain import domains, imported
 
 NOTHING = "nothing"
 """The kind of a trial in which no fault is injected."""
@@ -32,7 +35,12 @@ class FaultKind(Enum):
     """Somebody calls the attempt back."""
     TIME_OUT = "time-out"
     """Whoever runs the attempt loses patience."""
+    WORLD = "world"
+    """Something happens to what a domain's primitives work on: see `Domain.faults`."""
 
+
+EVERYWHERE = tuple(kind for kind in FaultKind if kind is not FaultKind.WORLD)
+"""Kinds that are tried in any primitive."""
 
 HARMLESS = (FaultKind.EXCEPTION, FaultKind.REFUSED, FaultKind.CANCEL, FaultKind.TIME_OUT)
 """After these the robot is whole: it can be restored."""
@@ -44,13 +52,16 @@ class Fault:
 
     kind: FaultKind
     sensor: str = ""
-    """Which one is concerned, see `SENSORS`; of an exception, empty: the next command."""
+    """Which one is concerned, see `SENSORS`; of an exception, empty: the next command. In the world: what
+    happens, in a word or two."""
     periods: int = 1
     """For how long."""
     speed: float = 0.0
     """At which a standing base slides ahead, in [m/s]."""
     turn_rate: float = 0.0
     """At which a standing base slides round, in [rad/s]."""
+    act: Callable[[Any], None] | None = None
+    """What happens in the world: called with the simulated one before each of its periods."""
 
     def __str__(self) -> str:
         what = f"{self.kind.value} {self.sensor}".rstrip()
@@ -86,3 +97,9 @@ def variant(kind: FaultKind, number: int, sensors: Sequence[str] = SENSORS) -> F
         case FaultKind.NAN:
             return Fault(kind, sensor, _NAN[turn % len(_NAN)])
     return Fault(kind, periods=FOR_GOOD)
+
+
+def faults_of(primitive: str) -> tuple[Fault, ...]:
+    """Those that the domain of a primitive, given by its name, declares."""
+    named = [each.faults for each in domains() if primitive in each.primitives and each.faults is not None]
+    return tuple(fault for path in named for fault in imported(path))

@@ -17,6 +17,7 @@ from handcart.backends.capability import Capability
 from handcart.backends.gripper import Gripper
 from handcart.backends.positioning import PoseReading, Positioning
 from handcart.backends.range_sensor import RangeSensor, Scan
+from handcart.evaluation.ground_truth import scene_of
 from handcart.robotics.geometry.pose2 import Pose2
 
 from .fault import SENSORS, Fault, FaultKind
@@ -87,6 +88,9 @@ class FaultyBackend(LayeredBackend):
         if slips and base and not self._driven and self._fault:
             self._slide(base, self._fault)
         self._catch_up()
+        if self._is(FaultKind.WORLD) and self._fault and self._fault.act:
+            self._fault.act(scene_of(self.inner))
+            self.bitten += 1
         self.inner.step()
         if base:
             went = np.subtract(base.wheel_travel(), before)

@@ -2,15 +2,25 @@
 
 from __future__ import annotations
 
+import pickle
 from typing import Any
 
 import pytest
 
+from handcart.evaluation.conformance import fault
 from handcart.evaluation.conformance.all_checks import CHECKS
 from handcart.evaluation.conformance.bench import Bench
 from handcart.evaluation.conformance.check import Finding
 from handcart.evaluation.conformance.fail_is_true import Batch, Trial
-from handcart.evaluation.conformance.fault import Fault, FaultKind, variant
+from handcart.evaluation.conformance.fault import (
+    EVERYWHERE,
+    SENSORS,
+    Fault,
+    FaultKind,
+    faults_of,
+    variant,
+)
+from handcart.evaluation.conformance.faulty_backend import FaultyBackend
 from handcart.evaluation.conformance.forked import Died, Hung, forked
 from handcart.evaluation.conformance.kit import Setting, jobs_of, run_kit
 from handcart.evaluation.conformance.mutants import MUTANTS, try_mutant
@@ -20,6 +30,8 @@ from handcart.evaluation.conformance.report import Report
 from handcart.evaluation.conformance.task_runs import Ran, compared
 from handcart.evaluation.conformance.underway import Ending
 from handcart.networks.task_file import load_task
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.tasks.domain import Domain
 
 BENCH = Bench("kinematic")
 SAMPLE = (
@@ -74,7 +86,7 @@ def test_a_robot_with_an_indoor_positioning() -> None:
 @pytest.mark.slow
 def test_an_honest_primitive_is_true_whatever_goes_wrong() -> None:
     trials = Batch(Solo(BENCH, Reach()), 0, 2)()
-    assert len(trials) == 2 * len(FaultKind)
+    assert len(trials) == 2 * len(EVERYWHERE)
     assert [str(each) for each in trials if each.ending.wrong] == []
     assert {each.ending.outcome for each in trials} >= {"Success", "Fail"}
 
@@ -97,7 +109,7 @@ def test_full_mode_injects_more_than_2500_faults_on_the_kinematic_backend() -> N
     batches = Setting("kinematic").batches()
     assert {each.instants for each in batches} == {40}
     moving = {each.action for each in batches} - {3, 9}  # MODIFY takes a few periods
-    assert len(moving) * 40 * len(FaultKind) >= 2500
+    assert len(moving) * 40 * len(EVERYWHERE) >= 2500
 
 
 def test_each_kind_of_fault_goes_through_its_ways() -> None:
@@ -212,3 +224,32 @@ def test_a_backend_that_cannot_be_built_is_told() -> None:
     assert len(report.broken) == 21
     assert report.broken[0].name == "liar NotRestored"
     assert "nowhere" in report.broken[0].reason
+
+
+def push(world: Any) -> None:
+    world.base = world.base.compose(Pose2(0.2, 0.0, 0.0))
+
+
+PUSH = Fault(FaultKind.WORLD, "push", act=push)
+
+
+def test_a_domain_declares_what_may_happen_in_its_world(monkeypatch: pytest.MonkeyPatch) -> None:
+    """It is tried in the domain's primitives alone, beside what is tried in any."""
+    domain = Domain("lamps", {"REACH": "nowhere:Reach"}, faults="lamps:FAULTS")
+    monkeypatch.setattr(fault, "domains", lambda: (domain,))
+    monkeypatch.setattr(fault, "imported", {"lamps:FAULTS": [PUSH]}.__getitem__)
+    assert faults_of("MOVE_TO") == ()
+    batch = pickle.loads(pickle.dumps(Batch(Solo(BENCH, Reach()), 0, 1)))
+    assert [each.kind for each in batch.faults("REACH", 0, SENSORS)] == [*EVERYWHERE, FaultKind.WORLD]
+    assert [each.kind for each in batch.faults("STAND", 0, SENSORS)] == [*EVERYWHERE]
+
+
+def test_a_fault_in_the_world_happens_for_its_periods() -> None:
+    with BENCH.stage() as stage:
+        backend, scene = FaultyBackend(stage.backend), stage.backend.scene
+        before = scene.base
+        backend.inject(PUSH)
+        for _ in range(3):
+            backend.step()
+        assert scene.base.distance(before) == pytest.approx(0.2, abs=0.01)
+        assert backend.bitten == 1
