@@ -32,6 +32,7 @@ from handcart.networks.coordinator import Coordinator
 from handcart.networks.permits import Permits
 from handcart.networks.preparing import Prepared, prepare
 from handcart.networks.run import step_until_end
+from handcart.networks.run_observer import RunObserver
 from handcart.networks.telemetry import Telemetry
 from handcart.primitives.field import Field
 from handcart.primitives.grip import hand_to_tips
@@ -67,7 +68,7 @@ class Laying(NamedTuple):
     """Contacts with something else in the whole run."""
 
 
-class Watcher:
+class Watcher(RunObserver):
     """Holds the arm against its robot in each period of a run."""
 
     def __init__(self, robot: Robot, field: Field) -> None:
@@ -80,7 +81,7 @@ class Watcher:
         self.nearest = math.inf
         self.met = 0
 
-    def look(self, robot: Robot) -> None:
+    def period(self, robot: Robot) -> None:
         """A period has passed."""
         scene = self._scene
         speed, turn = robot.driven
@@ -117,7 +118,7 @@ def _laid(prepared: Prepared, course: str, way: str, seed: int) -> list[Laying]:
     assert model.field is not None
     watcher = Watcher(robot, model.field)
     coordinator = Coordinator(prepared.task.network, robot, model, permission=Permits("always"))
-    end = step_until_end(coordinator, robot, Telemetry(), [watcher.look])
+    end = step_until_end(coordinator, robot, Telemetry(), [watcher])
     assert end.outcome == "Success", end.reason
     blocks = robot.backend.scene.blocks  # type: ignore[attr-defined]
     times = [math.nan, *(laid.time for laid in model.laid)]

@@ -40,6 +40,8 @@ from handcart.evaluation.stage import StageFiles, set_stage
 from handcart.networks.events import Ended, Event
 from handcart.networks.preparing import check, prepare
 from handcart.networks.run import execute
+from handcart.networks.run_observer import RunObserver
+from handcart.networks.run_options import RunOptions
 from handcart.primitives.move_to import MoveTo
 from handcart.primitives.outcome import Success
 from handcart.robotics.navigation.grid_map import GridMap, from_boxes
@@ -225,23 +227,23 @@ def _listed(key: str, boxes: list[tuple[float, ...]]) -> str:
     return f"{key}:\n" + "".join(lines) if lines else ""
 
 
-class Onlooker:
+class Eye(RunObserver):
     """Takes the ground truth down."""
 
-    def __init__(self, scene: Any, places: Any, told: Told) -> None:
-        self._scene, self._places, self._told = scene, places, told
+    def __init__(self, scene: Any, robot: Robot, places: Any, told: Told) -> None:
+        self._scene, self._robot, self._places, self._told = scene, robot, places, told
 
-    def look(self, robot: Robot) -> None:
+    def period(self, robot: Robot) -> None:
         scene = self._scene
         room = scene.body_plan.clearance(scene.base.x, scene.base.y, scene.time)[0]
         self._told.nearest_mm = min(self._told.nearest_mm, 1e3 * (room - robot.spec.footprint_radius_m))
 
-    def ended(self, robot: Robot, event: Event) -> None:
+    def event(self, event: Event) -> None:
         if not isinstance(event, Ended) or not isinstance(event.primitive, MoveTo):
             return
         reached, name = isinstance(event.outcome, Success), event.primitive.place
         off = 1e3 * self._scene.base.distance(self._places[name].pose)
-        lost = 1e3 * self._scene.base.distance(robot.pose)
+        lost = 1e3 * self._scene.base.distance(self._robot.pose)
         self._told.stood.append(Stood(name, reached, getattr(event.outcome, "reason", ""), off, lost))
 
     def end(self) -> None:
@@ -306,14 +308,9 @@ def _drive(folder: Path, settings: dict[str, str], tour: list[str], told: Told) 
     """As `handcart run` does it."""
     settings = {**settings, "tour": f"[{', '.join(tour)}]"}
     with prepare(TASK, settings=settings, seed=told.seed) as prepared:
-        eye = Onlooker(prepared.backend.scene, prepared.model.places, told)  # type: ignore[attr-defined]
-        execute(
-            prepared,
-            folder / "run",
-            [lambda event: eye.ended(prepared.robot, event)],
-            onlookers=[eye.look],
-        )
-        eye.end()
+        scene = prepared.backend.scene  # type: ignore[attr-defined]
+        eye = Eye(scene, prepared.robot, prepared.model.places, told)
+        execute(prepared, folder / "run", RunOptions(observers=(eye,)))
 
 
 def _try_nearer(room: Room, folder: Path, settings: dict[str, str], told: Told) -> None:

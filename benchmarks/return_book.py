@@ -11,6 +11,7 @@ import time
 from pathlib import Path
 
 from handcart.evaluation.running import run_task
+from handcart.networks.run_options import RunOptions
 
 TASK = Path(__file__).parent.parent / "tasks" / "return_book" / "task.yaml"
 
@@ -22,7 +23,7 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as folder:
         for number in range(runs + 1):
             wall, cpu = time.perf_counter(), time.process_time()
-            summary, _ = run_task(TASK, Path(folder), None, {}, number)
+            summary, _ = run_task(TASK, Path(folder), RunOptions(seed=number))
             wall, cpu = time.perf_counter() - wall, time.process_time() - cpu
             simulated = summary["sim_time_s"]
             name = "first" if number == 0 else str(number)

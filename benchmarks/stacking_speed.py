@@ -15,6 +15,7 @@ import cv2
 
 from handcart.evaluation.running import run_task
 from handcart.evaluation.stage import StageFiles, set_stage
+from handcart.networks.run_options import RunOptions
 from handcart.primitives.fixate import Fixate
 from handcart.primitives.outcome import Success
 from handcart.robotics.perception.landmark_finder import find_landmarks
@@ -59,7 +60,9 @@ def main() -> None:
     for seed in range(trials):
         with tempfile.TemporaryDirectory() as runs:
             before = time.process_time()
-            summary, _ = run_task(TASK / "unload.yaml", Path(runs), None, {"robot": "toyama/h1"}, seed)
+            summary, _ = run_task(
+                TASK / "unload.yaml", Path(runs), RunOptions(settings={"robot": "toyama/h1"}, seed=seed)
+            )
             cpu = time.process_time() - before
         ratio = summary["sim_time_s"] / cpu
         text = f"a trial of five blocks, seed {seed}: {summary['sim_time_s']:.0f} s in {cpu:.2f} s of CPU"

@@ -23,9 +23,9 @@ from handcart.evaluation.judge import Judge
 from handcart.evaluation.moving_tracking import Feedback, MovingTracking
 from handcart.evaluation.placement_plots import draw_tracking_errors
 from handcart.evaluation.seam_survey import SeamSurvey
-from handcart.networks.permits import Permits
 from handcart.networks.preparing import prepare
 from handcart.networks.run import execute
+from handcart.networks.run_options import RunOptions
 from handcart.primitives.seam_file import load_seam
 
 TASK = Path(__file__).parent.parent / "tasks" / "track_seam"
@@ -73,7 +73,7 @@ def _surveyed(folder: Path, seed: int, backend: str | None) -> SeamSurvey:
     """What the ground truth says of a run."""
     with prepare(TASK / "task.yaml", backend, seed=seed) as prepared:
         judge = Judge(prepared)
-        end = execute(prepared, folder, [judge], permits=Permits("always"), onlookers=[judge.look])
+        end = execute(prepared, folder, RunOptions(observers=(judge,))).end
         assert end.outcome == "Success", end.reason
     seam = judge.surveys.of(SeamSurvey)
     assert seam is not None, "the task has one"

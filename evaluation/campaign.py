@@ -23,6 +23,7 @@ import numpy as np
 from scipy.stats import binomtest
 
 from handcart.networks.interrupts import Interrupts
+from handcart.networks.run_options import RunOptions
 from handcart.networks.supervision import INTERRUPTED
 
 from .library_generator import make_library
@@ -87,7 +88,9 @@ def run_trial(setting: Setting, seed: int) -> Trial:
 
 def _run(setting: Setting, task: Path, settings: Mapping[str, str], seed: int) -> Trial:
     with Interrupts() as heard:
-        summary, status = run_task(task, setting.runs, setting.backend, settings, seed, interrupts=heard)
+        summary, status = run_task(
+            task, setting.runs, RunOptions(setting.backend, settings, seed, interrupts=heard)
+        )
     return Trial(seed, status, summary, heard.came)
 
 

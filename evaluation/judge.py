@@ -10,7 +10,7 @@ from handcart.backends.saved_state import NotAState
 from handcart.networks.events import Ended, Event, Started
 from handcart.networks.preparing import Prepared
 from handcart.networks.run_end import RunEnd
-from handcart.networks.telemetry import Telemetry
+from handcart.networks.run_observer import RunObserver
 
 from .survey_notes import SurveyNotes, as_noted
 from .surveyed_run import SurveyedRun
@@ -19,8 +19,8 @@ from .surveys import Surveys
 NOTES = "judged.jsonl"
 
 
-class Judge:
-    """An observer of a run that holds its outcomes against the ground truth, by all surveys that apply."""
+class Judge(RunObserver):
+    """Holds the outcomes of a run against the ground truth, by all surveys that apply."""
 
     def __init__(self, prepared: Prepared, folder: Path | None = None) -> None:
         """Judge a run that hasn't started, or goes on; where the backend isn't simulated, nothing is claimed.
@@ -40,11 +40,11 @@ class Judge:
         self._notes = None if self._path is None else SurveyNotes(self._path.parent, NOTES)
         self._go_on()
 
-    def look(self, robot: Robot) -> None:
-        """A period has passed."""
+    def period(self, robot: Robot) -> None:
+        """See `RunObserver`."""
         self.surveys.look(robot)
 
-    def __call__(self, event: Event) -> None:
+    def event(self, event: Event) -> None:
         """Take the truth down when an action starts, compare when it has ended."""
         if isinstance(event, Started):
             self.surveys.started(event.number, event.primitive)
@@ -69,8 +69,8 @@ class Judge:
             raise NotAState(f"{self._path}: {error}") from None
         self.surveys.go_on(notes, self._path)
 
-    def metrics(self, prepared: Prepared, end: RunEnd, telemetry: Telemetry) -> dict[str, Any]:
-        """The figures of a run that has ended."""
+    def figures(self, end: RunEnd) -> dict[str, Any]:
+        """See `RunObserver`."""
         figures = self.surveys.figures()
         if end.outcome == "Success":
             self.untrue += [f"Success: {each}" for each in self.surveys.faults()]

@@ -14,6 +14,7 @@ from handcart.backends.camera import Camera
 from handcart.backends.robot import Robot
 from handcart.files.errors import InputError
 from handcart.networks.events import Ended, Event, Restoring, Started
+from handcart.networks.run_observer import RunObserver
 
 FRAMES = 10  # in a second of the robot's time
 HEIGHT, BAR = 480, 32  # of the pictures, of the line of text below them [px]
@@ -25,10 +26,10 @@ class NoVideo(InputError):
     """The run can't be recorded."""
 
 
-class Video:
+class Video(RunObserver):
     """Records what the backend shows and what the hand's camera sees, side by side, with what is being done.
 
-    An observer (`note`) and an onlooker (`look`) of a run. A context manager: leaving it ends the file.
+    A context manager: leaving it ends the file.
     """
 
     def __init__(self, path: Path, robot: Robot) -> None:
@@ -58,7 +59,7 @@ class Video:
         with suppress(FileNotFoundError):  # the encoder may have made none
             os.replace(self._new, self._path)
 
-    def note(self, event: Event) -> None:
+    def event(self, event: Event) -> None:
         """Keep what is being done, for the line below the pictures."""
         match event:
             case Started(_, number, action, _, _):
@@ -68,7 +69,7 @@ class Video:
             case Ended(_, number, action, _, outcome):
                 self._words = f"{number}. {action.do}: {type(outcome).__name__}"
 
-    def look(self, robot: Robot) -> None:
+    def period(self, robot: Robot) -> None:
         """Take a frame, if it is time for one."""
         if robot.time < self._next - 1e-9:
             return

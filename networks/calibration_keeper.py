@@ -11,9 +11,10 @@ from handcart.primitives.outcome import Success
 from .calibration import NAME, Calibration, Value, rounded
 from .events import Ended, Event
 from .preparing import Prepared
+from .run_observer import RunObserver
 
 
-class CalibrationKeeper:
+class CalibrationKeeper(RunObserver):
     """An observer that keeps `calibration.yaml`: what actions found that succeeded; the last one counts."""
 
     def __init__(self, run_dir: Path, prepared: Prepared) -> None:
@@ -24,7 +25,7 @@ class CalibrationKeeper:
         self.lost: str | None = None
         """Why it isn't kept, where the disk took no more; the journal has what was found."""
 
-    def __call__(self, event: Event) -> None:
+    def event(self, event: Event) -> None:
         """Take in what an action found."""
         if not (isinstance(event, Ended) and isinstance(event.outcome, Success)):
             return

@@ -17,7 +17,7 @@ from handcart.primitives.outcome import Fail, GiveUp, Outcome, Success
 from handcart.primitives.snapshot import Snapshot
 from handcart.primitives.world_model import WorldModel
 
-from .events import Ended, Event, LeftOut, NotStarted, Observer, Planned, Restoring, RunEnded, Started
+from .events import Ended, Event, LeftOut, NotStarted, Planned, Restoring, RunEnded, Started
 from .journal import Journal
 from .measured import measured_fields
 from .network import Action
@@ -41,7 +41,7 @@ class Chronicle(Intents):
         robot: Robot,
         model: WorldModel,
         journal: Journal | None,
-        observers: Sequence[Observer],
+        observers: Sequence[Callable[[Event], None]],
         standing: Standing | None = None,
         keep: Keep | None = None,
     ) -> None:

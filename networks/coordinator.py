@@ -14,7 +14,7 @@ from handcart.primitives.world_model import WorldModel
 
 from .binding import NotBound
 from .chronicle import Chronicle, Keep
-from .events import Elsewhere, NotStarted, Observer
+from .events import Elsewhere, Event, NotStarted
 from .journal import Journal
 from .measured import in_words, measure, moved
 from .network import Action, ActionNetwork
@@ -44,7 +44,7 @@ class Coordinator:
         robot: Robot,
         model: WorldModel,
         journal: Journal | None = None,
-        observers: Sequence[Observer] = (),
+        observers: Sequence[Callable[[Event], None]] = (),
         permission: Permission | None = None,
         standing: Standing | None = None,
         keep: Keep | None = None,

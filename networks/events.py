@@ -1,8 +1,8 @@
-"""What a coordinator tells those who look on."""
+"""What a coordinator says to those who look on."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -92,4 +92,3 @@ class RunEnded:
 
 
 Event = Planned | Started | Restoring | Ended | LeftOut | RunEnded
-Observer = Callable[[Event], None]

@@ -14,6 +14,7 @@ from handcart.primitives.evidence import Evidence
 from handcart.primitives.outcome import Outcome, Success
 
 from .events import Ended, Event
+from .run_observer import RunObserver
 
 FOLDER = "evidence"
 
@@ -24,7 +25,7 @@ def stem(number: int, do: str, outcome: Outcome) -> str:
     return f"{number:03d}_{do}{ended}"
 
 
-class EvidenceFiles:
+class EvidenceFiles(RunObserver):
     """An observer that keeps the pictures and points which decided how each action ended.
 
     `evidence/003_SEARCH_Fail_shelf.png` is the picture `shelf` of the third action.
@@ -35,7 +36,7 @@ class EvidenceFiles:
         self.lost: str | None = None
         """Why nothing more is kept, where the disk took no more; the run goes on without."""
 
-    def __call__(self, event: Event) -> None:
+    def event(self, event: Event) -> None:
         """Write what an action that has ended leaves."""
         if isinstance(event, Ended):
             try:

@@ -8,7 +8,6 @@ from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from io import BytesIO
 from pathlib import Path
-from types import TracebackType
 from typing import Any
 
 import numpy as np
@@ -24,6 +23,7 @@ from handcart.primitives.outcome import Success
 
 from .events import Ended, Event, Restoring, Started
 from .evidence_files import FOLDER, stem
+from .run_observer import RunObserver
 
 MAX_ARRAYS = 256 * 2**20  # bytes
 SECONDS = 10.0  # of the robot's time
@@ -37,11 +37,11 @@ Readings = Mapping[str, NDArray[Any]]
 for the range sensor `angles_rad` (m,) of its beams and `base_T_sensor` (3,) in [m, m, rad]."""
 
 
-class FlightRecorder:
-    """An onlooker and an observer of a run: reads everything but the camera once a period.
+class FlightRecorder(RunObserver):
+    """Reads everything but the camera once a period.
 
     For each Fail and GiveUp it writes `evidence/003_MOVE_TO_Fail_readings.npz`: the seconds before the motion
-    was broken off, and the last ones of the way back. At the end of the run (leaving it as a context manager)
+    was broken off, and the last ones of the way back. At the end of the run
     it writes `evidence/end_readings.npz`, unless nothing has happened since. A reading is the same however
     often it is taken, so the run isn't changed. Names end in the unit.
     """
@@ -62,7 +62,7 @@ class FlightRecorder:
         self.lost: str | None = None
         """Why nothing more is kept, where the disk took no more; the run goes on without."""
 
-    def look(self, robot: Robot) -> None:
+    def period(self, robot: Robot) -> None:
         """Take a period down; while the robot's time stands still there is nothing new."""
         if robot.time <= self._time:
             return
@@ -99,7 +99,7 @@ class FlightRecorder:
             row["ranges_m"] = scan.ranges.round(3).astype(np.float32)
         return row
 
-    def __call__(self, event: Event) -> None:
+    def event(self, event: Event) -> None:
         """Keep what an event makes worth keeping."""
         match event:
             case Started(number=number):
@@ -113,12 +113,8 @@ class FlightRecorder:
             case _:
                 pass
 
-    def __enter__(self) -> FlightRecorder:
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def end(self) -> None:
+        """See `RunObserver`."""
         self._decided = []
         if self._time > self._kept:
             self._keep(END)

@@ -14,6 +14,7 @@ from .coordinator import Coordinator
 from .network import Action
 from .permits import Permits
 from .run_life import RunState
+from .run_observer import RunObserver
 from .supervision import Request
 
 REQUESTS = {
@@ -27,7 +28,7 @@ WORDS = (*REQUESTS, "permit", "refuse", "status")
 _IDLE = (RunState.WAITING_FOR_PERMISSION, RunState.PAUSED_WHILE_ACTING, RunState.PAUSED_WHILE_RESTORING)
 
 
-class Operation:
+class Operation(RunObserver):
     """Listens in the run's folder while the run lives; asked once a period.
 
     While the run waits for a permission or is paused, a period lasts as long on the wall clock: there is
@@ -45,6 +46,10 @@ class Operation:
         answer = self._permits.typed() if self._permits.asks is not None else None
         if answer is not None:
             self._permits.answer(answer)
+
+    def period(self, robot: Robot) -> None:
+        """See `RunObserver`."""
+        self.look()
 
     def answer(self, message: Message) -> dict[str, Any]:
         """Do what a message asks for, and tell how things stand."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from types import TracebackType
+from typing import TYPE_CHECKING
 
 from handcart.backends.recording import Recording
 from handcart.backends.robot import Robot
@@ -12,25 +12,33 @@ from handcart.primitives.outcome import Success
 from .events import Ended, Event, Restoring
 from .evidence_files import FOLDER, stem
 from .flight_recorder import END
+from .run_observer import RunObserver
+
+if TYPE_CHECKING:
+    from .preparing import Prepared
 
 
-class RecordingKeeper:
-    """An onlooker and an observer of a run that steers a recording.
+class RecordingKeeper(RunObserver):
+    """Steers a recording.
 
     For each Fail and GiveUp `evidence/003_MOVE_TO_Fail_frames.log` holds the seconds before the motion was
     broken off, and the last ones of the way back; `evidence/end_frames.log` those at the run's end.
     """
 
-    def __init__(self, run_dir: Path, recording: Recording) -> None:
-        """Begin: what has passed up to now is written."""
-        self._folder, self._recording = run_dir / FOLDER, recording
-        recording.open(run_dir)
+    def __init__(self, recording: Recording) -> None:
+        """Nothing is written yet."""
+        self._folder, self._recording = Path(), recording
 
-    def look(self, robot: Robot) -> None:
+    def begin(self, prepared: Prepared, run_dir: Path) -> None:
+        """See `RunObserver`; what has passed up to now is written."""
+        self._folder = run_dir / FOLDER
+        self._recording.open(run_dir)
+
+    def period(self, robot: Robot) -> None:
         """A period has passed."""
         self._recording.look(robot.time)
 
-    def __call__(self, event: Event) -> None:
+    def event(self, event: Event) -> None:
         """Keep what an event makes worth keeping."""
         match event:
             case Restoring():
@@ -40,12 +48,8 @@ class RecordingKeeper:
             case _:
                 pass
 
-    def __enter__(self) -> RecordingKeeper:
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def end(self) -> None:
+        """See `RunObserver`."""
         self._recording.mark()
         self._recording.keep(self._folder / END)
         self._recording.close()

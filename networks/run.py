@@ -7,7 +7,7 @@ import traceback
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, suppress
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import orjson
 
@@ -20,7 +20,6 @@ from handcart.files.whole_file import write_whole
 from .calibration_keeper import CalibrationKeeper
 from .checkpoint import CheckpointKeeper
 from .coordinator import Coordinator
-from .events import Observer
 from .evidence_files import EvidenceFiles
 from .flight_recorder import FlightRecorder
 from .interrupts import Interrupts
@@ -35,20 +34,20 @@ from .resuming import Past
 from .run_end import RunEnd
 from .run_header import header, process_facts
 from .run_life import RunState
+from .run_observer import RunObserver
+from .run_options import RunOptions
 from .steady_memory import SteadyMemory
 from .supervision import Request
 from .syncing import Sync, sync_for
 from .telemetry import Telemetry
 
-Metrics = Callable[[Prepared, RunEnd, Telemetry], Mapping[str, Any]]
-"""Task-specific figures about a run that has ended; only evaluation knows the ground truth."""
 
+class Executed(NamedTuple):
+    """What came of a run that was executed."""
 
-Onlooker = Callable[[Robot], None]
-"""Called after each period; it looks on and changes nothing."""
-
-Recorder = FlightRecorder | RecordingKeeper | SteadyMemory
-"""What looks on at a run by itself: context managers that are observers, and onlookers by `look`."""
+    end: RunEnd
+    summary: dict[str, Any]
+    """As it stands in the run's `summary.json`."""
 
 
 class NotKept(HandcartError):
@@ -62,74 +61,79 @@ class NotKept(HandcartError):
 def execute(
     prepared: Prepared,
     run_dir: Path,
-    observers: Sequence[Observer] = (),
-    *,
-    metrics: Metrics | None = None,
-    permits: Permits | None = None,
-    onlookers: Sequence[Onlooker] = (),
-    checkpoints: bool = False,
+    options: RunOptions | None = None,
     past: Past | None = None,
-    sync: Sync | None = None,
     clock: Callable[[], float] = time.monotonic,
-    interrupts: Interrupts | None = None,
-) -> RunEnd:
+) -> Executed:
     """Step the robot until the run ends; an interrupt (Ctrl-C) stops it where it is, and it holds.
 
-    `interrupts` is who hears of that; None: somebody of its own, until the run's folder is whole.
+    While it goes on, the operator is heard over the socket `control` in `run_dir`. Writes `journal.jsonl`,
+    `telemetry.npz`, `summary.json` and the evidence there; after a fault in our own code also `error.txt`.
 
-    While it goes on, the operator is heard over the socket `control` in `run_dir`.
-
-    With `checkpoints` a simulated world is kept after each action, so that `resume` can go on from there;
-    `past` is a run to go on with. `sync` is how the journal comes to the disk; None: as the backend needs it.
-
-    Writes `journal.jsonl`, `telemetry.npz`, `summary.json` and the evidence into `run_dir`; after a fault in
-    our own code also `error.txt`.
+    Args:
+        prepared: a run that could start. How it was prepared counts, whatever the options say of that.
+        run_dir: the run's folder; it is made if it isn't there.
+        options: how it is executed.
+        past: a run to go on with.
+        clock: what gives the wall time that it takes, in [s].
 
     Raises:
         JournalError: no journal can be created there; nothing has moved.
+        NotKept: the run has ended, but its summary or telemetry can't be written.
     """
-    began = clock()
+    began, options = clock(), options or RunOptions()
     run_dir.mkdir(parents=True, exist_ok=True)
     telemetry = Telemetry()
-    sync = sync or sync_for(prepared.backend.simulated)
     with ExitStack() as whole:
-        heard = interrupts or whole.enter_context(Interrupts())
+        heard = options.interrupts or whole.enter_context(Interrupts())
+        observers = [*_recorders(prepared, run_dir), *options.observers]
         with ExitStack() as stack:
-            journal = stack.enter_context(_journal(prepared, run_dir, past, sync))
-            recorders = list(_recorders(prepared, run_dir))
-            keeper = CalibrationKeeper(run_dir, prepared)
-            looking_on: list[Observer] = [*observers, EvidenceFiles(run_dir), keeper, *recorders]
-            permits = permits or Permits()
-            coordinator = Coordinator(
-                prepared.task.network,
-                prepared.robot,
-                prepared.model,
-                journal,
-                looking_on,
-                permits,
-                standing=past.standing if past else None,
-                keep=CheckpointKeeper(run_dir, prepared, sync == "always").keep if checkpoints else None,
-            )
+            coordinator = _coordinator(stack, prepared, run_dir, options, past, observers)
             heard.stop_by(lambda: coordinator.request(Request.INTERRUPT))
+            permits = options.permits or Permits("always")
             operation = stack.enter_context(Operation(run_dir, coordinator, permits, prepared.robot))
-            for each in recorders:
-                stack.enter_context(each)
-            watching = [*(each.look for each in recorders), *onlookers, lambda _: operation.look()]
-            end = _guarded(coordinator, prepared.robot, telemetry, run_dir, watching)
-        figures = dict(metrics(prepared, end, telemetry)) if metrics else {}
+            for each in observers:
+                each.begin(prepared, run_dir)
+                stack.callback(each.end)
+            end = _guarded(coordinator, prepared.robot, telemetry, run_dir, [*observers, operation])
+        figures = {name: value for each in observers for name, value in each.figures(end).items()}
         try:
-            _write(run_dir / "summary.json", summary(prepared, end, run_dir, clock() - began, figures))
+            told = _write(run_dir / "summary.json", summary(prepared, end, run_dir, clock() - began, figures))
             telemetry.save(run_dir / "telemetry.npz")
         except OSError as error:
             raise NotKept(run_dir, end, error) from None
-    return end
+    return Executed(end, told)
 
 
-def _recorders(prepared: Prepared, run_dir: Path) -> Iterator[Recorder]:
-    """What looks on at every run, beside those who were asked for."""
+def _coordinator(
+    stack: ExitStack,
+    prepared: Prepared,
+    run_dir: Path,
+    options: RunOptions,
+    past: Past | None,
+    observers: Sequence[RunObserver],
+) -> Coordinator:
+    """With its journal, which is closed with `stack`."""
+    sync = sync_for(prepared.backend.simulated, options.sync)
+    return Coordinator(
+        prepared.task.network,
+        prepared.robot,
+        prepared.model,
+        stack.enter_context(_journal(prepared, run_dir, past, sync)),
+        [each.event for each in observers],
+        options.permits or Permits("always"),
+        standing=past.standing if past else None,
+        keep=CheckpointKeeper(run_dir, prepared, sync == "always").keep if options.checkpoints else None,
+    )
+
+
+def _recorders(prepared: Prepared, run_dir: Path) -> Iterator[RunObserver]:
+    """Who looks on at every run, before those who were asked for."""
+    yield EvidenceFiles(run_dir)
+    yield CalibrationKeeper(run_dir, prepared)
     yield FlightRecorder(run_dir, prepared.robot)
     if prepared.backend.recording is not None:
-        yield RecordingKeeper(run_dir, prepared.backend.recording)
+        yield RecordingKeeper(prepared.backend.recording)
     if not prepared.backend.simulated:
         yield SteadyMemory()
 
@@ -148,7 +152,7 @@ def _journal(prepared: Prepared, run_dir: Path, past: Past | None, sync: Sync) -
 
 
 def step_until_end(
-    coordinator: Coordinator, robot: Robot, telemetry: Telemetry, onlookers: Sequence[Onlooker] = ()
+    coordinator: Coordinator, robot: Robot, telemetry: Telemetry, observers: Sequence[RunObserver] = ()
 ) -> RunEnd:
     """Iterate the coordinator, and step the robot once for each of its periods."""
     run = coordinator.run()
@@ -163,8 +167,8 @@ def step_until_end(
         if not paused:
             restoring = coordinator.life.state is RunState.RESTORING
             telemetry.record(robot, coordinator.running, restoring)
-        for look in onlookers:
-            look(robot)
+        for each in observers:
+            each.period(robot)
 
 
 def summary(
@@ -200,10 +204,10 @@ def _guarded(
     robot: Robot,
     telemetry: Telemetry,
     run_dir: Path,
-    onlookers: Sequence[Onlooker],
+    observers: Sequence[RunObserver],
 ) -> RunEnd:
     try:
-        return step_until_end(coordinator, robot, telemetry, onlookers)
+        return step_until_end(coordinator, robot, telemetry, observers)
     except Exception as error:
         robot.stop()
         known = isinstance(error, HandcartError)
@@ -214,6 +218,10 @@ def _guarded(
         return coordinator.broken_off(reason, "GiveUp" if isinstance(error, RobotFault) else "Error")
 
 
-def _write(path: Path, content: Mapping[str, Any]) -> None:
+def _write(path: Path, content: Mapping[str, Any]) -> dict[str, Any]:
+    """Gives the content as who reads the file has it: NumPy's numbers and tuples are plain there."""
     options = orjson.OPT_INDENT_2 | orjson.OPT_SERIALIZE_NUMPY | orjson.OPT_APPEND_NEWLINE
-    write_whole(path, orjson.dumps(content, option=options))
+    written = orjson.dumps(content, option=options)
+    write_whole(path, written)
+    plain: dict[str, Any] = orjson.loads(written)
+    return plain

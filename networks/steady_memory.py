@@ -3,38 +3,37 @@
 from __future__ import annotations
 
 import gc
-from types import TracebackType
-
-from handcart.backends.robot import Robot
+from pathlib import Path
+from typing import TYPE_CHECKING
 
 from .events import Ended, Event
+from .run_observer import RunObserver
+
+if TYPE_CHECKING:
+    from .preparing import Prepared
 
 
-class SteadyMemory:
-    """An observer of a run, and a context manager within which nothing is collected but between actions.
+class SteadyMemory(RunObserver):
+    """While the run lasts nothing is collected but between actions.
 
     A collection among a million objects stops the control loop for 20 ms. What is there at the start stays
     out of all of them.
     """
 
-    def __enter__(self) -> SteadyMemory:
+    def begin(self, prepared: Prepared, run_dir: Path) -> None:
+        """See `RunObserver`."""
         self._was_on = gc.isenabled()
         gc.collect()
         gc.freeze()
         gc.disable()
-        return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        gc.unfreeze()
-        if self._was_on:
-            gc.enable()
-
-    def look(self, _robot: Robot) -> None:
-        """A period has passed: nothing is done."""
-
-    def __call__(self, event: Event) -> None:
+    def event(self, event: Event) -> None:
         """An action has ended: collect, before the next."""
         if isinstance(event, Ended):
             gc.collect()
+
+    def end(self) -> None:
+        """See `RunObserver`."""
+        gc.unfreeze()
+        if self._was_on:
+            gc.enable()

@@ -16,5 +16,8 @@ DOMAIN = Domain(
     },
     survey="handcart.evaluation.calibration_survey:CalibrationSurvey",
     files={"calibration": "handcart.networks.calibration:Calibration"},
-    rehearsals={_HERE / f"calibrate_{what}" / "task.yaml": {} for what in ("camera", "suspension")},
+    rehearsals={
+        _HERE / "calibrate_camera" / "task.yaml": {"views": "24"},
+        _HERE / "calibrate_suspension" / "task.yaml": {"rounds": "3", "swings": "8"},
+    },
 )

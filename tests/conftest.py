@@ -9,6 +9,7 @@ import pytest
 from hypothesis import settings
 
 from handcart.networks.events import Ended, Event
+from handcart.networks.run_observer import RunObserver
 
 settings.register_profile("handcart", derandomize=True, deadline=None)
 settings.load_profile("handcart")
@@ -23,22 +24,16 @@ class Clock:
         return self.now
 
 
-class Copier:
+class Copier(RunObserver):
     """Copies a run's folder when an action has ended: what would be left if it were killed then."""
 
     def __init__(self, number: int, to: Path) -> None:
         self.number, self.to, self.folder = number, to, Path()
 
-    def say(self, words: str) -> None:
-        pass
+    def begin(self, prepared: object, run_dir: Path) -> None:
+        self.folder = run_dir
 
-    def begin(self, prepared: object, folder: Path) -> None:
-        self.folder = folder
-
-    def look(self, robot: object) -> None:
-        pass
-
-    def __call__(self, event: Event) -> None:
+    def event(self, event: Event) -> None:
         if isinstance(event, Ended) and event.number == self.number:
             shutil.copytree(self.folder, self.to, ignore=shutil.ignore_patterns("control*"))
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property
 from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
@@ -31,6 +30,8 @@ class Result:
     """What also stands in the run's `summary.json`."""
     status: int
     """What `handcart run` would exit with."""
+    actions: tuple[PastAction, ...]
+    """What was started, in order, each with its outcome."""
 
     @property
     def outcome(self) -> str:
@@ -57,13 +58,6 @@ class Result:
     def folder(self) -> Path:
         """The run's folder, with its journal and pictures."""
         return Path(self.summary["run_dir"])
-
-    @cached_property
-    def actions(self) -> tuple[PastAction, ...]:
-        """What was started, in order, each with its outcome; read from the journal."""
-        from handcart.networks.past_run import read_run
-
-        return read_run(self.folder).actions
 
     def _repr_html_(self) -> str:
         """For notebooks."""
@@ -125,21 +119,26 @@ def run(
         HandcartError: it can't be run for another reason, in words.
     """
     from handcart.evaluation.running import run_task
+    from handcart.networks.action_log import ActionLog
     from handcart.networks.permits import Permits
+    from handcart.networks.run_options import RunOptions
 
-    chosen = _words(set, robot)
+    log = ActionLog()
     summary, status = run_task(
         Path(task),
         Path(runs),
-        backend,
-        chosen,
-        seed,
-        draw=True,
-        checkpoints=True,
-        permits=Permits(permit),
-        errors=errors,
+        RunOptions(
+            backend,
+            _words(set, robot),
+            seed,
+            errors=errors,
+            draw=True,
+            checkpoints=True,
+            permits=Permits(permit),
+            observers=(log,),
+        ),
     )
-    return Result(summary, status)
+    return Result(summary, status, tuple(log.actions))
 
 
 def check(file: Path | str, *, set: Settings | None = None) -> Check:

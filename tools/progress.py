@@ -18,13 +18,14 @@ from handcart.networks.events import Ended, Event, LeftOut, Planned, Restoring, 
 from handcart.networks.network import Action
 from handcart.networks.planner import NoWay
 from handcart.networks.preparing import Prepared
+from handcart.networks.run_observer import RunObserver
 from handcart.primitives.outcome import Fail, GiveUp, Success
 
 COLOURS = {"Success": "green", "Fail": "yellow", "GiveUp": "red"}
 
 
-class Progress:
-    """An observer of a run: one line for each thing that ends, and on a terminal what goes on just now.
+class Progress(RunObserver):
+    """One line for each thing that ends, and on a terminal what goes on just now.
 
     Writes to stderr, so that stdout holds the result alone.
     """
@@ -49,7 +50,7 @@ class Progress:
         with suppress(OSError):
             self._status.stop()
 
-    def __call__(self, event: Event) -> None:
+    def event(self, event: Event) -> None:
         """Tell of an event."""
         match event:
             case Planned(time, situation, NoWay()):
@@ -67,7 +68,7 @@ class Progress:
             case Planned() | RunEnded():
                 pass
 
-    def look(self, robot: Robot) -> None:
+    def period(self, robot: Robot) -> None:
         """Tell how late it is, on a terminal."""
         if robot.time >= self._next:
             self._next = robot.time + 0.5
@@ -77,12 +78,12 @@ class Progress:
         """Tell something that should be known before anything moves."""
         self._print(escape(printable(words)))
 
-    def begin(self, prepared: Prepared, folder: Path) -> None:
+    def begin(self, prepared: Prepared, run_dir: Path) -> None:
         """Tell what the user should know before the run starts."""
         for words in prepared.warnings:
             self._print(f"[yellow]warning: {escape(words)}[/yellow]")
         far = stopping_distance(prepared.robot)
-        words = f"{folder}: Ctrl-C or `handcart stop` with that folder stops the base within {far:.2f} m"
+        words = f"{run_dir}: Ctrl-C or `handcart stop` with that folder stops the base within {far:.2f} m"
         self._print(f"[dim]{escape(words)}[/dim]")
 
     def ask(self, action: Action) -> None:

@@ -34,13 +34,18 @@ def resume(
     from handcart.files.printable import printable
     from handcart.networks.interrupts import Interrupts
     from handcart.networks.permits import Permits
+    from handcart.networks.run_options import RunOptions
 
     from .progress import Progress
 
     permits = Permits(permit)
     with Interrupts() as interrupts, Progress() as progress:
         permits.asking, permits.typed = progress.ask, progress.typed
-        summary, status = resume_task(run, confirm, progress, permits, sync, interrupts)
+        summary, status = resume_task(
+            run,
+            confirm,
+            RunOptions(sync=sync, permits=permits, interrupts=interrupts, observers=(progress,)),
+        )
         progress.end()
         if as_json:
             print(orjson.dumps(summary).decode(), flush=True)

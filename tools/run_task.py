@@ -62,6 +62,7 @@ def run(
     from handcart.files.settings import split_setting
     from handcart.networks.interrupts import Interrupts
     from handcart.networks.permits import Permits
+    from handcart.networks.run_options import RunOptions
 
     from .progress import Progress
     from .writing import check_folder
@@ -74,20 +75,22 @@ def run(
         summary, status = run_task(
             task,
             runs,
-            backend,
-            chosen,
-            seed,
-            progress,
-            draw=True,
-            checkpoints=True,
-            permits=permits,
-            situation=situation,
-            video=video,
-            window=gui,
-            sync=sync,
-            errors=not no_errors,
-            bench=bench,
-            interrupts=interrupts,
+            RunOptions(
+                backend,
+                chosen,
+                seed,
+                situation,
+                errors=not no_errors,
+                bench=bench,
+                window=gui,
+                video=video,
+                draw=True,
+                checkpoints=True,
+                sync=sync,
+                permits=permits,
+                interrupts=interrupts,
+                observers=(progress,),
+            ),
         )
         progress.end()
         if as_json:

@@ -19,6 +19,7 @@ from handcart.networks.calibration import NAME, Calibration, rounded
 from handcart.networks.planner import NoWay, Planner
 from handcart.networks.preparing import prepare
 from handcart.networks.robot_claim import claimed
+from handcart.networks.run_options import RunOptions
 from handcart.primitives.calibrated import Calibrated
 from handcart.primitives.outcome import Success
 
@@ -216,7 +217,9 @@ class TaskRung(Rung):
 def _run(site: Site, task: Path) -> Facts:
     """Run a task to its Success; raises `RungFailed`."""
     summary, _ = run_task(
-        task, site.folder / "runs", "can", {"robot": site.name}, 0, draw=True, bench=site.bench or None
+        task,
+        site.folder / "runs",
+        RunOptions("can", {"robot": site.name}, draw=True, bench=site.bench or None),
     )
     if summary["outcome"] != "Success":
         explained = f"handcart explain {summary['run_dir']}"

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from handcart.evaluation.running import run_task
+from handcart.networks.run_options import RunOptions
 
 from .check import Finding
 
@@ -56,7 +57,9 @@ class OneRun:
         """Run it."""
         with tempfile.TemporaryDirectory() as folder:
             summary, _ = run_task(
-                self.task, Path(folder), self.backend, self.settings, self.seed, errors=self.errors
+                self.task,
+                Path(folder),
+                RunOptions(self.backend, self.settings, self.seed, errors=self.errors),
             )
         return Ran(
             self.task.parent.name,

@@ -17,6 +17,8 @@ from handcart.networks.events import Ended, Event
 from handcart.networks.journal import Journal
 from handcart.networks.preparing import Prepared
 from handcart.networks.run_folder import JOURNAL, read_run_journal
+from handcart.networks.run_observer import RunObserver
+from handcart.networks.run_options import RunOptions
 
 LEFT, OVER, GAVE_UP = "left", "over", "gave up"
 
@@ -67,23 +69,17 @@ class Enough(BaseException):
     """A run is left where it is, as if it were killed."""
 
 
-class Quiet:
-    """Hears nothing; copies the folder of a run after some actions, and may leave it then."""
+class Quiet(RunObserver):
+    """Copies the folder of a run after some actions, and may leave it then."""
 
     def __init__(self, after: Sequence[int] = (), to: Path = Path(), whole: bool = True) -> None:
         self._after, self._to, self._whole, self._folder = after, to, whole, Path()
 
-    def say(self, words: str) -> None:
-        """See `Teller`."""
+    def begin(self, prepared: Prepared, run_dir: Path) -> None:
+        """See `RunObserver`."""
+        self._folder = run_dir
 
-    def begin(self, prepared: Prepared, folder: Path) -> None:
-        """See `Teller`."""
-        self._folder = folder
-
-    def look(self, robot: object) -> None:
-        """See `Teller`."""
-
-    def __call__(self, event: Event) -> None:
+    def event(self, event: Event) -> None:
         """Copy what would be left if the run were killed now."""
         if isinstance(event, Ended) and event.number in self._after:
             _copy(self._folder, self._to / f"{event.number}")
@@ -98,12 +94,14 @@ def make(recipe: Recipe, tasks: Path, where: Path) -> list[Original]:
         run_task(
             tasks / recipe.task,
             where / "runs",
-            recipe.backend,
-            dict(recipe.settings),
-            seed=3,
-            told=Quiet(recipe.after, copies, recipe.whole),
-            checkpoints=True,
-            bench=recipe.bench,
+            RunOptions(
+                recipe.backend,
+                dict(recipe.settings),
+                seed=3,
+                checkpoints=True,
+                bench=recipe.bench,
+                observers=(Quiet(recipe.after, copies, recipe.whole),),
+            ),
         )
         (whole,) = (where / "runs").glob("*")
         _copy(whole, copies / OVER)
@@ -166,5 +164,5 @@ def true_state(original: Original, scratch: Path) -> str:
     (folder / JOURNAL).write_bytes(b"".join(lines[: len(lines) - ends]))
     header, prepared = prepare_again(folder)
     with prepared:
-        put_back(folder, header, prepared, Quiet())
+        put_back(folder, header, prepared)
         return state_of(prepared)

@@ -28,6 +28,7 @@ from handcart.networks.past_run import read_run
 from handcart.networks.preparing import Prepared
 from handcart.networks.resuming import task_of
 from handcart.networks.run_folder import check_folder
+from handcart.networks.run_options import RunOptions
 
 from .attacks import ACCIDENTS, HARM, Attack, Scene, nothing
 from .originals import LEFT, Original, Quiet, key_of, state_of
@@ -243,17 +244,17 @@ class _Tried:
     def _resume(self) -> str:
         to_the_end = self._original.recipe == "blocks" and self._number % _ENDS < _ENDS // 100
         if to_the_end and self._attack is not nothing:
-            return str(resume_task(self._folder, None, Quiet())[0]["outcome"])
+            return str(resume_task(self._folder, None, RunOptions(observers=(Quiet(),)))[0]["outcome"])
         header, prepared = self._trials.prepared(self._folder)
         sound = self._attack in ACCIDENTS
         try:
-            past = put_back(self._folder, header, prepared, Quiet())
+            past = put_back(self._folder, header, prepared)
         except NotAState as error:
             if "needed: " not in str(error) or not sound:
                 raise
             self._trials.forget()  # maybe refused only because that robot has gone on with another run
             header, prepared = self._trials.prepared(self._folder)
-            past = put_back(self._folder, header, prepared, Quiet())
+            past = put_back(self._folder, header, prepared)
         if sound and past.checkpoint is not None and not self._true(header, prepared):
             self._wrong.append("resume: put back elsewhere than it stood")
         if not sound and self._original.recipe == "physics":
@@ -265,7 +266,7 @@ class _Tried:
             return True
         self._trials.forget()
         header, prepared = self._trials.prepared(self._folder)
-        put_back(self._folder, header, prepared, Quiet())
+        put_back(self._folder, header, prepared)
         return state_of(prepared) == self._original.state
 
     def _adopt(self) -> None:

@@ -17,7 +17,6 @@ from handcart.evaluation.shelving import longest_rising, shelving
 from handcart.networks.events import Ended, Started
 from handcart.networks.run import prepare
 from handcart.networks.run_end import RunEnd
-from handcart.networks.telemetry import Telemetry
 from handcart.primitives.move_to import MoveTo
 from handcart.primitives.outcome import Outcome, Success, fail_if_restored
 from handcart.robotics.geometry.pose2 import Pose2
@@ -77,7 +76,7 @@ def test_a_task_that_only_drives_returns_no_book(tmp_path: Path) -> None:
     with prepare(tmp_path / "tour.yaml") as prepared:
         judge = Judge(prepared)
         end = RunEnd("Success", "at_shelf", "", 1, 0, 0, ())
-        assert judge.metrics(prepared, end, Telemetry())["untrue"] == []
+        assert judge.figures(end)["untrue"] == []
 
 
 class Claims:
@@ -92,20 +91,20 @@ class Claims:
 
     def start(self) -> None:
         self.primitive = MoveTo(place=self.place)
-        self.judge(Started(self.robot.time, 1, self.action, self.primitive, 0))
+        self.judge.event(Started(self.robot.time, 1, self.action, self.primitive, 0))
 
     def drive(self, speed: float, periods: int) -> None:
         for _ in range(periods):
             self.wheels.drive(speed, 0.0)  # past the guard that holds every primitive
             self.robot.step()
-            self.judge.look(self.robot)
+            self.judge.period(self.robot)
 
     def end(self, outcome: Outcome = Success()) -> list[str]:
-        self.judge(Ended(self.robot.time, 1, self.action, self.primitive, outcome, {}))
+        self.judge.event(Ended(self.robot.time, 1, self.action, self.primitive, outcome, {}))
         return self.judge.untrue
 
     def metrics(self) -> Mapping[str, Any]:
-        return self.judge.metrics(self.prepared, RunEnd("Success", "", "", 1, 0, 0, ()), Telemetry())
+        return self.judge.figures(RunEnd("Success", "", "", 1, 0, 0, ()))
 
 
 @pytest.fixture
@@ -147,7 +146,7 @@ def test_arrival_is_held_against_the_truth(claims: Claims) -> None:
     claims.robot.found_at(place, (0.001, 0.001))
     assert claims.end() == []
     claims.scene.move_base(place.compose(Pose2(0.0, 0.06, 0.03)))
-    claims.judge.look(claims.robot)
+    claims.judge.period(claims.robot)
     claims.start()
     assert claims.end() == [
         "1. MOVE_TO Success: the base is 60.0 mm from its place (at most 40.0)",

@@ -30,17 +30,17 @@ def drive(stand, tmp_path):
             [Situation("a"), Situation("z")], [Action("a", "z", Binding.of(Drive()), attempts=1)], "a", "z"
         )
         recorder = FlightRecorder(tmp_path, stand.robot, seconds)
-        coordinator = Coordinator(network, stand.robot, stand.model, observers=[recorder])
-        with recorder:
-            run = coordinator.run()
-            for _ in range(10_000):
-                try:
-                    next(run)
-                except StopIteration:
-                    break
-                stand.robot.step(paused=pauses > 0)
-                pauses -= 1
-                recorder.look(stand.robot)
+        coordinator = Coordinator(network, stand.robot, stand.model, observers=[recorder.event])
+        run = coordinator.run()
+        for _ in range(10_000):
+            try:
+                next(run)
+            except StopIteration:
+                break
+            stand.robot.step(paused=pauses > 0)
+            pauses -= 1
+            recorder.period(stand.robot)
+        recorder.end()
         return {path.name: load_readings(path) for path in sorted((tmp_path / "evidence").iterdir())}
 
     return driven
@@ -77,7 +77,8 @@ def test_a_pause_is_not_recorded(drive):
 
 def test_a_full_disk_ends_the_evidence_not_the_run(stand, tmp_path):
     (tmp_path / "evidence").write_text("a file where a folder is to be")
-    with FlightRecorder(tmp_path, stand.robot) as recorder:
-        stand.robot.step()
-        recorder.look(stand.robot)
+    recorder = FlightRecorder(tmp_path, stand.robot)
+    stand.robot.step()
+    recorder.period(stand.robot)
+    recorder.end()
     assert recorder.lost is not None

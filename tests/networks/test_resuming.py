@@ -19,6 +19,7 @@ from handcart.networks.resuming import NothingToResume, Past, read_past, task_of
 from handcart.networks.retracing import NeedsOperator, standing
 from handcart.networks.run import execute
 from handcart.networks.run_folder import read_run_journal
+from handcart.networks.run_options import RunOptions
 from handcart.networks.task_file import load_task
 from handcart.networks.waiting import waiting
 
@@ -46,7 +47,7 @@ class Run:
         self.folder, self.prepare = folder, prepare
         prepared = prepare()
         self.network, self.model = prepared.task.network, prepared.model
-        execute(prepared, folder, checkpoints=True, sync="never")
+        execute(prepared, folder, RunOptions(checkpoints=True, sync=False))
 
     @property
     def records(self) -> tuple[Any, ...]:

@@ -2,15 +2,21 @@
 
 import signal
 from collections import deque
+from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import orjson
 import pytest
 
+from handcart.networks.action_log import ActionLog
 from handcart.networks.journal import Journal
 from handcart.networks.journal_record import JournalError, read_journal, without_wall
+from handcart.networks.past_run import read_run
 from handcart.networks.preparing import Prepared, load_model
 from handcart.networks.run import execute
+from handcart.networks.run_observer import RunObserver
+from handcart.networks.run_options import RunOptions
 from handcart.networks.task_file import load_task
 from handcart.networks.telemetry import load_track
 
@@ -26,6 +32,31 @@ actions:
   - {do: THINK, from: a, to: b, cost_s: 1, with: {name: x}}
   - {do: DRIVE, from: b, to: z, cost_s: 1, with: {periods: {parameter: periods}}}
 """
+
+
+class Hears(RunObserver):
+    """Notes what it hears of, and has figures of its own."""
+
+    def __init__(self, own):
+        self.own, self.words, self.events = own, [], []
+
+    def begin(self, prepared, run_dir):
+        assert (run_dir / "journal.jsonl").exists()
+        self.words.append("begin")
+
+    def period(self, robot):
+        self.words.append("period")
+
+    def event(self, event):
+        self.events.append(event)
+
+    def end(self):
+        self.words.append("end")
+
+    def figures(self, end):
+        assert end is self.events[-1].end
+        self.words.append("figures")
+        return self.own()
 
 
 @pytest.fixture
@@ -45,10 +76,10 @@ def test_run_folder(prepare, tmp_path):
     stand, prepared = prepare(periods="20")
     stand.script["x"] = deque("F")
     folder = tmp_path / "run"
-    told = []
-    end = execute(prepared, folder, [told.append], metrics=lambda *_: {"x_m": stand.robot.pose.x})
+    heard = Hears(lambda: {"x_m": np.float64(stand.robot.pose.x), "at": (1, 2)})
+    end, summary = execute(prepared, folder, RunOptions(observers=(heard,)))
     assert end.outcome == "Success"
-    summary = orjson.loads((folder / "summary.json").read_bytes())
+    assert orjson.loads((folder / "summary.json").read_bytes()) == summary
     assert list(summary) == [
         "outcome", "situation", "reason", "actions", "fails", "replans", "skipped", "sim_time_s",
         "wall_time_s", "seed", "backend", "run_dir", "metrics",
@@ -63,7 +94,20 @@ def test_run_folder(prepare, tmp_path):
     track = load_track(folder / "telemetry.npz")
     assert track.pose.shape == (len(track.time), 3)
     assert set(track.action.tolist()) == {3}
-    assert type(told[-1]).__name__ == "RunEnded"
+    assert summary["metrics"]["at"] == [1, 2]
+    assert type(heard.events[-1]).__name__ == "RunEnded"
+    assert heard.words == ["begin", *["period"] * len(track.time), "end", "figures"]
+
+
+def test_the_log_of_actions_says_what_the_journal_does(prepare, tmp_path):
+    stand, prepared = prepare(periods="5")
+    stand.script["x"] = deque("F")
+    log = ActionLog()
+    execute(prepared, tmp_path / "run", RunOptions(observers=(log,)))
+    kept = read_run(tmp_path / "run").actions
+    assert [each.outcome for each in log.actions] == ["Fail", "Success", "Success"]
+    assert [replace(each, result={}) for each in log.actions] == [replace(each, result={}) for each in kept]
+    assert [each.reason for each in log.actions] == [each.reason for each in kept]
 
 
 def test_same_seed_same_journal(prepare, tmp_path):
@@ -86,7 +130,7 @@ def test_interrupt_stops_and_holds(prepare, tmp_path):
 
     stand.backend.step = interrupted
     before = signal.getsignal(signal.SIGINT)
-    end = execute(prepared, tmp_path / "run")
+    end = execute(prepared, tmp_path / "run").end
     assert (end.outcome, end.exit_status) == ("Cancelled", 130)
     stop, end = read_journal(tmp_path / "run" / "journal.jsonl").records[-2:]
     assert (stop["kind"], stop["cause"], end["kind"]) == ("STOP", "interrupted", "END")
@@ -100,12 +144,12 @@ def test_an_interrupt_after_the_last_action_changes_nothing(prepare, tmp_path):
     """K3: the run is over when its END is there; what is still to be written is written."""
     _, prepared = prepare()
 
-    def metrics(*_):
+    def metrics():
         for kind in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
             signal.raise_signal(kind)
         return {"whole": True}
 
-    end = execute(prepared, tmp_path / "run", metrics=metrics)
+    end = execute(prepared, tmp_path / "run", RunOptions(observers=(Hears(metrics),))).end
     assert (end.outcome, end.exit_status) == ("Success", 0)
     assert orjson.loads((tmp_path / "run" / "summary.json").read_bytes())["metrics"] == {"whole": True}
     assert (tmp_path / "run" / "telemetry.npz").exists()
@@ -122,7 +166,7 @@ def test_disk_full_while_it_runs(prepare, tmp_path, monkeypatch):
         return append(journal, kind, *rest)
 
     monkeypatch.setattr(Journal, "append", full)
-    end = execute(prepared, tmp_path / "run")
+    end = execute(prepared, tmp_path / "run").end
     assert (end.outcome, end.exit_status) == ("Error", 5)
     assert "No space left" in end.reason
     assert stand.backend.stops
@@ -131,10 +175,11 @@ def test_disk_full_while_it_runs(prepare, tmp_path, monkeypatch):
 def test_fault_in_our_own_code(prepare, tmp_path):
     _, prepared = prepare()
 
-    def broken(event):
-        raise ZeroDivisionError("oh")
+    class Broken(RunObserver):
+        def event(self, event):
+            raise ZeroDivisionError("oh")
 
-    end = execute(prepared, tmp_path / "run", [broken])
+    end = execute(prepared, tmp_path / "run", RunOptions(observers=(Broken(),))).end
     assert (end.outcome, end.reason) == ("Error", "ZeroDivisionError: oh")
     assert "ZeroDivisionError" in (tmp_path / "run" / "error.txt").read_text()
 
@@ -146,11 +191,12 @@ def test_a_full_disk_takes_no_error_file_either_and_the_run_ends(prepare, tmp_pa
     def full(path, *_, **__):
         raise OSError(28, "No space left on device", str(path))
 
-    def broken(event):
-        monkeypatch.setattr(Path, "write_text", full)
-        raise ZeroDivisionError("oh")
+    class Broken(RunObserver):
+        def event(self, event):
+            monkeypatch.setattr(Path, "write_text", full)
+            raise ZeroDivisionError("oh")
 
-    end = execute(prepared, tmp_path / "run", [broken])
+    end = execute(prepared, tmp_path / "run", RunOptions(observers=(Broken(),))).end
     assert (end.outcome, end.reason) == ("Error", "ZeroDivisionError: oh")
     assert stand.backend.stops
     assert not (tmp_path / "run" / "error.txt").exists()

@@ -13,6 +13,7 @@ from handcart.evaluation.laser_survey import read_spot
 from handcart.evaluation.running import run_task
 from handcart.files.loading import load
 from handcart.networks.calibration import Calibration
+from handcart.networks.run_options import RunOptions
 from handcart.primitives.calibrate_camera import _lens
 from handcart.robotics.geometry.transform import transform
 
@@ -27,7 +28,9 @@ def findings(folder: str) -> Calibration:
 def test_the_camera_of_a_new_robot(tmp_path):
     """Its mount and focal length are off, as the seed draws them; how its base leans isn't known yet."""
     settings = {"robot": "toyama/uncalibrated", "views": "24"}
-    summary, status = run_task(TASKS / "calibrate_camera" / "task.yaml", tmp_path, None, settings, 4)
+    summary, status = run_task(
+        TASKS / "calibrate_camera" / "task.yaml", tmp_path, RunOptions(settings=settings, seed=4)
+    )
     assert status == 0, summary["reason"]
     figures = summary["metrics"]
     assert figures["untrue"] == []
@@ -43,7 +46,9 @@ def test_the_camera_of_a_new_robot(tmp_path):
 @pytest.mark.slow
 def test_how_the_base_gives(tmp_path):
     settings = {"robot": "toyama/h1", "rounds": "3", "swings": "8"}
-    summary, status = run_task(TASKS / "calibrate_suspension" / "task.yaml", tmp_path, None, settings, 2)
+    summary, status = run_task(
+        TASKS / "calibrate_suspension" / "task.yaml", tmp_path, RunOptions(settings=settings, seed=2)
+    )
     assert status == 0, summary["reason"]
     figures = summary["metrics"]
     assert figures["untrue"] == []
@@ -64,7 +69,7 @@ def test_a_sheet_too_small_is_no_calibration(tmp_path):
     """Landmarks in a row don't tell how the base leans: a Fail, the robot as it was, and no file."""
     settings = {"rounds": "1", "swings": "4", "landmarks": "[near_left, middle, near_right]"}
     task = TASKS / "calibrate_suspension" / "task.yaml"
-    summary, status = run_task(task, tmp_path, None, settings, 3)
+    summary, status = run_task(task, tmp_path, RunOptions(settings=settings, seed=3))
     assert status == 3
     assert "doesn't tell how the base gives: the measurements can't tell roll_per_m" in summary["reason"]
     assert summary["metrics"]["untrue"] == []

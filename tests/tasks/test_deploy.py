@@ -11,6 +11,7 @@ import pytest
 from handcart.evaluation.running import resume_task, run_task
 from handcart.files.errors import FileError
 from handcart.networks.permits import Permits
+from handcart.networks.run_options import RunOptions
 
 TASKS = Path(__file__).parents[2] / "tasks"
 STRAIGHT, ZIGZAG = TASKS / "deploy_straight" / "task.yaml", TASKS / "deploy_zigzag" / "task.yaml"
@@ -36,7 +37,7 @@ def small(tmp_path):
 
 @pytest.mark.slow
 def test_two_sensors_are_laid_and_told_of(tmp_path, small):
-    summary, status = run_task(STRAIGHT, tmp_path, None, small, seed=2)
+    summary, status = run_task(STRAIGHT, tmp_path, RunOptions(settings=small, seed=2))
     metrics, folder = summary["metrics"], Path(summary["run_dir"])
     assert status == 0
     assert metrics["untrue"] == []
@@ -57,7 +58,8 @@ def test_two_sensors_are_laid_and_told_of(tmp_path, small):
 @pytest.mark.slow
 def test_the_same_seed_gives_the_same_run(tmp_path, small):
     places = [
-        run_task(STRAIGHT, tmp_path / name, None, small, seed=5)[0]["metrics"]["placements"] for name in "ab"
+        run_task(STRAIGHT, tmp_path / name, RunOptions(settings=small, seed=5))[0]["metrics"]["placements"]
+        for name in "ab"
     ]
     assert places[0] == places[1]
 
@@ -65,8 +67,10 @@ def test_the_same_seed_gives_the_same_run(tmp_path, small):
 @pytest.mark.slow
 def test_killed_it_goes_on_and_tells_of_all_sensors(tmp_path, small, copier):
     left = tmp_path / "left"
-    whole, _ = run_task(STRAIGHT, tmp_path, None, small, seed=5, checkpoints=True, told=copier(4, left))
-    again, status = resume_task(left, None, copier(0, left))
+    whole, _ = run_task(
+        STRAIGHT, tmp_path, RunOptions(settings=small, seed=5, checkpoints=True, observers=(copier(4, left),))
+    )
+    again, status = resume_task(left, None, RunOptions(observers=(copier(0, left),)))
     assert status == 0
     assert again["metrics"]["placements"] == whole["metrics"]["placements"]
     for name in ("as_laid.csv", "as_laid.geojson"):
@@ -75,14 +79,16 @@ def test_killed_it_goes_on_and_tells_of_all_sensors(tmp_path, small, copier):
 
 @pytest.mark.slow
 def test_with_a_better_receiver_they_lie_within_centimetres(tmp_path, small):
-    metrics = run_task(STRAIGHT, tmp_path, None, {**small, "robot": "el_verde/rtk"}, seed=4)[0]["metrics"]
+    metrics = run_task(STRAIGHT, tmp_path, RunOptions(settings={**small, "robot": "el_verde/rtk"}, seed=4))[
+        0
+    ]["metrics"]
     assert metrics["error_mm_max"] < 80.0
 
 
 @pytest.mark.slow
 def test_around_what_no_map_shows_another_way_is_found(tmp_path, small):
     settings = {**small, "world": str(tmp_path / "crate.yaml")}
-    summary, status = run_task(STRAIGHT, tmp_path, None, settings, seed=3)
+    summary, status = run_task(STRAIGHT, tmp_path, RunOptions(settings=settings, seed=3))
     assert status == 0
     assert summary["fails"] >= 1
     assert summary["metrics"]["untrue"] == []
@@ -93,8 +99,8 @@ def test_around_what_no_map_shows_another_way_is_found(tmp_path, small):
 @pytest.mark.slow
 def test_together_the_arm_moves_while_the_base_drives(tmp_path, small):
     settings = {**small, "together": "true"}
-    apart, _ = run_task(STRAIGHT, tmp_path, None, small, seed=2)
-    summary, status = run_task(STRAIGHT, tmp_path, None, settings, seed=2)
+    apart, _ = run_task(STRAIGHT, tmp_path, RunOptions(settings=small, seed=2))
+    summary, status = run_task(STRAIGHT, tmp_path, RunOptions(settings=settings, seed=2))
     assert status == 0
     assert summary["metrics"]["untrue"] == []
     assert summary["metrics"]["placed"] == 2
@@ -105,7 +111,7 @@ def test_together_the_arm_moves_while_the_base_drives(tmp_path, small):
 @pytest.mark.slow
 def test_together_a_drive_that_fails_brings_back_base_and_arm(tmp_path, small):
     settings = {**small, "together": "true", "world": str(tmp_path / "crate.yaml")}
-    summary, status = run_task(STRAIGHT, tmp_path, None, settings, seed=3)
+    summary, status = run_task(STRAIGHT, tmp_path, RunOptions(settings=settings, seed=3))
     assert status == 0
     assert summary["fails"] >= 1
     assert summary["metrics"]["untrue"] == []
@@ -114,7 +120,9 @@ def test_together_a_drive_that_fails_brings_back_base_and_arm(tmp_path, small):
 
 def test_the_operator_may_refuse(tmp_path, small):
     settings = {**small, "permit": "operator"}
-    summary, status = run_task(STRAIGHT, tmp_path, None, settings, seed=3, permits=Permits("never"))
+    summary, status = run_task(
+        STRAIGHT, tmp_path, RunOptions(settings=settings, seed=3, permits=Permits("never"))
+    )
     assert status == 3
     assert summary["metrics"]["placed"] == 0
 
@@ -122,14 +130,16 @@ def test_the_operator_may_refuse(tmp_path, small):
 @pytest.mark.slow
 def test_without_satellites_the_ellipses_grow(tmp_path, small):
     settings = {**small, "robot": _robot(tmp_path, "gyro"), "sure_mm": "2000"}
-    first, second = run_task(STRAIGHT, tmp_path, None, settings, seed=1)[0]["metrics"]["placements"]
+    first, second = run_task(STRAIGHT, tmp_path, RunOptions(settings=settings, seed=1))[0]["metrics"][
+        "placements"
+    ]
     assert second["sigma_y_mm"] > 1.5 * first["sigma_y_mm"]
 
 
 @pytest.mark.slow
 def test_the_particle_filter_does_it_too(tmp_path, small):
     settings = {**small, "robot": _robot(tmp_path, "particle")}
-    summary, status = run_task(STRAIGHT, tmp_path, None, settings, seed=1)
+    summary, status = run_task(STRAIGHT, tmp_path, RunOptions(settings=settings, seed=1))
     assert status == 0
     assert summary["metrics"]["placed"] == 2
 
@@ -139,20 +149,20 @@ def test_a_target_beside_a_rock_is_refused_by_its_line(tmp_path, small):
     rocks = "rocks: [{x_m: 14.0, y_m: 1.0, radius_m: 0.4}]\n"
     (tmp_path / "field.yaml").write_text(field + rocks, encoding="utf-8")
     with pytest.raises(FileError, match=r"two\.csv:3:1: the target 'second' can't be reached"):
-        run_task(STRAIGHT, tmp_path, None, {**small, "field": str(tmp_path / "field.yaml")}, seed=0)
+        run_task(STRAIGHT, tmp_path, RunOptions(settings={**small, "field": str(tmp_path / "field.yaml")}))
 
 
 def test_bad_targets_are_refused_by_their_lines_and_nothing_else_is_told(tmp_path, small):
     (tmp_path / "bad.csv").write_text(TWO + "third,nan,1\nfirst,20,-0.75\n", encoding="utf-8")
     with pytest.raises(FileError) as refused:
-        run_task(STRAIGHT, tmp_path, None, {**small, "targets": str(tmp_path / "bad.csv")}, seed=0)
+        run_task(STRAIGHT, tmp_path, RunOptions(settings={**small, "targets": str(tmp_path / "bad.csv")}))
     lines = str(refused.value).splitlines()
     assert [line.partition("bad.csv:")[2][:1] for line in lines] == ["4", "5"]
 
 
 @pytest.mark.slow
 def test_the_zigzag_course(tmp_path):
-    summary, status = run_task(ZIGZAG, tmp_path, None, {}, seed=3)
+    summary, status = run_task(ZIGZAG, tmp_path, RunOptions(seed=3))
     assert status == 0
     assert summary["metrics"]["placed"] == 7
     assert summary["metrics"]["error_mm_max"] < 849.0

@@ -13,6 +13,8 @@ from handcart.evaluation.running import run_task
 from handcart.files.errors import FileError
 from handcart.networks.events import Ended
 from handcart.networks.run import execute, prepare
+from handcart.networks.run_observer import RunObserver
+from handcart.networks.run_options import RunOptions
 from handcart.primitives.outcome import Success
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -37,14 +39,14 @@ REAL = {
 
 
 @dataclass
-class Arrivals:
+class Arrivals(RunObserver):
     """How far from its place, in [m], the robot truly stood when each MOVE_TO had succeeded."""
 
     scene: Any
     places: Any
     errors: dict[str, float] = field(default_factory=dict)
 
-    def __call__(self, event: object) -> None:
+    def event(self, event: object) -> None:
         if isinstance(event, Ended) and isinstance(event.outcome, Success):
             name = event.primitive.place
             self.errors[name] = self.scene.base.distance(self.places[name].pose)
@@ -70,7 +72,7 @@ def test_the_places_of_a_real_map_are_reached(
         pytest.skip(f"the map {name} is not there: it lies outside the repository")
     with prepare(TASK, settings={"map": str(chart), "places": places(REAL[name])}) as prepared:
         arrivals = Arrivals(prepared.backend.scene, prepared.model.places)  # type: ignore[attr-defined]
-        end = execute(prepared, tmp_path / "run", [arrivals])
+        end = execute(prepared, tmp_path / "run", RunOptions(observers=(arrivals,))).end
         assert prepared.backend.scene.contacts == []  # type: ignore[attr-defined]
     assert end.exit_status == 0
     assert arrivals.errors.keys() == prepared.model.places.keys()
@@ -79,7 +81,7 @@ def test_the_places_of_a_real_map_are_reached(
 
 @pytest.mark.slow
 def test_as_it_stands_it_drives_through_an_office_and_draws_it(tmp_path: Path) -> None:
-    summary, status = run_task(TASK, tmp_path, None, {}, 1, draw=True)
+    summary, status = run_task(TASK, tmp_path, RunOptions(seed=1, draw=True))
     assert status == 0
     assert (summary["actions"], summary["fails"], summary["metrics"]["untrue"]) == (6, 0, [])
     drawn = (tmp_path / "drive_map-1" / "overview.svg").read_text(encoding="utf-8")
@@ -115,7 +117,7 @@ def test_a_place_that_something_stands_at_is_left_out_and_the_rest_is_driven(
         encoding="utf-8",
     )
     settings = {"world": str(world), "places": told, "tour": "[taken, desk]", "wait_s": "1.0"}
-    summary, status = run_task(TASK, tmp_path / "runs", None, settings, 1)
+    summary, status = run_task(TASK, tmp_path / "runs", RunOptions(settings=settings, seed=1))
     assert status == 3
     assert summary["skipped"] == ["place[1] (taken)"]
     assert summary["metrics"]["untrue"] == []
@@ -132,7 +134,7 @@ def test_what_the_map_does_not_show_is_driven_around(tmp_path: Path) -> None:
         encoding="utf-8",
     )
     settings = {"world": str(world), "tour": "[kitchen]"}
-    summary, status = run_task(TASK, tmp_path / "runs", None, settings, 1)
+    summary, status = run_task(TASK, tmp_path / "runs", RunOptions(settings=settings, seed=1))
     assert status == 0
     assert summary["fails"] >= 1
     assert summary["metrics"]["untrue"] == []

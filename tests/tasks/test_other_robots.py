@@ -8,6 +8,7 @@ import pytest
 
 from handcart.backends.robot_loading import load_robot
 from handcart.evaluation.running import run_task
+from handcart.networks.run_options import RunOptions
 
 pytest.importorskip("pybullet_data", reason="the arm's URDF comes with PyBullet")
 
@@ -38,7 +39,7 @@ def test_its_hand_and_tray_are_elsewhere() -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", [0])
 def test_it_returns_a_book(tmp_path: Path, seed: int) -> None:
-    summary, status = run_task(TASK, tmp_path, None, {"robot": "xarm_cart"}, seed)
+    summary, status = run_task(TASK, tmp_path, RunOptions(settings={"robot": "xarm_cart"}, seed=seed))
     assert (status, summary["outcome"], summary["fails"]) == (0, "Success", 0)
     assert summary["metrics"]["slot_correct"]
     assert summary["metrics"]["untrue"] == []
@@ -46,7 +47,9 @@ def test_it_returns_a_book(tmp_path: Path, seed: int) -> None:
 
 @pytest.mark.slow
 def test_it_returns_a_book_in_physics(tmp_path: Path) -> None:
-    summary, status = run_task(TASK, tmp_path, "pybullet", {"robot": "xarm_cart"}, 0)
+    summary, status = run_task(
+        TASK, tmp_path, RunOptions(backend="pybullet", settings={"robot": "xarm_cart"})
+    )
     assert (status, summary["outcome"]) == (0, "Success")
     assert summary["metrics"]["slot_correct"]
     assert summary["metrics"]["untrue"] == []

@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 from handcart.evaluation.running import resume_task, run_task
+from handcart.networks.run_options import RunOptions
 
 TASKS = Path(__file__).parents[2] / "tasks"
 
@@ -24,8 +25,12 @@ TASKS = Path(__file__).parents[2] / "tasks"
 def test_its_metrics_are_those_of_a_run_that_was_not_killed(tmp_path, copier, task, after, settings):
     left = tmp_path / "left"
     told = copier(after, left)
-    whole, _ = run_task(TASKS / task, tmp_path / "runs", None, settings, seed=2, checkpoints=True, told=told)
-    again, status = resume_task(left, None, copier(0, left))
+    whole, _ = run_task(
+        TASKS / task,
+        tmp_path / "runs",
+        RunOptions(settings=settings, seed=2, checkpoints=True, observers=(told,)),
+    )
+    again, status = resume_task(left, None, RunOptions(observers=(copier(0, left),)))
     assert status == 0
     assert again["metrics"] == whole["metrics"]
     assert again["metrics"]["untrue"] == []

@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 from handcart.evaluation.running import run_task
+from handcart.networks.run_options import RunOptions
 
 TASKS = Path(__file__).parents[2] / "tasks"
 UNLOAD = TASKS / "stack_blocks" / "unload.yaml"
@@ -27,7 +28,7 @@ BESIDE = {
     ids=["better arm", "the paper's arm", "a landmark beside each goal"],
 )
 def test_five_blocks_stand_in_a_row(tmp_path, settings, most):
-    summary, status = run_task(UNLOAD, tmp_path, None, settings, seed=4)
+    summary, status = run_task(UNLOAD, tmp_path, RunOptions(settings=settings, seed=4))
     metrics = summary["metrics"]
     assert status == 0
     assert metrics["untrue"] == []
@@ -42,7 +43,7 @@ def test_five_blocks_stand_in_a_row(tmp_path, settings, most):
 def test_of_five_landmarks_beside_each_other_the_right_one_is_taken(tmp_path):
     """The base stops so far off that the next block's landmark is nearer to the middle of the picture."""
     settings = {"robot": "toyama/h1", "method": "servo", **BESIDE}
-    summary, status = run_task(UNLOAD, tmp_path, None, settings, seed=153)
+    summary, status = run_task(UNLOAD, tmp_path, RunOptions(settings=settings, seed=153))
     assert status == 0
     assert summary["fails"] == 0
     assert summary["metrics"]["blocks_placed"] == 5
@@ -51,7 +52,7 @@ def test_of_five_landmarks_beside_each_other_the_right_one_is_taken(tmp_path):
 @pytest.mark.slow
 def test_the_papers_method_errs_by_turn_and_lean(tmp_path):
     settings = {"method": "fix_once", "rule": "paper"}
-    metrics = run_task(UNLOAD, tmp_path, None, settings, seed=0)[0]["metrics"]
+    metrics = run_task(UNLOAD, tmp_path, RunOptions(settings=settings))[0]["metrics"]
     along = [abs(block["x"]) for block in metrics["blocks"]]
     assert along[4] > 1.0 + along[0]
     assert metrics["processed_error_mm_max"] < metrics["raw_error_mm_max"] - 0.5
@@ -61,7 +62,7 @@ def test_the_papers_method_errs_by_turn_and_lean(tmp_path):
 @pytest.mark.slow
 def test_carry_transport_and_stack(tmp_path):
     summary, status = run_task(
-        TASKS / "stack_blocks" / "task.yaml", tmp_path, None, {"robot": "toyama/h1"}, seed=1
+        TASKS / "stack_blocks" / "task.yaml", tmp_path, RunOptions(settings={"robot": "toyama/h1"}, seed=1)
     )
     assert status == 0
     assert summary["metrics"]["untrue"] == []
@@ -71,7 +72,7 @@ def test_carry_transport_and_stack(tmp_path):
 @pytest.mark.slow
 def test_a_fence_of_three_rows(tmp_path):
     summary, status = run_task(
-        TASKS / "build_fence" / "task.yaml", tmp_path, None, {"robot": "toyama/h1"}, seed=1
+        TASKS / "build_fence" / "task.yaml", tmp_path, RunOptions(settings={"robot": "toyama/h1"}, seed=1)
     )
     assert status == 0
     assert summary["metrics"]["untrue"] == []

@@ -15,13 +15,15 @@ from handcart.evaluation.running import resume_task, run_task
 from handcart.networks.events import Started
 from handcart.networks.flight_recorder import load_readings
 from handcart.networks.journal_record import read_journal
+from handcart.networks.run_observer import RunObserver
+from handcart.networks.run_options import RunOptions
 
 TASK = Path(__file__).resolve().parents[2] / "tasks" / "return_book" / "task.yaml"
 MOTION = 1e-3  # [m], [rad]: less between two periods is noise
 PRIMITIVES = {"RECOGNIZE", "PICK_UP", "MOVE_TO", "SEARCH", "APPROACH", "INSERT", "RELEASE"}
 
 
-class Impatient:
+class Impatient(RunObserver):
     """Presses Ctrl-C, again and again, some time after the `number`-th of the actions has begun.
 
     Each of those before was stopped and began anew, so it is counted twice.
@@ -30,17 +32,14 @@ class Impatient:
     def __init__(self, after: float, number: int) -> None:
         self.end, self.after, self.number = None, after, number
 
-    def say(self, words):
-        pass
-
-    def begin(self, prepared, folder):
+    def begin(self, prepared, run_dir):
         self.robot = prepared.robot
 
-    def __call__(self, event):
+    def event(self, event):
         if isinstance(event, Started) and event.number >= 2 * self.number - 1 and self.end is None:
             self.end = event.time + self.after
 
-    def look(self, robot):
+    def period(self, robot):
         if self.end is not None and robot.time >= self.end:
             signal.raise_signal(signal.SIGINT)
 
@@ -63,9 +62,9 @@ def test_stopped_in_every_primitive_of_return_book(tmp_path):
     for number in range(1, 9):
         told = Impatient(rng.uniform(0.2, 2.5), number)
         if number == 1:
-            _, status = run_task(TASK, tmp_path, None, {}, 0, told, checkpoints=True)
+            _, status = run_task(TASK, tmp_path, RunOptions(observers=(told,), checkpoints=True))
         else:
-            _, status = resume_task(folder, None, told)
+            _, status = resume_task(folder, None, RunOptions(observers=(told,)))
         assert status == 130
         ramp = stopping_ramp(told.robot)
         *_, start, stop, end = (

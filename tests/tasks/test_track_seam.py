@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 from handcart.evaluation.running import run_task
+from handcart.networks.run_options import RunOptions
 
 TASK = Path(__file__).parents[2] / "tasks" / "track_seam" / "task.yaml"
 
@@ -22,7 +23,7 @@ def world_with(folder: Path, surprise: str) -> dict[str, str]:
 
 @pytest.mark.slow
 def test_five_metres_are_tracked_to_a_millimetre_from_three_places(tmp_path: Path) -> None:
-    summary, status = run_task(TASK, tmp_path, None, {}, seed=3)
+    summary, status = run_task(TASK, tmp_path, RunOptions(seed=3))
     metrics = summary["metrics"]
     assert status == 0
     assert metrics["untrue"] == []
@@ -37,7 +38,7 @@ def test_five_metres_are_tracked_to_a_millimetre_from_three_places(tmp_path: Pat
 @pytest.mark.slow
 def test_a_place_that_is_taken_is_a_fail_and_the_rest_is_divided_again(tmp_path: Path) -> None:
     box = "name: crate, x_m: 4.4, y_m: 2.7, size_m: [0.5, 0.5, 0.6]"
-    summary, status = run_task(TASK, tmp_path, None, world_with(tmp_path, box), seed=0)
+    summary, status = run_task(TASK, tmp_path, RunOptions(settings=world_with(tmp_path, box)))
     metrics = summary["metrics"]
     assert metrics["untrue"] == []
     assert status == 0
@@ -53,7 +54,9 @@ def test_a_base_that_is_not_known_exactly_tracks_nothing(tmp_path: Path) -> None
     text = (folder / "robot.yaml").read_text(encoding="utf-8").replace("sigma_mm: 0.3", "sigma_mm: 30.0")
     robot = tmp_path / "robot.yaml"
     robot.write_text(text, encoding="utf-8")
-    summary, status = run_task(TASK, tmp_path, None, {"robot": str(robot), "places_left": "[3]"}, seed=0)
+    summary, status = run_task(
+        TASK, tmp_path, RunOptions(settings={"robot": str(robot), "places_left": "[3]"})
+    )
     assert status == 3
     assert "it isn't known exactly enough where the base stands" in summary["reason"]
     assert summary["metrics"]["untrue"] == []
@@ -62,7 +65,7 @@ def test_a_base_that_is_not_known_exactly_tracks_nothing(tmp_path: Path) -> None
 @pytest.mark.slow
 def test_it_is_tracked_in_physics(tmp_path: Path) -> None:
     pytest.importorskip("pybullet", reason="PyBullet has no wheel for this Python")
-    summary, status = run_task(TASK, tmp_path, "pybullet", {}, seed=0)
+    summary, status = run_task(TASK, tmp_path, RunOptions(backend="pybullet"))
     metrics = summary["metrics"]
     assert (status, summary["fails"], metrics["untrue"]) == (0, 0, [])
     assert metrics["placements"] == 3

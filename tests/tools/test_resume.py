@@ -23,6 +23,7 @@ from handcart.networks.checkpoint import load_checkpoint
 from handcart.networks.journal import Journal
 from handcart.networks.journal_record import read_journal
 from handcart.networks.run_folder import read_run_journal
+from handcart.networks.run_options import RunOptions
 from handcart.networks.waiting import waiting
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -73,7 +74,7 @@ def finished(folder: Path) -> Counter[int]:
 def once(tmp_path_factory):
     """A run that came to its end, and what it said."""
     runs = tmp_path_factory.mktemp("runs")
-    end, _ = run_task(TASK, runs, None, {}, 0, checkpoints=True)
+    end, _ = run_task(TASK, runs, RunOptions(checkpoints=True))
     return runs / "return_book-0", end
 
 

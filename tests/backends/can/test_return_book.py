@@ -6,10 +6,13 @@ import pytest
 
 from handcart.evaluation.running import run_task
 from handcart.evaluation.stage import LIBRARY
+from handcart.networks.run_options import RunOptions
 
 
 def run(folder, backend, bench=None):
-    summary, status = run_task(LIBRARY / "task.yaml", folder, backend, {}, 0, errors=False, bench=bench)
+    summary, status = run_task(
+        LIBRARY / "task.yaml", folder, RunOptions(backend=backend, errors=False, bench=bench)
+    )
     assert summary["metrics"]["untrue"] == []
     return (status, *(summary[each] for each in ("outcome", "situation", "reason", "actions", "fails")))
 

@@ -9,6 +9,7 @@ import pytest
 
 from handcart.backends.ground_spec import GroundSpec
 from handcart.evaluation.running import resume_task, run_task
+from handcart.networks.run_options import RunOptions
 
 pytest.importorskip("pybullet")
 
@@ -21,14 +22,18 @@ def test_a_sensor_is_laid_and_a_killed_run_goes_on(tmp_path, copier):
     settings = {"targets": str(tmp_path / "one.csv"), "wait_s": "5", "together": "true"}
     left = tmp_path / "left"
     whole, status = run_task(
-        TASK, tmp_path, "pybullet", settings, seed=2, checkpoints=True, told=copier(2, left)
+        TASK,
+        tmp_path,
+        RunOptions(
+            backend="pybullet", settings=settings, seed=2, checkpoints=True, observers=(copier(2, left),)
+        ),
     )
     assert status == 0
     metrics = whole["metrics"]
     assert metrics["untrue"] == []
     assert metrics["placed"] == 1
     assert metrics["error_mm_max"] < 600.0
-    again, status = resume_task(left, None, copier(0, left))
+    again, status = resume_task(left, None, RunOptions(observers=(copier(0, left),)))
     assert status == 0
     ((first,), (second,)) = (each["metrics"]["placements"] for each in (whole, again))
     assert abs(first["true_x_mm"] - second["true_x_mm"]) < 30.0

@@ -1,0 +1,39 @@
+"""The actions of a run that goes on, as its journal will tell them."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from .chronicle import outcome_fields
+from .events import Ended, Event, Restoring, Started
+from .past_run import PastAction
+from .run_observer import RunObserver
+
+
+class ActionLog(RunObserver):
+    """Takes them down as they start and end."""
+
+    def __init__(self) -> None:
+        """Nothing has been started."""
+        self.actions: list[PastAction] = []
+        """In the order in which they were started."""
+
+    def event(self, event: Event) -> None:
+        """See `RunObserver`."""
+        time = round(event.time, 6)  # as the journal keeps it
+        match event:
+            case Started(_, number, action, primitive):
+                words = primitive.model_dump(mode="json")
+                names = (action.do, action.source, action.target)
+                self.actions.append(PastAction(number, action.index, *names, words, time, time, None, ""))
+            case Restoring():
+                self._change(end=time, broken_off=time)
+            case Ended(_, number, _, _, outcome):
+                result = {"kind": "RESULT", "n": number, "t": time, **outcome_fields(outcome)}
+                self._change(end=time, outcome=type(outcome).__name__, result=result)
+            case _:
+                if self.actions and not self.actions[-1].outcome:
+                    self._change(end=time)
+
+    def _change(self, **fields: object) -> None:
+        self.actions[-1] = replace(self.actions[-1], **fields)  # type: ignore[arg-type]

@@ -1,0 +1,38 @@
+"""Who hears how a run gets on."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from handcart.backends.robot import Robot
+
+from .events import Event
+from .run_end import RunEnd
+
+if TYPE_CHECKING:
+    from .preparing import Prepared
+
+
+class RunObserver:
+    """Looks on at a run and changes nothing; a subclass overrides what it wants to hear of."""
+
+    def say(self, words: str) -> None:
+        """Something is known that a person should read before anything moves."""
+
+    def begin(self, prepared: Prepared, run_dir: Path) -> None:
+        """A run is about to start, or to go on, in that folder."""
+
+    def period(self, robot: Robot) -> None:
+        """A period has passed."""
+
+    def event(self, event: Event) -> None:
+        """Something has happened; what it tells is in the journal."""
+
+    def end(self) -> None:
+        """No more is to come: the run has ended, or could not go on. Called once."""
+
+    def figures(self, end: RunEnd) -> Mapping[str, Any]:
+        """For the `metrics` of a run that has ended; they are plain data."""
+        return {}
