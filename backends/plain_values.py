@@ -97,7 +97,7 @@ def _codec(kind: Any) -> _Codec:
         return _union(args)
     if origin is np.ndarray:
         return _array(np.dtype(typing.get_args(args[1])[0]), marks)
-    if origin is dict:
+    if origin in (dict, Mapping):
         return _mapping(*map(_codec, args))
     if origin is tuple and args[-1] is not ...:
         return _fixed(tuple, [_codec(each) for each in args])
@@ -119,6 +119,8 @@ def _written_out(kind: Any) -> Any:
 
 
 def _of_class(kind: Any) -> _Codec:
+    if not isinstance(kind, type):
+        raise TypeError(f"a checkpoint can't keep values of the type {kind!r}")
     if issubclass(kind, Enum):
         return _Codec(lambda value: value.value, kind)
     if issubclass(kind, BaseModel):
@@ -127,7 +129,10 @@ def _of_class(kind: Any) -> _Codec:
         return _fixed(lambda values: kind(*values), [_codec(each) for each in _hints(kind, kind._fields)])
     if dataclasses.is_dataclass(kind):
         return _dataclass(kind)
-    return _Codec(lambda value: attributes(value, kind.STATE), lambda data: _object(kind, data))
+    if hasattr(kind, "STATE"):
+        return _Codec(lambda value: attributes(value, kind.STATE), lambda data: _object(kind, data))
+    allowed = "numbers, words, arrays, enumerations, list, tuple, dict, named tuples, dataclasses, models"
+    raise TypeError(f"a checkpoint can't keep values of the type {kind!r}; allowed: {allowed}, or its STATE")
 
 
 def _hints(kind: Any, names: Iterable[str]) -> list[Any]:

@@ -1,0 +1,59 @@
+"""What is known of plants."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass, field
+from typing import Annotated, Any, ClassVar, Literal, Self
+
+from pydantic import Field
+
+from handcart.files.loading import load
+from handcart.files.model import FileModel
+from handcart.primitives.knowledge.section import NamedFiles, Section
+
+Positive = Annotated[float, Field(gt=0.0)]
+
+
+class Can(FileModel):
+    """The can on the robot's own table, in the base frame: the middle of its foot."""
+
+    x_m: float
+    y_m: float
+    height_m: float
+    size_m: tuple[Positive, Positive, Positive] = (0.04, 0.04, 0.06)
+
+
+class Plant(Can):
+    """A plant's pot, on the map."""
+
+    size_m: tuple[Positive, Positive, Positive] = (0.12, 0.12, 0.1)
+    needs_ml: Positive
+
+
+class PlantsFile(FileModel):
+    """Plants and the can."""
+
+    format: Literal["handcart-plants/1"]
+    can: Can
+    plants: dict[str, Plant]
+
+
+@dataclass
+class Plants(Section):
+    """Of a robot that waters them."""
+
+    LEARNED: ClassVar = ("watered",)
+
+    garden: PlantsFile | None = None
+    watered: Mapping[str, float] = field(default_factory=dict)  # [ml], by the scale in the hand
+
+    @classmethod
+    def load(cls, files: NamedFiles) -> Self:
+        return cls(files.read("plants", lambda path: load(path, PlantsFile)))
+
+    def names(self) -> Mapping[str, Collection[object]]:
+        return {"plants": list(self.garden.plants)} if self.garden else {}
+
+    def noted(self) -> dict[str, Any]:
+        return {"watered": dict(self.watered)}

@@ -1,0 +1,143 @@
+"""WATER: give a plant what it needs."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Generator, Sequence
+from typing import Annotated, ClassVar
+
+import numpy as np
+from pydantic import Field
+
+from handcart import ActionPrimitive, Arm, Discrepancy, Gripper, NeedsPerson
+from handcart.backends.robot import Robot
+from handcart.primitives.contract.action_primitive import Periods
+from handcart.primitives.contract.discrepancy import Measured
+from handcart.primitives.contract.meant_contact import MeantContact
+from handcart.primitives.knowledge.place_name import Names
+from handcart.primitives.knowledge.world_model import ModelView, WorldModel
+from handcart.primitives.motions.arm_motion import move_straight, move_to_pose
+from handcart.primitives.motions.grip import close, hand_to_tips, open_to
+from handcart.robotics.geometry.transform import Transform, transform
+from handcart.robotics.kinematics.shapes import Box
+from handcart.robotics.manipulation.collision_model import HELD
+
+from .knowledge import Plant, Plants, PlantsFile
+
+BITE = 0.025  # [m] of the can's height between the pads
+LIFT, OVER = transform((0.0, 0.0, 0.1)), 0.08  # above its place; of the rim above the pot in [m]
+TILTS = (0.0, 25.0, 40.0, 70.0)  # [deg], about the axis of the fingers
+SCALE, STEADY, GRAVITY, TRIES = 30, 25.0, 9.81, 12  # readings for half a weighing; [g]; [m/s²]; pourings
+CAREFUL, ENOUGH, EMPTY = 150.0, 10.0, 30.0  # [ml/s] taken for the flow; [ml] missing; [g] left
+DOWN = transform(rpy=(0.0, math.pi / 2, 0.0)) @ transform(rpy=(-math.pi / 2, 0.0, 0.0))
+ACROSS = transform(rpy=(0.0, 0.0, math.pi / 2)) @ DOWN
+
+
+class Water(ActionPrimitive):
+    """Take the can from the robot's own table, pour until the hand weighs enough less, and put it back."""
+
+    plant: Annotated[str, Field(min_length=1), Names("plants")]
+    """Which."""
+
+    needs: ClassVar = (Arm, Gripper)
+    reads: ClassVar = ("garden",)
+    writes: ClassVar = ("watered",)
+
+    def motion(self, robot: Robot, model: ModelView) -> Periods:
+        garden = self._garden(model)
+        grip, held = _grip(robot, garden)
+        yield from move_to_pose(robot, LIFT @ grip)
+        yield from open_to(robot)
+        yield from move_straight(robot, grip)
+        yield from self.intend("the fingers close on the can")
+        yield from close(robot)
+        off = 1e3 * abs(robot.gripper.width() - garden.can.size_m[0])
+        if off > 5.0:
+            read = Measured("Gripper", "opening off the can's width", off, 5.0, "mm")
+            raise Discrepancy("the fingers don't hold the can", measured=read)
+        yield from move_straight(robot, LIFT @ grip, held)
+        yield from self._pour(robot, model, garden.plants[self.plant], held)
+        yield from _put_back(robot, garden)
+
+    def _pour(self, robot: Robot, model: ModelView, plant: Plant, held: Box) -> Periods:
+        poses = _over(robot, plant, held)
+        yield from move_to_pose(robot, poses[0], held, _pots(robot, self._garden(model)))
+        full, given, known = (yield from _weigh(robot)), 0.0, model.of(Plants)
+        if full < EMPTY:
+            raise Discrepancy("the can is empty", measured=Measured("Arm", "water", full, EMPTY, "g"))
+        yield from self.intend("the can is tilted over the pot")
+        self.point_of_no_return("water is poured")
+        for _ in range(TRIES):
+            for pose in poses[1:]:
+                yield from move_straight(robot, pose, held)
+            yield from robot.wait((plant.needs_ml - given) / CAREFUL)
+            for pose in poses[-2::-1]:
+                yield from move_straight(robot, pose, held)
+            given = full - (yield from _weigh(robot))
+            known.watered = {**known.watered, self.plant: round(given, 1)}
+            self.found(given_ml=round(given, 1))
+            if full - given < EMPTY:
+                break  # it may have gone elsewhere
+            if plant.needs_ml - given < ENOUGH:
+                return
+        raise NeedsPerson(f"the can lost {given:.0f} ml; {self.plant} needs {plant.needs_ml:.0f}")
+
+    def finish(self, robot: Robot, model: ModelView) -> Periods:
+        """After water was poured: the can goes back to its place."""
+        yield from _put_back(robot, self._garden(model))
+
+    def meant_contacts(self, model: WorldModel) -> Sequence[MeantContact]:
+        return MeantContact("hand", "vessel *"), MeantContact("held", "tray")
+
+    def _garden(self, model: ModelView) -> PlantsFile:
+        if garden := model.of(Plants).garden:
+            return garden
+        raise Discrepancy("the task names no plants", permanent=True)
+
+
+def _grip(robot: Robot, garden: PlantsFile) -> tuple[Transform, Box]:
+    """base_T_hand (4, 4) about the can in its place, and the can in the hand's frame."""
+    can, tips = garden.can, hand_to_tips(robot)
+    length, width, height = can.size_m
+    grip = transform((can.x_m, can.y_m, can.height_m + height - BITE + tips)) @ DOWN
+    return grip, Box(transform((tips - BITE + height / 2, 0.0, 0.0)), (height, length, width), HELD)
+
+
+def _over(robot: Robot, plant: Plant, can: Box) -> list[Transform]:
+    """base_T_hand (4, 4) for each of `TILTS`: the can turns about its rim, which stays over the pot."""
+    rim = np.array([can.pose[0, 3] - can.size[0] / 2, 0.0, can.size[2] / 2, 1.0])
+    x, y = robot.pose.inverse().apply(np.array([[plant.x_m, plant.y_m]]))[0]
+    place = np.array([x, y, plant.height_m + plant.size_m[2] + OVER])
+    turned = [ACROSS @ transform(rpy=(0.0, math.radians(tilt), 0.0)) for tilt in TILTS]
+    return [transform(tuple(place - (each @ rim)[:3])) @ each for each in turned]
+
+
+def _pots(robot: Robot, garden: PlantsFile) -> tuple[Box, ...]:
+    """What the arm goes around, in the base frame."""
+
+    def box(plant: Plant) -> Box:
+        middle = transform((plant.x_m, plant.y_m, plant.height_m + plant.size_m[2] / 2))
+        return Box(robot.pose.inverse().lift() @ middle, plant.size_m, "a pot")
+
+    return tuple(map(box, garden.plants.values()))
+
+
+def _put_back(robot: Robot, garden: PlantsFile) -> Periods:
+    grip, held = _grip(robot, garden)
+    yield from move_to_pose(robot, LIFT @ grip, held, _pots(robot, garden))
+    yield from move_straight(robot, grip, held)
+    yield from open_to(robot)
+    yield from move_straight(robot, LIFT @ grip)
+
+
+def _weigh(robot: Robot) -> Generator[None, None, float]:
+    """The water in the can, in [g], once that is steady: the can alone weighs 50."""
+    down, felt = robot.base_T("hand")[:3, :3].T @ (0.0, 0.0, -1.0), np.full(2, np.inf)
+    while not abs(felt[0] - felt[1]) < STEADY:
+        yield from robot.wait(0.5)
+        for half in range(2):
+            felt[half] = 0.0
+            for _ in range(SCALE):
+                yield
+                felt[half] += 1e3 / GRAVITY * float(robot.arm.hand_force() @ down) / SCALE
+    return float(felt.mean()) - 50.0
