@@ -66,7 +66,7 @@ class Shelving:
 
     def _judge(self, scene: Any, accession: int, pushed: float) -> Standing:
         book = scene.books.get(accession)
-        if book is None or book.shelf is None or book.rest.value != "shelf":
+        if book is None or book.shelf is None:
             return Standing(False, math.nan, math.nan, pushed)
         row = scene.shelf_books(book.shelf)
         at = next(i for i, each in enumerate(row) if each.book.accession == accession)

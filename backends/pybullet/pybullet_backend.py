@@ -58,16 +58,15 @@ class PyBulletBackend(SimulatedBackend):
     The same robot and world files as on the kinematic backend; what is solid there is solid here. Two driven
     wheels and frictionless casters roll on a floor, or several wheels a side, which slide sideways where the
     base turns; joints have drives with limited torque; fingers hold by friction, one the mirror of the other;
-    books and blocks are rigid bodies that stand, lean on each other and fall. A base that leans stands on
-    springs. A car steers its front wheels on rough ground, a height field; its magazine gives it sensors.
+    things are rigid bodies that stand, lean on each other and fall. A base that leans stands on springs.
+    A car steers its front wheels on rough ground, a height field.
 
     How it errs, seeded: radius of each wheel, tread, the arm's errors, ranges, image noise, blur, light,
-    lens, the force reading, where a person puts robot, book and blocks. Slip, and what gives, are physics;
+    lens, the force reading, where a person puts robot and things. Slip, and what gives, are physics;
     that the base turns on its tyres when the loaded arm has swung is imposed, for rigid wheels don't.
 
     How it differs from metal: links are rigid, a floor is flat, friction is Coulomb's, one coefficient for
-    a pair, light has no shadows and what stands inside a shelf is painted dark. Books in a row have square
-    edges, those to be returned rounded leading ones (3 mm).
+    a pair, light has no shadows.
 
     `scene` is ground truth: only evaluation may read it.
     """

@@ -43,6 +43,8 @@ class Props(Generic[S]):
     """The keys that it adds to the world's file, all of which may be left out."""
     STATE: ClassVar[Kinds] = {}
     """Attributes that a checkpoint keeps, with their types: its things, and what else changes."""
+    PAINTS_SOLIDS: ClassVar[bool] = False
+    """Whether `painted` has its solids as well; else the camera sees them as plain boxes."""
     BODIES: ClassVar[Mapping[str, str]] = {}
     """Import path "module:name" of what acts for it in a backend's physics, by the backend's name."""
 
@@ -82,6 +84,10 @@ class Props(Generic[S]):
                 yield paint_thing(thing)
 
     # What happens
+
+    def taken(self, thing: Thing) -> None:
+        """The hand has a thing: nothing else carries it."""
+        thing.rest = Rest.HAND
 
     def step(self) -> None:
         """A period begins: let happen what happens of itself."""

@@ -33,7 +33,7 @@ class Contact(NamedTuple):
     time: float
     """[s]"""
     body: str
-    """What of the robot: "base", a link, "held book", "fingers"."""
+    """What of the robot: "base", a link, "load" (what is held), "fingers"."""
     other: str
     """What it ran into."""
 
@@ -69,8 +69,8 @@ class Scene:
     base: Pose2
     joints: NDArray[np.float64]
     width: float
-    room: tuple[Solid, ...] = ()
-    """Those of no domain."""
+    plain_solids: tuple[Solid, ...] = ()
+    """Those that the camera sees as plain boxes."""
     props: dict[str, Props[Any]] = field(default_factory=dict)
     """What domains have in it, by the domain's name."""
     time: float = 0.0
@@ -196,11 +196,13 @@ def build_scene(robot: RobotFile, world: WorldFile, seed: int) -> Scene:
         name: world if isinstance(world, kind.section) else kind.section() for name, kind in kinds.items()
     }
     room = [*room_of(world), *([THE_GROUND] if world.ground is not None else [])]
-    solids = [*room, *(each for name, kind in kinds.items() for each in kind.solids(specs[name]))]
+    solids = {name: kind.solids(specs[name]) for name, kind in kinds.items()}
+    boxes = (each for name, kind in kinds.items() if not kind.PAINTS_SOLIDS for each in solids[name])
     arm = None if robot.arm is None else robot.arm_model()
     joints = np.zeros(0) if robot.arm is None else np.array(robot.posture("home"))
     width = 0.0 if robot.gripper is None else robot.gripper.opening_mm / 1e3
-    scene = Scene(robot, arm, tuple(solids), _start(robot, world, seed), joints, width, tuple(room))
+    every = (*room, *(solid for each in solids.values() for solid in each))
+    scene = Scene(robot, arm, every, _start(robot, world, seed), joints, width, (*room, *boxes))
     scene.open_ground = world.ground is not None
     for name, kind in kinds.items():
         scene.props[name] = kind(scene, specs[name], seed)

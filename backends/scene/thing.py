@@ -20,11 +20,10 @@ GreyImage = NDArray[np.uint8]
 class Rest(Enum):
     """What carries a thing."""
 
-    SHELF = "shelf"
     TRAY = "tray"
     HAND = "hand"
     TABLE = "table"
-    """A table of the world, or what stands on it."""
+    """Furniture of the world, or what stands on it."""
     FLOOR = "floor"
     """Fallen: lost to the robot."""
 

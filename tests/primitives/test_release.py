@@ -122,7 +122,7 @@ def test_fingers_that_pass_the_book_by_have_not_pushed_it_home(inserted: Callabl
 
     def let_go() -> bool:
         book = rig.scene.of(BookProps).books[117]
-        if book.rest is Rest.SHELF and not moved:
+        if book.rest is Rest.TABLE and not moved:
             book.pose = book.pose.copy()
             book.pose[:3, 3] += 0.5 * aside
             rig.scene.changes += 1

@@ -21,6 +21,8 @@ class Block(PlacedThing):
     """
 
     KIND = "block"
-    BODIES: ClassVar[Mapping[str, str]] = {"pybullet": "handcart.backends.pybullet.block_body:BlockBody"}
+    BODIES: ClassVar[Mapping[str, str]] = {
+        "pybullet": "handcart.backends.pybullet.blocks.block_body:BlockBody"
+    }
 
     spec: BlockSpec

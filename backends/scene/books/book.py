@@ -25,7 +25,7 @@ class Book(Thing):
 
     DENSITY = 700.0
     """Of paper, in [kg/m³]."""
-    BODIES: ClassVar[Mapping[str, str]] = {"pybullet": "handcart.backends.pybullet.book_body:BookBody"}
+    BODIES: ClassVar[Mapping[str, str]] = {"pybullet": "handcart.backends.pybullet.books.book_body:BookBody"}
 
     spec: BookSpec
     shelf: str | None = None

@@ -36,9 +36,22 @@ AWAKE = 1.3  # books of shelves further from the hand than this sleep in physics
 
 
 class BookProps(Props[BooksSection]):
-    """Books by their accession numbers, shelves by their names; a person hands books over."""
+    """Books by their accession numbers, shelves by their names; a person hands books over.
+
+    How they differ from real ones without physics:
+    - Whether a book enters its slot is decided by a rule fitted to a physics engine
+      (`insertion.entry_chance`), once an entry; in the slot it aligns. Books that are pushed slide straight
+      back against 3 N (10 N where an edge jams), and nothing stops them before the shelf's back.
+    - A book let go at most 20 mm above a tray stands there upright. Above a board it is left leaning aside a
+      little (`errors.book_lean_deg`, and the hand's own tilt), beyond its edge it tips over; what stands
+      beside, and doesn't give, stops it (`book_lean`). Else it lies on the floor, or the board, lost.
+
+    In physics those in a row have square edges, those to be returned rounded leading ones (3 mm). What stands
+    inside a shelf is painted dark.
+    """
 
     section = BooksSection
+    PAINTS_SOLIDS = True
     STATE: ClassVar[Kinds] = {"books": dict[int, Book], "to_come": list[BookSpec], "waits": Waiting}
 
     def __init__(self, scene: Scene, spec: BooksSection, seed: int) -> None:
@@ -63,7 +76,7 @@ class BookProps(Props[BooksSection]):
             rng = keyed(self.seed, f"row of {shelf.name}")
             for spec, y in shelf.standing():
                 pose = shelf.pose @ transform((rng.uniform(-PROTRUSION, PROTRUSION), y, 0.0))
-                self.books[spec.accession] = Book(pose, Rest.SHELF, spec, shelf.name)
+                self.books[spec.accession] = Book(pose, Rest.TABLE, spec, shelf.name)
         if self.spec.tray is not None and self.scene.robot.has_tray:
             self.set_on_tray(self.spec.tray)
         self._person = Person(self)
@@ -95,7 +108,7 @@ class BookProps(Props[BooksSection]):
         frame = self.shelves[shelf].inverse_pose
         standing = []
         for book in self.books.values():
-            if book.rest is Rest.SHELF and book.shelf == shelf:
+            if book.rest is Rest.TABLE and book.shelf == shelf:
                 pose = frame @ book.pose
                 yaw = float(np.arctan2(pose[1, 0], pose[0, 0]))
                 lean = -float(np.arctan2(pose[2, 1], pose[2, 2]))
@@ -112,6 +125,11 @@ class BookProps(Props[BooksSection]):
         return painted_books.painted(self, rests)
 
     # What happens
+
+    def taken(self, thing: Thing) -> None:
+        """See `Props`."""
+        assert isinstance(thing, Book)
+        thing.rest, thing.shelf = Rest.HAND, None
 
     def step(self) -> None:
         """See `Props`."""
@@ -160,7 +178,7 @@ class BookProps(Props[BooksSection]):
         """See `Props`: the rows within reach, and what is in none."""
         away = np.linalg.norm(self._places - hand, axis=1)
         near = {name for name, far in zip(self.shelves, away.tolist(), strict=True) if far < AWAKE}
-        return [book for book in self.books.values() if book.rest is not Rest.SHELF or book.shelf in near]
+        return [book for book in self.books.values() if book.rest is not Rest.TABLE or book.shelf in near]
 
     def rested(self, thing: Thing) -> None:
         """See `Props`."""

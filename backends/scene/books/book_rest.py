@@ -27,7 +27,7 @@ def book_rest(books: BookProps, book: Book) -> tuple[Rest, str | None]:
         x, y, z = (shelf.inverse_pose @ book.pose)[:3, 3]
         on_board = -book.depth / 2 < x < DEPTH and abs(y) < shelf.half_width and abs(z) < ON
         if on_board and book.tilt() < UPRIGHT:
-            return Rest.SHELF, name
+            return Rest.TABLE, name
     if _on_tray(books, book):
         return Rest.TRAY, None
     if book.pose[2, 3] < FALLEN or book.rest is not Rest.HAND:

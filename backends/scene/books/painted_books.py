@@ -34,7 +34,7 @@ def painted(books: BookProps, rests: frozenset[Rest]) -> Iterator[Painted]:
 
     Spines are printed; what stands deep in a shelf is dark.
     """
-    if Rest.SHELF in rests:
+    if Rest.TABLE in rests:
         for shelf in books.shelves.values():
             yield Painted(shelf.pose[:3, 3], partial(_shelf, books=books, shelf=shelf))
     for book in books.books.values():

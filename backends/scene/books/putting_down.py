@@ -40,7 +40,7 @@ def put_down(books: BookProps, book: Book, slot: Slot | None, aside: float = 0.0
         if leans is None:
             _fall(book, float(shelf.pose[2, 3]))
             return
-        book.pose, book.rest, book.shelf = shelf.pose @ leans, Rest.SHELF, shelf.name
+        book.pose, book.rest, book.shelf = shelf.pose @ leans, Rest.TABLE, shelf.name
     elif _on_tray(books, book):
         base_T_book = inverse(scene.world_T_base) @ book.pose
         yaw = float(np.arctan2(base_T_book[1, 0], base_T_book[0, 0]))

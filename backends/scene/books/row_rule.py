@@ -120,12 +120,10 @@ class RowRule(HandRule):
         right = min((tip[1] - m.left for m in sides if m.left <= tip[1] - half + 0.001), default=np.inf)
         return float(max(0.0, 2 * (min(left, right) - finger.thickness)))
 
-    def taken(self, thing: Thing) -> None:
+    def gripped(self, thing: Thing) -> None:
         """See `HandRule`: a book gripped in its slot is in it still."""
-        if isinstance(thing, Book):
-            if thing.rest is Rest.SHELF and thing.shelf is not None:
-                self.entry = self._slot_of(thing, self._books.shelves[thing.shelf])
-            thing.shelf = None
+        if isinstance(thing, Book) and thing.rest is Rest.TABLE and thing.shelf is not None:
+            self.entry = self._slot_of(thing, self._books.shelves[thing.shelf])
 
     def left(self) -> Slot | None:
         """The fingers let go: the slot that a book was in, if it was in one."""

@@ -21,7 +21,7 @@ class FieldProps(Props[FieldSection]):
     section = FieldSection
     STATE: ClassVar[Kinds] = {"sensors": dict[str, Sensor], "loaded": int, "in_hand": str}
     BODIES: ClassVar[Mapping[str, str]] = {
-        "pybullet": "handcart.backends.pybullet.bullet_magazine:BulletMagazine"
+        "pybullet": "handcart.backends.pybullet.field.bullet_magazine:BulletMagazine"
     }
 
     def __init__(self, scene: Scene, spec: FieldSection, seed: int) -> None:

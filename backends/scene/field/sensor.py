@@ -13,5 +13,7 @@ from handcart.backends.scene.placed_thing import PlacedThing
 class Sensor(PlacedThing):
     """Lies where the hand let it go. Its frame: origin in the middle of its foot, z up."""
 
-    KIND = "block"
-    BODIES: ClassVar[Mapping[str, str]] = {"pybullet": "handcart.backends.pybullet.block_body:BlockBody"}
+    KIND = "sensor"
+    BODIES: ClassVar[Mapping[str, str]] = {
+        "pybullet": "handcart.backends.pybullet.blocks.block_body:BlockBody"
+    }
