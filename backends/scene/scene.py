@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any, ClassVar, NamedTuple, TypeVar
+from typing import ClassVar, NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,16 +15,13 @@ from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import Transform
 from handcart.robotics.kinematics.arm_model import ArmModel
 
-from .keyed_noise import keyed
-from .props import Props
-from .solids import THE_GROUND, FloorPlan, Solid, room_of
+from .scene_props import SceneProps
+from .solids import FloorPlan, Solid
 from .suspension import leaning
 from .thing import Rest, Thing
-from .world_file import WorldFile
-from .world_model import kinds_of_props
 
 GRAVITY = 9.81  # [m/s²]
-P = TypeVar("P", bound=Props[Any])
+P = TypeVar("P", bound=SceneProps)
 
 
 class Contact(NamedTuple):
@@ -71,7 +68,7 @@ class Scene:
     width: float
     plain_solids: tuple[Solid, ...] = ()
     """Those that the camera sees as plain boxes."""
-    props: dict[str, Props[Any]] = field(default_factory=dict)
+    props: dict[str, SceneProps] = field(default_factory=dict)
     """What domains have in it, by the domain's name."""
     time: float = 0.0
     lean: tuple[float, float] = (0.0, 0.0)
@@ -138,7 +135,7 @@ class Scene:
         """All that hands can carry."""
         return [thing for props in self.props.values() for thing in props.things()]
 
-    def props_of(self, thing: Thing) -> Props[Any]:
+    def props_of(self, thing: Thing) -> SceneProps:
         """Of which domain a thing is."""
         return next(props for props in self.props.values() if any(each is thing for each in props.things()))
 
@@ -179,33 +176,3 @@ class Scene:
         for body, other in sorted(pairs - self.touching):
             self.contacts.append(Contact(self.time, body, other))
         self.touching = pairs
-
-
-def build_scene(robot: RobotFile, world: WorldFile, seed: int) -> Scene:
-    """The world at first: a person has put the robot there, and set up what domains have in it."""
-    assert world.map is None, "load_world puts what the map shows among the furniture"
-    kinds = kinds_of_props()
-    specs = {
-        name: world if isinstance(world, kind.section) else kind.section() for name, kind in kinds.items()
-    }
-    room = [*room_of(world), *([THE_GROUND] if world.ground is not None else [])]
-    solids = {name: kind.solids(specs[name]) for name, kind in kinds.items()}
-    boxes = (each for name, kind in kinds.items() if not kind.PAINTS_SOLIDS for each in solids[name])
-    arm = None if robot.arm is None else robot.arm_model()
-    joints = np.zeros(0) if robot.arm is None else np.array(robot.posture("home"))
-    width = 0.0 if robot.gripper is None else robot.gripper.opening_mm / 1e3
-    every = (*room, *(solid for each in solids.values() for solid in each))
-    scene = Scene(robot, arm, every, _start(robot, world, seed), joints, width, (*room, *boxes))
-    scene.open_ground = world.ground is not None
-    for name, kind in kinds.items():
-        scene.props[name] = kind(scene, specs[name], seed)
-        scene.props[name].set_up()
-    return scene
-
-
-def _start(robot: RobotFile, world: WorldFile, seed: int) -> Pose2:
-    dx, dy, turn = keyed(seed, "start").standard_normal(3)
-    error = robot.errors.start_mm / 1e3
-    heading = np.radians(world.start.heading_deg + robot.errors.start_deg * turn)
-    x, y = world.start.x_m + error * dx, world.start.y_m + error * dy
-    return Pose2(float(x), float(y), float(heading))

@@ -39,8 +39,6 @@ class Thing:
     """Of wood, in [kg/m³]."""
     WEIGHS: ClassVar[bool] = False
     """Whether the hand's force reading has the weight of a held one in it; else that is taken for granted."""
-    BODIES: ClassVar[Mapping[str, str]] = {}
-    """Import path "module:name" of the class of its body, by the backend's name; left out: a box."""
 
     pose: Transform
     """world_T_thing (4, 4)."""

@@ -107,7 +107,7 @@ def test_a_book_that_does_not_go_home_is_for_a_person(
     inserted: Callable[..., Any], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     rig = inserted()
-    monkeypatch.setattr("handcart.backends.scene.of(BookProps).books.row_rule.PUSH_FRICTION", 40.0)
+    monkeypatch.setattr("handcart.backends.scene.books.row_rule.PUSH_FRICTION", 40.0)
     outcome = rig.run(Release(shelf="shelf_1"))
     assert isinstance(outcome, GiveUp)
     assert "doesn't go home" in outcome.reason

@@ -21,7 +21,7 @@ class BulletMagazine(PropsBody):
 
     def __init__(self, props: FieldProps, pieces: Pieces) -> None:
         super().__init__(props, pieces)
-        self._magazine = props.magazine
+        self._field = props
         self._given = FRESH
 
     @property
@@ -51,4 +51,4 @@ class BulletMagazine(PropsBody):
             physics.set_pose(world.bodies[sensor.name], pose)
 
     def _waiting(self) -> Sensor | None:
-        return None if self._magazine is None else self._magazine.waiting()
+        return self._field.waiting()
