@@ -16,7 +16,6 @@ from handcart.backends.scene.thing import Rest, Thing
 from handcart.robotics.geometry.transform import Transform, inverse, transform
 from handcart.robotics.kinematics.arm_model import ArmModel
 
-from . import painted_books
 from .book import Book
 from .book_rest import book_rest
 from .books_there import BooksThere
@@ -59,7 +58,9 @@ class BookProps(BooksThere):
 
     def painted(self, rests: frozenset[Rest]) -> Iterable[Painted]:
         """See `Props`."""
-        return painted_books.painted(self, rests)
+        from .painted_books import painted  # fonts and all: not before a camera looks
+
+        return painted(self, rests)
 
     # What happens
 
