@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from handcart.backends.robot import Robot
+from handcart.backends.scene.blocks.block_props import BlockProps
 from handcart.backends.scene.suspension import leaning
 from handcart.primitives.blocks.blocks import Blocks, Fixed
 from handcart.primitives.blocks.building import Slot
@@ -116,7 +117,7 @@ class BlockSurvey(Survey):
                 self._released[self._held.name] = self._shift(self._held)
                 self._moved[self._held.name] = self._moved_since()
             self._held = held
-        self._rested = {block.name: block.rest.value for block in self.scene.blocks.values()}
+        self._rested = {block.name: block.rest.value for block in self.scene.of(BlockProps).blocks.values()}
 
     def ended(self, number: int, primitive: ActionPrimitive, outcome: Outcome) -> list[str]:
         """See `Survey`."""
@@ -147,7 +148,7 @@ class BlockSurvey(Survey):
         """Of all blocks that stand about where they should."""
         found = []
         for number, goal in enumerate(self.plan.goals if self.plan else (), start=1):
-            block = self.scene.blocks.get(str(number))
+            block = self.scene.of(BlockProps).blocks.get(str(number))
             if block is not None and block.rest.value == "table":
                 error = self._error(number, goal, block)
                 if error.size < FALLEN_MM:

@@ -6,6 +6,7 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
+from handcart.backends.scene.books.book_props import BookProps
 from handcart.primitives.books.books import Books
 from handcart.robotics.geometry.transform import inverse
 from handcart.robotics.perception.call_number import parse
@@ -24,7 +25,7 @@ APPROACH, RELEASE = "APPROACH", "RELEASE"
 def _recognized(survey: Survey, _: Claim) -> list[str]:
     scene, model = survey.run.world, survey.run.model
     books = model.of(Books)
-    book = scene.tray_book()
+    book = scene.of(BookProps).tray_book()
     if book is None or books.book is None or books.book_pose is None:
         return ["no book stands on the tray, or none is known"]
     if book.accession != books.book.accession:
@@ -48,7 +49,7 @@ def _searched(survey: Survey, _: Claim) -> list[str]:
     slot = books.slot
     if slot is None or books.book is None:
         return ["no slot is known"]
-    row = scene.shelf_books(slot.shelf)
+    row = scene.of(BookProps).shelf_books(slot.shelf)
     middle = 0.5 * (slot.left + slot.right)
     sides = _gap_at(scene, slot.shelf, middle)
     wrong = at_most("the slot's middle is {:.1f} mm off", 1e3 * abs(middle - 0.5 * sum(sides)), SLOT_MM)
@@ -62,7 +63,7 @@ def _approached(survey: Survey, claim: Claim) -> list[str]:
     scene, shelf = survey.run.world, claim.primitive.shelf
     if scene.held is None:
         return ["the hand holds nothing"]
-    pose = inverse(scene.shelves[shelf].pose) @ scene.held.pose
+    pose = inverse(scene.of(BookProps).shelves[shelf].pose) @ scene.held.pose
     edge = float(pose[1, 3] + pose[1, 0] * scene.held.depth)
     middle = 0.5 * sum(_gap_at(scene, shelf, edge))
     return at_most(
@@ -74,7 +75,7 @@ def _inserted(survey: Survey, claim: Claim) -> list[str]:
     scene, shelf = survey.run.world, claim.primitive.shelf
     if scene.held is None:
         return ["the hand holds nothing"]
-    pose = inverse(scene.shelves[shelf].pose) @ scene.held.pose
+    pose = inverse(scene.of(BookProps).shelves[shelf].pose) @ scene.held.pose
     left, right = _gap_at(scene, shelf, float(pose[1, 3]))
     half = scene.held.thickness / 2
     inside = right - 1e-3 <= pose[1, 3] - half and pose[1, 3] + half <= left + 1e-3
@@ -99,9 +100,9 @@ def _in_order(left: list[str], right: list[str], own: str) -> bool:
 
 def _gap_at(scene: Any, shelf: str, y: float) -> tuple[float, float]:
     """Left and right side, y in S in [m], of the gap between the books' middles about `y`."""
-    half = scene.shelves[shelf].half_width
-    sides = [(right, left) for right, left, _ in scene.shelves[shelf].fixed_intervals()]
-    row = [each for each in scene.shelf_books(shelf) if each.book is not scene.held]
+    half = scene.of(BookProps).shelves[shelf].half_width
+    sides = [(right, left) for right, left, _ in scene.of(BookProps).shelves[shelf].fixed_intervals()]
+    row = [each for each in scene.of(BookProps).shelf_books(shelf) if each.book is not scene.held]
     half_books = [(each.lateral, each.book.thickness / 2) for each in row]
     sides += [(middle - half, middle + half) for middle, half in half_books]
     left = min((right for right, left in sides if 0.5 * (right + left) > y), default=half)

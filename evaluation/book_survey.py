@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
+from handcart.backends.scene.books.book_props import BookProps
 from handcart.primitives.contract.action_primitive import ActionPrimitive
 from handcart.primitives.contract.outcome import Outcome, Success
 
@@ -41,14 +42,15 @@ class BookSurvey(Survey):
         self._labels, self._stops = 0, dict[str, float]()
         self._shelving: Shelving | None = None
         """None: the task returns no book."""
-        if RELEASE in run.does and run.world.tray_book() is not None:
-            every = (run.world.tray_book(), *run.world.to_come)
+        books = run.world.of(BookProps) if RELEASE in run.does else None
+        if books is not None and books.tray_book() is not None:
+            every = (books.tray_book(), *books.to_come)
             self._shelving = shelving(run.world, tuple(each.accession for each in every))
 
     @classmethod
     def applies(cls, run: SurveyedRun) -> bool:
         """See `Survey`; where there are shelves, it counts how the base stops before them."""
-        return super().applies(run) or bool(run.world is not None and run.world.shelves)
+        return super().applies(run) or bool(run.world is not None and run.world.of(BookProps).shelves)
 
     def ended(self, number: int, primitive: ActionPrimitive, outcome: Outcome) -> list[str]:
         """See `Survey`."""

@@ -8,6 +8,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
+from handcart.backends.scene.books.book_props import BookProps
 from handcart.robotics.perception.call_number import CallNumber, parse
 
 MOST_PROUD_MM = 10.0
@@ -65,10 +66,10 @@ class Shelving:
         )
 
     def _judge(self, scene: Any, accession: int, pushed: float) -> Standing:
-        book = scene.books.get(accession)
-        if book is None or book.shelf is None or book.rest.value != "shelf":
+        book = scene.of(BookProps).books.get(accession)
+        if book is None or book.shelf is None:
             return Standing(False, math.nan, math.nan, pushed)
-        row = scene.shelf_books(book.shelf)
+        row = scene.of(BookProps).shelf_books(book.shelf)
         at = next(i for i, each in enumerate(row) if each.book.accession == accession)
         beside = [row[i].front for i in (at - 1, at + 1) if 0 <= i < len(row)]
         proud = 1e3 * (sum(beside) / len(beside) - row[at].front) if beside else math.nan
@@ -76,14 +77,19 @@ class Shelving:
         return Standing(_in_order(row, at), proud, tilt, pushed)
 
     def _pushed(self, scene: Any) -> float:
-        now = {each.book.accession: each.front for name in scene.shelves for each in scene.shelf_books(name)}
+        now = _fronts(scene)
         return 1e3 * max((now[number] - front for number, front in self.fronts.items()), default=0.0)
 
 
 def shelving(scene: Any, accessions: tuple[int, ...]) -> Shelving:
     """Take down how the shelves are at first."""
-    fronts = {each.book.accession: each.front for name in scene.shelves for each in scene.shelf_books(name)}
-    return Shelving(accessions, fronts)
+    return Shelving(accessions, _fronts(scene))
+
+
+def _fronts(scene: Any) -> dict[int, float]:
+    """Where the spine of each standing book is, by its accession."""
+    books = scene.of(BookProps)
+    return {each.book.accession: each.front for name in books.shelves for each in books.shelf_books(name)}
 
 
 def _in_order(row: Sequence[Any], at: int) -> bool:

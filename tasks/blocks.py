@@ -15,6 +15,7 @@ DOMAIN = Domain(
         {"building": "A building plan: where blocks wait and where they go."},
     ),
     props="handcart.backends.scene.blocks.block_props:BlockProps",
+    physics={"pybullet": "handcart.backends.pybullet.blocks.bodies:BODIES"},
     primitives={
         "FIXATE": "handcart.primitives.blocks.fixate:Fixate",
         "PICK_UP_BLOCK": "handcart.primitives.blocks.pick_up_block:PickUpBlock",

@@ -12,6 +12,7 @@ DOMAIN = Domain(
     "books",
     knowledge=Knowledge("handcart.primitives.books.books:Books", {"catalogue": "The books of a library."}),
     props="handcart.backends.scene.books.book_props:BookProps",
+    physics={"pybullet": "handcart.backends.pybullet.books.bodies:BODIES"},
     primitives={
         "RECOGNIZE": "handcart.primitives.books.recognize:Recognize",
         "PICK_UP": "handcart.primitives.books.pick_up:PickUp",

@@ -116,6 +116,7 @@ def imported(path: Path) -> Iterator[str]:
         "docs/tasks.md",
         "docs/primitives.md",
         "docs/backends.md",
+        "docs/domains.md",
         "docs/hardware.md",
         "docs/explain.md",
         "docs/conformance.md",

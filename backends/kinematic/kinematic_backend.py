@@ -33,7 +33,7 @@ class KinematicBackend(SimulatedBackend):
 
     How it errs, seeded: radius of each wheel, tread, slip in each period, joint repeatability, the base that
     gives when the arm has swung, ranges, image noise, blur, light and lens, the force reading, where a person
-    puts the robot and the book.
+    puts the robot and things.
 
     How it differs from metal:
     - No mass: wheels, joints and fingers follow their commands within the period; limits of speed are
@@ -42,14 +42,10 @@ class KinematicBackend(SimulatedBackend):
       The arm stops where a contact begins; the force grows by 2 N a mm of further command, up to 60 N.
       The arm is not checked against itself and its base; it, what is mounted on the base above its body
       and what stands there stop the base as well where it drives them into something.
-    - A gripped book sits in the hand as if glued and centred: it neither slips nor sags.
-    - Whether a book enters its slot is decided by a rule fitted to a physics engine
-      (`scene.insertion.entry_chance`), once an entry; in the slot it aligns. Books that are pushed slide
-      straight back against 3 N (10 N where an edge jams), and nothing stops them before the shelf's back.
-    - A book let go at most 20 mm above a tray stands there upright. Above a board it is left leaning aside a
-      little (`errors.book_lean_deg`, and the hand's own tilt), beyond its edge it tips over; what stands
-      beside, and doesn't give, stops it (`scene.book_lean`). Else it lies on the floor, or the board, lost,
-      and nothing runs into it there.
+    - What is gripped sits in the hand as if glued and centred: it neither slips nor sags.
+    - What gives way to the hand, and what becomes of a thing that is let go, is decided by rules of the
+      domain that it is of (`handcart.backends.scene.props`); by default it stands on what is right below it.
+      Else it lies on the floor, lost, and nothing runs into it there.
     - Encoders have no bias. The camera is as stated, unless `errors` has its mount or focal length off.
     - Light has no shadows; glass, mirrors and black lacquer are unknown to the range sensor.
 

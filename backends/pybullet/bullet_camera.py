@@ -28,7 +28,7 @@ class BulletCamera(SimulatedCamera):
     """Bullet's renderer as an ideal pinhole camera, then the lens, light and noise of the robot's file.
 
     Rendered on demand, once a period: by its EGL plug-in, if it has one, else by TinyRenderer. Light comes
-    from everywhere and there are no shadows; what stands in a shelf is painted dark instead.
+    from everywhere and there are no shadows.
     """
 
     def __init__(

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from typing import Any, ClassVar, NamedTuple
+from typing import ClassVar, NamedTuple
 
 from handcart.backends.plain_values import Kinds
-from handcart.backends.scene.props import Props
+from handcart.backends.scene.scene_props import SceneProps
 
 from .bullet_gripper import BulletGripper
 from .grip import Grip
@@ -25,12 +25,12 @@ class Pieces(NamedTuple):
 
 
 class PropsBody:
-    """Named by `Props.BODIES`; by default it does nothing."""
+    """Named by `Domain.physics`; by default it does nothing."""
 
     STATE: ClassVar[Kinds] = {}
     """Attributes that a checkpoint keeps, with their types."""
 
-    def __init__(self, props: Props[Any], pieces: Pieces) -> None:
+    def __init__(self, props: SceneProps, pieces: Pieces) -> None:
         self.props, self.pieces = props, pieces
 
     def step(self) -> None:

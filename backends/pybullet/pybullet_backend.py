@@ -17,12 +17,10 @@ from handcart.backends.robot_file import RobotFile
 from handcart.backends.robot_shape import finger_shape
 from handcart.backends.saved_state import NotAState
 from handcart.backends.scene.mounts import base_T_frame
-from handcart.backends.scene.props import Props
 from handcart.backends.scene.simulated_backend import Part, SimulatedBackend
 from handcart.backends.scene.thing import Thing
 from handcart.backends.scene.world_file import WorldFile
 from handcart.robotics.geometry.transform import Transform, inverse
-from handcart.tasks.domain import imported
 
 from .bullet_arm import BulletArm
 from .bullet_base import BulletBase
@@ -58,16 +56,15 @@ class PyBulletBackend(SimulatedBackend):
     The same robot and world files as on the kinematic backend; what is solid there is solid here. Two driven
     wheels and frictionless casters roll on a floor, or several wheels a side, which slide sideways where the
     base turns; joints have drives with limited torque; fingers hold by friction, one the mirror of the other;
-    books and blocks are rigid bodies that stand, lean on each other and fall. A base that leans stands on
-    springs. A car steers its front wheels on rough ground, a height field; its magazine gives it sensors.
+    things are rigid bodies that stand, lean on each other and fall. A base that leans stands on springs.
+    A car steers its front wheels on rough ground, a height field.
 
     How it errs, seeded: radius of each wheel, tread, the arm's errors, ranges, image noise, blur, light,
-    lens, the force reading, where a person puts robot, book and blocks. Slip, and what gives, are physics;
+    lens, the force reading, where a person puts robot and things. Slip, and what gives, are physics;
     that the base turns on its tyres when the loaded arm has swung is imposed, for rigid wheels don't.
 
     How it differs from metal: links are rigid, a floor is flat, friction is Coulomb's, one coefficient for
-    a pair, light has no shadows and what stands inside a shelf is painted dark. Books in a row have square
-    edges, those to be returned rounded leading ones (3 mm).
+    a pair, light has no shadows.
 
     `scene` is ground truth: only evaluation may read it.
     """
@@ -94,8 +91,10 @@ class PyBulletBackend(SimulatedBackend):
         terrain = self._put_up(robot, world, seed)
         self._build_arm(robot, seed)
         pieces = Pieces(self._physics, self._body, self._world, self._gripper, self._grip)
-        found = {name: self._acting(props, pieces) for name, props in self.scene.props.items()}
-        self._bodies = {name: each for name, each in found.items() if each is not None}
+        kinds = {name: self._world.kinds.of(props, None) for name, props in self.scene.props.items()}
+        self._bodies: dict[str, PropsBody] = {
+            name: kind(self.scene.props[name], pieces) for name, kind in kinds.items() if kind is not None
+        }
         self._base = (
             BulletCar(robot, self._body, self._physics)
             if robot.drive.kind == "ackermann"
@@ -141,11 +140,6 @@ class PyBulletBackend(SimulatedBackend):
             self._grip = Grip(robot.gripper, finger_shape(model), physics, body)
         if robot.camera is not None:
             self._camera = BulletCamera(robot, robot.camera, model, body, self._world, physics, seed)
-
-    def _acting(self, props: Props[Any], pieces: Pieces) -> PropsBody | None:
-        """What acts for props in physics, if anything does."""
-        path = props.BODIES.get(self.name)
-        return None if path is None else imported(path)(props, pieces)
 
     def _build_sensors(self, robot: RobotFile, seed: int, outdoors: bool) -> None:
         """What is mounted on the base."""

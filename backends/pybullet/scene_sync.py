@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from handcart.backends.scene.scene import Scene
-from handcart.backends.scene.thing import Rest, Thing
+from handcart.backends.scene.thing import Thing
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import inverse
 
@@ -37,7 +37,7 @@ class SceneSync:
                     continue
                 thing.pose = self._world.pose(thing)
                 if thing is held:
-                    thing.rest = Rest.HAND
+                    props.taken(thing)
                 else:
                     props.rested(thing)
         scene.held = held

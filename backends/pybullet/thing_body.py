@@ -23,7 +23,7 @@ _INSET = 0.002  # of a side's part: not shown at its left and right, where anoth
 class ThingBody:
     """A rigid box with the thing's mass, each side in a grey of its own or printed.
 
-    Subclasses, named by `Thing.BODIES`, make another shape or look of it.
+    Subclasses, named by `Domain.physics`, make another shape or look of it.
     """
 
     def __init__(self, physics: Physics, thing: Thing) -> None:

@@ -8,13 +8,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from handcart.backends.scene.arm_contact import HELD
+
 from .physics import Physics
 from .robot_body import RobotBody
 from .world_bodies import WorldBodies
 
 Pairs = frozenset[tuple[str, str]]
 FINGERS = ("left_finger", "right_finger")
-HELD = "held book"
 _ACROSS = 0.7  # of a contact's normal; less is a push with the tips
 
 
@@ -58,7 +59,7 @@ class Touch:
         return total * self._physics.substeps
 
     def pairs(self, held: int | None, riding: Collection[int]) -> Pairs:
-        """Names of what touches now: a link, "base" or "held book", and what it ran into.
+        """Names of what touches now: a link, "base" or what is held, and what it ran into.
 
         Args:
             held: the body in the hand.

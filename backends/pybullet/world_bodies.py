@@ -8,11 +8,11 @@ from typing import ClassVar
 import numpy as np
 
 from handcart.backends.saved_state import NotAState
+from handcart.backends.scene.bodies import Bodies
 from handcart.backends.scene.scene import Scene
 from handcart.backends.scene.solids import THE_GROUND, Solid
 from handcart.backends.scene.thing import Thing
 from handcart.robotics.geometry.transform import Transform, inverse, transform
-from handcart.tasks.domain import imported
 
 from .physics import Physics
 from .sheet_body import add_sheet
@@ -54,6 +54,7 @@ class WorldBodies:
                 self._surprises.append((body, solid))
         for sheet in (sheet for props in scene.props.values() for sheet in props.sheets()):
             add_sheet(physics, sheet)
+        self.kinds = Bodies("pybullet")
         self.things: dict[str, ThingBody] = {}
         """Bodies of things, by their names."""
         self.bodies: dict[str, int] = {}
@@ -65,8 +66,7 @@ class WorldBodies:
 
     def add(self, thing: Thing) -> None:
         """A thing as a body where it is."""
-        path = thing.BODIES.get("pybullet")
-        kind: type[ThingBody] = ThingBody if path is None else imported(path)
+        kind: type[ThingBody] = self.kinds.of(thing, ThingBody)
         made = self.things[thing.name] = kind(self._physics, thing)
         self.bodies[thing.name] = made.id
         self.names[made.id] = thing.name

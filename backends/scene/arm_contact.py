@@ -18,7 +18,7 @@ from handcart.robotics.kinematics.shapes import Box, Shape, radius_about, top
 from .scene import Scene
 from .thing import Rest
 
-HELD = "held book"
+HELD = "load"
 FINGERS = ("left_finger", "right_finger")
 _HANDS = (HELD, *FINGERS, "hand", "camera_body")
 _GIVE = 0.0005  # bodies that only touch count as free [m]

@@ -62,8 +62,9 @@ class Fingers:
         scene.width = props.thickness(thing, pads)
         scene.hand_T_held = props.gripped(thing, pads)
         for rule in self._hand.rules.values():
-            rule.taken(thing)
-        thing.rest, scene.held = Rest.HAND, thing
+            rule.gripped(thing)
+        props.taken(thing)
+        scene.held = thing
         scene.changes += 1
         self._hand.carry(scene.joints)
 

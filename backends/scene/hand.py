@@ -43,7 +43,7 @@ class Hand:
     def move(self, target: Vector) -> frozenset[tuple[str, str]]:
         """Strive for the joint angles `target` (n,) in [rad], coming from `scene.joints`.
 
-        Sets joints, the held book's pose and the force; gives the pairs that touch.
+        Sets joints, the pose of what is held and the force; gives the pairs that touch.
         """
         scene, start = self.scene, self.scene.joints
         for rule in self.rules.values():

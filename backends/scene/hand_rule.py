@@ -64,5 +64,5 @@ class HandRule:
         """How far the fingers can open where they are, in [m]."""
         return float("inf")
 
-    def taken(self, thing: Thing) -> None:
+    def gripped(self, thing: Thing) -> None:
         """The fingers have closed about a thing; its pose is still where it stood."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self
+from typing import Annotated, Any, ClassVar, Literal, Self
 
 import numpy as np
 from pydantic import Field
@@ -11,11 +11,9 @@ from pydantic import Field
 from handcart.robotics.geometry.transform import transform
 
 from .keyed_noise import keyed
+from .scene import Scene
 from .thing import Rest, Thing
 from .world_file import Millimetres, Name, Place
-
-if TYPE_CHECKING:
-    from .scene import Scene
 
 
 class PlacedSpec(Place):

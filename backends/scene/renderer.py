@@ -19,7 +19,7 @@ from .thing import Rest
 GreyImage = NDArray[np.uint8]
 
 _BACKGROUND, _FLOOR, _WALL, _FURNITURE, _METAL = 150, 95, 165, 110, 90
-_AROUND = frozenset({Rest.TABLE, Rest.FLOOR, Rest.SHELF})
+_AROUND = frozenset({Rest.TABLE, Rest.FLOOR})
 
 
 class Renderer:
@@ -51,11 +51,17 @@ def _room(canvas: Canvas, scene: Scene) -> None:
     x, y = canvas.eye[:2]
     floor = np.array([[-30, -30, 0], [30, -30, 0], [30, 30, 0], [-30, 30, 0]]) + np.array([x, y, 0.0])
     canvas.polygon(floor, _FLOOR)
-    there = [s.box for s in scene.room if s.appears <= scene.time < s.leaves]
+    there = [s for s in scene.plain_solids if s.appears <= scene.time < s.leaves]
     # Walls behind furniture: seen from within a room nothing stands behind a wall that hides it.
-    there.sort(key=lambda box: (box.size[2] < 2.0, -float(np.linalg.norm(box.pose[:2, 3] - canvas.eye[:2]))))
-    for box in there:
-        paint_box(canvas, box, _WALL if box.name.startswith("wall") else _FURNITURE)
+    there.sort(key=lambda s: (s.box.size[2] < 2.0, -_away(canvas, s.box)))
+    for solid in there:
+        plain = _WALL if solid.box.name.startswith("wall") else _FURNITURE
+        paint_box(canvas, solid.box, plain if solid.grey is None else solid.grey)
+
+
+def _away(canvas: Canvas, box: Box) -> float:
+    """From the camera, over the floor, in [m]."""
+    return float(np.linalg.norm(box.pose[:2, 3] - canvas.eye[:2]))
 
 
 def _things(canvas: Canvas, scene: Scene, resting: frozenset[Rest]) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any, ClassVar, NamedTuple, TypeVar
+from typing import ClassVar, NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,16 +15,13 @@ from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import Transform
 from handcart.robotics.kinematics.arm_model import ArmModel
 
-from .keyed_noise import keyed
-from .props import Props
-from .solids import THE_GROUND, FloorPlan, Solid, room_of
+from .scene_props import SceneProps
+from .solids import FloorPlan, Solid
 from .suspension import leaning
 from .thing import Rest, Thing
-from .world_file import WorldFile
-from .world_model import kinds_of_props
 
 GRAVITY = 9.81  # [m/s²]
-P = TypeVar("P", bound=Props[Any])
+P = TypeVar("P", bound=SceneProps)
 
 
 class Contact(NamedTuple):
@@ -33,7 +30,7 @@ class Contact(NamedTuple):
     time: float
     """[s]"""
     body: str
-    """What of the robot: "base", a link, "held book", "fingers"."""
+    """What of the robot: "base", a link, "load" (what is held), "fingers"."""
     other: str
     """What it ran into."""
 
@@ -69,9 +66,9 @@ class Scene:
     base: Pose2
     joints: NDArray[np.float64]
     width: float
-    room: tuple[Solid, ...] = ()
-    """Those of no domain."""
-    props: dict[str, Props[Any]] = field(default_factory=dict)
+    plain_solids: tuple[Solid, ...] = ()
+    """Those that the camera sees as plain boxes."""
+    props: dict[str, SceneProps] = field(default_factory=dict)
     """What domains have in it, by the domain's name."""
     time: float = 0.0
     lean: tuple[float, float] = (0.0, 0.0)
@@ -88,13 +85,6 @@ class Scene:
     """world_T_base (4, 4) where physics lets the base tilt; None: it stands level."""
     changes: int = 0
     """Counts the times that a thing was moved: what is derived from their poses asks it."""
-
-    def __getattr__(self, name: str) -> Any:
-        """TRANSITION."""
-        for each in self.__dict__.get("props", {}).values():
-            if not name.startswith("_") and hasattr(each, name):
-                return getattr(each, name)
-        raise AttributeError(name)
 
     def __post_init__(self) -> None:
         self.body_plan = FloorPlan(self.solids, 0.02, self.robot.body_height)
@@ -145,7 +135,7 @@ class Scene:
         """All that hands can carry."""
         return [thing for props in self.props.values() for thing in props.things()]
 
-    def props_of(self, thing: Thing) -> Props[Any]:
+    def props_of(self, thing: Thing) -> SceneProps:
         """Of which domain a thing is."""
         return next(props for props in self.props.values() if any(each is thing for each in props.things()))
 
@@ -186,31 +176,3 @@ class Scene:
         for body, other in sorted(pairs - self.touching):
             self.contacts.append(Contact(self.time, body, other))
         self.touching = pairs
-
-
-def build_scene(robot: RobotFile, world: WorldFile, seed: int) -> Scene:
-    """The world at first: a person has put the robot there, and set up what domains have in it."""
-    assert world.map is None, "load_world puts what the map shows among the furniture"
-    kinds = kinds_of_props()
-    specs = {
-        name: world if isinstance(world, kind.section) else kind.section() for name, kind in kinds.items()
-    }
-    room = [*room_of(world), *([THE_GROUND] if world.ground is not None else [])]
-    solids = [*room, *(each for name, kind in kinds.items() for each in kind.solids(specs[name]))]
-    arm = None if robot.arm is None else robot.arm_model()
-    joints = np.zeros(0) if robot.arm is None else np.array(robot.posture("home"))
-    width = 0.0 if robot.gripper is None else robot.gripper.opening_mm / 1e3
-    scene = Scene(robot, arm, tuple(solids), _start(robot, world, seed), joints, width, tuple(room))
-    scene.open_ground = world.ground is not None
-    for name, kind in kinds.items():
-        scene.props[name] = kind(scene, specs[name], seed)
-        scene.props[name].set_up()
-    return scene
-
-
-def _start(robot: RobotFile, world: WorldFile, seed: int) -> Pose2:
-    dx, dy, turn = keyed(seed, "start").standard_normal(3)
-    error = robot.errors.start_mm / 1e3
-    heading = np.radians(world.start.heading_deg + robot.errors.start_deg * turn)
-    x, y = world.start.x_m + error * dx, world.start.y_m + error * dy
-    return Pose2(float(x), float(y), float(heading))

@@ -14,8 +14,8 @@ from handcart.backends.robot_file import RobotFile
 from handcart.backends.saved_state import NotAState
 from handcart.robotics.geometry.pose2 import Pose2
 
+from .build_scene import build_scene
 from .load_world import load_world, load_world_or_map
-from .scene import build_scene
 from .simulated_arm import SimulatedArm
 from .simulated_camera import SimulatedCamera
 from .simulated_gps import SimulatedGps

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import cv2
 import numpy as np
 from numpy.typing import NDArray
@@ -12,10 +10,8 @@ from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import Transform, inverse
 from handcart.robotics.kinematics.shapes import Box
 
+from .scene import Scene
 from .thing import Rest, Thing
-
-if TYPE_CHECKING:
-    from .scene import Scene
 
 HIGHEST_DROP = 0.01  # onto a support; from higher up a box topples [m]
 BELOW = 0.003  # by which arm and suspension may have pressed it into its support [m]

@@ -20,11 +20,10 @@ GreyImage = NDArray[np.uint8]
 class Rest(Enum):
     """What carries a thing."""
 
-    SHELF = "shelf"
     TRAY = "tray"
     HAND = "hand"
     TABLE = "table"
-    """A table of the world, or what stands on it."""
+    """Furniture of the world, or what stands on it."""
     FLOOR = "floor"
     """Fallen: lost to the robot."""
 
@@ -40,8 +39,6 @@ class Thing:
     """Of wood, in [kg/m³]."""
     WEIGHS: ClassVar[bool] = False
     """Whether the hand's force reading has the weight of a held one in it; else that is taken for granted."""
-    BODIES: ClassVar[Mapping[str, str]] = {}
-    """Import path "module:name" of the class of its body, by the backend's name; left out: a box."""
 
     pose: Transform
     """world_T_thing (4, 4)."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from handcart.backends.scene.books.book_props import BookProps
 from handcart.backends.scene.ranges import cast_rays
 from handcart.backends.scene.solids import FloorPlan
 from handcart.evaluation.ground_truth import scene_of
@@ -45,7 +46,8 @@ def _tag_errors(bench: Bench, seed: int) -> NDArray[np.float64]:
     with bench.stage(seed) as stage:
         backend, spec = stage.backend, stage.robot.spec
         scene, arm, camera = scene_of(backend), arm_of(backend), camera_of(backend)
-        if scene is None or scene.tray_book() is None:
+        book = None if scene is None else scene.of(BookProps).tray_book()
+        if book is None:
             raise Skipped("no book's true place is known")
         if spec.arm is None or "look_at_tag" not in spec.arm.postures:
             raise Skipped("the robot's file has no posture look_at_tag")
@@ -55,10 +57,10 @@ def _tag_errors(bench: Bench, seed: int) -> NDArray[np.float64]:
             goal = posture.copy()
             goal[-3], goal[-1] = goal[-3] + bend, goal[-1] + twist
             move_joints(backend, arm, goal)
-            seen = [tag for tag in read_tags(camera.image()) if tag.id == scene.tray_book().accession]
+            seen = [tag for tag in read_tags(camera.image()) if tag.id == book.accession]
             if seen:
-                corners = _tag_corners(scene.tray_book().height)
-                camera_T_book = inverse(scene.world_T("hand") @ camera.hand_T_camera) @ scene.tray_book().pose
+                corners = _tag_corners(book.height)
+                camera_T_book = inverse(scene.world_T("hand") @ camera.hand_T_camera) @ book.pose
                 expected = camera.model.project(apply(camera_T_book, corners))
                 errors.append((seen[0].corners - expected).mean(axis=0))
         return np.array(errors).reshape(-1, 2)

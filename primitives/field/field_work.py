@@ -16,7 +16,6 @@ from handcart.backends.robot import Robot
 from handcart.backends.robot_file import RobotFile
 from handcart.files.errors import Finding
 from handcart.files.loading import load
-from handcart.primitives.blocks.building import name_of_block
 from handcart.primitives.contract.meant_contact import MeantContact
 from handcart.primitives.knowledge.place import Place
 from handcart.primitives.knowledge.section import Companion, NamedFiles, Section
@@ -95,7 +94,7 @@ class FieldWork(Section):
         """Of the hand with the sensor that goes to a target: they are laid as the magazine gives them."""
         laid = [each.name for each in self.laid]
         number = laid.index(target) if target in laid else len(laid)
-        return MeantContact("hand", name_of_block(number + 1))
+        return MeantContact("hand", f"sensor {number + 1}")
 
     def noted(self) -> dict[str, Any]:
         """See `Section`."""

@@ -122,7 +122,8 @@ def lying(x: float, rest: str = "table") -> Any:
     """A scene in which the sensor truly lies at x."""
     pose = np.eye(4)
     pose[0, 3] = x
-    return SimpleNamespace(sensors={"1": SimpleNamespace(pose=pose, rest=SimpleNamespace(value=rest))})
+    props = SimpleNamespace(sensors={"1": SimpleNamespace(pose=pose, rest=SimpleNamespace(value=rest))})
+    return SimpleNamespace(of=lambda _: props)
 
 
 def test_a_sensor_lies_where_it_is_believed_to_and_should() -> None:

@@ -11,6 +11,7 @@ import pytest
 
 from handcart.backends.base import Base
 from handcart.backends.robot_loading import load_robot
+from handcart.backends.scene.books.book_props import BookProps
 from handcart.evaluation.ground_truth import ground_truth, not_restored
 from handcart.evaluation.judge import Judge
 from handcart.evaluation.shelving import longest_rising, shelving
@@ -56,7 +57,7 @@ def test_a_fail_that_did_not_restore_is_found(set_stage: Callable[..., Any]) -> 
     scene.joints = scene.joints + np.array([0.0, 0.02, 0.0, 0.0, 0.0, 0.0])
     assert any("joints deg" in each for each in wrong())
     scene.joints = before.joints
-    book = scene.books[next(iter(scene.books))]
+    book = scene.of(BookProps).books[next(iter(scene.of(BookProps).books))]
     book.pose = book.pose.copy()
     book.pose[2, 3] -= 0.5
     assert any("book" in each for each in wrong())
@@ -64,7 +65,7 @@ def test_a_fail_that_did_not_restore_is_found(set_stage: Callable[..., Any]) -> 
 
 def test_a_book_on_the_tray_is_not_in_its_slot(set_stage: Callable[..., Any]) -> None:
     scene = set_stage().backend.scene
-    judged = shelving(scene, (scene.tray_book().accession,)).judge(scene)
+    judged = shelving(scene, (scene.of(BookProps).tray_book().accession,)).judge(scene)
     assert not judged.slot_correct
     assert not judged.right
 

@@ -107,7 +107,7 @@ def test_a_book_that_does_not_go_home_is_for_a_person(
     inserted: Callable[..., Any], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     rig = inserted()
-    monkeypatch.setattr("handcart.backends.scene.of(BookProps).books.row_rule.PUSH_FRICTION", 40.0)
+    monkeypatch.setattr("handcart.backends.scene.books.row_rule.PUSH_FRICTION", 40.0)
     outcome = rig.run(Release(shelf="shelf_1"))
     assert isinstance(outcome, GiveUp)
     assert "doesn't go home" in outcome.reason
@@ -122,7 +122,7 @@ def test_fingers_that_pass_the_book_by_have_not_pushed_it_home(inserted: Callabl
 
     def let_go() -> bool:
         book = rig.scene.of(BookProps).books[117]
-        if book.rest is Rest.SHELF and not moved:
+        if book.rest is Rest.TABLE and not moved:
             book.pose = book.pose.copy()
             book.pose[:3, 3] += 0.5 * aside
             rig.scene.changes += 1

@@ -21,7 +21,7 @@ from .stacking import at_the_wall, do_with, scene_of, with_block
 def error_mm(stage, number):
     """How far a block stands from its goal."""
     goal = stage.model.of(Blocks).building.goals[number - 1].pose
-    off = inverse(goal) @ scene_of(stage).blocks[str(number)].pose
+    off = inverse(goal) @ scene_of(stage).of(BlockProps).blocks[str(number)].pose
     return 1e3 * float((off[0, 3] ** 2 + off[1, 3] ** 2) ** 0.5)
 
 
@@ -30,7 +30,7 @@ def test_a_block_is_taken_centred_between_the_fingers():
         stage.do(Fixate(landmark="stacking"))
         outcome = stage.do(PickUpBlock(number=2, at="robot"))
         assert isinstance(outcome, Success)
-        assert scene_of(stage).held is scene_of(stage).blocks["2"]
+        assert scene_of(stage).held is scene_of(stage).of(BlockProps).blocks["2"]
         assert scene_of(stage).hand_T_held[1, 3] == pytest.approx(0.0, abs=1e-12)
 
 
@@ -49,7 +49,7 @@ def test_looking_first_the_block_is_taken_at_its_middle(look):
 def test_looking_first_a_missing_block_is_a_fail_with_the_arm_back():
     with at_the_wall() as stage:
         stage.do(Fixate(landmark="stacking"))
-        del scene_of(stage).blocks["3"]
+        del scene_of(stage).of(BlockProps).blocks["3"]
         before = stage.robot.arm.joints()
         outcome = stage.do(PickUpBlock(number=3, at="robot", look=True))
         assert isinstance(outcome, Fail)
@@ -73,7 +73,7 @@ def test_where_no_block_is_the_fingers_close_on_nothing():
     """S10: nothing tells where the block is."""
     with at_the_wall() as stage:
         stage.do(Fixate(landmark="stacking"))
-        del scene_of(stage).blocks["3"]
+        del scene_of(stage).of(BlockProps).blocks["3"]
         outcome = stage.do(PickUpBlock(number=3, at="robot"))
         assert isinstance(outcome, GiveUp)  # nothing tells where the block is
         assert "block 3 isn't seen" in outcome.reason
@@ -95,7 +95,7 @@ def test_each_method_puts_a_block_where_it_goes(method):
 def test_a_seat_on_the_robot_is_taken_too():
     with with_block(at_the_wall(seed=1)) as stage:
         assert isinstance(stage.do(Stack(number=1, onto="robot")), Success)
-        assert scene_of(stage).blocks["1"].rest.value == "tray"
+        assert scene_of(stage).of(BlockProps).blocks["1"].rest.value == "tray"
 
 
 def test_without_a_landmark_seen_nothing_is_stacked():
@@ -104,7 +104,7 @@ def test_without_a_landmark_seen_nothing_is_stacked():
         outcome = stage.do(Stack(number=1, onto="goal", method="fix_once"))
         assert isinstance(outcome, Fail)
         assert "no landmark was seen" in outcome.reason
-        assert scene_of(stage).held is scene_of(stage).blocks["1"]
+        assert scene_of(stage).held is scene_of(stage).of(BlockProps).blocks["1"]
 
 
 @pytest.mark.parametrize("method", ["imu", "fix_again_imu"])
@@ -114,7 +114,7 @@ def test_without_inertial_sensors_their_methods_are_refused(method):
         outcome = stage.do(Stack(number=1, onto="goal", method=method))
         assert isinstance(outcome, Fail)
         assert f"the method {method} needs inertial sensors" in outcome.reason
-        assert scene_of(stage).held is scene_of(stage).blocks["1"]
+        assert scene_of(stage).held is scene_of(stage).of(BlockProps).blocks["1"]
 
 
 def test_no_support_where_one_should_be_is_a_fail_with_the_block_in_hand():
@@ -127,7 +127,7 @@ def test_no_support_where_one_should_be_is_a_fail_with_the_block_in_hand():
         outcome = stage.do(Stack(number=1, onto="goal", method="fix_once"))
         assert isinstance(outcome, Fail)
         assert "doesn't touch down" in outcome.reason
-        assert scene_of(stage).held is scene_of(stage).blocks["1"]
+        assert scene_of(stage).held is scene_of(stage).of(BlockProps).blocks["1"]
 
 
 def test_something_in_the_goals_place_is_a_fail_with_the_block_in_hand():

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import ClassVar
 
 from handcart.backends.scene.placed_thing import PlacedSpec, PlacedThing
 
@@ -21,6 +19,5 @@ class Block(PlacedThing):
     """
 
     KIND = "block"
-    BODIES: ClassVar[Mapping[str, str]] = {"pybullet": "handcart.backends.pybullet.block_body:BlockBody"}
 
     spec: BlockSpec

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import ClassVar
 
 import numpy as np
 
@@ -25,7 +23,6 @@ class Book(Thing):
 
     DENSITY = 700.0
     """Of paper, in [kg/m³]."""
-    BODIES: ClassVar[Mapping[str, str]] = {"pybullet": "handcart.backends.pybullet.book_body:BookBody"}
 
     spec: BookSpec
     shelf: str | None = None

@@ -3,119 +3,76 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
-from typing import ClassVar
+from collections.abc import Iterable
 
 import numpy as np
 from numpy.typing import NDArray
 
-from handcart.backends.plain_values import Kinds
 from handcart.backends.scene.grasp import BITE, PAD, Pads
 from handcart.backends.scene.keyed_noise import keyed
 from handcart.backends.scene.painting import Painted
-from handcart.backends.scene.props import Props
 from handcart.backends.scene.scene import Scene
-from handcart.backends.scene.solids import Solid
 from handcart.backends.scene.thing import Rest, Thing
 from handcart.robotics.geometry.transform import Transform, inverse, transform
 from handcart.robotics.kinematics.arm_model import ArmModel
 
-from . import painted_books
 from .book import Book
 from .book_rest import book_rest
-from .person import Person, Waiting
+from .books_there import BooksThere
+from .person import Person
 from .putting_down import put_down
 from .row_rule import RowRule
-from .shelf import Shelf
-from .spec import BookSpec, BooksSection
-from .standing_book import StandingBook
+from .spec import BooksSection
 
-SPINE_ON_TRAY = 0.02  # from the tray's rear to the book's spine, as a person sets it down [m]
-PROTRUSION = 0.003  # spines stand this much before or behind the board's front edge at most [m]
 AWAKE = 1.3  # books of shelves further from the hand than this sleep in physics [m]
 
 
-class BookProps(Props[BooksSection]):
-    """Books by their accession numbers, shelves by their names; a person hands books over."""
+class BookProps(BooksThere):
+    """Books by their accession numbers, shelves by their names; a person hands books over.
 
-    section = BooksSection
-    STATE: ClassVar[Kinds] = {"books": dict[int, Book], "to_come": list[BookSpec], "waits": Waiting}
+    How they differ from real ones without physics:
+    - Whether a book enters its slot is decided by a rule fitted to a physics engine
+      (`insertion.entry_chance`), once an entry; in the slot it aligns. Books that are pushed slide straight
+      back against 3 N (10 N where an edge jams), and nothing stops them before the shelf's back.
+    - A book let go at most 20 mm above a tray stands there upright. Above a board it is left leaning aside a
+      little (`errors.book_lean_deg`, and the hand's own tilt), beyond its edge it tips over; what stands
+      beside, and doesn't give, stops it (`book_lean`). Else it lies on the floor, or the board, lost.
+
+    In physics those in a row have square edges, those to be returned rounded leading ones (3 mm). What stands
+    inside a shelf is painted dark.
+    """
+
+    PAINTS_SOLIDS = True
 
     def __init__(self, scene: Scene, spec: BooksSection, seed: int) -> None:
         super().__init__(scene, spec, seed)
-        self.shelves = {each.name: Shelf(each) for each in spec.shelves}
-        self.books: dict[int, Book] = {}
-        self.to_come = list(spec.handed_over)
-        """Books that a person still has for the robot."""
-        self.waits = Waiting()
         self._rule: RowRule | None = None
+        self._person: Person | None = None
         self._places = np.array([each.pose[:3, 3] for each in self.shelves.values()]).reshape(-1, 3)
         """Where shelves stand, (n, 3) in [m]."""
 
-    @classmethod
-    def solids(cls, spec: BooksSection) -> Sequence[Solid]:
-        """See `Props`."""
-        return [solid for each in spec.shelves for solid in Shelf(each).solids()]
-
     def set_up(self) -> None:
-        """See `Props`: spines not quite in line, and a book on the tray."""
-        for shelf in self.shelves.values():
-            rng = keyed(self.seed, f"row of {shelf.name}")
-            for spec, y in shelf.standing():
-                pose = shelf.pose @ transform((rng.uniform(-PROTRUSION, PROTRUSION), y, 0.0))
-                self.books[spec.accession] = Book(pose, Rest.SHELF, spec, shelf.name)
-        if self.spec.tray is not None and self.scene.robot.has_tray:
-            self.set_on_tray(self.spec.tray)
-        self._person = Person(self)
-
-    def set_on_tray(self, spec: BookSpec, number: int = 0) -> None:
-        """A person puts the book with this number down on the tray, not quite in its place."""
-        scene, errors = self.scene, self.scene.robot.errors
-        dx, dy, turn = keyed(self.seed, f"tray {number}" if number else "tray").standard_normal(3)
-        place = errors.book_place_mm / 1e3
-        yaw = np.radians(errors.book_turn_deg * turn)
-        tray = scene.robot.tray_shape
-        spine = (tray.rear + SPINE_ON_TRAY + place * dx, tray.middle[1] + place * dy, tray.top)
-        stands = transform(spine, (0.0, 0.0, yaw))
-        self.books[spec.accession] = Book(scene.world_T_base @ stands, Rest.TRAY, spec, base_T_thing=stands)
-        scene.changes += 1
-
-    # What is there
-
-    def things(self) -> Iterable[Book]:
         """See `Props`."""
-        return self.books.values()
-
-    def book_pose(self, accession: int) -> Transform:
-        """world_T_book (4, 4); its frame is that of `Book`."""
-        return self.books[accession].pose
-
-    def shelf_books(self, shelf: str) -> list[StandingBook]:
-        """What stands on a shelf, from left to right."""
-        frame = self.shelves[shelf].inverse_pose
-        standing = []
-        for book in self.books.values():
-            if book.rest is Rest.SHELF and book.shelf == shelf:
-                pose = frame @ book.pose
-                yaw = float(np.arctan2(pose[1, 0], pose[0, 0]))
-                lean = -float(np.arctan2(pose[2, 1], pose[2, 2]))
-                y, x = float(pose[1, 3]), float(pose[0, 3])
-                standing.append(StandingBook(book, y, x, book.tilt(), yaw, lean))
-        return sorted(standing, key=lambda each: -each.lateral)
-
-    def tray_book(self) -> Book | None:
-        """What stands on the tray."""
-        return next((book for book in self.books.values() if book.rest is Rest.TRAY), None)
+        super().set_up()
+        self._person = Person(self)
 
     def painted(self, rests: frozenset[Rest]) -> Iterable[Painted]:
         """See `Props`."""
-        return painted_books.painted(self, rests)
+        from .painted_books import painted  # fonts and all: not before a camera looks
+
+        return painted(self, rests)
 
     # What happens
 
+    def taken(self, thing: Thing) -> None:
+        """See `Props`."""
+        assert isinstance(thing, Book)
+        thing.rest, thing.shelf = Rest.HAND, None
+
     def step(self) -> None:
         """See `Props`."""
-        self._person.step()
+        if self._person is not None:
+            self._person.step()
 
     def hand_rule(self, arm: ArmModel) -> RowRule:
         """See `Props`."""
@@ -160,7 +117,7 @@ class BookProps(Props[BooksSection]):
         """See `Props`: the rows within reach, and what is in none."""
         away = np.linalg.norm(self._places - hand, axis=1)
         near = {name for name, far in zip(self.shelves, away.tolist(), strict=True) if far < AWAKE}
-        return [book for book in self.books.values() if book.rest is not Rest.SHELF or book.shelf in near]
+        return [book for book in self.books.values() if book.rest is not Rest.TABLE or book.shelf in near]
 
     def rested(self, thing: Thing) -> None:
         """See `Props`."""

@@ -2,18 +2,14 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
 from handcart.backends.scene.thing import Rest
 from handcart.robotics.geometry.transform import inverse
 
 from .book import Book
+from .books_there import BooksThere
 from .shelf import DEPTH
-
-if TYPE_CHECKING:
-    from .book_props import BookProps
 
 ON = 0.03  # [m] that a book's foot may be off the board or tray
 BESIDE = 0.01  # [m] that its middle may be beside the tray
@@ -21,13 +17,13 @@ UPRIGHT = np.radians(45.0)
 FALLEN = 0.5  # [m] above the floor
 
 
-def book_rest(books: BookProps, book: Book) -> tuple[Rest, str | None]:
+def book_rest(books: BooksThere, book: Book) -> tuple[Rest, str | None]:
     """What carries a book that isn't held, and the name of the shelf if it is one."""
     for name, shelf in books.shelves.items():
         x, y, z = (shelf.inverse_pose @ book.pose)[:3, 3]
         on_board = -book.depth / 2 < x < DEPTH and abs(y) < shelf.half_width and abs(z) < ON
         if on_board and book.tilt() < UPRIGHT:
-            return Rest.SHELF, name
+            return Rest.TABLE, name
     if _on_tray(books, book):
         return Rest.TRAY, None
     if book.pose[2, 3] < FALLEN or book.rest is not Rest.HAND:
@@ -35,7 +31,7 @@ def book_rest(books: BookProps, book: Book) -> tuple[Rest, str | None]:
     return book.rest, None
 
 
-def _on_tray(books: BookProps, book: Book) -> bool:
+def _on_tray(books: BooksThere, book: Book) -> bool:
     robot = books.scene.robot
     if not robot.has_tray:
         return False

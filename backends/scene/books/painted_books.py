@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from functools import lru_cache, partial
-from typing import TYPE_CHECKING
 
 import cv2
 import numpy as np
@@ -17,24 +16,22 @@ from handcart.robotics.geometry.transform import transform
 from handcart.robotics.kinematics.shapes import Box
 
 from .book import Book
+from .books_there import BooksThere
 from .shelf import DEPTH, WOOD, Shelf
 from .spec import BookSpec
 from .textures import PX_PER_MM, draw_spine
-
-if TYPE_CHECKING:
-    from .book_props import BookProps
 
 _INSIDE, _DEPTH_DARK, _BOARD = 14, 18, 60
 _PAGES, _METAL = 200, 90
 _SEES = 3.0  # shelves further away are painted without their books [m]
 
 
-def painted(books: BookProps, rests: frozenset[Rest]) -> Iterator[Painted]:
+def painted(books: BooksThere, rests: frozenset[Rest]) -> Iterator[Painted]:
     """Shelves with their rows, each at once; else single books. Fallen ones are not shown.
 
     Spines are printed; what stands deep in a shelf is dark.
     """
-    if Rest.SHELF in rests:
+    if Rest.TABLE in rests:
         for shelf in books.shelves.values():
             yield Painted(shelf.pose[:3, 3], partial(_shelf, books=books, shelf=shelf))
     for book in books.books.values():
@@ -43,7 +40,7 @@ def painted(books: BookProps, rests: frozenset[Rest]) -> Iterator[Painted]:
             yield Painted(book.box().pose[:3, 3], partial(_book, book=book, shelf=None))
 
 
-def _shelf(canvas: Canvas, books: BookProps, shelf: Shelf) -> None:
+def _shelf(canvas: Canvas, books: BooksThere, shelf: Shelf) -> None:
     parts = shelf.parts()
     eye = shelf.inverse_pose[:3, :3] @ canvas.eye + shelf.inverse_pose[:3, 3]
     if eye[0] >= 0.0 or np.linalg.norm(eye) > _SEES:
@@ -79,7 +76,7 @@ def _to_row(lateral: float, thickness: float, eye: float) -> float:
     return max(0.0, abs(lateral - eye) - thickness / 2)
 
 
-def _held_inside(books: BookProps, shelf: Shelf) -> Book | None:
+def _held_inside(books: BooksThere, shelf: Shelf) -> Book | None:
     """The held book, if it reaches into the shelf: its neighbours may hide it."""
     held = books.scene.held
     return held if isinstance(held, Book) and _reaches_in(held, shelf) else None

@@ -2,33 +2,17 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
-
-from handcart.robotics.geometry.pose2 import Pose2
-
-if TYPE_CHECKING:
-    from .book_props import BookProps
+from .books_there import BooksThere, Waiting
 
 NEAR = 0.5  # [m] from where the robot started, within a person's reach
 STILL = 1e-3  # [m], [rad]: motors that hold a robot still let it move less
 AFTER = 1.0  # [s] that the robot stands there with an empty tray and hand before the next book comes
 
 
-class Waiting(NamedTuple):
-    """How far a person has come."""
-
-    given: int = 0
-    """Books so far."""
-    stood: Pose2 = Pose2(0.0, 0.0, 0.0)
-    """Where the robot stands, or was last seen moving."""
-    since: float = 0.0
-    """[s]"""
-
-
 class Person:
     """Puts the next book onto the robot's tray when it stands at its start again, tray and hand empty."""
 
-    def __init__(self, books: BookProps) -> None:
+    def __init__(self, books: BooksThere) -> None:
         """Hand over the books in `books.to_come`; how far that is stands in `books.waits`."""
         self._books, self._start = books, books.scene.base
 

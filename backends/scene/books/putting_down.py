@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -12,17 +11,15 @@ from handcart.robotics.geometry.transform import inverse, transform
 
 from .book import Book
 from .book_lean import lean_in_row
+from .books_there import BooksThere
 from .row import Slot, members, slots
 from .shelf import DEPTH, Shelf
-
-if TYPE_CHECKING:
-    from .book_props import BookProps
 
 HIGHEST_DROP = 0.020  # onto a support; from higher up a book falls over and off [m]
 _BELOW = 0.003
 
 
-def put_down(books: BookProps, book: Book, slot: Slot | None, aside: float = 0.0) -> None:
+def put_down(books: BooksThere, book: Book, slot: Slot | None, aside: float = 0.0) -> None:
     """Let a book drop from where it is.
 
     On a shelf's board or the tray, if one carries its middle and is at most 20 mm below its foot, it stands
@@ -40,7 +37,7 @@ def put_down(books: BookProps, book: Book, slot: Slot | None, aside: float = 0.0
         if leans is None:
             _fall(book, float(shelf.pose[2, 3]))
             return
-        book.pose, book.rest, book.shelf = shelf.pose @ leans, Rest.SHELF, shelf.name
+        book.pose, book.rest, book.shelf = shelf.pose @ leans, Rest.TABLE, shelf.name
     elif _on_tray(books, book):
         base_T_book = inverse(scene.world_T_base) @ book.pose
         yaw = float(np.arctan2(base_T_book[1, 0], base_T_book[0, 0]))
@@ -51,7 +48,7 @@ def put_down(books: BookProps, book: Book, slot: Slot | None, aside: float = 0.0
         _fall(book)
 
 
-def _carries(books: BookProps, shelf: Shelf, book: Book, slot: Slot | None) -> bool:
+def _carries(books: BooksThere, shelf: Shelf, book: Book, slot: Slot | None) -> bool:
     pose = shelf.inverse_pose @ book.pose
     x, y, z = pose[:3, 3]
     middle = x + pose[0, 0] * book.depth / 2
@@ -62,7 +59,7 @@ def _carries(books: BookProps, shelf: Shelf, book: Book, slot: Slot | None) -> b
     return any(each.right <= y - half and y + half <= each.left for each in free)
 
 
-def _on_tray(books: BookProps, book: Book) -> bool:
+def _on_tray(books: BooksThere, book: Book) -> bool:
     scene = books.scene
     if books.tray_book() is not None or not scene.robot.has_tray:
         return False

@@ -5,16 +5,14 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from itertools import pairwise
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 from handcart.backends.scene.hand_rule import FORCE_CAP, STIFFNESS
 from handcart.backends.scene.thing import Thing
 
 from .book import Book
+from .books_there import BooksThere
 from .shelf import DEPTH, Shelf
-
-if TYPE_CHECKING:
-    from .book_props import BookProps
 
 PUSH_FRICTION = 3.0  # of a standing book pushed on its spine [N]
 JAM_FRICTION = 10.0  # of a book pushed back by an edge that jams against it [N]
@@ -71,7 +69,7 @@ class Push(NamedTuple):
     met: tuple[str, ...]
 
 
-def members(books: BookProps, shelf: Shelf, without: Thing | None) -> list[Member]:
+def members(books: BooksThere, shelf: Shelf, without: Thing | None) -> list[Member]:
     """The row from right to left, the fixed parts included, `without` the book that the hand holds."""
     row = [Member(right, left, front, 0.35, None) for right, left, front in shelf.fixed_intervals()]
     row += [
@@ -87,7 +85,7 @@ def slots(row: Sequence[Member]) -> list[Slot]:
     return [Slot(a.left, b.right, min(a.front, b.front)) for a, b in pairwise(row) if b.right - a.left > 1e-4]
 
 
-def push(books: BookProps, shelf: Shelf, row: Sequence[Member], pusher: Pusher, start: float) -> Push:
+def push(books: BooksThere, shelf: Shelf, row: Sequence[Member], pusher: Pusher, start: float) -> Push:
     """Let the pusher, commanded to `pusher.lead` from `start` (x in S), meet the row; books give way.
 
     Quasi-static: the arm is a spring of `STIFFNESS` behind its command, each book met resists with its
@@ -117,7 +115,7 @@ def _meets(member: Member, pusher: Pusher, start: float) -> bool:
     return beside and level and member.front > start - 0.005
 
 
-def _move(books: BookProps, shelf: Shelf, moved: Sequence[Member], lead: float) -> None:
+def _move(books: BooksThere, shelf: Shelf, moved: Sequence[Member], lead: float) -> None:
     for member in moved:
         if member.book is not None and lead > member.front + 1e-9:
             member.book.pose = member.book.pose.copy()

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, ClassVar, NamedTuple
+from typing import ClassVar, NamedTuple
 
 import numpy as np
 
@@ -15,12 +15,10 @@ from handcart.robotics.geometry.transform import Transform, transform
 from handcart.robotics.kinematics.arm_model import ArmModel
 
 from .book import Book
+from .books_there import BooksThere
 from .insertion import Entrance, Entry
 from .row import JAM_FRICTION, PUSH_FRICTION, Member, Pusher, Slot, members, push
 from .shelf import Shelf
-
-if TYPE_CHECKING:
-    from .book_props import BookProps
 
 SLOT_FRICTION = 2.0  # of a book that slides in its slot [N]
 _WRENCH = np.radians(10.0)  # turned further than this against its slot, a book stops the arm
@@ -45,7 +43,7 @@ class RowRule(HandRule):
     STATE: ClassVar[Kinds] = {"entered": tuple[str, Slot, bool] | None, "entries": int, "strain": float}
     strained_by = "the sides of its slot"
 
-    def __init__(self, books: BookProps, arm: ArmModel) -> None:
+    def __init__(self, books: BooksThere, arm: ArmModel) -> None:
         self._books, self._scene, self._arm = books, books.scene, arm
         self.entry: Entry | None = None
         self._front: Front | None = None
@@ -120,12 +118,10 @@ class RowRule(HandRule):
         right = min((tip[1] - m.left for m in sides if m.left <= tip[1] - half + 0.001), default=np.inf)
         return float(max(0.0, 2 * (min(left, right) - finger.thickness)))
 
-    def taken(self, thing: Thing) -> None:
+    def gripped(self, thing: Thing) -> None:
         """See `HandRule`: a book gripped in its slot is in it still."""
-        if isinstance(thing, Book):
-            if thing.rest is Rest.SHELF and thing.shelf is not None:
-                self.entry = self._slot_of(thing, self._books.shelves[thing.shelf])
-            thing.shelf = None
+        if isinstance(thing, Book) and thing.rest is Rest.TABLE and thing.shelf is not None:
+            self.entry = self._slot_of(thing, self._books.shelves[thing.shelf])
 
     def left(self) -> Slot | None:
         """The fingers let go: the slot that a book was in, if it was in one."""

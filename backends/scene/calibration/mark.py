@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from functools import lru_cache
-from typing import TYPE_CHECKING
 
 import cv2
 import numpy as np
@@ -15,8 +14,7 @@ from handcart.backends.scene.sheet import Sheet
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.perception.landmark import INK, PAPER, draw_landmark
 
-if TYPE_CHECKING:
-    from .mark_props import MarkSpec
+from .spec import MarkSpec
 
 MARGIN = 0.01  # of paper about what is painted [m]
 M_PER_PX = 1.25e-4

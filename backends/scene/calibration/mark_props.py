@@ -3,35 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Annotated, Literal
 
-from pydantic import Field
-
-from handcart.backends.board_layout import BoardLayout
 from handcart.backends.scene.props import Props
-from handcart.backends.scene.world_file import Place
-from handcart.files.model import FileModel
 
 from .mark import Mark
-
-
-class MarkSpec(Place):
-    """Something painted on a level surface; its pose is that of its middle."""
-
-    kind: Literal["landmark", "square", "disc", "frame", "board"] = "landmark"
-    """A landmark, what might be taken for one, or a board to calibrate cameras with."""
-    height_m: Annotated[float, Field(ge=0.0, le=3.0)]
-    """Of the surface."""
-    size_mm: Annotated[float, Field(gt=0.0, le=500.0)] = 60.0
-    """Its side; of a board, the side of one of its squares."""
-    board: BoardLayout = BoardLayout()
-    """A board's pattern."""
-
-
-class MarksSection(FileModel):
-    """Keys of a world's file that are about what is painted there."""
-
-    marks: tuple[MarkSpec, ...] = ()
+from .spec import MarksSection
 
 
 class MarkProps(Props[MarksSection]):

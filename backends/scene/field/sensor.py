@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import ClassVar
 
 from handcart.backends.scene.placed_thing import PlacedThing
 
@@ -13,5 +11,4 @@ from handcart.backends.scene.placed_thing import PlacedThing
 class Sensor(PlacedThing):
     """Lies where the hand let it go. Its frame: origin in the middle of its foot, z up."""
 
-    KIND = "block"
-    BODIES: ClassVar[Mapping[str, str]] = {"pybullet": "handcart.backends.pybullet.block_body:BlockBody"}
+    KIND = "sensor"

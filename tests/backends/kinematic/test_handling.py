@@ -97,7 +97,7 @@ def test_a_large_error_jams_with_rising_force_and_pushes_the_neighbour_back(pupp
     puppet.to(contact + 0.003, puppet.slot + 0.012, puppet.height)
     assert puppet.arm.hand_force()[0] == pytest.approx(-6.0, abs=1.5)
     assert front(puppet, 103).front == before
-    assert ("held book", "book 103") in puppet.scene.touching
+    assert ("load", "book 103") in puppet.scene.touching
     puppet.to(contact + 0.025, puppet.slot + 0.012, puppet.height)
     assert puppet.arm.hand_force()[0] == pytest.approx(-10.0, abs=1.5)
     assert front(puppet, 103).front - before == pytest.approx(0.020, abs=2e-3)

@@ -34,7 +34,10 @@ def test_all_books_stand_where_the_world_file_puts_them(make, world, spec):
     planned = KinematicBackend(spec, world, 0).scene
     steps(backend, 20)
     for number, book in backend.scene.of(BookProps).books.items():
-        off = backend.scene.of(BookProps).book_pose(number)[:3, 3] - planned.book_pose(number)[:3, 3]
+        off = (
+            backend.scene.of(BookProps).book_pose(number)[:3, 3]
+            - planned.of(BookProps).book_pose(number)[:3, 3]
+        )
         assert np.linalg.norm(off) < 2e-3
         assert book.tilt() < 0.01
     assert backend.scene.contacts == []

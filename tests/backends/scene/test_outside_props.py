@@ -1,9 +1,12 @@
-"""A domain of somebody else has things of its own in simulated worlds, on both backends."""
+"""A domain of somebody else has things of its own in simulated worlds, on both backends: docs/domains.md."""
 
 from __future__ import annotations
 
+import re
+import sys
 from collections.abc import Callable, Iterator
 from pathlib import Path
+from types import ModuleType
 from typing import Any
 
 import numpy as np
@@ -21,9 +24,15 @@ from handcart.files.errors import FileError
 from handcart.robotics.geometry.transform import inverse, transform
 from handcart.tasks.domain import Domain, domains
 
-from . import pots
-from .pots import DRIES, Pots
-
+CODE = next(
+    each
+    for each in re.findall(
+        r"```python\n(.*?)```",
+        (Path(__file__).parents[3] / "docs" / "domains.md").read_text(encoding="utf-8"),
+        re.DOTALL,
+    )
+    if "class PotProps" in each
+)
 WORLD = """\
 format: handcart-world/1
 start: {x_m: 0.0, y_m: 0.0}
@@ -39,9 +48,14 @@ OVER = 0.165  # [m] from the foot of what is gripped up to the hand
 
 
 @pytest.fixture(autouse=True)
-def with_pots(monkeypatch: pytest.MonkeyPatch) -> None:
-    declared = (*domains(), Domain("plants", props=f"{pots.__name__}:Pots"))
+def plants(monkeypatch: pytest.MonkeyPatch) -> Any:
+    """The module that the document shows, and its domain declared."""
+    module: Any = ModuleType("plants_props")
+    monkeypatch.setitem(sys.modules, "plants_props", module)
+    exec(compile(CODE, "docs/domains.md", "exec"), vars(module))
+    declared = (*domains(), Domain("plants", props="plants_props:PotProps"))
     monkeypatch.setattr("handcart.tasks.domain.domains", lambda: declared)
+    return module
 
 
 @pytest.fixture
@@ -52,7 +66,7 @@ def world(tmp_path: Path) -> Path:
 
 
 @pytest.fixture(params=["kinematic", "pybullet"])
-def make(request: pytest.FixtureRequest, world: Path) -> Iterator[Callable[[], Any]]:
+def make(request: pytest.FixtureRequest, world: Path, plants: Any) -> Iterator[Callable[[], Any]]:
     if request.param == "pybullet":
         pytest.importorskip("pybullet", reason="PyBullet has no wheel for this Python")
     made: list[Backend] = []
@@ -96,9 +110,9 @@ def weight(backend: Any) -> float:
     return float(np.mean(readings))
 
 
-def test_it_is_gripped_weighed_and_let_go(make: Callable[[], Any]) -> None:
+def test_it_is_gripped_weighed_and_let_go(make: Callable[[], Any], plants: Any) -> None:
     backend = make()
-    pot = backend.scene.of(Pots).pots["basil"]
+    pot = backend.scene.of(plants.PotProps).pots["basil"]
     assert pot.rest is Rest.TRAY
     go(backend, -0.26, 0.0, 0.45 + OVER)
     empty = weight(backend)
@@ -118,9 +132,9 @@ def test_it_is_gripped_weighed_and_let_go(make: Callable[[], Any]) -> None:
     assert pot.pose[2, 3] == pytest.approx(0.45, abs=1e-3)
 
 
-def test_the_camera_sees_how_full_it_is(make: Callable[[], Any]) -> None:
+def test_the_camera_sees_how_full_it_is(make: Callable[[], Any], plants: Any) -> None:
     backend = make()
-    pot = backend.scene.of(Pots).pots["basil"]
+    pot = backend.scene.of(plants.PotProps).pots["basil"]
     go(backend, -0.26, 0.0, 0.75)
     greys = []
     for level in (100.0, 40.0):
@@ -134,14 +148,16 @@ def test_the_camera_sees_how_full_it_is(make: Callable[[], Any]) -> None:
     assert greys[0] - greys[1] == pytest.approx(120.0, abs=15.0)
 
 
-def test_it_changes_each_period_and_is_kept(make: Callable[[], Any]) -> None:
+def test_it_changes_each_period_and_is_kept(make: Callable[[], Any], plants: Any) -> None:
     backend = make()
     for _ in range(10):
         backend.step()
-    assert backend.scene.of(Pots).pots["basil"].level_ml == pytest.approx(100.0 - 10 * DRIES)
+    assert backend.scene.of(plants.PotProps).pots["basil"].level_ml == pytest.approx(
+        100.0 - 10 * plants.DRIES
+    )
     again = make()
     again.set_state(unpack(pack(backend.state())))
-    kept, now = again.scene.of(Pots).pots, backend.scene.of(Pots).pots
+    kept, now = again.scene.of(plants.PotProps).pots, backend.scene.of(plants.PotProps).pots
     assert {name: pot.level_ml for name, pot in kept.items()} == {
         name: pot.level_ml for name, pot in now.items()
     }

@@ -5,8 +5,9 @@ import pytest
 
 from handcart.backends.mounted_camera import camera_model
 from handcart.backends.robot_loading import load_robot
+from handcart.backends.scene.books.book_props import BookProps
+from handcart.backends.scene.build_scene import build_scene
 from handcart.backends.scene.renderer import Renderer
-from handcart.backends.scene.scene import build_scene
 from handcart.backends.scene.world_model import world_model
 from handcart.robotics.geometry.transform import transform
 from handcart.robotics.perception.tag_reader import read_tags
@@ -33,7 +34,7 @@ def picture(world, pose, seed=0, period=1):
 
 
 def before_shelf(world, y=0.14, x=-0.3, z=0.1):
-    return world.shelves["s"].pose @ transform((x, y, z)) @ OPTICAL
+    return world.of(BookProps).shelves["s"].pose @ transform((x, y, z)) @ OPTICAL
 
 
 def test_a_gap_is_darker_than_any_spine_and_stands_where_it_is():
@@ -48,7 +49,7 @@ def test_a_gap_is_darker_than_any_spine_and_stands_where_it_is():
 @pytest.mark.parametrize(("tag", "read"), [("readable", [3]), ("smeared", []), ("none", [])])
 def test_the_tag_of_the_tray_book_is_read_unless_it_is_smeared_or_missing(tag, read):
     world = scene(tag)
-    pose = world.book_pose(3) @ transform((-0.25, 0.0, 0.17)) @ OPTICAL
+    pose = world.of(BookProps).book_pose(3) @ transform((-0.25, 0.0, 0.17)) @ OPTICAL
     near = read_tags(picture(world, pose))
     assert [found.id for found in near if found.id == 3] == read
 
@@ -64,5 +65,5 @@ def test_the_picture_depends_on_seed_and_period_alone():
 
 def test_from_behind_a_shelf_no_spine_is_seen():
     world = scene()
-    behind = world.shelves["s"].pose @ transform((1.0, 0.0, 0.1), (0.0, 0.0, np.pi)) @ OPTICAL
+    behind = world.of(BookProps).shelves["s"].pose @ transform((1.0, 0.0, 0.1), (0.0, 0.0, np.pi)) @ OPTICAL
     assert read_tags(picture(world, behind)) == []

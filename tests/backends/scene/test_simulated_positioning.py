@@ -8,7 +8,8 @@ import pytest
 from handcart.backends.plain_values import attributes, set_attributes
 from handcart.backends.positioning import PoseReading
 from handcart.backends.robot_loading import load_robot
-from handcart.backends.scene.scene import Scene, build_scene
+from handcart.backends.scene.build_scene import build_scene
+from handcart.backends.scene.scene import Scene
 from handcart.backends.scene.simulated_positioning import SimulatedPositioning
 from handcart.backends.scene.world_model import world_model
 from handcart.backends.sensor_specs import PositioningSpec

@@ -4,9 +4,9 @@ import pytest
 from handcart.backends.kinematic.kinematic_backend import KinematicBackend
 from handcart.backends.mounted_camera import camera_model, known_camera, stated_camera
 from handcart.backends.robot_loading import load_robot
+from handcart.backends.scene.build_scene import build_scene
 from handcart.backends.scene.calibration.mark_props import MarkProps
 from handcart.backends.scene.renderer import Renderer
-from handcart.backends.scene.scene import build_scene
 from handcart.backends.scene.true_camera import true_camera
 from handcart.backends.scene.world_model import world_model
 from handcart.backends.sensor_specs import CalibratedCamera

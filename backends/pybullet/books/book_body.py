@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from handcart.backends.pybullet.box_mesh import box_mesh
+from handcart.backends.pybullet.thing_body import ThingBody
 from handcart.backends.scene.books.book import Book
 from handcart.backends.scene.books.painted_books import spine_levels
 
-from .box_mesh import box_mesh
 from .rounded_book import rounded_book
-from .thing_body import ThingBody
 
 _COVER = 0.2  # of the spine's grey: no light falls between the books of a row
 _STRIP = 32  # width of the plain strips beside the spine in the picture [px]

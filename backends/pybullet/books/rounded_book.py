@@ -5,8 +5,8 @@ from __future__ import annotations
 import tempfile
 from pathlib import Path
 
-from .engine import quiet
-from .physics import Physics
+from handcart.backends.pybullet.engine import quiet
+from handcart.backends.pybullet.physics import Physics
 
 CHAMFER = 0.003  # of the leading edges: covers are rounded [m]
 HULL_MARGIN = 0.001  # that Bullet adds about a hull [m]

@@ -5,11 +5,10 @@ from __future__ import annotations
 from typing import ClassVar
 
 from handcart.backends.plain_values import Kinds
+from handcart.backends.pybullet.props_body import Pieces, PropsBody
 from handcart.backends.scene.field.field_props import FieldProps
 from handcart.backends.scene.field.sensor import Sensor
 from handcart.backends.scene.thing import Rest
-
-from .props_body import Pieces, PropsBody
 
 CLOSED = 0.0005  # [m] between fingers and sensor, from where on they hold it
 FRESH = 8  # periods that they get to press on it
@@ -22,7 +21,7 @@ class BulletMagazine(PropsBody):
 
     def __init__(self, props: FieldProps, pieces: Pieces) -> None:
         super().__init__(props, pieces)
-        self._magazine = props.magazine
+        self._field = props
         self._given = FRESH
 
     @property
@@ -52,4 +51,4 @@ class BulletMagazine(PropsBody):
             physics.set_pose(world.bodies[sensor.name], pose)
 
     def _waiting(self) -> Sensor | None:
-        return None if self._magazine is None else self._magazine.waiting()
+        return self._field.waiting()

@@ -1,0 +1,9 @@
+"""Which classes stand for what in Bullet; see `handcart.tasks.domain`."""
+
+from __future__ import annotations
+
+from handcart.backends.scene.blocks.block import Block
+
+from .block_body import BlockBody
+
+BODIES = {Block: BlockBody}

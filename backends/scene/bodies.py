@@ -1,0 +1,23 @@
+"""What stands for props in a physics engine."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from handcart.tasks import domain
+
+
+class Bodies:
+    """Classes of bodies in one backend's physics, by the class of the thing or the props they stand for."""
+
+    def __init__(self, backend: str) -> None:
+        """As all domains declare them for the backend of that name."""
+        self._by_class: dict[type, Any] = {}
+        for each in domain.domains():
+            if backend in each.physics:
+                self._by_class |= domain.imported(each.physics[backend])
+
+    def of(self, what: object, default: Any) -> Any:
+        """The class for a thing or props, or for the nearest class that it is derived from."""
+        found = (self._by_class[kind] for kind in type(what).__mro__ if kind in self._by_class)
+        return next(found, default)
