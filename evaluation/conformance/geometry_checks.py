@@ -5,6 +5,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from handcart.backends.arm import Arm
+from handcart.backends.camera import Camera
+from handcart.backends.range_sensor import RangeSensor
 from handcart.backends.scene.ranges import cast_rays
 from handcart.backends.scene.solids import FloorPlan
 from handcart.evaluation.ground_truth import scene_of
@@ -15,7 +18,7 @@ from handcart.robotics.perception.tag_reader import read_tags
 
 from .bench import Bench
 from .check import Check, Finding
-from .parts import arm_of, camera_of, range_sensor_of
+from .parts import needed
 from .periods import move_joints, steps
 from .skipped import Skipped
 
@@ -44,7 +47,7 @@ def _tag_errors(bench: Bench, seed: int) -> NDArray[np.float64]:
     """(n, 2) seen minus projected middle of the tag, in [px], in pictures from slightly different tilts."""
     with bench.stage(seed) as stage:
         backend, spec = stage.backend, stage.robot.spec
-        scene, arm, camera = scene_of(backend), arm_of(backend), camera_of(backend)
+        scene, arm, camera = scene_of(backend), needed(backend, Arm), needed(backend, Camera)
         if scene is None or scene.tray_book() is None:
             raise Skipped("no book's true place is known")
         if spec.arm is None or "look_at_tag" not in spec.arm.postures:
@@ -75,7 +78,7 @@ def ranges(bench: Bench, finding: Finding) -> None:
     """Ranges agree with the outlines of the world about the true place of the sensor."""
     with bench.stage() as stage:
         backend, spec = stage.backend, stage.robot.spec.range_sensor
-        scene, sensor = scene_of(backend), range_sensor_of(backend)
+        scene, sensor = scene_of(backend), needed(backend, RangeSensor)
         if scene is None or spec is None:
             raise Skipped("no world's true shape is known")
         taken = []
@@ -107,7 +110,7 @@ def frames(bench: Bench, finding: Finding) -> None:
     """The hand is where the URDF's kinematics put it."""
     with bench.stage() as stage:
         backend, spec = stage.backend, stage.robot.spec
-        scene, arm = scene_of(backend), arm_of(backend)
+        scene, arm = scene_of(backend), needed(backend, Arm)
         if scene is None or spec.arm is None:
             raise Skipped("nothing is simulated")
         model = ArmModel(spec.urdf_text(), spec.arm.joints)

@@ -7,6 +7,8 @@ from dataclasses import replace
 
 import numpy as np
 
+from handcart.backends.arm import Arm
+from handcart.backends.gripper import Gripper
 from handcart.evaluation.ground_truth import ground_truth, not_restored
 from handcart.evaluation.stage import Stage
 from handcart.primitives.contract.outcome import Fail
@@ -14,7 +16,7 @@ from handcart.primitives.restoring.snapshot import Snapshot, limits, residuals, 
 
 from .bench import Bench
 from .check import Check, Finding
-from .parts import parts_of
+from .parts import part_of
 from .periods import move_joints, steps
 from .reach import Reach
 
@@ -36,7 +38,7 @@ def covers(bench: Bench, finding: Finding) -> None:
         seen = _beyond(stage, start)
         finding.expect(not seen, f"nothing was moved, yet {', '.join(seen)} is")
         tolerance = stage.robot.spec.tolerance
-        arm, gripper = parts_of(backend).arm, parts_of(backend).gripper
+        arm, gripper = part_of(backend, Arm), part_of(backend, Gripper)
         if arm is not None:
             home = arm.command()
             for number in range(len(home)):

@@ -10,12 +10,15 @@ from unittest import mock
 import numpy as np
 from numpy.typing import NDArray
 
+from handcart.backends.arm import Arm
 from handcart.backends.backend import Backend
+from handcart.backends.base import Base
+from handcart.backends.gripper import Gripper
 from handcart.evaluation.ground_truth import scene_of
 
 from .bench import Bench
 from .check import Check, Finding
-from .parts import base_of, parts_of
+from .parts import needed, part_of
 from .periods import all_readings, steps
 
 Record = list[dict[str, NDArray[np.float64]]]
@@ -29,7 +32,7 @@ def period(bench: Bench, finding: Finding) -> None:
     with bench.stage() as stage:
         backend, count, speed = stage.backend, 40, 0.2
         finding.expect(backend.period == spec.period_s, f"{backend.period} s, not {spec.period_s} s")
-        base = base_of(backend)
+        base = needed(backend, Base)
         for _ in range(20):  # until the speed is reached
             base.drive(speed, 0.0)
             backend.step()
@@ -110,10 +113,10 @@ def _script(
     record: Record = []
     with bench.stage(seed) as stage:
         backend = stage.backend
-        arm, gripper = parts_of(backend).arm, parts_of(backend).gripper
+        arm, gripper = part_of(backend, Arm), part_of(backend, Gripper)
         for number in range(LONG):
             if number < LONG // 2:
-                base_of(backend).drive(0.1, 0.2)
+                needed(backend, Base).drive(0.1, 0.2)
                 if arm is not None:
                     goal = arm.command()
                     goal[0] += 0.005

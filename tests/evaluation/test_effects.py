@@ -69,12 +69,15 @@ def test_a_calibration_is_held_against_the_truth() -> None:
 def test_a_base_that_stood_stood() -> None:
     here = Pose2(1.0, 2.0, 0.1)
 
-    def stood(after: Pose2) -> list[str]:
-        return false(ArrivalSurvey, "STAND", claimed(None, here, after))
+    def stood(after: Pose2, localiser: str = "scan") -> list[str]:
+        spec = SimpleNamespace(localiser=localiser)
+        return false(ArrivalSurvey, "STAND", claimed(None, here, after), spec=spec)
 
     assert stood(Pose2(1.002, 2.0, 0.101)) == []
     (wrong,) = stood(Pose2(1.01, 2.0, 0.1))
     assert wrong == "the base moved by 10.0 mm (at most 5.0)"
+    assert stood(Pose2(1.04, 2.0, 0.1), "gps_filter") == []
+    assert stood(Pose2(1.07, 2.0, 0.1), "gps_filter") != []
     (wrong,) = stood(Pose2(1.0, 2.0, 0.2))
     assert wrong.startswith("the base turned by 5.73 deg")
 
