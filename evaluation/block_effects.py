@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 
+from handcart.backends.scene.blocks.block_props import BlockProps
 from handcart.primitives.blocks.blocks import Blocks
 from handcart.primitives.blocks.stack import MOST_OFF
 from handcart.robotics.geometry.transform import inverse
@@ -37,7 +38,7 @@ def _picked_up(survey: Survey, claim: Claim) -> list[str]:
 
 def _stacked(survey: Survey, claim: Claim) -> list[str]:
     scene, plan, number = survey.run.world, survey.run.model.of(Blocks).building, claim.primitive.number
-    block = scene.blocks.get(str(number))
+    block = scene.of(BlockProps).blocks.get(str(number))
     if plan is None or block is None or block.rest.value not in ("table", "tray"):
         return [f"block {number} doesn't stand anywhere"]
     if claim.primitive.onto == "robot":

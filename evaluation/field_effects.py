@@ -7,6 +7,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from handcart.backends.scene.field.field_props import FieldProps
 from handcart.primitives.field.field_work import FieldWork
 
 from .at_most import at_most
@@ -24,7 +25,7 @@ def _deployed(survey: Survey, claim: Claim) -> list[str]:
     laid = next((each for each in work.laid if each.name == name), None)
     if laid is None:
         return ["no sensor counts as laid there"]
-    block = survey.run.world.sensors.get(str(1 + work.laid.index(laid)))
+    block = survey.run.world.of(FieldProps).sensors.get(str(1 + work.laid.index(laid)))
     if block is None or block.rest.value != "table":
         return ["the sensor doesn't stand on the ground"]
     target, lies = work.targets[name], block.pose[:2, 3]

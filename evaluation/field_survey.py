@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from handcart.backends.gps import Gps
 from handcart.backends.robot import Robot
+from handcart.backends.scene.field.field_props import FieldProps
 from handcart.networks.task.preparing import Prepared
 from handcart.primitives.field.field_work import FieldWork
 from handcart.primitives.field.target import Laid
@@ -77,8 +78,9 @@ class FieldSurvey(Survey):
     def __init__(self, run: SurveyedRun) -> None:
         """See `Survey`; raises NotAState where the notes in the run's folder make no sense."""
         super().__init__(run)
-        self._scene, self._model = run.world, run.model
-        spec = None if run.world is None else run.world.total_station
+        self._model = run.model
+        self._scene: Any = run.scene
+        spec = None if run.scene is None else run.scene.of(FieldProps).total_station
         self.station = TotalStation(spec, run.world, run.seed) if spec is not None else None
         self._blocks: dict[str, str] = {}
         self._seen: dict[str, Place | None] = {}
@@ -86,9 +88,9 @@ class FieldSurvey(Survey):
         """Points (x, y) in [m], for plots."""
         self._next = 0.0
         self._held = ""
-        simulated = run.folder is not None and run.world is not None
+        simulated = run.folder is not None and run.scene is not None
         self._notes = SurveyNotes(run.folder, NOTES) if run.folder is not None and simulated else None
-        if run.world is not None:
+        if run.scene is not None:
             self._go_on()
             self._noted, self._told = run.world.time, self._lengths()
 
@@ -156,7 +158,7 @@ class FieldSurvey(Survey):
         work = self._model.of(FieldWork)
         found = []
         for laid in work.laid:
-            block = self._scene.sensors.get(self._blocks.get(laid.name, ""))
+            block = self._scene.of(FieldProps).sensors.get(self._blocks.get(laid.name, ""))
             target = work.targets[laid.name]
             if block is not None:
                 lies = (float(block.pose[0, 3]), float(block.pose[1, 3]))
@@ -198,7 +200,7 @@ class FieldSurvey(Survey):
         """The block that lies nearest to where the robot believed to lay it."""
         away = {
             block.spec.name: math.dist(block.pose[:2, 3], (laid.x, laid.y))
-            for block in self._scene.sensors.values()
+            for block in self._scene.of(FieldProps).sensors.values()
         }
         return min(away, key=lambda name: away[name], default="")
 

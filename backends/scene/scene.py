@@ -89,13 +89,6 @@ class Scene:
     changes: int = 0
     """Counts the times that a thing was moved: what is derived from their poses asks it."""
 
-    def __getattr__(self, name: str) -> Any:
-        """TRANSITION."""
-        for each in self.__dict__.get("props", {}).values():
-            if not name.startswith("_") and hasattr(each, name):
-                return getattr(each, name)
-        raise AttributeError(name)
-
     def __post_init__(self) -> None:
         self.body_plan = FloorPlan(self.solids, 0.02, self.robot.body_height)
         self.full_plan = FloorPlan(self.solids, 0.02, 2.0)

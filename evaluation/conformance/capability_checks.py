@@ -15,7 +15,6 @@ from handcart.backends.gripper import Gripper
 from handcart.backends.mounted_camera import known_camera
 from handcart.backends.range_sensor import RangeSensor
 from handcart.backends.simulated_errors import Errors
-from handcart.evaluation.ground_truth import ground_truth
 
 from .bench import Bench
 from .check import Check, Finding
@@ -82,13 +81,13 @@ def signs_of_the_base(bench: Bench, finding: Finding) -> None:
     with bench.stage() as stage:
         ways = [(speed, 0.0), (-speed, 0.0), (0.0, turn_rate), (0.0, -turn_rate)]
         for forward, turn in ways:
-            before = ground_truth(stage.backend)
+            before = stage.backend.ground_truth()
             left, right = driven(stage.backend, forward, turn, periods)
             far, round_ = 0.5 * (left + right), (right - left) / tread
             words = f"{forward:g} m/s and {turn:g} rad/s for {seconds:g} s"
             _near(finding, f"wheels by {words}", far, forward * seconds, 0.02, "m")
             _near(finding, f"wheels turn by {words}", round_, turn * seconds, 0.03, "rad")
-            after = ground_truth(stage.backend)
+            after = stage.backend.ground_truth()
             if before is not None and after is not None:
                 went = after.base.relative_to(before.base)
                 _near(finding, f"truly by {words}", went.x, forward * seconds, 0.03, "m")
@@ -120,7 +119,7 @@ def signs_of_the_joints(bench: Bench, finding: Finding) -> None:
                 goal[number] += sign * (FLIPS + 2.0 * gives)
                 move_joints(stage.backend, arm, goal)
                 worst = max(worst, float(np.abs(arm.joints() - goal).max()))
-                truth = ground_truth(stage.backend)
+                truth = stage.backend.ground_truth()
                 if truth is not None:
                     truly = max(truly, float(np.abs(truth.joints - goal).max()))
             move_joints(stage.backend, arm, start)

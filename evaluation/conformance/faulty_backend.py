@@ -15,7 +15,7 @@ from handcart.backends.backend import Backend, CommandError
 from handcart.backends.base import Base, WheelTravel
 from handcart.backends.capability import Capability, Reading
 from handcart.backends.gripper import Gripper
-from handcart.evaluation.ground_truth import scene_of
+from handcart.evaluation.simulated_world import simulated_world
 
 from .fault import SENSORS, Fault, FaultKind
 from .layered_backend import Kind, LayeredBackend
@@ -87,7 +87,7 @@ class FaultyBackend(LayeredBackend):
             self._slide(base, self._fault)
         self._catch_up()
         if self._is(FaultKind.WORLD) and self._fault and self._fault.act:
-            self._fault.act(scene_of(self.inner))
+            self._fault.act(simulated_world(self.inner))
             self.bitten += 1
         self.inner.step()
         if base:

@@ -8,9 +8,10 @@ from numpy.typing import NDArray
 from handcart.backends.arm import Arm
 from handcart.backends.camera import Camera
 from handcart.backends.range_sensor import RangeSensor
+from handcart.backends.scene.books.book_props import BookProps
 from handcart.backends.scene.ranges import cast_rays
 from handcart.backends.scene.solids import FloorPlan
-from handcart.evaluation.ground_truth import scene_of
+from handcart.evaluation.simulated_world import simulated_world
 from handcart.evaluation.stage import Stage
 from handcart.robotics.geometry.transform import apply, inverse
 from handcart.robotics.kinematics.arm_model import ArmModel
@@ -47,8 +48,9 @@ def _tag_errors(bench: Bench, seed: int) -> NDArray[np.float64]:
     """(n, 2) seen minus projected middle of the tag, in [px], in pictures from slightly different tilts."""
     with bench.stage(seed) as stage:
         backend, spec = stage.backend, stage.robot.spec
-        scene, arm, camera = scene_of(backend), needed(backend, Arm), needed(backend, Camera)
-        if scene is None or scene.tray_book() is None:
+        scene, arm, camera = simulated_world(backend), needed(backend, Arm), needed(backend, Camera)
+        book = None if scene is None else scene.of(BookProps).tray_book()
+        if scene is None or book is None:
             raise Skipped("no book's true place is known")
         if spec.arm is None or "look_at_tag" not in spec.arm.postures:
             raise Skipped("the robot's file has no posture look_at_tag")
@@ -58,10 +60,10 @@ def _tag_errors(bench: Bench, seed: int) -> NDArray[np.float64]:
             goal = posture.copy()
             goal[-3], goal[-1] = goal[-3] + bend, goal[-1] + twist
             move_joints(backend, arm, goal)
-            seen = [tag for tag in read_tags(camera.image()) if tag.id == scene.tray_book().accession]
+            seen = [tag for tag in read_tags(camera.image()) if tag.id == book.accession]
             if seen:
-                corners = _tag_corners(scene.tray_book().height)
-                camera_T_book = inverse(scene.world_T("hand") @ camera.hand_T_camera) @ scene.tray_book().pose
+                corners = _tag_corners(book.height)
+                camera_T_book = inverse(scene.world_T("hand") @ camera.hand_T_camera) @ book.pose
                 expected = camera.model.project(apply(camera_T_book, corners))
                 errors.append((seen[0].corners - expected).mean(axis=0))
         return np.array(errors).reshape(-1, 2)
@@ -78,7 +80,7 @@ def ranges(bench: Bench, finding: Finding) -> None:
     """Ranges agree with the outlines of the world about the true place of the sensor."""
     with bench.stage() as stage:
         backend, spec = stage.backend, stage.robot.spec.range_sensor
-        scene, sensor = scene_of(backend), needed(backend, RangeSensor)
+        scene, sensor = simulated_world(backend), needed(backend, RangeSensor)
         if scene is None or spec is None:
             raise Skipped("no world's true shape is known")
         taken = []
@@ -100,7 +102,8 @@ def ranges(bench: Bench, finding: Finding) -> None:
 def _true_ranges(stage: Stage, reach: float) -> NDArray[np.float64]:
     from handcart.backends.scene.mounts import base_T_frame
 
-    scene, scan = scene_of(stage.backend), stage.robot.range_sensor.scan()
+    scene, scan = simulated_world(stage.backend), stage.robot.range_sensor.scan()
+    assert scene is not None, "the check has asked for it"
     height = float(base_T_frame(stage.robot.spec.urdf_text(), "range_sensor")[2, 3])
     plan = FloorPlan(scene.solids, height, height)
     return cast_rays(plan, scene.base.compose(scan.base_T_sensor), scan.angles, scene.time, reach)
@@ -110,7 +113,7 @@ def frames(bench: Bench, finding: Finding) -> None:
     """The hand is where the URDF's kinematics put it."""
     with bench.stage() as stage:
         backend, spec = stage.backend, stage.robot.spec
-        scene, arm = scene_of(backend), needed(backend, Arm)
+        scene, arm = simulated_world(backend), needed(backend, Arm)
         if scene is None or spec.arm is None:
             raise Skipped("nothing is simulated")
         model = ArmModel(spec.urdf_text(), spec.arm.joints)

@@ -8,7 +8,7 @@ import numpy as np
 
 from handcart.backends.base import Base
 from handcart.backends.gps import Gps
-from handcart.evaluation.ground_truth import scene_of
+from handcart.evaluation.simulated_world import simulated_world
 
 from .bench import Bench
 from .check import Check, Finding
@@ -25,7 +25,7 @@ def gps(bench: Bench, finding: Finding) -> None:
     robot = bench.spec()
     with bench.stage() as stage:
         backend, receiver = stage.backend, needed(stage.backend, Gps)
-        scene, spec = scene_of(backend), robot.gps
+        scene, spec = simulated_world(backend), robot.gps
         if scene is None or spec is None:
             raise Skipped("no antenna's true place is known")
         base, antenna, off = needed(backend, Base), np.array([*robot.antenna, 1.0]), list[float]()

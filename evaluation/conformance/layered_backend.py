@@ -25,9 +25,14 @@ class LayeredBackend(Backend):
     """
 
     def __init__(self, inner: Backend) -> None:
-        self.inner = inner
+        self._inner = inner
         self.name, self.period = inner.name, inner.period
         self._layers = tuple(self._layer(part) for part in inner.capabilities())
+
+    @property
+    def inner(self) -> Backend:
+        """What it is put around."""
+        return self._inner
 
     def _layer(self, part: Capability) -> Capability:
         kind = next((kind for kind in CAPABILITIES if isinstance(part, kind)), None)

@@ -11,7 +11,6 @@ from handcart.backends.camera import Camera
 from handcart.backends.capability import Capability
 from handcart.backends.gripper import Gripper
 from handcart.backends.range_sensor import RangeSensor
-from handcart.evaluation.ground_truth import ground_truth
 from handcart.primitives.contract.action_primitive import ActionPrimitive
 
 from . import primitive_liars, snapshot_checks
@@ -72,7 +71,7 @@ def _plantable(mutant: Mutant, bench: Bench) -> None:
     with bench.stage() as stage:
         for kind in mutant.needs:
             needed(stage.backend, kind)
-        if mutant.by_truth and ground_truth(stage.backend) is None:
+        if mutant.by_truth and stage.backend.ground_truth() is None:
             raise Skipped("no ground truth is known")
 
 

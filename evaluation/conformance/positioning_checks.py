@@ -6,7 +6,7 @@ import math
 
 from handcart.backends.base import Base
 from handcart.backends.positioning import PoseReading, Positioning
-from handcart.evaluation.ground_truth import scene_of
+from handcart.evaluation.simulated_world import simulated_world
 
 from .bench import Bench
 from .check import Check, Finding
@@ -23,7 +23,7 @@ def positioning(bench: Bench, finding: Finding) -> None:
     spec = bench.spec().positioning
     with bench.stage() as stage:
         backend, system, period = stage.backend, needed(stage.backend, Positioning), stage.backend.period
-        scene = scene_of(backend)
+        scene = simulated_world(backend)
         if scene is None or spec is None:
             raise Skipped("no base's true place is known")
         poses, taken = [scene.base], list[tuple[float, PoseReading]]()

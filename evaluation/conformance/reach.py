@@ -12,8 +12,8 @@ from pydantic import PrivateAttr
 from handcart.backends.arm import Arm
 from handcart.backends.base import Base
 from handcart.backends.gripper import Gripper
+from handcart.backends.ground_truth import GroundTruth
 from handcart.backends.robot import Robot
-from handcart.evaluation.ground_truth import GroundTruth
 from handcart.primitives.contract.action_primitive import ActionPrimitive, Periods
 from handcart.primitives.contract.discrepancy import Discrepancy
 from handcart.primitives.knowledge.world_model import ModelView

@@ -9,8 +9,8 @@ import numpy as np
 
 from handcart.backends.arm import Arm
 from handcart.backends.gripper import Gripper
-from handcart.evaluation.ground_truth import ground_truth, not_restored
 from handcart.evaluation.stage import Stage
+from handcart.evaluation.true_changes import not_restored
 from handcart.primitives.contract.outcome import Fail
 from handcart.primitives.restoring.snapshot import Snapshot, limits, residuals, take_snapshot
 
@@ -30,7 +30,7 @@ def covers(bench: Bench, finding: Finding) -> None:
         backend = stage.backend
         _wait(stage, LOOKS)
         start = take_snapshot(stage.robot, {})
-        truth = ground_truth(backend)
+        truth = backend.ground_truth()
         if truth is not None:
             joints = len(truth.joints)
             finding.expect(len(start.joints) == joints, f"{len(start.joints)} of {joints} joints")
@@ -93,14 +93,14 @@ def drift(bench: Bench, finding: Finding, kind: type[Reach] = Reach) -> None:
     """Many Fails in a row don't add up: the last ends where the first began."""
     times = FAILS_QUICK if bench.quick else FAILS
     with bench.stage() as stage:
-        first = ground_truth(stage.backend)
+        first = stage.backend.ground_truth()
         spec = bench.spec()
         for number in range(times):
             outcome = stage.do(kind(fails=True))
             if not isinstance(outcome, Fail):
                 finding.wrong.append(f"Fail {number + 1} is {type(outcome).__name__}: {outcome}")
                 return
-        last = ground_truth(stage.backend)
+        last = stage.backend.ground_truth()
         finding.measured.append(f"{times} Fails")
         if first is None or last is None:
             finding.measured.append("no ground truth")

@@ -11,7 +11,8 @@ from handcart.backends.arm import Arm
 from handcart.backends.backend import Backend
 from handcart.backends.base import Base
 from handcart.backends.gripper import Gripper
-from handcart.evaluation.ground_truth import GroundTruth, ground_truth, not_still
+from handcart.backends.ground_truth import GroundTruth
+from handcart.evaluation.true_changes import not_still
 
 from .parts import part_of
 
@@ -37,7 +38,7 @@ class Standing:
             readings["joints"] = arm.joints().copy()
         if gripper is not None:
             readings["width"] = np.array([gripper.width()])
-        return cls(readings, ground_truth(backend))
+        return cls(readings, backend.ground_truth())
 
     def moved(self, after: Standing) -> list[str]:
         """What moved until `after`, in words."""

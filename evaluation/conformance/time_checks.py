@@ -14,7 +14,7 @@ from handcart.backends.arm import Arm
 from handcart.backends.backend import Backend
 from handcart.backends.base import Base
 from handcart.backends.gripper import Gripper
-from handcart.evaluation.ground_truth import scene_of
+from handcart.evaluation.simulated_world import simulated_world
 
 from .bench import Bench
 from .check import Check, Finding
@@ -51,7 +51,7 @@ def period(bench: Bench, finding: Finding) -> None:
 def monotonic(bench: Bench, finding: Finding) -> None:
     """The simulated clock goes on by one period with each step, and not otherwise."""
     with bench.stage() as stage:
-        scene = scene_of(stage.backend)
+        scene = simulated_world(stage.backend)
         if scene is None:
             finding.skipped = "nothing is simulated"
             return
@@ -102,7 +102,7 @@ def _dawdle(backend: Backend, number: int) -> bool:
 def scene_of_bench(bench: Bench) -> object:
     """The scene of a backend on the bench, None where nothing is simulated."""
     with bench.stage() as stage:
-        scene: object = scene_of(stage.backend)
+        scene: object = simulated_world(stage.backend)
         return scene
 
 

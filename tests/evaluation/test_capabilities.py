@@ -162,8 +162,7 @@ def test_few_files_know_all_kinds() -> None:
         "backends/capabilities.py",
         "src/handcart/__init__.py",
         "backends/robot_file.py",
-        "backends/kinematic/kinematic_backend.py",
-        "backends/pybullet/pybullet_backend.py",
+        "backends/scene/simulated_backend.py",
         "backends/can/can_parts.py",
         "backends/robot.py",  # only for one that the pose is estimated from
     }

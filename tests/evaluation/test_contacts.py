@@ -11,6 +11,7 @@ import pytest
 
 from handcart.backends.kinematic.kinematic_backend import KinematicBackend
 from handcart.backends.robot_loading import load_robot
+from handcart.backends.scene.books.book_props import BookProps
 from handcart.backends.scene.world_file import WorldFile
 from handcart.backends.scene.world_model import world_model
 from handcart.evaluation.contact_survey import ContactSurvey
@@ -108,7 +109,7 @@ class Hands:
         self.step(35)
 
     def take_book(self) -> None:
-        spine = self.scene.tray_book().base_T_thing[:3, 3]
+        spine = self.scene.of(BookProps).tray_book().base_T_thing[:3, 3]
         self.hand(-0.10, spine[1], 0.80)
         self.hand(-0.10, spine[1], 0.70)
         self.hand(spine[0] - 0.12, spine[1], 0.70)
@@ -188,13 +189,13 @@ def test_what_runs_into_a_shelf_is_told_with_its_force(hands: Hands, holds: bool
 def test_a_book_that_the_fingers_push_by_the_way_is_told(hands: Hands) -> None:
     hands.dock()
     hands.fingers(0.0)
-    row = {each.book.accession: each for each in hands.scene.shelf_books("shelf_1")}
+    row = {each.book.accession: each for each in hands.scene.of(BookProps).shelf_books("shelf_1")}
     hands.hand(0.10, row[102].lateral, 0.80)
     hands.begins(Insert(shelf="shelf_1"))
     hands.hand(DOCK - 0.15 + 0.02, row[102].lateral, 0.80)
     assert any(each.startswith("fingers touched book 102, which") for each in hands.ends())
     assert {each.part for each in hands.survey.contacts} == {"hand"}
-    assert hands.scene.shelf_books("shelf_1")[1].front > row[102].front + 0.01
+    assert hands.scene.of(BookProps).shelf_books("shelf_1")[1].front > row[102].front + 0.01
 
 
 def test_the_held_book_may_touch_its_neighbours_but_no_other(hands: Hands) -> None:
@@ -216,7 +217,7 @@ def test_the_held_book_may_touch_its_neighbours_but_no_other(hands: Hands) -> No
 
 def test_the_book_that_is_picked_up_may_be_touched(hands: Hands) -> None:
     hands.begins(PickUp())
-    spine = hands.scene.tray_book().base_T_thing[:3, 3]
+    spine = hands.scene.of(BookProps).tray_book().base_T_thing[:3, 3]
     hands.hand(-0.10, spine[1], 0.80)
     hands.fingers(0.0)
     hands.hand(-0.10, spine[1], 0.70)

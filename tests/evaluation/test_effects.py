@@ -10,15 +10,16 @@ from typing import Any
 import numpy as np
 import pytest
 
+from handcart.backends.ground_truth import Body, GroundTruth
 from handcart.backends.robot_loading import load_robot
 from handcart.evaluation.arrival_survey import ArrivalSurvey
 from handcart.evaluation.block_survey import BlockSurvey
 from handcart.evaluation.calibration_survey import CalibrationSurvey
 from handcart.evaluation.field_survey import FieldSurvey
-from handcart.evaluation.ground_truth import Body, GroundTruth, disturbed, moved
 from handcart.evaluation.localisation_survey import LocalisationSurvey
 from handcart.evaluation.survey import Claim, Survey
 from handcart.evaluation.surveys import survey_kinds
+from handcart.evaluation.true_changes import disturbed, moved
 from handcart.primitives.contract.calibrated import Calibrated
 from handcart.primitives.field.target import Laid
 from handcart.primitives.registry import primitive_names
@@ -125,7 +126,8 @@ def lying(x: float, rest: str = "table") -> Any:
     """A scene in which the sensor truly lies at x."""
     pose = np.eye(4)
     pose[0, 3] = x
-    return SimpleNamespace(sensors={"1": SimpleNamespace(pose=pose, rest=SimpleNamespace(value=rest))})
+    there = SimpleNamespace(sensors={"1": SimpleNamespace(pose=pose, rest=SimpleNamespace(value=rest))})
+    return SimpleNamespace(of=lambda _: there)
 
 
 def test_a_sensor_lies_where_it_is_believed_to_and_should() -> None:
