@@ -168,11 +168,18 @@ class FaultyBackend(LayeredBackend):
             gripper.move(self._width)
             self._width = None
         arm = part_of(self.inner, Arm)
-        if self._joints is not None and arm:
-            way = self._joints - arm.command()
-            arm.move(arm.command() + np.clip(way, -_STEP, _STEP))
-            if np.abs(way).max() <= _STEP:
-                self._joints = None
+        if self._joints is None or arm is None:
+            return
+        if self._goes_on(arm, self._joints - arm.command(), _STEP):
+            self._joints = None
+
+    def _goes_on(self, arm: Arm, way: Vector, step: float) -> bool:
+        """A step of so much at most, less where a joint may not move as fast; whether that was all of it."""
+        try:
+            arm.move(arm.command() + np.clip(way, -step, step))
+        except CommandError:
+            return step > _LEAST and self._goes_on(arm, way, 0.5 * step)
+        return float(np.abs(way).max()) <= step
 
     # Readings
 
@@ -208,4 +215,5 @@ class FaultyBackend(LayeredBackend):
         return self._fault is not None and self._fault.kind is kind and self._left > 0
 
 
-_STEP = 0.02  # [rad] a period that a joint catches up with
+_STEP = 0.02  # [rad] or [m] a period that a joint catches up with
+_LEAST = 1e-5  # the same: slower than any joint
