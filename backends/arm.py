@@ -3,15 +3,20 @@
 from __future__ import annotations
 
 from abc import abstractmethod
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from .capability import Capability
+from .capability import Capability, Reading
 
 
 class Arm(Capability):
     """An arm under position control, joints in the order of the robot's file."""
+
+    READINGS: ClassVar = {"joints": Reading("joints"), "hand_force": Reading("force")}
+    COMMANDS = ("move",)
+    FILE_KEY = "arm"
 
     @abstractmethod
     def move(self, joints: NDArray[np.float64]) -> None:

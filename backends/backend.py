@@ -14,6 +14,7 @@ from handcart.files.errors import HandcartError, InputError
 from handcart.robotics.geometry.pose2 import Pose2
 
 from .capability import Capability
+from .ground_truth import GroundTruth
 from .recording import Recording
 from .robot_file import RobotFile
 from .saved_state import NotAState
@@ -115,6 +116,15 @@ class Backend(ABC):
             NoBench: this backend has no drives, or there can be no such bench.
         """
         raise NoBench(f"the backend {cls.name!r} has no drives; allowed: --bench with --backend can")
+
+    @property
+    def inner(self) -> Backend | None:
+        """What this backend is put around, where it stands before another one."""
+        return None
+
+    def ground_truth(self) -> GroundTruth | None:
+        """How robot and world truly stand now, for evaluation alone; None where nobody can know."""
+        return None if self.inner is None else self.inner.ground_truth()
 
     @abstractmethod
     def capabilities(self) -> tuple[Capability, ...]:

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from abc import abstractmethod
-from typing import NamedTuple
+from typing import ClassVar, NamedTuple
 
-from .capability import Capability
+from .capability import Capability, Reading
 
 
 class WheelTravel(NamedTuple):
@@ -19,6 +19,9 @@ class WheelTravel(NamedTuple):
 
 class Base(Capability):
     """A mobile base."""
+
+    READINGS: ClassVar = {"wheel_travel": Reading("wheels")}
+    COMMANDS = ("drive",)
 
     @abstractmethod
     def drive(self, speed: float, turn_rate: float) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from abc import abstractmethod
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,11 +11,14 @@ from numpy.typing import NDArray
 from handcart.robotics.geometry.transform import Transform
 from handcart.robotics.perception.camera_model import CameraModel
 
-from .capability import Capability
+from .capability import Capability, Reading
 
 
 class Camera(Capability):
     """A grey camera fixed to the hand."""
+
+    READINGS: ClassVar = {"image": Reading("camera", noisy=True)}
+    FILE_KEY = "camera"
 
     @abstractmethod
     def image(self) -> NDArray[np.uint8]:

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from abc import abstractmethod
-from typing import NamedTuple
+from typing import ClassVar, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from .capability import Capability
+from .capability import Capability, Reading
 
 
 class Fix(NamedTuple):
@@ -22,6 +22,9 @@ class Fix(NamedTuple):
 
 class Gps(Capability):
     """A satellite receiver; its antenna is the URDF's frame `gps`."""
+
+    READINGS: ClassVar = {"fix": Reading("gps")}
+    FILE_KEY = "gps"
 
     @abstractmethod
     def fix(self) -> Fix | None:

@@ -3,12 +3,17 @@
 from __future__ import annotations
 
 from abc import abstractmethod
+from typing import ClassVar
 
-from .capability import Capability
+from .capability import Capability, Reading
 
 
 class Gripper(Capability):
     """Two fingers that close along the hand's y axis until they meet each other or an object."""
+
+    READINGS: ClassVar = {"width": Reading("width"), "closed_on_something": Reading("width")}
+    COMMANDS = ("move",)
+    FILE_KEY = "gripper"
 
     @abstractmethod
     def command(self) -> float:

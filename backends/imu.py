@@ -3,15 +3,19 @@
 from __future__ import annotations
 
 from abc import abstractmethod
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from .capability import Capability
+from .capability import Capability, Reading
 
 
 class Imu(Capability):
     """Three gyros and three accelerometers, their axes along those of the base: x forward, y left, z up."""
+
+    READINGS: ClassVar = {"rates": Reading("imu", noisy=True), "accelerations": Reading("imu", noisy=True)}
+    FILE_KEY = "imu"
 
     @abstractmethod
     def rates(self) -> NDArray[np.float64]:

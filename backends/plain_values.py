@@ -7,6 +7,7 @@ tuples, sets and mappings, named tuples, dataclasses, models of files, and objec
 from __future__ import annotations
 
 import dataclasses
+import inspect
 import math
 import types
 import typing
@@ -119,7 +120,7 @@ def _written_out(kind: Any) -> Any:
 
 
 def _of_class(kind: Any) -> _Codec:
-    if not isinstance(kind, type):
+    if not inspect.isclass(kind):
         raise TypeError(f"a checkpoint can't keep values of the type {kind!r}")
     if issubclass(kind, Enum):
         return _Codec(lambda value: value.value, kind)

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from abc import abstractmethod
-from typing import NamedTuple
+from typing import ClassVar, NamedTuple
 
 from handcart.robotics.geometry.pose2 import Pose2
 
-from .capability import Capability
+from .capability import Capability, Reading
 
 
 class PoseReading(NamedTuple):
@@ -23,6 +23,9 @@ class PoseReading(NamedTuple):
 
 class Positioning(Capability):
     """An indoor positioning system: laser trackers, cameras on the ceiling. It is aligned with the map."""
+
+    READINGS: ClassVar = {"reading": Reading("positioning")}
+    FILE_KEY = "positioning"
 
     @abstractmethod
     def reading(self) -> PoseReading | None:

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from abc import abstractmethod
-from typing import NamedTuple
+from typing import ClassVar, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from handcart.robotics.geometry.pose2 import Pose2
 
-from .capability import Capability
+from .capability import Capability, Reading
 
 
 class Scan(NamedTuple):
@@ -32,6 +32,9 @@ class Scan(NamedTuple):
 
 class RangeSensor(Capability):
     """A scanning range sensor, its plane parallel to the floor."""
+
+    READINGS: ClassVar = {"scan": Reading("range", ("ranges",), noisy=True)}
+    FILE_KEY = "range_sensor"
 
     @abstractmethod
     def scan(self) -> Scan:

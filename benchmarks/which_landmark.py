@@ -24,7 +24,7 @@ from rich.console import Console
 from rich.progress import track
 from ruamel.yaml import YAML
 
-from handcart.evaluation.ground_truth import scene_of
+from handcart.evaluation.simulated_world import simulated_world
 from handcart.evaluation.stage import StageFiles, set_stage
 from handcart.networks.task.task_file import load_task
 from handcart.primitives.blocks.blocks import Blocks
@@ -93,7 +93,7 @@ def trial(plan: Plan, fault: Fault, seed: int, folder: Path) -> str:
     there += [plan.next] if fault == "one too many" else []
     files = _written(plan.places.tolist(), there, folder)
     with set_stage(files, robot=ROBOT, seed=seed) as stage:
-        scene = scene_of(stage.backend)
+        scene = simulated_world(stage.backend)
         scene.move_base(stage.model.places["stacking"].pose.compose(off))
         outcome = stage.do(Fixate(landmark=f"mark_{wanted}"))
         if not isinstance(outcome, Success):

@@ -90,6 +90,7 @@ class BlockSurvey(Survey):
         """See `Survey`."""
         super().__init__(run)
         self.scene, self.model = run.world, run.model
+        self._props = run.world.of(BlockProps)
         self.plan = run.model.of(Blocks).building if STACK in run.does else None
         """Where blocks are to be stacked; None: none are."""
         self._frames, self._uncorrected = 0, True
@@ -117,7 +118,7 @@ class BlockSurvey(Survey):
                 self._released[self._held.name] = self._shift(self._held)
                 self._moved[self._held.name] = self._moved_since()
             self._held = held
-        self._rested = {block.name: block.rest.value for block in self.scene.of(BlockProps).blocks.values()}
+        self._rested = {block.name: block.rest.value for block in self._props.blocks.values()}
 
     def ended(self, number: int, primitive: ActionPrimitive, outcome: Outcome) -> list[str]:
         """See `Survey`."""
@@ -148,7 +149,7 @@ class BlockSurvey(Survey):
         """Of all blocks that stand about where they should."""
         found = []
         for number, goal in enumerate(self.plan.goals if self.plan else (), start=1):
-            block = self.scene.of(BlockProps).blocks.get(str(number))
+            block = self._props.blocks.get(str(number))
             if block is not None and block.rest.value == "table":
                 error = self._error(number, goal, block)
                 if error.size < FALLEN_MM:
@@ -182,7 +183,7 @@ class BlockSurvey(Survey):
         return far + ([f"{missing} of {goals} blocks don't stand where they should"] if missing else [])
 
     def _attitude(self) -> Attitude:
-        return Attitude(self.scene.base.theta, tuple(self.scene.lean))
+        return Attitude(self.scene.base.theta, (self.scene.lean[0], self.scene.lean[1]))
 
     def _moved_since(self) -> tuple[float, float]:
         if self._reference is None:

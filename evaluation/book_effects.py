@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from typing import Any
 
+from handcart.backends.scene.books.book import Book
 from handcart.backends.scene.books.book_props import BookProps
 from handcart.primitives.books.books import Books
 from handcart.robotics.geometry.transform import inverse
@@ -38,7 +38,7 @@ def _recognized(survey: Survey, _: Claim) -> list[str]:
 def _picked_up(survey: Survey, _: Claim) -> list[str]:
     scene, model = survey.run.world, survey.run.model
     books = model.of(Books)
-    held = scene.held.accession if scene.held else None
+    held = scene.held.accession if isinstance(scene.held, Book) else None
     wanted = books.book.accession if books.book else None
     return [] if held is not None and held == wanted else [f"the hand holds {held}, not {wanted}"]
 
@@ -49,9 +49,10 @@ def _searched(survey: Survey, _: Claim) -> list[str]:
     slot = books.slot
     if slot is None or books.book is None:
         return ["no slot is known"]
-    row = scene.of(BookProps).shelf_books(slot.shelf)
+    props = scene.of(BookProps)
+    row = props.shelf_books(slot.shelf)
     middle = 0.5 * (slot.left + slot.right)
-    sides = _gap_at(scene, slot.shelf, middle)
+    sides = _gap_at(props, scene.held, slot.shelf, middle)
     wrong = at_most("the slot's middle is {:.1f} mm off", 1e3 * abs(middle - 0.5 * sum(sides)), SLOT_MM)
     at = sum(each.lateral > middle for each in row)
     calls = [each.book.spec.call for each in row]
@@ -61,11 +62,12 @@ def _searched(survey: Survey, _: Claim) -> list[str]:
 
 def _approached(survey: Survey, claim: Claim) -> list[str]:
     scene, shelf = survey.run.world, claim.primitive.shelf
-    if scene.held is None:
-        return ["the hand holds nothing"]
-    pose = inverse(scene.of(BookProps).shelves[shelf].pose) @ scene.held.pose
-    edge = float(pose[1, 3] + pose[1, 0] * scene.held.depth)
-    middle = 0.5 * sum(_gap_at(scene, shelf, edge))
+    held, books = scene.held, scene.of(BookProps)
+    if not isinstance(held, Book):
+        return ["the hand holds no book"]
+    pose = inverse(books.shelves[shelf].pose) @ held.pose
+    edge = float(pose[1, 3] + pose[1, 0] * held.depth)
+    middle = 0.5 * sum(_gap_at(books, held, shelf, edge))
     return at_most(
         "the leading edge is {:.1f} mm beside its slot's middle", 1e3 * abs(edge - middle), EDGE_MM
     )
@@ -73,11 +75,12 @@ def _approached(survey: Survey, claim: Claim) -> list[str]:
 
 def _inserted(survey: Survey, claim: Claim) -> list[str]:
     scene, shelf = survey.run.world, claim.primitive.shelf
-    if scene.held is None:
-        return ["the hand holds nothing"]
-    pose = inverse(scene.of(BookProps).shelves[shelf].pose) @ scene.held.pose
-    left, right = _gap_at(scene, shelf, float(pose[1, 3]))
-    half = scene.held.thickness / 2
+    held, books = scene.held, scene.of(BookProps)
+    if not isinstance(held, Book):
+        return ["the hand holds no book"]
+    pose = inverse(books.shelves[shelf].pose) @ held.pose
+    left, right = _gap_at(books, held, shelf, float(pose[1, 3]))
+    half = held.thickness / 2
     inside = right - 1e-3 <= pose[1, 3] - half and pose[1, 3] + half <= left + 1e-3
     wrong = [] if inside else ["the book isn't between the sides of a slot"]
     return wrong + at_most("the spine stands {:.1f} mm before the shelf", -1e3 * float(pose[0, 3]), PROUD_MM)
@@ -85,7 +88,7 @@ def _inserted(survey: Survey, claim: Claim) -> list[str]:
 
 def _released(survey: Survey, _: Claim) -> list[str]:
     book = survey.run.model.of(Books).book
-    stands = Shelving((book.accession,) if book else (), {}).judge(survey.run.world)
+    stands = Shelving((book.accession,) if book else (), {}).judge(survey.run.world.of(BookProps))
     return [] if stands.right else [f"the book doesn't stand in its place: {stands}"]
 
 
@@ -98,11 +101,11 @@ def _in_order(left: list[str], right: list[str], own: str) -> bool:
     return wanted is not None and all((number < wanted) == is_left for number, is_left in row)
 
 
-def _gap_at(scene: Any, shelf: str, y: float) -> tuple[float, float]:
+def _gap_at(books: BookProps, held: object, shelf: str, y: float) -> tuple[float, float]:
     """Left and right side, y in S in [m], of the gap between the books' middles about `y`."""
-    half = scene.of(BookProps).shelves[shelf].half_width
-    sides = [(right, left) for right, left, _ in scene.of(BookProps).shelves[shelf].fixed_intervals()]
-    row = [each for each in scene.of(BookProps).shelf_books(shelf) if each.book is not scene.held]
+    half = books.shelves[shelf].half_width
+    sides = [(right, left) for right, left, _ in books.shelves[shelf].fixed_intervals()]
+    row = [each for each in books.shelf_books(shelf) if each.book is not held]
     half_books = [(each.lateral, each.book.thickness / 2) for each in row]
     sides += [(middle - half, middle + half) for middle, half in half_books]
     left = min((right for right, left in sides if 0.5 * (right + left) > y), default=half)

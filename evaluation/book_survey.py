@@ -42,15 +42,16 @@ class BookSurvey(Survey):
         self._labels, self._stops = 0, dict[str, float]()
         self._shelving: Shelving | None = None
         """None: the task returns no book."""
-        books = run.world.of(BookProps) if RELEASE in run.does else None
-        if books is not None and books.tray_book() is not None:
-            every = (books.tray_book(), *books.to_come)
-            self._shelving = shelving(run.world, tuple(each.accession for each in every))
+        self._books = run.world.of(BookProps)
+        first = self._books.tray_book()
+        if RELEASE in run.does and first is not None:
+            others = [each.accession for each in self._books.to_come]
+            self._shelving = shelving(self._books, (first.accession, *others))
 
     @classmethod
     def applies(cls, run: SurveyedRun) -> bool:
         """See `Survey`; where there are shelves, it counts how the base stops before them."""
-        return super().applies(run) or bool(run.world is not None and run.world.of(BookProps).shelves)
+        return super().applies(run) or bool(run.scene is not None and run.scene.of(BookProps).shelves)
 
     def ended(self, number: int, primitive: ActionPrimitive, outcome: Outcome) -> list[str]:
         """See `Survey`."""
@@ -76,10 +77,10 @@ class BookSurvey(Survey):
         """See `Survey`."""
         if self._shelving is None:
             return self._stops
-        stands = self._shelving.judge(self.run.world)
+        stands = self._shelving.judge(self._books)
         return {**self._stops, **stands.figures(), "labels_read": self._labels}
 
     def faults(self) -> list[str]:
         """See `Survey`; Success claims that a librarian would be content."""
-        stands = None if self._shelving is None else self._shelving.judge(self.run.world)
+        stands = None if self._shelving is None else self._shelving.judge(self._books)
         return [] if stands is None or stands.right else [str(stands)]

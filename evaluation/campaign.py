@@ -9,7 +9,7 @@ import tempfile
 import threading
 import time
 from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, ProcessPoolExecutor, wait
 from dataclasses import dataclass
 from itertools import islice
@@ -26,8 +26,10 @@ from handcart.networks.coordination.interrupts import Interrupts
 from handcart.networks.coordination.supervision import INTERRUPTED
 from handcart.networks.run_options import RunOptions
 
-from .library_generator import make_library
 from .running import run_task
+
+WorldGenerator = Callable[[int, Path], Mapping[str, str]]
+"""Writes the files of a world, by a seed, into a folder, and gives the settings of a task that name them."""
 
 
 @dataclass(frozen=True)
@@ -37,8 +39,8 @@ class Setting:
     task: Path
     backend: str | None = None
     settings: Mapping[str, str] | None = None
-    library: Mapping[str, Any] | None = None
-    """Options of `make_library`: each trial gets a library of its own, by its seed. None: the task's own."""
+    world: WorldGenerator | None = None
+    """What makes each trial a world of its own, by its seed; None: the task's own."""
     runs: Path = Path("runs")
 
 
@@ -74,16 +76,13 @@ class Trial:
 
 
 def run_trial(setting: Setting, seed: int) -> Trial:
-    """One seeded run, with a library of its own where the setting says so."""
+    """One seeded run, in a world of its own where the setting says so."""
     chosen = dict(setting.settings or {})
-    if setting.library is None:
+    if setting.world is None:
         return _run(setting, setting.task, chosen, seed)
-    from .library_files import write_library
-
     with tempfile.TemporaryDirectory() as folder:
-        write_library(make_library(seed, **setting.library), Path(folder))
-        named = {name: f"{folder}/{name}.yaml" for name in ("world", "map", "places", "catalogue")}
-        return _run(setting, setting.task, named | chosen, seed)
+        named = setting.world(seed, Path(folder))
+        return _run(setting, setting.task, {**named, **chosen}, seed)
 
 
 def _run(setting: Setting, task: Path, settings: Mapping[str, str], seed: int) -> Trial:

@@ -66,7 +66,7 @@ class ContactSurvey(Survey):
     @classmethod
     def applies(cls, run: SurveyedRun) -> bool:
         """See `Survey`."""
-        return run.world is not None
+        return run.scene is not None
 
     def started(self, number: int, primitive: ActionPrimitive) -> None:
         """An action with that number starts; what touches already counts as touched by it."""

@@ -78,8 +78,9 @@ class FieldSurvey(Survey):
     def __init__(self, run: SurveyedRun) -> None:
         """See `Survey`; raises NotAState where the notes in the run's folder make no sense."""
         super().__init__(run)
-        self._scene, self._model = run.world, run.model
-        spec = None if run.world is None else run.world.of(FieldProps).total_station
+        self._model = run.model
+        self._scene: Any = run.scene
+        spec = None if run.scene is None else run.scene.of(FieldProps).total_station
         self.station = TotalStation(spec, run.world, run.seed) if spec is not None else None
         self._blocks: dict[str, str] = {}
         self._seen: dict[str, Place | None] = {}
@@ -87,9 +88,9 @@ class FieldSurvey(Survey):
         """Points (x, y) in [m], for plots."""
         self._next = 0.0
         self._held = ""
-        simulated = run.folder is not None and run.world is not None
+        simulated = run.folder is not None and run.scene is not None
         self._notes = SurveyNotes(run.folder, NOTES) if run.folder is not None and simulated else None
-        if run.world is not None:
+        if run.scene is not None:
             self._go_on()
             self._noted, self._told = run.world.time, self._lengths()
 

@@ -35,8 +35,8 @@ class Judge(RunObserver):
         self.surveys = Surveys(run)
         self.untrue: list[str] = []
         """Outcomes that the ground truth contradicts, in words."""
-        self._world = run.world
-        self._path = None if folder is None or run.world is None else folder / NOTES
+        self._run = run
+        self._path = None if folder is None or run.scene is None else folder / NOTES
         self._notes = None if self._path is None else SurveyNotes(self._path.parent, NOTES)
         self._go_on()
 
@@ -54,13 +54,13 @@ class Judge(RunObserver):
             self.untrue += [f"{event.number}. {event.action.do} {word}: {each}" for each in wrong]
             if self._notes is not None:
                 note = {"untrue": self.untrue, "surveys": self.surveys.notes()}
-                self._notes.add(self._world.time, note)
+                self._notes.add(self._run.world.time, note)
 
     def _go_on(self) -> None:
         """Take up what was noted of the run that this one goes on with."""
         if self._notes is None or self._path is None:
             return
-        if not (noted := self._notes.until(self._world.time)):
+        if not (noted := self._notes.until(self._run.world.time)):
             return
         try:
             self.untrue = as_noted(noted[-1].get("untrue"), list[str])

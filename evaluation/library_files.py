@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
+from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -11,11 +14,24 @@ from handcart.files.whole_file import write_whole
 from handcart.robotics.geometry.pose2 import Pose2
 
 from .library_books import GeneratedBook
-from .library_generator import RESOLUTION, Library, place_before
+from .library_generator import RESOLUTION, Library, make_library, place_before
 from .library_room import BOARD, CLEAR, FURNITURE, HOME, OUTER, SHELVES, STAND_OFF
 from .picture_file import write_png
 
 NOBODYS = 249  # a tag's number that no catalogue of ours has
+
+
+@dataclass(frozen=True)
+class Libraries:
+    """Makes worlds for a campaign: a library for each seed."""
+
+    options: Mapping[str, Any]
+    """Of `make_library`."""
+
+    def __call__(self, seed: int, folder: Path) -> dict[str, str]:
+        """See `WorldGenerator`."""
+        write_library(make_library(seed, **self.options), folder)
+        return {name: f"{folder}/{name}.yaml" for name in ("world", "map", "places", "catalogue")}
 
 
 def write_library(library: Library, folder: Path) -> None:

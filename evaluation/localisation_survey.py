@@ -30,7 +30,7 @@ class LocalisationSurvey(Survey):
     @classmethod
     def applies(cls, run: SurveyedRun) -> bool:
         """See `Survey`."""
-        return run.world is not None
+        return run.scene is not None
 
     def look(self, robot: Robot) -> None:
         """A period has passed."""

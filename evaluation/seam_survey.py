@@ -69,7 +69,7 @@ class SeamSurvey(Survey):
     @classmethod
     def applies(cls, run: SurveyedRun) -> bool:
         """See `Survey`; where a seam is known, it says how much of it was tracked."""
-        return super().applies(run) or (run.world is not None and run.model.of(Seam).seam is not None)
+        return super().applies(run) or (run.scene is not None and run.model.of(Seam).seam is not None)
 
     def started(self, number: int, primitive: ActionPrimitive) -> None:
         """See `Survey`."""

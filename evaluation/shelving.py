@@ -54,10 +54,10 @@ class Shelving:
     fronts: Mapping[int, float]
     """S x of each standing book's spine, by accession, in [m]."""
 
-    def judge(self, scene: Any) -> Standing:
+    def judge(self, books: BookProps) -> Standing:
         """How the books stand now."""
-        pushed = self._pushed(scene)
-        each = [self._judge(scene, number, pushed) for number in self.accessions]
+        pushed = self._pushed(books)
+        each = [self._judge(books, number, pushed) for number in self.accessions]
         return Standing(
             all(one.slot_correct for one in each),
             max((one.proud_mm for one in each), key=abs),
@@ -65,31 +65,26 @@ class Shelving:
             pushed,
         )
 
-    def _judge(self, scene: Any, accession: int, pushed: float) -> Standing:
-        book = scene.of(BookProps).books.get(accession)
+    def _judge(self, books: BookProps, accession: int, pushed: float) -> Standing:
+        book = books.books.get(accession)
         if book is None or book.shelf is None:
             return Standing(False, math.nan, math.nan, pushed)
-        row = scene.of(BookProps).shelf_books(book.shelf)
+        row = books.shelf_books(book.shelf)
         at = next(i for i, each in enumerate(row) if each.book.accession == accession)
         beside = [row[i].front for i in (at - 1, at + 1) if 0 <= i < len(row)]
         proud = 1e3 * (sum(beside) / len(beside) - row[at].front) if beside else math.nan
         tilt = math.degrees(max(abs(row[at].tilt), abs(row[at].yaw)))
         return Standing(_in_order(row, at), proud, tilt, pushed)
 
-    def _pushed(self, scene: Any) -> float:
-        now = _fronts(scene)
+    def _pushed(self, books: BookProps) -> float:
+        now = {each.book.accession: each.front for name in books.shelves for each in books.shelf_books(name)}
         return 1e3 * max((now[number] - front for number, front in self.fronts.items()), default=0.0)
 
 
-def shelving(scene: Any, accessions: tuple[int, ...]) -> Shelving:
+def shelving(books: BookProps, accessions: tuple[int, ...]) -> Shelving:
     """Take down how the shelves are at first."""
-    return Shelving(accessions, _fronts(scene))
-
-
-def _fronts(scene: Any) -> dict[int, float]:
-    """Where the spine of each standing book is, by its accession."""
-    books = scene.of(BookProps)
-    return {each.book.accession: each.front for name in books.shelves for each in books.shelf_books(name)}
+    fronts = {each.book.accession: each.front for name in books.shelves for each in books.shelf_books(name)}
+    return Shelving(accessions, fronts)
 
 
 def _in_order(row: Sequence[Any], at: int) -> bool:

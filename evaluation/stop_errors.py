@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import math
-from typing import Any
 
 import numpy as np
 
+from handcart.backends.scene.books.book import Book
 from handcart.backends.scene.books.book_props import BookProps
+from handcart.backends.scene.scene import Scene
 from handcart.primitives.contract.action_primitive import ActionPrimitive
 from handcart.robotics.geometry.transform import inverse
 
@@ -16,16 +17,16 @@ from .book_effects import APPROACH
 from .library_room import STAND_OFF
 
 
-def stop_errors(scene: Any, primitive: ActionPrimitive) -> dict[str, float]:
+def stop_errors(scene: Scene, primitive: ActionPrimitive) -> dict[str, float]:
     """Figures about an action that has succeeded; none for those that stop nowhere in particular."""
     if primitive.label() == DRIVES:
         return _dock(scene, str(getattr(primitive, "place", "")))
-    if primitive.label() == APPROACH and scene.held is not None:
+    if primitive.label() == APPROACH:
         return _slot(scene, str(getattr(primitive, "shelf", "")))
     return {}
 
 
-def _dock(scene: Any, place: str) -> dict[str, float]:
+def _dock(scene: Scene, place: str) -> dict[str, float]:
     """Distance and heading before a shelf's front."""
     shelves = scene.of(BookProps).shelves
     if place not in shelves:
@@ -37,10 +38,10 @@ def _dock(scene: Any, place: str) -> dict[str, float]:
     return {"dock_mm": round(off, 2), "dock_deg": round(turned, 3), "dock_along_mm": round(along, 1)}
 
 
-def _slot(scene: Any, shelf: str) -> dict[str, float]:
+def _slot(scene: Scene, shelf: str) -> dict[str, float]:
     """How far the leading edge of the held book is beside the middle of the slot before it."""
-    books, book = scene.of(BookProps), scene.held
-    if shelf not in books.shelves:
+    book, books = scene.held, scene.of(BookProps)
+    if shelf not in books.shelves or not isinstance(book, Book):
         return {}
     edge = inverse(books.shelves[shelf].pose) @ book.pose @ np.array([book.depth, 0.0, 0.0, 1.0])
     row = books.shelf_books(shelf)

@@ -7,12 +7,12 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any, ClassVar, NamedTuple
 
+from handcart.backends.ground_truth import GroundTruth
 from handcart.backends.robot import Robot
 from handcart.networks.task.preparing import Prepared
 from handcart.primitives.contract.action_primitive import ActionPrimitive
 from handcart.primitives.contract.outcome import Outcome
 
-from .ground_truth import GroundTruth
 from .surveyed_run import SurveyedRun
 
 
@@ -52,7 +52,7 @@ class Survey(ABC):
     @classmethod
     def applies(cls, run: SurveyedRun) -> bool:
         """Whether it has anything to look at: a simulated world, and one of its primitives."""
-        return run.world is not None and bool(run.does & cls.effects.keys())
+        return run.scene is not None and bool(run.does & cls.effects.keys())
 
     def started(self, number: int, primitive: ActionPrimitive) -> None:
         """An action with that number starts."""

@@ -4,14 +4,17 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING
 
 from handcart.backends.robot import Robot
 from handcart.backends.robot_file import RobotFile
 from handcart.networks.task.preparing import Prepared
 from handcart.primitives.knowledge.world_model import WorldModel
 
-from .ground_truth import scene_of
+from .simulated_world import simulated_world
+
+if TYPE_CHECKING:
+    from handcart.backends.scene.scene import Scene
 
 
 @dataclass(frozen=True)
@@ -22,8 +25,8 @@ class SurveyedRun:
     spec: RobotFile
     """The robot's file as it is at first: a calibration changes the robot's own."""
     model: WorldModel
-    world: Any
-    """Ground truth; None where nothing is simulated."""
+    scene: Scene | None
+    """The simulated world as it truly is; None where there is none."""
     seed: int = 0
     """Of the simulated errors."""
     does: frozenset[str] = frozenset()
@@ -31,10 +34,16 @@ class SurveyedRun:
     folder: Path | None = None
     """Where a survey may keep notes; None: nowhere."""
 
+    @property
+    def world(self) -> Scene:
+        """The same, for who has asked before whether there is one."""
+        assert self.scene is not None, "nothing is simulated"
+        return self.scene
+
     @classmethod
     def of(cls, prepared: Prepared, folder: Path | None = None) -> SurveyedRun:
         """A run of a task that hasn't started."""
         robot = prepared.robot
         does = frozenset(action.do for action in prepared.task.network.actions)
-        world = scene_of(prepared.backend)
-        return cls(robot, robot.spec, prepared.model, world, prepared.seed, does, folder)
+        scene = simulated_world(prepared.backend)
+        return cls(robot, robot.spec, prepared.model, scene, prepared.seed, does, folder)

@@ -8,6 +8,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any, TypeVar
 
+from handcart.backends.ground_truth import GroundTruth
 from handcart.backends.robot import Robot
 from handcart.backends.saved_state import NotAState
 from handcart.files.errors import InputError
@@ -18,12 +19,12 @@ from handcart.tasks.domain import domains, imported
 
 from .arrival_survey import ArrivalSurvey
 from .contact_survey import ContactSurvey
-from .ground_truth import GroundTruth, disturbed, not_restored, true_state
 from .localisation_survey import LocalisationSurvey
 from .path_survey import PathSurvey
 from .survey import Claim, Survey
 from .survey_notes import as_noted
 from .surveyed_run import SurveyedRun
+from .true_changes import disturbed, not_restored
 
 GENERAL = (PathSurvey, ContactSurvey, LocalisationSurvey, ArrivalSurvey)
 MOST_DISTURBED_MM = 10.0  # that anything may be moved which isn't the primitive's to move
@@ -98,13 +99,13 @@ class Surveys:
 
     def started(self, number: int, primitive: ActionPrimitive) -> None:
         """An action with that number starts."""
-        self._before = true_state(self.run.world)
+        self._before = self.run.robot.backend.ground_truth()
         for _ in self._asked(lambda survey: survey.started(number, primitive)):
             pass
 
     def ended(self, number: int, primitive: ActionPrimitive, outcome: Outcome) -> list[str]:
         """An action has ended; gives what its outcome claims and isn't so, in words."""
-        after = true_state(self.run.world)
+        after = self.run.robot.backend.ground_truth()
         wrong: list[str] = []
         if self._before is not None and after is not None:
             if isinstance(outcome, Fail):

@@ -36,12 +36,13 @@ def campaign(
     from rich.progress import track
 
     from handcart.evaluation.campaign import Report, Setting, run_campaign
+    from handcart.evaluation.library_files import Libraries
     from handcart.files.settings import split_setting
 
     settings = [*(settings or []), *([f"robot={robot}"] if robot else [])]
     chosen = dict(split_setting(each) for each in settings)
     options = _options([split_setting(each) for each in library or []]) if library else None
-    setting = Setting(task, backend, chosen, options, runs)
+    setting = Setting(task, backend, chosen, None if options is None else Libraries(options), runs)
     running = run_campaign(setting, range(first, first + trials), jobs)
     from rich.console import Console
 
@@ -96,10 +97,12 @@ def _shares(report: Report) -> list[ActionShare]:
 
 
 def _rerun(setting: Setting, seed: int) -> str:
+    from handcart.evaluation.library_files import Libraries
+
     chosen = "".join(f" --set {key}={value}" for key, value in (setting.settings or {}).items())
-    if setting.library is None:
+    if not isinstance(setting.world, Libraries):
         return f"handcart run {setting.task} --seed {seed}{chosen}"
-    options = "".join(f" --library {key}={value}" for key, value in setting.library.items())
+    options = "".join(f" --library {key}={value}" for key, value in setting.world.options.items())
     return f"handcart campaign {setting.task} --trials 1 --first {seed} --jobs 1{options}{chosen}"
 
 

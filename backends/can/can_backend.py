@@ -18,7 +18,6 @@ from handcart.backends.capability import Capability
 from handcart.backends.plain_values import attributes, from_plain, set_attributes
 from handcart.backends.robot_file import RobotFile
 from handcart.backends.saved_state import NotAState
-from handcart.backends.scene.scene import Scene
 
 from .axes import Axes
 from .bus_guard import BusGuard
@@ -146,17 +145,15 @@ class CanBackend(Backend):
         return capabilities_of(robot) if robot.can and robot.can.interface != VIRTUAL else None
 
     @property
-    def scene(self) -> Scene | None:
-        """Ground truth, None where no world is simulated: only evaluation may read it."""
-        inner = self.bench.inner if self.bench else None
-        return getattr(inner, "scene", None)
+    def inner(self) -> Backend | None:
+        """On a bench the backend that simulates the rest of the robot, where there is one."""
+        return self.bench.inner if self.bench else None
 
     def capabilities(self) -> tuple[Capability, ...]:
         """See `Backend`."""
         sensors = [each for each in self._sensors if isinstance(each, Capability)]
         own = (*self._parts.capabilities(), *sensors)
-        inner = self.bench.inner if self.bench else None
-        others = () if inner is None else inner.capabilities()
+        others = () if self.inner is None else self.inner.capabilities()
         return (*own, *(each for each in others if not _same_kind(each, own)))
 
     def step(self) -> None:

@@ -9,6 +9,7 @@ from typing import Any, ClassVar, Protocol
 from handcart.backends.backend import Backend
 from handcart.backends.capability import Capability
 from handcart.backends.commanded_base import CommandedBase
+from handcart.backends.ground_truth import GroundTruth
 from handcart.backends.plain_values import Kinds, attributes, set_attributes
 from handcart.backends.robot_file import RobotFile
 from handcart.backends.saved_state import NotAState
@@ -23,6 +24,7 @@ from .simulated_gripper import SimulatedGripper
 from .simulated_imu import SimulatedImu
 from .simulated_positioning import SimulatedPositioning
 from .simulated_range_sensor import SimulatedRangeSensor
+from .true_state import true_state
 from .world_file import MissingWorld, WorldFile
 
 
@@ -132,3 +134,7 @@ class SimulatedBackend(Backend):
             raise NotAState(f"no state of this robot in {self.name}; needed: {', '.join(parts)}")
         for name, part in parts.items():
             set_attributes(part, part.STATE, state[name])
+
+    def ground_truth(self) -> GroundTruth:
+        """See `Backend`."""
+        return true_state(self.scene)

@@ -144,8 +144,8 @@ def _drive(
 
 def _true_pose(backend: CanBackend) -> np.ndarray[Any, np.dtype[np.float64]]:
     """x, y, heading on a bench, (3,) in [m] and [rad]; zero for a real robot."""
-    scene = backend.scene
-    return np.zeros(3) if scene is None else np.array([scene.base.x, scene.base.y, scene.base.theta])
+    truth = backend.ground_truth()
+    return np.zeros(3) if truth is None else np.array([*truth.base])
 
 
 def _wrapped(angle: float) -> float:

@@ -8,6 +8,8 @@ from . import (
     capability_checks,
     command_checks,
     geometry_checks,
+    gps_checks,
+    imu_checks,
     positioning_checks,
     snapshot_checks,
     time_checks,
@@ -21,5 +23,7 @@ MODULES = (
     snapshot_checks,
     geometry_checks,
     positioning_checks,
+    imu_checks,
+    gps_checks,
 )
 CHECKS: Mapping[str, Check] = {check.name: check for module in MODULES for check in module.CHECKS}

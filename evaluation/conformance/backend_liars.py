@@ -13,13 +13,15 @@ from handcart.backends.arm import Arm
 from handcart.backends.backend import Backend, CommandError
 from handcart.backends.base import Base, WheelTravel
 from handcart.backends.camera import Camera
+from handcart.backends.gps import Fix, Gps
 from handcart.backends.gripper import Gripper
+from handcart.backends.imu import Imu
 from handcart.backends.positioning import PoseReading, Positioning
 from handcart.backends.range_sensor import RangeSensor, Scan
 from handcart.backends.robot_file import RobotFile
 
 from .layered_backend import LayeredBackend
-from .parts import parts_of
+from .parts import part_of
 
 LATE = 10  # periods by which a queued command comes late
 Vector = NDArray[np.float64]
@@ -32,14 +34,14 @@ class KeepsDriving(LayeredBackend):
         super().__init__(inner)
         self._command = (0.0, 0.0)
 
-    def drive(self, base: Base, speed: float, turn_rate: float) -> None:
+    def base_drive(self, base: Base, speed: float, turn_rate: float) -> None:
         """Kept."""
         base.drive(speed, turn_rate)
         self._command = (speed, turn_rate)
 
     def step(self) -> None:
         """Renews what was kept."""
-        base = parts_of(self.inner).base
+        base = part_of(self.inner, Base)
         if base is not None and self._command != (0.0, 0.0):
             base.drive(*self._command)
         self.inner.step()
@@ -57,7 +59,7 @@ class QueuesCommands(LayeredBackend):
         super().__init__(inner)
         self._command, self._due = (0.0, 0.0), -1
 
-    def drive(self, base: Base, speed: float, turn_rate: float) -> None:
+    def base_drive(self, base: Base, speed: float, turn_rate: float) -> None:
         """Kept in the queue."""
         base.drive(speed, turn_rate)
         self._command = (speed, turn_rate)
@@ -69,7 +71,7 @@ class QueuesCommands(LayeredBackend):
 
     def step(self) -> None:
         """Sends it when it is due."""
-        base = parts_of(self.inner).base
+        base = part_of(self.inner, Base)
         self._due -= 1
         if base is not None and 0 <= self._due < LATE // 2:
             base.drive(*self._command)
@@ -82,15 +84,15 @@ class TakesAnything(LayeredBackend):
     def __init__(self, inner: Backend, spec: RobotFile) -> None:
         super().__init__(inner)
 
-    def drive(self, base: Base, speed: float, turn_rate: float) -> None:
+    def base_drive(self, base: Base, speed: float, turn_rate: float) -> None:
         """Never refused."""
         _try(lambda: base.drive(speed, turn_rate))
 
-    def move_arm(self, arm: Arm, joints: Vector) -> None:
+    def arm_move(self, arm: Arm, joints: Vector) -> None:
         """Never refused."""
         _try(lambda: arm.move(joints))
 
-    def move_gripper(self, gripper: Gripper, width: float) -> None:
+    def gripper_move(self, gripper: Gripper, width: float) -> None:
         """Never refused."""
         _try(lambda: gripper.move(width))
 
@@ -108,7 +110,7 @@ class MovesAtOnce(LayeredBackend):
     def __init__(self, inner: Backend, spec: RobotFile) -> None:
         super().__init__(inner)
 
-    def drive(self, base: Base, speed: float, turn_rate: float) -> None:
+    def base_drive(self, base: Base, speed: float, turn_rate: float) -> None:
         """And off it goes."""
         base.drive(speed, turn_rate)
         self.inner.step()
@@ -120,7 +122,7 @@ class WrongUnits(LayeredBackend):
     def __init__(self, inner: Backend, spec: RobotFile) -> None:
         super().__init__(inner)
 
-    def wheel_travel(self, base: Base) -> WheelTravel:
+    def base_wheel_travel(self, base: Base) -> WheelTravel:
         """In [mm]."""
         travel = base.wheel_travel()
         return WheelTravel(1e3 * travel.left, 1e3 * travel.right)
@@ -134,7 +136,7 @@ class EchoesCommands(LayeredBackend):
         self._start: Vector | None = None
         self._told: Vector | None = None
 
-    def move_arm(self, arm: Arm, joints: Vector) -> None:
+    def arm_move(self, arm: Arm, joints: Vector) -> None:
         """Half of it."""
         if self._start is None:
             self._start = arm.command()
@@ -147,7 +149,7 @@ class EchoesCommands(LayeredBackend):
         """What was asked for."""
         return arm.command() if self._told is None else self._told.copy()
 
-    def joints(self, arm: Arm) -> Vector:
+    def arm_joints(self, arm: Arm) -> Vector:
         """What was asked for."""
         return arm.joints() if self._told is None else self._told.copy()
 
@@ -158,7 +160,7 @@ class RollsDice(LayeredBackend):
     def __init__(self, inner: Backend, spec: RobotFile) -> None:
         super().__init__(inner)
 
-    def scan(self, sensor: RangeSensor) -> Scan:
+    def range_sensor_scan(self, sensor: RangeSensor) -> Scan:
         """Another one each time."""
         scan = sensor.scan()
         return scan._replace(ranges=scan.ranges + 1e-3 * math.sin(1e6 * time.perf_counter()))
@@ -170,7 +172,7 @@ class HalfPixel(LayeredBackend):
     def __init__(self, inner: Backend, spec: RobotFile) -> None:
         super().__init__(inner)
 
-    def image(self, camera: Camera) -> NDArray[np.uint8]:
+    def camera_image(self, camera: Camera) -> NDArray[np.uint8]:
         """Between two columns."""
         image = camera.image().astype(np.float64)
         return np.asarray(0.5 * (image + np.roll(image, 1, axis=1))).astype(np.uint8)
@@ -182,10 +184,33 @@ class Undelayed(LayeredBackend):
     def __init__(self, inner: Backend, spec: RobotFile) -> None:
         super().__init__(inner)
 
-    def whereabouts(self, positioning: Positioning) -> PoseReading | None:
+    def positioning_reading(self, positioning: Positioning) -> PoseReading | None:
         """Of this instant, it says."""
         reading = positioning.reading()
         return None if reading is None else reading._replace(age=0.0)
+
+
+class TurnsOtherWay(LayeredBackend):
+    """The gyros' axes point down."""
+
+    def __init__(self, inner: Backend, spec: RobotFile) -> None:
+        super().__init__(inner)
+
+    def imu_rates(self, imu: Imu) -> Vector:
+        """Left is right."""
+        return -imu.rates()
+
+
+class FixInMillimetres(LayeredBackend):
+    """The receiver tells millimetres."""
+
+    def __init__(self, inner: Backend, spec: RobotFile) -> None:
+        super().__init__(inner)
+
+    def gps_fix(self, gps: Gps) -> Fix | None:
+        """In [mm]."""
+        fix = gps.fix()
+        return None if fix is None else fix._replace(position=1e3 * fix.position)
 
 
 LIARS: Mapping[str, Callable[[Backend, RobotFile], Backend]] = {
@@ -200,5 +225,7 @@ LIARS: Mapping[str, Callable[[Backend, RobotFile], Backend]] = {
         RollsDice,
         HalfPixel,
         Undelayed,
+        TurnsOtherWay,
+        FixInMillimetres,
     )
 }

@@ -10,18 +10,16 @@ from numpy.typing import NDArray
 from handcart.backends.arm import Arm
 from handcart.backends.base import Base
 from handcart.backends.camera import Camera
-from handcart.backends.capability import Capability
+from handcart.backends.capabilities import CAPABILITIES
 from handcart.backends.gripper import Gripper
 from handcart.backends.mounted_camera import known_camera
-from handcart.backends.positioning import Positioning
 from handcart.backends.range_sensor import RangeSensor
 from handcart.backends.simulated_errors import Errors
-from handcart.evaluation.ground_truth import ground_truth
 
 from .bench import Bench
 from .check import Check, Finding
-from .parts import arm_of, base_of, gripper_of, parts_of, range_sensor_of
-from .periods import all_readings, driven, move_joints, steps
+from .parts import needed, part_of
+from .periods import all_readings, driven, move_joints, reading_name, steps
 
 NEAR = 0.10  # share by which a simulated robot may differ from its file: radii, tread, slip, starting up
 FORCE_AT_REST = 3.0  # [N]
@@ -32,16 +30,9 @@ FLIPS = 0.02  # [rad] that a joint is moved for its sign
 def declared(bench: Bench, finding: Finding) -> None:
     """The capabilities that the robot's file promises are there, and no others of these kinds."""
     spec = bench.spec()
-    promised: dict[type[Capability], bool] = {
-        Base: True,
-        Arm: spec.arm is not None,
-        Gripper: spec.gripper is not None,
-        Camera: spec.camera is not None,
-        RangeSensor: spec.range_sensor is not None,
-        Positioning: spec.positioning is not None,
-    }
     with bench.stage() as stage:
-        for kind, wanted in promised.items():
+        for kind in CAPABILITIES:
+            wanted = kind.FILE_KEY is None or getattr(spec, kind.FILE_KEY) is not None
             there = stage.backend.get(kind) is not None
             finding.expect(there or not wanted, f"the robot's file has a {kind.__name__}, the backend none")
             finding.expect(wanted or not there, f"the backend has a {kind.__name__}, the robot's file none")
@@ -54,9 +45,9 @@ def readings(bench: Bench, finding: Finding) -> None:
     with bench.stage() as stage:
         backend = stage.backend
         steps(backend, 2)
-        travel = base_of(backend).wheel_travel()
+        travel = needed(backend, Base).wheel_travel()
         finding.at_most("wheel travel at rest", max(map(abs, travel)), 1e-3, "m")
-        if (arm := parts_of(backend).arm) is not None and spec.arm is not None:
+        if (arm := part_of(backend, Arm)) is not None and spec.arm is not None:
             home = np.array(spec.posture("home"))
             finding.expect(arm.joints().shape == home.shape, f"{arm.joints().shape} joints, not {home.shape}")
             finding.at_most(
@@ -64,15 +55,15 @@ def readings(bench: Bench, finding: Finding) -> None:
             )
             finding.expect(arm.hand_force().shape == (3,), "the force isn't (3,)")
             finding.at_most("force at rest", float(np.abs(arm.hand_force()).max()), FORCE_AT_REST, "N")
-        if (gripper := parts_of(backend).gripper) is not None and spec.gripper is not None:
+        if (gripper := part_of(backend, Gripper)) is not None and spec.gripper is not None:
             most = spec.gripper.opening_mm + 1.0
             finding.expect(0.0 <= gripper.width() <= most / 1e3, f"a width of {gripper.width()} m")
-        if (camera := parts_of(backend).camera) is not None and spec.camera is not None:
+        if (camera := part_of(backend, Camera)) is not None and spec.camera is not None:
             image, size = camera.image(), (spec.camera.height_px, spec.camera.width_px)
             finding.expect(image.shape == size and image.dtype == np.uint8, f"the picture is {image.shape}")
             finding.expect(int(image.max()) - int(image.min()) > 20, "the picture shows nothing")
             finding.expect(abs(camera.model.K[0, 0] - spec.camera.focal_px) < 1e-6, "another focal length")
-        if (sensor := parts_of(backend).range_sensor) is not None and spec.range_sensor is not None:
+        if (sensor := part_of(backend, RangeSensor)) is not None and spec.range_sensor is not None:
             scan = sensor.scan()
             beams, reach = spec.range_sensor.beams, spec.range_sensor.reach_m
             finding.expect(scan.ranges.shape == scan.angles.shape == (beams,), f"{scan.ranges.shape} beams")
@@ -90,13 +81,13 @@ def signs_of_the_base(bench: Bench, finding: Finding) -> None:
     with bench.stage() as stage:
         ways = [(speed, 0.0), (-speed, 0.0), (0.0, turn_rate), (0.0, -turn_rate)]
         for forward, turn in ways:
-            before = ground_truth(stage.backend)
+            before = stage.backend.ground_truth()
             left, right = driven(stage.backend, forward, turn, periods)
             far, round_ = 0.5 * (left + right), (right - left) / tread
             words = f"{forward:g} m/s and {turn:g} rad/s for {seconds:g} s"
             _near(finding, f"wheels by {words}", far, forward * seconds, 0.02, "m")
             _near(finding, f"wheels turn by {words}", round_, turn * seconds, 0.03, "rad")
-            after = ground_truth(stage.backend)
+            after = stage.backend.ground_truth()
             if before is not None and after is not None:
                 went = after.base.relative_to(before.base)
                 _near(finding, f"truly by {words}", went.x, forward * seconds, 0.03, "m")
@@ -106,7 +97,7 @@ def signs_of_the_base(bench: Bench, finding: Finding) -> None:
 def signs_of_the_scan(bench: Bench, finding: Finding) -> None:
     """Turning left moves what is seen to the right, by as much."""
     with bench.stage() as stage:
-        sensor = range_sensor_of(stage.backend)
+        sensor = needed(stage.backend, RangeSensor)
         steps(stage.backend, 1)
         before = sensor.scan()
         left, right = driven(stage.backend, 0.0, 0.5, 20)
@@ -119,7 +110,7 @@ def signs_of_the_scan(bench: Bench, finding: Finding) -> None:
 def signs_of_the_joints(bench: Bench, finding: Finding) -> None:
     """Each joint goes where it is told, in [rad], the others stay."""
     with bench.stage() as stage:
-        arm = arm_of(stage.backend)
+        arm = needed(stage.backend, Arm)
         start, gives = arm.command(), _gives(bench.spec().errors)
         worst = truly = 0.0
         for number in range(len(start)):
@@ -128,7 +119,7 @@ def signs_of_the_joints(bench: Bench, finding: Finding) -> None:
                 goal[number] += sign * (FLIPS + 2.0 * gives)
                 move_joints(stage.backend, arm, goal)
                 worst = max(worst, float(np.abs(arm.joints() - goal).max()))
-                truth = ground_truth(stage.backend)
+                truth = stage.backend.ground_truth()
                 if truth is not None:
                     truly = max(truly, float(np.abs(truth.joints - goal).max()))
             move_joints(stage.backend, arm, start)
@@ -146,7 +137,7 @@ def fingers(bench: Bench, finding: Finding) -> None:
     """The fingers go to the opening that they are told, in [m], and press on each other when closed."""
     spec = bench.spec().gripper
     with bench.stage() as stage:
-        gripper = gripper_of(stage.backend)
+        gripper = needed(stage.backend, Gripper)
         assert spec is not None
         opening = spec.opening_mm / 1e3
         periods = round(1.5 * opening / (spec.speed_mm_s / 1e3) / stage.backend.period) + 10
@@ -161,11 +152,11 @@ def mounts(bench: Bench, finding: Finding) -> None:
     """Camera and range sensor are mounted where the URDF has them, or a calibration found them."""
     with bench.stage() as stage:
         robot = stage.robot
-        if (camera := parts_of(stage.backend).camera) is not None:
+        if (camera := part_of(stage.backend, Camera)) is not None:
             assert robot.spec.camera is not None
             mount = known_camera(robot.spec.camera, robot.arm_model).hand_T_camera
             finding.at_most("camera off", float(np.abs(camera.hand_T_camera - mount).max()), 1e-6)
-        if (sensor := parts_of(stage.backend).range_sensor) is not None:
+        if (sensor := part_of(stage.backend, RangeSensor)) is not None:
             from handcart.backends.scene.mounts import base_T_frame
 
             urdf = base_T_frame(robot.spec.urdf_text(), "range_sensor")
@@ -188,7 +179,12 @@ def rates(bench: Bench, finding: Finding) -> None:
             steps(backend, 1)
             now = all_readings(backend)
             fresh |= {name for name in now if not np.array_equal(now[name], seen[name])}
-        noisy = {"scan", "image"} & set(seen)
+        noisy = {
+            reading_name(part, method)
+            for part in backend.capabilities()
+            for method, reading in part.READINGS.items()
+            if reading.noisy
+        }
         finding.expect(noisy <= fresh, f"the same in six periods, noise and all: {sorted(noisy - fresh)}")
         finding.measured.append(f"new within five periods at rest: {', '.join(sorted(fresh))}")
 

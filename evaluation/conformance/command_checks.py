@@ -7,11 +7,14 @@ from collections.abc import Callable
 
 import numpy as np
 
+from handcart.backends.arm import Arm
 from handcart.backends.backend import Backend, CommandError
+from handcart.backends.base import Base
+from handcart.backends.gripper import Gripper
 
 from .bench import Bench
 from .check import Check, Finding
-from .parts import base_of, parts_of
+from .parts import needed, part_of
 from .periods import SETTLES, all_readings, steps
 from .standing import HELD, Standing
 
@@ -41,13 +44,13 @@ def limits(bench: Bench, finding: Finding) -> None:
 
 def _bad_commands(bench: Bench, backend: Backend) -> list[tuple[str, Callable[[], None]]]:
     spec, result = bench.spec(), list[tuple[str, Callable[[], None]]]()
-    base = base_of(backend)
+    base = needed(backend, Base)
     top, turn = spec.drive.top_speed_m_s, math.radians(spec.drive.top_turn_deg_s)
     drives = [(bad, 0.0) for bad in (*BAD, 1.01 * top, -1.01 * top)]
     drives += [(0.0, bad) for bad in (*BAD, 1.01 * turn, -1.01 * turn)]
     for speed, rate in drives:
         result.append((f"drive({speed:g}, {rate:g})", lambda v=speed, w=rate: base.drive(v, w)))  # type: ignore[misc]
-    arm, gripper = parts_of(backend).arm, parts_of(backend).gripper
+    arm, gripper = part_of(backend, Arm), part_of(backend, Gripper)
     if arm is not None and spec.arm is not None:
         held = arm.command()
         for number, top_rate in enumerate(spec.joint_speeds()):
@@ -78,9 +81,10 @@ def after_a_step(bench: Bench, finding: Finding) -> None:
             _command_all(backend)
             backend.step()
         after = all_readings(backend)
-        for name in ("wheels", "joints", "width"):
-            if name in after:
-                far = float(np.abs(after[name] - before[name]).max())
+        moving = {"wheels": "base wheel_travel", "joints": "arm joints", "width": "gripper width"}
+        for name, reading in moving.items():
+            if reading in after:
+                far = float(np.abs(after[reading] - before[reading]).max())
                 finding.expect(far > 2 * HELD[name], f"{name} don't follow a command of {SETTLES} periods")
 
 
@@ -91,11 +95,11 @@ def one_period(bench: Bench, finding: Finding) -> None:
         for _ in range(SETTLES):
             _command_all(backend)
             backend.step()
-        last = base_of(backend).wheel_travel()
+        last = needed(backend, Base).wheel_travel()
         steps(backend, SETTLES)
-        coasted = float(np.abs(np.subtract(base_of(backend).wheel_travel(), last)).max())
+        coasted = float(np.abs(np.subtract(needed(backend, Base).wheel_travel(), last)).max())
         finding.at_most("rolled on without a command", 1e3 * coasted, 1e3 * COASTS, "mm")
-        if (gripper := parts_of(backend).gripper) is not None:
+        if (gripper := part_of(backend, Gripper)) is not None:
             gripper.move(gripper.width())
             steps(backend, SETTLES)
         before = Standing.of(backend)
@@ -133,8 +137,8 @@ def close_twice(bench: Bench, finding: Finding) -> None:
 
 def _command_all(backend: Backend) -> None:
     """Everything that can move is told to: the base ahead, a joint, the fingers."""
-    base_of(backend).drive(0.1, 0.1)
-    arm, gripper = parts_of(backend).arm, parts_of(backend).gripper
+    needed(backend, Base).drive(0.1, 0.1)
+    arm, gripper = part_of(backend, Arm), part_of(backend, Gripper)
     if arm is not None:
         goal = arm.command()
         goal[-1] += 0.01

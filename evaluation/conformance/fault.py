@@ -7,13 +7,15 @@ from dataclasses import dataclass
 from enum import Enum
 from typing import Any
 
+from handcart.backends.capabilities import CAPABILITIES
 from handcart.tasks.domain import domains, imported
 
 NOTHING = "nothing"
 """The kind of a trial in which no fault is injected."""
 FOR_GOOD = 1_000_000
 """Periods: longer than anything lasts."""
-SENSORS = ("wheels", "range", "joints", "camera", "width", "force", "positioning")
+SENSORS = tuple(dict.fromkeys(each.sensor for kind in CAPABILITIES for each in kind.READINGS.values()))
+"""Of all capabilities."""
 
 
 class FaultKind(Enum):

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from typing import Any, TypeVar
+from functools import partial
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,22 +13,18 @@ from numpy.typing import NDArray
 from handcart.backends.arm import Arm
 from handcart.backends.backend import Backend, CommandError
 from handcart.backends.base import Base, WheelTravel
-from handcart.backends.camera import Camera
-from handcart.backends.capability import Capability
+from handcart.backends.capability import Capability, Reading
 from handcart.backends.gripper import Gripper
-from handcart.backends.positioning import PoseReading, Positioning
-from handcart.backends.range_sensor import RangeSensor, Scan
-from handcart.evaluation.ground_truth import scene_of
-from handcart.robotics.geometry.pose2 import Pose2
+from handcart.evaluation.simulated_world import simulated_world
 
 from .fault import SENSORS, Fault, FaultKind
-from .layered_backend import LayeredBackend
-from .parts import parts_of
+from .layered_backend import Kind, LayeredBackend
+from .numbers import broken
+from .parts import part_of
 from .periods import SETTLES
 
 SLIPS = 0.5  # share of the wheels' roll that is lost
 SLIDE = 0.1  # [m/s] of a standing car, see `Fault.speed`
-T = TypeVar("T")
 Vector = NDArray[np.float64]
 
 
@@ -51,7 +48,8 @@ class FaultyBackend(LayeredBackend):
         self._fault: Fault | None = None
         self._left = 0
         self._stuck: Capability | None = None
-        self._last: dict[str, Any] = {}
+        self._last: dict[tuple[Kind, str], Any] = {}
+        self._read_once: set[str] = set()
         self._joints: Vector | None = None
         self._width: float | None = None
         self._hidden = np.zeros(2)
@@ -64,7 +62,7 @@ class FaultyBackend(LayeredBackend):
     @property
     def sensors_read(self) -> tuple[str, ...]:
         """Names of the sensors that were read so far."""
-        return tuple(name for name in SENSORS if name in self._last)
+        return tuple(name for name in SENSORS if name in self._read_once)
 
     def _slide(self, base: Base, fault: Fault) -> None:
         """A standing base slides; one that can't turn where it stands slides ahead or back instead."""
@@ -83,13 +81,13 @@ class FaultyBackend(LayeredBackend):
     def step(self) -> None:
         """See `Backend`."""
         slips = self._is(FaultKind.SLIP)
-        base = parts_of(self.inner).base if slips else None
+        base = part_of(self.inner, Base) if slips else None
         before = base.wheel_travel() if base else WheelTravel(0.0, 0.0)
         if slips and base and not self._driven and self._fault:
             self._slide(base, self._fault)
         self._catch_up()
         if self._is(FaultKind.WORLD) and self._fault and self._fault.act:
-            self._fault.act(scene_of(self.inner))
+            self._fault.act(simulated_world(self.inner))
             self.bitten += 1
         self.inner.step()
         if base:
@@ -108,9 +106,18 @@ class FaultyBackend(LayeredBackend):
 
     # Commands
 
-    def drive(self, base: Base, speed: float, turn_rate: float) -> None:
+    def pass_on(self, part: Capability, kind: Kind, method: str, *words: Any) -> Any:
+        """See `LayeredBackend`."""
+        take = partial(super().pass_on, part, kind, method, *words)
+        reading = kind.READINGS.get(method)
+        if reading is not None:
+            return self._read(reading, (kind, method), take)
+        if method in kind.COMMANDS:
+            self._call("")
+        return take()
+
+    def base_drive(self, base: Base, speed: float, turn_rate: float) -> None:
         """See `Base`."""
-        self._call("")
         self._driven = True
         if self._sticks(base):
             base.drive(0.0, 0.0)
@@ -119,9 +126,8 @@ class FaultyBackend(LayeredBackend):
         else:
             base.drive(speed, turn_rate)
 
-    def move_arm(self, arm: Arm, joints: Vector) -> None:
+    def arm_move(self, arm: Arm, joints: Vector) -> None:
         """See `Arm`."""
-        self._call("")
         if self._sticks(arm) or self._joints is not None:
             self._joints = np.array(joints, dtype=np.float64)
         else:
@@ -132,9 +138,8 @@ class FaultyBackend(LayeredBackend):
         """See `Arm`."""
         return arm.command() if self._joints is None else self._joints.copy()
 
-    def move_gripper(self, gripper: Gripper, width: float) -> None:
+    def gripper_move(self, gripper: Gripper, width: float) -> None:
         """See `Gripper`."""
-        self._call("")
         if self._sticks(gripper):
             self._width = float(width)
         else:
@@ -158,64 +163,41 @@ class FaultyBackend(LayeredBackend):
         """What was stuck and no longer is goes where it was last told to."""
         if self._is(FaultKind.STUCK):
             return
-        gripper = parts_of(self.inner).gripper
+        gripper = part_of(self.inner, Gripper)
         if self._width is not None and gripper:
             gripper.move(self._width)
             self._width = None
-        arm = parts_of(self.inner).arm
-        if self._joints is not None and arm:
-            way = self._joints - arm.command()
-            arm.move(arm.command() + np.clip(way, -_STEP, _STEP))
-            if np.abs(way).max() <= _STEP:
-                self._joints = None
+        arm = part_of(self.inner, Arm)
+        if self._joints is None or arm is None:
+            return
+        if self._goes_on(arm, self._joints - arm.command(), _STEP):
+            self._joints = None
+
+    def _goes_on(self, arm: Arm, way: Vector, step: float) -> bool:
+        """A step of so much at most, less where a joint may not move as fast; whether that was all of it."""
+        try:
+            arm.move(arm.command() + np.clip(way, -step, step))
+        except CommandError:
+            return step > _LEAST and self._goes_on(arm, way, 0.5 * step)
+        return float(np.abs(way).max()) <= step
 
     # Readings
 
-    def wheel_travel(self, base: Base) -> WheelTravel:
+    def base_wheel_travel(self, base: Base) -> WheelTravel:
         """See `Base`."""
-        return self._read("wheels", lambda: WheelTravel(*np.add(base.wheel_travel(), self._hidden)))
+        return WheelTravel(*np.add(base.wheel_travel(), self._hidden))
 
-    def joints(self, arm: Arm) -> Vector:
-        """See `Arm`."""
-        return self._read("joints", arm.joints)
-
-    def hand_force(self, arm: Arm) -> Vector:
-        """See `Arm`."""
-        return self._read("force", arm.hand_force)
-
-    def width(self, gripper: Gripper) -> float:
-        """See `Gripper`."""
-        return self._read("width", gripper.width)
-
-    def closed(self, gripper: Gripper) -> bool:
-        """See `Gripper`."""
-        return self._read("width", gripper.closed_on_something, "closed")
-
-    def image(self, camera: Camera) -> NDArray[np.uint8]:
-        """See `Camera`."""
-        return self._read("camera", camera.image)
-
-    def scan(self, sensor: RangeSensor) -> Scan:
-        """See `RangeSensor`."""
-        return self._read("range", sensor.scan)
-
-    def whereabouts(self, positioning: Positioning) -> PoseReading | None:
-        """See `Positioning`."""
-        return self._read("positioning", positioning.reading)
-
-    def _read(self, sensor: str, take: Callable[[], T], name: str = "") -> T:
-        self._call(sensor)
-        name = name or sensor
-        concerned = self._fault is not None and self._fault.sensor == sensor
+    def _read(self, reading: Reading, name: tuple[Kind, str], take: Callable[[], Any]) -> Any:
+        self._call(reading.sensor)
+        concerned = self._fault is not None and self._fault.sensor == reading.sensor
         if concerned and self._is(FaultKind.STALE) and name in self._last:
             self.bitten += 1
-            stale: T = self._last[name]
-            return stale
+            return self._last[name]
         value = self._last[name] = take()
+        self._read_once.add(reading.sensor)
         if concerned and self._is(FaultKind.NAN):
             self.bitten += 1
-            broken: T = _broken(value)
-            return broken
+            return broken(value, reading.measured)
         return value
 
     def _call(self, sensor: str) -> None:
@@ -233,22 +215,5 @@ class FaultyBackend(LayeredBackend):
         return self._fault is not None and self._fault.kind is kind and self._left > 0
 
 
-_STEP = 0.02  # [rad] a period that a joint catches up with
-
-
-def _broken(value: Any) -> Any:
-    """NaN in place of numbers, black in place of a picture."""
-    match value:
-        case WheelTravel():
-            return WheelTravel(np.nan, np.nan)
-        case Scan():
-            return value._replace(ranges=np.full_like(value.ranges, np.nan))
-        case PoseReading():
-            return value._replace(pose=Pose2(np.nan, np.nan, np.nan), age=np.nan)
-        case None:
-            return None
-        case bool():
-            return value
-        case float():
-            return np.nan
-    return np.zeros_like(value) if value.dtype == np.uint8 else np.full_like(value, np.nan)
+_STEP = 0.02  # [rad] or [m] a period that a joint catches up with
+_LEAST = 1e-5  # the same: slower than any joint

@@ -5,10 +5,13 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from handcart.backends.arm import Arm
+from handcart.backends.camera import Camera
+from handcart.backends.range_sensor import RangeSensor
 from handcart.backends.scene.books.book_props import BookProps
 from handcart.backends.scene.ranges import cast_rays
 from handcart.backends.scene.solids import FloorPlan
-from handcart.evaluation.ground_truth import scene_of
+from handcart.evaluation.simulated_world import simulated_world
 from handcart.evaluation.stage import Stage
 from handcart.robotics.geometry.transform import apply, inverse
 from handcart.robotics.kinematics.arm_model import ArmModel
@@ -16,7 +19,7 @@ from handcart.robotics.perception.tag_reader import read_tags
 
 from .bench import Bench
 from .check import Check, Finding
-from .parts import arm_of, camera_of, range_sensor_of
+from .parts import needed
 from .periods import move_joints, steps
 from .skipped import Skipped
 
@@ -45,9 +48,9 @@ def _tag_errors(bench: Bench, seed: int) -> NDArray[np.float64]:
     """(n, 2) seen minus projected middle of the tag, in [px], in pictures from slightly different tilts."""
     with bench.stage(seed) as stage:
         backend, spec = stage.backend, stage.robot.spec
-        scene, arm, camera = scene_of(backend), arm_of(backend), camera_of(backend)
+        scene, arm, camera = simulated_world(backend), needed(backend, Arm), needed(backend, Camera)
         book = None if scene is None else scene.of(BookProps).tray_book()
-        if book is None:
+        if scene is None or book is None:
             raise Skipped("no book's true place is known")
         if spec.arm is None or "look_at_tag" not in spec.arm.postures:
             raise Skipped("the robot's file has no posture look_at_tag")
@@ -77,7 +80,7 @@ def ranges(bench: Bench, finding: Finding) -> None:
     """Ranges agree with the outlines of the world about the true place of the sensor."""
     with bench.stage() as stage:
         backend, spec = stage.backend, stage.robot.spec.range_sensor
-        scene, sensor = scene_of(backend), range_sensor_of(backend)
+        scene, sensor = simulated_world(backend), needed(backend, RangeSensor)
         if scene is None or spec is None:
             raise Skipped("no world's true shape is known")
         taken = []
@@ -99,7 +102,8 @@ def ranges(bench: Bench, finding: Finding) -> None:
 def _true_ranges(stage: Stage, reach: float) -> NDArray[np.float64]:
     from handcart.backends.scene.mounts import base_T_frame
 
-    scene, scan = scene_of(stage.backend), stage.robot.range_sensor.scan()
+    scene, scan = simulated_world(stage.backend), stage.robot.range_sensor.scan()
+    assert scene is not None, "the check has asked for it"
     height = float(base_T_frame(stage.robot.spec.urdf_text(), "range_sensor")[2, 3])
     plan = FloorPlan(scene.solids, height, height)
     return cast_rays(plan, scene.base.compose(scan.base_T_sensor), scan.angles, scene.time, reach)
@@ -109,7 +113,7 @@ def frames(bench: Bench, finding: Finding) -> None:
     """The hand is where the URDF's kinematics put it."""
     with bench.stage() as stage:
         backend, spec = stage.backend, stage.robot.spec
-        scene, arm = scene_of(backend), arm_of(backend)
+        scene, arm = simulated_world(backend), needed(backend, Arm)
         if scene is None or spec.arm is None:
             raise Skipped("nothing is simulated")
         model = ArmModel(spec.urdf_text(), spec.arm.joints)

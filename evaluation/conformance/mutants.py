@@ -6,7 +6,11 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import partial
 
-from handcart.evaluation.ground_truth import ground_truth
+from handcart.backends.arm import Arm
+from handcart.backends.camera import Camera
+from handcart.backends.capability import Capability
+from handcart.backends.gripper import Gripper
+from handcart.backends.range_sensor import RangeSensor
 from handcart.primitives.contract.action_primitive import ActionPrimitive
 
 from . import primitive_liars, snapshot_checks
@@ -15,7 +19,7 @@ from .bench import Bench
 from .check import Finding
 from .fail_is_true import Batch
 from .fault import FaultKind
-from .parts import needed, parts_of
+from .parts import needed
 from .reach import Reach
 from .rehearsal import RETURN_BOOK, Rehearsal, Solo
 from .skipped import Skipped
@@ -33,8 +37,8 @@ class Mutant:
     lie: str
     look: Callable[[Bench], list[str]]
     """What is found wrong with it."""
-    needs: tuple[str, ...] = ()
-    """Parts that the robot must have, as `Parts` names them."""
+    needs: tuple[type[Capability], ...] = ()
+    """What the robot must have."""
     by_truth: bool = False
     """Whether nothing but the ground truth gives it away."""
 
@@ -65,10 +69,9 @@ def try_mutant(name: str, bench: Bench) -> Caught:
 def _plantable(mutant: Mutant, bench: Bench) -> None:
     """Raises `Skipped` where the liar couldn't lie, or nobody could know."""
     with bench.stage() as stage:
-        parts = parts_of(stage.backend)
-        for name in mutant.needs:
-            needed(getattr(parts, name), name.replace("_", " "))
-        if mutant.by_truth and ground_truth(stage.backend) is None:
+        for kind in mutant.needs:
+            needed(stage.backend, kind)
+        if mutant.by_truth and stage.backend.ground_truth() is None:
             raise Skipped("no ground truth is known")
 
 
@@ -110,20 +113,20 @@ def _in_primitive(
     kind: type[Reach],
     lie: str,
     fault: FaultKind = FaultKind.CANCEL,
-    needs: tuple[str, ...] = (),
+    needs: tuple[type[Capability], ...] = (),
     by_truth: bool = False,
 ) -> Mutant:
     return Mutant(kind.__name__, lie, partial(_primitive, kind, fault), needs, by_truth)
 
 
 _ALL = (
-    _in_primitive(primitive_liars.NotRestored, "leaves everything as it is", needs=("arm",)),
-    _in_primitive(primitive_liars.BaseAlone, "brings back the base, not arm and fingers", needs=("arm",)),
+    _in_primitive(primitive_liars.NotRestored, "leaves everything as it is", needs=(Arm,)),
+    _in_primitive(primitive_liars.BaseAlone, "brings back the base, not arm and fingers", needs=(Arm,)),
     Mutant(
         "DropsObject",
         "opens the hand before it goes back",
         partial(_holding, primitive_liars.DropsObject, FaultKind.CANCEL),
-        needs=("arm", "gripper", "camera", "range_sensor"),
+        needs=(Arm, Gripper, Camera, RangeSensor),
     ),
     _in_primitive(primitive_liars.MovesLater, "comes back, and drives off later"),
     Mutant(
@@ -143,7 +146,7 @@ _ALL = (
     _in_primitive(
         primitive_liars.RunsIntoThings,
         "comes back by way of the wall, past the guard",
-        needs=("range_sensor",),
+        needs=(RangeSensor,),
         by_truth=True,
     ),
     _in_backend("KeepsDriving", "a command lives on until there is another", "one period"),
@@ -155,5 +158,7 @@ _ALL = (
     _in_backend("RollsDice", "ranges waver with the wall clock", "rates"),
     _in_backend("HalfPixel", "pictures are half a pixel off", "landmark"),
     _in_backend("Undelayed", "tells where the base was as where it is", "positioning"),
+    _in_backend("TurnsOtherWay", "its gyros' axes point down", "imu"),
+    _in_backend("FixInMillimetres", "tells fixes in mm", "gps"),
 )
 MUTANTS: Mapping[str, Mutant] = {mutant.name: mutant for mutant in _ALL}

@@ -7,8 +7,12 @@ from numpy.typing import NDArray
 
 from handcart.backends.arm import Arm
 from handcart.backends.backend import Backend
+from handcart.backends.base import Base
+from handcart.backends.capabilities import CAPABILITIES
+from handcart.backends.capability import Capability
 
-from .parts import base_of, parts_of
+from .numbers import as_numbers
+from .parts import needed
 
 SETTLES = 10  # periods within which a robot comes to rest
 SLOW = 0.3  # [rad/s] at which checks move joints
@@ -22,7 +26,7 @@ def steps(backend: Backend, count: int) -> None:
 
 def drive(backend: Backend, speed: float, turn_rate: float, periods: int) -> None:
     """Drive for so many periods, then wait until it stands."""
-    base = base_of(backend)
+    base = needed(backend, Base)
     for _ in range(periods):
         base.drive(speed, turn_rate)
         backend.step()
@@ -31,7 +35,7 @@ def drive(backend: Backend, speed: float, turn_rate: float, periods: int) -> Non
 
 def driven(backend: Backend, speed: float, turn_rate: float, periods: int) -> tuple[float, float]:
     """The same; gives how far the left and the right wheel rolled, in [m]."""
-    base = base_of(backend)
+    base = needed(backend, Base)
     before = base.wheel_travel()
     drive(backend, speed, turn_rate, periods)
     after = base.wheel_travel()
@@ -49,20 +53,17 @@ def move_joints(backend: Backend, arm: Arm, goal: NDArray[np.float64]) -> None:
 
 
 def all_readings(backend: Backend) -> dict[str, NDArray[np.float64]]:
-    """Every reading of this period, by name."""
-    parts = parts_of(backend)
+    """Every reading of this period, by capability and method: "arm joints"."""
     result: dict[str, NDArray[np.float64]] = {}
-    if parts.base is not None:
-        result["wheels"] = np.array(list(parts.base.wheel_travel()))
-    if parts.arm is not None:
-        result |= {"joints": parts.arm.joints(), "force": parts.arm.hand_force()}
-    if parts.gripper is not None:
-        result["width"] = np.array([parts.gripper.width(), parts.gripper.closed_on_something()])
-    if parts.camera is not None:
-        result["image"] = parts.camera.image().astype(np.float64)
-    if parts.range_sensor is not None:
-        result["scan"] = parts.range_sensor.scan().ranges.copy()
-    told = None if parts.positioning is None else parts.positioning.reading()
-    if told is not None:
-        result["positioning"] = np.array([told.number, *told.pose])
+    for part in backend.capabilities():
+        for method, reading in part.READINGS.items():
+            numbers = as_numbers(getattr(part, method)(), reading.measured)
+            if numbers is not None:
+                result[reading_name(part, method)] = numbers
     return result
+
+
+def reading_name(part: Capability, method: str) -> str:
+    """What messages call a reading."""
+    kind = next((each for each in CAPABILITIES if isinstance(part, each)), type(part))
+    return f"{kind.words()} {method}"

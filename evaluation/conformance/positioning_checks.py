@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import math
 
-from handcart.backends.positioning import PoseReading
-from handcart.evaluation.ground_truth import scene_of
+from handcart.backends.base import Base
+from handcart.backends.positioning import PoseReading, Positioning
+from handcart.evaluation.simulated_world import simulated_world
 
 from .bench import Bench
 from .check import Check, Finding
-from .parts import base_of, positioning_of
+from .parts import needed
 from .skipped import Skipped
 
 PERIODS = 60
@@ -21,14 +22,14 @@ def positioning(bench: Bench, finding: Finding) -> None:
     """Readings come at their rate, and tell where the base truly was as long ago as they say."""
     spec = bench.spec().positioning
     with bench.stage() as stage:
-        backend, system, period = stage.backend, positioning_of(stage.backend), stage.backend.period
-        scene = scene_of(backend)
+        backend, system, period = stage.backend, needed(stage.backend, Positioning), stage.backend.period
+        scene = simulated_world(backend)
         if scene is None or spec is None:
             raise Skipped("no base's true place is known")
         poses, taken = [scene.base], list[tuple[float, PoseReading]]()
         for number in range(1, PERIODS + 1):
             if number <= PERIODS // 2:
-                base_of(backend).drive(SPEED, TURN_RATE)
+                needed(backend, Base).drive(SPEED, TURN_RATE)
             backend.step()
             poses.append(scene.base)
             reading = system.reading()

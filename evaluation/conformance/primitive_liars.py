@@ -7,7 +7,9 @@ from typing import Any
 
 import numpy as np
 
+from handcart.backends.arm import Arm
 from handcart.backends.base import Base
+from handcart.backends.gripper import Gripper
 from handcart.backends.robot import Robot
 from handcart.primitives.books.pick_up import PickUp
 from handcart.primitives.contract.action_primitive import Periods
@@ -17,7 +19,7 @@ from handcart.primitives.restoring.retrace import reach_pose, retrace
 from handcart.primitives.restoring.snapshot import Snapshot
 from handcart.primitives.restoring.trace import Trace
 
-from .parts import parts_of
+from .parts import part_of
 from .reach import Reach
 
 LATER = 20  # periods: a quarter of a second for the verdict, then some
@@ -80,7 +82,7 @@ class EditsSnapshot(Reach):
 
     def restore(self, robot: Robot, model: ModelView, start: Snapshot, trace: Trace) -> Periods:
         yield from robot.wait(1.0)
-        arm, gripper = parts_of(robot.backend).arm, parts_of(robot.backend).gripper
+        arm, gripper = part_of(robot.backend, Arm), part_of(robot.backend, Gripper)
         if arm is not None:
             start.joints[:] = arm.joints()
         object.__setattr__(start, "pose", robot.pose)

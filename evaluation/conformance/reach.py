@@ -9,14 +9,16 @@ from typing import Any, ClassVar
 import numpy as np
 from pydantic import PrivateAttr
 
+from handcart.backends.arm import Arm
 from handcart.backends.base import Base
+from handcart.backends.gripper import Gripper
+from handcart.backends.ground_truth import GroundTruth
 from handcart.backends.robot import Robot
-from handcart.evaluation.ground_truth import GroundTruth
 from handcart.primitives.contract.action_primitive import ActionPrimitive, Periods
 from handcart.primitives.contract.discrepancy import Discrepancy
 from handcart.primitives.knowledge.world_model import ModelView
 
-from .parts import parts_of
+from .parts import part_of
 
 SPEED, CREEP, SWINGS = 0.2, 0.02, 0.3  # [m/s], [m/s], [rad/s]
 CLOSE = 0.002  # [m] left that count as nothing
@@ -59,7 +61,7 @@ class Reach(ActionPrimitive):
             yield
 
     def _swing(self, robot: Robot) -> Periods:
-        arm = parts_of(robot.backend).arm
+        arm = part_of(robot.backend, Arm)
         if arm is None:
             return
         start = arm.command()
@@ -70,7 +72,7 @@ class Reach(ActionPrimitive):
             yield
 
     def _grip(self, robot: Robot) -> Periods:
-        gripper = parts_of(robot.backend).gripper
+        gripper = part_of(robot.backend, Gripper)
         if gripper is None:
             return
         goal = max(0.0, gripper.command() - self.grip_m)

@@ -7,14 +7,16 @@ from dataclasses import replace
 
 import numpy as np
 
-from handcart.evaluation.ground_truth import ground_truth, not_restored
+from handcart.backends.arm import Arm
+from handcart.backends.gripper import Gripper
 from handcart.evaluation.stage import Stage
+from handcart.evaluation.true_changes import not_restored
 from handcart.primitives.contract.outcome import Fail
 from handcart.primitives.restoring.snapshot import Snapshot, limits, residuals, take_snapshot
 
 from .bench import Bench
 from .check import Check, Finding
-from .parts import parts_of
+from .parts import part_of
 from .periods import move_joints, steps
 from .reach import Reach
 
@@ -28,7 +30,7 @@ def covers(bench: Bench, finding: Finding) -> None:
         backend = stage.backend
         _wait(stage, LOOKS)
         start = take_snapshot(stage.robot, {})
-        truth = ground_truth(backend)
+        truth = backend.ground_truth()
         if truth is not None:
             joints = len(truth.joints)
             finding.expect(len(start.joints) == joints, f"{len(start.joints)} of {joints} joints")
@@ -36,7 +38,7 @@ def covers(bench: Bench, finding: Finding) -> None:
         seen = _beyond(stage, start)
         finding.expect(not seen, f"nothing was moved, yet {', '.join(seen)} is")
         tolerance = stage.robot.spec.tolerance
-        arm, gripper = parts_of(backend).arm, parts_of(backend).gripper
+        arm, gripper = part_of(backend, Arm), part_of(backend, Gripper)
         if arm is not None:
             home = arm.command()
             for number in range(len(home)):
@@ -91,14 +93,14 @@ def drift(bench: Bench, finding: Finding, kind: type[Reach] = Reach) -> None:
     """Many Fails in a row don't add up: the last ends where the first began."""
     times = FAILS_QUICK if bench.quick else FAILS
     with bench.stage() as stage:
-        first = ground_truth(stage.backend)
+        first = stage.backend.ground_truth()
         spec = bench.spec()
         for number in range(times):
             outcome = stage.do(kind(fails=True))
             if not isinstance(outcome, Fail):
                 finding.wrong.append(f"Fail {number + 1} is {type(outcome).__name__}: {outcome}")
                 return
-        last = ground_truth(stage.backend)
+        last = stage.backend.ground_truth()
         finding.measured.append(f"{times} Fails")
         if first is None or last is None:
             finding.measured.append("no ground truth")

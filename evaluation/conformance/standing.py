@@ -7,10 +7,14 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from handcart.backends.arm import Arm
 from handcart.backends.backend import Backend
-from handcart.evaluation.ground_truth import GroundTruth, ground_truth, not_still
+from handcart.backends.base import Base
+from handcart.backends.gripper import Gripper
+from handcart.backends.ground_truth import GroundTruth
+from handcart.evaluation.true_changes import not_still
 
-from .parts import parts_of
+from .parts import part_of
 
 HELD = {"wheels": 2e-3, "joints": 2e-3, "width": 5e-4}
 """[m], [rad], [m] by which what stands may seem to move."""
@@ -26,15 +30,15 @@ class Standing:
     @classmethod
     def of(cls, backend: Backend) -> Standing:
         """As the backend has it now."""
-        parts = parts_of(backend)
+        base, arm, gripper = part_of(backend, Base), part_of(backend, Arm), part_of(backend, Gripper)
         readings: dict[str, NDArray[np.float64]] = {}
-        if parts.base is not None:
-            readings["wheels"] = np.array(list(parts.base.wheel_travel()))
-        if parts.arm is not None:
-            readings["joints"] = parts.arm.joints().copy()
-        if parts.gripper is not None:
-            readings["width"] = np.array([parts.gripper.width()])
-        return cls(readings, ground_truth(backend))
+        if base is not None:
+            readings["wheels"] = np.array(list(base.wheel_travel()))
+        if arm is not None:
+            readings["joints"] = arm.joints().copy()
+        if gripper is not None:
+            readings["width"] = np.array([gripper.width()])
+        return cls(readings, backend.ground_truth())
 
     def moved(self, after: Standing) -> list[str]:
         """What moved until `after`, in words."""

@@ -10,12 +10,15 @@ from unittest import mock
 import numpy as np
 from numpy.typing import NDArray
 
+from handcart.backends.arm import Arm
 from handcart.backends.backend import Backend
-from handcart.evaluation.ground_truth import scene_of
+from handcart.backends.base import Base
+from handcart.backends.gripper import Gripper
+from handcart.evaluation.simulated_world import simulated_world
 
 from .bench import Bench
 from .check import Check, Finding
-from .parts import base_of, parts_of
+from .parts import needed, part_of
 from .periods import all_readings, steps
 
 Record = list[dict[str, NDArray[np.float64]]]
@@ -29,7 +32,7 @@ def period(bench: Bench, finding: Finding) -> None:
     with bench.stage() as stage:
         backend, count, speed = stage.backend, 40, 0.2
         finding.expect(backend.period == spec.period_s, f"{backend.period} s, not {spec.period_s} s")
-        base = base_of(backend)
+        base = needed(backend, Base)
         for _ in range(20):  # until the speed is reached
             base.drive(speed, 0.0)
             backend.step()
@@ -48,7 +51,7 @@ def period(bench: Bench, finding: Finding) -> None:
 def monotonic(bench: Bench, finding: Finding) -> None:
     """The simulated clock goes on by one period with each step, and not otherwise."""
     with bench.stage() as stage:
-        scene = scene_of(stage.backend)
+        scene = simulated_world(stage.backend)
         if scene is None:
             finding.skipped = "nothing is simulated"
             return
@@ -99,7 +102,7 @@ def _dawdle(backend: Backend, number: int) -> bool:
 def scene_of_bench(bench: Bench) -> object:
     """The scene of a backend on the bench, None where nothing is simulated."""
     with bench.stage() as stage:
-        scene: object = scene_of(stage.backend)
+        scene: object = simulated_world(stage.backend)
         return scene
 
 
@@ -110,10 +113,10 @@ def _script(
     record: Record = []
     with bench.stage(seed) as stage:
         backend = stage.backend
-        arm, gripper = parts_of(backend).arm, parts_of(backend).gripper
+        arm, gripper = part_of(backend, Arm), part_of(backend, Gripper)
         for number in range(LONG):
             if number < LONG // 2:
-                base_of(backend).drive(0.1, 0.2)
+                needed(backend, Base).drive(0.1, 0.2)
                 if arm is not None:
                     goal = arm.command()
                     goal[0] += 0.005

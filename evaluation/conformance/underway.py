@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 from handcart.backends.robot import Robot
 from handcart.backends.robot_file import RobotFile
-from handcart.evaluation.ground_truth import ground_truth, scene_of
+from handcart.evaluation.simulated_world import simulated_world
 from handcart.evaluation.surveyed_run import SurveyedRun
 from handcart.evaluation.surveys import Surveys
 from handcart.primitives.contract.action_primitive import ActionPrimitive
@@ -66,13 +66,13 @@ class Underway:
 
     def __post_init__(self) -> None:
         does = frozenset({self.primitive.label()})
-        world = scene_of(self.backend)
+        world = simulated_world(self.backend)
         self.surveys = Surveys(SurveyedRun(self.robot, self.spec, self.model, world, self.seed, does))
         self.surveys.started(1, self.primitive)
         self.periods = attempt(self.primitive, self.robot, self.model, self._restores)
 
     def _restores(self, reason: str) -> None:
-        truth = ground_truth(self.backend)
+        truth = self.backend.ground_truth()
         self._bumps = truth.bumps if truth else None
 
     def _step(self) -> None:
@@ -135,7 +135,7 @@ class Underway:
         raise Endless
 
     def _untrue(self, outcome: Outcome) -> list[str]:
-        after = ground_truth(self.backend)
+        after = self.backend.ground_truth()
         wrong = []
         if isinstance(outcome, Fail) and self._no_return:
             wrong.append("Fail after a point of no return")

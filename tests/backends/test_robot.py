@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from handcart.backends.robot import Robot
-from handcart.evaluation.ground_truth import scene_of
+from handcart.evaluation.simulated_world import simulated_world
 from handcart.evaluation.stage import Stage, StageFiles, set_stage
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import transform
@@ -37,7 +37,7 @@ def robot(make_stage: Callable[..., Stage]) -> Robot:
 
 
 def test_in_a_pause_its_time_stands_still_and_its_readings_go_on(robot: Robot) -> None:
-    backend, before = scene_of(robot.backend), robot.time
+    backend, before = simulated_world(robot.backend), robot.time
     for _ in range(5):
         robot.step(paused=True)
     assert robot.time == before
@@ -84,7 +84,7 @@ def test_a_base_that_was_shifted_while_it_drove_was_not_pushed_while_it_stood(
 ) -> None:
     """By an indoor positioning; it takes the place over in either case."""
     robot = make_stage("atrv", HALL).robot
-    scene = scene_of(robot.backend)
+    scene = simulated_world(robot.backend)
 
     def shifted(speed: float) -> int:
         for period in range(50):
@@ -101,7 +101,7 @@ def test_a_base_that_was_shifted_while_it_drove_was_not_pushed_while_it_stood(
 def test_an_old_scan_holds_no_base_back_that_drives(robot: Robot, monkeypatch: pytest.MonkeyPatch) -> None:
     """S1: it fits the map very well, where the base no longer is."""
     robot.step()
-    scene, old = scene_of(robot.backend), robot.range_sensor.scan()
+    scene, old = simulated_world(robot.backend), robot.range_sensor.scan()
     monkeypatch.setattr(robot.range_sensor, "scan", lambda: old)
     for _ in range(60):
         robot.base.drive(0.15, 0.0)

@@ -10,15 +10,16 @@ from typing import Any
 import numpy as np
 import pytest
 
+from handcart.backends.ground_truth import Body, GroundTruth
 from handcart.backends.robot_loading import load_robot
 from handcart.evaluation.arrival_survey import ArrivalSurvey
 from handcart.evaluation.block_survey import BlockSurvey
 from handcart.evaluation.calibration_survey import CalibrationSurvey
 from handcart.evaluation.field_survey import FieldSurvey
-from handcart.evaluation.ground_truth import Body, GroundTruth, disturbed, moved
 from handcart.evaluation.localisation_survey import LocalisationSurvey
 from handcart.evaluation.survey import Claim, Survey
 from handcart.evaluation.surveys import survey_kinds
+from handcart.evaluation.true_changes import disturbed, moved
 from handcart.primitives.contract.calibrated import Calibrated
 from handcart.primitives.field.target import Laid
 from handcart.primitives.registry import primitive_names
@@ -69,12 +70,15 @@ def test_a_calibration_is_held_against_the_truth() -> None:
 def test_a_base_that_stood_stood() -> None:
     here = Pose2(1.0, 2.0, 0.1)
 
-    def stood(after: Pose2) -> list[str]:
-        return false(ArrivalSurvey, "STAND", claimed(None, here, after))
+    def stood(after: Pose2, localiser: str = "scan") -> list[str]:
+        spec = SimpleNamespace(localiser=localiser)
+        return false(ArrivalSurvey, "STAND", claimed(None, here, after), spec=spec)
 
     assert stood(Pose2(1.002, 2.0, 0.101)) == []
     (wrong,) = stood(Pose2(1.01, 2.0, 0.1))
     assert wrong == "the base moved by 10.0 mm (at most 5.0)"
+    assert stood(Pose2(1.04, 2.0, 0.1), "gps_filter") == []
+    assert stood(Pose2(1.07, 2.0, 0.1), "gps_filter") != []
     (wrong,) = stood(Pose2(1.0, 2.0, 0.2))
     assert wrong.startswith("the base turned by 5.73 deg")
 
@@ -122,8 +126,8 @@ def lying(x: float, rest: str = "table") -> Any:
     """A scene in which the sensor truly lies at x."""
     pose = np.eye(4)
     pose[0, 3] = x
-    props = SimpleNamespace(sensors={"1": SimpleNamespace(pose=pose, rest=SimpleNamespace(value=rest))})
-    return SimpleNamespace(of=lambda _: props)
+    there = SimpleNamespace(sensors={"1": SimpleNamespace(pose=pose, rest=SimpleNamespace(value=rest))})
+    return SimpleNamespace(of=lambda _: there)
 
 
 def test_a_sensor_lies_where_it_is_believed_to_and_should() -> None:

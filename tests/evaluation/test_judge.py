@@ -12,9 +12,9 @@ import pytest
 from handcart.backends.base import Base
 from handcart.backends.robot_loading import load_robot
 from handcart.backends.scene.books.book_props import BookProps
-from handcart.evaluation.ground_truth import ground_truth, not_restored
 from handcart.evaluation.judge import Judge
 from handcart.evaluation.shelving import longest_rising, shelving
+from handcart.evaluation.true_changes import not_restored
 from handcart.networks.coordination.events import Ended, Started
 from handcart.networks.coordination.run_end import RunEnd
 from handcart.networks.runs.run import prepare
@@ -41,11 +41,11 @@ actions:
 
 def test_a_fail_that_did_not_restore_is_found(set_stage: Callable[..., Any]) -> None:
     backend, robot = set_stage().backend, load_robot("librarian")
-    scene, before = backend.scene, ground_truth(backend)
+    scene, before = backend.scene, backend.ground_truth()
     assert before is not None
 
     def wrong() -> list[str]:
-        after = ground_truth(backend)
+        after = backend.ground_truth()
         assert before is not None
         assert after is not None
         return not_restored(before, after, robot)
@@ -57,15 +57,15 @@ def test_a_fail_that_did_not_restore_is_found(set_stage: Callable[..., Any]) -> 
     scene.joints = scene.joints + np.array([0.0, 0.02, 0.0, 0.0, 0.0, 0.0])
     assert any("joints deg" in each for each in wrong())
     scene.joints = before.joints
-    book = scene.of(BookProps).books[next(iter(scene.of(BookProps).books))]
+    book = next(iter(scene.of(BookProps).things()))
     book.pose = book.pose.copy()
     book.pose[2, 3] -= 0.5
     assert any("book" in each for each in wrong())
 
 
 def test_a_book_on_the_tray_is_not_in_its_slot(set_stage: Callable[..., Any]) -> None:
-    scene = set_stage().backend.scene
-    judged = shelving(scene, (scene.of(BookProps).tray_book().accession,)).judge(scene)
+    books = set_stage().backend.scene.of(BookProps)
+    judged = shelving(books, (books.tray_book().accession,)).judge(books)
     assert not judged.slot_correct
     assert not judged.right
 

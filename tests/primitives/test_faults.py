@@ -14,7 +14,7 @@ from handcart.evaluation.conformance.faulty_backend import FaultyBackend
 from handcart.evaluation.conformance.reach import Reach
 from handcart.evaluation.conformance.rehearsal import Solo
 from handcart.evaluation.conformance.underway import Ending, Underway
-from handcart.evaluation.ground_truth import scene_of
+from handcart.evaluation.simulated_world import simulated_world
 from handcart.primitives.contract.action_primitive import ActionPrimitive, Periods
 from handcart.primitives.driving.move_to import MoveTo
 from handcart.primitives.knowledge.world_model import ModelView
@@ -50,7 +50,7 @@ def test_a_base_that_is_moved_while_it_stands_needs_a_person(speed: float, turn_
 @pytest.mark.parametrize(("aside_m", "pushes"), [(0.04, 1), (0.0, 0)])
 def test_a_base_whose_wheels_roll_as_it_is_pushed_is_noticed_too(aside_m: float, pushes: int) -> None:
     with BENCH.stage() as stage:
-        robot, scene = stage.robot, scene_of(stage.backend)
+        robot, scene = stage.robot, simulated_world(stage.backend)
         for _ in range(25):
             robot.step()
         scene.base = scene.base.compose(Pose2(0.0, aside_m, 0.0))

@@ -12,6 +12,7 @@ from typing import Any
 import pytest
 
 from handcart.evaluation.campaign import Setting, Trial, run_trial
+from handcart.evaluation.library_files import Libraries
 from handcart.networks.journal.journal_record import read_journal, without_wall
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -19,7 +20,7 @@ TASK = ROOT / "tasks" / "return_book" / "task.yaml"
 
 
 def trial(tmp_path: Path, seed: int, settings: dict[str, str] | None = None, **library: Any) -> Trial:
-    return run_trial(Setting(TASK, None, settings, library or None, tmp_path), seed)
+    return run_trial(Setting(TASK, None, settings, Libraries(library) if library else None, tmp_path), seed)
 
 
 @pytest.mark.slow

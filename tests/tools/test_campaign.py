@@ -109,8 +109,8 @@ def test_outcomes_that_are_not_so_are_a_fault(trials, handcart, tmp_path, monkey
 def test_a_signal_after_a_trials_last_action_ends_the_campaign_too(monkeypatch, tmp_path):
     """K3: the trial was whole, so it counts."""
 
-    def run(*_words, interrupts):
-        interrupts.stop_by(lambda: None)
+    def run(task, runs, options):
+        options.interrupts.stop_by(lambda: None)
         signal.raise_signal(signal.SIGTERM)
         return {"outcome": "Success", "reason": "", "metrics": {}}, 0
 

@@ -33,14 +33,14 @@ def targets(backend):
 def test_speeds_are_metres_and_radians_and_left_is_left(make):
     for speed, turn_rate in ((0.3, 0.0), (-0.3, 0.0), (0.0, 0.8), (0.2, -0.5)):
         backend = make()
-        start = backend.scene.base
+        start = backend.ground_truth().base
         run(backend, 20, speed, turn_rate)
         run(backend, RAMPS)
         travel = backend.get(Base).wheel_travel()
         # Speeding up costs what slowing down gives.
         assert travel.left == pytest.approx(speed - 0.25 * turn_rate, abs=1e-4)
         assert travel.right == pytest.approx(speed + 0.25 * turn_rate, abs=1e-4)
-        moved = backend.scene.base.relative_to(start)
+        moved = backend.ground_truth().base.relative_to(start)
         assert moved.theta == pytest.approx(turn_rate, rel=0.03, abs=0.03)
         if turn_rate == 0.0:
             assert moved.x == pytest.approx(speed, rel=0.02)
@@ -88,27 +88,27 @@ def test_a_command_that_is_not_renewed_lives_one_period(make):
     backend.step()
     assert targets(backend) == [0, 0]
     run(backend, RAMPS)
-    there = backend.scene.base
+    there = backend.ground_truth().base
     backend.step()
-    assert backend.scene.base == there
+    assert backend.ground_truth().base == there
 
 
 def test_a_command_does_nothing_before_its_step(make):
     backend = make()
-    there = backend.scene.base
+    there = backend.ground_truth().base
     backend.get(Base).drive(0.3, 0.0)
     assert backend.get(Base).wheel_travel() == (0.0, 0.0)
-    assert backend.scene.base == there
+    assert backend.ground_truth().base == there
 
 
 def test_after_stop_nothing_is_queued(make):
     backend = make()
     backend.get(Base).drive(0.3, 0.0)
     backend.stop()
-    before = backend.scene.base
+    before = backend.ground_truth().base
     for _ in range(5):
         backend.step()
-    assert backend.scene.base == before
+    assert backend.ground_truth().base == before
     run(backend, 20, 0.3)
     assert targets(backend) == pytest.approx([0.3 * COUNTS_PER_M, -0.3 * COUNTS_PER_M], abs=1)
     backend.stop()
@@ -116,18 +116,18 @@ def test_after_stop_nothing_is_queued(make):
     assert targets(backend) == [0, 0]  # at once, not with the next step
     for _ in range(RAMPS):
         backend.step()
-    there = backend.scene.base
+    there = backend.ground_truth().base
     backend.step()
-    assert backend.scene.base == there
+    assert backend.ground_truth().base == there
     run(backend, 5, 0.3)  # and it can be driven again
-    assert backend.scene.base != there
+    assert backend.ground_truth().base != there
 
 
 def test_the_same_seed_gives_the_same_readings(make):
     def readings(seed):
         backend = make(seed)
         run(backend, 15, 0.2, 0.4)
-        rolled = (*backend.get(Base).wheel_travel(), *backend.scene.base)
+        rolled = (*backend.get(Base).wheel_travel(), *backend.ground_truth().base)
         return rolled, backend.get(RangeSensor).scan().ranges
 
     one, same, other = readings(5), readings(5), readings(6)
@@ -138,13 +138,13 @@ def test_the_same_seed_gives_the_same_readings(make):
 def test_a_wall_stops_the_base_and_is_noted(make):
     backend = make()
     run(backend, 100, 0.4)
-    assert backend.scene.base.y == pytest.approx(3.0 - 0.34, abs=0.06)
-    assert [(each.body, each.time > 0.0) for each in backend.scene.contacts] == [("base", True)]
+    assert backend.ground_truth().base.y == pytest.approx(3.0 - 0.34, abs=0.06)
+    assert [(each.body, each.time > 0.0) for each in backend.inner.scene.contacts] == [("base", True)]
 
 
 def test_without_a_world_there_are_wheels_alone(make):
     backend = make(room=False)
-    assert backend.scene is None
+    assert backend.ground_truth() is None
     assert backend.get(RangeSensor) is None
     run(backend, 2, 0.1)
     assert backend.get(Base).wheel_travel().left > 0.0
@@ -182,7 +182,7 @@ def test_a_world_that_is_put_back_goes_on_as_it_would_have(make):
             backend.step()
         for _ in range(RAMPS):
             backend.step()
-        rolled = (*backend.get(Base).wheel_travel(), *backend.scene.base)
+        rolled = (*backend.get(Base).wheel_travel(), *backend.ground_truth().base)
         return rolled, backend.get(Arm).joints(), backend.get(RangeSensor).scan().ranges
 
     backend = make(3, robot=robot)
@@ -203,8 +203,8 @@ def test_the_force_on_the_hand_follows_from_the_joints_torques(make):
     arm, inner = backend.get(Arm), backend.bench.inner
     backend.step()
     for force in ([0.0, 0.0, 0.0], [-20.0, 3.0, 8.0]):
-        backend.scene.hand_force = np.array(force)
+        backend.inner.scene.hand_force = np.array(force)
         inner._arm._settled = True  # what touches stays as it is
         backend.step()
-        backend.scene.hand_force = np.array(force)
+        backend.inner.scene.hand_force = np.array(force)
         assert arm.hand_force() == pytest.approx(force, abs=0.5)

@@ -21,7 +21,7 @@ from handcart.primitives.driving.move_to import MoveTo
 def test_move_to_ends_at_the_right_place():
     with set_stage(robot="cart", backend="can", seed=1) as stage:
         outcome = stage.do(MoveTo(place="shelf_3"))
-        place, scene = stage.model.places["shelf_3"].pose, stage.backend.scene
+        place, scene = stage.model.places["shelf_3"].pose, stage.backend.inner.scene
         assert isinstance(outcome, Success)
         assert scene.base.distance(place) < 0.01
         assert scene.base.turn(place) < 0.005

@@ -159,7 +159,7 @@ def test_a_force_is_felt_by_the_joints_that_tell_their_torque(make, robot):
         backend = make(robot=robot.without_errors().model_copy(update={"can": spec}))
         backend.step()
         for _ in range(2):
-            backend.scene.hand_force = np.array([-20.0, 0.0, 8.0])
+            backend.inner.scene.hand_force = np.array([-20.0, 0.0, 8.0])
             backend.bench.inner._arm._settled = True  # what touches stays as it is
             backend.step()
         force = backend.get(Arm).hand_force()

@@ -56,7 +56,7 @@ def served(robot):
 
 def test_a_step_lasts_a_period_and_the_wheels_roll(robot, bench):
     with CanBackend(robot, None) as backend:
-        assert backend.bench is None and backend.scene is None
+        assert backend.bench is None and backend.ground_truth() is None
         assert not backend.simulated
         base = backend.get(Base)
         backend.step()

@@ -71,9 +71,9 @@ def test_a_book_left_leaning_in_a_wide_gap_is_not_right(world) -> None:
             book, frame = scene.of(BookProps).books[117], scene.of(BookProps).shelves["shelf_1"]
             book.pose = frame.pose @ transform((0.0, 0.25 - 0.13 - gap / 2e3, 0.002))
             book.rest = Rest.HAND
-            judged = shelving(scene, (117,))
+            judged = shelving(scene.of(BookProps), (117,))
             put_down(scene.of(BookProps), book, None, aside=TIPPING + 0.01)
-            stood[gap] = judged.judge(scene)
+            stood[gap] = judged.judge(scene.of(BookProps))
     assert stood[31].tilt_deg == pytest.approx(math.degrees(math.asin(0.003 / 0.21)), abs=0.01)
     assert stood[31].right
     assert stood[90].tilt_deg > 5.0

@@ -1,19 +1,15 @@
-"""The true state of a simulated robot and its world, as far as outcomes are held against it."""
+"""What moved between two instants, by the ground truth, and whether that is allowed."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Collection, Mapping
-from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from handcart.backends.backend import Backend
+from handcart.backends.ground_truth import GroundTruth
 from handcart.backends.robot_file import RobotFile
-from handcart.robotics.geometry.pose2 import Pose2
-from handcart.robotics.geometry.transform import Transform, difference, inverse
+from handcart.robotics.geometry.transform import difference
 
 from .sensor_sigmas import (
     BASE_SIGMA_DEG,
@@ -34,62 +30,6 @@ STILL = {
     "body mm": 1.0,
 }
 """Within which what stands may be seen to move, in two seconds."""
-
-
-@dataclass(frozen=True)
-class Body:
-    """Something that can be moved."""
-
-    support: str
-    """What carries it: "hand", "tray" or the name of a shelf; "floor" if it fell."""
-    pose: Transform
-    """(4, 4) in the frame of what carries it: hand, base, else the world."""
-
-
-@dataclass(frozen=True)
-class GroundTruth:
-    """Robot and world at one instant."""
-
-    base: Pose2
-    """world_T_base."""
-    joints: NDArray[np.float64]
-    """(n,) in [rad], or [m] of those that slide."""
-    slides: NDArray[np.bool_]
-    """(n,) which joints do."""
-    width: float
-    """Between the finger pads, in [m]."""
-    bodies: Mapping[str, Body]
-    bumps: int
-    """How often the base has run into something so far."""
-
-
-def scene_of(backend: Backend) -> Any:
-    """The scene behind a backend, through all that is put around it; None where nothing is simulated."""
-    inner = getattr(backend, "inner", None)
-    return getattr(backend, "scene", None) if inner is None else scene_of(inner)
-
-
-def ground_truth(backend: Backend) -> GroundTruth | None:
-    """Read it; None where nothing is simulated."""
-    return true_state(scene_of(backend))
-
-
-def true_state(scene: Any) -> GroundTruth | None:
-    """Of a simulated world; None of none."""
-    if scene is None:
-        return None
-    bodies = {each.name: _body(scene, each) for each in scene.things()}
-    slides = np.array(scene.robot.joint_units.slides[: scene.joints.size], dtype=np.bool_)
-    bumps = sum(contact.body == "base" for contact in scene.contacts)
-    return GroundTruth(scene.base, scene.joints.copy(), slides, float(scene.width), bodies, bumps)
-
-
-def _body(scene: Any, thing: Any) -> Body:
-    if scene.held is thing:
-        return Body("hand", inverse(scene.world_T("hand")) @ thing.pose)
-    if thing.rest.value == "tray":
-        return Body("tray", inverse(scene.world_T_base) @ thing.pose)
-    return Body(getattr(thing, "shelf", None) or thing.rest.value, thing.pose.copy())
 
 
 def moved(before: GroundTruth, after: GroundTruth) -> dict[str, float]:

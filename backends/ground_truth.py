@@ -1,0 +1,39 @@
+"""The true state of a simulated robot and its world, as far as outcomes are held against it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.geometry.transform import Transform
+
+
+@dataclass(frozen=True)
+class Body:
+    """Something that can be moved."""
+
+    support: str
+    """What carries it: "hand", "tray" or the name of a shelf; "floor" if it fell."""
+    pose: Transform
+    """(4, 4) in the frame of what carries it: hand, base, else the world."""
+
+
+@dataclass(frozen=True)
+class GroundTruth:
+    """Robot and world at one instant."""
+
+    base: Pose2
+    """world_T_base."""
+    joints: NDArray[np.float64]
+    """(n,) in [rad], or [m] of those that slide."""
+    slides: NDArray[np.bool_]
+    """(n,) which joints do."""
+    width: float
+    """Between the finger pads, in [m]."""
+    bodies: Mapping[str, Body]
+    bumps: int
+    """How often the base has run into something so far."""

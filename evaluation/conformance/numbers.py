@@ -1,0 +1,43 @@
+"""A sensor's reading as numbers, and as one that is none."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+
+
+def as_numbers(reading: Any, measured: tuple[str, ...] = ()) -> Floats | None:
+    """All that was measured in a row (n,); None where nothing was.
+
+    Args:
+        reading: what a capability gave.
+        measured: of a named tuple, the fields that count; none: all.
+    """
+    if reading is None:
+        return None
+    if isinstance(reading, tuple):
+        parts = (as_numbers(each) for each in _fields(reading, measured).values())
+        return np.concatenate([part for part in parts if part is not None])
+    return np.array(reading, dtype=np.float64).ravel()
+
+
+def broken(reading: Any, measured: tuple[str, ...] = ()) -> Any:
+    """The same with NaN in place of what was measured, and black in place of a picture."""
+    match reading:
+        case tuple():
+            fields = {name: broken(each) for name, each in _fields(reading, measured).items()}
+            return reading._replace(**fields)  # type: ignore[attr-defined]
+        case float():
+            return np.nan
+        case np.ndarray():
+            picture = reading.dtype == np.uint8
+            return np.zeros_like(reading) if picture else np.full_like(reading, np.nan)
+    return reading  # a number that counts, a yes or no, nothing
+
+
+def _fields(reading: Any, measured: tuple[str, ...]) -> dict[str, Any]:
+    return {name: getattr(reading, name) for name in measured or reading._fields}
