@@ -120,7 +120,8 @@ def _written_out(kind: Any) -> Any:
 
 
 def _of_class(kind: Any) -> _Codec:
-    if not inspect.isclass(kind):
+    is_class: bool = inspect.isclass(kind)
+    if not is_class:
         raise TypeError(f"a checkpoint can't keep values of the type {kind!r}")
     if issubclass(kind, Enum):
         return _Codec(lambda value: value.value, kind)

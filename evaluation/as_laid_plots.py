@@ -4,15 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .as_laid_report import NAME, AsLaid
-from .field_survey import FieldSurvey, Place
 from .figure_file import save_figure
+from .laid_placement import Place, Placement
 from .legend import add_legend
+from .total_station import TotalStation
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -27,7 +28,18 @@ MOST = 1500  # points of a kind: more aren't seen, and make the file large
 INSIDE = 5.991  # squared distance in sigmas that 95 % keep, of two degrees of freedom
 
 
-def draw_as_laid(folder: Path, survey: FieldSurvey, sensors: list[AsLaid]) -> Path:
+class Laying(Protocol):
+    """What was seen of it."""
+
+    tracks: dict[str, list[Place]]
+    station: TotalStation | None
+
+    def placements(self) -> list[Placement]:
+        """Of all sensors."""
+        ...
+
+
+def draw_as_laid(folder: Path, survey: Laying, sensors: list[AsLaid]) -> Path:
     """Draw a run's localization, its trajectory and errors into its folder; gives the picture's path."""
     import matplotlib
     from matplotlib.figure import Figure
@@ -53,7 +65,7 @@ def draw_as_laid(folder: Path, survey: FieldSurvey, sensors: list[AsLaid]) -> Pa
     return path
 
 
-def _tall(survey: FieldSurvey) -> float:
+def _tall(survey: Laying) -> float:
     """Of a panel with the whole course, in [in]."""
     if len(survey.tracks["truth"]) < 2:
         return TALL[0]
@@ -66,7 +78,7 @@ def _thinned(points: Sequence[Place] | Sequence[Array]) -> Array:
     return np.array(points[:: 1 + len(points) // MOST]).T
 
 
-def _track(axes: Axes, survey: FieldSurvey) -> None:
+def _track(axes: Axes, survey: Laying) -> None:
     """Figure 3: fixes, odometry and what becomes of them."""
     axes.set_title("where the robot was, and where it took itself to be [m]")
     if survey.tracks["fixes"]:
@@ -78,7 +90,7 @@ def _track(axes: Axes, survey: FieldSurvey) -> None:
     add_legend(axes, loc="upper right", fontsize="small", ncols=4)
 
 
-def _hand(axes: Axes, survey: FieldSurvey) -> None:
+def _hand(axes: Axes, survey: Laying) -> None:
     """Figures 7 and 8: the hand's trajectory by the total station, and what it let go."""
     axes.set_title("hand and sensors by the total station [m]")
     sights = survey.station.sights if survey.station is not None else []
@@ -98,7 +110,7 @@ def _hand(axes: Axes, survey: FieldSurvey) -> None:
     add_legend(axes, loc="upper right", fontsize="small", ncols=4)
 
 
-def _errors(axes: Axes, survey: FieldSurvey) -> None:
+def _errors(axes: Axes, survey: Laying) -> None:
     """Figures 9 and 10: errors about their mean."""
     errors = np.array([each.error_mm for each in survey.placements() if each.error_mm is not None])
     axes.set_title("errors by the total station, about their mean [mm]")
@@ -108,7 +120,7 @@ def _errors(axes: Axes, survey: FieldSurvey) -> None:
         axes.set_xlabel(f"{len(errors)} seen; standard deviation {x:.0f} in x, {y:.0f} in y")
 
 
-def _ellipses(axes: Axes, survey: FieldSurvey, sensors: list[AsLaid]) -> None:
+def _ellipses(axes: Axes, survey: Laying, sensors: list[AsLaid]) -> None:
     """What the report says against where the sensors lie."""
     axes.set_title("as-laid report about the true places [mm]")
     lies = {each.name: np.array(each.lies) for each in survey.placements()}

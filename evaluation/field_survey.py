@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,6 +19,7 @@ from handcart.primitives.field.target import Laid
 from handcart.robotics.navigation.placement_errors import aligned_spread, nees
 
 from .field_effects import EFFECTS
+from .laid_placement import Place, Placement
 from .survey import Survey
 from .survey_notes import SurveyNotes
 from .surveyed_run import SurveyedRun
@@ -30,29 +31,6 @@ NOTES = "survey.jsonl"
 TRACKS = ("fixes", "odometry", "estimate", "truth")
 NOTED = 5.0  # [s] at most between two notes
 Array = NDArray[np.float64]
-Place = tuple[float, float]
-"""x and y in [m]."""
-
-
-class Placement(NamedTuple):
-    """One sensor."""
-
-    name: str
-    target: tuple[float, float]
-    """In [m]."""
-    believed: Laid
-    """What the robot held when it let the sensor go."""
-    measured: tuple[float, float] | None
-    """By the total station, in [m]; None where it had lost sight of the reflector."""
-    lies: tuple[float, float]
-    """The ground truth, in [m]."""
-
-    @property
-    def error_mm(self) -> tuple[float, float] | None:
-        """Measured place less target, x and y in [mm]; None where it wasn't seen."""
-        if self.measured is None:
-            return None
-        return 1e3 * (self.measured[0] - self.target[0]), 1e3 * (self.measured[1] - self.target[1])
 
 
 @dataclass(frozen=True)

@@ -52,6 +52,11 @@ class Thing:
         raise NotImplementedError
 
     @property
+    def support(self) -> str:
+        """What carries it, in a word, or by its name."""
+        return self.rest.value
+
+    @property
     def size(self) -> tuple[float, float, float]:
         """Along x, y, z of its frame, in [m]."""
         raise NotImplementedError

@@ -44,6 +44,11 @@ class Book(Thing):
         return f"book {self.accession}"
 
     @property
+    def support(self) -> str:
+        """See `Thing`: its shelf, where it stands on one."""
+        return self.shelf or super().support
+
+    @property
     def size(self) -> tuple[float, float, float]:
         """Depth, thickness, height along x, y, z of its frame, in [m]."""
         return self.depth, self.thickness, self.height

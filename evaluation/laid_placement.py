@@ -1,0 +1,31 @@
+"""Where one sensor came to lie."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from handcart.primitives.field.target import Laid
+
+Place = tuple[float, float]
+"""x and y in [m]."""
+
+
+class Placement(NamedTuple):
+    """One sensor."""
+
+    name: str
+    target: tuple[float, float]
+    """In [m]."""
+    believed: Laid
+    """What the robot held when it let the sensor go."""
+    measured: tuple[float, float] | None
+    """By the total station, in [m]; None where it had lost sight of the reflector."""
+    lies: tuple[float, float]
+    """The ground truth, in [m]."""
+
+    @property
+    def error_mm(self) -> tuple[float, float] | None:
+        """Measured place less target, x and y in [mm]; None where it wasn't seen."""
+        if self.measured is None:
+            return None
+        return 1e3 * (self.measured[0] - self.target[0]), 1e3 * (self.measured[1] - self.target[1])
