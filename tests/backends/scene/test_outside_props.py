@@ -14,6 +14,7 @@ import pytest
 
 from handcart.backends.arm import Arm
 from handcart.backends.backend import Backend
+from handcart.backends.base import Base
 from handcart.backends.camera import Camera
 from handcart.backends.gripper import Gripper
 from handcart.backends.registry import check_world, make_backend
@@ -150,11 +151,13 @@ def test_the_camera_sees_how_full_it_is(make: Callable[[], Any], plants: Any) ->
 
 def test_it_changes_each_period_and_is_kept(make: Callable[[], Any], plants: Any) -> None:
     backend = make()
+    pot = backend.scene.of(plants.PotProps).pots["basil"]
     for _ in range(10):
+        backend.get(Base).drive(0.2, 0.0)
         backend.step()
-    assert backend.scene.of(plants.PotProps).pots["basil"].level_ml == pytest.approx(
-        100.0 - 10 * plants.DRIES
-    )
+    assert pot.level_ml == pytest.approx(100.0 - 10 * plants.DRIES)
+    base_T_pot = inverse(backend.scene.world_T_base) @ pot.pose
+    assert base_T_pot[:3, 3] == pytest.approx((-0.26, 0.0, 0.45), abs=2e-3)
     again = make()
     again.set_state(unpack(pack(backend.state())))
     kept, now = again.scene.of(plants.PotProps).pots, backend.scene.of(plants.PotProps).pots
