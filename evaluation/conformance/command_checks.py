@@ -11,11 +11,12 @@ from handcart.backends.arm import Arm
 from handcart.backends.backend import Backend, CommandError
 from handcart.backends.base import Base
 from handcart.backends.gripper import Gripper
+from handcart.backends.robot_file import RobotFile
 
 from .bench import Bench
 from .check import Check, Finding
 from .parts import needed, part_of
-from .periods import SETTLES, all_readings, steps
+from .periods import SETTLES, all_readings, beside, drivable, steps
 from .standing import HELD, Standing
 
 BAD = (math.nan, math.inf, -math.inf, 1e308, -1e308)
@@ -72,13 +73,13 @@ def after_a_step(bench: Bench, finding: Finding) -> None:
         backend = stage.backend
         steps(backend, 1)
         before, standing = all_readings(backend), Standing.of(backend)
-        _command_all(backend)
+        _command_all(bench.spec(), backend)
         now = all_readings(backend)
         changed = [name for name in now if not np.array_equal(now[name], before[name])]
         finding.wrong += [f"{name} changes without a step" for name in changed]
         finding.wrong += [f"without a step {each}" for each in standing.truly_moved(Standing.of(backend))]
         for _ in range(SETTLES):
-            _command_all(backend)
+            _command_all(bench.spec(), backend)
             backend.step()
         after = all_readings(backend)
         moving = {"wheels": "base wheel_travel", "joints": "arm joints", "width": "gripper width"}
@@ -93,7 +94,7 @@ def one_period(bench: Bench, finding: Finding) -> None:
     with bench.stage() as stage:
         backend = stage.backend
         for _ in range(SETTLES):
-            _command_all(backend)
+            _command_all(bench.spec(), backend)
             backend.step()
         last = needed(backend, Base).wheel_travel()
         steps(backend, SETTLES)
@@ -116,7 +117,7 @@ def stop(bench: Bench, finding: Finding) -> None:
             steps(backend, 1)
             before = Standing.of(backend)
             for _ in range(1 if when == "before its step" else SETTLES):
-                _command_all(backend)
+                _command_all(bench.spec(), backend)
                 if when == "in motion":
                     backend.step()
             backend.stop()
@@ -135,14 +136,13 @@ def close_twice(bench: Bench, finding: Finding) -> None:
     stage.backend.close()
 
 
-def _command_all(backend: Backend) -> None:
+def _command_all(spec: RobotFile, backend: Backend) -> None:
     """Everything that can move is told to: the base ahead, a joint, the fingers."""
-    needed(backend, Base).drive(0.1, 0.1)
+    needed(backend, Base).drive(*drivable(spec, 0.1, 0.1))
     arm, gripper = part_of(backend, Arm), part_of(backend, Gripper)
     if arm is not None:
-        goal = arm.command()
-        goal[-1] += 0.01
-        arm.move(goal)
+        step = min(0.01, 0.5 * float(spec.joint_speeds()[-1]) * backend.period)
+        arm.move(beside(spec, arm.command(), -1, step))
     if gripper is not None:
         gripper.move(max(0.0, gripper.command() - 0.001))
 

@@ -12,14 +12,13 @@ from handcart.backends.imu import Imu
 from .bench import Bench
 from .check import Check, Finding
 from .parts import needed
-from .periods import SETTLES, steps
+from .periods import SETTLES, STEERING, drivable, steps
 
 GRAVITY = 9.81  # [m/s²]
 REST = 40  # periods that are averaged
 SIGMAS = 5.0
 LEANS = 0.02 * GRAVITY  # [m/s²] along x and y of a robot that doesn't stand quite level
 TURN_RATE, PERIODS = 0.4, 30  # [rad/s]
-CIRCLE = (0.3, 0.1)  # [m/s], [rad/s]
 
 
 def imu(bench: Bench, finding: Finding) -> None:
@@ -46,14 +45,14 @@ def imu(bench: Bench, finding: Finding) -> None:
 
 def _turns(bench: Bench, finding: Finding, bias: float) -> None:
     """Both ways, by the gyro about z less what it reads at rest; a car drives circles."""
-    car = bench.spec().drive.kind == "ackermann"
     with bench.stage() as stage:
         unit, base, backend = needed(stage.backend, Imu), needed(stage.backend, Base), stage.backend
         for way, sign in (("left", 1.0), ("right", -1.0)):
-            turn = 0.0
-            for number in range(PERIODS + SETTLES):
-                if number < PERIODS:
-                    base.drive(*((CIRCLE[0], sign * CIRCLE[1]) if car else (0.0, sign * TURN_RATE)))
+            turn, car = 0.0, bench.spec().drive.kind == "ackermann"
+            count = STEERING if car else PERIODS
+            for number in range(count + SETTLES):
+                if number < count:
+                    base.drive(*drivable(bench.spec(), 0.0, sign * TURN_RATE))
                 backend.step()
                 turn += (float(unit.rates()[2]) - bias) * backend.period
             finding.measured.append(f"turned {way}: {turn:.3f} rad by the gyro")

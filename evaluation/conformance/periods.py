@@ -6,16 +6,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from handcart.backends.arm import Arm
-from handcart.backends.backend import Backend
+from handcart.backends.backend import Backend, CommandError
 from handcart.backends.base import Base
 from handcart.backends.capabilities import CAPABILITIES
 from handcart.backends.capability import Capability
+from handcart.backends.robot_file import RobotFile
 
 from .numbers import as_numbers
 from .parts import needed
 
 SETTLES = 10  # periods within which a robot comes to rest
-SLOW = 0.3  # [rad/s] at which checks move joints
+SLOW = 0.3  # [rad/s], [m/s] at which checks move joints
+CAR_SPEED = 0.2  # [m/s] at which a car turns
+STEERING = 120  # periods within which it has steered from one side to the other and turned
 
 
 def steps(backend: Backend, count: int) -> None:
@@ -42,12 +45,36 @@ def driven(backend: Backend, speed: float, turn_rate: float, periods: int) -> tu
     return after.left - before.left, after.right - before.right
 
 
-def move_joints(backend: Backend, arm: Arm, goal: NDArray[np.float64]) -> None:
-    """Move slowly to joint angles (n,) in [rad], and wait until they stand."""
+def drivable(spec: RobotFile, speed: float, turn_rate: float) -> tuple[float, float]:
+    """The same for a car too: it turns only while it drives, and no sharper than it can steer."""
+    if spec.drive.kind != "ackermann":
+        return speed, turn_rate
+    speed = speed or CAR_SPEED * (turn_rate != 0.0)
+    most = 0.9 * spec.drive.sharpest_per_m * abs(speed)
+    return speed, max(-most, min(turn_rate, most))
+
+
+def beside(spec: RobotFile, joints: NDArray[np.float64], number: int, way: float) -> NDArray[np.float64]:
+    """The same joints (n,) but for one that is `way` further on, or back where its limit is too near."""
+    model, goal = spec.arm_model(), joints.copy()
+    goal[number] += way
+    if not model.lower[number] <= goal[number] <= model.upper[number]:
+        goal[number] -= 2.0 * way
+    return goal
+
+
+def move_joints(backend: Backend, arm: Arm, goal: NDArray[np.float64], speed: float = SLOW) -> None:
+    """Move slowly to joint angles (n,) in [rad], slower where a joint must, and wait until they stand."""
     start = arm.command()
-    count = max(1, int(np.ceil(float(np.abs(goal - start).max()) / (SLOW * backend.period))))
+    count = max(1, int(np.ceil(float(np.abs(goal - start).max()) / (speed * backend.period))))
     for share in np.linspace(0.0, 1.0, count + 1)[1:]:
-        arm.move(start + share * (goal - start))
+        try:
+            arm.move(start + share * (goal - start))
+        except CommandError:
+            if speed < SLOW / 64:
+                raise
+            move_joints(backend, arm, goal, 0.5 * speed)
+            return
         backend.step()
     steps(backend, SETTLES)
 

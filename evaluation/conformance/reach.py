@@ -19,6 +19,7 @@ from handcart.primitives.contract.discrepancy import Discrepancy
 from handcart.primitives.knowledge.world_model import ModelView
 
 from .parts import part_of
+from .periods import beside
 
 SPEED, CREEP, SWINGS = 0.2, 0.02, 0.3  # [m/s], [m/s], [rad/s]
 CLOSE = 0.002  # [m] left that count as nothing
@@ -65,10 +66,9 @@ class Reach(ActionPrimitive):
         if arm is None:
             return
         start = arm.command()
+        way = beside(robot.spec, start, 0, self.swing_rad) - start
         for share in np.linspace(0.0, 1.0, round(self.swing_rad / (SWINGS * robot.period)) + 1)[1:]:
-            goal = start.copy()
-            goal[0] += share * self.swing_rad
-            arm.move(goal)
+            arm.move(start + share * way)
             yield
 
     def _grip(self, robot: Robot) -> Periods:

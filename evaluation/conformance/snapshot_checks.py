@@ -17,7 +17,7 @@ from handcart.primitives.restoring.snapshot import Snapshot, limits, residuals, 
 from .bench import Bench
 from .check import Check, Finding
 from .parts import part_of
-from .periods import move_joints, steps
+from .periods import beside, move_joints, steps
 from .reach import Reach
 
 LOOKS = 20  # readings of what stands
@@ -42,11 +42,9 @@ def covers(bench: Bench, finding: Finding) -> None:
         if arm is not None:
             home = arm.command()
             for number in range(len(home)):
-                goal = home.copy()
                 slides = stage.robot.spec.joint_units.slides[number]
-                goal[number] += (
-                    2e-3 * tolerance.slides_mm if slides else math.radians(2.0 * tolerance.joints_deg)
-                )
+                way = 2e-3 * tolerance.slides_mm if slides else math.radians(2.0 * tolerance.joints_deg)
+                goal = beside(bench.spec(), home, number, way)
                 move_joints(backend, arm, goal)
                 residual = "slides_mm" if slides else "joints_deg"
                 finding.expect(residual in _beyond(stage, start), f"joint {number + 1} moves unseen")

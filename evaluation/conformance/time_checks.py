@@ -19,7 +19,7 @@ from handcart.evaluation.simulated_world import simulated_world
 from .bench import Bench
 from .check import Check, Finding
 from .parts import needed, part_of
-from .periods import all_readings, steps
+from .periods import all_readings, beside, drivable, steps
 
 Record = list[dict[str, NDArray[np.float64]]]
 LONG = 40  # periods of the script
@@ -116,11 +116,9 @@ def _script(
         arm, gripper = part_of(backend, Arm), part_of(backend, Gripper)
         for number in range(LONG):
             if number < LONG // 2:
-                needed(backend, Base).drive(0.1, 0.2)
+                needed(backend, Base).drive(*drivable(bench.spec(), 0.1, 0.2))
                 if arm is not None:
-                    goal = arm.command()
-                    goal[0] += 0.005
-                    arm.move(goal)
+                    arm.move(beside(bench.spec(), arm.command(), 0, 0.005))
                 if gripper is not None:
                     gripper.move(0.5 * gripper.command())
             steps(backend, 1)

@@ -66,6 +66,24 @@ def test_a_liar_is_caught(name: str) -> None:
     assert not caught.skipped
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize(("name", "liar"), [("imu", "TurnsOtherWay"), ("gps", "FixInMillimetres")])
+def test_gyros_and_receivers_are_checked_and_their_liars_caught(name: str, liar: str) -> None:
+    car = Bench("kinematic", robot="el_verde")
+    finding = CHECKS[name](car)
+    assert finding.ok, finding.wrong
+    assert not finding.skipped
+    assert try_mutant(liar, car).by.startswith(f"{name}: ")
+    assert try_mutant(liar, BENCH).skipped == f"the robot has no {name}"
+
+
+@pytest.mark.parametrize("name", ["base", "joints", "one period", "imu", "gps"])
+def test_a_car_passes_too(name: str) -> None:
+    """It turns only while it drives, and its first joint stands at its limit."""
+    finding = CHECKS[name](Bench("kinematic", robot="el_verde"))
+    assert finding.ok, finding.wrong
+
+
 def test_there_are_23_liars_and_each_tells_its_lie() -> None:
     assert len(MUTANTS) == 23
     assert len({mutant.lie for mutant in MUTANTS.values()}) == 23
