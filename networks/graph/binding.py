@@ -25,7 +25,7 @@ class Binding:
     fixed: Mapping[str, Any] = field(default_factory=dict)
     """Checked values, by parameter."""
     late: Mapping[str, str] = field(default_factory=dict)
-    """Names in the world model, such as `book.shelf`, by parameter."""
+    """Names in the world model, such as `cup.size`, by parameter."""
 
     @classmethod
     def of(cls, primitive: ActionPrimitive) -> Binding:

@@ -27,7 +27,7 @@ def stem(number: int, do: str, outcome: Outcome) -> str:
 class EvidenceFiles(RunObserver):
     """An observer that keeps the pictures and points which decided how each action ended.
 
-    `evidence/003_SEARCH_Fail_shelf.png` is the picture `shelf` of the third action.
+    `evidence/003_SEARCH_Fail_front.png` is the picture `front` of the third action.
     """
 
     def __init__(self, run_dir: Path) -> None:

@@ -67,7 +67,7 @@ class ActionEntry(FileModel):
     time_out_s: Annotated[float, Field(gt=0.0, le=MAX_COST_S)] | None = None
     """What the motion may take; after that it is called back, restored, and counts as a Fail."""
     parameters: Annotated[dict[str, Any], Field(alias="with", default_factory=dict)]
-    """The primitive's parameters; `{model: book.shelf}` is looked up when the action starts, `{each: slot}`
+    """The primitive's parameters; `{model: cup.size}` is looked up when the action starts, `{each: slot}`
     is the element of a repeat."""
 
 
@@ -76,7 +76,7 @@ class Repeat(FileModel):
 
     over: Annotated[list[Any], Field(min_length=1)]
     """The elements; `{all: places}` stands for the names of the map's places, in their file's order, and so
-    on for whatever the task's files name, such as `{all: targets}`."""
+    on for whatever the task's files name, such as `{all: cups}`."""
     name: Annotated[str, Field(alias="as")]
     """What `{each: NAME}` calls the element."""
     start: str

@@ -11,7 +11,7 @@ from handcart.primitives.knowledge.world_model import WorldModel
 
 
 def unwritten(network: ActionNetwork, told: Collection[str]) -> Iterator[tuple[Action, str, str]]:
-    """Actions with a parameter that nobody could know there: the action, the parameter, `book.shelf`.
+    """Actions with a parameter that nobody could know there: the action, the parameter, `cup.size`.
 
     What the world model doesn't know at first has to be found out by an action that comes before.
 

@@ -9,11 +9,16 @@ from pydantic import Field
 
 from handcart.backends.board_layout import BoardLayout
 from handcart.files.model import FileModel
+from handcart.primitives.knowledge.place_name import Names
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import Transform, transform
 from handcart.robotics.kinematics.shapes import Box
 
 Positive = Annotated[float, Field(gt=0.0)]
+LandmarkName = Annotated[str, Field(min_length=1), Names("landmarks")]
+"""The name of a landmark of the building plan."""
+BlockNumber = Annotated[int, Field(ge=1), Names("blocks")]
+"""The number of a block of the building plan, from 1."""
 
 
 class Standing(FileModel):

@@ -12,9 +12,10 @@ from handcart.backends.camera import Camera
 from handcart.backends.robot import Robot
 from handcart.files.suggest import suggest
 from handcart.primitives.blocks.blocks import Blocks
+from handcart.primitives.blocks.building import LandmarkName
 from handcart.primitives.contract.action_primitive import ActionPrimitive, Periods
 from handcart.primitives.contract.discrepancy import Discrepancy
-from handcart.primitives.knowledge.place_name import LandmarkName, PlaceName
+from handcart.primitives.knowledge.place_name import PlaceName
 from handcart.primitives.knowledge.world_model import ModelView
 
 from .base_turn import turn_by_gyros

@@ -13,11 +13,10 @@ from handcart.backends.camera import Camera
 from handcart.backends.gripper import Gripper
 from handcart.backends.robot import Robot
 from handcart.primitives.blocks.blocks import Blocks
-from handcart.primitives.blocks.building import name_of_block
+from handcart.primitives.blocks.building import BlockNumber, name_of_block
 from handcart.primitives.contract.action_primitive import ActionPrimitive, Periods
 from handcart.primitives.contract.discrepancy import Discrepancy, Measured, NeedsPerson
 from handcart.primitives.contract.meant_contact import MeantContact
-from handcart.primitives.knowledge.place_name import BlockNumber
 from handcart.primitives.knowledge.world_model import ModelView, WorldModel
 from handcart.primitives.motions.arm_motion import move_straight, move_to_joints, move_to_pose
 from handcart.primitives.motions.grip import close, open_to

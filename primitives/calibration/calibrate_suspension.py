@@ -13,13 +13,12 @@ from handcart.backends.arm import Arm
 from handcart.backends.camera import Camera
 from handcart.backends.gripper import Gripper
 from handcart.backends.robot import Robot
-from handcart.primitives.blocks.building import LandmarkPlan
+from handcart.primitives.blocks.building import LandmarkName, LandmarkPlan
 from handcart.primitives.blocks.fixate import landmark_of
 from handcart.primitives.blocks.hand_down import building, held_block, standing, surroundings
 from handcart.primitives.contract.action_primitive import ActionPrimitive, Periods
 from handcart.primitives.contract.calibrated import Calibrated, as_facts
 from handcart.primitives.contract.discrepancy import Discrepancy, Measured
-from handcart.primitives.knowledge.place_name import LandmarkName
 from handcart.primitives.knowledge.world_model import ModelView
 from handcart.primitives.motions.arm_motion import move_straight, move_to_pose
 from handcart.robotics.geometry.transform import Transform, apply, inverse

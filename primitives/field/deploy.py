@@ -18,7 +18,7 @@ from handcart.backends.robot import Robot
 from handcart.primitives.contract.action_primitive import ActionPrimitive, Periods
 from handcart.primitives.contract.discrepancy import Discrepancy, Measured
 from handcart.primitives.contract.meant_contact import MeantContact
-from handcart.primitives.knowledge.place_name import TargetName
+from handcart.primitives.field.target import TargetName
 from handcart.primitives.knowledge.world_model import ModelView, WorldModel
 from handcart.primitives.motions.grip import open_to
 from handcart.primitives.restoring.snapshot import settle

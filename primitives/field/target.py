@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
+from pydantic import Field
 
+from handcart.primitives.knowledge.place_name import Names
 from handcart.robotics.geometry.pose2 import Pose2
+
+TargetName = Annotated[str, Field(min_length=1), Names("targets")]
+"""The name of a target in the field."""
 
 
 class Target(NamedTuple):

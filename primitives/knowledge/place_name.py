@@ -15,9 +15,3 @@ class Names(NamedTuple):
 
 PlaceName = Annotated[str, Field(min_length=1), Names("places")]
 """The name of a place on the map."""
-LandmarkName = Annotated[str, Field(min_length=1), Names("landmarks")]
-"""The name of a landmark of the building plan."""
-TargetName = Annotated[str, Field(min_length=1), Names("targets")]
-"""The name of a target in the field."""
-BlockNumber = Annotated[int, Field(ge=1), Names("blocks")]
-"""The number of a block of the building plan, from 1."""

@@ -123,7 +123,7 @@ class WorldModel:
         return [each for section in self.sections.values() for each in section.contacts_on_the_way(place)]
 
     def lookup(self, path: str) -> Any:
-        """A value for a late-bound parameter, such as `book.shelf`.
+        """A value for a late-bound parameter, such as `cup.size`.
 
         Raises:
             UnknownFact: it isn't known yet.
