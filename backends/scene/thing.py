@@ -57,6 +57,11 @@ class Thing:
         raise NotImplementedError
 
     @property
+    def carrier(self) -> str:
+        """What carries it: "hand", "tray", "table", "floor", or the name of what does."""
+        return self.rest.value
+
+    @property
     def thing_T_middle(self) -> Transform:
         """Of its middle (4, 4): right above the origin, where nothing else is said."""
         result = np.eye(4)

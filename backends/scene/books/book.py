@@ -49,6 +49,11 @@ class Book(Thing):
         return self.depth, self.thickness, self.height
 
     @property
+    def carrier(self) -> str:
+        """See `Thing`: the name of its shelf, if it stands on one."""
+        return self.shelf or super().carrier
+
+    @property
     def thing_T_middle(self) -> Transform:
         """See `Thing`."""
         result = np.eye(4)
