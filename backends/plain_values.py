@@ -128,7 +128,8 @@ def _of_class(kind: Any) -> _Codec:
     if issubclass(kind, BaseModel):
         return _Codec(lambda value: value.model_dump(mode="json", by_alias=True), kind.model_validate)
     if issubclass(kind, tuple):
-        return _fixed(lambda values: kind(*values), [_codec(each) for each in _hints(kind, kind._fields)])
+        named: Any = kind
+        return _fixed(lambda values: named(*values), [_codec(each) for each in _hints(kind, named._fields)])
     if dataclasses.is_dataclass(kind):
         return _dataclass(kind)
     if hasattr(kind, "STATE"):

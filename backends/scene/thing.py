@@ -52,14 +52,14 @@ class Thing:
         raise NotImplementedError
 
     @property
-    def support(self) -> str:
-        """What carries it, in a word, or by its name."""
-        return self.rest.value
-
-    @property
     def size(self) -> tuple[float, float, float]:
         """Along x, y, z of its frame, in [m]."""
         raise NotImplementedError
+
+    @property
+    def carrier(self) -> str:
+        """What carries it: "hand", "tray", "table", "floor", or the name of what does."""
+        return self.rest.value
 
     @property
     def thing_T_middle(self) -> Transform:

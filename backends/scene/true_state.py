@@ -24,4 +24,4 @@ def _body(scene: Scene, thing: Thing) -> Body:
         return Body("hand", inverse(scene.world_T("hand")) @ thing.pose)
     if thing.rest.value == "tray":
         return Body("tray", inverse(scene.world_T_base) @ thing.pose)
-    return Body(thing.support, thing.pose.copy())
+    return Body(thing.carrier, thing.pose.copy())

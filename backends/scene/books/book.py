@@ -44,14 +44,14 @@ class Book(Thing):
         return f"book {self.accession}"
 
     @property
-    def support(self) -> str:
-        """See `Thing`: its shelf, where it stands on one."""
-        return self.shelf or super().support
-
-    @property
     def size(self) -> tuple[float, float, float]:
         """Depth, thickness, height along x, y, z of its frame, in [m]."""
         return self.depth, self.thickness, self.height
+
+    @property
+    def carrier(self) -> str:
+        """See `Thing`: the name of its shelf, if it stands on one."""
+        return self.shelf or super().carrier
 
     @property
     def thing_T_middle(self) -> Transform:
