@@ -64,7 +64,7 @@ class Pots(Props[GardenSection]):
 
     def set_up(self) -> None:
         self.pots, self.cans = map(self._placed, (self.spec.pots, self.spec.cans))
-        self.spilt_ml, self._before = 0.0, 0.0
+        self.spilt_ml = 0.0
 
     def _placed(self, specs: Iterable[VesselSpec]) -> dict[str, Vessel]:
         place = Vessel.set_down
@@ -74,9 +74,8 @@ class Pots(Props[GardenSection]):
         return [*self.pots.values(), *self.cans.values()]
 
     def step(self) -> None:
-        seconds, self._before = self.scene.time - self._before, self.scene.time
         for can in self.cans.values():
-            runs = min(can.level_ml, FLOW * seconds) if can.tilt() > POURS else 0.0
+            runs = min(can.level_ml, FLOW * self.scene.robot.period_s) if can.tilt() > POURS else 0.0
             can.level_ml -= runs
             self.spilt_ml += runs
             for pot in self.pots.values():
