@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import pickle
 from typing import Any
 
 import pytest
@@ -250,7 +249,7 @@ def test_a_domain_declares_what_may_happen_in_its_world(monkeypatch: pytest.Monk
     monkeypatch.setattr(fault, "domains", lambda: (domain,))
     monkeypatch.setattr(fault, "imported", {"lamps:FAULTS": [PUSH]}.__getitem__)
     assert faults_of("MOVE_TO") == ()
-    batch = pickle.loads(pickle.dumps(Batch(Solo(BENCH, Reach()), 0, 1)))
+    batch = Batch(Solo(BENCH, Reach()), 0, 1)
     assert [each.kind for each in batch.faults("REACH", 0, SENSORS)] == [*EVERYWHERE, FaultKind.WORLD]
     assert [each.kind for each in batch.faults("STAND", 0, SENSORS)] == [*EVERYWHERE]
 

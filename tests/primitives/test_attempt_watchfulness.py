@@ -97,7 +97,7 @@ class Jammed(LayeredBackend):
         super().__init__(inner)
         self._held: Any = None
 
-    def joints(self, arm: Arm) -> Any:
+    def arm_joints(self, arm: Arm) -> Any:
         if self._held is None and self.jams():
             self._held = arm.joints().copy()
         return arm.joints() if self._held is None else self._held
@@ -113,7 +113,7 @@ class Coasting(LayeredBackend):
         self.left = 0
         self._driven = False
 
-    def drive(self, base: Base, speed: float, turn_rate: float) -> None:
+    def base_drive(self, base: Base, speed: float, turn_rate: float) -> None:
         self._driven, self.left = True, self.periods
         base.drive(speed, turn_rate)
 

@@ -15,6 +15,7 @@ import pytest
 
 from handcart.evaluation.campaign import Setting, run_trial
 from handcart.evaluation.explanation import explain
+from handcart.evaluation.library_files import Libraries
 from handcart.networks.journal.journal import Journal
 from handcart.networks.journal.past_run import read_run
 from handcart.networks.runs.flight_recorder import load_readings
@@ -35,7 +36,7 @@ def runs(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Path]:
 
     def folder(name: str) -> Path:
         if name not in made:
-            setting = Setting(TASK, None, None, LIBRARIES[name], tmp_path_factory.mktemp(name))
+            setting = Setting(TASK, None, None, Libraries(LIBRARIES[name]), tmp_path_factory.mktemp(name))
             made[name] = Path(run_trial(setting, 0).summary["run_dir"])
         return made[name]
 
