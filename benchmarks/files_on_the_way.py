@@ -1,0 +1,57 @@
+"""Which files run from `handcart run tasks/drive_map/task.yaml` to MOVE_TO's motion.
+
+Counted are files of handcart of which a function is called; bodies of modules and classes aren't. With --list
+they are printed. What a reader has to follow grows with them.
+"""
+
+from __future__ import annotations
+
+import sys
+import tempfile
+from collections import Counter
+from contextlib import suppress
+from inspect import CO_OPTIMIZED
+from pathlib import Path
+from types import FrameType
+
+ROOT = Path(__file__).resolve().parents[1]
+
+
+class There(BaseException):
+    """The motion has begun."""
+
+
+def files() -> list[str]:
+    """Those that run on the way, from the checkout's top."""
+    from handcart.primitives.driving.move_to import MoveTo
+    from handcart.tools.main import main
+
+    seen: set[str] = set()
+    goal, top = MoveTo.motion.__code__, str(ROOT)
+
+    def watch(frame: FrameType, event: str, _: object) -> None:
+        code = frame.f_code
+        if event == "call" and code.co_flags & CO_OPTIMIZED and code.co_filename.startswith(top):
+            seen.add(code.co_filename)
+            if code is goal:
+                raise There
+
+    with tempfile.TemporaryDirectory() as folder:
+        sys.argv = ["handcart", "run", str(ROOT / "tasks" / "drive_map" / "task.yaml"), "--runs", folder]
+        sys.setprofile(watch)
+        try:
+            with suppress(There):
+                main()
+        finally:
+            sys.setprofile(None)
+    inside = (Path(name).relative_to(ROOT) for name in seen if "site-packages" not in name)
+    return sorted(str(each) for each in inside if each.parts[0] not in ("benchmarks", ".venv"))
+
+
+if __name__ == "__main__":
+    listed = "--list" in sys.argv
+    found = files()
+    if listed:
+        print("\n".join(found))
+    rooms = Counter(name.split("/")[0] for name in found)
+    print(f"{len(found)} files: {', '.join(f'{room} {count}' for room, count in sorted(rooms.items()))}")
