@@ -6,13 +6,25 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cache
 from importlib import import_module
-from importlib.metadata import entry_points
+from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any, NamedTuple
 
+from handcart.files.errors import InputError
+from handcart.files.printable import printable
+
 OWN = ("books", "blocks", "field", "seam", "calibration")
 """Shipped domains, each declared in a module of its name in `handcart.tasks`."""
+
+
+class BrokenDomain(InputError):
+    """A domain of another package can't be used."""
+
+    def __init__(self, point: EntryPoint, wrong: str) -> None:
+        package = f" of the package {point.dist.name}" if point.dist else ""
+        how = "allowed: to mend the package, or to uninstall it"
+        super().__init__(printable(f"the domain {point.name!r}{package} can't be used: {wrong}; {how}"))
 
 
 class Knowledge(NamedTuple):
@@ -62,11 +74,31 @@ def domains() -> tuple[Domain, ...]:
     """All domains, the shipped ones first, then those of other packages by their names.
 
     Raises:
-        ValueError: two have the same name.
+        BrokenDomain: one of another package can't be imported, is none, or has another one's name.
     """
-    own = [imported(f"handcart.tasks.{name}:DOMAIN") for name in OWN]
-    others = [each.load() for each in sorted(entry_points(group="handcart.domains"), key=lambda e: e.name)]
-    found = {each.name: each for each in own + others}
-    if len(found) < len(own + others):
-        raise ValueError(f"two domains have the same name; there are: {', '.join(found)}")
+    found: dict[str, Domain] = {name: imported(f"handcart.tasks.{name}:DOMAIN") for name in OWN}
+    for point in sorted(entry_points(group="handcart.domains"), key=lambda each: each.name):
+        domain = _loaded(point)
+        if domain.name in found:
+            raise BrokenDomain(point, f"there is another domain of the name {domain.name!r}")
+        if both := _names(domain) & {name for each in found.values() for name in _names(each)}:
+            raise BrokenDomain(point, f"another domain has {', '.join(sorted(both))} already")
+        found[domain.name] = domain
     return tuple(found.values())
+
+
+def _names(domain: Domain) -> set[str]:
+    """What only one domain can have."""
+    keys = domain.knowledge.files if domain.knowledge else ()
+    kinds = {"the primitive": domain.primitives, "the key": keys, "the kind of file": domain.files}
+    return {f"{kind} {name}" for kind, names in kinds.items() for name in names}
+
+
+def _loaded(point: EntryPoint) -> Domain:
+    try:
+        domain = point.load()
+    except Exception as error:
+        raise BrokenDomain(point, f"{type(error).__name__}: {error}") from None
+    if not isinstance(domain, Domain):
+        raise BrokenDomain(point, f"{point.value} is no Domain")
+    return domain

@@ -58,6 +58,32 @@ def test_it_is_listed_and_one_that_is_broken_hides_no_others(tmp_path: Path) -> 
     assert "MOVE_TO" in told
 
 
+@pytest.mark.parametrize(
+    ("code", "wrong"),
+    [
+        ("", "AttributeError: module 'garden' has no attribute 'DOMAIN'"),
+        ("DOMAIN = 7", "garden:DOMAIN is no Domain"),
+        (
+            "from handcart.tasks.domain import Domain\nDOMAIN = Domain('books')",
+            "there is another domain of the name 'books'",
+        ),
+        (
+            "from handcart.tasks.domain import Domain\nDOMAIN = Domain('walls', {'STACK': 'walls:Stack'})",
+            "another domain has the primitive STACK already",
+        ),
+    ],
+)
+def test_a_broken_domain_is_told_with_its_package(tmp_path: Path, code: str, wrong: str) -> None:
+    (tmp_path / "garden.py").write_text(code, encoding="utf-8")
+    info = tmp_path / "outside-1.0.dist-info"
+    info.mkdir()
+    (info / "METADATA").write_text("Metadata-Version: 2.1\nName: outside\nVersion: 1.0\n", encoding="utf-8")
+    (info / "entry_points.txt").write_text("[handcart.domains]\nplants = garden:DOMAIN\n", encoding="utf-8")
+    said = handcart(tmp_path, "list", "primitives")
+    told = f"the domain 'plants' of the package outside can't be used: {wrong}; allowed: to mend the package"
+    assert (said.returncode, said.stdout, told in said.stderr) == (2, "", True), said.stderr
+
+
 @pytest.mark.slow
 def test_a_backend_of_another_package_is_asked_what_it_can_do(tmp_path: Path) -> None:
     install(tmp_path, "README.md")
