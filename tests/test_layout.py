@@ -124,6 +124,7 @@ def imported(path: Path) -> Iterator[str]:
         "docs/robots.md",
         "docs/api.md",
         "docs/architecture.md",
+        "docs/glossary.md",
         "docs/dependencies.md",
     ],
 )
