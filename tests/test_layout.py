@@ -54,6 +54,7 @@ for room in {ROOMS!r}:
     assert python(code, ROOT) == ""
 
 
+@pytest.mark.slow
 def test_nothing_imports_a_bare_room() -> None:
     listed = [
         path for room in (*ROOMS, "tests", "benchmarks", "scripts") for path in (ROOT / room).rglob("*.py")

@@ -39,6 +39,7 @@ def test_a_situation_that_no_run_comes_to_and_one_that_leads_nowhere(handcart, t
     assert f"{tour}:8:" in said.out
 
 
+@pytest.mark.slow
 def test_of_many_lines_of_a_kind_the_first_are_printed(handcart, tour):
     text = tour.read_text().replace("cost_s: 30,", "cost_s: 30, p: 0.9,")
     action = next(line for line in text.splitlines(keepends=True) if "do: MOVE_TO" in line)

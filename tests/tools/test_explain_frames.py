@@ -85,6 +85,7 @@ def test_equal_runs_have_equal_frames(run: Callable[..., Path]) -> None:
     assert (first / "frames.json").read_bytes() == (second / "frames.json").read_bytes()
 
 
+@pytest.mark.slow
 def test_another_recorders_log_is_told_in_the_runs_names(
     handcart: Callable[..., Any], run: Callable[..., Path], tmp_path: Path
 ) -> None:

@@ -67,6 +67,7 @@ def test_files_that_run_out_start_nothing(tour: Path, tmp_path: Path) -> None:
     assert all(b'"kind":"START"' not in each.read_bytes() for each in journals)
 
 
+@pytest.mark.slow
 def test_a_lock_goes_with_its_process(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     """K12: no process IDs are kept, so none can be taken for another process's."""
     monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path))
@@ -153,6 +154,7 @@ def test_every_command_names_libraries_that_are_too_old_or_missing(
         assert "pip install 'numpy>=2.0' 'opencv-python-headless<5,>=4.10' 'no-such-library>=1.0'" in said.err
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("how", ["closed", "full", "unread"])
 def test_stdout_that_takes_nothing_is_told_in_a_sentence(how: str) -> None:
     """K14: status 5 only where somebody wanted what is lost."""

@@ -35,6 +35,7 @@ def test_commands_with_warnings_as_errors(words):
     assert (said.returncode, said.stderr) == (0, "")
 
 
+@pytest.mark.slow
 def test_a_damaged_picture_is_told_by_us_alone(tour):
     picture = tour.parent / "map.png"
     picture.write_bytes(picture.read_bytes()[:200])
