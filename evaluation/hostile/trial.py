@@ -124,6 +124,9 @@ class Trials:
         self._originals, self._seed = originals, seed
         self._work, self._outside = work, work / "outside"
         self._made: dict[bytes, Prepared] = {}
+        import matplotlib
+
+        matplotlib.get_configdir()  # it makes that folder when it is first asked, and nobody watches yet
         (work / "temporary").mkdir()
         tempfile.tempdir = str(work / "temporary")
         caches = [Path(tempfile.tempdir), Path.home() / ".cache", Path.home() / ".config" / "matplotlib"]

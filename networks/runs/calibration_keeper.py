@@ -6,12 +6,12 @@ from pathlib import Path
 
 from handcart.files.loading import load
 from handcart.files.whole_file import write_whole
+from handcart.networks.coordination.events import Ended, Event
+from handcart.networks.run_observer import RunObserver
+from handcart.networks.task.preparing import Prepared
 from handcart.primitives.contract.outcome import Success
 
 from .calibration import NAME, Calibration, Value, rounded
-from handcart.networks.coordination.events import Ended, Event
-from handcart.networks.task.preparing import Prepared
-from handcart.networks.run_observer import RunObserver
 
 
 class CalibrationKeeper(RunObserver):

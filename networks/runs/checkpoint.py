@@ -11,11 +11,11 @@ from typing import Any
 from handcart.backends.saved_state import MAX_BYTES, NotAState, digest, pack, unpack
 from handcart.files.errors import HandcartError
 from handcart.files.printable import printable
-
 from handcart.networks.journal.journal import plain_json
-from handcart.networks.task.preparing import Prepared
-from .run_folder import read_file
 from handcart.networks.journal.run_records import RECORDS
+from handcart.networks.task.preparing import Prepared
+
+from .run_folder import read_file
 
 NAME = "checkpoint"
 _FORMAT = "handcart-checkpoint/2"

@@ -19,11 +19,10 @@ from handcart.backends.gripper import Gripper
 from handcart.backends.range_sensor import RangeSensor
 from handcart.backends.robot import Robot
 from handcart.files.whole_file import write_whole
-from handcart.primitives.contract.outcome import Success
-
 from handcart.networks.coordination.events import Ended, Event, Restoring, Started
 from handcart.networks.journal.evidence_files import FOLDER, stem
 from handcart.networks.run_observer import RunObserver
+from handcart.primitives.contract.outcome import Success
 
 MAX_ARRAYS = 256 * 2**20  # bytes
 SECONDS = 10.0  # of the robot's time

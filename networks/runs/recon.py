@@ -9,13 +9,13 @@ from typing import Any
 
 from handcart.backends.joint_units import JointUnits
 from handcart.backends.robot import Robot
-from handcart.primitives.restoring.snapshot import Snapshot, limits, residuals, settle, take_snapshot
-
 from handcart.networks.journal.measured import measured_fields
-from handcart.networks.task.preparing import Prepared
-from .resuming import Past
 from handcart.networks.journal.retracing import NeedsOperator
 from handcart.networks.journal.waiting import broken_off
+from handcart.networks.task.preparing import Prepared
+from handcart.primitives.restoring.snapshot import Snapshot, limits, residuals, settle, take_snapshot
+
+from .resuming import Past
 
 LOOK = 40  # periods at rest in which a base that was pushed is found again
 _BY_SCANS = ("base_mm", "base_deg", "base_unsure_mm", "base_unsure_deg")

@@ -7,12 +7,12 @@ from typing import TYPE_CHECKING
 
 from handcart.backends.recording import Recording
 from handcart.backends.robot import Robot
-from handcart.primitives.contract.outcome import Success
-
 from handcart.networks.coordination.events import Ended, Event, Restoring
 from handcart.networks.journal.evidence_files import FOLDER, stem
-from .flight_recorder import END
 from handcart.networks.run_observer import RunObserver
+from handcart.primitives.contract.outcome import Success
+
+from .flight_recorder import END
 
 if TYPE_CHECKING:
     from handcart.networks.task.preparing import Prepared

@@ -11,15 +11,15 @@ from typing import TYPE_CHECKING, Any
 from handcart.backends.arm import Arm
 from handcart.files.errors import InputError
 from handcart.files.printable import printable
-
-from .checkpoint import NAME, Checkpoint, load_checkpoint
-from handcart.networks.journal.journal import SCHEMA, check_not_alive
-from handcart.networks.journal.journal_record import JournalContents
 from handcart.networks.graph.network import ActionNetwork
 from handcart.networks.graph.planner import NoWay
+from handcart.networks.journal.journal import SCHEMA, check_not_alive
+from handcart.networks.journal.journal_record import JournalContents
 from handcart.networks.journal.retracing import NeedsOperator, Standing, standing
-from .run_folder import JOURNAL, read_run_journal
 from handcart.networks.journal.waiting import may_have_begun
+
+from .checkpoint import NAME, Checkpoint, load_checkpoint
+from .run_folder import JOURNAL, read_run_journal
 
 if TYPE_CHECKING:
     from handcart.backends.robot import Robot

@@ -11,11 +11,11 @@ from pathlib import Path
 from handcart.backends.backend import Backend
 from handcart.files.errors import InputError
 from handcart.files.printable import printable
-
 from handcart.networks.journal.journal_record import JournalError
 from handcart.networks.journal.retracing import NeedsOperator
-from .run_folder import JOURNAL, NoRun, read_run_journal
 from handcart.networks.journal.waiting import waiting
+
+from .run_folder import JOURNAL, NoRun, read_run_journal
 
 _FLAGS = os.O_RDWR | os.O_CREAT | os.O_CLOEXEC | os.O_NOFOLLOW
 

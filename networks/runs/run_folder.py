@@ -9,7 +9,6 @@ from pathlib import Path
 
 from handcart.files.errors import InputError
 from handcart.files.printable import printable
-
 from handcart.networks.journal.journal_record import MAX_JOURNAL, JournalContents, JournalError, parse_journal
 from handcart.networks.journal.run_records import makes_sense
 from handcart.networks.operator.socket_path import CONTROL, STOP

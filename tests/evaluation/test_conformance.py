@@ -28,6 +28,7 @@ from handcart.evaluation.conformance.rehearsal import DRIVE_MAP, RETURN_BOOK, Re
 from handcart.evaluation.conformance.report import Report
 from handcart.evaluation.conformance.task_runs import Ran, compared
 from handcart.evaluation.conformance.underway import Ending
+from handcart.files.errors import FileError
 from handcart.networks.task.task_file import load_task
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.tasks.domain import Domain
@@ -224,16 +225,13 @@ def test_a_primitive_of_somebody_else_is_found_by_its_name() -> None:
 def test_the_fixture_tries_a_backend(conformance: Any) -> None:
     report = conformance("kinematic", robot="cart", parts=("faults",), primitives=("REACH",), instants=1)
     assert report.ok
-    assert report.injected == len(FaultKind)
+    assert report.injected == len(EVERYWHERE)
 
 
 @pytest.mark.slow
-def test_a_backend_that_cannot_be_built_is_told() -> None:
-    report = run_kit(Setting("kinematic", "/nowhere/robot.yaml", True, ("mutants",)), 1)
-    assert not report.ok
-    assert len(report.broken) == 21
-    assert report.broken[0].name == "liar NotRestored"
-    assert "nowhere" in report.broken[0].reason
+def test_a_robot_that_is_not_there_is_told_at_once() -> None:
+    with pytest.raises(FileError, match=r"/nowhere/robot\.yaml:1:1: the file does not exist"):
+        run_kit(Setting("kinematic", "/nowhere/robot.yaml", True, ("mutants",)), 1)
 
 
 def push(world: Any) -> None:

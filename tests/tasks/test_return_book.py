@@ -98,7 +98,7 @@ def test_n11_same_seed_same_journal_whatever_the_hash_seed(tmp_path: Path) -> No
 @pytest.mark.slow
 def test_two_books_one_after_the_other(tmp_path: Path) -> None:
     task = TASK.parent.parent / "return_books" / "task.yaml"
-    done = run_trial(Setting(task, None, {"books": "[1, 2]"}, {"books": 2}, tmp_path), 6)
+    done = run_trial(Setting(task, None, {"books": "[1, 2]"}, Libraries({"books": 2}), tmp_path), 6)
     assert done.status == 0
     assert done.summary["actions"] == 16
     assert done.summary["metrics"]["slot_correct"]

@@ -30,17 +30,17 @@ class Impatient(RunObserver):
     """
 
     def __init__(self, after: float, number: int) -> None:
-        self.end, self.after, self.number = None, after, number
+        self.due, self.after, self.number = None, after, number
 
     def begin(self, prepared, run_dir):
         self.robot = prepared.robot
 
     def event(self, event):
-        if isinstance(event, Started) and event.number >= 2 * self.number - 1 and self.end is None:
-            self.end = event.time + self.after
+        if isinstance(event, Started) and event.number >= 2 * self.number - 1 and self.due is None:
+            self.due = event.time + self.after
 
     def period(self, robot):
-        if self.end is not None and robot.time >= self.end:
+        if self.due is not None and robot.time >= self.due:
             signal.raise_signal(signal.SIGINT)
 
 
