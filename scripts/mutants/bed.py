@@ -14,7 +14,7 @@ from mutant import Mutant
 
 FAILED = 1  # pytest's exit status where a test failed
 PATIENCE_S = 600.0
-MADE = (".git", ".venv", "__pycache__", "*.egg-info", "build", "runs", ".*_cache", ".hypothesis")
+MADE = (".git", ".venv", "__pycache__", "*.egg-info", "build", ".*_cache", ".hypothesis")
 
 
 class Bed:
@@ -27,7 +27,12 @@ class Bed:
     def __init__(self, project: Path, folder: Path) -> None:
         """Copy `project`, without what was made in it, into `folder`/project."""
         self.root, self._machine_code = folder / "project", folder / "numba"
-        shutil.copytree(project, self.root, symlinks=True, ignore=shutil.ignore_patterns(*MADE))
+        made = shutil.ignore_patterns(*MADE)
+
+        def ignored(where: str, names: list[str]) -> set[str]:
+            return made(where, names) | ({"runs"} if Path(where) == project else set())
+
+        shutil.copytree(project, self.root, symlinks=True, ignore=ignored)
         if (project.parent / "shared").exists():
             (folder / "shared").symlink_to(project.parent / "shared")
 
