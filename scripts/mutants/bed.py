@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import resource
 import shutil
 import subprocess
 import sys
@@ -14,7 +15,12 @@ from mutant import Mutant
 
 FAILED = 1  # pytest's exit status where a test failed
 PATIENCE_S = 600.0
+MEMORY = 4 * 2**30  # [bytes] that the tests of a bug may take, of addresses
 MADE = (".git", ".venv", "__pycache__", "*.egg-info", "build", ".*_cache", ".hypothesis")
+
+
+def _bounded() -> None:
+    resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
 
 
 class Bed:
@@ -70,7 +76,11 @@ class Bed:
         }
         quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL, "stdin": subprocess.DEVNULL}
         try:
-            ended = subprocess.run(command, cwd=self.root, env=surroundings, timeout=PATIENCE_S, **quiet)  # type: ignore[call-overload]
+            ended = subprocess.run(  # type: ignore[call-overload]
+                command, cwd=self.root, env=surroundings, timeout=PATIENCE_S, preexec_fn=_bounded, **quiet
+            )
+                command, cwd=self.root, env=surroundings, timeout=PATIENCE_S, preexec_fn=_bounded, **quiet
+            )  # type: ignore[call-overload]
         except subprocess.TimeoutExpired:
             return FAILED
-        return int(ended.returncode)
+        return FAILED if ended.returncode < 0 else int(ended.returncode)  # it died: that is noticed
