@@ -79,8 +79,6 @@ class Bed:
             ended = subprocess.run(  # type: ignore[call-overload]
                 command, cwd=self.root, env=surroundings, timeout=PATIENCE_S, preexec_fn=_bounded, **quiet
             )
-                command, cwd=self.root, env=surroundings, timeout=PATIENCE_S, preexec_fn=_bounded, **quiet
-            )  # type: ignore[call-overload]
         except subprocess.TimeoutExpired:
             return FAILED
         return FAILED if ended.returncode < 0 else int(ended.returncode)  # it died: that is noticed
