@@ -17,7 +17,7 @@ class Body:
     """Something that can be moved."""
 
     support: str
-    """What carries it: "hand", "tray" or the name of a shelf; "floor" if it fell."""
+    """What carries it: "hand", "tray", or its name; "floor" if it fell."""
     pose: Transform
     """(4, 4) in the frame of what carries it: hand, base, else the world."""
 
