@@ -10,13 +10,13 @@ from typing import Any, ClassVar, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from handcart.backends.capabilities.capability import Capability
+from handcart.backends.description.robot_file import RobotFile
 from handcart.files.errors import HandcartError, InputError
 from handcart.robotics.geometry.pose2 import Pose2
 
-from .capability import Capability
 from .ground_truth import GroundTruth
 from .recording import Recording
-from .robot_file import RobotFile
 from .saved_state import NotAState
 
 C = TypeVar("C", bound=Capability)

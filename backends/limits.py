@@ -7,10 +7,10 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from handcart.backends.description.robot_file import Drive, GripperSpec
 from handcart.robotics.kinematics.arm_model import ArmModel
 
 from .backend import CommandError
-from .robot_file import Drive, GripperSpec
 
 _ROUNDING = 1e-9
 

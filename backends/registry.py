@@ -9,15 +9,15 @@ from importlib.metadata import entry_points
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from handcart.backends.description.robot_file import RobotFile
 from handcart.files.errors import FileError, InputError
 from handcart.files.suggest import suggest
 from handcart.robotics.geometry.pose2 import Pose2
 
 from .backend import Backend, NoBench
-from .robot_file import RobotFile
 
 if TYPE_CHECKING:
-    from handcart.robotics.navigation.grid_map import GridMap
+    from handcart.robotics.navigation.maps.grid_map import GridMap
 
 TABLE = {
     "can": "handcart.backends.can.can_backend:CanBackend",
@@ -131,13 +131,13 @@ def check_world(
     Raises:
         FileError: with everything that is wrong.
     """
-    from .map_file import is_map_file, load_map
+    from handcart.files.maps.map_file import is_map_file, load_map
 
     if is_map_file(world):
         load_map(world)
         return
-    loaded, whole = import_module("handcart.backends.scene.load_world").read_world(world)
-    find = import_module("handcart.backends.scene.world_findings").world_findings
+    loaded, whole = import_module("handcart.backends.simulation.world.load_world").read_world(world)
+    find = import_module("handcart.backends.simulation.world.world_findings").world_findings
     if wrong := list(find(loaded, whole, robot, told, grid)):
         raise FileError(wrong)
 

@@ -10,10 +10,10 @@ import sys
 import time
 from collections.abc import Callable, Iterator
 
-from handcart.networks.analysis.chance import Chance
 from handcart.networks.analysis.forecast import Forecaster
-from handcart.networks.analysis.policy import TooLarge
 from handcart.networks.analysis.worst_cases import worst_cases
+from handcart.networks.chains.chance import Chance
+from handcart.networks.chains.policy import TooLarge
 from handcart.networks.graph.binding import Binding
 from handcart.networks.graph.network import Action, ActionNetwork, Situation
 from handcart.primitives.driving.modify import Modify

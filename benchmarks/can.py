@@ -20,15 +20,15 @@ import can
 import numpy as np
 from can.interfaces.virtual import VirtualBus
 
-from handcart.backends.arm import Arm
-from handcart.backends.base import Base
+from handcart.backends.can.bench.bench import Bench
+from handcart.backends.can.bench.misbehaviours import misbehaviour
 from handcart.backends.can.can_backend import CanBackend
 from handcart.backends.can.errors import CanFault
 from handcart.backends.can.pace import Pace
-from handcart.backends.can.simulated.bench import Bench
-from handcart.backends.can.simulated.misbehaviours import misbehaviour
-from handcart.backends.robot_file import RobotFile
-from handcart.backends.robot_loading import load_robot
+from handcart.backends.capabilities.arm import Arm
+from handcart.backends.capabilities.base import Base
+from handcart.backends.description.robot_file import RobotFile
+from handcart.backends.description.robot_loading import load_robot
 
 FAULTS = ("emergency", "collision", "two-nodes", "stranger", "stranger-command", "reboot")
 """Those that one frame shows."""

@@ -20,10 +20,10 @@ import py_trees
 from transitions import Machine
 
 from handcart.backends.backend import Backend
-from handcart.backends.base import Base, WheelTravel
-from handcart.backends.capability import Capability
-from handcart.backends.robot import Robot
-from handcart.backends.robot_file import RobotFile
+from handcart.backends.capabilities.base import Base, WheelTravel
+from handcart.backends.capabilities.capability import Capability
+from handcart.backends.description.robot_file import RobotFile
+from handcart.backends.robot.robot import Robot
 from handcart.networks.coordination.coordinator import Coordinator
 from handcart.networks.graph.binding import Binding
 from handcart.networks.graph.network import Action, ActionNetwork, Situation
@@ -32,7 +32,7 @@ from handcart.networks.journal.journal import Journal
 from handcart.primitives.contract.action_primitive import ActionPrimitive, Periods
 from handcart.primitives.knowledge.world_model import ModelView, WorldModel
 from handcart.robotics.geometry.pose2 import Pose2
-from handcart.robotics.navigation.grid_map import GridMap
+from handcart.robotics.navigation.maps.grid_map import GridMap
 
 DRIVE = {
     "wheel_radius_m": 0.1,

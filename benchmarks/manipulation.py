@@ -13,9 +13,9 @@ import numpy as np
 from handcart.robotics.geometry.transform import transform
 from handcart.robotics.kinematics.arm_model import ArmModel
 from handcart.robotics.kinematics.shapes import Box
-from handcart.robotics.manipulation.collision_model import CollisionModel
-from handcart.robotics.manipulation.motion_planner import plan_motion, plan_straight
-from handcart.robotics.manipulation.trajectory import time_path
+from handcart.robotics.manipulation.motions.collision_model import CollisionModel
+from handcart.robotics.manipulation.motions.motion_planner import plan_motion, plan_straight
+from handcart.robotics.manipulation.motions.trajectory import time_path
 
 ROBOT = Path(__file__).resolve().parents[1] / "backends" / "robots" / "librarian" / "librarian.urdf"
 READY = np.array([-0.941, -0.9967, 2.3301, -0.9545, -1.4318, 0.1931])

@@ -13,10 +13,10 @@ from pathlib import Path
 
 import numpy as np
 
+from handcart.backends.description.robot_loading import load_robot
 from handcart.backends.pybullet.physics import Physics
 from handcart.backends.pybullet.pybullet_backend import PyBulletBackend
-from handcart.backends.robot_loading import load_robot
-from handcart.backends.scene.load_world import load_world
+from handcart.backends.simulation.world.load_world import load_world
 
 WORLD = Path(__file__).resolve().parents[1] / "tasks" / "return_book" / "world.yaml"
 PERIODS, ROUNDS = 100, 9

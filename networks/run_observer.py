@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from handcart.backends.robot import Robot
+from handcart.backends.robot.robot import Robot
 from handcart.networks.coordination.events import Event
 from handcart.networks.coordination.run_end import RunEnd
 

@@ -14,14 +14,14 @@ DOMAIN = Domain(
         "handcart.primitives.blocks.blocks:Blocks",
         {"building": "A building plan: where blocks wait and where they go."},
     ),
-    props="handcart.backends.scene.blocks.block_props:BlockProps",
+    props="handcart.backends.simulation.blocks.block_props:BlockProps",
     physics={"pybullet": "handcart.backends.pybullet.blocks.bodies:BODIES"},
     primitives={
         "FIXATE": "handcart.primitives.blocks.fixate:Fixate",
         "PICK_UP_BLOCK": "handcart.primitives.blocks.pick_up_block:PickUpBlock",
         "STACK": "handcart.primitives.blocks.stack:Stack",
     },
-    survey="handcart.evaluation.block_survey:BlockSurvey",
+    survey="handcart.evaluation.blocks.block_survey:BlockSurvey",
     files={"building": "handcart.primitives.blocks.building:Building"},
     rehearsals={_HERE / "stack_blocks" / "unload.yaml": {"blocks": "[1]"}},
 )

@@ -11,7 +11,7 @@ _HERE = Path(__file__).parent
 DOMAIN = Domain(
     "books",
     knowledge=Knowledge("handcart.primitives.books.books:Books", {"catalogue": "The books of a library."}),
-    props="handcart.backends.scene.books.book_props:BookProps",
+    props="handcart.backends.simulation.books.book_props:BookProps",
     physics={"pybullet": "handcart.backends.pybullet.books.bodies:BODIES"},
     primitives={
         "RECOGNIZE": "handcart.primitives.books.recognize:Recognize",
@@ -21,7 +21,7 @@ DOMAIN = Domain(
         "INSERT": "handcart.primitives.books.insert:Insert",
         "RELEASE": "handcart.primitives.books.release:Release",
     },
-    survey="handcart.evaluation.book_survey:BookSurvey",
+    survey="handcart.evaluation.books.book_survey:BookSurvey",
     files={"catalogue": "handcart.primitives.books.catalogue:Catalogue"},
     rehearsals={_HERE / name / "task.yaml": {} for name in ("return_book", "return_books")},
 )

@@ -10,12 +10,12 @@ _HERE = Path(__file__).parent
 
 DOMAIN = Domain(
     "calibration",
-    props="handcart.backends.scene.calibration.mark_props:MarkProps",
+    props="handcart.backends.simulation.calibration.mark_props:MarkProps",
     primitives={
         "CALIBRATE_SUSPENSION": "handcart.primitives.calibration.calibrate_suspension:CalibrateSuspension",
         "CALIBRATE_CAMERA": "handcart.primitives.calibration.calibrate_camera:CalibrateCamera",
     },
-    survey="handcart.evaluation.calibration_survey:CalibrationSurvey",
+    survey="handcart.evaluation.calibration.calibration_survey:CalibrationSurvey",
     files={"calibration": "handcart.networks.runs.calibration:Calibration"},
     rehearsals={
         _HERE / "calibrate_camera" / "task.yaml": {"views": "24"},

@@ -48,14 +48,14 @@ class Domain:
     """By the name that task files use."""
     knowledge: Knowledge | None = None
     props: str | None = None
-    """A `handcart.backends.scene.props:Props`: what of the domain stands in simulated worlds."""
+    """A `handcart.backends.simulation.props:Props`: what of the domain stands in simulated worlds."""
     physics: Mapping[str, str] = field(default_factory=dict)
     """By a backend's name: the bodies of its props there, by the class of a thing or of the props."""
     survey: str | None = None
-    """A `handcart.evaluation.survey:Survey`: what ground truth says of the domain's outcomes."""
+    """A `handcart.evaluation.truth.survey:Survey`: what ground truth says of the domain's outcomes."""
     faults: str | None = None
-    """A sequence of `handcart.evaluation.conformance.fault:Fault`: what may happen in a simulated world to
-    what the domain's primitives work on. The conformance kit injects them into these primitives."""
+    """A sequence of `handcart.evaluation.conformance.faults.fault:Fault`: what may happen in a simulated
+    world to what the domain's primitives work on. The conformance kit injects them into these primitives."""
     files: Mapping[str, str] = field(default_factory=dict)
     """Models of its kinds of file, by what stands behind `handcart-` under their key `format`."""
     rehearsals: Mapping[Path, Mapping[str, str]] = field(default_factory=dict)

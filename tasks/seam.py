@@ -21,7 +21,7 @@ DOMAIN = Domain(
         "DIVIDE": "handcart.primitives.seam.divide:Divide",
         "TRACK": "handcart.primitives.seam.track:Track",
     },
-    survey="handcart.evaluation.seam_survey:SeamSurvey",
+    survey="handcart.evaluation.seam.seam_survey:SeamSurvey",
     files={"work-piece": "handcart.primitives.seam.work_piece:WorkPiece"},
     rehearsals={_HERE / "track_seam" / "task.yaml": {"places_left": "[3]"}},
 )

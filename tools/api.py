@@ -13,8 +13,8 @@ import orjson
 from handcart.files.errors import FileError, Finding, InputError
 
 if TYPE_CHECKING:
-    from handcart.evaluation.campaign import Report as CampaignReport
     from handcart.evaluation.conformance.report import Report as ConformanceReport
+    from handcart.evaluation.trials.campaign import Report as CampaignReport
     from handcart.networks.journal.past_run import PastAction
     from handcart.networks.task.task_file import Task
 
@@ -118,7 +118,7 @@ def run(
         FileError: something is wrong with the task or a file that it names; nothing has moved.
         HandcartError: it can't be run for another reason, in words.
     """
-    from handcart.evaluation.running import run_task
+    from handcart.evaluation.trials.running import run_task
     from handcart.networks.action_log import ActionLog
     from handcart.networks.operator.permits import Permits
     from handcart.networks.run_options import RunOptions
@@ -148,7 +148,7 @@ def check(file: Path | str, *, set: Settings | None = None) -> Check:
         file: a task, robot, world, map, places or catalogue file, a URDF, or any other that handcart reads.
         set: parameters of a task.
     """
-    from .check_file import file_facts
+    from handcart.tools.commands.check_file import file_facts
 
     try:
         facts = file_facts(Path(file), _words(set, None))
@@ -197,7 +197,7 @@ def campaign(
         KeyboardInterrupt: somebody ended it.
         HandcartError: a trial can't be run; in words.
     """
-    from handcart.evaluation.campaign import Report, Setting, run_campaign
+    from handcart.evaluation.trials.campaign import Report, Setting, run_campaign
 
     setting = Setting(Path(task), backend, _words(set, robot), None, Path(runs))
     done = run_campaign(setting, range(first, first + trials), jobs)

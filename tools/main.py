@@ -5,10 +5,9 @@ from __future__ import annotations
 import sys
 
 from handcart.files.errors import HandcartError, InputError
-
-from .libraries import NoLibrary, check_libraries
-from .quiet import quiet_libraries
-from .streams import Streams
+from handcart.tools.terminal.libraries import NoLibrary, check_libraries
+from handcart.tools.terminal.quiet import quiet_libraries
+from handcart.tools.terminal.streams import Streams
 
 
 class NotText(InputError):

@@ -9,21 +9,21 @@ import pytest
 
 if TYPE_CHECKING:
     from handcart.evaluation.conformance.report import Report
-    from handcart.evaluation.stage import Stage, StageFiles
+    from handcart.evaluation.trials.stage import Stage, StageFiles
     from handcart.primitives.contract.action_primitive import ActionPrimitive
     from handcart.primitives.contract.outcome import Outcome
 
 
 @pytest.fixture
 def set_stage() -> Iterator[Callable[..., Stage]]:
-    """Builds stages as `handcart.evaluation.stage.set_stage` does, and closes them after the test.
+    """Builds stages as `handcart.evaluation.trials.stage.set_stage` does, and closes them after the test.
 
     def test_there_and_back(set_stage):
         stage = set_stage(seed=3)
         for place in ("shelf_1", "home"):
             assert isinstance(stage.do(MoveTo(place=place)), Success)
     """
-    from handcart.evaluation.stage import set_stage as build
+    from handcart.evaluation.trials.stage import set_stage as build
 
     stages: list[Stage] = []
 

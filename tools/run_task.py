@@ -53,19 +53,18 @@ def run(
     """Check a task with all its files, run it, and tell how it ended."""
     settings = [*(settings or []), *([f"robot={robot}"] if robot else [])]
     if dry_run or script is not None:
-        from .dry_run import dry_run as imagine
+        from handcart.tools.checks.dry_run import dry_run as imagine
 
         sys.exit(imagine(task, backend, settings, seed, situation, script, as_json))
     import orjson
 
-    from handcart.evaluation.running import run_task
-    from handcart.files.settings import split_setting
+    from handcart.evaluation.trials.running import run_task
+    from handcart.files.models.settings import split_setting
     from handcart.networks.coordination.interrupts import Interrupts
     from handcart.networks.operator.permits import Permits
     from handcart.networks.run_options import RunOptions
-
-    from .progress import Progress
-    from .writing import check_folder
+    from handcart.tools.terminal.progress import Progress
+    from handcart.tools.terminal.writing import check_folder
 
     check_folder(runs)
     chosen = dict(split_setting(each) for each in settings)

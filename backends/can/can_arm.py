@@ -7,11 +7,10 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from handcart.backends.arm import Arm
+from handcart.backends.can.drives.axis import Axis
+from handcart.backends.capabilities.arm import Arm
 from handcart.backends.limits import checked_joints
 from handcart.robotics.kinematics.arm_model import ArmModel
-
-from .axis import Axis
 
 _SINGULAR = 1e-3  # share of the largest singular value below which a direction isn't felt
 

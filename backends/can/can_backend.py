@@ -13,25 +13,25 @@ import numpy as np
 from numpy.typing import NDArray
 
 from handcart.backends.backend import Backend
-from handcart.backends.can_spec import VIRTUAL, CanSpec
-from handcart.backends.capability import Capability
+from handcart.backends.can.bench.bench import Bench
+from handcart.backends.can.bus.can_line import CanLine
+from handcart.backends.can.bus.frame_log import FrameLog
+from handcart.backends.can.bus.frame_names import names_of
+from handcart.backends.can.bus.heartbeat import Heartbeat
+from handcart.backends.can.bus.open_bus import open_bus
+from handcart.backends.can.drives.axes import Axes
+from handcart.backends.can.sensors.live_sensor import LiveSensor
+from handcart.backends.can.sensors.live_sensors import await_first, open_sensors
+from handcart.backends.can.watches.bus_guard import BusGuard
+from handcart.backends.capabilities.capability import Capability
+from handcart.backends.description.can_spec import VIRTUAL, CanSpec
+from handcart.backends.description.robot_file import RobotFile
 from handcart.backends.plain_values import attributes, from_plain, set_attributes
-from handcart.backends.robot_file import RobotFile
 from handcart.backends.saved_state import NotAState
 
-from .axes import Axes
-from .bus_guard import BusGuard
-from .can_line import CanLine
 from .can_parts import CanParts, capabilities_of
 from .errors import BrokenOff, BusFault, CanFault, LateLoop, NoDrives
-from .frame_log import FrameLog
-from .frame_names import names_of
-from .heartbeat import Heartbeat
-from .open_bus import open_bus
 from .pace import Pace
-from .sensors.live_sensor import LiveSensor
-from .sensors.live_sensors import await_first, open_sensors
-from .simulated.bench import Bench
 
 
 class CanBackend(Backend):

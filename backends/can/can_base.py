@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from handcart.backends.base import Base, WheelTravel
+from handcart.backends.can.drives.axis import Axis
+from handcart.backends.capabilities.base import Base, WheelTravel
+from handcart.backends.description.robot_file import Drive
 from handcart.backends.limits import checked_drive
-from handcart.backends.robot_file import Drive
-
-from .axis import Axis
 
 
 class CanBase(Base):

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from handcart.backends.gripper import Gripper
+from handcart.backends.can.drives.axis import Axis
+from handcart.backends.can.drives.axis_limits import FULL_TORQUE
+from handcart.backends.capabilities.gripper import Gripper
+from handcart.backends.description.robot_file import GripperSpec
 from handcart.backends.limits import checked_width
-from handcart.backends.robot_file import GripperSpec
-
-from .axis import Axis
-from .axis_limits import FULL_TORQUE
 
 _PRESSES = 0.5  # share of its greatest torque
 _BLOCKED = 0.2  # of top speed: slower fingers don't move

@@ -7,18 +7,18 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from handcart.backends.arm import Arm
-from handcart.backends.base import Base, WheelTravel
-from handcart.backends.camera import Camera
-from handcart.backends.can_spec import CanSpec
-from handcart.backends.capability import Capability
-from handcart.backends.gps import Gps
-from handcart.backends.gripper import Gripper
-from handcart.backends.imu import Imu
-from handcart.backends.range_sensor import RangeSensor
-from handcart.backends.robot_file import RobotFile
+from handcart.backends.can.drives.axes import Axes
+from handcart.backends.capabilities.arm import Arm
+from handcart.backends.capabilities.base import Base, WheelTravel
+from handcart.backends.capabilities.camera import Camera
+from handcart.backends.capabilities.capability import Capability
+from handcart.backends.capabilities.gps import Gps
+from handcart.backends.capabilities.gripper import Gripper
+from handcart.backends.capabilities.imu import Imu
+from handcart.backends.capabilities.range_sensor import RangeSensor
+from handcart.backends.description.can_spec import CanSpec
+from handcart.backends.description.robot_file import RobotFile
 
-from .axes import Axes
 from .can_arm import CanArm
 from .can_base import CanBase
 from .can_gripper import CanGripper

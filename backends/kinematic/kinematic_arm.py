@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import ClassVar
 
-from handcart.backends.robot_file import RobotFile
-from handcart.backends.scene.hand import Hand
-from handcart.backends.scene.simulated_arm import SimulatedArm, Vector
+from handcart.backends.description.robot_file import RobotFile
+from handcart.backends.simulation.body.hand import Hand
+from handcart.backends.simulation.body.simulated_arm import SimulatedArm, Vector
 
 
 class KinematicArm(SimulatedArm):

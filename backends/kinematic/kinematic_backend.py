@@ -4,17 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from handcart.backends.ground_spec import GroundSpec
-from handcart.backends.robot_file import RobotFile
-from handcart.backends.scene.base_contact import move_base
-from handcart.backends.scene.field_imu import FieldImu
-from handcart.backends.scene.hand import Hand
-from handcart.backends.scene.mounts import base_T_frame
-from handcart.backends.scene.rough_ride import RoughRide
-from handcart.backends.scene.simulated_backend import Part, SimulatedBackend
-from handcart.backends.scene.simulated_imu import SimulatedImu
-from handcart.backends.scene.suspension import lean_of
-from handcart.backends.scene.world_file import WorldFile
+from handcart.backends.description.ground_spec import GroundSpec
+from handcart.backends.description.robot_file import RobotFile
+from handcart.backends.simulation.body.base_contact import move_base
+from handcart.backends.simulation.body.hand import Hand
+from handcart.backends.simulation.body.rough_ride import RoughRide
+from handcart.backends.simulation.body.suspension import lean_of
+from handcart.backends.simulation.sensors.field_imu import FieldImu
+from handcart.backends.simulation.sensors.mounts import base_T_frame
+from handcart.backends.simulation.sensors.simulated_imu import SimulatedImu
+from handcart.backends.simulation.simulated_backend import Part, SimulatedBackend
+from handcart.backends.simulation.world.world_file import WorldFile
 from handcart.robotics.geometry.pose2 import Pose2
 
 from .kinematic_arm import KinematicArm
@@ -44,8 +44,8 @@ class KinematicBackend(SimulatedBackend):
       and what stands there stop the base as well where it drives them into something.
     - What is gripped sits in the hand as if glued and centred: it neither slips nor sags.
     - What gives way to the hand, and what becomes of a thing that is let go, is decided by rules of the
-      domain that it is of (`handcart.backends.scene.props`); by default it stands on what is right below it.
-      Else it lies on the floor, lost, and nothing runs into it there.
+      domain that it is of (`handcart.backends.simulation.props`); by default it stands on what is right
+      below it. Else it lies on the floor, lost, and nothing runs into it there.
     - Encoders have no bias. The camera is as stated, unless `errors` has its mount or focal length off.
     - Light has no shadows; glass, mirrors and black lacquer are unknown to the range sensor.
 

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from handcart.backends.base import WheelTravel
-from handcart.backends.commanded_base import CommandedBase
-from handcart.backends.robot_file import RobotFile
-from handcart.backends.scene.rolling import Rolling
+from handcart.backends.capabilities.base import WheelTravel
+from handcart.backends.description.robot_file import RobotFile
+from handcart.backends.simulation.body.rolling import Rolling
+from handcart.backends.simulation.commanded_base import CommandedBase
 from handcart.robotics.geometry.pose2 import Pose2
 
 

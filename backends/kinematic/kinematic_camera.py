@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from handcart.backends.robot_file import RobotFile
-from handcart.backends.scene.renderer import Renderer
-from handcart.backends.scene.scene import Scene
-from handcart.backends.scene.simulated_camera import SimulatedCamera
-from handcart.backends.sensor_specs import CameraSpec
+from handcart.backends.description.robot_file import RobotFile
+from handcart.backends.description.sensor_specs import CameraSpec
+from handcart.backends.simulation.rendering.renderer import Renderer
+from handcart.backends.simulation.scene import Scene
+from handcart.backends.simulation.sensors.simulated_camera import SimulatedCamera
 
 
 class KinematicCamera(SimulatedCamera):

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from typing import ClassVar
 
-from handcart.backends.base import WheelTravel
-from handcart.backends.commanded_base import CommandedBase
-from handcart.backends.robot_file import RobotFile
-from handcart.backends.scene.rough_ride import RoughRide
+from handcart.backends.capabilities.base import WheelTravel
+from handcart.backends.description.robot_file import RobotFile
+from handcart.backends.simulation.body.rough_ride import RoughRide
+from handcart.backends.simulation.commanded_base import CommandedBase
 from handcart.robotics.geometry.pose2 import Pose2
 
 

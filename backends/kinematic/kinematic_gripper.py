@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from handcart.backends.robot_file import GripperSpec
-from handcart.backends.scene.fingers import Fingers
-from handcart.backends.scene.hand import Hand
-from handcart.backends.scene.simulated_gripper import SimulatedGripper
+from handcart.backends.description.robot_file import GripperSpec
+from handcart.backends.simulation.body.fingers import Fingers
+from handcart.backends.simulation.body.hand import Hand
+from handcart.backends.simulation.body.simulated_gripper import SimulatedGripper
 
 _PRESSES = 2e-4  # commanded this far beyond where they stand, the fingers press [m]
 

@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from handcart.backends.scene.ranges import cast_rays
-from handcart.backends.scene.scene import Scene
-from handcart.backends.scene.simulated_range_sensor import SimulatedRangeSensor
-from handcart.backends.scene.solids import FloorPlan
-from handcart.backends.sensor_specs import RangeSpec
+from handcart.backends.description.sensor_specs import RangeSpec
+from handcart.backends.simulation.scene import Scene
+from handcart.backends.simulation.sensors.ranges import cast_rays
+from handcart.backends.simulation.sensors.simulated_range_sensor import SimulatedRangeSensor
+from handcart.backends.simulation.world.solids import FloorPlan
 from handcart.robotics.geometry.transform import Transform
 
 

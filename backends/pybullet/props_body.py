@@ -5,13 +5,13 @@ from __future__ import annotations
 from typing import ClassVar, NamedTuple
 
 from handcart.backends.plain_values import Kinds
-from handcart.backends.scene.scene_props import SceneProps
+from handcart.backends.pybullet.body.bullet_gripper import BulletGripper
+from handcart.backends.pybullet.body.grip import Grip
+from handcart.backends.pybullet.body.robot_body import RobotBody
+from handcart.backends.pybullet.world.world_bodies import WorldBodies
+from handcart.backends.simulation.scene_props import SceneProps
 
-from .bullet_gripper import BulletGripper
-from .grip import Grip
 from .physics import Physics
-from .robot_body import RobotBody
-from .world_bodies import WorldBodies
 
 
 class Pieces(NamedTuple):

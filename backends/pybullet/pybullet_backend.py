@@ -12,33 +12,33 @@ import numpy as np
 from numpy.typing import NDArray
 
 from handcart.backends.backend import NoWindow
+from handcart.backends.description.robot_file import RobotFile
 from handcart.backends.plain_values import Kinds
-from handcart.backends.robot_file import RobotFile
-from handcart.backends.robot_shape import finger_shape
+from handcart.backends.pybullet.body.bullet_arm import BulletArm
+from handcart.backends.pybullet.body.bullet_base import BulletBase
+from handcart.backends.pybullet.body.bullet_car import BulletCar
+from handcart.backends.pybullet.body.bullet_gripper import BulletGripper
+from handcart.backends.pybullet.body.grip import Grip
+from handcart.backends.pybullet.body.robot_body import RobotBody
+from handcart.backends.pybullet.body.suspension_springs import SuspensionSprings
+from handcart.backends.pybullet.body.touch import Touch
+from handcart.backends.pybullet.sensors.bullet_camera import BulletCamera, looking, render
+from handcart.backends.pybullet.sensors.bullet_field_imu import BulletFieldImu
+from handcart.backends.pybullet.sensors.bullet_imu import BulletImu
+from handcart.backends.pybullet.sensors.bullet_range_sensor import BulletRangeSensor
+from handcart.backends.pybullet.world.terrain import Terrain
+from handcart.backends.pybullet.world.world_bodies import WorldBodies
 from handcart.backends.saved_state import NotAState
-from handcart.backends.scene.mounts import base_T_frame
-from handcart.backends.scene.simulated_backend import Part, SimulatedBackend
-from handcart.backends.scene.thing import Thing
-from handcart.backends.scene.world_file import WorldFile
+from handcart.backends.simulation.sensors.mounts import base_T_frame
+from handcart.backends.simulation.simulated_backend import Part, SimulatedBackend
+from handcart.backends.simulation.world.thing import Thing
+from handcart.backends.simulation.world.world_file import WorldFile
+from handcart.backends.urdf.robot_shape import finger_shape
 from handcart.robotics.geometry.transform import Transform, inverse
 
-from .bullet_arm import BulletArm
-from .bullet_base import BulletBase
-from .bullet_camera import BulletCamera, looking, render
-from .bullet_car import BulletCar
-from .bullet_field_imu import BulletFieldImu
-from .bullet_gripper import BulletGripper
-from .bullet_imu import BulletImu
-from .bullet_range_sensor import BulletRangeSensor
-from .grip import Grip
 from .physics import Physics
 from .props_body import Pieces, PropsBody
-from .robot_body import RobotBody
 from .scene_sync import SceneSync
-from .suspension_springs import SuspensionSprings
-from .terrain import Terrain
-from .touch import Touch
-from .world_bodies import WorldBodies
 
 SETTLES = 0.3  # [s] that everything gets to come to rest before time begins
 SETTLES_OUTDOORS = 1.5  # the same on rough ground, onto which the robot is let down

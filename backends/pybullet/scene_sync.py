@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from handcart.backends.scene.scene import Scene
-from handcart.backends.scene.thing import Thing
+from handcart.backends.pybullet.body.robot_body import RobotBody
+from handcart.backends.pybullet.world.world_bodies import WorldBodies
+from handcart.backends.simulation.scene import Scene
+from handcart.backends.simulation.world.thing import Thing
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import inverse
-
-from .robot_body import RobotBody
-from .world_bodies import WorldBodies
 
 
 class SceneSync:

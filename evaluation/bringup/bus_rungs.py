@@ -9,11 +9,11 @@ import canopen
 from canopen.sdo.client import SdoClient
 from canopen.sdo.exceptions import SdoAbortedError, SdoError
 
-from handcart.backends.can.axis_settings import mapping, settings
-from handcart.backends.can.can_line import CanLine
-from handcart.backends.can.drive_dictionary import drive_dictionary
-from handcart.backends.can.lacks import not_watched
-from handcart.backends.can.line_sdo_client import LineSdoClient
+from handcart.backends.can.bus.can_line import CanLine
+from handcart.backends.can.bus.line_sdo_client import LineSdoClient
+from handcart.backends.can.devices.lacks import not_watched
+from handcart.backends.can.drives.axis_settings import mapping, settings
+from handcart.backends.can.drives.drive_dictionary import drive_dictionary
 
 from .rung import Facts, Rung, RungFailed
 from .site import Site

@@ -10,12 +10,12 @@ from typing import NamedTuple, TypeVar
 
 import numpy as np
 
-from handcart.backends.arm import Arm
 from handcart.backends.backend import Backend
-from handcart.backends.base import Base
-from handcart.backends.capability import Capability
-from handcart.backends.gripper import Gripper
-from handcart.backends.robot_file import RobotFile
+from handcart.backends.capabilities.arm import Arm
+from handcart.backends.capabilities.base import Base
+from handcart.backends.capabilities.capability import Capability
+from handcart.backends.capabilities.gripper import Gripper
+from handcart.backends.description.robot_file import RobotFile
 from handcart.files.errors import InputError
 from handcart.files.suggest import suggest
 

@@ -7,8 +7,8 @@ from io import StringIO
 from pathlib import Path
 from typing import Any, Literal
 
-from handcart.files.loading import load
-from handcart.files.model import FileModel
+from handcart.files.models.loading import load
+from handcart.files.models.model import FileModel
 from handcart.files.whole_file import write_whole
 
 Answer = bool | float

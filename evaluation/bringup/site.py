@@ -10,14 +10,14 @@ from pathlib import Path
 
 import can
 
+from handcart.backends.can.bench.bench import Bench
+from handcart.backends.can.bus.can_line import CanLine
+from handcart.backends.can.bus.open_bus import open_bus
 from handcart.backends.can.can_backend import CanBackend
-from handcart.backends.can.can_line import CanLine
 from handcart.backends.can.errors import NoDrives
-from handcart.backends.can.open_bus import open_bus
-from handcart.backends.can.simulated.bench import Bench
-from handcart.backends.can_spec import CanSpec
+from handcart.backends.description.can_spec import CanSpec
+from handcart.backends.description.robot_file import RobotFile
 from handcart.backends.registry import bench_class
-from handcart.backends.robot_file import RobotFile
 from handcart.networks.runs.robot_claim import claimed
 
 from .operator import Operator

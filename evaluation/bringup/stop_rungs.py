@@ -7,9 +7,9 @@ from collections.abc import Callable
 
 import numpy as np
 
-from handcart.backends.base import Base
-from handcart.backends.can.axis import ENABLED
 from handcart.backends.can.can_backend import CanBackend
+from handcart.backends.can.drives.axis import ENABLED
+from handcart.backends.capabilities.base import Base
 
 from .jog import HAND_SPEED
 from .rung import Facts, Rung, RungFailed

@@ -9,11 +9,11 @@ from typing import Any
 
 import numpy as np
 
-from handcart.backends.base import Base
 from handcart.backends.can.can_backend import CanBackend
-from handcart.backends.range_sensor import RangeSensor
-from handcart.evaluation.running import run_task
-from handcart.evaluation.stage import LIBRARY, Stage
+from handcart.backends.capabilities.base import Base
+from handcart.backends.capabilities.range_sensor import RangeSensor
+from handcart.evaluation.trials.running import run_task
+from handcart.evaluation.trials.stage import LIBRARY, Stage
 from handcart.files.whole_file import write_whole
 from handcart.networks.graph.planner import NoWay, Planner
 from handcart.networks.run_options import RunOptions

@@ -10,18 +10,18 @@ from functools import cached_property
 from multiprocessing import get_context
 from pathlib import Path
 
-from handcart.evaluation.stage import StageFiles
+from handcart.evaluation.conformance.checks.all_checks import CHECKS
+from handcart.evaluation.conformance.checks.check import Finding
+from handcart.evaluation.conformance.faults.fail_is_true import Batch
+from handcart.evaluation.conformance.faults.forked import Died, Hung, forked
+from handcart.evaluation.conformance.faults.rehearsal import Rehearsal, Solo
+from handcart.evaluation.conformance.faults.repertoire import declared, repertoire
+from handcart.evaluation.conformance.planted.mutants import MUTANTS, Caught, try_mutant
+from handcart.evaluation.conformance.rig.bench import Bench
+from handcart.evaluation.conformance.rig.reach import Reach
+from handcart.evaluation.trials.stage import StageFiles
 from handcart.networks.task.task_file import load_task
 
-from .all_checks import CHECKS
-from .bench import Bench
-from .check import Finding
-from .fail_is_true import Batch
-from .forked import Died, Hung, forked
-from .mutants import MUTANTS, Caught, try_mutant
-from .reach import Reach
-from .rehearsal import Rehearsal, Solo
-from .repertoire import declared, repertoire
 from .report import Broken, Report, Result
 from .task_runs import OneRun, task_runs
 

@@ -7,10 +7,11 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
-from .check import Finding
-from .fail_is_true import Trial
-from .fault import NOTHING
-from .mutants import Caught
+from handcart.evaluation.conformance.checks.check import Finding
+from handcart.evaluation.conformance.faults.fail_is_true import Trial
+from handcart.evaluation.conformance.faults.fault import NOTHING
+from handcart.evaluation.conformance.planted.mutants import Caught
+
 from .task_runs import Ran, compared
 
 OUTCOMES = ("Success", "Fail", "GiveUp")

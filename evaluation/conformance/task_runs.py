@@ -8,10 +8,9 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import NamedTuple
 
-from handcart.evaluation.running import run_task
+from handcart.evaluation.conformance.checks.check import Finding
+from handcart.evaluation.trials.running import run_task
 from handcart.networks.run_options import RunOptions
-
-from .check import Finding
 
 REFERENCE = "kinematic"
 SUCCESS = "Success"

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from handcart.backends.joint_units import JointUnits
+from handcart.backends.description.joint_units import JointUnits
 from handcart.robotics.kinematics.urdf_contents import JointFacts
 
 from .outline import Outline

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 import pinocchio as pin
 
-from handcart.backends.driven_wheels import driven_wheels
+from handcart.backends.urdf.driven_wheels import driven_wheels
 from handcart.robotics.geometry.transform import Transform
 from handcart.robotics.kinematics.shapes import Shape, Sphere
 from handcart.robotics.kinematics.urdf_contents import JointFacts, bodies_of, joints_of

@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import ConvexHull
 
-from handcart.backends.robot_file import RobotFile
-from handcart.evaluation.figure_file import save_figure
+from handcart.backends.description.robot_file import RobotFile
+from handcart.evaluation.drawing.figure_file import save_figure
 from handcart.robotics.kinematics.shapes import Shape
 from handcart.robotics.kinematics.urdf_contents import bodies_of
 

@@ -9,13 +9,13 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from handcart.backends.robot_file import RobotFile
-from handcart.backends.robot_loading import shipped_path
+from handcart.backends.description.robot_file import RobotFile
+from handcart.backends.description.robot_loading import shipped_path
 from handcart.files.errors import Finding
 from handcart.files.suggest import listed
-from handcart.files.yaml_document import read_document
+from handcart.files.yaml.yaml_document import read_document
 from handcart.robotics.kinematics.arm_model import ArmModel
-from handcart.robotics.manipulation.collision_model import CollisionModel
+from handcart.robotics.manipulation.motions.collision_model import CollisionModel
 
 from .masses import corners_of
 

@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from handcart.backends.robot_file import RobotFile
+from handcart.backends.description.robot_file import RobotFile
 from handcart.robotics.geometry.transform import transform
 from handcart.robotics.kinematics.arm_model import ArmModel
-from handcart.robotics.manipulation.collision_model import CollisionModel
+from handcart.robotics.manipulation.motions.collision_model import CollisionModel
 
 from .masses import corners_of
 

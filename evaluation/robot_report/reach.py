@@ -10,11 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from handcart.backends.robot_file import RobotFile
+from handcart.backends.description.robot_file import RobotFile
 from handcart.primitives.books.book_grip import GRIP_HEIGHT
 from handcart.robotics.geometry.transform import transform
 from handcart.robotics.kinematics.arm_model import ArmModel
-from handcart.robotics.manipulation.collision_model import CollisionModel
+from handcart.robotics.manipulation.motions.collision_model import CollisionModel
 
 SAMPLES, FEWER = 6000, 1500  # postures; where nothing is looked for near them, fewer do
 TRIES = 16  # starts of the search for a posture

@@ -7,10 +7,10 @@ from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
-from handcart.backends.driven_wheels import driven_wheels
-from handcart.backends.robot_file import RobotFile
-from handcart.backends.robot_urdf import RobotUrdf
-from handcart.backends.sensor_specs import CameraSpec
+from handcart.backends.description.robot_file import RobotFile
+from handcart.backends.description.sensor_specs import CameraSpec
+from handcart.backends.urdf.driven_wheels import driven_wheels
+from handcart.backends.urdf.robot_urdf import RobotUrdf
 from handcart.files.suggest import listed
 from handcart.robotics.kinematics.arm_model import ArmModel
 from handcart.robotics.kinematics.urdf_contents import JointFacts, bodies_of, joints_of, links_of, meshes_of
@@ -174,7 +174,7 @@ def _of_drives(robot: RobotFile) -> list[Remark]:
     """What its drives lack, and its file accepts."""
     if robot.can is None:
         return []
-    from handcart.backends.can.lacks import not_watched
+    from handcart.backends.can.devices.lacks import not_watched
 
     return [Remark(name, words) for name, axis in robot.can.axes() for words in not_watched(axis)]
 

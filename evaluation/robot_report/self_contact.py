@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from handcart.robotics.kinematics.arm_model import ArmModel
-from handcart.robotics.manipulation.collision_model import CollisionModel
+from handcart.robotics.manipulation.motions.collision_model import CollisionModel
 
 SAMPLES = 200
 ALWAYS = 0.95

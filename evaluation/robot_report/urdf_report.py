@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
-from handcart.backends.robot_parts import read_part
-from handcart.backends.robot_urdf import Place, RobotUrdf
+from handcart.backends.urdf.robot_parts import read_part
+from handcart.backends.urdf.robot_urdf import Place, RobotUrdf
 
 from .outline import Outline, outline_of
 from .report import Contents, contents_of

@@ -9,10 +9,9 @@ import networkx as nx
 from pydantic import Field, model_validator
 
 from handcart.files.errors import Finding
-from handcart.files.loading import Loaded
-from handcart.files.model import FileModel
-
-from .absorbing_chain import Absorption, absorption
+from handcart.files.models.loading import Loaded
+from handcart.files.models.model import FileModel
+from handcart.networks.chains.absorbing_chain import Absorption, absorption
 
 Fact = str | bool | int | float
 

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from handcart.backends.arm import Arm
-from handcart.backends.base import Base
-from handcart.backends.gripper import Gripper
+from handcart.backends.capabilities.arm import Arm
+from handcart.backends.capabilities.base import Base
+from handcart.backends.capabilities.gripper import Gripper
 from handcart.files.errors import Finding
 from handcart.networks.task.task_file import Task
 

@@ -6,14 +6,14 @@ from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
+from handcart.networks.chains.chance import Chance
+from handcart.networks.chains.effort import Effort, TooMuch
+from handcart.networks.chains.policy import WORK, TooLarge
+from handcart.networks.chains.stage import Stage
 from handcart.networks.task.task_file import Task
 from handcart.networks.task.task_model import ActionEntry
 
-from .chance import Chance
-from .effort import Effort, TooMuch
 from .forecast import Change, Forecast, Forecaster
-from .policy import WORK, TooLarge
-from .stage import Stage
 
 ASSUMPTION = "attempts are independent of each other, and no Fail is for good"
 

@@ -7,14 +7,13 @@ from collections.abc import Callable, Collection
 from dataclasses import dataclass
 from itertools import accumulate
 
+from handcart.networks.chains.effort import Effort
+from handcart.networks.chains.ends import AT_GOAL, Ends
+from handcart.networks.chains.policy import WORK, Policy, policy
+from handcart.networks.chains.policy_chain import Chain, Chances, policy_chain
+from handcart.networks.chains.stage import Stage
+from handcart.networks.chains.stages import stages
 from handcart.networks.graph.network import ActionNetwork
-
-from .effort import Effort
-from .ends import AT_GOAL, Ends
-from .policy import WORK, Policy, policy
-from .policy_chain import Chain, Chances, policy_chain
-from .stage import Stage
-from .stages import stages
 
 STAGE = 20
 """Steps that a stage counts for whose chain is known."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from .policy import Policy
+from handcart.networks.chains.policy import Policy
 
 
 class Longest(NamedTuple):

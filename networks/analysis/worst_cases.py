@@ -8,13 +8,13 @@ from dataclasses import dataclass
 from itertools import groupby
 from typing import NamedTuple
 
+from handcart.networks.chains.effort import Effort
+from handcart.networks.chains.policy import WORK, Policy, State, TooLarge, policy
+from handcart.networks.chains.stage import Stage
+from handcart.networks.chains.stages import stages
 from handcart.networks.graph.network import Action, ActionNetwork
 
-from .effort import Effort
 from .longest_run import Longest, longest_run
-from .policy import WORK, Policy, State, TooLarge, policy
-from .stage import Stage
-from .stages import stages
 
 FAILS, FOR_GOOD = "fails", "fails for good"
 

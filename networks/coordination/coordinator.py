@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Generator, Sequence
 from contextlib import suppress
 
-from handcart.backends.robot import Robot
+from handcart.backends.robot.robot import Robot
 from handcart.networks.graph.binding import NotBound
 from handcart.networks.graph.network import Action, ActionNetwork
 from handcart.networks.graph.planner import NoWay, Plan, Planner

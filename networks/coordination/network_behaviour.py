@@ -7,7 +7,7 @@ from collections.abc import Callable, Generator
 from py_trees.behaviour import Behaviour
 from py_trees.common import Status
 
-from handcart.backends.robot import Robot
+from handcart.backends.robot.robot import Robot
 
 from .coordinator import Coordinator
 from .run_end import RunEnd

@@ -9,8 +9,8 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field
 
-from handcart.files.loading import load
-from handcart.files.model import FileModel
+from handcart.files.models.loading import load
+from handcart.files.models.model import FileModel
 from handcart.networks.graph.network import ActionNetwork
 from handcart.networks.graph.planner import NoWay
 from handcart.networks.graph.route import Route

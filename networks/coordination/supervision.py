@@ -8,7 +8,7 @@ from collections.abc import Callable, Generator
 from contextlib import suppress
 from enum import Enum
 
-from handcart.backends.robot import Robot
+from handcart.backends.robot.robot import Robot
 from handcart.networks.journal.measured import in_words, moved
 from handcart.primitives.contract.cause import FRAMEWORK
 from handcart.primitives.contract.discrepancy import Discrepancy

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from handcart.backends.robot import Robot
+from handcart.backends.robot.robot import Robot
 from handcart.networks.graph.network import ActionNetwork
 from handcart.networks.journal.measured import moved
 from handcart.primitives.restoring.snapshot import Snapshot, limits, residuals

@@ -8,7 +8,7 @@ from typing import Any
 
 import orjson
 
-from handcart.backends.robot import Robot
+from handcart.backends.robot.robot import Robot
 from handcart.networks.coordination.events import (
     Ended,
     Event,

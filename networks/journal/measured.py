@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from handcart.backends.robot import Robot
+from handcart.backends.robot.robot import Robot
 from handcart.primitives.restoring.snapshot import Snapshot, limits, residuals, take_snapshot
 from handcart.robotics.geometry.pose2 import Pose2
 

@@ -9,7 +9,7 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-from handcart.backends.robot_file import RobotFile
+from handcart.backends.description.robot_file import RobotFile
 from handcart.networks.graph.journaled_network import network_fields
 from handcart.networks.task.preparing import Prepared
 

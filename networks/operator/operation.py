@@ -6,7 +6,7 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any
 
-from handcart.backends.robot import Robot
+from handcart.backends.robot.robot import Robot
 from handcart.files.printable import clipped, printable
 from handcart.networks.coordination.coordinator import Coordinator
 from handcart.networks.coordination.run_life import RunState

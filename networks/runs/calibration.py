@@ -10,7 +10,7 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
-from handcart.files.model import FileModel
+from handcart.files.models.model import FileModel
 from handcart.primitives.contract.calibrated import Calibrated
 
 NAME = "calibration.yaml"

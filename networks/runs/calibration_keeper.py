@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from handcart.files.loading import load
+from handcart.files.models.loading import load
 from handcart.files.whole_file import write_whole
 from handcart.networks.coordination.events import Ended, Event
 from handcart.networks.run_observer import RunObserver

@@ -13,11 +13,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from handcart.backends.arm import Arm
-from handcart.backends.base import Base
-from handcart.backends.gripper import Gripper
-from handcart.backends.range_sensor import RangeSensor
-from handcart.backends.robot import Robot
+from handcart.backends.capabilities.arm import Arm
+from handcart.backends.capabilities.base import Base
+from handcart.backends.capabilities.gripper import Gripper
+from handcart.backends.capabilities.range_sensor import RangeSensor
+from handcart.backends.robot.robot import Robot
 from handcart.files.whole_file import write_whole
 from handcart.networks.coordination.events import Ended, Event, Restoring, Started
 from handcart.networks.journal.evidence_files import FOLDER, stem

@@ -7,8 +7,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
-from handcart.backends.joint_units import JointUnits
-from handcart.backends.robot import Robot
+from handcart.backends.description.joint_units import JointUnits
+from handcart.backends.robot.robot import Robot
 from handcart.networks.journal.measured import measured_fields
 from handcart.networks.journal.retracing import NeedsOperator
 from handcart.networks.journal.waiting import broken_off

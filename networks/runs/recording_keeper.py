@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from handcart.backends.recording import Recording
-from handcart.backends.robot import Robot
+from handcart.backends.robot.robot import Robot
 from handcart.networks.coordination.events import Ended, Event, Restoring
 from handcart.networks.journal.evidence_files import FOLDER, stem
 from handcart.networks.run_observer import RunObserver

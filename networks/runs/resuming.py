@@ -8,7 +8,7 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from handcart.backends.arm import Arm
+from handcart.backends.capabilities.arm import Arm
 from handcart.files.errors import InputError
 from handcart.files.printable import printable
 from handcart.networks.graph.network import ActionNetwork
@@ -22,7 +22,7 @@ from .checkpoint import NAME, Checkpoint, load_checkpoint
 from .run_folder import JOURNAL, read_run_journal
 
 if TYPE_CHECKING:
-    from handcart.backends.robot import Robot
+    from handcart.backends.robot.robot import Robot
 
 _NEEDED = {
     *("schema", "handcart", "task_path", "settings", "network", "backend", "bench", "seed", "errors"),

@@ -13,7 +13,7 @@ import orjson
 
 from handcart.backends.backend import RobotFault
 from handcart.backends.recording import Recording
-from handcart.backends.robot import Robot
+from handcart.backends.robot.robot import Robot
 from handcart.files.errors import HandcartError
 from handcart.files.whole_file import write_whole
 from handcart.networks.coordination.coordinator import Coordinator

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from handcart.files.whole_file import write_whole
 
 if TYPE_CHECKING:
-    from handcart.backends.robot import Robot
+    from handcart.backends.robot.robot import Robot
 
 
 class Track(NamedTuple):

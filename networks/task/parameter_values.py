@@ -9,7 +9,7 @@ from typing import Any
 from handcart.files.errors import FileError, Finding
 from handcart.files.findings import Findings
 from handcart.files.suggest import suggest
-from handcart.files.yaml_node import Node
+from handcart.files.yaml.yaml_node import Node
 
 LARGEST = 50_000
 """Values in a file with its parameters put in: two lists of references stand for millions."""

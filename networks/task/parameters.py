@@ -7,8 +7,8 @@ from dataclasses import replace
 
 from handcart.files.errors import Finding
 from handcart.files.findings import Findings
-from handcart.files.yaml_document import Document
-from handcart.files.yaml_node import KeyPath, Node
+from handcart.files.yaml.yaml_document import Document
+from handcart.files.yaml.yaml_node import KeyPath, Node
 
 from .parameter_values import ParameterValues, reference
 

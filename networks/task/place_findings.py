@@ -8,9 +8,9 @@ from pathlib import Path
 import numpy as np
 
 from handcart.files.errors import Finding
-from handcart.files.loading import Loaded
+from handcart.files.models.loading import Loaded
 from handcart.primitives.knowledge.place import Place, Places
-from handcart.robotics.navigation.grid_map import GridMap
+from handcart.robotics.navigation.maps.grid_map import GridMap
 
 
 def place_findings(places: Loaded[Places], grid: GridMap, chart: Path) -> Iterator[Finding]:

@@ -7,15 +7,15 @@ from collections.abc import Collection, Iterator
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
-from handcart.backends.base import Base
-from handcart.backends.robot_file import RobotFile
+from handcart.backends.capabilities.base import Base
+from handcart.backends.description.robot_file import RobotFile
 from handcart.files.errors import Finding
-from handcart.files.loading import Loaded
+from handcart.files.models.loading import Loaded
 from handcart.networks.graph.network import Action
 from handcart.primitives.knowledge.place import Places
 from handcart.primitives.knowledge.world_model import WorldModel
 from handcart.robotics.geometry.pose2 import Pose2
-from handcart.robotics.navigation.ways import Way, Ways
+from handcart.robotics.navigation.routes.ways import Way, Ways
 
 from .primitive_parameters import named_entry
 from .task_file import Task

@@ -10,13 +10,13 @@ from typing import NamedTuple, TypeVar
 import numpy as np
 
 from handcart.backends.backend import Backend
-from handcart.backends.map_file import read_occupancy
+from handcart.backends.description.robot_file import RobotFile
+from handcart.backends.description.robot_loading import load_robot
 from handcart.backends.registry import UnknownBackend, backend_class, backend_names, check_world, make_backend
-from handcart.backends.robot import Robot
-from handcart.backends.robot_file import RobotFile
-from handcart.backends.robot_loading import load_robot
+from handcart.backends.robot.robot import Robot
 from handcart.files.errors import FileError, Finding, InputError
 from handcart.files.findings import Findings
+from handcart.files.maps.map_file import read_occupancy
 from handcart.files.suggest import suggest
 from handcart.networks.graph.network import ActionNetwork
 from handcart.primitives.knowledge.map_masks import keepout_findings, load_speed_limits
@@ -24,8 +24,8 @@ from handcart.primitives.knowledge.place import load_map
 from handcart.primitives.knowledge.world_model import WorldModel
 from handcart.primitives.registry import primitive_class
 from handcart.robotics.geometry.pose2 import Pose2
-from handcart.robotics.navigation.grid_map import GridMap
-from handcart.robotics.navigation.keepout import with_keepout
+from handcart.robotics.navigation.maps.grid_map import GridMap
+from handcart.robotics.navigation.maps.keepout import with_keepout
 
 from .place_findings import place_findings
 from .place_room import PlaceRoom, PlaceRooms, place_rooms

@@ -14,10 +14,10 @@ from pydantic.fields import FieldInfo
 
 from handcart.files.errors import FileError
 from handcart.files.findings import Findings
-from handcart.files.loading import load_part
+from handcart.files.models.loading import load_part
 from handcart.files.suggest import suggest
-from handcart.files.yaml_document import Document
-from handcart.files.yaml_node import Node
+from handcart.files.yaml.yaml_document import Document
+from handcart.files.yaml.yaml_node import Node
 from handcart.networks.graph.binding import Binding
 from handcart.primitives.contract.action_primitive import ActionPrimitive
 from handcart.primitives.knowledge.place_name import Names

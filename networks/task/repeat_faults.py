@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from itertools import combinations
 
 from handcart.files.suggest import listed, suggest
-from handcart.files.yaml_node import KeyPath
+from handcart.files.yaml.yaml_node import KeyPath
 from handcart.networks.graph.network import Fact
 
 from .repetition import Repetition

@@ -6,7 +6,7 @@ from collections import Counter
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
-from handcart.files.yaml_node import KeyPath
+from handcart.files.yaml.yaml_node import KeyPath
 
 from .task_model import ActionEntry, Repeat
 

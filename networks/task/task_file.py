@@ -10,18 +10,18 @@ from typing import Any, TypeVar
 import networkx as nx
 
 from handcart.backends.backend import Backend
-from handcart.backends.capability import Capability
-from handcart.backends.map_file import map_path
-from handcart.backends.robot_loading import ROBOTS, robot_names
+from handcart.backends.capabilities.capability import Capability
+from handcart.backends.description.robot_loading import ROBOTS, robot_names
 from handcart.files.errors import FileError, UnsafePath
 from handcart.files.findings import Findings
 from handcart.files.inside import resolve_inside
-from handcart.files.loading import load_document, load_part
-from handcart.files.model import FileModel
-from handcart.files.settings import SECTION, setting_value, with_settings
+from handcart.files.maps.map_file import map_path
+from handcart.files.models.loading import load_document, load_part
+from handcart.files.models.model import FileModel
+from handcart.files.models.settings import SECTION, setting_value, with_settings
 from handcart.files.suggest import suggest
-from handcart.files.yaml_document import Document, read_document
-from handcart.files.yaml_node import KeyPath
+from handcart.files.yaml.yaml_document import Document, read_document
+from handcart.files.yaml.yaml_node import KeyPath
 from handcart.networks.graph.binding import Binding
 from handcart.networks.graph.network import Action, ActionNetwork, Fact, Situation, faults_of
 from handcart.primitives.contract.action_primitive import ActionPrimitive

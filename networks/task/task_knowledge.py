@@ -8,9 +8,9 @@ from pathlib import Path
 
 from handcart.files.errors import FileError, UnsafePath
 from handcart.files.findings import Findings
-from handcart.files.loading import Loaded
-from handcart.files.yaml_document import Document
-from handcart.files.yaml_node import KeyPath
+from handcart.files.models.loading import Loaded
+from handcart.files.yaml.yaml_document import Document
+from handcart.files.yaml.yaml_node import KeyPath
 from handcart.primitives.knowledge.place import Place, Places
 from handcart.primitives.knowledge.place_file import load_places
 from handcart.primitives.knowledge.section import NamedFiles, Section

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from pydantic import Field, create_model
 
-from handcart.files.model import FileModel
+from handcart.files.models.model import FileModel
 from handcart.networks.graph.network import MAX_ATTEMPTS, MAX_COST_S, Fact
 from handcart.primitives.knowledge.map_masks import SpeedMask
 from handcart.tasks.domain import domains

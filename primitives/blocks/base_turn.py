@@ -5,10 +5,10 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from handcart.backends.robot import Robot
+from handcart.backends.robot.robot import Robot
 from handcart.primitives.blocks.blocks import Fixed
 from handcart.robotics.geometry.pose2 import Pose2, wrap
-from handcart.robotics.navigation.attitude import yaw_sigma
+from handcart.robotics.navigation.localization.attitude import yaw_sigma
 
 GATE = 5.0  # sigmas
 

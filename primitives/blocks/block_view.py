@@ -8,15 +8,15 @@ from collections.abc import Generator, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from handcart.backends.robot import Robot
+from handcart.backends.robot.robot import Robot
 from handcart.primitives.contract.evidence import Evidence
 from handcart.primitives.motions.arm_motion import move_to_pose
 from handcart.primitives.restoring.snapshot import settle
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import Transform, apply, inverse
 from handcart.robotics.kinematics.shapes import Box
-from handcart.robotics.perception.block_finder import find_block
-from handcart.robotics.perception.overlay import draw_overlay
+from handcart.robotics.perception.blocks.block_finder import find_block
+from handcart.robotics.perception.cameras.overlay import draw_overlay
 
 from .building import Building
 from .hand_down import VIEW, on_level, pointing_down

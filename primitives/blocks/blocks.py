@@ -9,7 +9,7 @@ from typing import Any, ClassVar, NamedTuple, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from handcart.files.loading import load
+from handcart.files.models.loading import load
 from handcart.primitives.blocks.building import Building
 from handcart.primitives.knowledge.section import NamedFiles, Section
 from handcart.robotics.geometry.pose2 import Pose2

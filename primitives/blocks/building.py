@@ -7,8 +7,8 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from handcart.backends.board_layout import BoardLayout
-from handcart.files.model import FileModel
+from handcart.backends.description.board_layout import BoardLayout
+from handcart.files.models.model import FileModel
 from handcart.primitives.knowledge.place_name import Names
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import Transform, transform

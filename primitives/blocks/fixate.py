@@ -7,9 +7,9 @@ from typing import Annotated, ClassVar
 
 from pydantic import Field
 
-from handcart.backends.arm import Arm
-from handcart.backends.camera import Camera
-from handcart.backends.robot import Robot
+from handcart.backends.capabilities.arm import Arm
+from handcart.backends.capabilities.camera import Camera
+from handcart.backends.robot.robot import Robot
 from handcart.files.suggest import suggest
 from handcart.primitives.blocks.blocks import Blocks
 from handcart.primitives.blocks.building import LandmarkName

@@ -9,7 +9,7 @@ from typing import Literal, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from handcart.backends.robot import Robot
+from handcart.backends.robot.robot import Robot
 from handcart.primitives.blocks.blocks import Fixed
 from handcart.primitives.contract.action_primitive import Periods
 from handcart.primitives.contract.discrepancy import Discrepancy, Measured
@@ -18,14 +18,14 @@ from handcart.primitives.motions.arm_motion import move_straight, move_to_pose
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import Transform, inverse, transform
 from handcart.robotics.kinematics.shapes import Box
-from handcart.robotics.manipulation.fixation import (
+from handcart.robotics.manipulation.suspension.fixation import (
     PAPER_RULE,
     PlannedView,
     StopRule,
     on_floor,
     placing_posture,
 )
-from handcart.robotics.perception.constellation import Belief, Kind, Mark
+from handcart.robotics.perception.landmarks.constellation import Belief, Kind, Mark
 
 from .building import LandmarkPlan
 from .hand_down import VIEW, pointing_down

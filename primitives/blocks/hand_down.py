@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from handcart.backends.robot import Robot
+from handcart.backends.robot.robot import Robot
 from handcart.primitives.blocks.blocks import Blocks
 from handcart.primitives.contract.discrepancy import Discrepancy
 from handcart.primitives.knowledge.world_model import ModelView
@@ -14,7 +14,7 @@ from handcart.primitives.motions.grip import hand_to_tips
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import Transform, transform
 from handcart.robotics.kinematics.shapes import Box
-from handcart.robotics.manipulation.collision_model import HELD
+from handcart.robotics.manipulation.motions.collision_model import HELD
 
 from .building import Building
 

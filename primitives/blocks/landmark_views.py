@@ -9,13 +9,14 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from handcart.backends.robot import Robot
+from handcart.backends.robot.robot import Robot
 from handcart.primitives.contract.evidence import Evidence
 from handcart.primitives.restoring.snapshot import settle
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import Transform, inverse
-from handcart.robotics.manipulation.fixation import PlannedView
-from handcart.robotics.perception.constellation import (
+from handcart.robotics.manipulation.suspension.fixation import PlannedView
+from handcart.robotics.perception.cameras.overlay import draw_overlay
+from handcart.robotics.perception.landmarks.constellation import (
     CERTAIN,
     STRAY,
     UNSEEN,
@@ -27,11 +28,10 @@ from handcart.robotics.perception.constellation import (
     explain,
     rivals,
 )
-from handcart.robotics.perception.landmark import Landmark
-from handcart.robotics.perception.landmark_finder import find_landmarks
-from handcart.robotics.perception.landmark_in_view import wholly_in_view
-from handcart.robotics.perception.landmark_pose import planar_pose
-from handcart.robotics.perception.overlay import draw_overlay
+from handcart.robotics.perception.landmarks.landmark import Landmark
+from handcart.robotics.perception.landmarks.landmark_finder import find_landmarks
+from handcart.robotics.perception.landmarks.landmark_in_view import wholly_in_view
+from handcart.robotics.perception.landmarks.landmark_pose import planar_pose
 
 NEARER, FARTHER = 0.05, 0.05  # [m] by which a landmark may be off its height in a picture
 OVERLAP = 0.02  # [m] nearer than that two marks can't stand

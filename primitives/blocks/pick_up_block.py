@@ -8,10 +8,10 @@ from typing import ClassVar, Literal
 import numpy as np
 from pydantic import PrivateAttr
 
-from handcart.backends.arm import Arm
-from handcart.backends.camera import Camera
-from handcart.backends.gripper import Gripper
-from handcart.backends.robot import Robot
+from handcart.backends.capabilities.arm import Arm
+from handcart.backends.capabilities.camera import Camera
+from handcart.backends.capabilities.gripper import Gripper
+from handcart.backends.robot.robot import Robot
 from handcart.primitives.blocks.blocks import Blocks
 from handcart.primitives.blocks.building import BlockNumber, name_of_block
 from handcart.primitives.contract.action_primitive import ActionPrimitive, Periods

@@ -8,10 +8,10 @@ from typing import ClassVar, Literal
 import numpy as np
 from pydantic import PrivateAttr
 
-from handcart.backends.arm import Arm
-from handcart.backends.camera import Camera
-from handcart.backends.gripper import Gripper
-from handcart.backends.robot import Robot
+from handcart.backends.capabilities.arm import Arm
+from handcart.backends.capabilities.camera import Camera
+from handcart.backends.capabilities.gripper import Gripper
+from handcart.backends.robot.robot import Robot
 from handcart.primitives.blocks.blocks import Blocks, Fixed, Placed
 from handcart.primitives.blocks.building import BlockNumber, name_of_block
 from handcart.primitives.contract.action_primitive import ActionPrimitive, Periods
@@ -25,8 +25,8 @@ from handcart.primitives.restoring.snapshot import settle
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import Transform, inverse, transform
 from handcart.robotics.kinematics.shapes import Box
-from handcart.robotics.manipulation.fixation import placing_posture, split_goal
-from handcart.robotics.manipulation.suspension_model import SuspensionModel, base_motion
+from handcart.robotics.manipulation.suspension.fixation import placing_posture, split_goal
+from handcart.robotics.manipulation.suspension.suspension_model import SuspensionModel, base_motion
 
 from .base_turn import fused, turn_by_gyros, turn_by_model
 from .block_view import see_block

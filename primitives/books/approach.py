@@ -7,11 +7,11 @@ from typing import ClassVar
 
 from pydantic import PrivateAttr
 
-from handcart.backends.arm import Arm
-from handcart.backends.camera import Camera
-from handcart.backends.gripper import Gripper
-from handcart.backends.range_sensor import RangeSensor
-from handcart.backends.robot import Robot
+from handcart.backends.capabilities.arm import Arm
+from handcart.backends.capabilities.camera import Camera
+from handcart.backends.capabilities.gripper import Gripper
+from handcart.backends.capabilities.range_sensor import RangeSensor
+from handcart.backends.robot.robot import Robot
 from handcart.primitives.books.book_boxes import held_box, shelf_boxes
 from handcart.primitives.books.book_grip import GRIP_HEIGHT, hand_to_spine, holds, opening
 from handcart.primitives.books.books import Books, Slot
@@ -23,8 +23,8 @@ from handcart.primitives.knowledge.world_model import ModelView
 from handcart.primitives.motions.arm_motion import move_straight, move_to_pose
 from handcart.robotics.geometry.transform import Transform, inverse, transform
 from handcart.robotics.kinematics.shapes import Box
-from handcart.robotics.perception.overlay import draw_overlay
-from handcart.robotics.perception.spines import Gap
+from handcart.robotics.perception.books.spines import Gap
+from handcart.robotics.perception.cameras.overlay import draw_overlay
 
 from .hand_view import look
 from .shelf_front import measure_shelf

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from handcart.backends.robot import Robot
+from handcart.backends.robot.robot import Robot
 from handcart.primitives.knowledge.place import Shelf
 from handcart.robotics.geometry.transform import Transform, transform
 from handcart.robotics.kinematics.shapes import Box
-from handcart.robotics.manipulation.collision_model import HELD
+from handcart.robotics.manipulation.motions.collision_model import HELD
 
 from .book_grip import GRIP_HEIGHT, hand_to_spine
 from .catalogue import Book

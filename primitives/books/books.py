@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, ClassVar, NamedTuple, Self
 
-from handcart.files.loading import load
+from handcart.files.models.loading import load
 from handcart.primitives.books.catalogue import Book, Catalogue
 from handcart.primitives.knowledge.section import NamedFiles, Section
 from handcart.robotics.geometry.pose2 import Pose2

@@ -7,8 +7,8 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
-from handcart.files.model import FileModel
-from handcart.robotics.perception.tag_family import USUAL, TagFamily, tags_of
+from handcart.files.models.model import FileModel
+from handcart.robotics.perception.landmarks.tag_family import USUAL, TagFamily, tags_of
 
 Positive = Annotated[float, Field(gt=0.0)]
 

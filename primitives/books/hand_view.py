@@ -10,15 +10,15 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from handcart.backends.gripper import Gripper
-from handcart.backends.robot import Robot
+from handcart.backends.capabilities.gripper import Gripper
+from handcart.backends.robot.robot import Robot
 from handcart.primitives.books.book_boxes import held_box
 from handcart.primitives.books.book_grip import holds
 from handcart.primitives.books.catalogue import Book
 from handcart.primitives.restoring.snapshot import settle
 from handcart.robotics.geometry.transform import Transform, apply, inverse
 from handcart.robotics.kinematics.shapes import Box
-from handcart.robotics.perception.camera_model import CameraModel
+from handcart.robotics.perception.cameras.camera_model import CameraModel
 
 RIM = 5  # [px] beside a held book that don't count: its own blur, and how exactly it sits in the hand
 FINGERS = ("left_finger", "right_finger")

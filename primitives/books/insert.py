@@ -9,10 +9,10 @@ from typing import ClassVar, Literal
 import numpy as np
 from pydantic import PrivateAttr
 
-from handcart.backends.arm import Arm
-from handcart.backends.gripper import Gripper
-from handcart.backends.range_sensor import RangeSensor
-from handcart.backends.robot import Robot
+from handcart.backends.capabilities.arm import Arm
+from handcart.backends.capabilities.gripper import Gripper
+from handcart.backends.capabilities.range_sensor import RangeSensor
+from handcart.backends.robot.robot import Robot
 from handcart.primitives.books.book_boxes import held_box
 from handcart.primitives.books.book_grip import hand_to_spine, holds, opening
 from handcart.primitives.books.books import Books

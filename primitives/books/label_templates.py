@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image, ImageDraw, ImageFont
 
-from handcart.robotics.perception.call_number import CallNumber
+from handcart.robotics.perception.books.call_number import CallNumber
 
 PX_PER_M = 8000.0
 FACE = "DejaVuSans.ttf"  # of the library's label printer

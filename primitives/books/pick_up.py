@@ -7,10 +7,10 @@ from typing import ClassVar, Literal
 
 from pydantic import PrivateAttr
 
-from handcart.backends.arm import Arm
-from handcart.backends.camera import Camera
-from handcart.backends.gripper import Gripper
-from handcart.backends.robot import Robot
+from handcart.backends.capabilities.arm import Arm
+from handcart.backends.capabilities.camera import Camera
+from handcart.backends.capabilities.gripper import Gripper
+from handcart.backends.robot.robot import Robot
 from handcart.primitives.books.book_boxes import held_box
 from handcart.primitives.books.book_grip import GRIP_HEIGHT, close_on, hand_to_spine, holds, opening
 from handcart.primitives.books.books import Books
@@ -33,7 +33,7 @@ from handcart.primitives.restoring.snapshot import Seen, Snapshot, settle
 from handcart.primitives.restoring.trace import Trace
 from handcart.robotics.geometry.transform import Transform, transform
 from handcart.robotics.kinematics.shapes import Box
-from handcart.robotics.perception.tag_reader import read_tags, tag_pose
+from handcart.robotics.perception.landmarks.tag_reader import read_tags, tag_pose
 
 BEFORE = 0.05  # [m] before the grip from which the hand goes in straight
 LIFT = 0.12  # [m]: clear of the tray's rim and of what lies on it

@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import PrivateAttr
 
-from handcart.backends.arm import Arm
-from handcart.backends.camera import Camera
-from handcart.backends.robot import Robot
+from handcart.backends.capabilities.arm import Arm
+from handcart.backends.capabilities.camera import Camera
+from handcart.backends.robot.robot import Robot
 from handcart.primitives.books.book_boxes import tray_box
 from handcart.primitives.books.books import Books
 from handcart.primitives.contract.action_primitive import ActionPrimitive, Periods
@@ -21,10 +21,10 @@ from handcart.primitives.motions.arm_motion import move_straight, move_to_postur
 from handcart.primitives.restoring.snapshot import settle
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import Transform, transform
-from handcart.robotics.perception.camera_model import CameraModel
-from handcart.robotics.perception.overlay import draw_overlay
-from handcart.robotics.perception.tag_family import TagFamily
-from handcart.robotics.perception.tag_reader import Tag, read_tags, tag_pose
+from handcart.robotics.perception.cameras.camera_model import CameraModel
+from handcart.robotics.perception.cameras.overlay import draw_overlay
+from handcart.robotics.perception.landmarks.tag_family import TagFamily
+from handcart.robotics.perception.landmarks.tag_reader import Tag, read_tags, tag_pose
 
 POSTURE = "look_at_tag"
 ASIDE = ((0.0, 0.0), (0.0, 0.025), (0.0, -0.025), (0.02, 0.0))  # of views: left and up, in [m]

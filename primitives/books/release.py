@@ -11,11 +11,11 @@ from py_trees.behaviour import Behaviour
 from py_trees.composites import Sequence
 from pydantic import PrivateAttr
 
-from handcart.backends.arm import Arm
-from handcart.backends.camera import Camera
-from handcart.backends.gripper import Gripper
-from handcart.backends.range_sensor import RangeSensor
-from handcart.backends.robot import Robot
+from handcart.backends.capabilities.arm import Arm
+from handcart.backends.capabilities.camera import Camera
+from handcart.backends.capabilities.gripper import Gripper
+from handcart.backends.capabilities.range_sensor import RangeSensor
+from handcart.backends.robot.robot import Robot
 from handcart.primitives.books.book_boxes import shelf_boxes
 from handcart.primitives.books.book_grip import GRIP_HEIGHT, holds, opening
 from handcart.primitives.books.books import Books
@@ -31,10 +31,10 @@ from handcart.primitives.motions.grip import close, hand_to_tips, open_to
 from handcart.primitives.motions.pushing import push, relax
 from handcart.primitives.restoring.snapshot import settle
 from handcart.robotics.geometry.transform import Transform, inverse
-from handcart.robotics.perception.call_number import parse
-from handcart.robotics.perception.label_reader import Label
-from handcart.robotics.perception.ocr_label_reader import OcrLabelReader
-from handcart.robotics.perception.overlay import draw_overlay
+from handcart.robotics.perception.books.call_number import parse
+from handcart.robotics.perception.books.label_reader import Label
+from handcart.robotics.perception.books.ocr_label_reader import OcrLabelReader
+from handcart.robotics.perception.cameras.overlay import draw_overlay
 
 from .book_row import row_contacts
 from .shelf_front import measure_shelf

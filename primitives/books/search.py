@@ -10,10 +10,10 @@ from typing import ClassVar, Literal
 import numpy as np
 from pydantic import PrivateAttr
 
-from handcart.backends.arm import Arm
-from handcart.backends.camera import Camera
-from handcart.backends.range_sensor import RangeSensor
-from handcart.backends.robot import Robot
+from handcart.backends.capabilities.arm import Arm
+from handcart.backends.capabilities.camera import Camera
+from handcart.backends.capabilities.range_sensor import RangeSensor
+from handcart.backends.robot.robot import Robot
 from handcart.primitives.books.book_boxes import shelf_boxes, tray_box
 from handcart.primitives.books.book_grip import hand_to_spine
 from handcart.primitives.books.books import Books, Slot
@@ -26,14 +26,14 @@ from handcart.primitives.knowledge.world_model import ModelView
 from handcart.primitives.motions.arm_motion import move_straight, move_to_pose
 from handcart.robotics.geometry.transform import Transform, transform
 from handcart.robotics.kinematics.shapes import Box
-from handcart.robotics.perception.call_number import CallNumber, parse
-from handcart.robotics.perception.gap_finder import GapFound, NoGap, find_gap, ordered
-from handcart.robotics.perception.label_reader import LabelReader
-from handcart.robotics.perception.ocr_label_reader import OcrLabelReader
-from handcart.robotics.perception.overlay import draw_overlay
-from handcart.robotics.perception.shelf_views import ShelfReading, fuse_views
-from handcart.robotics.perception.spines import Gap, SpineView, find_spines
-from handcart.robotics.perception.template_label_reader import TemplateLabelReader
+from handcart.robotics.perception.books.call_number import CallNumber, parse
+from handcart.robotics.perception.books.gap_finder import GapFound, NoGap, find_gap, ordered
+from handcart.robotics.perception.books.label_reader import LabelReader
+from handcart.robotics.perception.books.ocr_label_reader import OcrLabelReader
+from handcart.robotics.perception.books.shelf_views import ShelfReading, fuse_views
+from handcart.robotics.perception.books.spines import Gap, SpineView, find_spines
+from handcart.robotics.perception.books.template_label_reader import TemplateLabelReader
+from handcart.robotics.perception.cameras.overlay import draw_overlay
 
 from .hand_view import HandView, held_book, look
 from .label_templates import PX_PER_M, label_templates

@@ -6,11 +6,11 @@ from collections.abc import Generator
 
 import numpy as np
 
-from handcart.backends.robot import Robot
+from handcart.backends.robot.robot import Robot
 from handcart.primitives.contract.discrepancy import Discrepancy, Measured
 from handcart.primitives.knowledge.place import Place
 from handcart.robotics.geometry.transform import Transform, inverse
-from handcart.robotics.navigation.front_line import fit_front, pose_from_front
+from handcart.robotics.navigation.localization.front_line import fit_front, pose_from_front
 
 SCANS = 20  # stacked for one measurement: 10 mm of noise become 0.5 mm of distance
 GATE = 0.10  # [m] that the front may be off where map and pose have it

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from handcart.robotics.perception.label_finder import flat_view
-from handcart.robotics.perception.spine_edges import Strips, falling_edges, strips_of, upright
+from handcart.robotics.perception.books.label_finder import flat_view
+from handcart.robotics.perception.books.spine_edges import Strips, falling_edges, strips_of, upright
 
 from .hand_view import HandView
 

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from handcart.robotics.geometry.transform import Transform, inverse, transform
-from handcart.robotics.perception.landmark_pose import facing
+from handcart.robotics.perception.landmarks.landmark_pose import facing
 
 TILT = 0.45  # [rad] at most between the optical axis and the vertical
 TURNS = (0.0, 0.5, -0.5, 0.25, -0.25)  # [rad] about the optical axis

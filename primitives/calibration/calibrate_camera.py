@@ -9,10 +9,10 @@ import numpy as np
 import pinocchio as pin
 from pydantic import Field
 
-from handcart.backends.arm import Arm
-from handcart.backends.camera import Camera
-from handcart.backends.mounted_camera import stated_camera
-from handcart.backends.robot import Robot
+from handcart.backends.capabilities.arm import Arm
+from handcart.backends.capabilities.camera import Camera
+from handcart.backends.robot.mounted_camera import stated_camera
+from handcart.backends.robot.robot import Robot
 from handcart.files.suggest import suggest
 from handcart.primitives.blocks.building import BoardPlan
 from handcart.primitives.blocks.hand_down import building, standing, surroundings
@@ -23,14 +23,14 @@ from handcart.primitives.knowledge.world_model import ModelView
 from handcart.primitives.motions.arm_motion import move_to_pose
 from handcart.primitives.restoring.snapshot import settle
 from handcart.robotics.geometry.transform import Transform, difference, inverse
-from handcart.robotics.perception.calibration_board import CalibrationBoard
-from handcart.robotics.perception.camera_calibration import CameraCalibration, calibrate_camera
-from handcart.robotics.perception.hand_eye_calibration import (
+from handcart.robotics.perception.cameras.calibration_board import CalibrationBoard
+from handcart.robotics.perception.cameras.camera_calibration import CameraCalibration, calibrate_camera
+from handcart.robotics.perception.cameras.hand_eye_calibration import (
     HandEyeCalibration,
     HandEyeView,
     calibrate_hand_eye,
 )
-from handcart.robotics.perception.overlay import draw_overlay
+from handcart.robotics.perception.cameras.overlay import draw_overlay
 
 from .board_views import board_views
 

@@ -9,10 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field
 
-from handcart.backends.arm import Arm
-from handcart.backends.camera import Camera
-from handcart.backends.gripper import Gripper
-from handcart.backends.robot import Robot
+from handcart.backends.capabilities.arm import Arm
+from handcart.backends.capabilities.camera import Camera
+from handcart.backends.capabilities.gripper import Gripper
+from handcart.backends.robot.robot import Robot
 from handcart.primitives.blocks.building import LandmarkName, LandmarkPlan
 from handcart.primitives.blocks.fixate import landmark_of
 from handcart.primitives.blocks.hand_down import building, held_block, standing, surroundings
@@ -23,14 +23,14 @@ from handcart.primitives.knowledge.world_model import ModelView
 from handcart.primitives.motions.arm_motion import move_straight, move_to_pose
 from handcart.robotics.geometry.transform import Transform, apply, inverse
 from handcart.robotics.kinematics.shapes import Box
-from handcart.robotics.manipulation.suspension_identification import (
+from handcart.robotics.manipulation.suspension.suspension_identification import (
     Sighting,
     SuspensionFit,
     Swing,
     fit_sightings,
 )
-from handcart.robotics.manipulation.swing_yaw import SwingYaw, fit_swing_yaw
-from handcart.robotics.perception.landmark import square_corners
+from handcart.robotics.manipulation.suspension.swing_yaw import SwingYaw, fit_swing_yaw
+from handcart.robotics.perception.landmarks.landmark import square_corners
 
 from .sightings import above, creep, see
 

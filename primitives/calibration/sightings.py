@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from handcart.backends.robot import Robot
+from handcart.backends.robot.robot import Robot
 from handcart.primitives.blocks.building import LandmarkPlan
 from handcart.primitives.blocks.hand_down import on_level, pointing_down
 from handcart.primitives.contract.discrepancy import Discrepancy, Measured
@@ -18,10 +18,10 @@ from handcart.primitives.restoring.snapshot import settle
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import Transform, inverse
 from handcart.robotics.kinematics.shapes import Box
-from handcart.robotics.perception.landmark import Landmark
-from handcart.robotics.perception.landmark_finder import find_landmarks
-from handcart.robotics.perception.landmark_pose import planar_pose
-from handcart.robotics.perception.overlay import draw_overlay
+from handcart.robotics.perception.cameras.overlay import draw_overlay
+from handcart.robotics.perception.landmarks.landmark import Landmark
+from handcart.robotics.perception.landmarks.landmark_finder import find_landmarks
+from handcart.robotics.perception.landmarks.landmark_pose import planar_pose
 
 SHORT = 0.75  # of what counts as a swing: so far the hand is moved at once
 ABOUT = 0.05  # [m] from its place within which a landmark counts

@@ -9,9 +9,9 @@ from typing import ClassVar
 
 from pydantic import PrivateAttr
 
-from handcart.backends.capability import Capability
-from handcart.backends.robot import Robot
-from handcart.files.model import FileModel
+from handcart.backends.capabilities.capability import Capability
+from handcart.backends.robot.robot import Robot
+from handcart.files.models.model import FileModel
 from handcart.primitives.knowledge.world_model import ModelView, WorldModel
 from handcart.primitives.restoring.retrace import retrace
 from handcart.primitives.restoring.snapshot import Seen, Snapshot

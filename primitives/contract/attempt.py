@@ -8,7 +8,7 @@ from contextlib import suppress
 from dataclasses import replace
 from typing import TypeVar
 
-from handcart.backends.robot import Robot
+from handcart.backends.robot.robot import Robot
 from handcart.primitives.knowledge.world_model import ModelView, WorldModel
 from handcart.primitives.restoring.retrace import reach_pose, retrace
 from handcart.primitives.restoring.snapshot import Seen, Snapshot, limits, residuals, settle, take_snapshot

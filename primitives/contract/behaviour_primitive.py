@@ -6,8 +6,8 @@ from collections.abc import Callable
 
 from py_trees.behaviour import Behaviour
 
-from handcart.backends.capability import Capability
-from handcart.backends.robot import Robot
+from handcart.backends.capabilities.capability import Capability
+from handcart.backends.robot.robot import Robot
 from handcart.primitives.knowledge.world_model import ModelView
 
 from .tree_primitive import TreePrimitive

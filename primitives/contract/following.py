@@ -7,8 +7,8 @@ from collections import deque
 import numpy as np
 from numpy.typing import NDArray
 
-from handcart.backends.arm import Arm
-from handcart.backends.robot import Robot
+from handcart.backends.capabilities.arm import Arm
+from handcart.backends.robot.robot import Robot
 
 from .discrepancy import Discrepancy, Measured
 

@@ -8,7 +8,7 @@ from collections.abc import Callable, Generator
 from py_trees.behaviour import Behaviour
 from py_trees.common import Status
 
-from handcart.backends.robot import Robot
+from handcart.backends.robot.robot import Robot
 from handcart.primitives.knowledge.world_model import ModelView
 
 from .action_primitive import ActionPrimitive, Periods

@@ -7,21 +7,21 @@ from collections.abc import Generator
 import numpy as np
 from numpy.typing import NDArray
 
-from handcart.backends.robot import Robot
+from handcart.backends.robot.robot import Robot
 from handcart.primitives.contract.discrepancy import Discrepancy, Measured
 from handcart.primitives.knowledge.place import Place
 from handcart.primitives.knowledge.world_model import ModelView
 from handcart.robotics.geometry.pose2 import Pose2
-from handcart.robotics.navigation.car_route import plan_car_route
-from handcart.robotics.navigation.car_tracker import CarTracker
-from handcart.robotics.navigation.grid_map import GridMap
-from handcart.robotics.navigation.path_tracking import PathTracker
-from handcart.robotics.navigation.point_discs import point_discs
-from handcart.robotics.navigation.pose_regulator import PoseTolerance
-from handcart.robotics.navigation.scan_matching import LikelihoodField
-from handcart.robotics.navigation.tangent_path import CarPath
-from handcart.robotics.navigation.unexpected import path_blocked, unexpected_points
-from handcart.robotics.navigation.ways import Way, Ways
+from handcart.robotics.navigation.following.car_tracker import CarTracker
+from handcart.robotics.navigation.following.path_tracking import PathTracker
+from handcart.robotics.navigation.following.pose_regulator import PoseTolerance
+from handcart.robotics.navigation.localization.scan_matching import LikelihoodField
+from handcart.robotics.navigation.maps.grid_map import GridMap
+from handcart.robotics.navigation.maps.point_discs import point_discs
+from handcart.robotics.navigation.maps.unexpected import path_blocked, unexpected_points
+from handcart.robotics.navigation.routes.car_route import plan_car_route
+from handcart.robotics.navigation.routes.tangent_path import CarPath
+from handcart.robotics.navigation.routes.ways import Way, Ways
 
 WATCHED_ROOM = 0.015  # [m] beside the footprint that must be free while driving
 UNEXPLAINED = 0.12  # [m] from anything on the map: pose error, noise and half a cell together

@@ -7,8 +7,8 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from handcart.backends.range_sensor import RangeSensor
-from handcart.backends.robot import Robot
+from handcart.backends.capabilities.range_sensor import RangeSensor
+from handcart.backends.robot.robot import Robot
 from handcart.primitives.contract.action_primitive import ActionPrimitive, Periods
 from handcart.primitives.contract.discrepancy import Discrepancy, Measured
 from handcart.primitives.knowledge.place_name import PlaceName

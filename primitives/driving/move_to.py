@@ -10,11 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field, PrivateAttr
 
-from handcart.backends.arm import Arm
-from handcart.backends.base import Base
-from handcart.backends.gripper import Gripper
-from handcart.backends.range_sensor import RangeSensor
-from handcart.backends.robot import Robot
+from handcart.backends.capabilities.arm import Arm
+from handcart.backends.capabilities.base import Base
+from handcart.backends.capabilities.gripper import Gripper
+from handcart.backends.capabilities.range_sensor import RangeSensor
+from handcart.backends.robot.robot import Robot
 from handcart.primitives.contract.action_primitive import ActionPrimitive, Periods
 from handcart.primitives.contract.discrepancy import Discrepancy, Measured, NeedsPerson
 from handcart.primitives.contract.meant_contact import MeantContact
@@ -24,11 +24,11 @@ from handcart.primitives.knowledge.world_model import ModelView, WorldModel
 from handcart.primitives.restoring.retrace import LONGEST_REACH, reach_pose, retrace
 from handcart.primitives.restoring.snapshot import Snapshot, settle
 from handcart.primitives.restoring.trace import Trace
-from handcart.robotics.navigation.car_tracker import CarTracker
-from handcart.robotics.navigation.front_line import fit_front, pose_from_front
-from handcart.robotics.navigation.localizer import LEAST_INLIERS
-from handcart.robotics.navigation.path_tracking import PathTracker
-from handcart.robotics.navigation.pose_regulator import PoseTolerance
+from handcart.robotics.navigation.following.car_tracker import CarTracker
+from handcart.robotics.navigation.following.path_tracking import PathTracker
+from handcart.robotics.navigation.following.pose_regulator import PoseTolerance
+from handcart.robotics.navigation.localization.front_line import fit_front, pose_from_front
+from handcart.robotics.navigation.localization.localizer import LEAST_INLIERS
 
 from .driving import HORIZON, FieldLookout, Lookout, goal_pose, make_lookout, plan_tracker
 

@@ -6,8 +6,8 @@ from typing import Annotated, ClassVar
 
 from pydantic import Field
 
-from handcart.backends.base import Base
-from handcart.backends.robot import Robot
+from handcart.backends.capabilities.base import Base
+from handcart.backends.robot.robot import Robot
 from handcart.primitives.contract.action_primitive import ActionPrimitive, Periods
 from handcart.primitives.knowledge.world_model import ModelView
 

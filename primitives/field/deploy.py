@@ -11,10 +11,10 @@ from numpy.typing import NDArray
 from pydantic import Field as Limited
 from pydantic import PrivateAttr
 
-from handcart.backends.arm import Arm
-from handcart.backends.gripper import Gripper
-from handcart.backends.imu import Imu
-from handcart.backends.robot import Robot
+from handcart.backends.capabilities.arm import Arm
+from handcart.backends.capabilities.gripper import Gripper
+from handcart.backends.capabilities.imu import Imu
+from handcart.backends.robot.robot import Robot
 from handcart.primitives.contract.action_primitive import ActionPrimitive, Periods
 from handcart.primitives.contract.discrepancy import Discrepancy, Measured
 from handcart.primitives.contract.meant_contact import MeantContact
@@ -22,7 +22,7 @@ from handcart.primitives.field.target import TargetName
 from handcart.primitives.knowledge.world_model import ModelView, WorldModel
 from handcart.primitives.motions.grip import open_to
 from handcart.primitives.restoring.snapshot import settle
-from handcart.robotics.manipulation.scara import base_to_world, world_to_base
+from handcart.robotics.manipulation.arms.scara import base_to_world, world_to_base
 
 from .field import Field
 from .field_work import FieldWork

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field as Limited
 
-from handcart.files.model import FileModel
+from handcart.files.models.model import FileModel
 from handcart.robotics.geometry.transform import transform
 from handcart.robotics.kinematics.shapes import Box
 

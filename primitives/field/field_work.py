@@ -12,10 +12,10 @@ from typing import Any, ClassVar, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from handcart.backends.robot import Robot
-from handcart.backends.robot_file import RobotFile
+from handcart.backends.description.robot_file import RobotFile
+from handcart.backends.robot.robot import Robot
 from handcart.files.errors import Finding
-from handcart.files.loading import load
+from handcart.files.models.loading import load
 from handcart.primitives.contract.meant_contact import MeantContact
 from handcart.primitives.knowledge.place import Place
 from handcart.primitives.knowledge.section import Companion, NamedFiles, Section

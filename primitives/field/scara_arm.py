@@ -6,9 +6,9 @@ import math
 
 import numpy as np
 
-from handcart.backends.robot import Robot
+from handcart.backends.robot.robot import Robot
 from handcart.primitives.contract.discrepancy import Discrepancy
-from handcart.robotics.manipulation.scara import Scara
+from handcart.robotics.manipulation.arms.scara import Scara
 
 LEVEL = 1e-6
 

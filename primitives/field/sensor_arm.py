@@ -8,14 +8,14 @@ from collections.abc import Generator
 import numpy as np
 from numpy.typing import NDArray
 
-from handcart.backends.robot import Robot
+from handcart.backends.robot.robot import Robot
 from handcart.primitives.contract.action_primitive import Periods
 from handcart.primitives.contract.discrepancy import Discrepancy, Measured
 from handcart.primitives.motions.arm_motion import collision_model, follow
 from handcart.primitives.motions.grip import close, hand_to_tips, open_to
-from handcart.robotics.manipulation.collision_model import HELD
-from handcart.robotics.manipulation.resolved_rate import RateLimits, ResolvedRate, line_postures, way_to
-from handcart.robotics.manipulation.scara import world_to_base
+from handcart.robotics.manipulation.arms.resolved_rate import RateLimits, ResolvedRate, line_postures, way_to
+from handcart.robotics.manipulation.arms.scara import world_to_base
+from handcart.robotics.manipulation.motions.collision_model import HELD
 
 from .field import Field
 from .scara_arm import scara_of

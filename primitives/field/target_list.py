@@ -12,8 +12,8 @@ from handcart.files.csv_table import number_in, read_csv
 from handcart.files.errors import Finding
 from handcart.files.findings import Findings
 from handcart.files.suggest import listed
-from handcart.files.yaml_document import read_document
-from handcart.files.yaml_node import Node
+from handcart.files.yaml.yaml_document import read_document
+from handcart.files.yaml.yaml_node import Node
 from handcart.primitives.knowledge.place import Place
 from handcart.robotics.geometry.pose2 import Pose2
 

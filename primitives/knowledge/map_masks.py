@@ -6,13 +6,13 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Literal
 
-from handcart.backends.map_file import read_occupancy
 from handcart.files.errors import Finding
-from handcart.files.loading import Loaded
-from handcart.files.model import FileModel
-from handcart.robotics.navigation.grid_map import GridMap
-from handcart.robotics.navigation.keepout import keepout_cells
-from handcart.robotics.navigation.speed_limits import SpeedLimits
+from handcart.files.maps.map_file import read_occupancy
+from handcart.files.models.loading import Loaded
+from handcart.files.models.model import FileModel
+from handcart.robotics.navigation.maps.grid_map import GridMap
+from handcart.robotics.navigation.maps.keepout import keepout_cells
+from handcart.robotics.navigation.maps.speed_limits import SpeedLimits
 
 from .place import Places
 

@@ -8,8 +8,8 @@ from typing import Annotated, Literal
 import numpy as np
 from pydantic import Field
 
-from handcart.backends.map_file import load_map as load_map
-from handcart.files.model import FileModel
+from handcart.files.maps.map_file import load_map as load_map
+from handcart.files.models.model import FileModel
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import Transform
 

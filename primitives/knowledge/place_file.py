@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from handcart.files.loading import Loaded, load_document
-from handcart.files.yaml_document import read_document
+from handcart.files.models.loading import Loaded, load_document
+from handcart.files.yaml.yaml_document import read_document
 
 from .place import Places
 from .ros_goals import goals_as_places, is_goals

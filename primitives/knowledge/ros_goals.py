@@ -9,8 +9,8 @@ from typing import Any
 
 from handcart.files.errors import FileError, Finding
 from handcart.files.findings import Findings
-from handcart.files.yaml_document import Document
-from handcart.files.yaml_node import Node
+from handcart.files.yaml.yaml_document import Document
+from handcart.files.yaml.yaml_node import Node
 
 LISTS = ("waypoints", "goals", "poses")
 """Under which key the goals stand: rviz's panel, NavigateThroughPoses, nav_msgs/Path and PoseArray."""

@@ -11,11 +11,11 @@ from typing import Any, ClassVar, Protocol, Self, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from handcart.backends.robot import Robot
-from handcart.backends.robot_file import RobotFile
+from handcart.backends.description.robot_file import RobotFile
+from handcart.backends.robot.robot import Robot
 from handcart.files.errors import FileError, Finding
 from handcart.files.findings import Findings
-from handcart.files.yaml_document import Document
+from handcart.files.yaml.yaml_document import Document
 from handcart.primitives.contract.meant_contact import MeantContact
 from handcart.robotics.geometry.pose2 import Pose2
 

@@ -12,13 +12,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from handcart.backends.plain_values import attributes, set_attributes
-from handcart.backends.robot import Robot
+from handcart.backends.robot.robot import Robot
 from handcart.backends.saved_state import NotAState
 from handcart.files.errors import HandcartError
 from handcart.files.suggest import suggest
 from handcart.primitives.contract.meant_contact import MeantContact
-from handcart.robotics.navigation.grid_map import GridMap
-from handcart.robotics.navigation.speed_limits import SpeedLimits
+from handcart.robotics.navigation.maps.grid_map import GridMap
+from handcart.robotics.navigation.maps.speed_limits import SpeedLimits
 
 from .place import Place
 from .section import Companion, Section, types_of

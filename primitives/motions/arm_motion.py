@@ -7,15 +7,15 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from handcart.backends.gripper import Gripper
-from handcart.backends.robot import Robot
+from handcart.backends.capabilities.gripper import Gripper
+from handcart.backends.robot.robot import Robot
 from handcart.primitives.contract.action_primitive import Periods
 from handcart.primitives.contract.discrepancy import Discrepancy, Measured
 from handcart.robotics.geometry.transform import Transform
 from handcart.robotics.kinematics.shapes import Shape
-from handcart.robotics.manipulation.collision_model import HELD, CollisionModel
-from handcart.robotics.manipulation.motion_planner import plan_motion, plan_straight
-from handcart.robotics.manipulation.trajectory import time_path
+from handcart.robotics.manipulation.motions.collision_model import HELD, CollisionModel
+from handcart.robotics.manipulation.motions.motion_planner import plan_motion, plan_straight
+from handcart.robotics.manipulation.motions.trajectory import time_path
 
 MARGIN = 0.005  # [m] between the arm and anything
 ALLOWED = ((HELD, "tray"),)  # what the hand holds was taken from there

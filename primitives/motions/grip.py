@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from handcart.backends.robot import Robot
+from handcart.backends.robot.robot import Robot
 from handcart.primitives.contract.action_primitive import Periods
 from handcart.primitives.contract.discrepancy import Discrepancy, Measured
 

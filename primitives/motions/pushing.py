@@ -7,10 +7,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from handcart.backends.robot import Robot
+from handcart.backends.robot.robot import Robot
 from handcart.primitives.contract.discrepancy import Discrepancy
 from handcart.robotics.geometry.transform import Transform
-from handcart.robotics.manipulation.motion_planner import plan_straight
+from handcart.robotics.manipulation.motions.motion_planner import plan_straight
 
 
 class Pushed(NamedTuple):

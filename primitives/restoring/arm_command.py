@@ -6,9 +6,9 @@ from collections.abc import Generator
 
 import numpy as np
 
-from handcart.backends.arm import Arm
-from handcart.backends.gripper import Gripper
-from handcart.backends.robot import Robot
+from handcart.backends.capabilities.arm import Arm
+from handcart.backends.capabilities.gripper import Gripper
+from handcart.backends.robot.robot import Robot
 
 from .trace import Moment
 

@@ -8,10 +8,10 @@ from itertools import pairwise
 
 import numpy as np
 
-from handcart.backends.robot import Robot
+from handcart.backends.robot.robot import Robot
 from handcart.primitives.contract.discrepancy import Discrepancy, Measured
 from handcart.robotics.geometry.pose2 import Pose2
-from handcart.robotics.navigation.car_tracker import CarTracker
+from handcart.robotics.navigation.following.car_tracker import CarTracker
 
 from .arm_command import command_moment, moves_fingers, renew_arm
 from .snapshot import Snapshot

@@ -9,12 +9,12 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from handcart.backends.robot import Robot
+from handcart.backends.robot.robot import Robot
 from handcart.primitives.contract.discrepancy import Discrepancy, Measured
 from handcart.robotics.geometry.pose2 import Pose2
-from handcart.robotics.navigation.path_tracking import PathTracker
-from handcart.robotics.navigation.pose_regulator import PoseRegulator, PoseTolerance
-from handcart.robotics.navigation.speed_limits import SpeedLimits
+from handcart.robotics.navigation.following.path_tracking import PathTracker
+from handcart.robotics.navigation.following.pose_regulator import PoseRegulator, PoseTolerance
+from handcart.robotics.navigation.maps.speed_limits import SpeedLimits
 
 from .arm_command import command_moment as _command
 from .arm_command import moves_fingers

@@ -8,17 +8,17 @@ from typing import Annotated, ClassVar
 import numpy as np
 from pydantic import Field
 
-from handcart.backends.arm import Arm
-from handcart.backends.robot import Robot
+from handcart.backends.capabilities.arm import Arm
+from handcart.backends.robot.robot import Robot
 from handcart.primitives.contract.action_primitive import ActionPrimitive, Periods
 from handcart.primitives.contract.discrepancy import Discrepancy
 from handcart.primitives.knowledge.place import Place
 from handcart.primitives.knowledge.world_model import ModelView
 from handcart.primitives.seam.seam import Seam
 from handcart.robotics.geometry.pose2 import Pose2
-from handcart.robotics.manipulation.placer import Placements, Placer
-from handcart.robotics.manipulation.tool_path import ToolPath
-from handcart.robotics.manipulation.untrackable import Untrackable
+from handcart.robotics.manipulation.placement.placer import Placements, Placer
+from handcart.robotics.manipulation.placement.untrackable import Untrackable
+from handcart.robotics.manipulation.tracking.tool_path import ToolPath
 
 from .seam_room import SeamRoom, placer_of
 from .seam_work import SeamPart, SeamWork

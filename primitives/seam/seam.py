@@ -6,12 +6,12 @@ from dataclasses import dataclass
 from dataclasses import field as dataclass_field
 from typing import Any, ClassVar, Self
 
-from handcart.files.loading import load
+from handcart.files.models.loading import load
 from handcart.primitives.knowledge.section import NamedFiles, Section
 from handcart.primitives.seam.seam_file import load_seam
 from handcart.primitives.seam.seam_work import SeamWork
 from handcart.primitives.seam.work_piece import WorkPiece
-from handcart.robotics.manipulation.tool_path import ToolPath
+from handcart.robotics.manipulation.tracking.tool_path import ToolPath
 
 
 @dataclass

@@ -7,18 +7,18 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from handcart.backends.robot_file import RobotFile
+from handcart.backends.description.robot_file import RobotFile
 from handcart.primitives.contract.discrepancy import Discrepancy
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.kinematics.arm_model import ArmModel
 from handcart.robotics.kinematics.shapes import Box
-from handcart.robotics.manipulation.collision_model import CollisionModel
-from handcart.robotics.manipulation.placer import Placer, Work
-from handcart.robotics.manipulation.screw_arm import FreeTurn
-from handcart.robotics.manipulation.standing_places import has_way, stands_clear
-from handcart.robotics.navigation.clearances import Clearances
-from handcart.robotics.navigation.grid_map import GridMap
-from handcart.robotics.navigation.ways import ROOM_AT_GOAL, SENSED_ROOM
+from handcart.robotics.manipulation.arms.screw_arm import FreeTurn
+from handcart.robotics.manipulation.motions.collision_model import CollisionModel
+from handcart.robotics.manipulation.placement.placer import Placer, Work
+from handcart.robotics.manipulation.placement.standing_places import has_way, stands_clear
+from handcart.robotics.navigation.maps.clearances import Clearances
+from handcart.robotics.navigation.maps.grid_map import GridMap
+from handcart.robotics.navigation.routes.ways import ROOM_AT_GOAL, SENSED_ROOM
 
 MARGIN = 0.002  # [m] between the arm and the work piece
 AVOIDED = 0.15  # [m] from where it couldn't be done

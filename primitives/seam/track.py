@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field, PrivateAttr
 
-from handcart.backends.arm import Arm
-from handcart.backends.positioning import Positioning
-from handcart.backends.robot import Robot
+from handcart.backends.capabilities.arm import Arm
+from handcart.backends.capabilities.positioning import Positioning
+from handcart.backends.robot.robot import Robot
 from handcart.primitives.contract.action_primitive import ActionPrimitive, Periods
 from handcart.primitives.contract.discrepancy import Discrepancy, Measured
 from handcart.primitives.knowledge.world_model import ModelView
@@ -20,11 +20,11 @@ from handcart.primitives.seam.seam import Seam
 from handcart.robotics.geometry.transform import transform
 from handcart.robotics.kinematics.arm_model import ArmModel
 from handcart.robotics.kinematics.shapes import Box
-from handcart.robotics.manipulation.placer import Placer
-from handcart.robotics.manipulation.tool_path import ToolPath, tool_path
-from handcart.robotics.manipulation.tracking_limits import ArmLoad
-from handcart.robotics.manipulation.tracking_time import TimedTracking, TrackingLimits, time_tracking
-from handcart.robotics.manipulation.untrackable import Untrackable
+from handcart.robotics.manipulation.placement.placer import Placer
+from handcart.robotics.manipulation.placement.untrackable import Untrackable
+from handcart.robotics.manipulation.tracking.tool_path import ToolPath, tool_path
+from handcart.robotics.manipulation.tracking.tracking_limits import ArmLoad
+from handcart.robotics.manipulation.tracking.tracking_time import TimedTracking, TrackingLimits, time_tracking
 
 from .divide import seam_of
 from .seam_room import placer_of

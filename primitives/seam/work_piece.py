@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from handcart.files.model import FileModel
+from handcart.files.models.model import FileModel
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.kinematics.shapes import Box
 

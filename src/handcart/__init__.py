@@ -9,15 +9,15 @@ from importlib import import_module
 
 TYPE_CHECKING = False  # type checkers take it for true; importing `typing` would cost more than all the rest
 if TYPE_CHECKING:
-    from handcart.backends.arm import Arm
     from handcart.backends.backend import Backend
-    from handcart.backends.base import Base
-    from handcart.backends.camera import Camera
-    from handcart.backends.gps import Gps
-    from handcart.backends.gripper import Gripper
-    from handcart.backends.imu import Imu
-    from handcart.backends.positioning import Positioning
-    from handcart.backends.range_sensor import RangeSensor
+    from handcart.backends.capabilities.arm import Arm
+    from handcart.backends.capabilities.base import Base
+    from handcart.backends.capabilities.camera import Camera
+    from handcart.backends.capabilities.gps import Gps
+    from handcart.backends.capabilities.gripper import Gripper
+    from handcart.backends.capabilities.imu import Imu
+    from handcart.backends.capabilities.positioning import Positioning
+    from handcart.backends.capabilities.range_sensor import RangeSensor
     from handcart.networks.journal.past_run import read_run as load_run
     from handcart.primitives.contract.action_primitive import ActionPrimitive
     from handcart.primitives.contract.discrepancy import Discrepancy, NeedsPerson
@@ -31,19 +31,19 @@ if os.path.isfile(os.path.join(_TOP, "src", "handcart", "__init__.py")):
 
 _FROM = {
     "ActionPrimitive": "primitives.contract.action_primitive:ActionPrimitive",
-    "Arm": "backends.arm:Arm",
+    "Arm": "backends.capabilities.arm:Arm",
     "Backend": "backends.backend:Backend",
-    "Base": "backends.base:Base",
-    "Camera": "backends.camera:Camera",
+    "Base": "backends.capabilities.base:Base",
+    "Camera": "backends.capabilities.camera:Camera",
     "Discrepancy": "primitives.contract.discrepancy:Discrepancy",
     "Fail": "primitives.contract.outcome:Fail",
     "GiveUp": "primitives.contract.outcome:GiveUp",
-    "Gps": "backends.gps:Gps",
-    "Gripper": "backends.gripper:Gripper",
-    "Imu": "backends.imu:Imu",
+    "Gps": "backends.capabilities.gps:Gps",
+    "Gripper": "backends.capabilities.gripper:Gripper",
+    "Imu": "backends.capabilities.imu:Imu",
     "NeedsPerson": "primitives.contract.discrepancy:NeedsPerson",
-    "Positioning": "backends.positioning:Positioning",
-    "RangeSensor": "backends.range_sensor:RangeSensor",
+    "Positioning": "backends.capabilities.positioning:Positioning",
+    "RangeSensor": "backends.capabilities.range_sensor:RangeSensor",
     "Result": "tools.api:Result",
     "Success": "primitives.contract.outcome:Success",
     "campaign": "tools.api:campaign",

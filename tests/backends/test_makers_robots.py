@@ -8,12 +8,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from handcart.backends.driven_wheels import driven_wheels
-from handcart.backends.robot_loading import load_robot
+from handcart.backends.description.robot_loading import load_robot
+from handcart.backends.urdf.driven_wheels import driven_wheels
 from handcart.files.errors import FileError
 from handcart.robotics.kinematics.urdf_assembly import link_names
 from handcart.robotics.kinematics.urdf_contents import joints_of
-from handcart.robotics.manipulation.collision_model import CollisionModel
+from handcart.robotics.manipulation.motions.collision_model import CollisionModel
 
 ROBOT = """\
 format: handcart-robot/1

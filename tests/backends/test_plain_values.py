@@ -13,11 +13,11 @@ from typing_extensions import TypeAliasType
 
 from handcart.backends.plain_values import attributes, from_plain, set_attributes, to_plain
 from handcart.backends.saved_state import NotAState, pack, unpack
-from handcart.files.model import FileModel
+from handcart.files.models.model import FileModel
 from handcart.robotics.far import Far, FarArray
 from handcart.robotics.geometry.pose2 import Pose2
-from handcart.robotics.navigation.gps_filter import GpsFilter
-from handcart.robotics.navigation.particle_filter import ParticleFilter
+from handcart.robotics.navigation.outdoors.gps_filter import GpsFilter
+from handcart.robotics.navigation.outdoors.particle_filter import ParticleFilter
 
 Vector = NDArray[np.float64]
 

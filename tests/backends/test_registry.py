@@ -5,10 +5,10 @@ from pathlib import Path
 import pytest
 
 from handcart.backends.backend import Backend
+from handcart.backends.description.robot_loading import load_robot
 from handcart.backends.kinematic.kinematic_backend import KinematicBackend
 from handcart.backends.registry import UnknownBackend, backend_names, make_backend
-from handcart.backends.robot_loading import load_robot
-from handcart.backends.scene.load_world import load_world
+from handcart.backends.simulation.world.load_world import load_world
 from handcart.robotics.geometry.pose2 import Pose2
 
 

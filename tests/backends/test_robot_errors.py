@@ -8,10 +8,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from handcart.backends.description.robot_file import RobotFile
+from handcart.backends.description.robot_loading import ROBOTS, load_robot
+from handcart.backends.description.simulated_errors import Errors
 from handcart.backends.registry import make_backend
-from handcart.backends.robot_file import RobotFile
-from handcart.backends.robot_loading import ROBOTS, load_robot
-from handcart.backends.simulated_errors import Errors
 
 WORLD = ROBOTS.parents[1] / "tasks" / "return_book" / "world.yaml"
 

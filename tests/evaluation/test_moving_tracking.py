@@ -7,10 +7,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from handcart.backends.robot_loading import load_robot
-from handcart.evaluation.moving_tracking import Feedback, MovingTracking, Straying
+from benchmarks.seam.moving_tracking import Feedback, MovingTracking, Straying
+from handcart.backends.description.robot_loading import load_robot
 from handcart.primitives.seam.seam_file import load_seam
-from handcart.robotics.manipulation.tool_path import ToolPath
+from handcart.robotics.manipulation.tracking.tool_path import ToolPath
 
 pytestmark = pytest.mark.slow
 

@@ -10,8 +10,8 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from handcart.files.errors import FileError
-from handcart.files.yaml_document import Document, parse_document
-from handcart.files.yaml_events import fast_events
+from handcart.files.yaml.yaml_document import Document, parse_document
+from handcart.files.yaml.yaml_events import fast_events
 
 ROOT = Path(__file__).resolve().parents[2]
 SHIPPED = [
@@ -135,7 +135,7 @@ def test_both_parsers_read_the_same(text: str, edits: list[tuple[int, int, str]]
     for at, dropped, put in edits:
         at %= len(text) + 1
         text = text[:at] + put + text[at + dropped :]
-    with patch("handcart.files.yaml_document.fast_events", return_value=None):
+    with patch("handcart.files.yaml.yaml_document.fast_events", return_value=None):
         exact = said(text.encode())
     assert said(text.encode()) == exact
 

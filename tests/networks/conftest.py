@@ -11,10 +11,10 @@ import numpy as np
 import pytest
 
 from handcart.backends.backend import Backend
-from handcart.backends.base import Base, WheelTravel
-from handcart.backends.capability import Capability
-from handcart.backends.robot import Robot
-from handcart.backends.robot_file import RobotFile
+from handcart.backends.capabilities.base import Base, WheelTravel
+from handcart.backends.capabilities.capability import Capability
+from handcart.backends.description.robot_file import RobotFile
+from handcart.backends.robot.robot import Robot
 from handcart.networks.coordination.coordinator import Coordinator
 from handcart.networks.coordination.run_end import RunEnd
 from handcart.networks.graph.binding import Binding
@@ -24,7 +24,7 @@ from handcart.primitives.contract.action_primitive import ActionPrimitive, Perio
 from handcart.primitives.contract.discrepancy import Discrepancy, NeedsPerson
 from handcart.primitives.knowledge.world_model import ModelView, WorldModel
 from handcart.robotics.geometry.pose2 import Pose2
-from handcart.robotics.navigation.grid_map import GridMap
+from handcart.robotics.navigation.maps.grid_map import GridMap
 
 SPEC = {
     "format": "handcart-robot/1",

@@ -11,10 +11,10 @@ from typing import Any
 import numpy as np
 import pytest
 
+from handcart.backends.description.robot_loading import load_robot
 from handcart.backends.registry import make_backend
-from handcart.backends.robot import Robot
-from handcart.backends.robot_loading import load_robot
-from handcart.backends.scene.books.book_props import BookProps
+from handcart.backends.robot.robot import Robot
+from handcart.backends.simulation.books.book_props import BookProps
 from handcart.primitives.books.book_boxes import held_box
 from handcart.primitives.books.books import Books, Slot
 from handcart.primitives.books.catalogue import Book
@@ -28,7 +28,7 @@ from handcart.primitives.knowledge.world_model import WorldModel
 from handcart.primitives.motions.arm_motion import move_to_pose
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import inverse, transform
-from handcart.robotics.navigation.grid_map import Box, from_boxes
+from handcart.robotics.navigation.maps.grid_map import Box, from_boxes
 
 WORLD = """\
 format: handcart-world/1

@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from handcart.evaluation.laser_survey import read_spot
-from handcart.evaluation.running import run_task
-from handcart.files.loading import load
+from handcart.evaluation.calibration.laser_survey import read_spot
+from handcart.evaluation.trials.running import run_task
+from handcart.files.models.loading import load
 from handcart.networks.run_options import RunOptions
 from handcart.networks.runs.calibration import Calibration
 from handcart.primitives.calibration.calibrate_camera import _lens

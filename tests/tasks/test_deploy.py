@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from handcart.evaluation.running import resume_task, run_task
+from handcart.evaluation.trials.running import resume_task, run_task
 from handcart.files.errors import FileError
 from handcart.networks.operator.permits import Permits
 from handcart.networks.run_options import RunOptions

@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from handcart.evaluation.running import run_task
+from handcart.evaluation.trials.running import run_task
 from handcart.files.errors import FileError
 from handcart.networks.coordination.events import Ended
 from handcart.networks.run_observer import RunObserver

@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from handcart.backends.robot_loading import load_robot
-from handcart.evaluation.running import run_task
+from handcart.backends.description.robot_loading import load_robot
+from handcart.evaluation.trials.running import run_task
 from handcart.networks.run_options import RunOptions
 
 pytest.importorskip("pybullet_data", reason="the arm's URDF comes with PyBullet")

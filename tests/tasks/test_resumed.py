@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from handcart.evaluation.running import resume_task, run_task
+from handcart.evaluation.trials.running import resume_task, run_task
 from handcart.networks.run_options import RunOptions
 
 TASKS = Path(__file__).parents[2] / "tasks"

@@ -11,8 +11,8 @@ from typing import Any
 
 import pytest
 
-from handcart.evaluation.campaign import Setting, Trial, run_trial
-from handcart.evaluation.library_files import Libraries
+from handcart.evaluation.books.library_files import Libraries
+from handcart.evaluation.trials.campaign import Setting, Trial, run_trial
 from handcart.networks.journal.journal_record import read_journal, without_wall
 
 ROOT = Path(__file__).resolve().parents[2]

@@ -9,9 +9,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from handcart.backends.robot_loading import load_robot
-from handcart.backends.stopping import LATEST, stopping_ramp
-from handcart.evaluation.running import resume_task, run_task
+from handcart.backends.description.robot_loading import load_robot
+from handcart.backends.robot.stopping import LATEST, stopping_ramp
+from handcart.evaluation.trials.running import resume_task, run_task
 from handcart.networks.coordination.events import Started
 from handcart.networks.journal.journal_record import read_journal
 from handcart.networks.run_observer import RunObserver

@@ -146,13 +146,13 @@ def test_a_goal_that_no_way_leads_to_is_status_3(handcart: Callable[..., Any], t
 @pytest.mark.slow
 def test_an_interrupt_stops_with_status_130(tour: Path) -> None:
     code = (
-        "import os, signal, sys, threading, handcart.tools.progress\n"
+        "import os, signal, sys, threading, handcart.tools.terminal.progress\n"
         "from handcart.tools.main import main\n"
-        "class Interrupting(handcart.tools.progress.Progress):\n"
+        "class Interrupting(handcart.tools.terminal.progress.Progress):\n"
         "    def event(self, event):\n"
         "        super().event(event)\n"
         "        if type(event).__name__ == 'Started': os.kill(os.getpid(), signal.SIGINT)\n"
-        "handcart.tools.progress.Progress = Interrupting\n"
+        "handcart.tools.terminal.progress.Progress = Interrupting\n"
         "main(sys.argv[1:])\n"
     )
     words = [sys.executable, "-c", code, "run", str(tour), "--runs", str(tour.parent / "runs"), "--json"]
@@ -178,7 +178,7 @@ def test_a_fault_of_our_own_is_status_5(
     def broken(kind: str) -> None:
         raise ZeroDivisionError
 
-    monkeypatch.setattr("handcart.tools.file_kinds.model_of", broken)
+    monkeypatch.setattr("handcart.tools.checks.file_kinds.model_of", broken)
     said = handcart("schema", "task")
     assert said.status == 5
     assert "ZeroDivisionError" in said.err

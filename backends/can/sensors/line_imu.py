@@ -7,8 +7,8 @@ import time
 import numpy as np
 from numpy.typing import NDArray
 
-from handcart.backends.can_sensor_spec import LineSource
-from handcart.backends.imu import Imu
+from handcart.backends.capabilities.imu import Imu
+from handcart.backends.description.can_sensor_spec import LineSource
 
 from .line_sensor import LineSensor
 from .live_sensor import Clock

@@ -8,9 +8,9 @@ import time
 import numpy as np
 from numpy.typing import NDArray
 
-from handcart.backends.can_sensor_spec import LineSource
-from handcart.backends.range_sensor import RangeSensor, Scan
-from handcart.backends.sensor_specs import RangeSpec
+from handcart.backends.capabilities.range_sensor import RangeSensor, Scan
+from handcart.backends.description.can_sensor_spec import LineSource
+from handcart.backends.description.sensor_specs import RangeSpec
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import Transform
 

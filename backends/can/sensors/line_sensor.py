@@ -8,7 +8,7 @@ from abc import abstractmethod
 import numpy as np
 from numpy.typing import NDArray
 
-from handcart.backends.can_sensor_spec import LineSource
+from handcart.backends.description.can_sensor_spec import LineSource
 
 from .line_port import LinePort
 from .live_sensor import Clock, LiveSensor

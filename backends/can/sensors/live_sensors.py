@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import time
 
-from handcart.backends.camera import Camera
-from handcart.backends.can_sensor_spec import SensorsSpec
-from handcart.backends.capability import Capability
-from handcart.backends.gps import Gps
-from handcart.backends.imu import Imu
-from handcart.backends.mounted_camera import known_camera
-from handcart.backends.range_sensor import RangeSensor
-from handcart.backends.robot_file import RobotFile
-from handcart.backends.scene.mounts import base_T_frame
+from handcart.backends.capabilities.camera import Camera
+from handcart.backends.capabilities.capability import Capability
+from handcart.backends.capabilities.gps import Gps
+from handcart.backends.capabilities.imu import Imu
+from handcart.backends.capabilities.range_sensor import RangeSensor
+from handcart.backends.description.can_sensor_spec import SensorsSpec
+from handcart.backends.description.robot_file import RobotFile
+from handcart.backends.robot.mounted_camera import known_camera
+from handcart.backends.simulation.sensors.mounts import base_T_frame
 
 from .errors import NoSensor
 from .live_sensor import Clock, LiveSensor

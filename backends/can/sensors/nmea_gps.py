@@ -8,8 +8,8 @@ import time
 import numpy as np
 from pyproj import Transformer
 
-from handcart.backends.can_sensor_spec import GpsSource
-from handcart.backends.gps import Fix, Gps
+from handcart.backends.capabilities.gps import Fix, Gps
+from handcart.backends.description.can_sensor_spec import GpsSource
 
 from .line_port import LinePort
 from .live_sensor import Clock, LiveSensor

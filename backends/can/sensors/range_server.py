@@ -5,7 +5,7 @@ from __future__ import annotations
 import contextlib
 import socket
 
-from handcart.backends.range_sensor import RangeSensor
+from handcart.backends.capabilities.range_sensor import RangeSensor
 
 from .sensor_lines import sensor_line
 

@@ -10,11 +10,11 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from handcart.backends.camera import Camera
-from handcart.backends.can_sensor_spec import CameraSource
-from handcart.backends.mounted_camera import MountedCamera
+from handcart.backends.capabilities.camera import Camera
+from handcart.backends.description.can_sensor_spec import CameraSource
+from handcart.backends.robot.mounted_camera import MountedCamera
 from handcart.robotics.geometry.transform import Transform
-from handcart.robotics.perception.camera_model import CameraModel
+from handcart.robotics.perception.cameras.camera_model import CameraModel
 
 from .errors import NoSensor
 from .live_sensor import Clock, LiveSensor

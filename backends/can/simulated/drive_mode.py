@@ -5,7 +5,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from dataclasses import dataclass, field
 
-from handcart.backends.can.profile import ramp
+from handcart.backends.can.drives.profile import ramp
 
 from .drive_objects import DriveObjects
 

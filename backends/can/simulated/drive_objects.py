@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 from canopen.objectdictionary import ObjectDictionary, ODVariable
 
-from handcart.backends.can.drive_dictionary import drive_dictionary
+from handcart.backends.can.drives.drive_dictionary import drive_dictionary
 
 _OWN: Mapping[int, int] = {0x6085: 2_000_000, 0x607F: 2**32 - 1}
 """What a drive does by itself that can't be told: how it brakes, in counts/s², and no limit of its speed."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from handcart.backends.can.profile import ramp
+from handcart.backends.can.drives.profile import ramp
 
 from .drive_mode import NEW_SETPOINT, SETPOINT_TAKEN, TARGET_REACHED, DriveMode
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from handcart.backends.can.profile import approach
+from handcart.backends.can.drives.profile import approach
 
 from .drive_mode import AT_ONCE, NEW_SETPOINT, RELATIVE, SETPOINT_TAKEN, TARGET_REACHED, DriveMode
 

@@ -8,7 +8,7 @@ import can
 from can.interfaces.virtual import VirtualBus
 from canopen.objectdictionary import ObjectDictionary
 
-from handcart.backends.can.can_line import CanLine
+from handcart.backends.can.bus.can_line import CanLine
 
 from .drive_node import DriveNode
 from .plant import IdealMotors, Plant

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from handcart.backends.pybullet.thing_body import ThingBody
+from handcart.backends.pybullet.world.thing_body import ThingBody
 
 STIFFNESS, DAMPING = 1e6, 1e4
 """Of each point at which a block touches something, in [N/m] and [Ns/m]."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from handcart.backends.scene.blocks.block import Block
+from handcart.backends.simulation.blocks.block import Block
 
 from .block_body import BlockBody
 

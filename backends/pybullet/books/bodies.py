@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from handcart.backends.scene.books.book import Book
+from handcart.backends.simulation.books.book import Book
 
 from .book_body import BookBody
 

@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from handcart.backends.pybullet.box_mesh import box_mesh
-from handcart.backends.pybullet.thing_body import ThingBody
-from handcart.backends.scene.books.book import Book
-from handcart.backends.scene.books.painted_books import spine_levels
+from handcart.backends.pybullet.world.box_mesh import box_mesh
+from handcart.backends.pybullet.world.thing_body import ThingBody
+from handcart.backends.simulation.books.book import Book
+from handcart.backends.simulation.books.painted_books import spine_levels
 
 from .rounded_book import rounded_book
 

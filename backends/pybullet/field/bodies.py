@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from handcart.backends.pybullet.blocks.block_body import BlockBody
-from handcart.backends.scene.field.field_props import FieldProps
-from handcart.backends.scene.field.sensor import Sensor
+from handcart.backends.simulation.field.field_props import FieldProps
+from handcart.backends.simulation.field.sensor import Sensor
 
 from .bullet_magazine import BulletMagazine
 

@@ -6,9 +6,9 @@ from typing import ClassVar
 
 from handcart.backends.plain_values import Kinds
 from handcart.backends.pybullet.props_body import Pieces, PropsBody
-from handcart.backends.scene.field.field_props import FieldProps
-from handcart.backends.scene.field.sensor import Sensor
-from handcart.backends.scene.thing import Rest
+from handcart.backends.simulation.field.field_props import FieldProps
+from handcart.backends.simulation.field.sensor import Sensor
+from handcart.backends.simulation.world.thing import Rest
 
 CLOSED = 0.0005  # [m] between fingers and sensor, from where on they hold it
 FRESH = 8  # periods that they get to press on it

@@ -1,1 +1,1 @@
-"""The robot that returns books."""
+"""The mobile manipulator of Shin et al. (2005): its sides steer it, its arm has five joints."""

@@ -1,1 +1,1 @@
-"""The robot that returns books."""
+"""A cart with an arm and a tray."""

@@ -1,1 +1,1 @@
-"""The robot that returns books."""
+"""The robot of Hatano et al. (2000), on a suspension."""

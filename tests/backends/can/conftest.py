@@ -9,12 +9,12 @@ from collections.abc import Callable, Iterator
 import pytest
 from can.interfaces import virtual
 
+from handcart.backends.can.bench.bench import Bench
 from handcart.backends.can.can_backend import CanBackend
-from handcart.backends.can.simulated.bench import Bench
+from handcart.backends.description.robot_file import RobotFile
+from handcart.backends.description.robot_loading import load_robot
 from handcart.backends.kinematic.kinematic_backend import KinematicBackend
-from handcart.backends.robot_file import RobotFile
-from handcart.backends.robot_loading import load_robot
-from handcart.backends.scene.world_model import world_model
+from handcart.backends.simulation.world.world_model import world_model
 
 ROOM = {
     "format": "handcart-world/1",

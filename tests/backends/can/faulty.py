@@ -7,10 +7,10 @@ import re
 import numpy as np
 import pytest
 
-from handcart.backends.arm import Arm
-from handcart.backends.base import Base
+from handcart.backends.can.bench.misbehaviours import misbehave
 from handcart.backends.can.errors import CanFault
-from handcart.backends.can.simulated.misbehaviours import misbehave
+from handcart.backends.capabilities.arm import Arm
+from handcart.backends.capabilities.base import Base
 
 JOINT_1 = 11
 """The node of the librarian's first joint."""

@@ -5,13 +5,13 @@ import math
 import numpy as np
 import pytest
 
-from handcart.backends.arm import Arm
 from handcart.backends.backend import CommandError
-from handcart.backends.base import Base
 from handcart.backends.can.errors import NoDrives, TooManyCounts
-from handcart.backends.range_sensor import RangeSensor
+from handcart.backends.capabilities.arm import Arm
+from handcart.backends.capabilities.base import Base
+from handcart.backends.capabilities.range_sensor import RangeSensor
+from handcart.backends.description.robot_loading import load_robot
 from handcart.backends.registry import make_backend
-from handcart.backends.robot_loading import load_robot
 from handcart.backends.saved_state import pack, unpack
 
 from .conftest import COUNTS_PER_M, LEFT, RIGHT

@@ -7,11 +7,11 @@ from pathlib import Path
 
 import pytest
 
-from handcart.backends.can_spec import CanSpec
-from handcart.backends.robot_loading import ROBOTS, load_robot
-from handcart.evaluation.conformance.all_checks import CHECKS
-from handcart.evaluation.conformance.bench import Bench
-from handcart.evaluation.stage import set_stage
+from handcart.backends.description.can_spec import CanSpec
+from handcart.backends.description.robot_loading import ROBOTS, load_robot
+from handcart.evaluation.conformance.checks.all_checks import CHECKS
+from handcart.evaluation.conformance.rig.bench import Bench
+from handcart.evaluation.trials.stage import set_stage
 from handcart.files.errors import FileError
 from handcart.primitives.contract.outcome import Success
 from handcart.primitives.driving.move_to import MoveTo

@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from handcart.backends.arm import Arm
-from handcart.backends.base import Base
-from handcart.backends.can.axis_settings import interpolation_time
+from handcart.backends.can.drives.axis_settings import interpolation_time
 from handcart.backends.can.errors import CanFault, ReadBackDiffers
-from handcart.backends.robot_loading import load_robot
+from handcart.backends.capabilities.arm import Arm
+from handcart.backends.capabilities.base import Base
+from handcart.backends.description.robot_loading import load_robot
 
 JOINT_1 = 11
 TURN = np.array([0.01, 0.0, 0.0, 0.0, 0.0, 0.0])
@@ -62,7 +62,7 @@ def test_the_interpolation_period_is_the_control_period_and_read_back(make, robo
 
 
 def test_another_interpolation_period_is_refused(make, robot, monkeypatch):
-    from handcart.backends.can.simulated.bench import Bench
+    from handcart.backends.can.bench.bench import Bench
 
     plain = Bench.open
 

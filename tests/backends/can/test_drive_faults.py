@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from handcart.backends.base import Base
+from handcart.backends.can.bench.bench import Bench
+from handcart.backends.can.bench.misbehaviours import MISBEHAVIOURS, misbehave
 from handcart.backends.can.errors import (
     ControllerFault,
     DriveNotReady,
@@ -19,8 +20,7 @@ from handcart.backends.can.errors import (
     TwoNodes,
     WrongDrive,
 )
-from handcart.backends.can.simulated.bench import Bench
-from handcart.backends.can.simulated.misbehaviours import MISBEHAVIOURS, misbehave
+from handcart.backends.capabilities.base import Base
 
 from .faulty import BEFORE, JOINT_1, assert_stopped, assert_told, fault_of, move
 

@@ -6,8 +6,8 @@ import can
 import pytest
 
 from handcart.backends.backend import NoBench
-from handcart.backends.base import Base
-from handcart.backends.can.can_line import CanLine
+from handcart.backends.can.bench.misbehaviours import UnknownMisbehaviour, misbehave
+from handcart.backends.can.bus.can_line import CanLine
 from handcart.backends.can.errors import (
     BusFault,
     DriveNotReady,
@@ -18,9 +18,9 @@ from handcart.backends.can.errors import (
     WrongDrive,
 )
 from handcart.backends.can.simulated.drive_node import DriveNode
-from handcart.backends.can.simulated.misbehaviours import UnknownMisbehaviour, misbehave
+from handcart.backends.capabilities.base import Base
+from handcart.backends.description.robot_loading import load_robot
 from handcart.backends.registry import make_backend
-from handcart.backends.robot_loading import load_robot
 
 from .conftest import LEFT, RIGHT
 
@@ -150,7 +150,7 @@ def test_an_identity_that_is_not_the_files_is_told(make, cart):
 
 def test_a_missing_drive_is_told(make, monkeypatch):
     """C14: no answer to an SDO, tried twice."""
-    from handcart.backends.can.simulated import bench
+    from handcart.backends.can.bench import bench
 
     plain = bench.SimulatedDrives
     monkeypatch.setattr(bench, "SimulatedDrives", lambda nodes, *rest: plain(nodes[:1], *rest))
@@ -160,7 +160,7 @@ def test_a_missing_drive_is_told(make, monkeypatch):
 
 def test_two_drives_with_one_node_id_are_told_before_anything_moves(make, monkeypatch):
     """C15: both answer."""
-    from handcart.backends.can.simulated import bench
+    from handcart.backends.can.bench import bench
     from handcart.backends.can.simulated.simulated_drives import SimulatedDrives
 
     class Twice(SimulatedDrives):

@@ -6,8 +6,8 @@ import time
 
 import pytest
 
-from handcart.backends.base import Base
 from handcart.backends.can.errors import CanFault, LateLoop
+from handcart.backends.capabilities.base import Base
 
 from .faulty import BEFORE, assert_drives_stop_alone, assert_stopped, move
 

@@ -8,7 +8,7 @@ import time
 import canopen
 import pytest
 
-from handcart.backends.can.drive_dictionary import drive_dictionary
+from handcart.backends.can.drives.drive_dictionary import drive_dictionary
 from handcart.backends.can.simulated.simulated_drives import SimulatedDrives
 
 NODE, PERIOD = 5, 0.01

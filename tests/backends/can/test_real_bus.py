@@ -9,11 +9,11 @@ from contextlib import contextmanager
 import pytest
 from can.interfaces.virtual import VirtualBus
 
-from handcart.backends.base import Base
+from handcart.backends.can.bench.bench import Bench
 from handcart.backends.can.can_backend import CanBackend
 from handcart.backends.can.errors import CanFault, Emergency
-from handcart.backends.can.simulated.bench import Bench
-from handcart.backends.robot_loading import load_robot
+from handcart.backends.capabilities.base import Base
+from handcart.backends.description.robot_loading import load_robot
 
 PERIOD = 0.1
 BUS = {"interface": "virtual", "channel": "by themselves", "heartbeat_timeout_ms": 5000}

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from handcart.evaluation.running import run_task
-from handcart.evaluation.stage import LIBRARY
+from handcart.evaluation.trials.running import run_task
+from handcart.evaluation.trials.stage import LIBRARY
 from handcart.networks.run_options import RunOptions
 
 

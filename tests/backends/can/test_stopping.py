@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from handcart.backends.arm import Arm
-from handcart.backends.base import Base
 from handcart.backends.can.errors import CanFault, OffDemand
 from handcart.backends.can.simulated.profile_position import ProfilePosition
-from handcart.backends.gripper import Gripper
+from handcart.backends.capabilities.arm import Arm
+from handcart.backends.capabilities.base import Base
+from handcart.backends.capabilities.gripper import Gripper
 from handcart.backends.kinematic.kinematic_gripper import KinematicGripper
 
 from .conftest import LEFT, RIGHT

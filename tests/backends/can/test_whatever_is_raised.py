@@ -7,13 +7,13 @@ import struct
 import can
 import pytest
 
-from handcart.backends.base import Base
-from handcart.backends.can.axes import Axes
+from benchmarks.damage.fuzzed_bus import PHASES, attacks
+from handcart.backends.can.bench.bench import Bench
 from handcart.backends.can.can_backend import CanBackend
+from handcart.backends.can.drives.axes import Axes
 from handcart.backends.can.errors import BrokenOff, CanFault, NodeRestarted, SilentDrive, WrongDrive
-from handcart.backends.can.simulated.bench import Bench
 from handcart.backends.can.simulated.drive_node import DriveNode
-from handcart.evaluation.fuzzed_bus import PHASES, attacks
+from handcart.backends.capabilities.base import Base
 
 from .conftest import LEFT
 from .faulty import assert_stopped, move
@@ -223,7 +223,7 @@ def test_a_silent_drive_costs_the_others_no_torque(make, monkeypatch):
 
 
 def test_a_noisy_bus_raises_nothing_but_a_can_fault_and_no_drive_keeps_its_torque():
-    """C12 C20 C21: frames of all kinds in all phases; 1,000 set-ups by `python -m benchmarks.can_fuzz`."""
+    """C12 C20 C21: frames of all kinds in all phases; more: `python -m benchmarks.hostile.can_fuzz`."""
     seen = list(attacks(len(PHASES), 500, seed=3))
     assert [each.wrong for each in seen] == [""] * len(seen)
     assert {each.phase for each in seen} == set(PHASES)

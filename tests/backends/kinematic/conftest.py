@@ -8,12 +8,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from handcart.backends.description.robot_loading import load_robot
 from handcart.backends.kinematic.kinematic_backend import KinematicBackend
-from handcart.backends.robot_loading import load_robot
-from handcart.backends.scene.books.book_props import BookProps
-from handcart.backends.scene.world_file import WorldFile
-from handcart.backends.scene.world_model import world_model
-from handcart.files.loading import load
+from handcart.backends.simulation.books.book_props import BookProps
+from handcart.backends.simulation.world.world_file import WorldFile
+from handcart.backends.simulation.world.world_model import world_model
+from handcart.files.models.loading import load
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import transform
 

@@ -3,8 +3,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from handcart.backends.scene.books.book_props import BookProps
-from handcart.backends.scene.thing import Rest
+from handcart.backends.simulation.books.book_props import BookProps
+from handcart.backends.simulation.world.thing import Rest
 from handcart.robotics.geometry.pose2 import Pose2
 
 

@@ -6,16 +6,16 @@ import cv2
 import numpy as np
 import pytest
 
-from handcart.backends.arm import Arm
 from handcart.backends.backend import CommandError
-from handcart.backends.base import Base
-from handcart.backends.camera import Camera
-from handcart.backends.gripper import Gripper
-from handcart.backends.range_sensor import RangeSensor
-from handcart.backends.scene.books.book_props import BookProps
+from handcart.backends.capabilities.arm import Arm
+from handcart.backends.capabilities.base import Base
+from handcart.backends.capabilities.camera import Camera
+from handcart.backends.capabilities.gripper import Gripper
+from handcart.backends.capabilities.range_sensor import RangeSensor
+from handcart.backends.simulation.books.book_props import BookProps
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import apply, inverse, transform
-from handcart.robotics.perception.tag_reader import read_tags
+from handcart.robotics.perception.landmarks.tag_reader import read_tags
 
 
 def run(backend, periods, speed=0.0, turn_rate=0.0):

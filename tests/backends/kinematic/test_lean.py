@@ -7,16 +7,16 @@ import math
 import numpy as np
 import pytest
 
+from handcart.backends.description.robot_loading import load_robot
 from handcart.backends.kinematic.kinematic_backend import KinematicBackend
-from handcart.backends.robot_loading import load_robot
-from handcart.backends.scene.books.book import Book
-from handcart.backends.scene.books.book_lean import lean_in_row
-from handcart.backends.scene.books.book_props import BookProps
-from handcart.backends.scene.books.putting_down import put_down
-from handcart.backends.scene.books.row import Member
-from handcart.backends.scene.books.spec import BookSpec
-from handcart.backends.scene.thing import Rest
-from handcart.evaluation.shelving import shelving
+from handcart.backends.simulation.books.book import Book
+from handcart.backends.simulation.books.book_lean import lean_in_row
+from handcart.backends.simulation.books.book_props import BookProps
+from handcart.backends.simulation.books.putting_down import put_down
+from handcart.backends.simulation.books.row import Member
+from handcart.backends.simulation.books.spec import BookSpec
+from handcart.backends.simulation.world.thing import Rest
+from handcart.evaluation.books.shelving import shelving
 from handcart.robotics.geometry.transform import transform
 
 SPEC = BookSpec(accession=1, call="512.7 NAG", thickness_mm=25, height_mm=210, depth_mm=150)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from handcart.backends.saved_state import pack, unpack
-from handcart.backends.scene.books.book_props import BookProps
+from handcart.backends.simulation.books.book_props import BookProps
 from handcart.robotics.geometry.pose2 import Pose2
 
 

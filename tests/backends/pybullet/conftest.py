@@ -8,13 +8,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from handcart.backends.description.robot_file import RobotFile
+from handcart.backends.description.robot_loading import load_robot
 from handcart.backends.pybullet.pybullet_backend import PyBulletBackend
-from handcart.backends.robot_file import RobotFile
-from handcart.backends.robot_loading import load_robot
-from handcart.backends.scene.books.book_props import BookProps
-from handcart.backends.scene.world_file import WorldFile
-from handcart.backends.scene.world_model import world_model
-from handcart.files.loading import load
+from handcart.backends.simulation.books.book_props import BookProps
+from handcart.backends.simulation.world.world_file import WorldFile
+from handcart.backends.simulation.world.world_model import world_model
+from handcart.files.models.loading import load
 from handcart.robotics.geometry.transform import Transform, transform
 from handcart.robotics.kinematics.arm_model import ArmModel
 

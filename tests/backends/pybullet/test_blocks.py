@@ -8,18 +8,18 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from handcart.backends.description.robot_file import RobotFile
+from handcart.backends.description.robot_loading import load_robot
 from handcart.backends.pybullet.pybullet_backend import PyBulletBackend
-from handcart.backends.robot_file import RobotFile
-from handcart.backends.robot_loading import load_robot
 from handcart.backends.saved_state import pack, unpack
-from handcart.backends.scene.blocks.block_props import BlockProps
-from handcart.backends.scene.calibration.mark_props import MarkProps
-from handcart.backends.scene.thing import Rest
-from handcart.backends.scene.world_model import world_model
-from handcart.files.loading import load
+from handcart.backends.simulation.blocks.block_props import BlockProps
+from handcart.backends.simulation.calibration.mark_props import MarkProps
+from handcart.backends.simulation.world.thing import Rest
+from handcart.backends.simulation.world.world_model import world_model
+from handcart.files.models.loading import load
 from handcart.robotics.geometry.transform import inverse, transform
-from handcart.robotics.perception.landmark_finder import find_landmarks
-from handcart.robotics.perception.landmark_pose import facing, planar_pose
+from handcart.robotics.perception.landmarks.landmark_finder import find_landmarks
+from handcart.robotics.perception.landmarks.landmark_pose import facing, planar_pose
 
 pytest.importorskip("pybullet", reason="PyBullet has no wheel for this Python")
 

@@ -7,8 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from handcart.backends.ground_spec import GroundSpec
-from handcart.evaluation.running import resume_task, run_task
+from handcart.backends.description.ground_spec import GroundSpec
+from handcart.evaluation.trials.running import resume_task, run_task
 from handcart.networks.run_options import RunOptions
 
 pytest.importorskip("pybullet")
@@ -42,7 +42,7 @@ def test_a_sensor_is_laid_and_a_killed_run_goes_on(tmp_path, copier):
 
 def test_the_ground_is_as_rough_as_the_world_says():
     from handcart.backends.pybullet.physics import Physics
-    from handcart.backends.pybullet.terrain import Terrain
+    from handcart.backends.pybullet.world.terrain import Terrain
 
     physics = Physics(0.025)
     try:

@@ -8,10 +8,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from handcart.backends.arm import Arm
+from handcart.backends.capabilities.arm import Arm
+from handcart.backends.description.robot_loading import load_robot
 from handcart.backends.pybullet.pybullet_backend import PyBulletBackend
-from handcart.backends.robot_loading import load_robot
-from handcart.backends.scene.world_model import world_model
+from handcart.backends.simulation.world.world_model import world_model
 
 pytest.importorskip("pybullet", reason="PyBullet has no wheel for this Python")
 EMPTY = world_model().model_validate({"format": "handcart-world/1", "start": {"x_m": 0.0, "y_m": 0.0}})

@@ -13,8 +13,8 @@ from handcart.backends.kinematic.kinematic_backend import KinematicBackend
 from handcart.backends.plain_values import to_plain
 from handcart.backends.pybullet.physics import Pinned
 from handcart.backends.saved_state import pack, unpack
-from handcart.backends.scene.books.book_props import BookProps
-from handcart.backends.scene.thing import Rest
+from handcart.backends.simulation.books.book_props import BookProps
+from handcart.backends.simulation.world.thing import Rest
 
 pytest.importorskip("pybullet", reason="PyBullet has no wheel for this Python")
 ROOT = Path(__file__).resolve().parents[3]
@@ -266,7 +266,7 @@ def test_the_same_seed_gives_the_same_run(make):
 def test_the_engine_writes_nothing_to_our_streams():
     code = (
         "from pathlib import Path; from handcart.backends.registry import make_backend;"
-        "from handcart.backends.robot_loading import load_robot;"
+        "from handcart.backends.description.robot_loading import load_robot;"
         "b = make_backend('pybullet', load_robot('librarian'), Path('tasks/return_book/world.yaml'), 0);"
         "b.step(); b.capabilities()[3].image(); b.close()"
     )

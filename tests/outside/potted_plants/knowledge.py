@@ -8,8 +8,8 @@ from typing import Annotated, Any, ClassVar, Literal, Self
 
 from pydantic import Field
 
-from handcart.files.loading import load
-from handcart.files.model import FileModel
+from handcart.files.models.loading import load
+from handcart.files.models.model import FileModel
 from handcart.primitives.knowledge.section import NamedFiles, Section
 
 Positive = Annotated[float, Field(gt=0.0)]

@@ -10,10 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from handcart.backends.plain_values import Kinds
-from handcart.backends.scene.placed_thing import PlacedSpec, PlacedThing
-from handcart.backends.scene.props import Props
-from handcart.backends.scene.thing import GreyImage, Side
-from handcart.files.model import FileModel
+from handcart.backends.simulation.props import Props
+from handcart.backends.simulation.world.placed_thing import PlacedSpec, PlacedThing
+from handcart.backends.simulation.world.thing import GreyImage, Side
+from handcart.files.models.model import FileModel
 from handcart.robotics.geometry.transform import inverse
 
 POURS = np.radians(45.0)  # beyond that tilt water runs over the rim

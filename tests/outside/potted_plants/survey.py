@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any, ClassVar
 
-from handcart.evaluation.conformance.fault import Fault, FaultKind
-from handcart.evaluation.survey import Claim, Effect, Survey
+from handcart.evaluation.conformance.faults.fault import Fault, FaultKind
+from handcart.evaluation.truth.survey import Claim, Effect, Survey
 
 from .knowledge import Plants
 from .props import Pots

@@ -10,7 +10,7 @@ import numpy as np
 from pydantic import Field
 
 from handcart import ActionPrimitive, Arm, Discrepancy, Gripper, NeedsPerson
-from handcart.backends.robot import Robot
+from handcart.backends.robot.robot import Robot
 from handcart.primitives.contract.action_primitive import Periods
 from handcart.primitives.contract.discrepancy import Measured
 from handcart.primitives.contract.meant_contact import MeantContact
@@ -20,7 +20,7 @@ from handcart.primitives.motions.arm_motion import move_straight, move_to_pose
 from handcart.primitives.motions.grip import close, hand_to_tips, open_to
 from handcart.robotics.geometry.transform import Transform, transform
 from handcart.robotics.kinematics.shapes import Box
-from handcart.robotics.manipulation.collision_model import HELD
+from handcart.robotics.manipulation.motions.collision_model import HELD
 
 from .knowledge import Plant, Plants, PlantsFile
 

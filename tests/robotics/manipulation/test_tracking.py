@@ -8,13 +8,13 @@ import pytest
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import transform
 from handcart.robotics.kinematics.arm_model import ArmModel
-from handcart.robotics.manipulation.pitch_arm import PitchArm
-from handcart.robotics.manipulation.screw_arm import FreeTurn
-from handcart.robotics.manipulation.tool_follower import ToolFollower
-from handcart.robotics.manipulation.tool_path import ToolPath, tool_path
-from handcart.robotics.manipulation.tracking_limits import ArmLoad
-from handcart.robotics.manipulation.tracking_time import TrackingLimits, time_tracking
-from handcart.robotics.manipulation.untrackable import Untrackable
+from handcart.robotics.manipulation.arms.pitch_arm import PitchArm
+from handcart.robotics.manipulation.arms.screw_arm import FreeTurn
+from handcart.robotics.manipulation.placement.untrackable import Untrackable
+from handcart.robotics.manipulation.tracking.tool_follower import ToolFollower
+from handcart.robotics.manipulation.tracking.tool_path import ToolPath, tool_path
+from handcart.robotics.manipulation.tracking.tracking_limits import ArmLoad
+from handcart.robotics.manipulation.tracking.tracking_time import TrackingLimits, time_tracking
 
 from .seams import arched, five_joint_urdf
 

@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 
 from handcart.robotics.geometry.pose2 import Pose2
-from handcart.robotics.navigation.box_ranges import box_ranges
-from handcart.robotics.navigation.grid_map import GridMap, from_boxes, from_ros
-from handcart.robotics.navigation.scan_matching import LikelihoodField
+from handcart.robotics.navigation.localization.scan_matching import LikelihoodField
+from handcart.robotics.navigation.maps.box_ranges import box_ranges
+from handcart.robotics.navigation.maps.grid_map import GridMap, from_boxes, from_ros
 
 MAPS = Path(__file__).resolve().parents[3] / "../shared/maps"
 Boxes = list[tuple[float, float, float, float, float]]

@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 
 from handcart.robotics.geometry.pose2 import Pose2
-from handcart.robotics.navigation.drive_limits import DriveLimits
-from handcart.robotics.navigation.grid_map import GridMap
-from handcart.robotics.navigation.keepout import keepout_cells, with_keepout
-from handcart.robotics.navigation.path_tracking import PathTracker
-from handcart.robotics.navigation.speed_limits import SpeedLimits
+from handcart.robotics.navigation.following.drive_limits import DriveLimits
+from handcart.robotics.navigation.following.path_tracking import PathTracker
+from handcart.robotics.navigation.maps.grid_map import GridMap
+from handcart.robotics.navigation.maps.keepout import keepout_cells, with_keepout
+from handcart.robotics.navigation.maps.speed_limits import SpeedLimits
 
 
 def chart(shape, resolution, origin=(0.0, 0.0), occupied=()):

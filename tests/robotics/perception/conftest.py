@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from handcart.backends.scene.books.textures import draw_spine
+from handcart.backends.simulation.books.textures import draw_spine
 from handcart.robotics.geometry.transform import transform
-from handcart.robotics.perception.camera_model import CameraModel, plane_to_rays
+from handcart.robotics.perception.cameras.camera_model import CameraModel, plane_to_rays
 
 CAMERA = CameraModel(
     np.array([[800.0, 0.0, 319.5], [0.0, 800.0, 239.5], [0.0, 0.0, 1.0]]),

@@ -1,0 +1,119 @@
+"""A simulated robot that is turned by simulated drives."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+
+from handcart.backends.backend import Backend
+from handcart.backends.can.drives.axes import Axes
+from handcart.backends.can.drives.axis import Axis
+from handcart.backends.can.simulated.drive_node import DriveNode
+from handcart.backends.can.simulated.plant import Plant
+from handcart.backends.capabilities.arm import Arm
+from handcart.backends.capabilities.base import Base
+from handcart.backends.capabilities.gripper import Gripper
+from handcart.backends.description.can_spec import CanSpec
+from handcart.backends.description.robot_file import RobotFile
+from handcart.robotics.kinematics.arm_model import ArmModel
+
+Vector = NDArray[np.float64]
+
+
+class BackendPlant(Plant):
+    """What the drives ask of their motors becomes commands of a backend; its readings are what they tell.
+
+    Joints tell torques (6077h): those that carry the arm's weight and the force that the backend reads at
+    the hand. The gripper's drive tells its greatest torque while the fingers press.
+    """
+
+    def __init__(self, robot: RobotFile, spec: CanSpec, axes: Axes, inner: Backend) -> None:
+        """Put drives before a backend, which stands as it was built."""
+        self._robot, self.inner, self._axes = robot, inner, axes
+        self._base = inner.get(Base)  # type: ignore[type-abstract]
+        self._arm = inner.get(Arm) if self._axes.joints else None  # type: ignore[type-abstract]
+        self._gripper = inner.get(Gripper) if self._axes.gripper else None  # type: ignore[type-abstract]
+        self._model: ArmModel | None = robot.arm_model() if self._arm else None
+        self._rated = np.array([each.rated_effort for each in spec.joints])
+        self._driven: dict[int, float] = {}
+
+    def place(self, drives: Mapping[int, DriveNode]) -> None:
+        """Let the drives stand where the robot holds."""
+        command = self._arm.command() if self._arm else ()
+        for axis, angle in zip(self._axes.joints, command, strict=False):
+            drives[axis.spec.node].stand_at(float(angle) * axis.units.scale + axis.units.zero)
+        if self._axes.gripper and self._gripper:
+            axis = self._axes.gripper
+            drives[axis.spec.node].stand_at(self._gripper.command() * axis.units.scale + axis.units.zero)
+        self._driven = {node: drive.driven for node, drive in drives.items()}
+        self._tell(drives, 1.0)
+        for drive in drives.values():
+            drive.velocity = 0.0
+
+    def step(self, drives: Mapping[int, DriveNode], seconds: float) -> None:
+        """See `Plant`."""
+        self._roll(drives, seconds)
+        if self._arm and self._changed(drives, *self._axes.joints):
+            self._move_arm(self._arm, drives)
+        if self._gripper and self._axes.gripper and self._changed(drives, self._axes.gripper):
+            width = self._asked(drives, self._axes.gripper)
+            self._gripper.move(min(max(0.0, width), self._axes.gripper.limits.upper))
+        self._driven = {node: drive.driven for node, drive in drives.items()}
+        self.inner.step()
+        self._tell(drives, seconds)
+
+    def _changed(self, drives: Mapping[int, DriveNode], *axes: Axis) -> bool:
+        return any(drives[axis.spec.node].driven != self._driven[axis.spec.node] for axis in axes)
+
+    def _asked(self, drives: Mapping[int, DriveNode], axis: Axis) -> float:
+        return axis.units.position(drives[axis.spec.node].driven)
+
+    def _roll(self, drives: Mapping[int, DriveNode], seconds: float) -> None:
+        """Drive the base by what the wheels are turned in this period."""
+        if self._base is None:
+            return
+        drive = self._robot.drive
+        left, right = (
+            axis.units.speed(drives[axis.spec.node].driven - self._driven[axis.spec.node]) / seconds
+            for axis in (self._axes.left, self._axes.right)
+        )
+        speed, turn = (left + right) / 2, (right - left) / drive.tread_m
+        top, top_turn = drive.top_speed_m_s, np.radians(drive.top_turn_deg_s)
+        # Ramps end at different times, and counts are whole numbers.
+        self._base.drive(float(np.clip(speed, -top, top)), float(np.clip(turn, -top_turn, top_turn)))
+
+    def _move_arm(self, arm: Arm, drives: Mapping[int, DriveNode]) -> None:
+        held, limits = arm.command(), [axis.limits for axis in self._axes.joints]
+        asked = np.array([self._asked(drives, axis) for axis in self._axes.joints])
+        most = np.array([each.speed for each in limits]) * self.inner.period
+        lower, upper = (np.array([getattr(each, end) for each in limits]) for end in ("lower", "upper"))
+        arm.move(np.clip(np.clip(asked, held - most, held + most), lower, upper))
+
+    def _tell(self, drives: Mapping[int, DriveNode], seconds: float) -> None:
+        if self._base is not None:
+            travel = self._base.wheel_travel()
+            for axis, way in zip((self._axes.left, self._axes.right), travel, strict=True):
+                drives[axis.spec.node].moved(way * axis.units.scale, seconds, torque=0)
+        if self._arm is not None and self._model is not None:
+            angles = self._arm.joints()
+            torques = self._torques(self._model, self._arm, angles)
+            for axis, angle, torque in zip(self._axes.joints, angles, torques, strict=True):
+                told = round(1000.0 * torque * np.sign(axis.units.scale))
+                drives[axis.spec.node].moved(_counts(axis, float(angle)), seconds, told)
+        fingers = self._axes.gripper
+        if self._gripper is not None and fingers is not None:
+            torque = -np.sign(fingers.units.scale) * fingers.limits.torque
+            told = int(torque) if self._gripper.closed_on_something() else 0
+            drives[fingers.spec.node].moved(_counts(fingers, self._gripper.width()), seconds, told)
+
+    def _torques(self, model: ArmModel, arm: Arm, q: Vector) -> Vector:
+        """Of the joints (n,), as shares of the rated ones."""
+        force = model.forward(q)[:3, :3] @ arm.hand_force()
+        outside: Vector = model.jacobian(q)[:3].T @ force
+        return np.asarray((model.gravity_torque(q) - outside) / self._rated)
+
+
+def _counts(axis: Axis, position: float) -> float:
+    return position * axis.units.scale + axis.units.zero

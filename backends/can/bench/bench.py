@@ -1,0 +1,117 @@
+"""A test stand: simulated drives, alone or in front of a simulated robot."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import can
+
+from handcart.backends.backend import Backend
+from handcart.backends.can.bus.can_line import CanLine
+from handcart.backends.can.drives.axes import Axes
+from handcart.backends.can.simulated.drive_node import DriveNode
+from handcart.backends.can.simulated.simulated_drives import SimulatedDrives
+from handcart.backends.description.can_spec import CanSpec
+from handcart.backends.description.robot_file import RobotFile
+
+from .backend_plant import BackendPlant
+from .bench_bus import BenchBus
+
+Act = Callable[["Bench", DriveNode], None]
+"""Lets something go wrong, with a drive or with the bus."""
+
+
+class Bench:
+    """Simulated drives of all axes of a robot. One period of drives and robot passes with each SYNC."""
+
+    def __init__(
+        self, robot: RobotFile, spec: CanSpec, inner: Backend | None, bus: can.BusABC | None = None
+    ) -> None:
+        """Set it up.
+
+        Args:
+            robot: its file.
+            spec: the section `can` of that file.
+            inner: the simulated robot, taken over; None: motors without anything on them.
+            bus: taken over; None: a virtual one in this process, see `open`.
+        """
+        self.inner = inner
+        """The simulated robot."""
+        self.spec = spec
+        axes = Axes(robot, spec)
+        self._plant = plant = None if inner is None else BackendPlant(robot, spec, axes, inner)
+        nodes = [axis.node for _, axis in spec.axes()]
+        dictionaries = {axis.spec.node: axis.object_dictionary for axis in axes.values()}
+        self._drives = SimulatedDrives(nodes, robot.period_s, plant, bus, dictionaries)
+        if plant is not None:
+            plant.place(self.drives)
+        else:
+            _place(axes, self.drives)
+        self._drives.onlookers.append(self._misbehave)
+        self._planned: list[tuple[float, Callable[[], None]]] = []
+        self.master: BenchBus | None = None
+        """The program's end of the bus, where it is in this process: it can fail, too."""
+
+    @property
+    def drives(self) -> dict[int, DriveNode]:
+        """By node ID."""
+        return self._drives.nodes
+
+    @property
+    def time(self) -> float:
+        """Simulated, in [s]."""
+        return self._drives.time
+
+    @property
+    def line(self) -> CanLine:
+        """The drives' end of the bus: what is sent over it seems to come from somewhere on it."""
+        return self._drives.line
+
+    def open(self) -> BenchBus:
+        """The program's end of the bus."""
+        self.master = BenchBus(self._drives.open())
+        return self.master
+
+    def serve(self) -> None:
+        """Let the drives take in, and answer, all that has been sent to them."""
+        self._drives.serve()
+
+    def tick(self, seconds: float) -> None:
+        """Let time pass without a SYNC, in [s]."""
+        self._drives.tick(seconds)
+
+    def stand_as_left(self, time: float) -> None:
+        """The robot has been put elsewhere, at a time in [s]: the drives stand where it does."""
+        self._drives.time = time
+        if self._plant is not None:
+            self._plant.place(self.drives)
+
+    def go_wrong(self, act: Act, node: int | None = None) -> None:
+        """Let something go wrong now, at a drive; None: that of the first axis."""
+        act(self, self.drives[self.spec.left.node if node is None else node])
+
+    def go_wrong_at(self, at_s: float, act: Act, node: int | None = None) -> None:
+        """The same at a time in [s] of the bench's."""
+        self._planned.append((at_s, lambda: self.go_wrong(act, node)))
+
+    def _misbehave(self) -> None:
+        due = [act for at, act in self._planned if at <= self.time + 1e-9]
+        self._planned = [each for each in self._planned if each[0] > self.time + 1e-9]
+        for act in due:
+            act()
+
+    def close(self) -> None:
+        """Let go of bus and robot. A second call does nothing."""
+        self._drives.close()
+        if self.master is not None:
+            self.master.shutdown()
+        if self.inner is not None:
+            self.inner.close()
+
+
+def _place(axes: Axes, drives: dict[int, DriveNode]) -> None:
+    """Let drives without a robot stand within their limits."""
+    for axis in axes.values():
+        if axis.positioned:
+            position = min(max(0.0, axis.limits.lower), axis.limits.upper)
+            drives[axis.spec.node].stand_at(axis.units.counts(position))

@@ -1,0 +1,1 @@
+"""CANopen frames and objects over one bus."""

@@ -1,0 +1,131 @@
+"""CANopen on one bus, without threads."""
+
+from __future__ import annotations
+
+import errno
+import time
+from collections.abc import Callable
+from contextlib import suppress
+
+import can
+import canopen
+
+from handcart.backends.can.errors import QueueFull
+
+Heard = Callable[[can.Message, bool], None]
+"""Called with each frame, and whether it was sent rather than taken in."""
+
+_BURST = 2000  # frames that are taken in at once at most, so that a flooded bus doesn't hold the loop
+_LOST = 3  # frames in a row that the interface may refuse to queue
+_FULL = (errno.ENOBUFS, errno.EAGAIN)
+
+
+class CanLine(canopen.Network):
+    """A CANopen network whose frames are taken in by who waits for them, in its own thread.
+
+    `canopen` has a thread for that, which dies of a fault of the interface and leaves old readings behind.
+    Here the same call raises, nothing runs that would have to be ended, and on python-can's `virtual` the
+    same frames come in the same order in every run.
+    """
+
+    def __init__(
+        self, bus: can.BusABC, serve: Callable[[], None] | None = None, heard: Heard | None = None
+    ) -> None:
+        """Talk on a bus.
+
+        Args:
+            bus: open; closed by `close`.
+            serve: lets simulated nodes on the same bus answer at once; None: nodes answer by themselves.
+            heard: called with each frame that is sent or taken in, whatever it is.
+        """
+        super().__init__(bus)
+        self._bus = bus
+        self._serve = serve
+        self._heard: list[Heard] = [] if heard is None else [heard]
+        self._refused = 0
+        self.malformed = 0
+        """How many frames there were that no CANopen node sends, or that couldn't be decoded."""
+
+    def listen(self, heard: Heard) -> None:
+        """Have one more called with each frame."""
+        self._heard.append(heard)
+
+    def send_message(self, can_id: int, data: bytes, remote: bool = False) -> None:
+        """Send a frame; one that the interface has no room for is lost.
+
+        Raises:
+            QueueFull: that has happened several times in a row.
+            can.CanError: of the interface.
+        """
+        # A copy: what waits in the interface's queue stays what it was when the buffer is filled anew.
+        frame = can.Message(
+            arbitration_id=can_id, data=bytes(data), is_remote_frame=remote, is_extended_id=can_id > 0x7FF
+        )
+        try:
+            self._bus.send(frame)
+        except can.CanOperationError as error:
+            if error.error_code not in _FULL and "full" not in str(error).lower():
+                raise
+            self._refused += 1
+            if self._refused >= _LOST:
+                raise QueueFull(self._refused) from error
+            return
+        self._refused = 0
+        for heard in self._heard:
+            heard(frame, True)
+
+    def wait(self, done: Callable[[], bool | None], seconds: float) -> bool:
+        """Take frames in until `done`; whether that came true within `seconds` of the wall clock.
+
+        Simulated nodes have answered before this returns, or never will: then no time passes.
+
+        Raises:
+            can.CanError: of the interface.
+        """
+        if self._serve is not None:
+            self._serve()
+            self.drain()
+            return bool(done())
+        end = time.monotonic() + seconds
+        while not done():
+            left = end - time.monotonic()
+            frame = self._bus.recv(left) if left > 0.0 else None
+            if frame is None:
+                return bool(done())
+            self._take(frame)
+        return True
+
+    def drain(self) -> None:
+        """Take in what has come so far."""
+        for _ in range(_BURST):
+            frame = self._bus.recv(0.0)
+            if frame is None:
+                return
+            self._take(frame)
+
+    def flush(self) -> None:
+        """Throw away what the interface has not sent yet, where it can do that."""
+        with suppress(NotImplementedError, can.CanError):
+            self._bus.flush_tx_buffer()
+
+    @property
+    def interface_state(self) -> can.BusState:
+        """What the interface says of itself."""
+        return self._bus.state
+
+    def close(self) -> None:
+        """Close the bus. A second call does nothing."""
+        self._bus.shutdown()
+
+    def _take(self, frame: can.Message) -> None:
+        for heard in self._heard:
+            heard(frame, False)
+        if frame.is_error_frame:
+            return
+        if frame.is_extended_id or frame.is_fd or frame.is_remote_frame:
+            self.malformed += 1
+            return
+        try:
+            self.notify(frame.arbitration_id, frame.data, frame.timestamp)
+        except Exception:  # a frame that the library can't decode: told by its count
+            self.malformed += 1

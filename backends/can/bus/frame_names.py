@@ -1,0 +1,61 @@
+"""Whose frames there are on a bus, and what their data mean."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import canopen
+from canopen.pdo import PdoMap
+
+from handcart.files.models.model import FileModel
+
+
+class PdoField(FileModel):
+    """An object in a PDO."""
+
+    index: int
+    subindex: int
+    name: str
+    bits: int
+    signed: bool
+
+
+class PdoNames(FileModel):
+    """A PDO."""
+
+    node: int
+    what: str
+    """Seen from the node: TPDO1 it sends, RPDO1 it takes."""
+    fields: tuple[PdoField, ...]
+
+
+class FrameNames(FileModel):
+    """Of a bus, as the program that talks on it has set it up."""
+
+    time: str
+    """What stamps are: `unix`, in [s] since 1970, or `robot`, the simulated robot's time."""
+    nodes: dict[int, str]
+    """Node ID to name."""
+    pdos: dict[int, PdoNames]
+    """COB-ID to PDO."""
+
+
+def names_of(network: canopen.Network, time: str) -> FrameNames:
+    """Names for the frames of a network, by its nodes and the PDOs that they are set up for."""
+    nodes = {number: str(getattr(node, "name", f"node {number}")) for number, node in network.items()}
+    pdos = {}
+    for number, node in network.items():
+        for what, maps in (("TPDO", node.tpdo), ("RPDO", node.rpdo)):
+            for place, each in maps.items():
+                if each.enabled and each.cob_id:
+                    fields = tuple(_fields(each))
+                    pdos[each.cob_id] = PdoNames(node=number, what=f"{what}{place}", fields=fields)
+    return FrameNames(time=time, nodes=nodes, pdos=pdos)
+
+
+def _fields(pdo: PdoMap) -> Iterator[PdoField]:
+    for each in pdo.map:
+        signed = each.od.data_type in canopen.objectdictionary.datatypes.SIGNED_TYPES
+        yield PdoField(
+            index=each.index, subindex=each.subindex, name=each.od.name, bits=each.length, signed=signed
+        )

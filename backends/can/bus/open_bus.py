@@ -1,0 +1,69 @@
+"""Opening a CAN interface."""
+
+from __future__ import annotations
+
+from collections import deque
+from typing import Any
+
+import can
+
+from handcart.backends.can.errors import NoInterface
+from handcart.backends.description.can_spec import CanSpec
+
+MULTICAST = "udp_multicast"
+_UNDER_WAY = 4096  # own frames that are waited for at most
+
+
+class EchoFreeBus(can.BusABC):
+    """A bus that gives back what it sends, without that: python-can's `udp_multicast` can't be told to."""
+
+    def __init__(self, bus: can.BusABC) -> None:
+        """Take over an open bus; closed by `shutdown`."""
+        self._inner = bus
+        self._sent: deque[tuple[int, bytes]] = deque(maxlen=_UNDER_WAY)
+        self.channel_info = bus.channel_info
+        super().__init__(channel=bus.channel_info)
+
+    def send(self, msg: can.Message, timeout: float | None = None) -> None:
+        """See python-can."""
+        self._sent.append((msg.arbitration_id, bytes(msg.data)))
+        self._inner.send(msg, timeout)
+
+    def _recv_internal(self, timeout: float | None) -> tuple[can.Message | None, bool]:
+        frame = self._inner.recv(timeout)
+        while frame is not None and self._is_own(frame):
+            frame = self._inner.recv(0.0)
+        return frame, True
+
+    def _is_own(self, frame: can.Message) -> bool:
+        """Own frames come back in order; one that is found takes those before it, which got lost, along."""
+        own = (frame.arbitration_id, bytes(frame.data))
+        if own not in self._sent:
+            return False
+        while self._sent.popleft() != own:
+            pass
+        return True
+
+    def shutdown(self) -> None:
+        """See python-can."""
+        super().shutdown()
+        self._inner.shutdown()
+
+
+def open_bus(spec: CanSpec) -> can.BusABC:
+    """The interface that a robot's file names; raises `NoInterface`."""
+    return open_interface(spec.interface, spec.channel, 1000 * spec.bitrate_kbit_s)
+
+
+def open_interface(interface: str, channel: str, bitrate: int) -> can.BusABC:
+    """An interface of python-can, its bit rate in [bit/s].
+
+    Raises:
+        NoInterface: it is missing, down, or of another bit rate.
+    """
+    options: dict[str, Any] = {} if interface == MULTICAST else {"bitrate": bitrate}
+    try:
+        bus = can.Bus(interface=interface, channel=channel, **options)
+    except (can.CanError, OSError, ImportError, ValueError, TypeError) as error:
+        raise NoInterface(interface, channel, bitrate, str(error)) from error
+    return EchoFreeBus(bus) if interface == MULTICAST else bus

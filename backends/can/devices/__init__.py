@@ -1,0 +1,1 @@
+"""What makers say of their drives, and what drives lack."""

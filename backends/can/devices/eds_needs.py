@@ -1,0 +1,71 @@
+"""What a drive's EDS file has to describe, and what the robot's file has to accept that it doesn't."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+
+from canopen.objectdictionary import ObjectDictionary, ODVariable
+
+from handcart.backends.can.bus.cyclic_frames import mode_of
+from handcart.backends.can.bus.pdo_layout import layout
+from handcart.backends.description.can_spec import AxisSpec, WheelDriveSpec
+from handcart.files.errors import FileError, Finding
+
+from .eds_file import missing_objects, read_eds
+from .lacks import LACKS, lack_of, left_out
+
+_ALWAYS = {
+    0x1000: "device type",
+    0x1017: "producer heartbeat time",
+    0x1018: "identity",
+    0x1400: "RPDO 1",
+    0x1600: "mapping of RPDO 1",
+    0x1800: "TPDO 1",
+    0x1801: "TPDO 2",
+    0x1A00: "mapping of TPDO 1",
+    0x1A01: "mapping of TPDO 2",
+    0x6060: "mode of operation",
+    0x6083: "profile acceleration",
+    0x6502: "supported drive modes",
+}
+
+
+def eds_findings(path: Path, axis: AxisSpec) -> tuple[list[Finding], list[str]]:
+    """What is wrong with a drive's EDS file.
+
+    Args:
+        path: of the file, which exists.
+        axis: whose drive it describes.
+
+    Returns:
+        What is wrong, each at its place in that file; and what the drive lacks that its robot's file doesn't
+        accept.
+    """
+    try:
+        dictionary = read_eds(path, axis.node)
+    except FileError as error:
+        return list(error.findings), []
+    frames = layout(mode_of(axis), left_out(axis))
+    mapped = (index for pdo in (*frames.commands, *frames.answers) for index in pdo.objects)
+    needed = {index: "for a PDO" for index in mapped if lack_of(index) is None}
+    missing = missing_objects(dictionary, _ALWAYS | needed, str(path))
+    return missing, list(_unaccepted(dictionary, axis, path.name))
+
+
+def _unaccepted(dictionary: ObjectDictionary, axis: AxisSpec, name: str) -> Iterator[str]:
+    for word, lack in LACKS.items():
+        if word in axis.without or (lack.positioned and isinstance(axis, WheelDriveSpec)):
+            continue
+        missing = [f"{index:04X}h" for index in lack.objects if not _described(dictionary, index)]
+        if missing:
+            wrong = f"{name} describes no {', no '.join(missing)} ({lack.what}): {lack.then}"
+            yield f"{wrong}; to accept that: without: [{word}]"
+
+
+def _described(dictionary: ObjectDictionary, index: int) -> bool:
+    """Whether it is there, with what is written to: of an array the first entry."""
+    if index not in dictionary:
+        return False
+    found = dictionary[index]
+    return isinstance(found, ODVariable) or 1 in found

@@ -1,0 +1,82 @@
+"""What a drive may lack, if its robot's file accepts what follows from that."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import NamedTuple
+
+from handcart.backends.description.can_spec import AxisSpec, Without
+
+
+class Lack(NamedTuple):
+    """Objects that not every maker's drive has."""
+
+    objects: tuple[int, ...]
+    what: str
+    then: str
+    """What follows if a drive is used without them."""
+    positioned: bool = False
+    """Whether only drives that are told positions need them."""
+
+
+LACKS: Mapping[Without, Lack] = {
+    "consumer_heartbeat": Lack(
+        (0x1016,),
+        "consumer heartbeat time",
+        "it doesn't notice that this program has died or the cable is off: it goes on with its last command",
+    ),
+    "abort_option": Lack(
+        (0x6007,),
+        "abort connection option",
+        "what it does when our heartbeat stays away is its own: it may go on, or lose its torque",
+    ),
+    "quick_stop_option": Lack(
+        (0x605A,), "quick stop option", "whether it keeps its torque behind a quick stop is its own"
+    ),
+    "quick_stop_ramp": Lack((0x6085,), "quick stop deceleration", "how quickly it stops is its own"),
+    "fault_reaction": Lack(
+        (0x605E,), "fault reaction option", "whether it brakes or runs out at a fault is its own"
+    ),
+    "error_code": Lack(
+        (0x603F,), "error code", "a fault is told by its emergency message alone, without one in no words"
+    ),
+    "torque": Lack(
+        (0x6077,),
+        "torque actual value",
+        "no torque is sensed: a joint adds nothing to the force that the hand feels, with none it reads 0; "
+        "fingers are told to hold something by their width alone",
+    ),
+    "torque_limit": Lack((0x6072,), "max torque", "it presses with all the torque that it has", True),
+    "speed_limit": Lack((0x607F,), "max profile velocity", "nothing but this program limits its speed"),
+    "position_limits": Lack(
+        (0x607D,), "software position limit", "nothing but this program keeps it within its limits", True
+    ),
+    "following_error": Lack(
+        (0x6065, 0x6066),
+        "following error window",
+        "only this program notices that it doesn't follow, two periods later",
+        True,
+    ),
+}
+"""By the words of the robot's file."""
+
+
+def left_out(axis: AxisSpec) -> frozenset[int]:
+    """The objects that an axis is used without."""
+    return frozenset(index for each in axis.without for index in LACKS[each].objects)
+
+
+def lack_of(index: int) -> Without | None:
+    """The word that accepts that there is no such object; None where there is none."""
+    return next((word for word, lack in LACKS.items() if index in lack.objects), None)
+
+
+def accepting(index: int) -> str:
+    """How the robot's file accepts that there is no such object; "" where it can't."""
+    word = lack_of(index)
+    return "" if word is None else f"; if it has none: {LACKS[word].then}; to accept that: without: [{word}]"
+
+
+def not_watched(axis: AxisSpec) -> list[str]:
+    """What its robot's file accepts, in words."""
+    return [f"without {LACKS[each].what}: {LACKS[each].then}" for each in axis.without]

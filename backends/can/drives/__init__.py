@@ -1,0 +1,1 @@
+"""CiA 402 drives, as the robot commands them."""

@@ -1,0 +1,172 @@
+"""All drives of a robot."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import ExitStack
+from pathlib import Path
+
+from canopen.objectdictionary import ObjectDictionary
+
+from handcart.backends.can.bus.can_line import CanLine
+from handcart.backends.can.bus.pdo_layout import MODES
+from handcart.backends.description.can_spec import AxisSpec, CanSpec
+from handcart.backends.description.robot_file import RobotFile
+
+from .axis import HOLD, Axis
+from .axis_check import AxisCheck
+from .axis_limits import AxisLimits, gripper_limits, joint_limits, wheel_limits
+from .axis_units import AxisUnits
+from .drive_dictionary import drive_dictionary
+from .drive_setup import look, set_up
+from .enabling import enable
+
+_ANSWER_WITHIN = 0.5  # share of a period
+
+
+class Axes(Mapping[str, Axis]):
+    """Drives that stop together: what goes wrong with one stops all, each in its own way.
+
+    A mapping from the names of the axes (`left wheel`, `joint 1`, `gripper`) to them.
+    """
+
+    def __init__(self, robot: RobotFile, spec: CanSpec) -> None:
+        """Drives by a robot's file and its section `can`; nothing is sent yet.
+
+        Raises:
+            TooManyCounts: what an axis can be told doesn't fit into 32 bits.
+            FileError: an EDS file is missing, or can't be read.
+        """
+        self._spec, self._period = spec, robot.period_s
+        self._axes = {
+            name: _axis(name, each, units, limits, robot)
+            for name, each, units, limits in _planned(robot, spec)
+        }
+        self.left, self.right = self._axes["left wheel"], self._axes["right wheel"]
+        self.joints = [self._axes[f"joint {number}"] for number in range(1, len(spec.joints) + 1)]
+        """In the order of the arm's."""
+        self.gripper = self._axes.get("gripper")
+
+    def __getitem__(self, name: str) -> Axis:
+        return self._axes[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._axes)
+
+    def __len__(self) -> int:
+        return len(self._axes)
+
+    @property
+    def names(self) -> dict[int, str]:
+        """What people call the drives, by node ID."""
+        return {axis.spec.node: axis.name for axis in self.values()}
+
+    def set_up(self, line: CanLine) -> None:
+        """Write and read back all settings; raises `CanFault`."""
+        self._line = line
+        for axis in self.values():
+            line.add_node(axis)
+        set_up(self.values(), self._spec, self._period)
+
+    def look(self) -> None:
+        """See where all of them stand; raises `CanFault`."""
+        look(self.values())
+
+    def enable(self, simulated: bool, beat: Callable[[], None]) -> None:
+        """Give all of them torque, standing; raises `CanFault`. See `enabling`."""
+        enable(tuple(self.values()), simulated, beat)
+        self._checks = [AxisCheck(axis) for axis in self.values()]
+
+    def send(self) -> None:
+        """Send the commands of this period."""
+        for axis in self.values():
+            axis.send()
+
+    def sync(self) -> None:
+        """End a period: ask for answers, and take those in that come within half of one."""
+        self._line.drain()  # what is late belongs to an earlier SYNC
+        for axis in self.values():
+            axis.ask()
+        self._line.sync.transmit()
+        axes = tuple(self.values())
+        self._line.wait(lambda: all(axis.answered for axis in axes), _ANSWER_WITHIN * self._period)
+
+    def check(self) -> None:
+        """Whether all is well after a SYNC; raises `CanFault`."""
+        for check in self._checks:
+            check.check()
+
+    def end_handshakes(self) -> None:
+        """See `Axis.end_handshake`."""
+        for axis in self.values():
+            axis.end_handshake()
+
+    def hold(self) -> None:
+        """From the next period on every axis slows down and holds."""
+        for axis in self.values():
+            axis.hold()
+
+    def quick_stop(self) -> None:
+        """Stop all, each in its own way."""
+        _each(axis.quick_stop for axis in self.values())
+
+    @property
+    def at_rest(self) -> bool:
+        """Whether all have told that they stand."""
+        return all(axis.answered and axis.stands for axis in self.values())
+
+    @property
+    def periods_to_rest(self) -> int:
+        """Within which a quick stop brings all of them to rest."""
+        longest = max(axis.limits.speed / axis.limits.braking for axis in self.values())
+        return 3 + round(longest / self._period)
+
+    def disable(self) -> None:
+        """Take the torque away where it may be; what holds goes on holding."""
+        _each(axis.disable for axis in self.values())
+
+    def leave(self) -> None:
+        """Take commands no more: a PDO that comes late moves nothing."""
+        _each(axis.leave for axis in self.values())
+
+    @property
+    def holding(self) -> tuple[Axis, ...]:
+        """Those that keep their torque when the program ends."""
+        return tuple(axis for axis in self.values() if axis.spec.stop == HOLD)
+
+
+def _each(acts: Iterable[Callable[[], None]]) -> None:
+    """Do all, whatever one raises; that is raised in the end."""
+    with ExitStack() as all_of_them:
+        for act in reversed(list(acts)):
+            all_of_them.callback(act)
+
+
+def _planned(robot: RobotFile, spec: CanSpec) -> Iterator[tuple[str, AxisSpec, AxisUnits, AxisLimits]]:
+    for name, wheel in zip(("left wheel", "right wheel"), spec.wheels, strict=True):
+        yield (
+            name,
+            wheel,
+            AxisUnits(wheel.counts_per_m(robot.drive.wheel_radius_m)),
+            wheel_limits(robot, wheel),
+        )
+    if spec.joints:
+        model = robot.arm_model()
+        for place, joint in enumerate(spec.joints):
+            units = AxisUnits(joint.counts_per_unit, joint.zero_counts)
+            yield f"joint {place + 1}", joint, units, joint_limits(robot, joint, model, place)
+    if spec.gripper is not None:
+        units = AxisUnits(spec.gripper.counts_per_m, spec.gripper.zero_counts)
+        yield "gripper", spec.gripper, units, gripper_limits(robot, spec.gripper)
+
+
+def _axis(name: str, spec: AxisSpec, units: AxisUnits, limits: AxisLimits, robot: RobotFile) -> Axis:
+    kind = "velocity" if name.endswith("wheel") else "position"
+    mode = MODES[kind, getattr(spec, "mode", "profile")]
+    return Axis(name, spec, mode, units, limits, _dictionary(spec, robot), robot.period_s)
+
+
+def _dictionary(spec: AxisSpec, robot: RobotFile) -> ObjectDictionary:
+    if spec.eds is None:
+        return drive_dictionary(spec.node)
+    return drive_dictionary(spec.node, Path(robot.folder) / spec.eds)

@@ -1,0 +1,378 @@
+"""One drive, as the robot commands it."""
+
+from __future__ import annotations
+
+import math
+import struct
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any
+
+import canopen
+from canopen.objectdictionary import ObjectDictionary, ObjectDictionaryError
+from canopen.pdo import PdoMap
+from canopen.profiles.p402 import State402
+from canopen.sdo.base import SdoVariable
+from canopen.sdo.client import SdoClient
+from canopen.sdo.exceptions import SdoCommunicationError
+
+from handcart.backends.can.bus.fault_words import fault_words
+from handcart.backends.can.bus.line_sdo_client import LineSdoClient, NoAnswer
+from handcart.backends.can.bus.pdo_layout import CYCLIC_POSITION, PROFILE_POSITION, Pdo, layout
+from handcart.backends.can.devices.lacks import left_out
+from handcart.backends.can.errors import SilentDrive, TooManyCounts, WrongDrive
+from handcart.backends.description.can_spec import AxisSpec
+
+from .axis_limits import AxisLimits
+from .axis_units import AxisUnits, unwrapped
+from .expected_motion import ExpectedMotion
+
+ENABLED, FAULT, QUICK_STOP = "OPERATION ENABLED", "FAULT", "QUICK STOP ACTIVE"
+HOLD = "hold"
+NEW_SETPOINT, AT_ONCE = 1 << 4, 1 << 5
+SETPOINT_TAKEN = 1 << 12
+_START, _PREPARE = 0x01, 0x80  # NMT commands (CiA 301)
+_WRITE_WORD = 0x2B  # command of an SDO that writes two bytes (CiA 301)
+_STANDS = 0.01  # of top speed: slower it stands
+_CREEP = 0.01  # of top speed: no way is planned slower
+
+
+class Axis(canopen.RemoteNode):
+    """A CiA 402 drive in one mode of operation; speeds and positions in SI units of what it drives.
+
+    `command` says what the next period is for, `send` sends it; the drive answers each SYNC with two PDOs:
+    statusword, position and mode; velocity, torque and error code. In profile position each new set-point
+    makes the handshake of CiA 402 (bits 4 and 12), and counts at once (bit 5).
+    """
+
+    def __init__(
+        self,
+        name: str,
+        spec: AxisSpec,
+        mode: int,
+        units: AxisUnits,
+        limits: AxisLimits,
+        dictionary: ObjectDictionary,
+        period: float,
+    ) -> None:
+        """A drive that is on no network yet.
+
+        Args:
+            name: how people call what it moves.
+            spec: from the robot's file.
+            mode: of operation (6060h).
+            units: of what it moves.
+            limits: the same.
+            dictionary: its objects.
+            period: between two SYNCs, in [s].
+
+        Raises:
+            TooManyCounts: what it may be told doesn't fit into 32 bits.
+        """
+        super().__init__(spec.node, dictionary)
+        self.name = f"the {name} drive (node {spec.node})"
+        self.spec, self.mode, self.units, self.limits, self.period = spec, mode, units, limits, period
+        most = max(limits.speed, limits.acceleration, limits.braking) * abs(units.scale)
+        ends = [units.counts(each) for each in (limits.lower, limits.upper) if math.isfinite(each)]
+        if not max([most, *map(abs, ends)]) < 2**31:
+            raise TooManyCounts(self.name, max([most, *map(abs, ends)]))
+        self.positioned = mode in (PROFILE_POSITION, CYCLIC_POSITION)
+        """Whether it is told positions, not speeds."""
+        self.left_out = left_out(spec)
+        """Objects that it is used without."""
+        self.layout = layout(mode, self.left_out)
+        self.expected = ExpectedMotion(mode, limits)
+        """What it should do by now."""
+        self._target, self._top = 0.0, limits.speed
+        self._sent: int | None = None
+        self._asks = False
+        self._fresh: set[int] = set()
+        self._asked = self._answered = 0
+        self._counts: int | None = None
+        self.odd = 0
+        """How many positions in a row couldn't be."""
+        self.ignored = 0
+        """How many set-points in a row it hasn't taken."""
+        self._told = dict.fromkeys((index for each in self.layout.answers for index in each.objects), 0)
+        self.travel = 0.0
+        """How far it has moved since it was built, in [m] or [rad]."""
+        for pdo, planned in zip(self._commands, self.layout.commands, strict=False):
+            _map(pdo, planned.objects, planned.transmission)
+        for pdo, planned in zip(self._answers, self.layout.answers, strict=True):
+            _map(pdo, planned.objects, planned.transmission)
+            pdo.rtr_allowed = False
+            pdo.add_callback(self._on_answer)
+
+    @property
+    def _commands(self) -> list[PdoMap]:
+        return [self.rpdo[each.number] for each in self.layout.commands]
+
+    @property
+    def _answers(self) -> list[PdoMap]:
+        return [self.tpdo[each.number] for each in self.layout.answers]
+
+    # Single objects, at rest
+
+    def read(self, index: int, subindex: int = 0) -> int:
+        """What an object is.
+
+        Raises:
+            SilentDrive: nothing answers.
+            WrongDrive: what it answers is no answer.
+            SdoAbortedError: it refuses.
+            KeyError: it has no such object, by its EDS file.
+        """
+        with self._asked_for(index):
+            return int(self._object(index, subindex).raw)
+
+    def write(self, index: int, subindex: int, value: int) -> None:
+        """Write an object; raises as `read`."""
+        with self._asked_for(index):
+            self._object(index, subindex).raw = value
+
+    def order(self, controlword: int) -> None:
+        """Write a controlword by SDO, and don't wait for the answer; raises `can.CanError`."""
+        self.network.send_message(
+            0x600 + self.spec.node, struct.pack("<BHBHH", _WRITE_WORD, 0x6040, 0, controlword, 0)
+        )
+
+    def _object(self, index: int, subindex: int) -> Any:
+        found = self.sdo[index]
+        return found if isinstance(found, SdoVariable) else found[subindex]
+
+    @contextmanager
+    def _asked_for(self, index: int) -> Iterator[None]:
+        try:
+            yield
+        except NoAnswer:
+            raise SilentDrive(self.name, "answer to an SDO", None) from None
+        except (SdoCommunicationError, ObjectDictionaryError, struct.error) as error:
+            raise WrongDrive(self.name, f"its answer about {index:04X}h", str(error), "by CiA 301") from None
+
+    # On the network
+
+    def start(self) -> None:
+        """From now on it takes commands, and answers (NMT)."""
+        self.network.send_message(0, bytes([_START, self.spec.node]))
+
+    def leave(self) -> None:
+        """From now on it takes no commands (NMT)."""
+        self.network.send_message(0, bytes([_PREPARE, self.spec.node]))
+
+    def save_pdos(self) -> None:
+        """Write the mapping of all PDOs that are used; raises as `read`."""
+        for pdo in (*self._commands, *self._answers):
+            with self._asked_for(pdo.com_record.od.index):
+                pdo.save() if pdo.com_record[1].writable else _save_mapping(pdo)
+        for pdo in self._commands:
+            # The library would take what a stranger commands for ours.
+            self.network.unsubscribe(pdo.cob_id, pdo.on_message)
+
+    def add_sdo(self, rx_cobid: int, tx_cobid: int) -> SdoClient:
+        """See the library; the client needs no thread."""
+        client = LineSdoClient(rx_cobid, tx_cobid, self.object_dictionary)
+        self.sdo_channels.append(client)
+        return client
+
+    # Commanding
+
+    def command(self, target: float) -> None:
+        """What the next period is for: a speed in [m/s], or a position in [m] or [rad]."""
+        self._target = target
+
+    def stand(self, position: float) -> None:
+        """It stands there, enabled: hold."""
+        self._target = position if self.positioned else 0.0
+        self._sent = self.units.counts(position) if self.positioned else None
+        self.expected.stand_at(position)
+
+    def hold(self) -> None:
+        """Hold where its ramps are, from the next period on."""
+        self._target = self.expected.position if self.positioned else 0.0
+
+    def send(self) -> None:
+        """Send the command of this period to an enabled drive."""
+        word = State402.CW_OPERATION_ENABLED
+        if not self.positioned:
+            self._send(word, 0x60FF, self.units.rate(self._target))
+            return
+        counts = self.units.counts(self._target)
+        if self.mode == PROFILE_POSITION and counts != self._sent:
+            if self._asks:  # twice between two answers, as a stop does: ask anew
+                self._send(word, 0x607A, self._sent or 0)
+            self._plan_speed()
+            self._asks = True
+        if self._asks:
+            word |= NEW_SETPOINT | AT_ONCE
+        self._sent = counts
+        self._send(word, 0x607A, counts)
+
+    def _plan_speed(self) -> None:
+        """So fast that the drive is there when the period is over."""
+        way = abs(self._target - self.expected.position)
+        self._top = min(self.limits.speed, max(way / self.period, _CREEP * self.limits.speed))
+        speed = self.rpdo[2]
+        if speed[0x6081].raw != self.units.size(self._top):
+            speed[0x6081].raw = self.units.size(self._top)
+            speed.transmit()
+
+    def end_handshake(self) -> None:
+        """After the answers: take the request for a new set-point back; count those that weren't taken."""
+        if not self._asks or not self.answered:
+            return
+        self._asks = False
+        self.ignored = 0 if self._status & SETPOINT_TAKEN else self.ignored + 1
+        self._send(State402.CW_OPERATION_ENABLED, 0x607A, self._sent or 0)
+
+    def quick_stop(self) -> None:
+        """Send a quick stop; how it ends is what the drive was set to."""
+        self._asks = False
+        self._send(State402.CW_QUICK_STOP, *self._standing())
+
+    def disable(self) -> None:
+        """Take its torque away, where it may lose it."""
+        if self.spec.stop != HOLD:
+            self._send(State402.CW_DISABLE_VOLTAGE, *self._standing())
+
+    def _standing(self) -> tuple[int, int]:
+        return (0x607A, self._sent or 0) if self.positioned else (0x60FF, 0)
+
+    def _send(self, controlword: int, index: int, target: int) -> None:
+        command = self.rpdo[1]
+        command[0x6040].raw = controlword
+        command[index].raw = target
+        command.transmit()
+
+    # Its answers
+
+    def ask(self) -> None:
+        """A SYNC is about to go out: answers before it don't count any more."""
+        self._fresh.clear()
+        self._asked += 1
+
+    def advance(self) -> None:
+        """A period has passed."""
+        self.expected.advance(self._target, self._top, self.period)
+
+    @property
+    def unanswered(self) -> int:
+        """SYNCs since the last that it answered."""
+        return self._asked - self._answered
+
+    @property
+    def ever_answered(self) -> bool:
+        """Whether it has answered a SYNC."""
+        return self._answered > 0
+
+    @property
+    def missing(self) -> list[Pdo]:
+        """Those answers to the last SYNC that are not there."""
+        return [each for each in self.layout.answers if each.objects[0] not in self._fresh]
+
+    @property
+    def answered(self) -> bool:
+        """Whether all answers to the last SYNC are there."""
+        return len(self._fresh) == len(self.layout.answers)
+
+    def _on_answer(self, pdo: PdoMap) -> None:
+        if 8 * len(pdo.data) != pdo.length:
+            raise ValueError(f"{len(pdo.data)} bytes")  # counted as malformed
+        self._fresh.add(pdo.map[0].index)
+        for each in pdo:
+            self._told[each.index] = int(each.raw)
+        if self.answered:
+            self._answered = self._asked
+            self._take_position(self._told[0x6064])
+
+    def _take_position(self, counts: int) -> None:
+        """Take a position over, unless it can't be."""
+        if self._counts is None:
+            self._counts = counts
+            return
+        moved = unwrapped(counts, self._counts)
+        periods = 1 + self.odd
+        most = 2.0 * self.limits.speed * self.period * (periods + 1)
+        if abs(moved) > abs(most * self.units.scale) + 2:
+            self.odd += 1
+            return
+        self.odd = 0
+        self.travel += moved / self.units.scale
+        self._counts = counts
+
+    @property
+    def position(self) -> float:
+        """Where it stands, in [m] or [rad]."""
+        return self.units.position(0 if self._counts is None else self._counts)
+
+    def place(self, counts: int, velocity: int = 0, torque: int = 0) -> None:
+        """It stands at these counts: asked for before the first SYNC."""
+        self._counts = counts
+        self._told |= {0x606C: velocity, 0x6077: torque}
+
+    @property
+    def slack(self) -> float:
+        """By which it may stand beyond its limits when it is enabled, in [m] or [rad]."""
+        return self.limits.window if self.positioned else math.inf
+
+    @property
+    def velocity(self) -> float:
+        """In [m/s] or [rad/s]."""
+        return self.units.speed(self._told[0x606C])
+
+    @property
+    def torque(self) -> float:
+        """Share of its rated torque, positive where its position grows; 0 where it tells none."""
+        return math.copysign(1.0, self.units.scale) * self._told.get(0x6077, 0) / 1000.0
+
+    @property
+    def tells_torque(self) -> bool:
+        """Whether it has a torque actual value."""
+        return 0x6077 not in self.left_out
+
+    @property
+    def _status(self) -> int:
+        return self._told[0x6041]
+
+    @property
+    def drive_state(self) -> str:
+        """By its last statusword, as in CiA 402."""
+        return state_of(self._status)
+
+    @property
+    def stands(self) -> bool:
+        """By its last velocity."""
+        return abs(self.velocity) <= _STANDS * self.limits.speed
+
+    @property
+    def told_mode(self) -> int:
+        """Its mode of operation (6061h), as it told it last."""
+        return self._told[0x6061]
+
+    @property
+    def fault(self) -> str:
+        """What it says about its fault, "" if nothing: its error code, else its last emergency message."""
+        active = self.emcy.active[-1].code if self.emcy.active else 0
+        return fault_words(self._told.get(0x603F, 0) or active)
+
+
+def state_of(statusword: int) -> str:
+    """The state that a statusword tells, as in CiA 402."""
+    matches = (name for name, (mask, bits) in State402.SW_MASK.items() if statusword & mask == bits)
+    return next(matches, f"unknown (statusword {statusword:04X}h)")
+
+
+def _save_mapping(pdo: PdoMap) -> None:
+    """Write what is in a PDO; its COB-ID is the drive's own."""
+    pdo.com_record[2].raw = pdo.trans_type or 0
+    pdo.map_array[0].raw = 0
+    for place, each in enumerate(pdo.map, 1):
+        pdo.map_array[place].raw = each.index << 16 | each.subindex << 8 | each.length
+    pdo.map_array[0].raw = len(pdo.map)
+    pdo.subscribe()
+
+
+def _map(pdo: PdoMap, objects: tuple[int, ...], transmission: int) -> None:
+    pdo.clear()
+    for index in objects:
+        pdo.add_variable(index)
+    pdo.cob_id, pdo.trans_type, pdo.enabled = pdo.predefined_cob_id, transmission, True

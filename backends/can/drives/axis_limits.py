@@ -1,0 +1,71 @@
+"""What an axis may ever be asked to do."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+from handcart.backends.description.can_spec import GripperDriveSpec, JointDriveSpec, WheelDriveSpec
+from handcart.backends.description.robot_file import RobotFile
+from handcart.robotics.kinematics.arm_model import ArmModel
+
+_QUICKER = 2.0  # than usual slowing down: a quick stop
+_STIFFER = 10.0  # than the arm's own ramps: a drive that plans ways to points must not lag behind
+_OPENS = 20.0  # a second: the fingers are at speed within 50 ms
+FULL_TORQUE = 1000
+"""What a drive calls its rated torque (6077h)."""
+
+
+class AxisLimits(NamedTuple):
+    """In [m] and [m/s] of a rim or of the fingers' opening, or in [rad] and [rad/s] of a joint."""
+
+    speed: float
+    """The most that it is told."""
+    acceleration: float
+    """Of the drive's ramps."""
+    braking: float
+    """Of a quick stop."""
+    lower: float
+    """Of its positions; minus infinity: turns without end."""
+    upper: float
+    window: float
+    """By which its position may be off; infinity: it may be blocked."""
+    torque: int
+    """The most, in thousandths of the rated one."""
+
+
+def rim_speed(robot: RobotFile) -> float:
+    """The most that a wheel's rim ever has to run, in [m/s]."""
+    drive = robot.drive
+    return drive.top_speed_m_s + math.radians(drive.top_turn_deg_s) * drive.tread_m / 2
+
+
+def rim_acceleration(robot: RobotFile) -> float:
+    """The most by which a wheel's rim ever has to speed up, in [m/s²]."""
+    drive = robot.drive
+    return drive.acceleration_m_s2 + math.radians(drive.turn_acceleration_deg_s2) * drive.tread_m / 2
+
+
+def wheel_limits(robot: RobotFile, spec: WheelDriveSpec) -> AxisLimits:
+    """Of a wheel's rim."""
+    speed, rate = rim_speed(robot), rim_acceleration(robot)
+    window = spec.following_mm / 1e3
+    return AxisLimits(speed, rate, _QUICKER * rate, -math.inf, math.inf, window, FULL_TORQUE)
+
+
+def joint_limits(robot: RobotFile, spec: JointDriveSpec, model: ArmModel, joint: int) -> AxisLimits:
+    """Of the arm's joint with that index."""
+    assert robot.arm is not None
+    speed = min(float(model.velocity[joint]), float(robot.joint_speeds()[joint]))
+    rate = float(robot.joint_accelerations()[joint])
+    lower, upper = float(model.lower[joint]), float(model.upper[joint])
+    window = spec.following
+    return AxisLimits(speed, _STIFFER * rate, _QUICKER * rate, lower, upper, window, FULL_TORQUE)
+
+
+def gripper_limits(robot: RobotFile, spec: GripperDriveSpec) -> AxisLimits:
+    """Of the fingers' opening."""
+    assert robot.gripper is not None
+    speed, opening = robot.gripper.speed_mm_s / 1e3, robot.gripper.opening_mm / 1e3
+    torque = round(10.0 * spec.top_torque_percent)
+    return AxisLimits(speed, _OPENS * speed, _OPENS * speed, 0.0, opening, math.inf, torque)

@@ -1,0 +1,118 @@
+"""What a drive has to be set to."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from handcart.backends.can.bus.pdo_layout import BITS, CYCLIC_POSITION, CYCLIC_VELOCITY
+from handcart.backends.description.can_spec import CanSpec
+
+from .axis import HOLD, Axis
+
+QUICK_STOP_AND_STAY, QUICK_STOP_AND_DISABLE = 6, 2
+"""Quick stop option codes (605Ah): slow down on the quick stop ramp, then ..."""
+_SLOW_DOWN = 2  # fault reaction (605Eh): on the quick stop ramp
+_QUICK_STOP = 3  # abort connection option (6007h)
+_PRE_OPERATIONAL = 0  # error behaviour (1029h): commands that were queued are not taken any more
+_ANY = 0xFFFFFFFF
+_IF_THERE = (
+    (0x1006, 0),  # only tells the drive how often SYNC comes
+    (0x1029, 1),  # without it a node becomes PRE-OPERATIONAL (CiA 301)
+    (0x1400, 5),  # besides the heartbeat
+    (0x6080, 0),  # besides 607Fh
+    (0x6084, 0),  # without it a drive slows down as it speeds up
+)
+
+
+@dataclass(frozen=True)
+class Setting:
+    """An object and its value."""
+
+    index: int
+    subindex: int
+    value: int
+
+
+def settings(axis: Axis, spec: CanSpec, period: float) -> list[Setting]:
+    """All settings of a drive but its PDOs, for a period in [s] between two SYNCs."""
+    planned = [*_communication(spec, period), *_stopping(axis), *_ramps(axis), *_mode(axis, period)]
+    wanted = [each for each in planned if each.index not in axis.left_out]
+    optional = [each for each in wanted if (each.index, each.subindex) in _IF_THERE]
+    return [each for each in wanted if each not in optional or _has(axis, each)]
+
+
+def mapping(axis: Axis) -> Iterator[Setting]:
+    """What its PDOs have to read back as."""
+    for first, mapped, pdos in (
+        (0x1400, 0x1600, axis.layout.commands),
+        (0x1800, 0x1A00, axis.layout.answers),
+    ):
+        for pdo in pdos:
+            yield Setting(first + pdo.number - 1, 2, pdo.transmission)
+            record = mapped + pdo.number - 1
+            yield Setting(record, 0, len(pdo.objects))
+            for place, index in enumerate(pdo.objects, 1):
+                yield Setting(record, place, index << 16 | BITS[index])
+
+
+def _communication(spec: CanSpec, period: float) -> Iterator[Setting]:
+    yield Setting(0x1006, 0, round(period * 1e6))
+    yield Setting(0x1016, 1, spec.our_node << 16 | spec.heartbeat_timeout_ms)
+    yield Setting(0x1017, 0, spec.heartbeat_ms)
+    yield Setting(0x1029, 1, _PRE_OPERATIONAL)
+    # Commands may be as old as heartbeats.
+    yield Setting(0x1400, 5, max(spec.heartbeat_timeout_ms, math.ceil(3e3 * period)))
+
+
+def _stopping(axis: Axis) -> Iterator[Setting]:
+    stays = axis.spec.stop == HOLD
+    yield Setting(0x6007, 0, _QUICK_STOP)
+    yield Setting(0x605A, 0, QUICK_STOP_AND_STAY if stays else QUICK_STOP_AND_DISABLE)
+    yield Setting(0x605E, 0, _SLOW_DOWN)
+
+
+def _ramps(axis: Axis) -> Iterator[Setting]:
+    units, limits = axis.units, axis.limits
+    speed = units.size(limits.speed)
+    yield Setting(0x607F, 0, speed + 1)
+    yield Setting(0x6080, 0, math.ceil(60.0 * speed / axis.spec.counts_per_rev))
+    yield Setting(0x6083, 0, units.size(limits.acceleration))
+    yield Setting(0x6084, 0, units.size(limits.acceleration))
+    yield Setting(0x6085, 0, units.size(limits.braking))
+    if not axis.positioned:
+        return
+    yield Setting(0x6081, 0, speed)
+    yield Setting(0x6072, 0, limits.torque)
+    lowest, highest = sorted((units.counts(limits.lower), units.counts(limits.upper)))
+    yield Setting(0x607D, 1, lowest)
+    yield Setting(0x607D, 2, highest)
+    yield Setting(0x6065, 0, units.size(limits.window) if math.isfinite(limits.window) else _ANY)
+    yield Setting(0x6066, 0, axis.spec.following_ms)
+
+
+def _mode(axis: Axis, period: float) -> Iterator[Setting]:
+    yield Setting(0x6060, 0, axis.mode)
+    if axis.mode in (CYCLIC_POSITION, CYCLIC_VELOCITY):
+        value, index = interpolation_time(period)
+        yield Setting(0x60C2, 1, value)
+        yield Setting(0x60C2, 2, index)
+
+
+def interpolation_time(period: float) -> tuple[int, int]:
+    """A period in [s] as 60C2h has it: value times ten to the index.
+
+    Raises:
+        ValueError: a byte can't hold it.
+    """
+    for index in (-3, -4, -5, -2, -6):
+        value = period / 10.0**index
+        if abs(value - round(value)) < 1e-6 and 1 <= round(value) <= 255:
+            return round(value), index
+    raise ValueError(f"a period of {period} s doesn't fit into 60C2h; allowed: two and a half digits")
+
+
+def _has(axis: Axis, setting: Setting) -> bool:
+    found = axis.object_dictionary.get(setting.index)
+    return found is not None and (setting.subindex == 0 or setting.subindex in found)

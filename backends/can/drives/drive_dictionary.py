@@ -1,0 +1,22 @@
+"""The objects of a drive."""
+
+from __future__ import annotations
+
+from functools import cache
+from pathlib import Path
+
+from canopen.objectdictionary import ObjectDictionary
+
+from handcart.backends.can.devices.eds_file import read_eds
+
+EDS = Path(__file__).parent / "drive.eds"
+
+
+@cache
+def drive_dictionary(node: int, eds: Path = EDS) -> ObjectDictionary:
+    """The objects of a drive with that node ID; without a file those of CiA 402 that are used here.
+
+    Raises:
+        FileError: the file can't be read.
+    """
+    return read_eds(eds, node)

@@ -1,0 +1,128 @@
+"""Setting drives up, and reading back what they were set to."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from contextlib import suppress
+
+from canopen.profiles.p402 import OperationMode
+from canopen.sdo.exceptions import SdoAbortedError
+
+from handcart.backends.can.bus.pdo_layout import (
+    CYCLIC_POSITION,
+    CYCLIC_VELOCITY,
+    PROFILE_POSITION,
+    PROFILE_VELOCITY,
+)
+from handcart.backends.can.devices.lacks import accepting
+from handcart.backends.can.errors import Difference, ReadBackDiffers, WrongDrive
+from handcart.backends.description.can_spec import CanSpec
+
+from .axis import Axis
+from .axis_settings import Setting, mapping, settings
+
+_SERVO = 402  # low word of the device type (1000h)
+_SUPPORTED = {
+    PROFILE_POSITION: "PROFILED POSITION",
+    PROFILE_VELOCITY: "PROFILED VELOCITY",
+    CYCLIC_POSITION: "CYCLIC SYNCHRONOUS POSITION",
+    CYCLIC_VELOCITY: "CYCLIC SYNCHRONOUS VELOCITY",
+}
+
+
+def set_up(axes: Iterable[Axis], spec: CanSpec, period: float) -> None:
+    """Write all settings and PDOs, then read everything back; no drive gets torque.
+
+    Args:
+        axes: on a network.
+        spec: the section `can` of the robot's file.
+        period: between two SYNCs, in [s].
+
+    Raises:
+        SilentDrive: nothing answers.
+        WrongDrive: it is no such drive.
+        ReadBackDiffers: with every setting that isn't what was written.
+    """
+    axes = list(axes)
+    for axis in axes:
+        axis.leave()
+        _check_kind(axis)
+        for each in settings(axis, spec, period):
+            _write(axis, each)
+        _save_pdos(axis)
+    differences = [each for axis in axes for each in read_back(axis, spec, period)]
+    if differences:
+        raise ReadBackDiffers(differences)
+    look(axes)
+
+
+def look(axes: Iterable[Axis]) -> None:
+    """See where drives stand; raises `CanFault`."""
+    for axis in axes:
+        told = [
+            0 if each in axis.left_out else _known(axis, Setting(each, 0, 0))
+            for each in (0x6064, 0x606C, 0x6077)
+        ]
+        axis.place(*told)
+
+
+def read_back(axis: Axis, spec: CanSpec, period: float) -> Iterator[Difference]:
+    """Every setting of a drive that is not as it should be; raises `SilentDrive`."""
+    for each in (*settings(axis, spec, period), *mapping(axis)):
+        got = _read(axis, each)
+        if got != each.value:
+            name = _name(axis, each)
+            yield Difference(axis.name, each.index, each.subindex, name, each.value, got)
+
+
+def _check_kind(axis: Axis) -> None:
+    kind = _known(axis, Setting(0x1000, 0, 0)) & 0xFFFF
+    if kind != _SERVO:
+        raise WrongDrive(axis.name, "the device profile (1000h)", str(kind), f"{_SERVO}, drives")
+    modes, wanted = _known(axis, Setting(0x6502, 0, 0)), _SUPPORTED[axis.mode]
+    if not modes & OperationMode.SUPPORTED[wanted]:
+        raise WrongDrive(axis.name, "supported drive modes (6502h)", f"{modes:#x}", wanted.lower())
+    for subindex, what, allowed in (
+        (1, "vendor-ID (1018h:1)", axis.spec.vendor_id),
+        (2, "product code (1018h:2)", axis.spec.product_code),
+    ):
+        got = _known(axis, Setting(0x1018, subindex, 0)) if allowed is not None else None
+        if got != allowed:
+            raise WrongDrive(axis.name, what, f"{got:#x}", f"{allowed:#x}, as the robot's file has it")
+
+
+def _known(axis: Axis, what: Setting) -> int:
+    got = _read(axis, what)
+    if isinstance(got, str):
+        raise WrongDrive(axis.name, f"{_name(axis, what).lower()} ({what.index:04X}h)", got, "an answer")
+    return got
+
+
+def _write(axis: Axis, setting: Setting) -> None:
+    """Write an object; one that is refused is told when it is read back."""
+    with suppress(SdoAbortedError, KeyError):
+        axis.write(setting.index, setting.subindex, setting.value)
+
+
+def _save_pdos(axis: Axis) -> None:
+    try:
+        axis.save_pdos()
+    except SdoAbortedError as abort:
+        raise WrongDrive(axis.name, "the mapping of its PDOs", f"refused: {abort}", "as planned") from None
+
+
+def _read(axis: Axis, setting: Setting) -> int | str:
+    """What an object is, or why nobody knows."""
+    try:
+        return axis.read(setting.index, setting.subindex)
+    except SdoAbortedError as abort:
+        return f"refused: {abort}{accepting(setting.index)}"
+    except KeyError:
+        return f"not in its EDS file{accepting(setting.index)}"
+
+
+def _name(axis: Axis, setting: Setting) -> str:
+    found = axis.object_dictionary.get(setting.index)
+    if found is None:
+        return "object"
+    return str(found.name if setting.subindex == 0 else f"{found.name} {setting.subindex}")

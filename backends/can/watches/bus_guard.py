@@ -1,0 +1,59 @@
+"""Looks out for all that can be wrong on the bus."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import can
+
+from handcart.backends.can.bus.can_line import CanLine
+from handcart.backends.can.drives.axes import Axes
+from handcart.backends.description.can_spec import CanSpec
+
+from .controller_watch import ControllerWatch
+from .emergency_watch import EmergencyWatch
+from .node_watch import NodeWatch
+from .stranger_watch import StrangerWatch
+from .traffic_watch import TrafficWatch
+from .watch import Watch
+
+
+class BusGuard:
+    """All watches together; they hear every frame from the beginning."""
+
+    def __init__(self, line: CanLine, axes: Axes, spec: CanSpec, clock: Callable[[], float]) -> None:
+        """Begin to listen.
+
+        Args:
+            line: to the drives.
+            axes: these.
+            spec: the section `can` of the robot's file.
+            clock: tells the time in [s].
+        """
+        self._clock = clock
+        names = axes.names
+        self._watches: tuple[Watch, ...] = (
+            ControllerWatch(lambda: line.interface_state),
+            StrangerWatch(names, spec.our_node),
+            EmergencyWatch(names, spec.allowed_emergencies),
+            NodeWatch(names, spec.heartbeat_timeout_ms / 1e3),
+            TrafficWatch(1000 * spec.bitrate_kbit_s, lambda: line.malformed),
+        )
+        line.listen(self._hear)
+
+    def begin(self) -> None:
+        """The drives are enabled."""
+        now = self._clock()
+        for watch in self._watches:
+            watch.begin(now)
+
+    def check(self) -> None:
+        """Once a period: raises a `CanFault` if something is wrong."""
+        now = self._clock()
+        for watch in self._watches:
+            watch.check(now)
+
+    def _hear(self, frame: can.Message, sent: bool) -> None:
+        now = self._clock()
+        for watch in self._watches:
+            watch.hear(frame, sent, now)

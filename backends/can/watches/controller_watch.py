@@ -1,0 +1,50 @@
+"""What the CAN controller tells of itself."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import can
+
+from handcart.backends.can.errors import ControllerFault
+
+from .watch import Watch
+
+# linux/can/error.h: classes in the identifier of an error frame; of the controller, in its second byte.
+BUS_OFF, CONTROLLER = 0x40, 0x04
+_WARNING, _PASSIVE = 0x0C, 0x30
+_WARNED_FOR = 1.0  # [s] for which a warning is waited out
+
+
+class ControllerWatch(Watch):
+    """Error frames of the driver, and the interface's own state: bus-off, error-passive, a long warning."""
+
+    def __init__(self, state: Callable[[], can.BusState]) -> None:
+        """Watch; `state` is asked once a period."""
+        self._state = state
+        self._trouble = ""
+        self._warned: float | None = None
+
+    def hear(self, frame: can.Message, sent: bool, now: float) -> None:
+        """See `Watch`."""
+        if not frame.is_error_frame:
+            return
+        kind = frame.arbitration_id
+        detail = frame.data[1] if kind & CONTROLLER and len(frame.data) > 1 else 0
+        if kind & BUS_OFF:
+            self._trouble = "off the bus (bus-off)"
+        elif detail & _PASSIVE:
+            self._trouble = self._trouble or "error-passive"
+        elif kind & CONTROLLER:
+            self._warned = None if not detail & _WARNING else now if self._warned is None else self._warned
+
+    def check(self, now: float) -> None:
+        """See `Watch`; raises `ControllerFault`."""
+        if self._state() is can.BusState.ERROR:
+            self._trouble = "off the bus (bus-off)"
+        elif self._state() is can.BusState.PASSIVE:
+            self._trouble = self._trouble or "error-passive"
+        if self._trouble:
+            raise ControllerFault(self._trouble)
+        if self._warned is not None and now - self._warned >= _WARNED_FOR:
+            raise ControllerFault(f"in warning for {now - self._warned:.3g} s")

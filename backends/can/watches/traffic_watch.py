@@ -1,0 +1,64 @@
+"""How busy the bus is, and how sound what comes over it."""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Callable
+
+import can
+
+from handcart.backends.can.errors import Overloaded
+
+from .watch import Watch
+
+BUSIEST, WINDOW = 0.7, 0.1
+"""Share of the bus, over that time in [s]."""
+NONSENSE = 10
+"""Malformed frames a second."""
+_FRAME, _STUFFING = 47, 8  # bits around the data; every how manieth bit is stuffed on the whole
+_STUFFABLE = 34
+
+
+class TrafficWatch(Watch):
+    """Load of the bus, and frames that no CANopen node sends."""
+
+    def __init__(self, bitrate: int, malformed: Callable[[], int]) -> None:
+        """Watch.
+
+        Args:
+            bitrate: of the bus, in [bit/s].
+            malformed: how many malformed frames there have been.
+        """
+        self._bitrate, self._malformed = bitrate, malformed
+        self._frames: deque[tuple[float, int]] = deque()
+        self._bits = 0
+        self._looked: deque[tuple[float, int]] = deque()
+        self._busy_since: float | None = None
+
+    def begin(self, now: float) -> None:
+        """See `Watch`."""
+        self._frames.clear()
+        self._bits = 0
+        self._looked = deque([(now, self._malformed())])
+
+    def hear(self, frame: can.Message, sent: bool, now: float) -> None:
+        """See `Watch`."""
+        bits = _FRAME + 8 * frame.dlc + (_STUFFABLE + 8 * frame.dlc) // _STUFFING
+        self._frames.append((now, bits))
+        self._bits += bits
+
+    def check(self, now: float) -> None:
+        """See `Watch`; raises `Overloaded`."""
+        while self._frames and self._frames[0][0] < now - WINDOW - 1e-9:
+            self._bits -= self._frames.popleft()[1]
+        load = self._bits / (WINDOW * self._bitrate)
+        self._busy_since = None if load <= BUSIEST else now if self._busy_since is None else self._busy_since
+        if self._busy_since is not None and now - self._busy_since >= WINDOW / 2:
+            raise Overloaded(f"{100 * load:.0f} % for {WINDOW} s; allowed: {100 * BUSIEST:.0f} %")
+        count = self._malformed()
+        while self._looked and self._looked[0][0] < now - 1.0:
+            self._looked.popleft()
+        before = self._looked[0][1] if self._looked else count
+        self._looked.append((now, count))
+        if count - before >= NONSENSE:
+            raise Overloaded(f"{count - before} malformed frames within a second; allowed: {NONSENSE - 1}")

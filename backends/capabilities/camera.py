@@ -1,0 +1,35 @@
+"""The camera on the hand."""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from typing import ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from handcart.robotics.geometry.transform import Transform
+from handcart.robotics.perception.cameras.camera_model import CameraModel
+
+from .capability import Capability, Reading
+
+
+class Camera(Capability):
+    """A grey camera fixed to the hand."""
+
+    READINGS: ClassVar = {"image": Reading("camera", noisy=True)}
+    FILE_KEY = "camera"
+
+    @abstractmethod
+    def image(self) -> NDArray[np.uint8]:
+        """This period's picture, (height, width), with the lens's distortion and the sensor's noise."""
+
+    @property
+    @abstractmethod
+    def model(self) -> CameraModel:
+        """Intrinsics and distortion, as calibrated."""
+
+    @property
+    @abstractmethod
+    def hand_T_camera(self) -> Transform:
+        """Pose of the optical frame (z forward, x right, y down) in the hand frame, as calibrated, (4, 4)."""

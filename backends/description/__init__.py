@@ -1,0 +1,1 @@
+"""A robot's file, and what is wrong with it."""

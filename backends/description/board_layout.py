@@ -1,0 +1,44 @@
+"""What a file says of a calibration board's pattern."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal, Self
+
+from pydantic import Field, model_validator
+
+from handcart.files.models.model import FileModel
+from handcart.robotics.perception.cameras.calibration_board import CalibrationBoard
+from handcart.robotics.perception.cameras.charuco_board import CharucoBoard
+from handcart.robotics.perception.cameras.chessboard import Chessboard
+from handcart.robotics.perception.landmarks.tag_family import USUAL, TagFamily
+
+Squares = Annotated[int, Field(ge=3, le=50)]
+
+
+class BoardLayout(FileModel):
+    """A chessboard, or one with tags in its white squares (ChArUco)."""
+
+    pattern: Literal["charuco", "chessboard"] = "charuco"
+    columns: Squares = 9
+    """Squares along; inner corners are one fewer."""
+    rows: Squares = 6
+    tag_mm: Annotated[float, Field(gt=0.0)] | None = None
+    """Side of a tag; left out: three quarters of a square's."""
+    tags: TagFamily = USUAL
+
+    @model_validator(mode="after")
+    def _told_apart(self) -> Self:
+        if self.pattern == "chessboard" and (self.columns + self.rows) % 2 == 0:
+            raise ValueError(
+                f"a chessboard of {self.columns} by {self.rows} squares looks the same from both sides; "
+                "allowed: one number even, one odd"
+            )
+        return self
+
+    def board(self, square_mm: float) -> CalibrationBoard:
+        """The board with squares of that side; raises ValueError where its tags don't fit."""
+        square = square_mm / 1e3
+        if self.pattern == "chessboard":
+            return Chessboard(self.columns, self.rows, square)
+        tag = None if self.tag_mm is None else self.tag_mm / 1e3
+        return CharucoBoard(self.columns, self.rows, square, tag, self.tags)

@@ -1,0 +1,88 @@
+"""What is wrong between a robot's file and its section `can`."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from handcart.files.errors import Finding
+    from handcart.files.yaml.yaml_document import Document
+
+    from .can_spec import AxisSpec, CanSpec, JointDriveSpec
+    from .robot_file import RobotFile
+
+Place = tuple[str | int, ...]
+_CYCLIC = ("csp", "csv")
+
+
+def can_findings(robot: RobotFile, document: Document) -> list[Finding]:
+    """Everything wrong, each at its place in the file."""
+    spec = robot.can
+    if spec is None:
+        return []
+    wrong = [*_nodes(spec), *_counts(robot, spec), *_periods(robot, spec), *_files(robot, spec)]
+    return [document.finding(("can", *place), words) for place, words in wrong]
+
+
+def _nodes(spec: CanSpec) -> Iterator[tuple[Place, str]]:
+    seen = {spec.our_node: "our_node"}
+    for (place, axis), (name, _) in zip(placed_axes(spec), spec.axes(), strict=True):
+        if axis.node in seen:
+            words = f"{seen[axis.node]} and {name} have the node {axis.node}; allowed: each its own"
+            yield (*place, "node"), words
+        seen[axis.node] = name
+
+
+def _counts(robot: RobotFile, spec: CanSpec) -> Iterator[tuple[Place, str]]:
+    joints = () if robot.arm is None else robot.arm.joints
+    if spec.joints and len(spec.joints) != len(joints):
+        yield ("joints",), f"{len(spec.joints)} drives for {len(joints)} joints; allowed: one for each"
+    for number, (joint, slides) in enumerate(zip(spec.joints, robot.joint_units.slides, strict=False)):
+        yield from ((("joints", number, *key), words) for key, words in _joint(joint, slides))
+    if spec.gripper is not None and robot.gripper is None:
+        yield ("gripper",), "the robot has no gripper; allowed: a drive for a section `gripper`"
+
+
+def _joint(joint: JointDriveSpec, slides: bool) -> Iterator[tuple[Place, str]]:
+    kind = "a joint that slides" if slides else "a joint that turns"
+    needed = ("lead_mm", "rated_force_n") if slides else ("rated_torque_nm",)
+    for key in needed:
+        if getattr(joint, key) is None:
+            yield (), f"the key {key!r} is missing; needed: it, for {kind}"
+    for key in ("lead_mm", "rated_force_n", "rated_torque_nm"):
+        if key not in needed and getattr(joint, key) is not None:
+            yield (key,), f"{key} of {kind}; allowed: {', '.join(needed)}"
+
+
+def _periods(robot: RobotFile, spec: CanSpec) -> Iterator[tuple[Place, str]]:
+    period_ms = 1e3 * robot.period_s
+    if spec.heartbeat_timeout_ms < 2.0 * period_ms:
+        words = (
+            f"{spec.heartbeat_timeout_ms} ms, and our heartbeat is sent once in a period of {period_ms:g} ms"
+        )
+        yield ("heartbeat_timeout_ms",), f"{words}; allowed: from twice that"
+    cyclic = [name for name, axis in spec.axes() if getattr(axis, "mode", "") in _CYCLIC]
+    if cyclic and not _fits(period_ms):
+        words = f"{', '.join(cyclic)}: cyclic modes, with a period of {period_ms:g} ms"
+        yield (), f"{words}; allowed: whole milliseconds up to 255, for 60C2h"
+
+
+def _fits(period_ms: float) -> bool:
+    return abs(period_ms - round(period_ms)) < 1e-6 and 1 <= round(period_ms) <= 255
+
+
+def _files(robot: RobotFile, spec: CanSpec) -> Iterator[tuple[Place, str]]:
+    for place, axis in placed_axes(spec):
+        if axis.eds is not None and not (robot.folder / axis.eds).is_file():
+            yield (*place, "eds"), f"there is no file {axis.eds!r}; allowed: one beside the robot's file"
+
+
+def placed_axes(spec: CanSpec) -> Iterator[tuple[Place, AxisSpec]]:
+    """All drives, with their places in the section `can`."""
+    yield ("left",), spec.left
+    yield ("right",), spec.right
+    for number, joint in enumerate(spec.joints):
+        yield ("joints", number), joint
+    if spec.gripper is not None:
+        yield ("gripper",), spec.gripper

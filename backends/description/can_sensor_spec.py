@@ -1,0 +1,56 @@
+"""Sensors beside the drives of a real robot: the key `sensors` of the section `can` of its file."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from pydantic import Field
+
+from handcart.files.models.model import FileModel
+
+Port = Annotated[str, Field(min_length=1, max_length=200)]
+"""A serial port such as /dev/ttyUSB0, or `socket://HOST:PORT`."""
+Baud = Annotated[int, Field(ge=1200, le=4_000_000)]
+Stale = Annotated[float, Field(gt=0.0, le=10_000.0)]
+"""[ms] after which a reading is no longer one of now."""
+
+
+class CameraSource(FileModel):
+    """Where pictures come from, by OpenCV's VideoCapture."""
+
+    source: Annotated[int, Field(ge=0, le=99)] | Annotated[str, Field(min_length=1, max_length=500)]
+    """A device's number, a URL, or a file with a video or a picture."""
+    stale_ms: Stale = 200.0
+
+
+class LineSource(FileModel):
+    """A sensor that speaks the line protocol of docs/hardware.md."""
+
+    port: Port
+    baud: Baud = 115_200
+    stale_ms: Stale = 200.0
+
+
+class GpsSource(FileModel):
+    """A receiver that speaks NMEA 0183."""
+
+    port: Port
+    baud: Baud = 9600
+    stale_ms: Stale = 2000.0
+    origin_lat_deg: Annotated[float, Field(ge=-89.0, le=89.0)]
+    """Of the task's origin, north positive (WGS 84)."""
+    origin_lon_deg: Annotated[float, Field(ge=-180.0, le=180.0)]
+    """East positive."""
+    sigma_m: Annotated[float, Field(gt=0.0, le=100.0)] = 2.5
+    """Of a fix with an HDOP of 1, an axis, where the receiver sends no GST."""
+    quality: Literal[1, 2, 4, 5] = 1
+    """The least that a fix must have: 1 single, 2 differential, 5 RTK float, 4 RTK fixed."""
+
+
+class SensorsSpec(FileModel):
+    """Those that a robot has; what each measures stands in the sections `camera`, `gps` ... of its file."""
+
+    camera: CameraSource | None = None
+    range_sensor: LineSource | None = None
+    imu: LineSource | None = None
+    gps: GpsSource | None = None

@@ -1,0 +1,54 @@
+"""What open ground is like, and a receiver above it."""
+
+from __future__ import annotations
+
+import math
+from typing import Annotated
+
+from pydantic import Field
+
+from handcart.files.models.model import FileModel
+
+Positive = Annotated[float, Field(gt=0.0)]
+NotNegative = Annotated[float, Field(ge=0.0)]
+
+OUTDOORS = ("gyro", "particle", "gps_filter")
+"""How a robot's file calls the ways of finding out where it is outdoors."""
+
+
+class GroundSpec(FileModel):
+    """Rough ground: sigmas. A world's file says what it is, a robot's file what the robot takes it to be.
+
+    The defaults are one set with which the field test of Ohki et al. (2012) comes out as printed
+    (`handcart.robotics.navigation.outdoors.field_noise.REFERENCE`).
+    """
+
+    roughness_deg: NotNegative = 2.5
+    """Roll and pitch of the base."""
+    roughness_length_m: Positive = 0.4
+    """Distance over which they change."""
+    scale_percent: NotNegative = 0.2 * math.sqrt(2.0)
+    """Of the wheels' travel, the same all day."""
+    slip_percent: NotNegative = 0.4
+    """Of the wheels' travel, new every `slip_length_m`."""
+    slip_length_m: Positive = 2.0
+    turn_slip_percent: NotNegative = 12.0
+    """Of the wheels' travel in a curve of 0.5 / m, in proportion to curvature; new when the base sets out."""
+    side_slip_deg: NotNegative = 0.8
+    """Direction of travel beside the heading, new every `side_slip_length_m`."""
+    side_slip_length_m: Positive = 3.0
+    side_slip_deg_m: float = math.degrees(0.02)
+    """The same in a curve, for each 1/m of it: not an error but known."""
+
+
+class GpsSpec(FileModel):
+    """A satellite receiver; its antenna is the URDF's frame `gps`."""
+
+    period_s: Positive = 1.0
+    """Between fixes."""
+    white_m: NotNegative = 1.0
+    """Of each fix, an axis: sigma."""
+    drift_m: NotNegative = 0.0
+    """Slow error of the fixes, an axis: sigma (Gauss-Markov)."""
+    drift_time_s: Positive = 300.0
+    """Over which it changes."""

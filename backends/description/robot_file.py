@@ -1,0 +1,342 @@
+"""A robot's file: what stands in `robot.yaml` beside its URDF."""
+
+from __future__ import annotations
+
+import math
+import shutil
+import tempfile
+import weakref
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, Literal
+
+import numpy as np
+from pydantic import Field, PrivateAttr
+
+from handcart.backends.urdf.robot_parts import PACKAGE, KeyPath, PartSpec, UrdfPlace
+from handcart.backends.urdf.robot_urdf import RobotUrdf, robot_urdf
+from handcart.files.errors import InputError
+from handcart.files.inside import resolve_inside
+from handcart.files.models.model import FileModel
+from handcart.robotics.kinematics.urdf_assembly import link_names
+from handcart.robotics.kinematics.urdf_contents import joints_of
+from handcart.robotics.manipulation.suspension.suspension_model import SuspensionModel
+
+from .can_spec import CanSpec
+from .ground_spec import GpsSpec, GroundSpec
+from .joint_units import JointUnits
+from .sensor_specs import CameraSpec, ImuSpec, PositioningSpec, RangeSpec
+from .simulated_errors import Errors
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from handcart.backends.urdf.robot_shape import FingerShape, TrayShape
+    from handcart.robotics.kinematics.arm_model import ArmModel
+
+Positive = Annotated[float, Field(gt=0.0)]
+Role = Literal["base", "hand", "tray", "range_sensor", "camera", "imu", "gps"]
+NotNegative = Annotated[float, Field(ge=0.0)]
+
+
+class Drive(FileModel):
+    """Two driven wheels; or the rear ones of a car, which steers with those in front."""
+
+    kind: Literal["differential", "ackermann"] = "differential"
+    sharpest_per_m: Positive = 0.5
+    """`ackermann`: the largest curvature that can be steered."""
+    steering_per_m_s: Positive = 0.5
+    """`ackermann`: by how much of it the steering turns in a second."""
+    wheel_radius_m: Positive
+    tread_m: Positive
+    """Distance between the wheels."""
+    left: str | tuple[str, ...] | None = None
+    """The joint that drives the left side, or several, where the URDF doesn't call it `left_wheel`."""
+    right: str | tuple[str, ...] | None = None
+    """The same on the right."""
+    top_speed_m_s: Positive
+    top_turn_deg_s: Positive
+    acceleration_m_s2: Positive
+    turn_acceleration_deg_s2: Positive
+
+
+class ArmSpec(FileModel):
+    """The arm's joints and its named postures."""
+
+    joints: tuple[str, ...]
+    """Names in the URDF, from the shoulder to the hand."""
+    top_speed_deg_s: Positive
+    acceleration_deg_s2: Positive
+    slide_speed_mm_s: Positive | None = None
+    """The same for joints that slide: a lift, say. Needed where there is one."""
+    slide_acceleration_mm_s2: Positive | None = None
+    accuracy_mm: Positive = 0.5
+    """How far off the hand may be from where the joints say it is, sigma along each axis."""
+    working_deg: dict[str, tuple[float, float]] = Field(default_factory=dict)
+    """By joint that turns, narrower limits for where the hand works; on the way those of the URDF count."""
+    postures: dict[str, tuple[float, ...]]
+    """Joint angles in [deg], of joints that slide [mm], in the order of `joints`. `handcart teach` adds to
+    them."""
+
+
+class GripperSpec(FileModel):
+    """Two fingers."""
+
+    opening_mm: Positive
+    speed_mm_s: Positive
+    force_n: Positive
+    grasp: Literal["friction", "constraint"] = "friction"
+    """What holds in a physics engine: the pads' friction, or a rigid link made when both fingers press."""
+    left: str | None = None
+    """The joint of the left finger, where the URDF doesn't call it `left_finger`."""
+    right: str | None = None
+    """The same on the right."""
+
+
+class ToolSpec(FileModel):
+    """A tool at the URDF's frame `hand`, pointing along its x: a torch, say."""
+
+    free: Literal["nothing", "azimuth", "roll"] = "roll"
+    """The turn that the work leaves free: about the vertical (arms without wrist yaw), or about the tool."""
+    azimuth_tolerance_deg: Annotated[float, Field(gt=0.0, le=180.0)] = 60.0
+    """For `azimuth`: how far the tool may be turned."""
+    speed_m_s: Positive
+    """At which it works."""
+    force_n: Positive
+    """With which it is pushed along the path at most."""
+
+
+class SuspensionSpec(FileModel):
+    """How the base gives when the arm moves: identified (`tasks/calibrate_suspension`), not simulated."""
+
+    yaw_mrad_per_swing: float = 0.0
+    """By which it turns with each swing of the loaded arm."""
+    yaw_sigma_mrad: NotNegative = 0.0
+    """Spread of that."""
+    swing_from_mm: NotNegative = 0.0
+    """What counts as a swing: the load is carried that far across the floor."""
+    roll_mrad_per_m: float = 0.0
+    """By which it leans for each metre that the hand is to the left; below zero where that side sinks."""
+    pitch_mrad_per_m: float = 0.0
+    """By which it leans for each metre that the hand is in front; above zero where the front sinks."""
+    pivot_m: NotNegative = 0.0
+    """Height of the point about which it leans."""
+
+    @property
+    def model(self) -> SuspensionModel:
+        """The same in SI units."""
+        return SuspensionModel(
+            self.yaw_mrad_per_swing / 1e3,
+            self.roll_mrad_per_m / 1e3,
+            self.pitch_mrad_per_m / 1e3,
+            self.pivot_m,
+        )
+
+
+class Tolerance(FileModel):
+    """Within which a measured situation counts as the one that was."""
+
+    base_mm: Positive
+    base_deg: Positive
+    joints_deg: Positive
+    slides_mm: Positive = 2.0
+    """Of the arm's joints that slide."""
+    gripper_mm: Positive
+    object_mm: Positive
+
+
+class UnknownPosture(InputError):
+    """A robot's file doesn't have the posture that is asked for."""
+
+
+class RobotFile(FileModel):
+    """A robot: drive, arm, sensors, limits, tolerances, postures, and how its simulation errs."""
+
+    format: Literal["handcart-robot/1"]
+    urdf: UrdfPlace
+    srdf: UrdfPlace | None = None
+    """MoveIt's file for it: which of its links may touch each other (`disable_collisions`)."""
+    links: dict[Role, str] = Field(default_factory=dict)
+    """Which link of the URDF stands for one that is expected by name: `hand: tool0`."""
+    allowed_contacts: tuple[tuple[str, str], ...] = ()
+    """Pairs of links that may touch: those of the hull of a concave mesh, say. `handcart check --allow`."""
+    parts: tuple[PartSpec, ...] = ()
+    """Further URDFs, as they are, each fixed onto a link of those before it."""
+    period_s: Positive
+    """The control period."""
+    footprint_radius_m: Positive
+    """Of the circle about the base's centre that holds base, arm in its travelling posture and load."""
+    localiser: Literal["scan", "odometry", "positioning", "gyro", "particle", "gps_filter"]
+    """How it finds out where it is: ranges against the map; wheels alone; outdoors wheels and gyros alone,
+    the particle filter of Ohki et al. (2012), or a Kalman filter that knows the errors of all three."""
+    drive: Drive
+    can: CanSpec | None = None
+    """Where the backend `can` finds the robot's drives."""
+    arm: ArmSpec | None = None
+    gripper: GripperSpec | None = None
+    camera: CameraSpec | None = None
+    range_sensor: RangeSpec | None = None
+    imu: ImuSpec | None = None
+    positioning: PositioningSpec | None = None
+    gps: GpsSpec | None = None
+    ground: GroundSpec = GroundSpec()
+    """What the robot takes open ground to be like."""
+    tool: ToolSpec | None = None
+    suspension: SuspensionSpec = SuspensionSpec()
+    """What the robot knows of how its base gives."""
+    tray_grey: Annotated[int, Field(ge=0, le=255)] = 205
+    """How bright its tray is in a camera's picture."""
+    errors: Errors = Errors()
+    tolerance: Tolerance
+    _folder: Path = PrivateAttr(default=Path())
+    _whole: RobotUrdf | None = PrivateAttr(default=None)
+    _path: Path | None = PrivateAttr(default=None)
+
+    @property
+    def folder(self) -> Path:
+        """Where its file stands: paths in it are relative to that."""
+        return self._folder
+
+    def read_in(self, folder: Path) -> RobotFile:
+        """The same, its file standing in a folder."""
+        self._folder = folder
+        return self
+
+    def urdf_path(self) -> Path:
+        """A file with the URDF of the whole robot: that beside the robot's file, or a temporary one."""
+        if self._path is None:
+            text = self.urdf_text().encode()
+            own = None if self.urdf.startswith(PACKAGE) else resolve_inside(self._folder, self.urdf)
+            self._path = own if own is not None and own.read_bytes() == text else self._written()
+        return self._path
+
+    @property
+    def whole(self) -> RobotUrdf:
+        """The robot put together from its URDFs; raises `UrdfError` where that can't be done."""
+        if self._whole is None:
+            own = PartSpec(urdf=self.urdf, srdf=self.srdf, onto="")
+            self._whole = robot_urdf(
+                (own, *self.parts), self._folder, self.links, self.mapped_joints(), self.allowed_contacts
+            )
+        return self._whole
+
+    def urdf_text(self) -> str:
+        """The URDF of the whole robot: its parts put together, meshes named by absolute paths.
+
+        Raises:
+            UrdfError: of a part that is missing, or can't be put there.
+        """
+        return self.whole.text
+
+    def mapped_joints(self) -> list[tuple[KeyPath, str, str]]:
+        """Joints that its file names: where, the URDF's name, and the name that is expected of it."""
+        found: list[tuple[KeyPath, str, str]] = []
+        for side in ("left", "right"):
+            wheels = getattr(self.drive, side)
+            several = isinstance(wheels, tuple) and len(wheels) > 1
+            for number, joint in enumerate([wheels] if isinstance(wheels, str) else wheels or (), start=1):
+                name = f"{side}_{number}_wheel" if several else f"{side}_wheel"
+                found.append((("drive", side), joint, name))
+            finger = None if self.gripper is None else getattr(self.gripper, side)
+            if finger is not None:
+                found.append((("gripper", side), finger, f"{side}_finger"))
+        return found
+
+    def arm_model(self) -> ArmModel:
+        """Kinematics of the arm, a new object; raises ValueError where the robot has none."""
+        from handcart.robotics.kinematics.arm_model import ArmModel
+
+        if self.arm is None:
+            raise ValueError("the robot has no arm")
+        return ArmModel(self.urdf_text(), self.arm.joints, allowed=self.whole.allowed)
+
+    @cached_property
+    def joint_units(self) -> JointUnits:
+        """What people call the angles and ways of the arm's joints; none where there is no arm."""
+        names = () if self.arm is None else self.arm.joints
+        kinds = {each.name: each.kind for each in joints_of(self.urdf_text())} if names else {}
+        of_arm = [kinds.get(name) for name in names]
+        slides = tuple(kind == "prismatic" for kind in of_arm)
+        return JointUnits(names, slides, tuple(kind == "continuous" for kind in of_arm))
+
+    def joint_speeds(self) -> NDArray[np.float64]:
+        """(n,): how fast the arm's joints may move by the robot's file, in [rad/s] or [m/s]."""
+        arm = self.arm
+        return np.empty(0) if arm is None else self._each(arm.top_speed_deg_s, arm.slide_speed_mm_s)
+
+    def joint_accelerations(self) -> NDArray[np.float64]:
+        """(n,): how hard they may speed up, in [rad/s²] or [m/s²]."""
+        arm = self.arm
+        return (
+            np.empty(0) if arm is None else self._each(arm.acceleration_deg_s2, arm.slide_acceleration_mm_s2)
+        )
+
+    def _each(self, turning_deg: float, sliding_mm: float | None) -> NDArray[np.float64]:
+        turns, slides = math.radians(turning_deg), (sliding_mm or 0.0) / 1e3
+        return np.array([slides if each else turns for each in self.joint_units.slides])
+
+    @cached_property
+    def has_tray(self) -> bool:
+        """Whether it can carry something on a tray."""
+        return self.arm is not None and "tray" in link_names(self.urdf_text())
+
+    @cached_property
+    def antenna(self) -> tuple[float, float, float]:
+        """Where the receiver's antenna is in the base frame, in [m]; the origin where there is none."""
+        if self.gps is None:
+            return (0.0, 0.0, 0.0)
+        from handcart.robotics.kinematics.arm_model import ArmModel
+
+        x, y, z = ArmModel(self.urdf_text(), (), tip="gps").forward(np.empty(0))[:3, 3].tolist()
+        return (x, y, z)
+
+    @cached_property
+    def body_height(self) -> float:
+        """How high the base itself reaches, by the URDF, in [m]."""
+        from handcart.backends.urdf.robot_shape import body_height
+
+        return body_height(self.urdf_text())
+
+    @cached_property
+    def tray_shape(self) -> TrayShape:
+        """Its tray, by the URDF; raises `MissingShape` where there is none."""
+        from handcart.backends.urdf.robot_shape import tray_shape
+
+        return tray_shape(self.arm_model())
+
+    @cached_property
+    def finger_shape(self) -> FingerShape:
+        """Its fingers, by the URDF; raises `MissingShape` where there are none."""
+        from handcart.backends.urdf.robot_shape import finger_shape
+
+        return finger_shape(self.arm_model())
+
+    def _written(self) -> Path:
+        folder = Path(tempfile.mkdtemp(prefix="handcart-"))
+        weakref.finalize(self, shutil.rmtree, folder, ignore_errors=True)
+        path = folder / "robot.urdf"
+        path.write_text(self.urdf_text(), encoding="utf-8")
+        return path
+
+    def without_errors(self) -> RobotFile:
+        """The same robot, whose simulation errs nowhere: as with `errors: {none: true}` in its file."""
+        changed: dict[str, Any] = {"errors": Errors(none=True)}
+        if self.range_sensor is not None:
+            changed["range_sensor"] = self.range_sensor.model_copy(update={"sigma_mm": 0.0})
+        if self.imu is not None:
+            changed["imu"] = ImuSpec(angle_random_walk_deg_rt_s=0.0, accelerometer_sigma_m_s2=0.0)
+        if self.gps is not None:
+            changed["gps"] = GpsSpec(period_s=self.gps.period_s, white_m=0.0)
+        if self.positioning is not None:
+            exact = {"sigma_mm": 0.0, "heading_sigma_mrad": 0.0}
+            changed["positioning"] = self.positioning.model_copy(update=exact)
+        ideal = self.model_copy(update=changed)
+        ideal._path = None  # a temporary file would go with this object
+        return ideal
+
+    def posture(self, name: str) -> tuple[float, ...]:
+        """A named posture, in [rad] and [m]; raises `UnknownPosture`."""
+        if self.arm is None or name not in self.arm.postures:
+            known = ", ".join(self.arm.postures) if self.arm else "none: the robot has no arm"
+            raise UnknownPosture(f"the robot's file has no posture {name!r}; allowed: {known}")
+        return self.joint_units.si(self.arm.postures[name])

@@ -1,0 +1,199 @@
+"""What is wrong between a robot's file and its URDF."""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING
+
+from handcart.backends.urdf.robot_parts import UrdfError
+from handcart.files.errors import FileError
+from handcart.files.suggest import listed, suggest
+from handcart.robotics.kinematics.urdf_assembly import link_names
+from handcart.robotics.kinematics.urdf_contents import joints_of
+from handcart.robotics.kinematics.urdf_tree import joint_leaders
+
+from .can_findings import can_findings, placed_axes
+from .ground_spec import OUTDOORS
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Mapping, Sequence
+
+    from handcart.files.errors import Finding
+    from handcart.files.yaml.yaml_document import Document
+    from handcart.robotics.kinematics.arm_model import ArmModel
+
+    from .joint_units import JointUnits
+    from .robot_file import ArmSpec, RobotFile
+
+FINGERS = ("left_finger", "right_finger")
+
+
+def robot_findings(robot: RobotFile, document: Document) -> list[Finding]:
+    """Everything wrong with the URDF, the joints' names and the postures, each at its place in the file."""
+    try:
+        urdf = robot.urdf_text()
+    except FileError as error:
+        return list(error.findings)
+    except UrdfError as error:
+        return [document.finding(error.key or ("urdf",), str(error))]
+    frames = _frame_findings(robot, urdf, document)
+    if robot.arm is not None:
+        arm = _arm_findings(robot, robot.arm, urdf, document, bool(frames))
+        if arm:
+            return [*frames, *arm]
+    return [
+        *frames,
+        *([] if frames else _box_findings(robot, document)),
+        *_positioning_findings(robot, document),
+        *_bus_findings(robot, document),
+        *can_findings(robot, document),
+        *_eds_findings(robot, document),
+    ]
+
+
+def _eds_findings(robot: RobotFile, document: Document) -> list[Finding]:
+    """What is wrong in the EDS files of its drives, and what those drives lack."""
+    axes = () if robot.can is None else placed_axes(robot.can)
+    named = [(place, axis, robot.folder / axis.eds) for place, axis in axes if axis.eds is not None]
+    there = [each for each in named if each[2].is_file()]
+    if not there:
+        return []
+    look = import_module("handcart.backends.can.devices.eds_needs").eds_findings
+    wrong: set[Finding] = set()
+    for place, axis, path in there:
+        in_the_file, lacks = look(path, axis)
+        wrong.update(in_the_file)
+        wrong.update(document.finding(("can", *place), words) for words in lacks)
+    return sorted(wrong)
+
+
+def _bus_findings(robot: RobotFile, document: Document) -> list[Finding]:
+    """Whether the bus carries what goes over it each period."""
+    if robot.can is None:
+        return []
+    # By name: who reads a robot's file needn't know its buses.
+    load = import_module("handcart.backends.can.bus.cyclic_frames").bus_load(robot.can, robot.period_s)
+    if not load.too_much:
+        return []
+    wrong = f"cyclic frames take {load.share:.0%} of the bus at this bit rate and {robot.period_s} s a period"
+    return [document.finding(("can", "bitrate_kbit_s"), f"{wrong}; allowed: at most {load.ALLOWED:.0%}")]
+
+
+def _positioning_findings(robot: RobotFile, document: Document) -> list[Finding]:
+    if robot.localiser == "positioning" and robot.positioning is None:
+        wrong = "the robot has no positioning; needed: the section `positioning`, or scan or odometry"
+        return [document.finding(("localiser",), wrong)]
+    if robot.localiser in OUTDOORS and robot.imu is None:
+        wrong = f"{robot.localiser} asks the gyros; needed: the section `imu`, or scan or odometry"
+        return [document.finding(("localiser",), wrong)]
+    return []
+
+
+def _frame_findings(robot: RobotFile, urdf: str, document: Document) -> list[Finding]:
+    """Links and joints that our names are expected of."""
+    links = link_names(urdf)
+    needed = {("urdf",): "base", **({} if robot.arm is None else {("arm",): "hand"})}
+    for key in ("range_sensor", "camera", "imu", "gps"):
+        if getattr(robot, key) is not None:
+            needed[(key,)] = key
+    how = "; or name one of them under the key `links`"
+    return [
+        document.finding(key, f"the URDF has no link {link!r}{suggest(link, links)}{how}")
+        for key, link in needed.items()
+        if link not in links
+    ]
+
+
+def _box_findings(robot: RobotFile, document: Document) -> list[Finding]:
+    """Fingers, and a tray if there is one, must tell their size."""
+    found = []
+    try:
+        if robot.gripper is not None and robot.arm is not None:
+            robot.arm_model().with_others(dict.fromkeys(FINGERS, 0.0))
+            _ = robot.finger_shape
+        if robot.has_tray:
+            _ = robot.tray_shape
+    except ValueError as error:
+        found.append(document.finding(("gripper",) if robot.gripper else ("urdf",), str(error)))
+    return found
+
+
+def _arm_findings(
+    robot: RobotFile, arm: ArmSpec, urdf: str, document: Document, only_joints: bool
+) -> list[Finding]:
+    """What is wrong with the arm; `only_joints`, where a link that it stands on or ends in is missing."""
+    facts = {each.name: each for each in joints_of(urdf)}
+    leaders = joint_leaders(urdf)
+    key = ("arm", "joints")
+    found = [document.finding(key, wrong) for wrong in _joint_faults(arm.joints, list(facts), leaders)]
+    found += [
+        document.finding(("arm", "working_deg", name), f"{name!r} doesn't turn; allowed: joints that do")
+        for name in arm.working_deg
+        if name in facts and facts[name].kind == "prismatic"
+    ]
+    if found or only_joints:
+        return found
+    found += _slide_findings(robot, arm, document)
+    try:
+        model = robot.arm_model()
+    except ValueError as error:
+        return [*found, document.finding(key, f"{error}; allowed: an arm that stands on the link `base`")]
+    found += [
+        robot.whole.finding("joint", name, "its limits leave it no room; allowed: lower below upper")
+        or document.finding(key, f"{name!r} has no room between its limits")
+        for name, low, high in zip(arm.joints, model.lower, model.upper, strict=True)
+        if not low < high
+    ]
+    return found + [
+        document.finding(("arm", "postures", name), wrong)
+        for name, angles in arm.postures.items()
+        for wrong in posture_faults(model, robot.joint_units, angles)
+    ]
+
+
+def _joint_faults(
+    joints: Sequence[str], movable: Sequence[str], leaders: Mapping[str, tuple[str, float, float]]
+) -> Iterator[str]:
+    for name in dict.fromkeys(joints):
+        if name not in movable:
+            yield f"the URDF has no movable joint {name!r}{suggest(name, movable)}"
+        elif name in leaders:
+            yield f"{name!r} follows {leaders[name][0]!r} (mimic); allowed: joints that move by themselves"
+        if joints.count(name) > 1:
+            yield f"{name!r} stands there {joints.count(name)} times; allowed: each joint once"
+    if not joints:
+        yield f"an arm without joints; allowed: {listed(movable)}, or no section `arm`"
+
+
+def _slide_findings(robot: RobotFile, arm: ArmSpec, document: Document) -> list[Finding]:
+    units = robot.joint_units
+    slide = next((name for name, slides in zip(units.names, units.slides, strict=True) if slides), None)
+    if slide is None:
+        return []
+    return [
+        document.finding(("arm",), f"the joint {slide!r} slides; needed: {key}")
+        for key in ("slide_speed_mm_s", "slide_acceleration_mm_s2")
+        if getattr(arm, key) is None
+    ]
+
+
+def posture_faults(model: ArmModel, units: JointUnits, told: Sequence[float]) -> list[str]:
+    """Why an arm can't take a posture, in words; nothing where it can.
+
+    Args:
+        model: of the arm, with its limits.
+        units: of its joints.
+        told: a number for each of them, in [deg] or [mm].
+    """
+    if len(told) != len(units.names):
+        return [f"{len(told)} angles; allowed: {len(units.names)}, one for each joint ({units.all})"]
+    limits = zip(units.names, units.si(told), told, model.lower, model.upper, strict=True)
+    return [
+        f"{joint} can't stand at {said:g} {units.unit(number)}; allowed: {_told(units, number, low, high)}"
+        for number, (joint, value, said, low, high) in enumerate(limits)
+        if not low <= value <= high
+    ]
+
+
+def _told(units: JointUnits, number: int, low: float, high: float) -> str:
+    return f"{units.told_of(number, low):.1f} to {units.told_of(number, high):.1f}"

@@ -1,0 +1,50 @@
+"""Robots by their names or files, read and held against their URDFs."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from handcart.files.errors import FileError, Finding
+from handcart.files.models.loading import load_document
+from handcart.files.suggest import suggest
+from handcart.files.yaml.yaml_document import read_document
+
+from .robot_file import RobotFile
+from .robot_findings import robot_findings
+
+ROBOTS = Path(__file__).parent.parent / "robots"
+
+
+def load_robot(name: str) -> RobotFile:
+    """A shipped robot by its name, or any by the path of its YAML file.
+
+    Raises:
+        FileError: the file or its URDF is missing, or something in them is wrong.
+    """
+    by_path = name.endswith((".yaml", ".yml"))
+    if not by_path and name not in robot_names():
+        wrong = f"unknown robot{suggest(name, robot_names())}, or the path of a robot's YAML file"
+        raise FileError([Finding(name, 0, 0, wrong)])
+    path = Path(name) if by_path else shipped_path(name)
+    loaded = load_document(read_document(path), RobotFile)
+    robot = loaded.value.read_in(path.parent)
+    findings = robot_findings(robot, loaded.document)
+    if findings:
+        raise FileError(findings)
+    return robot.without_errors() if robot.errors.none else robot
+
+
+def robot_names() -> list[str]:
+    """The robots that are shipped; a variant of one is called ROBOT/VARIANT."""
+    return sorted(_name(path) for path in ROBOTS.glob("*/*.yaml"))
+
+
+def _name(path: Path) -> str:
+    folder = path.parent.name
+    return folder if path.stem == "robot" else f"{folder}/{path.stem}"
+
+
+def shipped_path(name: str) -> Path:
+    """The file of a shipped robot."""
+    folder, _, variant = name.partition("/")
+    return ROBOTS / folder / f"{variant or 'robot'}.yaml"

@@ -1,0 +1,90 @@
+"""What a robot's file says of its sensors."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from pydantic import Field
+
+from handcart.files.models.model import FileModel
+
+Positive = Annotated[float, Field(gt=0.0)]
+NotNegative = Annotated[float, Field(ge=0.0)]
+
+
+class CalibratedCamera(FileModel):
+    """What a calibration found (`tasks/calibrate_camera`): it counts instead of what the camera should be."""
+
+    focal_px: Positive
+    cx_px: float
+    """Column of the picture's centre, where the optical axis meets it; an integer is a pixel's middle."""
+    cy_px: float
+    """Its row."""
+    k1: float = 0.0
+    """Of the lens, as the others: Brown's model, as OpenCV and ROS (`plumb_bob`) have it."""
+    k2: float = 0.0
+    p1: float = 0.0
+    p2: float = 0.0
+    k3: float = 0.0
+    xyz_mm: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    """By how much the camera sits beside the URDF's frame `camera`, along the axes of that frame."""
+    rpy_deg: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    """How it is turned in that frame: roll, pitch, yaw, as in a URDF."""
+
+
+class CameraSpec(FileModel):
+    """The camera at the URDF's frame `camera`, as it should be; the optical axis in the picture's middle."""
+
+    width_px: Annotated[int, Field(gt=0)]
+    height_px: Annotated[int, Field(gt=0)]
+    focal_px: Positive
+    k1: float = 0.0
+    k2: float = 0.0
+    p1: float = 0.0
+    p2: float = 0.0
+    k3: float = 0.0
+    calibrated: CalibratedCamera | None = None
+    """As it is, where that was measured."""
+
+
+class RangeSpec(FileModel):
+    """The range sensor at the URDF's frame `range_sensor`."""
+
+    beams: Annotated[int, Field(gt=2)]
+    reach_m: Positive
+    sigma_mm: NotNegative
+
+
+class ImuSpec(FileModel):
+    """Gyros and accelerometers, their axes along those of the base."""
+
+    angle_random_walk_deg_rt_s: NotNegative
+    """White noise of the gyros, in degrees after a second; it grows with the square root of time."""
+    gyro_bias_deg_s: NotNegative = 0.0
+    """Sigma of what they read at rest."""
+    rate_random_walk_deg_s_rt_s: NotNegative = 0.0
+    """By which that wanders off, after a second; it grows with the square root of time."""
+    warm_up_deg_s: NotNegative = 0.0
+    """Sigma of a part of it that goes away with warming up."""
+    warm_up_s: Positive = 600.0
+    """In which it does."""
+    gyro_scale_percent: NotNegative = 0.0
+    """Sigma of a gyro's scale, relative to a turn."""
+    accelerometer_sigma_m_s2: NotNegative
+    """Of a reading."""
+    accelerometer_bias_m_s2: NotNegative = 0.0
+    """Sigma of what an accelerometer reads too much."""
+    vibration_m_s2: NotNegative = 0.0
+    """Of a reading while the base drives, beside."""
+
+
+class PositioningSpec(FileModel):
+    """An indoor positioning system that sees the robot."""
+
+    sigma_mm: NotNegative
+    """Of a reading, along each axis."""
+    heading_sigma_mrad: NotNegative
+    rate_hz: Positive
+    """Readings a second; not more than periods."""
+    latency_s: NotNegative = 0.0
+    """How late a reading arrives."""

@@ -1,0 +1,72 @@
+"""The drives of wheels in PyBullet, and their encoders."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from handcart.backends.pybullet.physics import Physics
+
+from .robot_body import WHEEL_FRICTION, RobotBody
+
+COUNTS = 65536  # of an encoder, a turn
+CATCHES_UP = 0.02  # time constant of the drives' position loop [s]
+MOST_LAG = 0.05  # that a blocked wheel makes up for later [rad]
+
+Floats = NDArray[np.float64]
+
+
+class WheelDrives:
+    """Velocity drives that follow the angle, not only the speed, and encoders that count whole steps."""
+
+    STATE: ClassVar = {"speeds": Floats, "_goal": Floats, "_first": Floats, "_given": Floats}
+
+    def __init__(self, body: RobotBody, physics: Physics, names: Sequence[str]) -> None:
+        """Take the wheels at these joints over; they rub on the floor as tyres do."""
+        self._body, self._physics = body, physics
+        self._joints = [body.joint_index[name] for name in names]
+        self._force = [body.effort[name] / physics.substeps for name in names]
+        body.rub(names, WHEEL_FRICTION)
+        self.speeds = np.zeros(len(names))
+        """(n,), wanted in this period, in [rad/s]."""
+        self._first = self._goal = self._angles()
+        self._given = np.zeros(len(names))
+
+    def give(self, rolled: Floats) -> None:
+        """The rims have moved on the floor by angles (n,) in [rad] that no encoder sees."""
+        self._given = self._given + rolled
+        self._goal = self._goal + rolled
+
+    def follow(self) -> None:
+        """Command the next chunk of the period."""
+        angles = self._angles()
+        lag = np.minimum(np.maximum(self._goal - angles, -MOST_LAG), MOST_LAG)
+        self._goal = angles + lag + self.speeds * self._physics.chunk
+        self._physics.p.setJointMotorControlArray(
+            self._body.id,
+            self._joints,
+            self._physics.p.VELOCITY_CONTROL,
+            targetVelocities=(self.speeds + lag / CATCHES_UP).tolist(),
+            forces=self._force,
+            physicsClientId=self._physics.client,
+        )
+
+    def turned(self, scale: Floats | float = 1.0) -> Floats:
+        """(n,): by how much the wheels have turned, in whole steps, in [rad].
+
+        Args:
+            scale: (n,) or one for all: how much larger the wheels are than the encoders take them to be.
+        """
+        turned = (self._angles() - self._given - self._first) / scale
+        return np.asarray(np.round(turned * (COUNTS / (2 * math.pi))) * (2 * math.pi / COUNTS))
+
+    def rezero(self) -> None:
+        """Count from here on."""
+        self._first = self._angles() - self._given
+
+    def _angles(self) -> Floats:
+        return np.asarray(self._body.states(self._joints)[0])

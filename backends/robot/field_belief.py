@@ -1,0 +1,68 @@
+"""What a robot takes its wheels, gyros and receiver to be good for outdoors, by its file."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.navigation.outdoors.field_localizer import FieldLocalizer
+from handcart.robotics.navigation.outdoors.field_noise import REFERENCE, FieldNoise
+from handcart.robotics.navigation.outdoors.gps_filter import GpsFilter
+from handcart.robotics.navigation.outdoors.gyro_only import GyroOnly
+from handcart.robotics.navigation.outdoors.particle_filter import ParticleErrors, ParticleFilter
+from handcart.robotics.navigation.outdoors.smoothing import TrackRecord
+
+if TYPE_CHECKING:
+    from handcart.backends.description.robot_file import RobotFile
+
+START = 0.05  # [m] an axis: how well a task says where the robot starts
+LEAST_GPS = 0.003  # [m]: a receiver without errors is believed no better
+LEAST_GYRO = math.radians(1e-4)  # [rad/√s]
+
+
+def field_noise(robot: RobotFile, antenna: tuple[float, float, float]) -> FieldNoise:
+    """The figures in SI units; `antenna` is where it is in the base frame, in [m]."""
+    ground, gps, imu = robot.ground, robot.gps, robot.imu
+    noise = REFERENCE._replace(
+        roughness=math.radians(ground.roughness_deg),
+        roughness_length=ground.roughness_length_m,
+        scale=ground.scale_percent / 100,
+        slip=ground.slip_percent / 100,
+        slip_length=ground.slip_length_m,
+        turn_slip=ground.turn_slip_percent / 100,
+        side_slip=math.radians(ground.side_slip_deg),
+        side_slip_length=ground.side_slip_length_m,
+        side_slip_turning=math.radians(ground.side_slip_deg_m),
+        antenna=antenna,
+    )
+    if gps is not None:
+        noise = noise._replace(
+            gps_period=gps.period_s,
+            gps_white=max(LEAST_GPS, gps.white_m),
+            gps_drift=gps.drift_m,
+            gps_drift_time=gps.drift_time_s,
+        )
+    if imu is not None:
+        noise = noise._replace(
+            gyro_white=max(LEAST_GYRO, math.radians(imu.angle_random_walk_deg_rt_s)),
+            gyro_walk=math.radians(imu.rate_random_walk_deg_s_rt_s),
+            gyro_bias=math.radians(imu.gyro_bias_deg_s),
+            gyro_warm_up=math.radians(imu.warm_up_deg_s),
+            gyro_warm_up_time=imu.warm_up_s,
+            gyro_scale=imu.gyro_scale_percent / 100,
+            accelerometer_white=imu.accelerometer_sigma_m_s2,
+            accelerometer_bias=imu.accelerometer_bias_m_s2,
+            vibration=imu.vibration_m_s2,
+        )
+    return noise
+
+
+def field_localizer(robot: RobotFile, start: Pose2, antenna: tuple[float, float, float]) -> FieldLocalizer:
+    """The one that the robot's file names, starting at world_T_base; see `ground_spec.OUTDOORS`."""
+    noise = field_noise(robot, antenna)
+    if robot.localiser == "gps_filter":
+        return GpsFilter(start, noise, START, TrackRecord())
+    if robot.localiser == "particle":
+        return ParticleFilter(start, ParticleErrors(gps=max(noise.gps_white, 0.05)))
+    return GyroOnly(start, noise, START)

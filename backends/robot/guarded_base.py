@@ -1,0 +1,122 @@
+"""The wheels, which no command drives into what the map or the scan shows."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from handcart.backends.capabilities.base import Base, WheelTravel
+from handcart.backends.capabilities.range_sensor import Scan
+from handcart.backends.description.robot_file import RobotFile
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.navigation.following.way_guard import NOTHING, Held, WayGuard
+from handcart.robotics.navigation.maps.grid_map import GridMap
+
+BESIDE = 0.005  # [m] beside the footprint that must stay free
+SLOWER = (1.0, 0.7, 0.45, 0.25, 0.1)  # shares of a speed that are tried, the last one before standing still
+
+
+class GuardedBase(Base):
+    """Passes on as much of each command as can be driven, and braked from, without touching anything.
+
+    What the footprint sweeps over until the base could stand is held against the map, from where the robot
+    believes to be, and against the scan, in which no belief is needed. The footprint is a circle: turning
+    sweeps over nothing.
+    """
+
+    def __init__(
+        self,
+        base: Base,
+        robot: RobotFile,
+        grid: GridMap | None,
+        pose: Callable[[], Pose2],
+        scan: Callable[[], NDArray[np.float64]],
+    ) -> None:
+        """Guard some wheels.
+
+        Args:
+            base: what is driven.
+            robot: its file.
+            grid: the map, if there is one.
+            pose: gives map_T_base.
+            scan: gives what the range sensor sees now and isn't the robot itself, (n, 2) in [m], in the base
+                frame.
+        """
+        self._base, self._pose, self._scan = base, pose, scan
+        self._guard = WayGuard(robot.footprint_radius_m + BESIDE, grid)
+        self._braking, self._period = robot.drive.acceleration_m_s2, robot.period_s
+        self._is_car = robot.drive.kind == "ackermann"
+        self._starts = True
+        self._held: Held | None = None
+        self._slowed_to = math.inf
+
+    def drive(self, speed: float, turn_rate: float) -> None:
+        """See `Base`; slower than that where the way isn't free."""
+        if math.isfinite(speed) and math.isfinite(turn_rate) and speed != 0.0:
+            speed, turn_rate = self._allowed(*self._caught_up(speed, turn_rate))
+        self._base.drive(speed, turn_rate)
+
+    def wheel_travel(self) -> WheelTravel:
+        """See `Base`."""
+        return self._base.wheel_travel()
+
+    def starts_here(self) -> None:
+        """Where the base stands now it may come back to, however near to things that is."""
+        self._starts = True
+
+    def may_stand_at(self, pose: Pose2) -> None:
+        """Until it starts elsewhere, the base may come as near to what the map shows as map_T_base is."""
+        self._begin()
+        self._guard.may_stand_at(pose)
+
+    def taken_held(self) -> Held | None:
+        """What the base was held back from since the last call."""
+        held, self._held = self._held, None
+        return held
+
+    def _begin(self) -> None:
+        if self._starts:
+            self._guard.stand_at(self._pose(), self._scan())
+            self._starts = False
+
+    def _caught_up(self, speed: float, turn_rate: float) -> tuple[float, float]:
+        """Who drives doesn't know that the base was held back: it gains speed no faster than it can."""
+        most = self._slowed_to + self._braking * self._period
+        if abs(speed) <= most:
+            self._slowed_to = math.inf
+            return speed, turn_rate
+        return math.copysign(most, speed), turn_rate * (most / abs(speed) if self._is_car else 1.0)
+
+    def _allowed(self, speed: float, turn_rate: float) -> tuple[float, float]:
+        self._begin()
+        pose, scan = self._pose(), self._scan()
+        for share in SLOWER:
+            slower, turn = share * speed, turn_rate * (share if self._is_car else 1.0)
+            way = math.copysign(self._way_to_stop(abs(slower)), slower)
+            _free, held = self._guard.free_way(pose, scan, turn / slower, way)
+            if held is None:
+                self._slowed_to = abs(slower) if self._held or self._slowed_to < math.inf else math.inf
+                return slower, turn
+            self._held = held
+        self._slowed_to = 0.0
+        return 0.0, 0.0 if self._is_car else turn_rate
+
+    def _way_to_stop(self, speed: float) -> float:
+        """What is driven in this period, and while braking, in [m]."""
+        return speed * self._period + speed**2 / (2.0 * self._braking)
+
+
+def steady_points(scan: Scan) -> NDArray[np.float64]:
+    """(n, 2) in [m] what a scan shows in the base frame, each beam the median of it and its two neighbours.
+
+    A lone reading may be noise; and the least of hundreds of readings always is too short.
+    """
+    ranges = np.where(np.isfinite(scan.ranges), scan.ranges, np.inf)
+    if len(ranges) < 3:
+        return scan.points() if len(ranges) else NOTHING
+    before, after = np.roll(ranges, 1), np.roll(ranges, -1)
+    low, high = np.minimum(before, after), np.maximum(before, after)
+    return scan._replace(ranges=np.maximum(low, np.minimum(high, ranges))).points()

@@ -1,1 +1,0 @@
-"""Simulated worlds: what stands around the robot, and what its sensors see of it."""

@@ -1,0 +1,1 @@
+"""What simulated backends share: a world, a body in it, and its sensors."""

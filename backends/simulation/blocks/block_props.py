@@ -1,0 +1,41 @@
+"""The blocks of a simulated world."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import ClassVar, Self
+
+from pydantic import model_validator
+
+from handcart.backends.plain_values import Kinds
+from handcart.backends.simulation.props import Props
+from handcart.backends.simulation.world.world_file import each_once
+from handcart.files.models.model import FileModel
+
+from .block import Block, BlockSpec
+
+
+class BlocksSection(FileModel):
+    """Keys of a world's file that are about blocks."""
+
+    blocks: tuple[BlockSpec, ...] = ()
+
+    @model_validator(mode="after")
+    def _each_block_once(self) -> Self:
+        each_once("block", (block.name for block in self.blocks))
+        return self
+
+
+class BlockProps(Props[BlocksSection]):
+    """Blocks by their names in the world's file: a person sets them down, hands stack them."""
+
+    section = BlocksSection
+    STATE: ClassVar[Kinds] = {"blocks": dict[str, Block]}
+
+    def set_up(self) -> None:
+        """See `Props`."""
+        self.blocks = {spec.name: Block.set_down(self.scene, spec, self.seed) for spec in self.spec.blocks}
+
+    def things(self) -> Iterable[Block]:
+        """See `Props`."""
+        return self.blocks.values()

@@ -1,0 +1,1 @@
+"""A simulated robot's wheels, arm and hand."""

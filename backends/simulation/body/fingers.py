@@ -1,0 +1,78 @@
+"""The two fingers: gripping, holding, letting go."""
+
+from __future__ import annotations
+
+from handcart.backends.simulation.world.thing import Rest, Thing
+
+from .grasp import Pads
+from .hand import Hand
+
+_LETS_GO = 0.001  # opening beyond a thing's thickness at which it is free
+
+
+class Fingers:
+    """Open and close about things.
+
+    What stands between closing pads stops and aligns with them, as its props say; opened 1 mm wider, they let
+    it go. Where a rule says so they have no room to open.
+    """
+
+    def __init__(self, hand: Hand) -> None:
+        self._hand, self._scene = hand, hand.scene
+        self._shape = hand.scene.robot.finger_shape
+
+    def set_width(self, width: float) -> None:
+        """Bring the finger pads to that opening in [m]; what stands between them stops and holds it."""
+        scene = self._scene
+        if scene.held is None and width < scene.width:
+            thing = self._between()
+            if thing is not None and width <= self._thickness(thing):
+                self._grip(thing)
+                return
+        if scene.held is not None:
+            thick = self._thickness(scene.held)
+            if width <= thick + _LETS_GO:
+                scene.width = max(width, thick)
+                return
+            self._let_go(scene.held)
+        scene.width = min(width, max(scene.width, self._room()))
+
+    def _pads(self) -> Pads:
+        return Pads(self._scene.world_T("hand"), self._scene.width, self._shape)
+
+    def _thickness(self, thing: Thing) -> float:
+        """Between the pads, in [m]."""
+        return self._scene.props_of(thing).thickness(thing, self._pads())
+
+    def _between(self) -> Thing | None:
+        """What closing fingers meet."""
+        pads = self._pads()
+        return next(
+            (
+                thing
+                for props in self._scene.props.values()
+                for thing in props.things()
+                if thing.rest is not Rest.FLOOR and props.fits(thing, pads)
+            ),
+            None,
+        )
+
+    def _grip(self, thing: Thing) -> None:
+        scene, props = self._scene, self._scene.props_of(thing)
+        pads = self._pads()
+        scene.width = props.thickness(thing, pads)
+        scene.hand_T_held = props.gripped(thing, pads)
+        for rule in self._hand.rules.values():
+            rule.gripped(thing)
+        props.taken(thing)
+        scene.held = thing
+        scene.changes += 1
+        self._hand.carry(scene.joints)
+
+    def _let_go(self, thing: Thing) -> None:
+        self._scene.held = None
+        self._scene.props_of(thing).let_go(thing)
+
+    def _room(self) -> float:
+        """How far the fingers can open."""
+        return min((rule.room() for rule in self._hand.rules.values()), default=float("inf"))

@@ -1,0 +1,66 @@
+"""How two pads close about a box."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from handcart.backends.simulation.world.thing import Thing
+from handcart.backends.urdf.robot_shape import FingerShape
+from handcart.robotics.geometry.transform import Transform, inverse
+
+PAD = 0.05  # of the fingers' length that is padded, up to the tips [m]
+BITE = 0.005  # a thing must reach this deep between the pads to be held [m]
+_SQUARE = np.cos(np.radians(15.0))  # turned further than this against the pads, a box isn't gripped
+
+
+class Pads(NamedTuple):
+    """Two fingers about a place."""
+
+    world_T_hand: Transform
+    """(4, 4); they close along y, and point along x."""
+    width: float
+    """Between them, in [m]."""
+    finger: FingerShape
+
+    def outer(self) -> float:
+        """From the middle to a finger's outer side, in [m]."""
+        return self.width / 2 + self.finger.thickness
+
+
+def thickness(thing: Thing, pads: Pads) -> float:
+    """Of a box between the pads, in [m]."""
+    return thing.size[_across(thing, pads)]
+
+
+def fits(thing: Thing, pads: Pads) -> bool:
+    """Whether closing pads meet a box squarely, on both sides."""
+    finger = pads.finger
+    reach = np.array([PAD / 2, pads.outer(), finger.height / 2])
+    middle = inverse(pads.world_T_hand) @ thing.pose @ thing.thing_T_middle
+    axis = _across(thing, pads)
+    half = np.abs(middle[:3, :3]) @ np.array(thing.size) / 2
+    near = np.abs(middle[:3, 3] - (finger.tip - PAD / 2, 0.0, 0.0)) < reach + half - BITE
+    inside = abs(middle[1, 3]) + thing.size[axis] / 2 < pads.outer()
+    return bool(abs(float(middle[1, axis])) > _SQUARE and near[0] and near[2] and inside)
+
+
+def hand_T_gripped(thing: Thing, pads: Pads) -> Transform:
+    """hand_T_thing (4, 4): its sides align with the pads, and it slides between their middle; along the pads
+    it stays.
+    """
+    hand_T_middle = inverse(pads.world_T_hand) @ thing.pose @ thing.thing_T_middle
+    side = hand_T_middle[:3, _across(thing, pads)]
+    normal = np.array([0.0, np.sign(side[1]), 0.0])
+    turn = Rotation.align_vectors(normal[None], side[None])[0].as_matrix()
+    hand_T_middle[:3, :3] = turn @ hand_T_middle[:3, :3]
+    hand_T_middle[1, 3] = 0.0
+    return np.asarray(hand_T_middle @ inverse(thing.thing_T_middle))
+
+
+def _across(thing: Thing, pads: Pads) -> int:
+    """Which axis of a thing lies most along the closing direction."""
+    closing = pads.world_T_hand[:3, 1]
+    return int(np.argmax(np.abs(thing.pose[:3, :3].T @ closing)))

@@ -1,0 +1,138 @@
+"""The arm among solid things."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from handcart.backends.simulation.scene import Scene
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.kinematics.arm_model import ArmModel
+
+from .arm_contact import FREE, HELD, ArmContact, Touch
+from .hand_rule import FORCE_CAP, STIFFNESS, HandRule
+
+_STEP = 0.02  # that a link goes between two looks: panels and boards are as thick [m]
+_GRAZES = 0.003  # [m]
+_HALVINGS = 7
+
+Vector = NDArray[np.float64]
+
+
+class Hand:
+    """Moves the arm of a scene as far as what is solid lets it.
+
+    Quasi-static: the arm stops at the posture where a contact begins, and `scene.hand_force` grows with how
+    far it is commanded beyond, 2 N a mm, up to 60 N where its drives give way. What gives way instead is
+    decided by the `HandRule`s of the scene's props.
+    """
+
+    def __init__(self, scene: Scene, arm: ArmModel) -> None:
+        self.scene, self.arm = scene, arm
+        self.contact = ArmContact(scene, arm)
+        found = {name: props.hand_rule(arm) for name, props in scene.props.items()}
+        self.rules: dict[str, HandRule] = {name: rule for name, rule in found.items() if rule is not None}
+        """By the domain's name."""
+
+    def forget_derived(self) -> None:
+        """The scene was put elsewhere: forget what was derived from it."""
+        self.contact = ArmContact(self.scene, self.arm)
+
+    # Motion
+
+    def move(self, target: Vector) -> frozenset[tuple[str, str]]:
+        """Strive for the joint angles `target` (n,) in [rad], coming from `scene.joints`.
+
+        Sets joints, the pose of what is held and the force; gives the pairs that touch.
+        """
+        scene, start = self.scene, self.scene.joints
+        for rule in self.rules.values():
+            rule.aim(target)
+        posture, pairs = self._stop_at_solids(start, target)
+        pushed, rigid = 0.0, posture is not target
+        for rule in self.rules.values():
+            met = rule.meet(start, posture)
+            posture, pushed, pairs = met.joints, max(pushed, met.force), pairs | met.pairs
+        scene.joints = posture
+        before = {rule: rule.strain for rule in self.rules.values()}
+        drag = self.carry(start) if scene.held is not None else np.zeros(3)
+        wrenched = [rule for rule, strain in before.items() if rule.strain > max(1.0, strain)]
+        if wrenched:
+            scene.joints = posture = start
+            drag = self.carry(start)
+            pairs |= {(HELD, rule.strained_by) for rule in wrenched}
+        scene.hand_force = self._reaction(target, posture, 0.0 if rigid else pushed) + drag
+        return pairs
+
+    def met_at(self, base: Pose2) -> Touch:
+        """What of the robot the base there would drive into something, or deeper into it; `FREE` if nothing.
+
+        The base itself is left out: it is a disc (`move_base`).
+        """
+        there = self.contact.deepest_of_robot(base, self.scene.joints, self._skip)
+        if there.depth == 0.0:
+            return FREE
+        here = self.contact.deepest_of_robot(self.scene.base, self.scene.joints, self._skip)
+        return FREE if there.depth <= here.depth else there
+
+    def follow_base(self) -> None:
+        """Take along what is held after the base was moved."""
+        if self.scene.held is not None:
+            self.carry(self.scene.joints)
+
+    def _stop_at_solids(self, start: Vector, target: Vector) -> tuple[Vector, frozenset[tuple[str, str]]]:
+        """How far the straight joint line is free; a motion that lessens an overlap always is."""
+        free, blocked, there = self._first_hit(start, target)
+        if there.depth == 0.0:
+            return target, frozenset()
+        here = self.contact.deepest_of_arm(start, self._skip)
+        if here.depth > 0.0:
+            there = self.contact.deepest_of_arm(target, self._skip)
+            end = target if there.depth <= here.depth else start
+            return end, frozenset({(here.body, here.other)})
+        for _ in range(_HALVINGS):
+            middle = (free + blocked) / 2
+            hit = self.contact.deepest_of_arm(start + middle * (target - start), self._skip)
+            free, blocked = (middle, blocked) if hit.depth == 0.0 else (free, middle)
+        return start + free * (target - start), frozenset({(there.body, there.other)})
+
+    def _first_hit(self, start: Vector, target: Vector) -> tuple[float, float, Touch]:
+        """The first overlap on the line, looked for in steps that no thin board is missed by.
+
+        What the arm only grazes on its way doesn't stop it: nothing here slides along anything. Gives two
+        shares of the line, the last one that was free and the one that isn't, and what is met.
+        """
+        steps = max(1, int(np.ceil(self.contact.travel(start, target) / _STEP)))
+        for number in range(1, steps + 1):
+            share = number / steps
+            there = self.contact.deepest_of_arm(start + share * (target - start), self._skip)
+            if there.depth > (0.0 if number == steps else _GRAZES):
+                return share - 1.0 / steps, share, there
+        return 0.0, 1.0, FREE
+
+    def _skip(self, body: str, other: str) -> bool:
+        """Pairs that a rule decides instead of rigid geometry."""
+        return any(rule.decides(body, other) for rule in self.rules.values())
+
+    def _reaction(self, target: Vector, posture: Vector, pushed: float) -> Vector:
+        """Force in the hand frame from how far the arm is commanded beyond where it stands."""
+        if posture is target:
+            return np.zeros(3)
+        base_T_hand = self.arm.forward(posture)
+        beyond = self.arm.forward(target)[:3, 3] - base_T_hand[:3, 3]
+        force = -STIFFNESS * (base_T_hand[:3, :3].T @ beyond)
+        if pushed > 0.0:
+            force[0] = -pushed
+        size = float(np.linalg.norm(force))
+        return np.asarray(force * min(1.0, FORCE_CAP / size) if size > 0.0 else force)
+
+    def carry(self, start: Vector) -> Vector:
+        """Place what is held with the hand. Gives the force on the hand of what keeps it from going along."""
+        scene, thing = self.scene, self.scene.held
+        assert thing is not None
+        world_T_hand = scene.world_T_base @ self.arm.forward(scene.joints)
+        thing.pose = world_T_hand @ scene.hand_T_held
+        force = np.zeros(3)
+        for rule in self.rules.values():
+            force = force + rule.carry(thing, world_T_hand, start)
+        return force

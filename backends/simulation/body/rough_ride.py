@@ -1,0 +1,94 @@
+"""How a car rides over rough ground when its wheels turn."""
+
+from __future__ import annotations
+
+import math
+from typing import ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from handcart.backends.description.ground_spec import GroundSpec
+from handcart.backends.description.robot_file import RobotFile
+from handcart.backends.simulation.keyed_noise import keyed
+from handcart.robotics.far import Far
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.navigation.outdoors.field_noise import SHARPEST
+
+SETS_OUT = 1.0  # [s] of standing after which the ground under a curve is another
+
+
+class RoughRide:
+    """Roll and pitch, slip along and beside the heading: Ornstein-Uhlenbeck processes over the distance.
+
+    The same model as `handcart.robotics.navigation.outdoors.field_drive`. `tilt` is roll and pitch in [rad].
+    """
+
+    STATE: ClassVar = {
+        "tilt": tuple[float, float],
+        "_waves": NDArray[np.float64],
+        "_slip": float,
+        "_side": float,
+        "_turn_slip": float,
+        "_stood": Far,
+        "_legs": int,
+    }
+
+    def __init__(self, robot: RobotFile, ground: GroundSpec, seed: int) -> None:
+        """On some ground; a robot whose simulation errs nowhere doesn't slip on it."""
+        self._seed, self._period, self._ground = seed, robot.period_s, ground
+        self._errs = 0.0 if robot.errors.none else 1.0
+        scale, *waves = keyed(seed, "ground").standard_normal(5).tolist()
+        self._scale = self._errs * ground.scale_percent / 100 * scale
+        self._rough = math.radians(ground.roughness_deg)
+        self._waves: NDArray[np.float64] = math.sqrt(2.0) * self._rough * np.array(waves[:2])
+        self.tilt = (float(self._waves[0]) / 2.0, float(self._waves[1]) / 2.0)
+        self._slip = self._errs * ground.slip_percent / 100 * waves[2]
+        self._side = self._errs * math.radians(ground.side_slip_deg) * waves[3]
+        self._turn_slip, self._stood, self._legs = 0.0, math.inf, 0
+
+    def motion(self, rolled: float, bend: float, period: int) -> Pose2:
+        """Pose of the base after a period in that before it, if nothing is in its way.
+
+        Args:
+            rolled: what the wheels say, in [m].
+            bend: curvature that is steered, in [1/m].
+            period: its number.
+        """
+        if rolled == 0.0:
+            self._stood += self._period
+            return Pose2(0.0, 0.0, 0.0)
+        if self._stood >= SETS_OUT:
+            self._legs += 1
+            share = self._errs * self._ground.turn_slip_percent / 100
+            self._turn_slip = share * float(keyed(self._seed, "turn slip", self._legs).standard_normal())
+        self._stood = 0.0
+        slipping = self._scale + self._slip + self._turn_slip * abs(bend) / SHARPEST
+        way = rolled / max(0.2, 1.0 + slipping)
+        self._change(abs(way), period)
+        beside = self._side + self._errs * math.radians(self._ground.side_slip_deg_m) * bend
+        course, level = 0.5 * way * bend + beside, way * math.cos(self.tilt[1])
+        return Pose2(level * math.cos(course), level * math.sin(course), way * bend)
+
+    def _change(self, way: float, period: int) -> None:
+        """The ground `way` [m] farther on."""
+        draws, ground = keyed(self._seed, "ground", period).standard_normal(4), self._ground
+        share = way / ground.roughness_length_m
+        keep, new = _drift(share, math.sqrt(2.0) * self._rough)
+        self._waves = keep * self._waves + new * draws[:2]
+        near = 1.0 - math.exp(-share)
+        roll, pitch = (
+            angle + near * (float(wave) - angle) for angle, wave in zip(self.tilt, self._waves, strict=True)
+        )
+        self.tilt = (roll, pitch)
+        slip, side = self._errs * ground.slip_percent / 100, self._errs * math.radians(ground.side_slip_deg)
+        keep, new = _drift(way / ground.slip_length_m, slip)
+        self._slip = keep * self._slip + new * float(draws[2])
+        keep, new = _drift(way / ground.side_slip_length_m, side)
+        self._side = keep * self._side + new * float(draws[3])
+
+
+def _drift(share: float, sigma: float) -> tuple[float, float]:
+    """Of an Ornstein-Uhlenbeck value: what it keeps after `share` of its length, sigma of what is new."""
+    keep = math.exp(-share)
+    return keep, sigma * math.sqrt(1.0 - keep * keep)

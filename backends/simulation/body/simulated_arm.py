@@ -1,0 +1,114 @@
+"""What the arms of all simulated backends share."""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from typing import ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from handcart.backends.capabilities.arm import Arm
+from handcart.backends.description.robot_file import RobotFile
+from handcart.backends.limits import checked_joints
+from handcart.backends.plain_values import Kinds
+from handcart.backends.simulation.body.arm_error import ArmError
+from handcart.backends.simulation.body.swing import is_swing, swing_yaw
+from handcart.backends.simulation.keyed_noise import keyed
+from handcart.robotics.kinematics.arm_model import ArmModel
+
+Vector = NDArray[np.float64]
+
+
+class SimulatedArm(Arm):
+    """Takes commands, tells motions apart, and reads encoders and force with noise.
+
+    The joints stand off what their encoders read by `ArmError`, an offset that is drawn anew whenever the arm
+    sets out from rest: gears and links give, which no encoder sees.
+    """
+
+    STATE: ClassVar[Kinds] = {
+        "_command": Vector,
+        "_from": Vector,
+        "_motions": int,
+        "_moving": bool,
+        "_set_out": Vector,
+        "swung": bool,
+        "_offset": Vector,
+        "_readings": dict[str, tuple[int, Vector]],
+        "_now": int,
+    }
+    """Attributes that a checkpoint keeps, with their types."""
+
+    def __init__(self, robot: RobotFile, model: ArmModel, stands: Vector, seed: int) -> None:
+        """`stands` (n,) in [rad] is what its encoders should read at first."""
+        self._model, self._errors, self._seed = model, robot.errors, seed
+        top = np.inf if robot.arm is None else robot.joint_speeds()
+        self._most = np.minimum(model.velocity, top) * robot.period_s
+        self._command, self._from = stands.copy(), stands.copy()
+        self._motions, self._moving = 0, False
+        self._set_out = self._hand_on_floor()
+        """Where the hand was when the arm last set out."""
+        self.swung = False
+        """Whether a swing of the arm ended in this period: `is_swing`."""
+        self._error = ArmError(robot.errors, model, seed)
+        self._offset = self._error.offset(self._command, 0)
+        self._readings = dict[str, tuple[int, Vector]]()
+        self._now = 0
+
+    @abstractmethod
+    def true_joints(self) -> Vector:
+        """Where the joints are, (n,) in [rad]."""
+
+    @abstractmethod
+    def _true_force(self) -> Vector:
+        """What acts on the hand, (3,) in [N] in its frame."""
+
+    def move(self, joints: Vector) -> None:
+        """See `Arm`."""
+        self._command = checked_joints(self._model, joints, self._from, self._most)
+
+    def command(self) -> Vector:
+        """See `Arm`."""
+        return self._command.copy()
+
+    def joints(self) -> Vector:
+        """See `Arm`."""
+        return self._read("joints", self.true_joints() - self._offset, self._errors.encoder_mrad / 1e3)
+
+    def hand_force(self) -> Vector:
+        """See `Arm`."""
+        return self._read("hand force", self._true_force(), self._errors.hand_force_n)
+
+    def halt(self) -> None:
+        """Forget a command that hasn't begun; hold."""
+        self._command = self._from.copy()
+
+    def swing_yaw(self) -> float:
+        """By how much the swing that has ended turned the base, in [rad]."""
+        return swing_yaw(self._errors, self._seed, self._motions)
+
+    def _begin(self, period: int, loaded: bool) -> bool:
+        """A period begins; gives whether the arm moves in it. `loaded`: the hand holds something."""
+        self._now = period
+        changed = bool((self._command != self._from).any())
+        if changed and not self._moving:
+            self._motions += 1
+            self._set_out = self._hand_on_floor()
+        if changed:
+            self._offset = self._error.offset(self._command, self._motions)
+        ended = self._moving and not changed
+        self.swung = ended and is_swing(self._errors, loaded, self._set_out, self._hand_on_floor())
+        self._moving = changed
+        return changed
+
+    def _hand_on_floor(self) -> Vector:
+        """x and y (2,) of the hand in the base frame where it is commanded to, in [m]."""
+        return self._model.forward(self._from)[:2, 3].copy()
+
+    def _read(self, sensor: str, truth: Vector, sigma: float) -> Vector:
+        last = self._readings.get(sensor)
+        if last is None or last[0] != self._now:
+            noise = sigma * keyed(self._seed, sensor, self._now).standard_normal(len(truth))
+            last = self._readings[sensor] = (self._now, truth + noise)
+        return last[1].copy()

@@ -1,0 +1,61 @@
+"""A book, as a solid body."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from handcart.backends.simulation.world.thing import Thing
+from handcart.robotics.geometry.transform import Transform
+
+from .spec import BookSpec
+
+
+@dataclass(eq=False, repr=False)
+class Book(Thing):
+    """A book and where it truly is.
+
+    Its frame: origin at the foot of the spine, in its middle; x from the spine to the fore-edge, y to the
+    left for who faces the spine, z up.
+    """
+
+    DENSITY = 700.0
+    """Of paper, in [kg/m³]."""
+
+    spec: BookSpec
+    shelf: str | None = None
+    """Name of the shelf that it stands on."""
+
+    def __post_init__(self) -> None:
+        self.thickness = self.spec.thickness_mm / 1e3
+        self.height = self.spec.height_mm / 1e3
+        self.depth = self.spec.depth_mm / 1e3
+
+    @property
+    def accession(self) -> int:
+        """The number in its tag."""
+        return self.spec.accession
+
+    @cached_property
+    def name(self) -> str:
+        """See `Thing`."""
+        return f"book {self.accession}"
+
+    @property
+    def size(self) -> tuple[float, float, float]:
+        """Depth, thickness, height along x, y, z of its frame, in [m]."""
+        return self.depth, self.thickness, self.height
+
+    @property
+    def carrier(self) -> str:
+        """See `Thing`: the name of its shelf, if it stands on one."""
+        return self.shelf or super().carrier
+
+    @property
+    def thing_T_middle(self) -> Transform:
+        """See `Thing`."""
+        result = np.eye(4)
+        result[0, 3], result[2, 3] = self.depth / 2, self.height / 2
+        return result

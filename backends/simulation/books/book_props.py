@@ -1,0 +1,127 @@
+"""The books and shelves of a simulated world."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from handcart.backends.simulation.body.grasp import BITE, PAD, Pads
+from handcart.backends.simulation.keyed_noise import keyed
+from handcart.backends.simulation.rendering.painting import Painted
+from handcart.backends.simulation.scene import Scene
+from handcart.backends.simulation.world.thing import Rest, Thing
+from handcart.robotics.geometry.transform import Transform, inverse, transform
+from handcart.robotics.kinematics.arm_model import ArmModel
+
+from .book import Book
+from .book_rest import book_rest
+from .books_there import BooksThere
+from .person import Person
+from .putting_down import put_down
+from .row_rule import RowRule
+from .spec import BooksSection
+
+AWAKE = 1.3  # books of shelves further from the hand than this sleep in physics [m]
+
+
+class BookProps(BooksThere):
+    """Books by their accession numbers, shelves by their names; a person hands books over.
+
+    How they differ from real ones without physics:
+    - Whether a book enters its slot is decided by a rule fitted to a physics engine
+      (`insertion.entry_chance`), once an entry; in the slot it aligns. Books that are pushed slide straight
+      back against 3 N (10 N where an edge jams), and nothing stops them before the shelf's back.
+    - A book let go at most 20 mm above a tray stands there upright. Above a board it is left leaning aside a
+      little (`errors.book_lean_deg`, and the hand's own tilt), beyond its edge it tips over; what stands
+      beside, and doesn't give, stops it (`book_lean`). Else it lies on the floor, or the board, lost.
+
+    In physics those in a row have square edges, those to be returned rounded leading ones (3 mm). What stands
+    inside a shelf is painted dark.
+    """
+
+    PAINTS_SOLIDS = True
+
+    def __init__(self, scene: Scene, spec: BooksSection, seed: int) -> None:
+        super().__init__(scene, spec, seed)
+        self._rule: RowRule | None = None
+        self._person: Person | None = None
+        self._places = np.array([each.pose[:3, 3] for each in self.shelves.values()]).reshape(-1, 3)
+        """Where shelves stand, (n, 3) in [m]."""
+
+    def set_up(self) -> None:
+        """See `Props`."""
+        super().set_up()
+        self._person = Person(self)
+
+    def painted(self, rests: frozenset[Rest]) -> Iterable[Painted]:
+        """See `Props`."""
+        from .painted_books import painted  # fonts and all: not before a camera looks
+
+        return painted(self, rests)
+
+    # What happens
+
+    def taken(self, thing: Thing) -> None:
+        """See `Props`."""
+        assert isinstance(thing, Book)
+        thing.rest, thing.shelf = Rest.HAND, None
+
+    def step(self) -> None:
+        """See `Props`."""
+        if self._person is not None:
+            self._person.step()
+
+    def hand_rule(self, arm: ArmModel) -> RowRule:
+        """See `Props`."""
+        self._rule = RowRule(self, arm)
+        return self._rule
+
+    def thickness(self, thing: Thing, pads: Pads) -> float:
+        """See `Props`."""
+        return thing.size[1]
+
+    def fits(self, thing: Thing, pads: Pads) -> bool:
+        """See `Props`: it is gripped about its covers, from before its spine."""
+        finger = pads.finger
+        pose = inverse(pads.world_T_hand) @ thing.pose
+        depth, thick, height = thing.size
+        x, y, z = pose[:3, 3]
+        inside = x < finger.tip - BITE and x + depth > finger.tip - PAD and pose[0, 0] > 0.9
+        level = z < finger.height / 2 and z + height > -finger.height / 2
+        return bool(inside and level and abs(y) + thick / 2 < pads.outer())
+
+    def gripped(self, thing: Thing, pads: Pads) -> Transform:
+        """See `Props`: covers align with the pads; centred, turned to the hand; depth and height stay."""
+        before = inverse(pads.world_T_hand) @ thing.pose
+        pitch = float(np.arctan2(-before[2, 0], before[0, 0]))
+        return transform((before[0, 3], 0.0, before[2, 3]), (0.0, pitch, 0.0))
+
+    def let_go(self, thing: Thing) -> None:
+        """See `Props`."""
+        assert isinstance(thing, Book)
+        slot = None if self._rule is None else self._rule.left()
+        put_down(self, thing, slot, self._left_aside(thing))
+
+    def _left_aside(self, book: Book) -> float:
+        """How far to the left a book leans as the second finger leaves it, in [rad]."""
+        spread = math.radians(self.scene.robot.errors.book_lean_deg)
+        instant = round(self.scene.time / self.scene.robot.period_s)
+        return spread * float(keyed(self.seed, f"{book.name} let go", instant).standard_normal())
+
+    # In physics
+
+    def awake(self, hand: NDArray[np.float64]) -> Iterable[Book]:
+        """See `Props`: the rows within reach, and what is in none."""
+        away = np.linalg.norm(self._places - hand, axis=1)
+        near = {name for name, far in zip(self.shelves, away.tolist(), strict=True) if far < AWAKE}
+        return [book for book in self.books.values() if book.rest is not Rest.TABLE or book.shelf in near]
+
+    def rested(self, thing: Thing) -> None:
+        """See `Props`."""
+        assert isinstance(thing, Book)
+        thing.rest, thing.shelf = book_rest(self, thing)
+        if thing.rest is Rest.TRAY:
+            thing.base_T_thing = inverse(self.scene.world_T_base) @ thing.pose

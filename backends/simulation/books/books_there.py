@@ -1,0 +1,103 @@
+"""Which books and shelves are there."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from typing import ClassVar, NamedTuple
+
+import numpy as np
+
+from handcart.backends.plain_values import Kinds
+from handcart.backends.simulation.keyed_noise import keyed
+from handcart.backends.simulation.props import Props
+from handcart.backends.simulation.scene import Scene
+from handcart.backends.simulation.world.solids import Solid
+from handcart.backends.simulation.world.thing import Rest
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.geometry.transform import Transform, transform
+
+from .book import Book
+from .shelf import Shelf
+from .spec import BookSpec, BooksSection
+from .standing_book import StandingBook
+
+SPINE_ON_TRAY = 0.02  # from the tray's rear to the book's spine, as a person sets it down [m]
+PROTRUSION = 0.003  # spines stand this much before or behind the board's front edge at most [m]
+
+
+class Waiting(NamedTuple):
+    """How far a person who hands books over has come."""
+
+    given: int = 0
+    """Books so far."""
+    stood: Pose2 = Pose2(0.0, 0.0, 0.0)
+    """Where the robot stands, or was last seen moving."""
+    since: float = 0.0
+    """[s]"""
+
+
+class BooksThere(Props[BooksSection]):
+    """Books by their accession numbers, shelves by their names; what happens to them is `BookProps`."""
+
+    section = BooksSection
+    STATE: ClassVar[Kinds] = {"books": dict[int, Book], "to_come": list[BookSpec], "waits": Waiting}
+
+    def __init__(self, scene: Scene, spec: BooksSection, seed: int) -> None:
+        super().__init__(scene, spec, seed)
+        self.shelves = {each.name: Shelf(each) for each in spec.shelves}
+        self.books: dict[int, Book] = {}
+        self.to_come = list(spec.handed_over)
+        """Books that a person still has for the robot."""
+        self.waits = Waiting()
+
+    @classmethod
+    def solids(cls, spec: BooksSection) -> Sequence[Solid]:
+        """See `Props`."""
+        return [solid for each in spec.shelves for solid in Shelf(each).solids()]
+
+    def set_up(self) -> None:
+        """See `Props`: spines not quite in line, and a book on the tray."""
+        for shelf in self.shelves.values():
+            rng = keyed(self.seed, f"row of {shelf.name}")
+            for spec, y in shelf.standing():
+                pose = shelf.pose @ transform((rng.uniform(-PROTRUSION, PROTRUSION), y, 0.0))
+                self.books[spec.accession] = Book(pose, Rest.TABLE, spec, shelf.name)
+        if self.spec.tray is not None and self.scene.robot.has_tray:
+            self.set_on_tray(self.spec.tray)
+
+    def set_on_tray(self, spec: BookSpec, number: int = 0) -> None:
+        """A person puts the book with this number down on the tray, not quite in its place."""
+        scene, errors = self.scene, self.scene.robot.errors
+        dx, dy, turn = keyed(self.seed, f"tray {number}" if number else "tray").standard_normal(3)
+        place = errors.book_place_mm / 1e3
+        yaw = np.radians(errors.book_turn_deg * turn)
+        tray = scene.robot.tray_shape
+        spine = (tray.rear + SPINE_ON_TRAY + place * dx, tray.middle[1] + place * dy, tray.top)
+        stands = transform(spine, (0.0, 0.0, yaw))
+        self.books[spec.accession] = Book(scene.world_T_base @ stands, Rest.TRAY, spec, base_T_thing=stands)
+        scene.changes += 1
+
+    def things(self) -> Iterable[Book]:
+        """See `Props`."""
+        return self.books.values()
+
+    def book_pose(self, accession: int) -> Transform:
+        """world_T_book (4, 4); its frame is that of `Book`."""
+        return self.books[accession].pose
+
+    def shelf_books(self, shelf: str) -> list[StandingBook]:
+        """What stands on a shelf, from left to right."""
+        frame = self.shelves[shelf].inverse_pose
+        standing = []
+        for book in self.books.values():
+            if book.rest is Rest.TABLE and book.shelf == shelf:
+                pose = frame @ book.pose
+                yaw = float(np.arctan2(pose[1, 0], pose[0, 0]))
+                lean = -float(np.arctan2(pose[2, 1], pose[2, 2]))
+                y, x = float(pose[1, 3]), float(pose[0, 3])
+                standing.append(StandingBook(book, y, x, book.tilt(), yaw, lean))
+        return sorted(standing, key=lambda each: -each.lateral)
+
+    def tray_book(self) -> Book | None:
+        """What stands on the tray."""
+        return next((book for book in self.books.values() if book.rest is Rest.TRAY), None)

@@ -1,0 +1,79 @@
+"""Whether a book goes into its slot."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from handcart.backends.simulation.keyed_noise import keyed
+
+from .row import Member, Slot, slots
+from .shelf import Shelf
+
+CHAMFER = 0.003
+MARGIN = 0.001
+FALL = 0.004  # from certain to never [m]
+STEEPEST = math.radians(8.0)  # with more yaw no book fits its slot
+_OUT = 0.002  # withdrawn this far, a book enters anew [m]
+LEAST_CLEARANCE = 0.0003
+
+
+@dataclass(frozen=True)
+class Entry:
+    """A held book's leading edge that has passed the front of the row."""
+
+    shelf: Shelf
+    slot: Slot
+    admitted: bool
+    """Else it jams."""
+
+
+def entry_chance(error: float, clearance: float) -> float:
+    """Chance that a book with chamfered edges enters: the coupled rule.
+
+    `error` in [m] is that of the leading edge against the slot's middle, |lateral - 75 mm * sin(yaw)| of a
+    book's middle; `clearance` in [m] how much wider the slot is. Certain below half the clearance plus the
+    chamfer less 1 mm, falling to nothing 4 mm further out; fitted to a physics engine (114 of 114 below
+    8 mm, none above 10 mm at 8 mm clearance).
+    """
+    if clearance < LEAST_CLEARANCE:
+        return 0.0
+    certain = clearance / 2 + CHAMFER - MARGIN
+    return min(1.0, max(0.0, 1.0 - (error - certain) / FALL))
+
+
+class Entrance:
+    """Follows a held book in and out of slots; the luck of each entry is drawn once."""
+
+    def __init__(self, seed: int) -> None:
+        self._seed = seed
+        self.count = 0
+        """Entries so far."""
+
+    def follow(
+        self,
+        entry: Entry | None,
+        shelf: Shelf,
+        row: Sequence[Member],
+        edge: tuple[float, float, float],
+        thickness: float,
+    ) -> Entry | None:
+        """The entry after a motion; `edge` is (x, y, yaw) in S of the leading edge's middle."""
+        x, y, yaw = edge
+        if entry is not None:
+            return None if x < entry.slot.front - _OUT else entry
+        free = [slot for slot in slots(row) if slot.width >= thickness]
+        nearest = min(free, key=lambda slot: abs(y - slot.middle), default=None)
+        front = min(
+            (m.front for m in row if m.right < y + thickness / 2 and m.left > y - thickness / 2),
+            default=math.inf,
+        )
+        if nearest is None or abs(y - nearest.middle) > thickness:
+            return Entry(shelf, Slot(y, y, front), False) if x > front else None
+        if x <= min(front, nearest.front):
+            return None
+        self.count += 1
+        chance = entry_chance(abs(y - nearest.middle), nearest.width - thickness)
+        lucky = keyed(self._seed, "entry", self.count).random() < chance
+        return Entry(shelf, nearest, bool(lucky and abs(yaw) < STEEPEST))

@@ -1,0 +1,123 @@
+"""A row of books as a hand that comes from the front meets it: what stands where, and how it gives way."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from itertools import pairwise
+from typing import NamedTuple
+
+from handcart.backends.simulation.body.hand_rule import FORCE_CAP, STIFFNESS
+from handcart.backends.simulation.world.thing import Thing
+
+from .book import Book
+from .books_there import BooksThere
+from .shelf import DEPTH, Shelf
+
+PUSH_FRICTION = 3.0  # of a standing book pushed on its spine [N]
+JAM_FRICTION = 10.0  # of a book pushed back by an edge that jams against it [N]
+_LEAST_OVERLAP = 3e-4
+
+
+class Member(NamedTuple):
+    """Something of the row, in S in [m]: `right` < `left`; `front` is x of its spine."""
+
+    right: float
+    left: float
+    front: float
+    top: float
+    book: Book | None
+    """None: a panel or the book end, which nothing moves."""
+
+
+class Slot(NamedTuple):
+    """A free interval of the row, in S in [m], between two members."""
+
+    right: float
+    left: float
+    front: float
+    """x at which a book's leading edge enters it."""
+
+    @property
+    def middle(self) -> float:
+        """y of its middle."""
+        return (self.right + self.left) / 2
+
+    @property
+    def width(self) -> float:
+        """Between its two sides."""
+        return self.left - self.right
+
+
+class Pusher(NamedTuple):
+    """The front of what the hand moves into the row, in S: its `lead` (x), and its extent in y and z [m]."""
+
+    lead: float
+    right: float
+    left: float
+    low: float
+    high: float
+    friction: float
+    """With which each book that it meets resists, in [N]."""
+
+
+class Push(NamedTuple):
+    """What comes of pushing: where the pusher's front stands, the force on it, and who was met."""
+
+    lead: float
+    force: float
+    met: tuple[str, ...]
+
+
+def members(books: BooksThere, shelf: Shelf, without: Thing | None) -> list[Member]:
+    """The row from right to left, the fixed parts included, `without` the book that the hand holds."""
+    row = [Member(right, left, front, 0.35, None) for right, left, front in shelf.fixed_intervals()]
+    row += [
+        Member(*each.sides, each.front, each.book.height, each.book)
+        for each in books.shelf_books(shelf.name)
+        if each.book is not without
+    ]
+    return sorted(row, key=lambda member: member.right)
+
+
+def slots(row: Sequence[Member]) -> list[Slot]:
+    """The free intervals between the members."""
+    return [Slot(a.left, b.right, min(a.front, b.front)) for a, b in pairwise(row) if b.right - a.left > 1e-4]
+
+
+def push(books: BooksThere, shelf: Shelf, row: Sequence[Member], pusher: Pusher, start: float) -> Push:
+    """Let the pusher, commanded to `pusher.lead` from `start` (x in S), meet the row; books give way.
+
+    Quasi-static: the arm is a spring of `STIFFNESS` behind its command, each book met resists with its
+    friction, a book at the shelf's back and the fixed parts don't move. Moves the books.
+    """
+    met = [m for m in row if _meets(m, pusher, start)]
+    met.sort(key=lambda member: member.front)
+    lead, resist, moved = pusher.lead, 0.0, []
+    for member in met:
+        if member.front >= lead:
+            break
+        moved.append(member)
+        resist += pusher.friction if member.book is not None else math.inf
+        lead = max(member.front, pusher.lead - resist / STIFFNESS)
+        ends = [DEPTH - m.book.depth for m in moved if m.book is not None]
+        lead = min([lead, *(max(end, m.front) for end, m in zip(ends, moved, strict=False))])
+    if not moved:
+        return Push(lead, 0.0, ())
+    _move(books, shelf, moved, lead)
+    names = tuple(f"book {m.book.accession}" if m.book else f"panel of {shelf.name}" for m in moved)
+    return Push(lead, min(FORCE_CAP, STIFFNESS * (pusher.lead - lead)), names)
+
+
+def _meets(member: Member, pusher: Pusher, start: float) -> bool:
+    beside = min(member.left, pusher.left) - max(member.right, pusher.right) > _LEAST_OVERLAP
+    level = pusher.high > 0.0 and pusher.low < member.top
+    return beside and level and member.front > start - 0.005
+
+
+def _move(books: BooksThere, shelf: Shelf, moved: Sequence[Member], lead: float) -> None:
+    for member in moved:
+        if member.book is not None and lead > member.front + 1e-9:
+            member.book.pose = member.book.pose.copy()
+            member.book.pose[:3, 3] += shelf.pose[:3, 0] * (lead - member.front)
+            books.scene.changes += 1

@@ -1,0 +1,92 @@
+"""A shelf with one row of books: its frame and its solid parts."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+import numpy as np
+
+from handcart.backends.simulation.world.solids import Solid
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.geometry.transform import Transform, inverse, transform
+from handcart.robotics.kinematics.shapes import Box
+
+from .spec import BookSpec, GapSpec, ShelfSpec
+
+BOARD_HEIGHT = 0.70  # top of the board above the floor [m]
+DEPTH = 0.25
+PANEL = 0.02
+BOARD = 0.02
+BACK = 0.005
+TOP = 1.05
+WOOD, DARK = 130, 16
+"""Greys, of what is lit and what isn't."""
+INSIDE = ("back", "board", "left panel", "right panel")
+_BOOK_END_HEIGHT = 0.16
+_BOOK_END_FRONT = 0.03  # behind the board's front edge
+
+
+class Shelf:
+    """A shelf of the world file.
+
+    Frame S: origin in the middle of the board's front edge, on its top; x points into the shelf, y left,
+    z up. The plinth below is closed, its front at x = 0.
+    """
+
+    def __init__(self, spec: ShelfSpec) -> None:
+        self.spec = spec
+        self.name = spec.name
+        self.half_width = spec.width_m / 2
+        self.pose2 = Pose2(spec.x_m, spec.y_m, math.radians(spec.heading_deg))
+        self.pose: Transform = self.pose2.lift(BOARD_HEIGHT)
+        """world_T_S (4, 4)."""
+        self.inverse_pose: Transform = inverse(self.pose)
+        used = sum(e.gap_mm if isinstance(e, GapSpec) else e.thickness_mm for e in spec.books) / 1e3
+        self.book_end_left = self.half_width - used
+        """y in S of the book end's left face, in [m]; it reaches to the right panel."""
+
+    def standing(self) -> Iterator[tuple[BookSpec, float]]:
+        """The books of the file, each with y in S of its middle, in [m]."""
+        left = self.half_width
+        for entry in self.spec.books:
+            if isinstance(entry, GapSpec):
+                left -= entry.gap_mm / 1e3
+            else:
+                yield entry, left - entry.thickness_mm / 2e3
+                left -= entry.thickness_mm / 1e3
+
+    def parts(self) -> dict[str, Box]:
+        """All that is solid but the books, posed in the world, by the part's name."""
+        half, outer = self.half_width, self.half_width + PANEL
+        low = -BOARD_HEIGHT
+        bounds = {
+            "board": ((0.0, -half, -BOARD), (DEPTH, half, 0.0)),
+            "plinth": ((0.0, -half, low), (DEPTH, half, -BOARD)),
+            "back": ((DEPTH, -outer, low), (DEPTH + BACK, outer, TOP - BOARD_HEIGHT)),
+            "left panel": ((0.0, half, low), (DEPTH, outer, TOP - BOARD_HEIGHT)),
+            "right panel": ((0.0, -outer, low), (DEPTH, -half, TOP - BOARD_HEIGHT)),
+        }
+        if self.book_end_left > -half + 1e-3:
+            bounds["book end"] = (
+                (_BOOK_END_FRONT, -half, 0.0),
+                (DEPTH, self.book_end_left, _BOOK_END_HEIGHT),
+            )
+        return {part: self._box(part, *ends) for part, ends in bounds.items()}
+
+    def solids(self) -> list[Solid]:
+        """The same as a world has them: dark inside."""
+        return [Solid(box, grey=DARK if part in INSIDE else WOOD) for part, box in self.parts().items()]
+
+    def _box(self, part: str, low: tuple[float, ...], high: tuple[float, ...]) -> Box:
+        middle = (np.array(low) + high) / 2
+        x, y, z = (float(b - a) for a, b in zip(low, high, strict=True))
+        return Box(self.pose @ transform(tuple(middle)), (x, y, z), f"{part} of {self.name}")
+
+    def fixed_intervals(self) -> list[tuple[float, float, float]]:
+        """What bounds the row and can't be moved: (right, left, front) in S, in [m]."""
+        half = self.half_width
+        walls = [(half, half + PANEL, 0.0), (-half - PANEL, -half, 0.0)]
+        if self.book_end_left > -half + 1e-3:
+            walls.append((-half, self.book_end_left, _BOOK_END_FRONT))
+        return walls

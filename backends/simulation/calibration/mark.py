@@ -1,0 +1,63 @@
+"""What is painted on a level surface: a landmark, what might be taken for one, a calibration board."""
+
+from __future__ import annotations
+
+import math
+from functools import lru_cache
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from handcart.backends.description.board_layout import BoardLayout
+from handcart.backends.simulation.world.sheet import Sheet
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.perception.landmarks.landmark import INK, PAPER, draw_landmark
+
+from .spec import MarkSpec
+
+MARGIN = 0.01  # of paper about what is painted [m]
+M_PER_PX = 1.25e-4
+
+GreyImage = NDArray[np.uint8]
+
+
+class Mark(Sheet):
+    """A sheet of paper by its spec."""
+
+    def __init__(self, spec: MarkSpec) -> None:
+        pose = Pose2(spec.x_m, spec.y_m, math.radians(spec.heading_deg)).lift(spec.height_m)
+        super().__init__(pose, _levels(spec.kind, spec.size_mm, spec.board))
+
+
+@lru_cache(maxsize=64)
+def _levels(kind: str, size_mm: float, board: BoardLayout) -> list[tuple[GreyImage, float]]:
+    picture = (
+        draw_landmark(size_mm / 1e3, MARGIN, M_PER_PX) if kind == "landmark" else _other(kind, size_mm, board)
+    )
+    picture = _smooth(picture)
+    half = cv2.resize(picture, None, fx=0.5, fy=0.5, interpolation=cv2.INTER_AREA).astype(np.uint8)
+    quarter = cv2.resize(half, None, fx=0.5, fy=0.5, interpolation=cv2.INTER_AREA).astype(np.uint8)
+    levels = [(picture, M_PER_PX), (half, 2 * M_PER_PX), (quarter, 4 * M_PER_PX)]
+    return [levels[0], *((_smooth(each), metres) for each, metres in levels[1:])]
+
+
+def _smooth(picture: GreyImage) -> GreyImage:
+    """Edges a pixel wide, so that sampling between pixels doesn't displace them."""
+    return cv2.GaussianBlur(picture, (0, 0), 1.0).astype(np.uint8, copy=False)
+
+
+def _other(kind: str, size_mm: float, board: BoardLayout) -> GreyImage:
+    """A calibration board, a full square, a disc, or a square's outline."""
+    margin = round(MARGIN / M_PER_PX)
+    if kind == "board":
+        return np.pad(board.board(size_mm).draw(M_PER_PX), margin, constant_values=PAPER)
+    side = round(size_mm / 1e3 / M_PER_PX)
+    ink: GreyImage = np.full((side, side), INK, dtype=np.uint8)
+    if kind == "disc":
+        ink[:] = PAPER
+        cv2.circle(ink, (side // 2, side // 2), side // 2, (INK,), cv2.FILLED)
+    elif kind == "frame":
+        eighth = side // 8
+        ink[eighth:-eighth, eighth:-eighth] = PAPER
+    return np.pad(ink, margin, constant_values=PAPER)

@@ -1,0 +1,24 @@
+"""What is painted on level surfaces of a simulated world."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from handcart.backends.simulation.props import Props
+
+from .mark import Mark
+from .spec import MarksSection
+
+
+class MarkProps(Props[MarksSection]):
+    """Sheets of paper, in the order of the world's file."""
+
+    section = MarksSection
+
+    def set_up(self) -> None:
+        """See `Props`."""
+        self.marks = tuple(Mark(spec) for spec in self.spec.marks)
+
+    def sheets(self) -> Sequence[Mark]:
+        """See `Props`."""
+        return self.marks

@@ -1,0 +1,30 @@
+"""What is painted, in a world's file."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from pydantic import Field
+
+from handcart.backends.description.board_layout import BoardLayout
+from handcart.backends.simulation.world.world_file import Place
+from handcart.files.models.model import FileModel
+
+
+class MarkSpec(Place):
+    """Something painted on a level surface; its pose is that of its middle."""
+
+    kind: Literal["landmark", "square", "disc", "frame", "board"] = "landmark"
+    """A landmark, what might be taken for one, or a board to calibrate cameras with."""
+    height_m: Annotated[float, Field(ge=0.0, le=3.0)]
+    """Of the surface."""
+    size_mm: Annotated[float, Field(gt=0.0, le=500.0)] = 60.0
+    """Its side; of a board, the side of one of its squares."""
+    board: BoardLayout = BoardLayout()
+    """A board's pattern."""
+
+
+class MarksSection(FileModel):
+    """Keys of a world's file that are about what is painted there."""
+
+    marks: tuple[MarkSpec, ...] = ()

@@ -1,0 +1,97 @@
+"""What a field has in it: sensors to be laid out, and what measures where they lie."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import ClassVar
+
+import numpy as np
+
+from handcart.backends.plain_values import Kinds
+from handcart.backends.simulation.props import Props
+from handcart.backends.simulation.scene import Scene
+from handcart.backends.simulation.world.placed_thing import PlacedSpec
+from handcart.backends.simulation.world.thing import Rest, Thing
+from handcart.robotics.geometry.transform import Transform, inverse, transform
+
+from .sensor import Sensor
+from .spec import FieldSection, SensorSpec
+
+NEAR = 0.01  # [rad], [m] of each joint from the posture `home`, at which the magazine meets the hand
+BITE = 0.035  # [m] of a sensor's height that stands between the fingers
+
+
+class FieldProps(Props[FieldSection]):
+    """Sensors by their numbers, as the robot's magazine gives them to the hand.
+
+    It puts the next one between the open fingers when the arm is in its posture `home`, the hand empty. What
+    the fingers let go there, it takes back.
+    """
+
+    section = FieldSection
+    STATE: ClassVar[Kinds] = {"sensors": dict[str, Sensor], "loaded": int, "in_hand": str}
+
+    def __init__(self, scene: Scene, spec: FieldSection, seed: int) -> None:
+        super().__init__(scene, spec, seed)
+        self.sensors: dict[str, Sensor] = {}
+        self.loaded = 0
+        """How many sensors the magazine has given so far."""
+        self.in_hand = ""
+        """What the hand held a period ago, by its name."""
+        self.total_station = spec.total_station
+        """What measures, for evaluation, where the hand is."""
+        self._magazine: SensorSpec | None = None
+        if spec.sensors is not None and scene.robot.gripper is not None:
+            self._magazine = spec.sensors
+            self._home = np.array(scene.robot.posture("home"))
+            self._open = scene.robot.gripper.opening_mm / 1e3 - 1e-3
+
+    def things(self) -> Iterable[Sensor]:
+        """See `SceneProps`."""
+        return self.sensors.values()
+
+    def step(self) -> None:
+        """See `SceneProps`."""
+        if self._magazine is not None:
+            self._give(self._magazine)
+
+    def _give(self, magazine: SensorSpec) -> None:
+        scene = self.scene
+        before, self.in_hand = self.in_hand, scene.held.name if scene.held is not None else ""
+        last = self.sensors.get(str(self.loaded))
+        if last is not None and before == last.name != self.in_hand and self._at_home():
+            self._seat(last)
+        if self.loaded >= magazine.count or scene.held is not None or scene.width < self._open:
+            return
+        if self.waiting() is not None or not self._at_home():
+            return
+        self.loaded += 1
+        name = str(self.loaded)
+        spec = PlacedSpec(name=name, x_m=0.0, y_m=0.0, height_m=0.0, size_mm=magazine.size_mm)
+        self.sensors[name] = Sensor(np.eye(4), Rest.TRAY, spec)
+        self._seat(self.sensors[name])
+
+    def waiting(self) -> Sensor | None:
+        """The sensor that the magazine holds between the fingers."""
+        sensor = self.sensors.get(str(self.loaded))
+        return sensor if sensor is not None and sensor.rest is Rest.TRAY else None
+
+    def rested(self, thing: Thing) -> None:
+        """See `SceneProps`; what is on the robot the magazine has."""
+        if thing.rest is not Rest.TRAY:
+            super().rested(thing)
+
+    def _at_home(self) -> bool:
+        return float(np.abs(self.scene.joints - self._home).max()) < NEAR
+
+    def _seat(self, sensor: Sensor) -> None:
+        """Bring it between the fingers."""
+        scene = self.scene
+        sensor.pose, sensor.rest = scene.world_T("hand") @ self._hand_T_foot(sensor), Rest.TRAY
+        sensor.base_T_thing = inverse(scene.world_T_base) @ sensor.pose
+        scene.changes += 1
+
+    def _hand_T_foot(self, sensor: Sensor) -> Transform:
+        """Of a sensor that hangs upright between the fingers: its z against the hand's x."""
+        ahead = self.scene.robot.finger_shape.tip - BITE + sensor.size[2]
+        return transform((ahead, 0.0, 0.0), (0.0, -np.pi / 2, 0.0))

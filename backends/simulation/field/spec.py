@@ -1,0 +1,37 @@
+"""What a world's file says of a field of sensors."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from pydantic import Field
+
+from handcart.backends.simulation.world.world_file import Coordinate, Millimetres
+from handcart.files.models.model import FileModel
+
+
+class SensorSpec(FileModel):
+    """Seismic sensors that a robot carries in its magazine, to be laid out one after the other."""
+
+    count: Annotated[int, Field(ge=0, le=2000)]
+    size_mm: tuple[Millimetres, Millimetres, Millimetres] = (60.0, 60.0, 120.0)
+    """Along its x, y and z."""
+
+
+class StationSpec(FileModel):
+    """A total station, for evaluation only: it follows a reflector on the robot's hand."""
+
+    x_m: Coordinate
+    y_m: Coordinate
+    height_m: Annotated[float, Field(gt=0.0, le=10.0)] = 1.5
+    period_s: Annotated[float, Field(gt=0.0)] = 0.3
+    accuracy_mm: Annotated[float, Field(ge=0.0)] = 10.0
+    """Within which its readings lie, an axis: two sigma."""
+
+
+class FieldSection(FileModel):
+    """Keys of a world's file that are about a field of sensors."""
+
+    sensors: SensorSpec | None = None
+    """In the robot's magazine."""
+    total_station: StationSpec | None = None

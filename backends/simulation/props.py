@@ -1,0 +1,62 @@
+"""What of one domain stands in a simulated world."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from typing import TYPE_CHECKING, ClassVar, Generic, TypeVar
+
+from handcart.backends.simulation.world.solids import Solid
+from handcart.backends.simulation.world.support import put_down, rest_of
+from handcart.backends.simulation.world.thing import Rest, Thing
+from handcart.files.models.model import FileModel
+from handcart.robotics.geometry.transform import inverse
+
+from .scene import Scene
+from .scene_props import SceneProps
+
+if TYPE_CHECKING:
+    from handcart.backends.description.robot_file import RobotFile
+    from handcart.files.errors import Finding
+    from handcart.files.models.loading import Loaded
+
+S = TypeVar("S", bound=FileModel)
+
+
+class Props(SceneProps, Generic[S]):
+    """Things of a domain in a scene: how they are set up, look, are gripped and let go, and what they do.
+
+    One subclass a domain, named by `Domain.props`. All that isn't overridden is as for boxes that stand on
+    tables, on the robot and on each other, and do nothing of themselves.
+    """
+
+    section: ClassVar[type[FileModel]]
+    """The keys that it adds to the world's file, all of which may be left out."""
+    PAINTS_SOLIDS: ClassVar[bool] = False
+    """Whether `painted` has its solids as well; else the camera sees them as plain boxes."""
+
+    def __init__(self, scene: Scene, spec: S, seed: int) -> None:
+        """In a scene whose robot stands at its start; `spec` has what the world's file says."""
+        self.scene, self.spec, self.seed = scene, spec, seed
+
+    @classmethod
+    def solids(cls, spec: S) -> Sequence[Solid]:
+        """What nothing moves, and the robot may run into."""
+        return ()
+
+    @classmethod
+    def findings(cls, loaded: Loaded[S], robot: RobotFile) -> Iterator[Finding]:
+        """What is wrong between the world's file and the robot that is put into it."""
+        yield from ()
+
+    def set_up(self) -> None:
+        """A person sets everything up. Draws from `keyed` with `self.seed` alone."""
+
+    def let_go(self, thing: Thing) -> None:
+        """See `SceneProps`."""
+        put_down(self.scene, thing)
+
+    def rested(self, thing: Thing) -> None:
+        """See `SceneProps`."""
+        thing.rest = rest_of(self.scene, thing)
+        if thing.rest is Rest.TRAY:
+            thing.base_T_thing = inverse(self.scene.world_T_base) @ thing.pose

@@ -1,0 +1,60 @@
+"""What lens, light and sensor make of an ideal picture."""
+
+from __future__ import annotations
+
+import math
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from handcart.backends.description.simulated_errors import Errors
+from handcart.backends.simulation.keyed_noise import keyed
+from handcart.robotics.perception.cameras.camera_model import CameraModel
+
+_SPARE = 256  # how much larger the tile of noise is than a picture [px]
+
+
+class Lens:
+    """From the picture of an ideal pinhole camera to the one that the camera takes.
+
+    Distortion is exactly that of `CameraModel`: each pixel looks along the ray that its `undistort` gives.
+    `K` (3, 3) and `size` (width, height) in [px] are those of the ideal picture, which is larger so that it
+    holds all rays. Light falls off across the picture in a direction that the seed draws. Noise is cut
+    from one tile of Gaussian noise at a place keyed by the period: independent from pixel to pixel, and
+    from period to period but for a shift.
+    """
+
+    def __init__(self, camera: CameraModel, errors: Errors, seed: int) -> None:
+        self._seed, self._errors = seed, errors
+        self._shape = (camera.height, camera.width)
+        rows, columns = np.indices(self._shape, dtype=np.float64)
+        rays = camera.undistort(np.column_stack((columns.ravel(), rows.ravel())))
+        focal = camera.K[0, 0]
+        low, high = np.floor(rays.min(axis=0) * focal) - 2, np.ceil(rays.max(axis=0) * focal) + 2
+        self.size = (int(high[0] - low[0]) + 1, int(high[1] - low[1]) + 1)
+        self.K = np.array([[focal, 0.0, -low[0]], [0.0, focal, -low[1]], [0.0, 0.0, 1.0]])
+        source = (rays * focal - low).astype(np.float32).reshape(*self._shape, 2)
+        columns_of, rows_of = (np.ascontiguousarray(source[..., i]) for i in (0, 1))
+        self._maps = cv2.convertMaps(columns_of, rows_of, cv2.CV_16SC2)
+        self._gain = self._light(rows, columns)
+        tile = (self._shape[0] + _SPARE, self._shape[1] + _SPARE)
+        noise = keyed(seed, "noise tile").standard_normal(tile, dtype=np.float32)
+        self._noise = noise * np.float32(errors.image_noise_grey)
+
+    def _light(self, rows: NDArray[np.float64], columns: NDArray[np.float64]) -> NDArray[np.float32]:
+        angle = keyed(self._seed, "light").uniform(-math.pi, math.pi)
+        height, width = self._shape
+        across = (columns / width - 0.5) * math.cos(angle) + (rows / height - 0.5) * math.sin(angle)
+        return (1.0 + self._errors.light_gradient * across).astype(np.float32)
+
+    def take(self, ideal: NDArray[np.uint8], period: int) -> NDArray[np.uint8]:
+        """The picture taken, (height, width), of an ideal one (`size`)."""
+        picture = cv2.remap(ideal, self._maps[0], self._maps[1], cv2.INTER_LINEAR)
+        if self._errors.image_blur_px > 0.0:
+            picture = cv2.GaussianBlur(picture, (5, 5), self._errors.image_blur_px)
+        height, width = self._shape
+        top, left = keyed(self._seed, "image", period).integers(0, _SPARE, 2)
+        lit = cv2.multiply(picture, self._gain, dtype=cv2.CV_32F)
+        noisy = cv2.add(lit, self._noise[top : top + height, left : left + width])
+        return cv2.convertScaleAbs(np.maximum(noisy, 0.0)).astype(np.uint8, copy=False)

@@ -1,0 +1,101 @@
+"""How boxes look to a camera without physics."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+from typing import NamedTuple
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from handcart.backends.simulation.world.sheet import Levels
+from handcart.backends.simulation.world.thing import GreyImage, Side, Thing
+from handcart.robotics.geometry.transform import Transform, transform
+from handcart.robotics.kinematics.shapes import Box
+
+from .canvas import Canvas
+
+SIDES: tuple[Side, ...] = ("-x", "+x", "-y", "+y", "-z", "+z")
+NORMALS = np.array([(-1, 0, 0), (1, 0, 0), (0, -1, 0), (0, 1, 0), (0, 0, -1), (0, 0, 1)], dtype=float)
+"""(6, 3) of a box's sides, as in `SIDES`."""
+_CORNERS = (
+    ((-1, -1, -1), (-1, 1, -1), (-1, 1, 1), (-1, -1, 1)),
+    ((1, -1, -1), (1, 1, -1), (1, 1, 1), (1, -1, 1)),
+    ((-1, -1, -1), (1, -1, -1), (1, -1, 1), (-1, -1, 1)),
+    ((-1, 1, -1), (1, 1, -1), (1, 1, 1), (-1, 1, 1)),
+    ((-1, -1, -1), (1, -1, -1), (1, 1, -1), (-1, 1, -1)),
+    ((-1, -1, 1), (1, -1, 1), (1, 1, 1), (-1, 1, 1)),
+)
+CORNERS = np.array(_CORNERS, dtype=float) / 2
+"""(6, 4, 3) of the unit box about its middle."""
+_SHADE = (1.0, 0.6, 0.8, 0.85, 0.4, 1.1)  # light comes from above and from before the robot's docking places
+_PICTURES: dict[Side, tuple[int, int, float, float, float]] = {
+    # the size's axes along rows and columns; roll, pitch, yaw of the picture's frame, its y down
+    "-x": (1, 2, -np.pi / 2, 0.0, -np.pi / 2),
+    "+x": (1, 2, -np.pi / 2, 0.0, np.pi / 2),
+    "-y": (0, 2, -np.pi / 2, 0.0, 0.0),
+    "+y": (0, 2, -np.pi / 2, 0.0, np.pi),
+    "-z": (0, 1, 0.0, 0.0, 0.0),
+    "+z": (0, 1, np.pi, 0.0, 0.0),
+}
+
+
+class Painted(NamedTuple):
+    """Something that can be painted at once, before what is nearer."""
+
+    middle: NDArray[np.float64]
+    """(3,) in [m]: what is further away is painted first."""
+    paint: Callable[[Canvas], None]
+
+
+def paint_thing(thing: Thing) -> Painted:
+    """A box in its grey, with what is printed on its sides."""
+    return Painted(thing.box().pose[:3, 3], partial(_thing, thing=thing))
+
+
+def paint_box(canvas: Canvas, box: Box, grey: int, sides: tuple[int, ...] = (0, 1, 2, 3, 4, 5)) -> None:
+    """Those sides of a box that the camera sees, each in its shade."""
+    normals = NORMALS @ box.pose[:3, :3].T
+    corners = (CORNERS * np.array(box.size)) @ box.pose[:3, :3].T + box.pose[:3, 3]
+    for i in sides:
+        if canvas.seen_from_front(corners[i][0], normals[i]):
+            canvas.polygon(corners[i], min(255, round(grey * _SHADE[i])))
+
+
+def _thing(canvas: Canvas, thing: Thing) -> None:
+    box, faces = thing.box(), thing.faces()
+    plain = tuple(i for i, side in enumerate(SIDES) if side not in faces)
+    paint_box(canvas, box, thing.grey, plain)
+    for side, picture in faces.items():
+        face, (width, height) = picture_frame(side, box)
+        if canvas.seen_from_front(face[:3, 3], -face[:3, 2]):
+            canvas.texture(picture_levels(picture, width, height), face)
+
+
+def picture_frame(side: Side, box: Box) -> tuple[Transform, tuple[float, float]]:
+    """Frame (4, 4) of the picture on a box's side, and its size in [m] along rows and columns.
+
+    Origin in the picture's upper left corner, x along its rows, y down its columns, z into the box.
+    """
+    along, down, *turn = _PICTURES[side]
+    size = (box.size[along], box.size[down])
+    out = NORMALS[SIDES.index(side)] * np.array(box.size) / 2
+    middle = transform(tuple(out.tolist()), tuple(turn))
+    return box.pose @ middle @ transform((-size[0] / 2, -size[1] / 2, 0.0)), size
+
+
+def picture_levels(picture: GreyImage, width: float, height: float) -> Levels:
+    """A picture that fills a face of that size in [m], its pixels made square, in falling resolution."""
+    metres = min(width / picture.shape[1], height / picture.shape[0])
+    size = (max(1, round(width / metres)), max(1, round(height / metres)))
+    if size != picture.shape[::-1]:
+        picture = cv2.resize(picture, size, interpolation=cv2.INTER_LINEAR).astype(np.uint8, copy=False)
+    levels = [(picture, metres)]
+    while min(levels[-1][0].shape) >= 8:
+        last, metres = levels[-1]
+        half = (last.shape[1] // 2, last.shape[0] // 2)
+        even = last[: half[1] * 2, : half[0] * 2]  # else the halved picture would be stretched
+        levels.append((cv2.resize(even, half, interpolation=cv2.INTER_AREA).astype(np.uint8), 2 * metres))
+    return levels

@@ -1,0 +1,92 @@
+"""What the camera on the hand sees."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from handcart.backends.description.simulated_errors import Errors
+from handcart.backends.simulation.scene import Scene
+from handcart.backends.simulation.world.thing import Rest
+from handcart.robotics.geometry.transform import Transform, transform
+from handcart.robotics.kinematics.shapes import Box
+from handcart.robotics.perception.cameras.camera_model import CameraModel
+
+from .canvas import Canvas
+from .lens import Lens
+from .painting import paint_box
+
+GreyImage = NDArray[np.uint8]
+
+_BACKGROUND, _FLOOR, _WALL, _FURNITURE, _METAL = 150, 95, 165, 110, 90
+_AROUND = frozenset({Rest.TABLE, Rest.FLOOR})
+
+
+class Renderer:
+    """Paints a scene for one camera: far things first, convex bodies face by face.
+
+    Things are painted as their props say. Not shown: the arm beyond its fingers, the base.
+    """
+
+    def __init__(self, camera: CameraModel, errors: Errors, seed: int) -> None:
+        self._lens = Lens(camera, errors, seed)
+
+    def render(self, scene: Scene, world_T_camera: Transform, period: int) -> GreyImage:
+        """The picture (height, width) taken from a pose (4, 4) in this period."""
+        return self._lens.take(self.ideal(scene, world_T_camera), period)
+
+    def ideal(self, scene: Scene, world_T_camera: Transform) -> GreyImage:
+        """The same without lens, light and noise; larger."""
+        canvas = Canvas(self._lens.K, self._lens.size, world_T_camera, _BACKGROUND)
+        _room(canvas, scene)
+        for sheet in (sheet for props in scene.props.values() for sheet in props.sheets()):
+            if canvas.seen_from_front(sheet.pose[:3, 3], sheet.pose[:3, 2]):
+                canvas.texture(sheet.levels, sheet.face())
+        _things(canvas, scene, _AROUND)
+        _robot(canvas, scene)
+        return canvas.picture
+
+
+def _room(canvas: Canvas, scene: Scene) -> None:
+    x, y = canvas.eye[:2]
+    floor = np.array([[-30, -30, 0], [30, -30, 0], [30, 30, 0], [-30, 30, 0]]) + np.array([x, y, 0.0])
+    canvas.polygon(floor, _FLOOR)
+    there = [s for s in scene.plain_solids if s.appears <= scene.time < s.leaves]
+    # Walls behind furniture: seen from within a room nothing stands behind a wall that hides it.
+    there.sort(key=lambda s: (s.box.size[2] < 2.0, -_away(canvas, s.box)))
+    for solid in there:
+        plain = _WALL if solid.box.name.startswith("wall") else _FURNITURE
+        paint_box(canvas, solid.box, plain if solid.grey is None else solid.grey)
+
+
+def _away(canvas: Canvas, box: Box) -> float:
+    """From the camera, over the floor, in [m]."""
+    return float(np.linalg.norm(box.pose[:2, 3] - canvas.eye[:2]))
+
+
+def _things(canvas: Canvas, scene: Scene, resting: frozenset[Rest]) -> None:
+    """What rests so, the nearest one last."""
+    there = [each for props in scene.props.values() for each in props.painted(resting)]
+    there.sort(key=lambda each: -float(np.linalg.norm(each.middle - canvas.eye)))
+    for each in there:
+        each.paint(canvas)
+
+
+def _robot(canvas: Canvas, scene: Scene) -> None:
+    """Tray and what stands on it, then the hand's load and fingers: nothing comes before them."""
+    if scene.arm is None:
+        return
+    if scene.robot.has_tray:
+        tray = scene.robot.tray_shape
+        middle = scene.world_T_base @ transform((*tray.middle, tray.top - tray.size[2] / 2))
+        paint_box(canvas, Box(middle, tray.size), scene.robot.tray_grey)
+    _things(canvas, scene, frozenset({Rest.TRAY}))
+    _things(canvas, scene, frozenset({Rest.HAND}))
+    if scene.robot.gripper is None:
+        return
+    hand, finger = scene.world_T("hand"), scene.robot.finger_shape
+    for side in (-1.0, 1.0):
+        middle = hand @ transform(
+            (finger.tip - finger.length / 2, side * (scene.width + finger.thickness) / 2, 0.0)
+        )
+        paint_box(canvas, Box(middle, (finger.length, finger.thickness, finger.height)), _METAL)

@@ -1,0 +1,178 @@
+"""The true state of a simulated world. Only evaluation and the simulation itself read it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import ClassVar, NamedTuple, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from handcart.backends.description.robot_file import RobotFile
+from handcart.backends.plain_values import Kinds
+from handcart.backends.saved_state import NotAState
+from handcart.backends.simulation.body.suspension import leaning
+from handcart.backends.simulation.world.solids import FloorPlan, Solid
+from handcart.backends.simulation.world.thing import Rest, Thing
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.geometry.transform import Transform
+from handcart.robotics.kinematics.arm_model import ArmModel
+
+from .scene_props import SceneProps
+
+GRAVITY = 9.81  # [m/s²]
+P = TypeVar("P", bound=SceneProps)
+
+
+class Contact(NamedTuple):
+    """The beginning of a contact."""
+
+    time: float
+    """[s]"""
+    body: str
+    """What of the robot: "base", a link, "load" (what is held), "fingers"."""
+    other: str
+    """What it ran into."""
+
+
+@dataclass(eq=False)
+class Scene:
+    """World and robot as they truly are.
+
+    `base` is world_T_base; `joints` (n,) in [rad]; `width` the opening between the finger pads in [m];
+    `hand_force` (3,) in [N] in the hand frame, without noise; `contacts` all that the robot ran into.
+    """
+
+    STATE: ClassVar[Kinds] = {
+        "base": Pose2,
+        "tilted_base": Transform | None,
+        "joints": NDArray[np.float64],
+        "width": float,
+        "time": float,
+        "held_name": str | None,
+        "hand_T_held": Transform,
+        "lean": tuple[float, float],
+        "hand_force": NDArray[np.float64],
+        "contacts": list[Contact],
+        "touching": frozenset[tuple[str, str]],
+        "changes": int,
+    }
+    """Attributes that a checkpoint keeps, with their types."""
+
+    robot: RobotFile
+    arm: ArmModel | None
+    solids: tuple[Solid, ...]
+    """All of them: the room's, then those of domains."""
+    base: Pose2
+    joints: NDArray[np.float64]
+    width: float
+    plain_solids: tuple[Solid, ...] = ()
+    """Those that the camera sees as plain boxes."""
+    props: dict[str, SceneProps] = field(default_factory=dict)
+    """What domains have in it, by the domain's name."""
+    time: float = 0.0
+    lean: tuple[float, float] = (0.0, 0.0)
+    """Roll and pitch of the base on its suspension, in [rad]."""
+    held: Thing | None = None
+    hand_T_held: Transform = field(default_factory=lambda: np.eye(4))
+    hand_force: NDArray[np.float64] = field(default_factory=lambda: np.zeros(3))
+    contacts: list[Contact] = field(default_factory=list)
+    touching: frozenset[tuple[str, str]] = frozenset()
+    """What touches in this period: pairs as in `Contact`."""
+    open_ground: bool = False
+    """Whether it stands outdoors: what is let go stands on the ground."""
+    tilted_base: Transform | None = None
+    """world_T_base (4, 4) where physics lets the base tilt; None: it stands level."""
+    changes: int = 0
+    """Counts the times that a thing was moved: what is derived from their poses asks it."""
+
+    def __post_init__(self) -> None:
+        self.body_plan = FloorPlan(self.solids, 0.02, self.robot.body_height)
+        self.full_plan = FloorPlan(self.solids, 0.02, 2.0)
+
+    @property
+    def held_name(self) -> str | None:
+        """What is held, by its name: a thing of the world, not a copy of it."""
+        return None if self.held is None else self.held.name
+
+    @held_name.setter
+    def held_name(self, name: str | None) -> None:
+        self.held = self.thing_named(name)
+
+    def thing_named(self, name: str | None) -> Thing | None:
+        """A thing by its name; None has none. Raises `NotAState` where there is no such thing."""
+        found = next((thing for thing in self.things() if thing.name == name), None)
+        if name is not None and found is None:
+            raise NotAState(f"no saved state: there is no {name!r} in this world")
+        return found
+
+    # Where things are
+
+    @property
+    def world_T_base(self) -> Transform:
+        """(4, 4)."""
+        return self.leaning_at(self.base) if self.tilted_base is None else self.tilted_base
+
+    def leaning_at(self, base: Pose2) -> Transform:
+        """world_T_base (4, 4) of a base elsewhere that leans as it does now, on its suspension."""
+        pose = base.lift()
+        return pose if self.lean == (0.0, 0.0) else pose @ leaning(self.lean, self.robot.errors.lean_pivot_m)
+
+    def world_T(self, frame: str) -> Transform:
+        """True pose (4, 4) of a frame of the robot."""
+        if self.arm is None:
+            raise ValueError("the robot has no arm")
+        return self.world_T_base @ self.arm.forward(self.joints, frame)
+
+    def of(self, kind: type[P]) -> P:
+        """What a domain has in it, by the class of its props; raises KeyError where it has none."""
+        for each in self.props.values():
+            if isinstance(each, kind):
+                return each
+        raise KeyError(f"no domain has {kind.__name__} in this world")
+
+    def things(self) -> list[Thing]:
+        """All that hands can carry."""
+        return [thing for props in self.props.values() for thing in props.things()]
+
+    def props_of(self, thing: Thing) -> SceneProps:
+        """Of which domain a thing is."""
+        return next(props for props in self.props.values() if any(each is thing for each in props.things()))
+
+    def riding(self) -> list[Thing]:
+        """What stands on the robot."""
+        return [thing for thing in self.things() if thing.rest is Rest.TRAY]
+
+    def felt_force(self) -> NDArray[np.float64]:
+        """(3,) in [N] in the hand frame: `hand_force`, weights that are felt, what props add."""
+        force = self.hand_force
+        for props in self.props.values():
+            force = force + props.hand_force()
+        if self.held is not None and self.held.WEIGHS:
+            down = np.array([0.0, 0.0, -GRAVITY * self.held.mass])
+            force = force + self.world_T("hand")[:3, :3].T @ down
+        return force
+
+    # What changes it
+
+    def move_base(self, base: Pose2) -> None:
+        """Put the base elsewhere, with what stands on it; what is held is the hand's."""
+        self.base = base
+        self._carry_along()
+
+    def lean_to(self, lean: tuple[float, float]) -> None:
+        """Let the base lean otherwise: roll and pitch in [rad]."""
+        if lean != self.lean:
+            self.lean = lean
+            self._carry_along()
+
+    def _carry_along(self) -> None:
+        for thing in self.riding():
+            thing.pose = self.world_T_base @ thing.base_T_thing
+            self.changes += 1
+
+    def touch(self, pairs: frozenset[tuple[str, str]]) -> None:
+        """Note what touches in this period; what didn't before is a new contact."""
+        for body, other in sorted(pairs - self.touching):
+            self.contacts.append(Contact(self.time, body, other))
+        self.touching = pairs

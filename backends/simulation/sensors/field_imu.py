@@ -1,0 +1,74 @@
+"""The inertial measurement unit of a simulated robot outdoors."""
+
+from __future__ import annotations
+
+import math
+from typing import ClassVar
+
+import numpy as np
+
+from handcart.backends.description.sensor_specs import ImuSpec
+from handcart.backends.simulation.keyed_noise import keyed
+from handcart.backends.simulation.scene import Scene
+from handcart.robotics.geometry.pose2 import Pose2
+
+from .simulated_imu import SimulatedImu, Vector
+
+
+class FieldImu(SimulatedImu):
+    """Gyros whose bias warms away and wanders off, with errors of scale; accelerometers that feel the drive.
+
+    These feel speeding up, curves and, while the base moves, vibration.
+    """
+
+    STATE: ClassVar = {
+        **SimulatedImu.STATE,
+        "_walk": Vector,
+        "_place": Pose2,
+        "_speed": float,
+        "_felt": Vector,
+    }
+
+    def __init__(self, spec: ImuSpec, scene: Scene, period: float, seed: int) -> None:
+        super().__init__(spec, scene, period, seed)
+        self._spec = spec
+        scale, warm, felt = keyed(seed, "gyros' constants").standard_normal((3, 3))
+        self._scale = 1.0 + spec.gyro_scale_percent / 100 * scale
+        self._warm = np.radians(spec.warm_up_deg_s) * warm
+        self._felt_bias = spec.accelerometer_bias_m_s2 * felt
+        self._walk, self._place = np.zeros(3), scene.base
+        self._speed, self._felt = 0.0, np.zeros(3)
+
+    def rates(self) -> Vector:
+        """See `Imu`."""
+        noise = self._rate_sigma * keyed(self._seed, "gyros", self._now).standard_normal(3)
+        warm = self._warm * math.exp(-self._now * self._period / self._spec.warm_up_s)
+        bias = self._bias + warm + self._walk
+        return np.asarray(self._scale * self._turned / self._period + bias + noise)
+
+    def accelerations(self) -> Vector:
+        """See `Imu`."""
+        shaken = self._spec.vibration_m_s2 if self._speed != 0.0 else 0.0
+        sigma = math.hypot(self._felt_sigma, shaken)
+        noise = sigma * keyed(self._seed, "accelerometers", self._now).standard_normal(3)
+        return np.asarray(self._turn.T @ self._carried() + self._felt + self._felt_bias + noise)
+
+    def advance(self, period: int) -> None:
+        """A period has passed."""
+        self._wander(period)
+        now = self._scene.base
+        if now == self._place and self._speed == 0.0:
+            self._turned, self._felt, self._now = np.zeros(3), np.zeros(3), period
+            return
+        super().advance(period)
+        moved, before = now.relative_to(self._place), self._speed
+        stands = now == self._place  # exactly: differences of equal places needn't be zero
+        self._speed = 0.0 if stands else math.copysign(math.hypot(moved.x, moved.y), moved.x) / self._period
+        speeding = (self._speed - before) / self._period
+        self._felt = np.array([speeding, self._speed * moved.theta / self._period, 0.0])
+        self._place = now
+
+    def _wander(self, period: int) -> None:
+        """The gyros' bias, a period later."""
+        wander = np.radians(self._spec.rate_random_walk_deg_s_rt_s) * math.sqrt(self._period)
+        self._walk = self._walk + wander * keyed(self._seed, "gyros' walk", period).standard_normal(3)

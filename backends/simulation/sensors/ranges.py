@@ -1,0 +1,81 @@
+"""What a perfect range sensor reads."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from handcart.backends.simulation.world.solids import FloorPlan
+from handcart.robotics.geometry.pose2 import Pose2
+
+_CORNERS = np.array([[1, 1], [1, -1], [-1, 1], [-1, -1]])
+_GRAZING = 1e-9  # [rad]
+
+
+def cast_rays(
+    plan: FloorPlan, sensor: Pose2, angles: NDArray[np.float64], time: float, reach: float
+) -> NDArray[np.float64]:
+    """Range (n,) in [m] of each beam to the first outline of the plan; infinity beyond `reach` [m].
+
+    `sensor` is world_T_sensor, `angles` (n,) in [rad] in its frame, `time` in [s] decides which surprises
+    are there. The slab method of Kay and Kajiya, "Ray tracing complex scenes" (1986), all outlines at once,
+    each against the beams that go its way. An outline that the sensor stands in is not seen.
+    """
+    ranges = np.full(len(angles), np.inf)
+    if not plan.names:
+        return ranges
+    here = plan.local(sensor.x, sensor.y)
+    near = np.hypot(*np.maximum(np.abs(here) - plan.half, 0.0).T) < reach
+    near &= plan.there(time)
+    here, half, cos, sin = here[near], plan.half[near], plan.cos[near], plan.sin[near]
+    heading = np.arctan2(sin, cos) - sensor.theta
+    outline, beam = _pairs(here, half, heading, angles)
+    turned = angles[beam] - heading[outline]
+    enter, leave = _slab(here[outline, 0], half[outline, 0], np.cos(turned))
+    enter_y, leave_y = _slab(here[outline, 1], half[outline, 1], np.sin(turned))
+    np.maximum(enter, enter_y, out=enter)
+    np.minimum(leave, leave_y, out=leave)
+    hit = (enter <= leave) & (enter > 0.0) & (enter <= reach)
+    np.minimum.at(ranges, beam[hit], enter[hit])
+    return ranges
+
+
+def _pairs(
+    here: NDArray[np.float64],
+    half: NDArray[np.float64],
+    heading: NDArray[np.float64],
+    angles: NDArray[np.float64],
+) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Outlines (k,) and beams (k,) that may meet: the beam's angle is between those of the corners.
+
+    `here` (m, 2) is the sensor in the outlines' frames, `heading` (m,) theirs in the sensor frame.
+    """
+    order = np.argsort(angles)
+    sorted_angles = angles[order]
+    corners = _CORNERS * half[:, None] - here[:, None]
+    middle = np.arctan2(-here[:, 1], -here[:, 0])
+    # Seen from outside no outline is as wide as half a turn.
+    beside = _wrapped(np.arctan2(corners[..., 1], corners[..., 0]) - middle[:, None])
+    low = beside.min(axis=1) - _GRAZING
+    turns = 2 * np.pi
+    first = sorted_angles[0] + np.mod(middle + heading + low - sorted_angles[0], turns)
+    around = np.concatenate([sorted_angles, sorted_angles + turns])
+    begin = np.searchsorted(around, first)
+    count = np.searchsorted(around, first + beside.max(axis=1) + _GRAZING - low) - begin
+    outline = np.repeat(np.arange(len(here)), count)
+    place = np.arange(len(outline)) - np.repeat(np.cumsum(count) - count, count) + np.repeat(begin, count)
+    return outline, order[place % len(angles)]
+
+
+def _wrapped(angle: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Into -pi to pi."""
+    return (angle + np.pi) % (2 * np.pi) - np.pi
+
+
+def _slab(
+    here: NDArray[np.float64], half: NDArray[np.float64], direction: NDArray[np.float64]
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Where beams (k,) enter and leave the strips between -half and half (k,)."""
+    slope = 1.0 / np.where(np.abs(direction) < 1e-12, 1e-12, direction)
+    middle, width = -here * slope, half * np.abs(slope)
+    return middle - width, middle + width

@@ -1,0 +1,59 @@
+"""What the cameras of all simulated backends share."""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from typing import ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from handcart.backends.capabilities.camera import Camera
+from handcart.backends.description.robot_file import RobotFile
+from handcart.backends.description.sensor_specs import CameraSpec
+from handcart.backends.plain_values import Kinds
+from handcart.backends.robot.mounted_camera import known_camera
+from handcart.backends.simulation.sensors.true_camera import true_camera
+from handcart.robotics.geometry.transform import Transform
+from handcart.robotics.kinematics.arm_model import ArmModel
+from handcart.robotics.perception.cameras.camera_model import CameraModel
+
+
+class SimulatedCamera(Camera):
+    """Takes a picture as the true camera sees, on demand, once a period; model and mount are those known."""
+
+    STATE: ClassVar[Kinds] = {"_now": int}
+    """Attributes that a checkpoint keeps, with their types."""
+
+    def __init__(self, robot: RobotFile, spec: CameraSpec, arm: ArmModel, seed: int) -> None:
+        """Mounted at the URDF's link `camera`, unless `errors` has its mount or focal length off."""
+        self._known = known_camera(spec, arm)
+        self._true = true_camera(spec, arm, robot.errors, seed)
+        self._now = 0
+        self._last: tuple[int, NDArray[np.uint8]] | None = None
+
+    @abstractmethod
+    def _take(self) -> NDArray[np.uint8]:
+        """This period's picture (h, w)."""
+
+    def image(self) -> NDArray[np.uint8]:
+        """See `Camera`."""
+        if self._last is None or self._last[0] != self._now:
+            picture = self._take()
+            picture.flags.writeable = False
+            self._last = (self._now, picture)
+        return self._last[1]
+
+    @property
+    def model(self) -> CameraModel:
+        """See `Camera`."""
+        return self._known.model
+
+    @property
+    def hand_T_camera(self) -> Transform:
+        """See `Camera`."""
+        return self._known.hand_T_camera.copy()
+
+    def advance(self, period: int) -> None:
+        """A new period begins."""
+        self._now = period

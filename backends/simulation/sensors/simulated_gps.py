@@ -1,0 +1,74 @@
+"""The satellite receiver of a simulated robot."""
+
+from __future__ import annotations
+
+import math
+from typing import ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from handcart.backends.capabilities.gps import Fix, Gps
+from handcart.backends.description.ground_spec import GpsSpec
+from handcart.backends.simulation.keyed_noise import keyed
+from handcart.backends.simulation.scene import Scene
+from handcart.backends.simulation.world.world_file import SkySpec
+from handcart.robotics.far import Far
+
+
+class SimulatedGps(Gps):
+    """White and slow errors by the receiver; reflections, outliers and outages by the sky above it."""
+
+    STATE: ClassVar = {
+        "_fix": Fix | None,
+        "_drift": NDArray[np.float64],
+        "_count": int,
+        "_spell": int,
+        "_until": Far,
+        "_off": NDArray[np.float64],
+    }
+
+    def __init__(self, spec: GpsSpec, sky: SkySpec, scene: Scene, period: float, seed: int) -> None:
+        self._spec, self._sky, self._scene, self._seed = spec, sky, scene, seed
+        self._every = max(1, round(spec.period_s / period))
+        self._antenna = np.array([*scene.robot.antenna, 1.0])
+        self._fix: Fix | None = None
+        self._drift = spec.drift_m * keyed(seed, "gps drift").standard_normal(2)
+        self._count, self._spell, self._off = 0, 0, np.zeros(2)
+        self._until = self._next_spell()
+
+    def fix(self) -> Fix | None:
+        """See `Gps`."""
+        return self._fix
+
+    def advance(self, period: int) -> None:
+        """A period has passed."""
+        self._fix = None
+        if period % self._every:
+            return
+        self._count += 1
+        draws = keyed(self._seed, "gps", self._count).standard_normal((3, 2))
+        odd = keyed(self._seed, "gps outliers", self._count).random() < self._sky.outlier_percent / 100
+        keep = math.exp(-self._spec.period_s / self._spec.drift_time_s)
+        self._drift = keep * self._drift + self._spec.drift_m * math.sqrt(1.0 - keep * keep) * draws[0]
+        self._reflect()
+        if any(each.from_s <= self._scene.time < each.to_s for each in self._sky.outages):
+            return
+        off = self._drift + self._spec.white_m * draws[1] + self._off
+        place = (self._scene.world_T_base @ self._antenna)[:2] + off
+        self._fix = Fix(place + (self._sky.outlier_m * draws[2] if odd else 0.0), self._spec.white_m)
+
+    def _reflect(self) -> None:
+        """A reflection begins or ends; spells with odd numbers are reflections."""
+        while self._scene.time >= self._until:
+            self._spell += 1
+            reflected = self._spell % 2 == 1
+            draw = keyed(self._seed, "reflections", self._spell)
+            self._off = self._sky.reflection_m * draw.standard_normal(2) if reflected else np.zeros(2)
+            self._until += draw.exponential(self._sky.reflection_s) if reflected else self._next_spell()
+
+    def _next_spell(self) -> float:
+        every = self._sky.reflection_every_s
+        if every is None:
+            return math.inf
+        return float(keyed(self._seed, "reflections wait", self._spell).exponential(every))

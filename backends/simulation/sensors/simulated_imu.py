@@ -1,0 +1,54 @@
+"""The inertial measurement unit of a simulated robot."""
+
+from __future__ import annotations
+
+from typing import ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+from handcart.backends.capabilities.imu import Imu
+from handcart.backends.description.sensor_specs import ImuSpec
+from handcart.backends.plain_values import Kinds
+from handcart.backends.simulation.keyed_noise import keyed
+from handcart.backends.simulation.scene import Scene
+
+GRAVITY = 9.81  # [m/s²]
+
+Vector = NDArray[np.float64]
+
+
+class SimulatedImu(Imu):
+    """Gyros with white noise and a constant bias; accelerometers that feel nothing but gravity, and noise."""
+
+    STATE: ClassVar[Kinds] = {"_turn": Vector, "_turned": Vector, "_now": int}
+    """Attributes that a checkpoint keeps, with their types."""
+
+    def __init__(self, spec: ImuSpec, scene: Scene, period: float, seed: int) -> None:
+        self._scene, self._period, self._seed = scene, period, seed
+        self._rate_sigma = np.radians(spec.angle_random_walk_deg_rt_s) / np.sqrt(period)
+        self._bias = np.radians(spec.gyro_bias_deg_s) * keyed(seed, "gyro bias").standard_normal(3)
+        self._felt_sigma = spec.accelerometer_sigma_m_s2
+        self._turn = scene.world_T_base[:3, :3]
+        self._turned, self._now = np.zeros(3), 0
+
+    def rates(self) -> Vector:
+        """See `Imu`."""
+        noise = self._rate_sigma * keyed(self._seed, "gyros", self._now).standard_normal(3)
+        return np.asarray(self._turned / self._period + self._bias + noise)
+
+    def accelerations(self) -> Vector:
+        """See `Imu`."""
+        noise = self._felt_sigma * keyed(self._seed, "accelerometers", self._now).standard_normal(3)
+        return np.asarray(self._turn.T @ self._carried() + noise)
+
+    def advance(self, period: int) -> None:
+        """A period has passed."""
+        turn = self._scene.world_T_base[:3, :3]
+        self._turned = Rotation.from_matrix(self._turn.T @ turn).as_rotvec()
+        self._turn, self._now = turn, period
+
+    def _carried(self) -> Vector:
+        """The acceleration (3,) in [m/s²], in the world, with which the robot is kept from falling freely."""
+        return np.array([0.0, 0.0, GRAVITY])

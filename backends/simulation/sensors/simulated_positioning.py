@@ -1,0 +1,68 @@
+"""The indoor positioning of a simulated robot."""
+
+from __future__ import annotations
+
+import math
+from typing import ClassVar
+
+from handcart.backends.capabilities.positioning import PoseReading, Positioning
+from handcart.backends.description.sensor_specs import PositioningSpec
+from handcart.backends.simulation.keyed_noise import keyed
+from handcart.backends.simulation.scene import Scene
+from handcart.robotics.geometry.pose2 import Pose2
+
+_ROUNDING = 1e-9
+
+
+class SimulatedPositioning(Positioning):
+    """The true pose with white noise, at the system's own rate, told after its latency.
+
+    It is never out of sight and never slips; the map's frame is its own.
+    """
+
+    STATE: ClassVar = {
+        "_now": int,
+        "_taken": int,
+        "_under_way": tuple[tuple[int, Pose2, float], ...],
+        "_last": tuple[int, Pose2, float] | None,
+    }
+    """Attributes that change, with their types."""
+
+    def __init__(self, spec: PositioningSpec, scene: Scene, period: float, seed: int) -> None:
+        """Told every `period`, in [s], that time passes."""
+        self._spec, self._scene, self._period, self._seed = spec, scene, period, seed
+        self._now, self._taken = 0, 0
+        self._under_way: tuple[tuple[int, Pose2, float], ...] = ()
+        """Number, pose, and when it was measured, in [s], of what hasn't arrived."""
+        self._last: tuple[int, Pose2, float] | None = None
+        self._take()
+
+    def reading(self) -> PoseReading | None:
+        """See `Positioning`."""
+        if self._last is None:
+            return None
+        number, pose, when = self._last
+        return PoseReading(number, pose, self._now * self._period - when)
+
+    def advance(self, period: int) -> None:
+        """A new period begins."""
+        self._now = period
+        self._take()
+
+    def _take(self) -> None:
+        """Measure if it is time to, and hand on what has arrived."""
+        time = self._now * self._period
+        due = math.floor(time * self._spec.rate_hz + _ROUNDING) + 1
+        if due > self._taken:
+            self._taken = due
+            self._under_way += ((due, self._measured(due), time),)
+        arrived = [each for each in self._under_way if each[2] + self._spec.latency_s <= time + _ROUNDING]
+        if arrived:
+            self._last = arrived[-1]
+            self._under_way = self._under_way[len(arrived) :]
+
+    def _measured(self, number: int) -> Pose2:
+        x, y, theta = self._scene.base
+        sigma, turn = self._spec.sigma_mm / 1e3, self._spec.heading_sigma_mrad / 1e3
+        dx, dy, angle = keyed(self._seed, "positioning", number).standard_normal(3).tolist()
+        return Pose2(x + sigma * dx, y + sigma * dy, theta + turn * angle)

@@ -1,0 +1,140 @@
+"""The base class of the backends that simulate a robot and its world."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any, ClassVar, Protocol
+
+from handcart.backends.backend import Backend
+from handcart.backends.capabilities.capability import Capability
+from handcart.backends.description.robot_file import RobotFile
+from handcart.backends.ground_truth import GroundTruth
+from handcart.backends.plain_values import Kinds, attributes, set_attributes
+from handcart.backends.saved_state import NotAState
+from handcart.backends.simulation.body.simulated_arm import SimulatedArm
+from handcart.backends.simulation.body.simulated_gripper import SimulatedGripper
+from handcart.backends.simulation.commanded_base import CommandedBase
+from handcart.backends.simulation.sensors.simulated_camera import SimulatedCamera
+from handcart.backends.simulation.sensors.simulated_gps import SimulatedGps
+from handcart.backends.simulation.sensors.simulated_imu import SimulatedImu
+from handcart.backends.simulation.sensors.simulated_positioning import SimulatedPositioning
+from handcart.backends.simulation.sensors.simulated_range_sensor import SimulatedRangeSensor
+from handcart.backends.simulation.world.load_world import load_world, load_world_or_map
+from handcart.backends.simulation.world.world_file import MissingWorld, WorldFile
+from handcart.robotics.geometry.pose2 import Pose2
+
+from .build_scene import build_scene
+from .true_state import true_state
+
+
+class Part(Protocol):
+    """Something that changes in a run."""
+
+    @property
+    def STATE(self) -> Kinds:
+        """Attributes that a checkpoint keeps, with their types; what follows from them isn't kept."""
+
+
+class SimulatedBackend(Backend):
+    """A robot among simulated things: what stands there, the robot's parts, and where all of it stands.
+
+    A subclass gives the robot its parts when it is built, and lets periods pass in `step`. `scene` is ground
+    truth: only evaluation may read it.
+    """
+
+    STATE: ClassVar[Kinds] = {"_periods": int}
+    _base: CommandedBase
+
+    def __init__(self, robot: RobotFile, world: WorldFile, seed: int) -> None:
+        """Set the world up, with a robot in it that has no parts yet."""
+        self.period = robot.period_s
+        self.scene = build_scene(robot, world, seed)
+        self._robot, self._world_file, self._seed = robot, world, seed
+        self._periods = 0
+        self._arm: SimulatedArm | None = None
+        self._gripper: SimulatedGripper | None = None
+        self._camera: SimulatedCamera | None = None
+        self._range: SimulatedRangeSensor | None = None
+        self._imu: SimulatedImu | None = None
+        self._gps: SimulatedGps | None = None
+        self._positioning: SimulatedPositioning | None = None
+
+    @classmethod
+    def build(cls, robot: RobotFile, world: Path | WorldFile | None, seed: int) -> SimulatedBackend:
+        """See `Backend`."""
+        return cls(robot, cls.needed(world), seed)
+
+    @classmethod
+    def read_world(cls, path: Path, start: Pose2) -> WorldFile:
+        """See `Backend`."""
+        return load_world_or_map(path, start)
+
+    @classmethod
+    def needed(cls, world: Path | WorldFile | None) -> WorldFile:
+        """The world, read if it is a file; raises `MissingWorld` where there is none, or `FileError`."""
+        if world is None:
+            raise MissingWorld(f"the backend {cls.name!r} simulates; needed: a world file")
+        return world if isinstance(world, WorldFile) else load_world(world)
+
+    def _receive(self) -> None:
+        """Build what tells where the base is from outside: satellites."""
+        if self._robot.gps is not None:
+            sky = self._world_file.sky
+            self._gps = SimulatedGps(self._robot.gps, sky, self.scene, self.period, self._seed)
+
+    def _position(self) -> None:
+        """Build the indoor positioning: it measures at once."""
+        if self._robot.positioning is not None:
+            spec = self._robot.positioning
+            self._positioning = SimulatedPositioning(spec, self.scene, self.period, self._seed)
+
+    def capabilities(self) -> tuple[Capability, ...]:
+        """See `Backend`."""
+        sensors = (self._camera, self._range, self._imu, self._gps, self._positioning)
+        parts = (self._base, self._arm, self._gripper, *sensors)
+        return tuple(part for part in parts if part is not None)
+
+    def stop(self) -> None:
+        """See `Backend`."""
+        for part in (self._base, self._arm, self._gripper):
+            if part is not None:
+                part.halt()
+
+    def _own_parts(self) -> Mapping[str, Part | None]:
+        """What else changes in a run, by name; None for what this robot hasn't."""
+        return {}
+
+    def _parts(self) -> dict[str, Part]:
+        """What changes in a run, by name, in the order in which it is put back."""
+        named = {
+            **{f"props {name}": props for name, props in self.scene.props.items()},
+            "scene": self.scene,
+            "backend": self,
+            "base": self._base,
+            "arm": self._arm,
+            "gripper": self._gripper,
+            "camera": self._camera,
+            "range": self._range,
+            "imu": self._imu,
+            "gps": self._gps,
+            "positioning": self._positioning,
+            **self._own_parts(),
+        }
+        return {name: part for name, part in named.items() if part is not None}
+
+    def state(self) -> dict[str, Any]:
+        """See `Backend`."""
+        return {name: attributes(part, part.STATE) for name, part in self._parts().items()}
+
+    def set_state(self, state: object) -> None:
+        """See `Backend`."""
+        parts = self._parts()
+        if not isinstance(state, dict) or state.keys() != parts.keys():
+            raise NotAState(f"no state of this robot in {self.name}; needed: {', '.join(parts)}")
+        for name, part in parts.items():
+            set_attributes(part, part.STATE, state[name])
+
+    def ground_truth(self) -> GroundTruth:
+        """See `Backend`."""
+        return true_state(self.scene)

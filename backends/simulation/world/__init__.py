@@ -1,0 +1,1 @@
+"""What stands around the robot, by a world's file."""

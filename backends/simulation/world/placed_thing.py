@@ -1,0 +1,75 @@
+"""A box that a person sets down before a run."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Annotated, Any, ClassVar, Literal, Self
+
+import numpy as np
+from pydantic import Field
+
+from handcart.backends.simulation.keyed_noise import keyed
+from handcart.backends.simulation.scene import Scene
+from handcart.robotics.geometry.transform import transform
+
+from .thing import Rest, Thing
+from .world_file import Millimetres, Name, Place
+
+
+class PlacedSpec(Place):
+    """A thing, and where a person sets it down: the middle of its foot."""
+
+    name: Name
+    on: Literal["world", "robot"] = "world"
+    """Whose frame its place is in: the world's, or that of the robot's base, on its own table."""
+    height_m: Annotated[float, Field(ge=0.0, le=3.0)]
+    """Of its foot."""
+    size_mm: tuple[Millimetres, Millimetres, Millimetres] = (25.0, 80.0, 40.0)
+    """Length, width, height: along its x, y and z."""
+    grey: Annotated[int, Field(ge=0, le=255)] = 190
+
+
+@dataclass(eq=False, repr=False)
+class PlacedThing(Thing):
+    """A box by its spec. Its frame: origin in the middle of its foot; x along its length, z up."""
+
+    KIND: ClassVar[str] = "thing"
+    """Before the name in its file, in its name."""
+
+    spec: PlacedSpec
+
+    @property
+    def name(self) -> str:
+        """See `Thing`."""
+        return f"{self.KIND} {self.spec.name}"
+
+    @property
+    def size(self) -> tuple[float, float, float]:
+        """Length, width, height along x, y, z of its frame, in [m]."""
+        length, width, height = self.spec.size_mm
+        return length / 1e3, width / 1e3, height / 1e3
+
+    @property
+    def grey(self) -> int:
+        """See `Thing`."""
+        return self.spec.grey
+
+    @classmethod
+    def set_down(cls, scene: Scene, spec: PlacedSpec, seed: int, **others: Any) -> Self:
+        """A person sets it down, on a table or on the robot's own, not quite in its place.
+
+        Args:
+            scene: where the robot stands already; within the errors of its file.
+            spec: what and where.
+            seed: of how far off.
+            others: further fields of the class.
+        """
+        errors = scene.robot.errors
+        dx, dy, turn = keyed(seed, f"{cls.KIND} {spec.name}").standard_normal(3)
+        place = errors.block_place_mm / 1e3
+        yaw = np.radians(spec.heading_deg + errors.block_turn_deg * turn)
+        stands = transform((spec.x_m + place * dx, spec.y_m + place * dy, spec.height_m), (0.0, 0.0, yaw))
+        scene.changes += 1
+        if spec.on == "robot":
+            return cls(scene.world_T_base @ stands, Rest.TRAY, spec, base_T_thing=stands, **others)
+        return cls(stands, Rest.TABLE, spec, **others)

@@ -1,0 +1,113 @@
+"""What carries a box that is let go."""
+
+from __future__ import annotations
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from handcart.backends.simulation.scene import Scene
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.geometry.transform import Transform, inverse
+from handcart.robotics.kinematics.shapes import Box
+
+from .thing import Rest, Thing
+
+HIGHEST_DROP = 0.01  # onto a support; from higher up a box topples [m]
+BELOW = 0.003  # by which arm and suspension may have pressed it into its support [m]
+LEVEL = 0.001  # supports at most this much apart in height carry together [m]
+UPRIGHT = np.cos(np.radians(10.0))
+TOPPLED = np.radians(10.0)
+SUNK = 0.005  # [m] by which a foot may lie below its support, in physics
+TRAY = "tray"
+
+Points = NDArray[np.float64]
+
+
+def put_down(scene: Scene, thing: Thing) -> None:
+    """Let a box drop from where it is.
+
+    It stands where it is let go, flat on tables, the robot's own table or other things, if these are at most
+    10 mm below its foot and its middle lies within the hull of where it rests on them: so a box may bridge
+    a gap. Else it falls to the floor and is lost to the robot.
+    """
+    scene.changes += 1
+    thing.rest = Rest.FLOOR
+    supports = _supports(scene, thing)
+    top = max((height for height, _, _ in supports), default=-np.inf)
+    carrying = [(area, own) for height, area, own in supports if height > top - LEVEL]
+    if thing.pose[2, 2] < UPRIGHT or not _within(thing.pose[:2, 3], [area for area, _ in carrying]):
+        thing.pose = _upright(thing.pose, 0.0)
+        return
+    thing.pose = _upright(thing.pose, top)
+    if any(own for _, own in carrying):
+        thing.rest = Rest.TRAY
+        thing.base_T_thing = inverse(scene.world_T_base) @ thing.pose
+    else:
+        thing.rest = Rest.TABLE
+
+
+def rest_of(scene: Scene, thing: Thing) -> Rest:
+    """What carries a box that stands where physics has put it: the robot's own table, one of the world, or
+    nothing of use.
+
+    What stands on another box is carried by what carries that one. One that toppled is lost to the robot,
+    wherever it lies.
+    """
+    if thing.tilt() > TOPPLED:
+        return Rest.FLOOR
+    if scene.robot.has_tray:
+        tray = scene.robot.tray_shape
+        x, y, z = (inverse(scene.world_T_base) @ thing.pose)[:3, 3]
+        beside = np.abs(np.array((x, y)) - tray.middle) - np.array(tray.size[:2]) / 2
+        if (beside < 0.0).all() and z > tray.top - SUNK:
+            return Rest.TRAY
+    for solid in scene.solids:
+        x, y, z = (inverse(solid.box.pose) @ thing.pose)[:3, 3]
+        length, width, height = solid.box.size
+        if abs(x) < length / 2 and abs(y) < width / 2 and z > height / 2 - SUNK:
+            return Rest.TABLE
+    return Rest.FLOOR
+
+
+def _supports(scene: Scene, thing: Thing) -> list[tuple[float, Points, bool]]:
+    """Level tops right below: height in [m], outline (n, 2) of where it rests, whether the robot's."""
+    foot = float(thing.pose[2, 3])
+    outline = _outline(Box(thing.pose, thing.size))
+    boxes = [(solid.box, False) for solid in scene.solids]
+    boxes += [
+        (each.box(), each.rest is Rest.TRAY)
+        for each in scene.things()
+        if each is not thing and each.rest in (Rest.TABLE, Rest.TRAY)
+    ]
+    if scene.robot.has_tray:
+        tray = scene.robot.tray_shape
+        pose = scene.base.compose(Pose2(*tray.middle, 0.0)).lift(tray.top - tray.size[2] / 2)
+        boxes.append((Box(pose, tray.size, TRAY), True))
+    found = []
+    for box, own in boxes:
+        top = float(box.pose[2, 3]) + box.size[2] / 2
+        if -HIGHEST_DROP <= top - foot <= BELOW:
+            area = cv2.intersectConvexConvex(outline.astype(np.float32), _outline(box).astype(np.float32))[1]
+            if area is not None and len(area) >= 3:
+                found.append((top, area.reshape(-1, 2).astype(np.float64), own))
+    return found
+
+
+def _outline(box: Box) -> Points:
+    """(4, 2) corners of an upright box on the floor."""
+    half = np.array([[1, 1], [-1, 1], [-1, -1], [1, -1]]) * np.array(box.size[:2]) / 2
+    return np.asarray(half @ box.pose[:2, :2].T + box.pose[:2, 3])
+
+
+def _within(middle: Points, areas: list[Points]) -> bool:
+    if not areas:
+        return False
+    # Metres about the middle, for single precision.
+    corners = (np.vstack(areas) - middle).astype(np.float32)
+    return cv2.pointPolygonTest(cv2.convexHull(corners), (0.0, 0.0), measureDist=False) > 0
+
+
+def _upright(pose: Transform, height: float) -> Transform:
+    yaw = float(np.arctan2(pose[1, 0], pose[0, 0]))
+    return Pose2(float(pose[0, 3]), float(pose[1, 3]), yaw).lift(height)

@@ -1,0 +1,140 @@
+"""A world's file: what stands around the robot, seen and unseen by its map."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterable
+from typing import Annotated, Literal, Self
+
+from pydantic import Field, model_validator
+
+from handcart.backends.description.ground_spec import GroundSpec
+from handcart.files.errors import InputError
+from handcart.files.maps.map_file import MapPlace
+from handcart.files.models.model import FileModel
+
+
+class MissingWorld(InputError):
+    """A simulated backend was asked for without a world to simulate."""
+
+
+Coordinate = Annotated[float, Field(ge=-1e7, le=1e7)]  # as on maps, which may use a grid of the Earth
+Degrees = Annotated[float, Field(ge=-360.0, le=360.0)]
+Length = Annotated[float, Field(gt=0.0, le=100.0)]
+Millimetres = Annotated[float, Field(gt=0.0, le=1000.0)]
+Seconds = Annotated[float, Field(ge=0.0)]
+Name = Annotated[str, Field(min_length=1, max_length=60)]
+
+
+class Place(FileModel):
+    """A pose on the floor."""
+
+    x_m: Coordinate
+    y_m: Coordinate
+    heading_deg: Degrees = 0.0
+
+
+class Wall(FileModel):
+    """A straight wall about the line between two points, 2 m high."""
+
+    from_m: tuple[Coordinate, Coordinate]
+    to_m: tuple[Coordinate, Coordinate]
+    thickness_m: Length = 0.1
+
+    @model_validator(mode="after")
+    def _has_length(self) -> Self:
+        if self.from_m == self.to_m:
+            raise ValueError("the wall has no length; allowed: two different points")
+        return self
+
+
+class Furniture(Place):
+    """A solid box, on the floor or above it; its pose is that of its middle."""
+
+    name: Name
+    size_m: tuple[Length, Length, Length]
+    """Along its own x, along its own y, height."""
+    above_m: Annotated[float, Field(ge=0.0, le=10.0)] = 0.0
+    """Of its underside above the floor, for what is hung up or lies on something else."""
+
+
+class Surprise(Furniture):
+    """A box that no map shows; with times, somebody who comes and goes."""
+
+    appears_s: Seconds | None = None
+    """When it comes, in simulated time; it is there from the start where this is missing."""
+    leaves_s: Seconds | None = None
+
+    @model_validator(mode="after")
+    def _comes_first(self) -> Self:
+        if self.leaves_s is not None and self.leaves_s <= (self.appears_s or 0.0):
+            raise ValueError("it leaves before it appears; allowed: leaves_s later than appears_s")
+        return self
+
+
+class TableSpec(Place):
+    """A table: a slab on a pedestal in its middle. Its pose is that of the slab's middle on the floor."""
+
+    name: Name
+    size_m: tuple[Length, Length, Length]
+    """Of the slab along its own x and y, and the height of its top."""
+    slab_m: Length = 0.04
+    """Its thickness."""
+    foot_m: tuple[Length, Length]
+    """Of the pedestal along x and y."""
+
+    @model_validator(mode="after")
+    def _stands(self) -> Self:
+        if self.slab_m >= self.size_m[2]:
+            raise ValueError("the slab is thicker than the table is high; allowed: a thinner one")
+        return self
+
+
+class OutageSpec(FileModel):
+    """A time without satellites."""
+
+    from_s: Seconds
+    to_s: Seconds
+
+
+class SkySpec(FileModel):
+    """What befalls a satellite receiver, beside its own noise."""
+
+    reflection_every_s: Annotated[float, Field(gt=0.0)] | None = None
+    """Mean time from the end of one reflection (multipath) to the next; none where this is missing."""
+    reflection_s: Annotated[float, Field(gt=0.0)] = 20.0
+    """Its mean duration."""
+    reflection_m: Annotated[float, Field(ge=0.0)] = 8.0
+    """By which it moves the fixes, an axis: sigma."""
+    outlier_percent: Annotated[float, Field(ge=0.0, le=100.0)] = 0.0
+    """Of single fixes that are `outlier_m` off."""
+    outlier_m: Annotated[float, Field(ge=0.0)] = 5.0
+    """An axis: sigma."""
+    outages: tuple[OutageSpec, ...] = ()
+
+
+class WorldFile(FileModel):
+    """The surroundings of the robot: what every world may have.
+
+    `handcart.backends.simulation.world.world_model` has the domains' keys as well.
+    """
+
+    format: Literal["handcart-world/1"]
+    start: Place
+    """Where a person puts the robot at first, within `errors.start_mm` and `start_deg` of its file."""
+    map: MapPlace | None = None
+    """A map in ROS format: what is occupied on it stands here as well, 2 m high."""
+    walls: tuple[Wall, ...] = ()
+    furniture: tuple[Furniture, ...] = ()
+    surprises: tuple[Surprise, ...] = ()
+    tables: tuple[TableSpec, ...] = ()
+    ground: GroundSpec | None = None
+    """Open ground, rough; left out: a level floor."""
+    sky: SkySpec = SkySpec()
+
+
+def each_once(what: str, names: Iterable[str]) -> None:
+    """Raise ValueError, for a model's validator, if a name of these is there twice."""
+    twice = sorted(name for name, times in Counter(names).items() if times > 1)
+    if twice:
+        raise ValueError(f"{what} {', '.join(twice)} is there twice; allowed: each once")

@@ -1,0 +1,107 @@
+"""What is wrong between a world, the robot that is put into it, and the map that it is given."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+import cv2
+import numpy as np
+
+from handcart.robotics.navigation.maps.grid_map import GridMap, from_boxes
+
+from .solids import FloorPlan, Solid, room_of
+from .world_model import kinds_of_props
+
+if TYPE_CHECKING:
+    from handcart.backends.description.robot_file import RobotFile
+    from handcart.files.errors import Finding
+    from handcart.files.models.loading import Loaded
+    from handcart.robotics.geometry.pose2 import Pose2
+
+    from .world_file import WorldFile
+
+SIGMAS = 5.0
+ASTRAY_M = 0.3  # between where the robot is put and where it is told to be: scan matching pulls that in
+ASTRAY_DEG = 15.0
+SAME = 0.3  # [m] from what the map shows to what stands there
+ALIKE = 0.5  # of what the map shows stands in a world of its own
+
+
+def world_findings(
+    loaded: Loaded[WorldFile], world: WorldFile, robot: RobotFile, told: Pose2 | None, grid: GridMap | None
+) -> Iterator[Finding]:
+    """What keeps a run from beginning well.
+
+    Args:
+        loaded: the world's file.
+        world: the same, with what its map shows.
+        robot: who is put into it.
+        told: map_T_base at first, as the robot is told it; None where it is told nothing.
+        grid: the map that the robot is given, if any.
+    """
+    solids = solids_of(world)
+    yield from _stands_on(loaded, robot, solids)
+    for kind in kinds_of_props().values():
+        if isinstance(world, kind.section):
+            yield from kind.findings(loaded, robot)
+    if told is not None:
+        yield from _elsewhere(loaded, robot, told)
+    if grid is not None and grid.occupied.any():
+        yield from _off_its_map(loaded, grid, solids)
+
+
+def solids_of(world: WorldFile) -> list[Solid]:
+    """All that stands in a world, domains' solids and those who come and go included."""
+    kinds = kinds_of_props().values()
+    solids = room_of(world)
+    return solids + [each for kind in kinds if isinstance(world, kind.section) for each in kind.solids(world)]
+
+
+def _stands_on(loaded: Loaded[WorldFile], robot: RobotFile, solids: list[Solid]) -> Iterator[Finding]:
+    start, radius = loaded.value.start, robot.footprint_radius_m
+    plan = FloorPlan(solids, 0.02, robot.body_height)
+    clearance, name = plan.clearance(start.x_m, start.y_m, 0.0)
+    if clearance < radius:
+        where = f"{name} stands where the robot starts: {clearance:.2f} m from its middle"
+        yield loaded.finding(("start",), f"{where}; allowed: beyond its footprint, {radius:.2f} m")
+
+
+def _elsewhere(loaded: Loaded[WorldFile], robot: RobotFile, told: Pose2) -> Iterator[Finding]:
+    start = loaded.value.start
+    away = math.hypot(start.x_m - told.x, start.y_m - told.y)
+    turned = abs(math.remainder(start.heading_deg - math.degrees(told.theta), 360.0))
+    most = ASTRAY_M + SIGMAS * robot.errors.start_mm / 1e3
+    widest = ASTRAY_DEG + SIGMAS * robot.errors.start_deg
+    if away > most or turned > widest:
+        there = f"({told.x:.2f}, {told.y:.2f}) m, {math.degrees(told.theta):.0f} deg"
+        wrong = f"the robot is put {away:.2f} m and {turned:.0f} deg from where it is told to start, {there}"
+        yield loaded.finding(("start",), f"{wrong}; allowed: {most:.2f} m, {widest:.0f} deg")
+
+
+def _off_its_map(loaded: Loaded[WorldFile], grid: GridMap, solids: list[Solid]) -> Iterator[Finding]:
+    start = loaded.value.start
+    if not grid.inside(np.array([[start.x_m, start.y_m]]))[0]:
+        yield loaded.finding(("start",), "the robot starts off the map that it is given; allowed: on it")
+        return
+    share = _alike(grid, solids)
+    if share < ALIKE:
+        wrong = f"of what the robot's map shows only {share:.0%} stands in this world (within {SAME} m)"
+        yield loaded.finding((), f"{wrong}; allowed: {ALIKE:.0%} at least, of a world and its own map")
+
+
+def _alike(grid: GridMap, solids: list[Solid]) -> float:
+    """The share of the occupied cells with something of the world near them."""
+    shape = grid.occupied.shape
+    size = shape[1] * grid.resolution, shape[0] * grid.resolution
+    boxes = [_outline(solid) for solid in solids]
+    stands = from_boxes(boxes, grid.resolution, (grid.origin_x, grid.origin_y), size).occupied
+    away = cv2.distanceTransform((~stands).astype(np.uint8), cv2.DIST_L2, cv2.DIST_MASK_PRECISE)
+    near = away[: shape[0], : shape[1]] * grid.resolution <= SAME + grid.resolution
+    return float(np.mean(near[grid.occupied]))
+
+
+def _outline(solid: Solid) -> tuple[float, float, float, float, float]:
+    pose, (length, width, _) = solid.box.pose, solid.box.size
+    return float(pose[0, 3]), float(pose[1, 3]), math.atan2(pose[1, 0], pose[0, 0]), length, width

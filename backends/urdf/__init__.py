@@ -1,0 +1,1 @@
+"""A robot's URDF: its parts, its shape, its meshes."""

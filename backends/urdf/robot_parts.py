@@ -1,0 +1,178 @@
+"""The URDFs that a robot is put together from, and where their meshes lie."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Mapping, Sequence
+from importlib.util import find_spec
+from pathlib import Path
+from typing import Annotated, NamedTuple
+
+from pydantic import AfterValidator
+
+from handcart.files.errors import FileError, Finding, UnsafePath
+from handcart.files.inside import portable, resolve_inside
+from handcart.files.models.model import FileModel
+from handcart.files.xml_file import read_xml_text
+from handcart.robotics.kinematics.coal_bodies import hull_of_mesh, read_mesh
+from handcart.robotics.kinematics.urdf_assembly import Part, with_mesh_files
+from handcart.robotics.kinematics.urdf_reading import UrdfElement, read_urdf
+
+from .mesh_path import is_mesh, mesh_path
+from .urdf_file import read_urdf_file
+
+PACKAGE = "package://"
+_NAME = re.compile(r"[A-Za-z_]\w*")
+
+KeyPath = tuple[str | int, ...]
+
+
+class UrdfError(ValueError):
+    """A URDF of a robot's file is missing, or can't be put where the file says."""
+
+    def __init__(self, wrong: str, key: KeyPath | None = None) -> None:
+        self.key = key
+        """What says so in the robot's file; None: the URDF that it is about."""
+        super().__init__(wrong)
+
+
+def _place(text: str) -> str:
+    if not text.startswith(PACKAGE):
+        return portable(text)
+    package, _, path = text.removeprefix(PACKAGE).partition("/")
+    if not _NAME.fullmatch(package):
+        raise UnsafePath(text[:100], "names no package; allowed: package://NAME/PATH")
+    portable(path)
+    return text
+
+
+UrdfPlace = Annotated[str, AfterValidator(_place)]
+"""A path from the robot's file, or `package://NAME/PATH` in an installed Python package."""
+
+
+class PartSpec(FileModel):
+    """A URDF that is fixed, as it is, onto what stands before it in the file."""
+
+    urdf: UrdfPlace
+    """A path from the robot's file, or `package://NAME/PATH` in an installed Python package."""
+    srdf: UrdfPlace | None = None
+    """MoveIt's file for it: which of its links may touch each other (`disable_collisions`)."""
+    onto: str
+    """The link that carries its root link."""
+    xyz_m: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    """Where the root link stands in that link."""
+    rpy_deg: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    """Its roll, pitch and yaw there."""
+    prefix: str = ""
+    """Put before the names of its links and joints, where two parts share some."""
+
+    def part(self, text: str) -> Part:
+        """What it says, with the URDF's text."""
+        roll, pitch, yaw = (math.radians(angle) for angle in self.rpy_deg)
+        return Part(text, self.onto, self.xyz_m, (roll, pitch, yaw), self.prefix)
+
+
+class ReadPart(NamedTuple):
+    """A URDF, found sound."""
+
+    file: str
+    text: str
+    """Its meshes named by absolute paths."""
+    places: Mapping[tuple[str, str], tuple[int, int]]
+    """By ("link" or "joint", name): line and column."""
+    doubts: Sequence[Finding]
+    """What is wrong in it, but keeps nobody from using it."""
+
+
+def read_part(urdf: str, folder: Path) -> ReadPart:
+    """Read a URDF and look whether it can be used.
+
+    Args:
+        urdf: as in a robot's file.
+        folder: where that lies.
+
+    Raises:
+        FileError: something is wrong in it, or with a link's mesh.
+        UrdfError: it isn't there.
+    """
+    path, root, shown = _found(urdf, folder)
+    if not path.is_file():
+        raise UrdfError(f"there is no text file {urdf!r}; allowed: a URDF")
+    text, doubts = read_urdf_file(path, shown)
+    robot = read_urdf(text)
+    places = {
+        (str(each.tag), each.get("name", "")): (each.line, each.column)
+        for each in robot
+        if isinstance(each, UrdfElement) and each.tag in ("link", "joint")
+    }
+    if robot.find(".//mesh") is not None:
+        files = _mesh_files(robot, path, root, shown)
+        text = with_mesh_files(text, lambda name: str(files.get(name, name)))
+    return ReadPart(shown, text, places, doubts)
+
+
+def read_srdf(srdf: str, folder: Path) -> str:
+    """The text of a SRDF; arguments and errors as for `read_part`."""
+    path, _, _ = _found(srdf, folder)
+    if not path.is_file():
+        raise UrdfError(f"there is no text file {srdf!r}; allowed: a SRDF")
+    return read_xml_text(path)
+
+
+def _mesh_files(robot: UrdfElement, path: Path, root: Path, shown: str) -> dict[str, Path]:
+    """Where the meshes of all links are, by name.
+
+    Raises:
+        FileError: one lies where it must not; or one that collides isn't there, can't be read or encloses
+            nothing.
+    """
+    found: dict[str, Path] = {}
+    faults = []
+    for link in robot.findall("link"):
+        for kind in ("collision", "visual"):
+            for mesh in link.iterfind(f"{kind}/geometry/mesh"):
+                assert isinstance(mesh, UrdfElement)
+                name = mesh.get("filename", "")
+                wrong = None
+                try:
+                    found[name] = mesh_path(name, path, root)
+                except UnsafePath as error:
+                    wrong = str(error)
+                if wrong is None and kind == "collision":
+                    wrong = _mesh_fault(found[name], mesh.get("scale", "1 1 1"))
+                if wrong is not None:
+                    words = f"link {link.get('name')!r}: mesh {name!r}: {wrong}"
+                    faults.append(Finding(shown, mesh.line, mesh.column, words))
+    if faults:
+        raise FileError(faults)
+    return found
+
+
+def _mesh_fault(file: Path, scale: str) -> str | None:
+    if not is_mesh(file):
+        return "it isn't there; allowed: a file beside the URDF, or beside or above it in its package"
+    x, y, z = (float(word) for word in scale.split())
+    try:
+        mesh = read_mesh(str(file), (x, y, z))
+    except ValueError as error:
+        return str(error)
+    try:
+        hull_of_mesh(mesh, "")
+    except ValueError:
+        return "it encloses nothing; allowed: a closed surface"
+    return None
+
+
+def _found(urdf: str, folder: Path) -> tuple[Path, Path, str]:
+    """A URDF's file, the folder that it and its meshes are in, and how the file is shown."""
+    if not urdf.startswith(PACKAGE):
+        return resolve_inside(folder, urdf), folder, str(folder / urdf)
+    package, _, path = urdf.removeprefix(PACKAGE).partition("/")
+    spec = find_spec(package)
+    if spec is None or not spec.submodule_search_locations:
+        how = "; it comes with: pip install 'handcart[sim]'" if package.startswith("pybullet") else ""
+        raise UrdfError(f"there is no Python package {package!r}; allowed: an installed one{how}")
+    root = Path(spec.submodule_search_locations[0])
+    found = resolve_inside(root, path)
+    return found, root, str(found)

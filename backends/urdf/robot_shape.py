@@ -1,0 +1,97 @@
+"""What a robot's tray and fingers are like, by its URDF."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from handcart.files.errors import InputError
+from handcart.robotics.geometry.transform import Transform, inverse
+from handcart.robotics.kinematics.arm_model import ArmModel
+from handcart.robotics.kinematics.shapes import Box, Shape, top
+
+FINGER = "left_finger"
+TRAY = "tray"
+_LEVEL = 1e-6
+
+
+class MissingShape(InputError):
+    """The URDF doesn't tell what tray or fingers are like."""
+
+
+class TrayShape(NamedTuple):
+    """The tray: a box, level, its sides along those of the base. In the base frame, in [m]."""
+
+    middle: tuple[float, float]
+    """x and y."""
+    size: tuple[float, float, float]
+    """Along x, y, z."""
+    top: float
+    """Height of what things on it stand on."""
+
+    @property
+    def rear(self) -> float:
+        """x of its rear side."""
+        return self.middle[0] - self.size[0] / 2
+
+
+class FingerShape(NamedTuple):
+    """A finger: a box along the frame `hand`. In that frame, in [m]."""
+
+    tip: float
+    """x of the finger tips."""
+    length: float
+    """Along x."""
+    thickness: float
+    """Along y."""
+    height: float
+    """Along z; as much above the frame's x axis as below."""
+
+
+def tray_shape(arm: ArmModel) -> TrayShape:
+    """The largest box of the link `tray`; things stand on its upper side.
+
+    Raises:
+        MissingShape: there is none, or it isn't level.
+    """
+    box = _box(arm.link_shapes(0.5 * (arm.lower + arm.upper)), TRAY)
+    if not _along(box.pose):
+        raise MissingShape(
+            f"the link {TRAY!r} isn't level and straight; allowed: a box along the frame `base`"
+        )
+    x, y, z = (float(number) for number in box.pose[:3, 3])
+    return TrayShape((x, y), box.size, z + box.size[2] / 2)
+
+
+def body_height(urdf_text: str) -> float:
+    """Of the link `base`, without what stands on it; [m] above the floor."""
+    shapes = ArmModel(urdf_text, (), tip="base").link_shapes(np.empty(0))
+    return max((top(each) for each in shapes if each.name == "base"), default=0.0)
+
+
+def finger_shape(arm: ArmModel) -> FingerShape:
+    """The largest box of the link `left_finger`.
+
+    Raises:
+        MissingShape: there is none, or it doesn't lie along the frame `hand`.
+    """
+    joints = 0.5 * (arm.lower + arm.upper)
+    box = _box(arm.link_shapes(joints), FINGER)
+    hand_T_box = inverse(arm.forward(joints)) @ box.pose
+    if not _along(hand_T_box):
+        raise MissingShape(f"the link {FINGER!r} isn't straight; allowed: a box along the frame `hand`")
+    tip = float(hand_T_box[0, 3]) + box.size[0] / 2
+    return FingerShape(tip, *box.size)
+
+
+def _box(shapes: Sequence[Shape], link: str) -> Box:
+    boxes = [each for each in shapes if isinstance(each, Box) and each.name == link]
+    if not boxes:
+        raise MissingShape(f"the link {link!r} has no collision box; needed: one that tells its size")
+    return max(boxes, key=lambda each: float(np.prod(each.size)))
+
+
+def _along(pose: Transform) -> bool:
+    return bool(np.abs(pose[:3, :3] - np.eye(3)).max() < _LEVEL)

@@ -1,0 +1,411 @@
+"""Places as near to walls as `check` allows: python -m benchmarks.driving.near_walls [--worlds N] [--jobs N]
+
+Random rooms with an inner wall, a door in it, boxes on the map (low ones too, which no scan shows) and, in
+every fifth world, boxes that aren't on it; cells of 0.05 to 0.25 m; footprints of 0.2 to 0.53 m. Places are
+put beside what is occupied, by distances worked out here, cell by cell: as near as `check` allows, and
+nearer. What `handcart check` says of them is held against that; those that it calls reachable are driven to
+by `tasks/drive_map`, as `handcart run` does it, on the kinematic backend with the robot's own errors.
+Contacts are the simulated world's own. With --nearer places aren't checked: each that is too near is tried by
+MOVE_TO itself, as `handcart do` does it. Ended by Ctrl-C or SIGTERM, it reports on the worlds tried so far.
+"""
+
+from __future__ import annotations
+
+import argparse
+import math
+import re
+import signal
+import sys
+import time
+from collections import Counter
+from collections.abc import Iterator
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from dataclasses import dataclass, field
+from multiprocessing import get_context
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any, NamedTuple
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+from rich.console import Console
+from rich.progress import Progress
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
+
+from handcart.backends.description.robot_loading import ROBOTS, load_robot
+from handcart.backends.robot.robot import Robot
+from handcart.evaluation.trials.stage import StageFiles, set_stage
+from handcart.networks.coordination.events import Ended, Event
+from handcart.networks.run_observer import RunObserver
+from handcart.networks.run_options import RunOptions
+from handcart.networks.runs.run import execute
+from handcart.networks.task.preparing import check, prepare
+from handcart.primitives.contract.outcome import Success
+from handcart.primitives.driving.move_to import MoveTo
+from handcart.robotics.navigation.maps.grid_map import GridMap, from_boxes
+
+TASK = Path(__file__).resolve().parents[2] / "tasks" / "drive_map" / "task.yaml"
+CELLS = (0.05, 0.05, 0.1, 0.15, 0.2, 0.25)  # [m]
+ROOM, FINE, UNSURE = 0.04, 0.05, 0.5  # what `check` asks for; see handcart.robotics.navigation.routes.ways
+NEAR, TOO_NEAR, TRIED = 6, 2, 4000
+WALL = 0.1  # [m] thick
+SURPRISED = 5  # every so many worlds hold boxes that aren't on the map
+Floats = NDArray[np.float64]
+
+
+class Body(NamedTuple):
+    """Which robot, and the radius of its footprint in [m]."""
+
+    robot: str
+    radius: float
+
+
+BODIES = (
+    Body("cart", 0.34),
+    Body("cart", 0.2),
+    Body("cart", 0.27),
+    Body("cart", 0.45),
+    Body("librarian", 0.34),
+    Body("atrv", 0.53),
+)
+
+
+class Stood(NamedTuple):
+    """How it went at one place, by the ground truth."""
+
+    name: str
+    reached: bool
+    reason: str
+    off_mm: float
+    lost_mm: float
+
+
+@dataclass
+class Told:
+    """What came of one world."""
+
+    seed: int
+    cell: float
+    body: Body
+    surprised: bool
+    places: int = 0
+    allowed: int = 0
+    wrongly: list[str] = field(default_factory=list)
+    """What `check` said of a place that isn't so."""
+    stood: list[Stood] = field(default_factory=list)
+    contacts: list[str] = field(default_factory=list)
+    nearest_mm: float = math.inf
+    """Between the footprint and anything, at any time."""
+    seconds: float = 0.0
+
+
+class Room:
+    """A random room with its map, and the free points of it."""
+
+    def __init__(self, seed: int) -> None:
+        self.seed = seed
+        self.rng = np.random.default_rng(seed)
+        self.cell = float(self.rng.choice(CELLS))
+        self.body = BODIES[int(self.rng.integers(len(BODIES)))]
+        self.width, self.depth = self.rng.uniform(4.0, 6.0, 2) + 2.0 * self.body.radius
+        self.boxes = [*self._walls(), *self._things()]
+        size = (self.width + 0.6, self.depth + 0.6)
+        offset = -0.3 - self.cell * self.rng.random(2)
+        flat = [each[:5] for each in self.boxes]
+        self.grid: GridMap = from_boxes(flat, self.cell, (float(offset[0]), float(offset[1])), size)
+        rows, columns = np.nonzero(self.grid.occupied)
+        self._low = np.column_stack([columns, rows]) * self.cell + offset
+        self.surprises = self._surprises() if seed % SURPRISED == SURPRISED - 1 else []
+
+    @property
+    def least(self) -> float:
+        """From a place to anything, as `check` asks for, in [m]."""
+        return self.body.radius + ROOM + UNSURE * max(0.0, self.cell - FINE)
+
+    def clearance(self, points: Floats) -> Floats:
+        """Distance (n,) of points (n, 2) to the squares of occupied cells, each looked at, in [m]."""
+        beyond = self._low[None] - points[:, None], points[:, None] - self._low[None] - self.cell
+        return np.hypot(*np.maximum(np.maximum(*beyond), 0.0).transpose(2, 0, 1)).min(axis=1)
+
+    def start(self) -> tuple[float, float]:
+        """Somewhere with room."""
+        for point in self._points(TRIED):
+            if self.clearance(point[None])[0] > self.body.radius + 0.25:
+                return float(point[0]), float(point[1])
+        raise RuntimeError(f"no start in world {self.seed}")
+
+    def beside(self, room: float) -> Iterator[tuple[float, float]]:
+        """Points that leave this much room, in [m]: moved there from somewhere, down to what is nearest."""
+        for point in self._points(TRIED):
+            turn = self.rng.uniform(0.0, 2.0 * math.pi)
+            ray = np.array([math.cos(turn), math.sin(turn)])
+            line = point + np.linspace(0.0, 2.5, 80)[:, None] * ray
+            rooms = self.clearance(line)
+            below = np.flatnonzero(rooms < room)
+            if len(below) == 0 or below[0] == 0:
+                continue
+            low, high = line[below[0] - 1], line[below[0]]
+            for _ in range(30):
+                middle = (low + high) / 2
+                low, high = (middle, high) if self.clearance(middle[None])[0] >= room else (low, middle)
+            yield float(low[0]), float(low[1])
+
+    def _points(self, count: int) -> Floats:
+        return self.rng.uniform([0.0, 0.0], [self.width, self.depth], (count, 2))
+
+    def _walls(self) -> list[tuple[float, ...]]:
+        w, d, rng = self.width, self.depth, self.rng
+        middle = [(w / 2, 0.0, 0.0, w + WALL, WALL), (w / 2, d, 0.0, w + WALL, WALL)]
+        middle += [(0.0, d / 2, 0.0, WALL, d), (w, d / 2, 0.0, WALL, d)]
+        at, door = rng.uniform(0.35, 0.65) * w, 2.0 * self.body.radius + rng.uniform(0.12, 0.6) + self.cell
+        begin = rng.uniform(0.3, d - door - 0.3)
+        middle += [
+            (at, begin / 2, 0.0, WALL, begin),
+            (at, (begin + door + d) / 2, 0.0, WALL, d - begin - door),
+        ]
+        return [(*each, 2.0) for each in middle]
+
+    def _things(self) -> list[tuple[float, ...]]:
+        rng = self.rng
+        return [
+            (
+                *rng.uniform([0.6, 0.6], [self.width - 0.6, self.depth - 0.6]),
+                rng.choice([0.0, rng.uniform(0.0, math.pi)]),
+                *rng.uniform(0.2, 1.1, 2),
+                rng.choice([0.12, 2.0]),
+            )
+            for _ in range(int(rng.integers(2, 6)))
+        ]
+
+    def _surprises(self) -> list[tuple[float, ...]]:
+        rng, found = self.rng, []
+        for x, y in self._points(int(rng.integers(1, 3))):
+            found.append((x, y, rng.uniform(0.0, math.pi), *rng.uniform(0.15, 0.5, 2), 2.0))
+        return found
+
+
+def write(room: Room, folder: Path, start: tuple[float, float]) -> dict[str, str]:
+    """The files of a world; settings for the task."""
+    grid = room.grid
+    cv2.imwrite(str(folder / "map.png"), np.where(grid.occupied, 0, 254).astype(np.uint8)[::-1])
+    (folder / "map.yaml").write_text(
+        f"image: map.png\nresolution: {grid.resolution}\norigin: [{grid.origin_x}, {grid.origin_y}, 0.0]\n"
+        "negate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n"
+    )
+    away = [s for s in room.surprises if math.dist(s[:2], start) > room.body.radius + 0.8]
+    heading = room.rng.uniform(-180.0, 180.0)
+    (folder / "world.yaml").write_text(
+        f"format: handcart-world/1\nstart: {{x_m: {start[0]}, y_m: {start[1]}, heading_deg: {heading}}}\n"
+        + _listed("furniture", room.boxes)
+        + _listed("surprises", away)
+    )
+    robot = room.body.robot
+    if load_robot(robot).footprint_radius_m != room.body.radius:
+        text = (ROBOTS / robot / "robot.yaml").read_text()
+        (folder / "robot.urdf").write_text((ROBOTS / robot / f"{robot}.urdf").read_text())
+        text = text.replace("footprint_radius_m: 0.34", f"footprint_radius_m: {room.body.radius}")
+        (folder / "robot.yaml").write_text(text.replace(f"urdf: {robot}.urdf", "urdf: robot.urdf"))
+        robot = str(folder / "robot.yaml")
+    named = {key: str(folder / f"{key}.yaml") for key in ("map", "world", "places")}
+    write_places(folder, {"home": (*start, heading)})
+    return {**named, "robot": robot, "wait_s": "1.5"}
+
+
+def write_places(folder: Path, places: dict[str, tuple[float, float, float]]) -> None:
+    lines = [f"  {n}: {{x_m: {x}, y_m: {y}, heading_deg: {h}}}\n" for n, (x, y, h) in places.items()]
+    (folder / "places.yaml").write_text("format: handcart-places/1\nplaces:\n" + "".join(lines))
+
+
+def _listed(key: str, boxes: list[tuple[float, ...]]) -> str:
+    lines = [
+        f"  - {{name: {key[:-1]} {i}, x_m: {x}, y_m: {y}, heading_deg: {math.degrees(yaw)}, "
+        f"size_m: [{length}, {width}, {height}]}}\n"
+        for i, (x, y, yaw, length, width, height) in enumerate(boxes)
+    ]
+    return f"{key}:\n" + "".join(lines) if lines else ""
+
+
+class Eye(RunObserver):
+    """Takes the ground truth down."""
+
+    def __init__(self, scene: Any, robot: Robot, places: Any, told: Told) -> None:
+        self._scene, self._robot, self._places, self._told = scene, robot, places, told
+
+    def period(self, robot: Robot) -> None:
+        scene = self._scene
+        room = scene.body_plan.clearance(scene.base.x, scene.base.y, scene.time)[0]
+        self._told.nearest_mm = min(self._told.nearest_mm, 1e3 * (room - robot.spec.footprint_radius_m))
+
+    def event(self, event: Event) -> None:
+        if not isinstance(event, Ended) or not isinstance(event.primitive, MoveTo):
+            return
+        reached, name = isinstance(event.outcome, Success), event.primitive.place
+        off = 1e3 * self._scene.base.distance(self._places[name].pose)
+        lost = 1e3 * self._scene.base.distance(self._robot.pose)
+        self._told.stood.append(Stood(name, reached, getattr(event.outcome, "reason", ""), off, lost))
+
+    def end(self) -> None:
+        self._told.contacts += [f"{c.time:.2f} s: {c.body} and {c.other}" for c in self._scene.contacts]
+
+
+def try_world(seed: int, nearer: bool) -> Told:
+    """Make a world, ask `check` about its places, drive to those that it allows."""
+    begun, room = time.process_time(), Room(seed)
+    told = Told(seed, room.cell, room.body, bool(room.surprises))
+    with TemporaryDirectory(prefix="near-walls-") as name:
+        folder = Path(name)
+        settings = write(room, folder, room.start())
+        home = check(TASK, settings=settings).places[0]
+        assert home.way.component is not None, seed
+        places = _places(room, folder, settings, told)
+        if nearer:
+            _try_nearer(room, folder, settings, told)
+        elif places:
+            _drive(folder, settings, places, told)
+    told.seconds = time.process_time() - begun
+    return told
+
+
+def _places(room: Room, folder: Path, settings: dict[str, str], told: Told) -> list[str]:
+    """Put places beside things; which of them `check` allows and calls reachable."""
+    own, own_place = (folder / "places.yaml").read_text(), _home(folder)[:2]
+    wanted: dict[str, tuple[float, float, float]] = {}
+    least = room.least
+    allowed, refused = room.beside(least + 1e-6), room.beside(least - 0.001)
+    for number in range(NEAR):
+        wanted[f"near_{number}"] = (*next(allowed), room.rng.uniform(-180.0, 180.0))
+    for number in range(TOO_NEAR):
+        wanted[f"too_near_{number}"] = (*next(refused), room.rng.uniform(-180.0, 180.0))
+    told.places = NEAR
+    write_places(folder, wanted)
+    (folder / "places.yaml").write_text(own + (folder / "places.yaml").read_text().split("places:\n")[1])
+    checked = check(TASK, settings=settings)
+    found = {each.name: each for each in checked.places}
+    refused_names = {re.findall(r"place '(\w+)'", each.message)[0] for each in checked.errors}
+    for each in wanted:
+        way = found[each].way
+        if way.fits == each.startswith("too_near") or (way.route is None) != (each in refused_names):
+            told.wrongly.append(f"{each}: {found[each].words()}")
+    kept = [each for each in wanted if found[each].way.route is not None]
+    write_places(folder, {each: wanted[each] for each in kept})
+    (folder / "places.yaml").write_text(own + (folder / "places.yaml").read_text().split("places:\n")[1])
+    told.allowed = len(kept)
+    return _tour(own_place, {each: wanted[each] for each in kept})
+
+
+def _tour(at: tuple[float, float], places: dict[str, tuple[float, float, float]]) -> list[str]:
+    """The nearest one next."""
+    tour, left = [], dict(places)
+    while left:
+        tour.append(min(left, key=lambda name: math.dist(at, left[name][:2])))
+        at = left.pop(tour[-1])[:2]
+    return tour
+
+
+def _drive(folder: Path, settings: dict[str, str], tour: list[str], told: Told) -> None:
+    """As `handcart run` does it."""
+    settings = {**settings, "tour": f"[{', '.join(tour)}]"}
+    with prepare(TASK, settings=settings, seed=told.seed) as prepared:
+        scene = prepared.backend.scene  # type: ignore[attr-defined]
+        eye = Eye(scene, prepared.robot, prepared.model.places, told)
+        execute(prepared, folder / "run", RunOptions(observers=(eye,)))
+
+
+def _try_nearer(room: Room, folder: Path, settings: dict[str, str], told: Told) -> None:
+    """Places that `check` refuses, as `handcart do` drives to them: none of them may be driven to."""
+    places = {"home": _home(folder)}
+    for number in range(NEAR):
+        share = room.rng.uniform(0.3, 1.0)
+        spot = next(room.beside(share * room.least - 0.001))
+        places[f"too_near_{number}"] = (*spot, room.rng.uniform(-180.0, 180.0))
+    write_places(folder, places)
+    files = StageFiles(*(folder / f"{each}.yaml" for each in ("world", "map", "places")), {})
+    with set_stage(files, settings["robot"], seed=told.seed) as stage:
+        scene = stage.backend.scene  # type: ignore[attr-defined]
+        for name in list(places)[1:]:
+            outcome = stage.do(MoveTo(place=name))
+            off = 1e3 * scene.base.distance(stage.model.places[name].pose)
+            reached = isinstance(outcome, Success)
+            told.stood.append(Stood(name, reached, getattr(outcome, "reason", ""), off, 0.0))
+        told.contacts += [f"{c.time:.2f} s: {c.body} and {c.other}" for c in scene.contacts]
+
+
+def _home(folder: Path) -> tuple[float, float, float]:
+    from handcart.files.models.loading import load
+    from handcart.primitives.knowledge.place import Places
+
+    home = load(folder / "places.yaml", Places).places["home"]
+    return home.x_m, home.y_m, home.heading_deg
+
+
+def report(results: list[Told], nearer: bool) -> str:
+    """What came of all of them."""
+    results = sorted(results, key=lambda each: each.seed)
+    lines = [f"{len(results)} worlds"]
+    for surprised in (False, True):
+        chosen = [each for each in results if each.surprised == surprised]
+        last = {(each.seed, s.name): s for each in chosen for s in each.stood}
+        unreached = [(seed, s) for (seed, _), s in last.items() if not s.reached]
+        kind = "with boxes that aren't on the map" if surprised else "without surprises"
+        lines.append(
+            f"{kind}: {len(chosen)} worlds, {len(last)} places driven to, {len(unreached)} not reached, "
+            f"{sum(len(each.contacts) for each in chosen)} contacts"
+        )
+        if not surprised and not nearer:
+            lines += [f"  world {seed}, {s.name}: {s.reason}" for seed, s in unreached]
+        elif nearer:
+            reasons = Counter(s.reason.split(":")[0].rsplit(" ", 1)[0] for _, s in unreached)
+            lines += [f"  {count} x {reason}" for reason, count in reasons.most_common(5)]
+        lines += [f"  world {each.seed}: contact at {words}" for each in chosen for words in each.contacts]
+    reached = [s for each in results for s in each.stood if s.reached]
+    if reached:
+        off, lost = (np.array([getattr(s, key) for s in reached]) for key in ("off_mm", "lost_mm"))
+        lines.append(f"arrival: rms {_rms(off):.1f} mm, most {off.max():.1f} mm")
+        lines.append(f"localisation there: rms {_rms(lost):.1f} mm, most {lost.max():.1f} mm")
+        lines.append(
+            f"nearest that the footprint came to anything: {min(e.nearest_mm for e in results):.1f} mm"
+        )
+    lines.append(f"places beside things: {sum(e.places for e in results)}, reachable by `check`:")
+    lines[-1] += f" {sum(e.allowed for e in results)}"
+    wrongly = [f"  world {each.seed}: {words}" for each in results for words in each.wrongly]
+    lines.append(f"of which `check` is wrong by distances worked out cell by cell: {len(wrongly)}")
+    lines += wrongly
+    lines.append(f"{sum(e.seconds for e in results) / max(1, len(results)):.2f} CPU s a world")
+    return "\n".join(lines)
+
+
+def _rms(values: Floats) -> float:
+    return float(np.sqrt(np.mean(values**2)))
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("--worlds", type=int, default=500)
+    parser.add_argument("--jobs", type=int, default=1)
+    parser.add_argument("--seed", type=int, default=0, help="of the first world")
+    parser.add_argument("--nearer", action="store_true", help="try places that `check` refuses")
+    chosen = parser.parse_args()
+    for each in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(each, signal.default_int_handler)
+    seeds = range(chosen.seed, chosen.seed + chosen.worlds)
+    results = []
+    with (
+        ProcessPoolExecutor(chosen.jobs, get_context("spawn")) as pool,
+        Progress(console=Console(stderr=True)) as progress,
+    ):
+        bar = progress.add_task("worlds", total=len(seeds))
+        try:
+            for done in as_completed([pool.submit(try_world, seed, chosen.nearer) for seed in seeds]):
+                results.append(done.result())
+                progress.advance(bar)
+        except KeyboardInterrupt:
+            pool.shutdown(wait=False, cancel_futures=True)
+    print(report(results, chosen.nearer))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,62 @@
+"""One drive of a course with one way of localizing: how far from its targets are the sensors laid."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.navigation.outdoors.field_drive import PERIOD
+from handcart.robotics.navigation.outdoors.field_localizer import FieldLocalizer
+from handcart.robotics.navigation.outdoors.field_log import FieldLog
+from handcart.robotics.navigation.outdoors.gps_filter import GpsFilter
+from handcart.robotics.navigation.outdoors.placement_errors import tip_covariance, tip_place
+from handcart.robotics.navigation.outdoors.smoothing import Belief
+
+Array = NDArray[np.float64]
+
+
+class FieldTrial(NamedTuple):
+    """Where sensors were laid, seen from where they should be."""
+
+    errors: Array
+    """(k, 2) in [m]: the arm goes where the target would be if the estimate were true."""
+    covariances: Array
+    """(k, 2, 2) of them, as the robot believes, in [m²]."""
+
+
+def start_pose(log: FieldLog) -> Pose2:
+    """What the robot believes before the first reading."""
+    return Pose2(0.0, 0.0, log.start_heading)
+
+
+def try_course(log: FieldLog, localizer: FieldLocalizer) -> FieldTrial:
+    """Play a log to a localizer that starts at `start_pose`."""
+    fixes = dict(zip(log.fix_rows.tolist(), log.fixes, strict=True))
+    placings = set(log.drive.placings.tolist())
+    poses, covariances = [], []
+    for row in range(max(placings) + 1):
+        localizer.predict(log.rates[row], log.accelerations[row], log.wheels[row], PERIOD)
+        if row in fixes:
+            localizer.fix(fixes[row])
+        if row in placings:
+            if isinstance(localizer, GpsFilter):
+                localizer.mark()
+            poses.append(localizer.pose)
+            covariances.append(localizer.covariance)
+    return _trial(log, poses, covariances)
+
+
+def as_laid(log: FieldLog, smoothed: list[Belief]) -> FieldTrial:
+    """What the report after the drive says of the same placements."""
+    poses = [Pose2(*belief.mean[:3].tolist()) for belief in smoothed]
+    return _trial(log, poses, [belief.covariance[:3, :3] for belief in smoothed])
+
+
+def _trial(log: FieldLog, poses: list[Pose2], covariances: list[Array]) -> FieldTrial:
+    truth = [Pose2(*row.tolist()) for row in log.drive.poses[log.drive.placings]]
+    errors = [tip_place(true) - tip_place(pose) for true, pose in zip(truth, poses, strict=True)]
+    spreads = [tip_covariance(spread, pose.theta) for spread, pose in zip(covariances, poses, strict=True)]
+    return FieldTrial(np.array(errors), np.array(spreads))

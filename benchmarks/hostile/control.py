@@ -1,0 +1,140 @@
+"""Send a run what is no message: `python -m benchmarks.hostile.control 10000 [SEED]`. Status 1: no answer.
+
+Then how long `handcart stop` takes to be heard with 50 idle lines, half messages and floods (rows U9, U11).
+"""
+
+from __future__ import annotations
+
+import json
+import socket
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+from contextlib import suppress
+from pathlib import Path
+
+from benchmarks.damage.fuzzed_messages import fuzzed_messages
+from handcart.networks.journal.journal_record import read_journal
+from handcart.networks.operator.asking import ask, goes_on, tell_to_stop
+
+TASK = Path(__file__).resolve().parents[2] / "tasks" / "return_book" / "task.yaml"
+OTHERS = 50
+STOPS = 5
+PATIENCE = 30.0  # [s] for one answer
+
+
+def main() -> None:
+    """Print progress, and each message that got no answer."""
+    count = int(sys.argv[1]) if len(sys.argv) > 1 else 10_000
+    seed = int(sys.argv[2]) if len(sys.argv) > 2 else 0
+    with tempfile.TemporaryDirectory() as runs:
+        failures = _fuzzed(Path(runs) / "fuzzed", count, seed)
+        print(f"\r{count} messages, {failures} without an answer")
+        waits = []
+        for number in range(STOPS):
+            waits.append(_stopped(Path(runs) / f"stop{number}"))
+            print(f"stopped after {1000 * waits[-1]:.0f} ms, beside {OTHERS} others", flush=True)
+    sys.exit(1 if failures else 0)
+
+
+def _fuzzed(runs: Path, count: int, seed: int) -> int:
+    run = Run(runs)
+    failures = 0
+    for number, message in enumerate(fuzzed_messages(count, seed), start=1):
+        try:
+            answered = _answered(run.folder, message)
+        except OSError as error:
+            answered = False
+            print(f"\n{error}")
+        if not answered:
+            failures += 1
+            print(f"\n{message[:200]!r}")
+        if number % 100 == 0:
+            print(f"\r{number} of {count}, {failures} without an answer", end="", flush=True)
+        if run.process.poll() is not None:
+            print(f"\nthe run ended after {message[:200]!r}")
+            return failures + count - number
+    run.stop()
+    return failures
+
+
+def _answered(folder: Path, message: bytes) -> bool:
+    with socket.socket(socket.AF_UNIX, socket.SOCK_STREAM) as line:
+        line.settimeout(PATIENCE)
+        line.connect(str(folder / "control"))
+        with suppress(BrokenPipeError):  # too long: told, and hung up on
+            line.sendall(message + b"\n")
+        answer = b""
+        while not answer.endswith(b"\n"):
+            new = line.recv(1 << 16)
+            if not new:
+                return False
+            answer += new
+    told = json.loads(answer)
+    return isinstance(told["ok"], bool) and "fault" not in told.get("error", "")
+
+
+class Run:
+    """A run that asks before each action, in a process of its own."""
+
+    def __init__(self, runs: Path, *options: str) -> None:
+        words = [sys.executable, "-m", "handcart", "run", str(TASK), "--runs", str(runs), *options]
+        if not options:
+            words.append("--step")
+        quiet = subprocess.DEVNULL
+        self.process = subprocess.Popen(words, stdin=quiet, stdout=quiet, stderr=quiet)
+        self.folder = runs / "return_book-0"
+        while not (self.folder / "control").exists():
+            assert self.process.poll() is None
+            time.sleep(0.01)
+        ask(self.folder, {"do": "status"}, PATIENCE)
+
+    def stop(self) -> None:
+        """Stop it, and wait until its process is over."""
+        tell_to_stop(self.folder)
+        self.process.wait(60.0)
+
+
+def _stopped(runs: Path) -> float:
+    """Seconds until a run that acts has ended, beside idle lines, half messages and floods."""
+    run = Run(runs, "--permit", "always")
+    while b'"kind":"START"' not in (run.folder / "journal.jsonl").read_bytes():
+        time.sleep(0.01)
+    over = threading.Event()
+    others = [threading.Thread(target=_bother, args=(run.folder, over, each)) for each in range(OTHERS)]
+    for each in others:
+        each.start()
+    time.sleep(1.0)
+    asked = time.monotonic()
+    tell_to_stop(run.folder)
+    while goes_on(run.folder):
+        time.sleep(0.002)
+    took = time.monotonic() - asked
+    over.set()
+    for each in others:
+        each.join()
+    run.process.wait(60.0)
+    end = read_journal(run.folder / "journal.jsonl").records[-1]
+    assert end["outcome"] == "Cancelled", end
+    return took
+
+
+def _bother(folder: Path, over: threading.Event, number: int) -> None:
+    """One of many on the line: silent, half, or all the time."""
+    with socket.socket(socket.AF_UNIX, socket.SOCK_STREAM) as line:
+        line.settimeout(1.0)
+        try:
+            line.connect(str(folder / "control"))
+            if number % 3 == 1:
+                line.sendall(b'{"do":"sta')
+            while not over.wait(0.05):
+                if number % 3 == 2:
+                    line.sendall(b'{"do":"status"}\n' * 100)
+        except OSError:
+            return
+
+
+if __name__ == "__main__":
+    main()

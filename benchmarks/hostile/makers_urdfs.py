@@ -1,0 +1,286 @@
+"""Check makers' URDFs and mutants: `python -m benchmarks.hostile.makers_urdfs FOLDER... --mutants 300`.
+
+Each URDF under the folders is checked as it is, drafted as a robot and checked as that, by `handcart check`
+in a process of its own. Without a folder: those that come with PyBullet. Exit status 1 where one isn't told
+clearly: another status than 0 or 2, a traceback, something on stderr beside `--json`, no place in the URDF
+for what is wrong in it, more lines than a person reads, or no end in time.
+"""
+
+from __future__ import annotations
+
+import argparse
+import contextlib
+import io
+import json
+import multiprocessing
+import os
+import random
+import re
+import resource
+import shutil
+import signal
+import sys
+import tempfile
+import time
+from collections import Counter
+from collections.abc import Iterator
+from importlib.util import find_spec
+from pathlib import Path
+from typing import NamedTuple
+
+from benchmarks.damage.mutated_urdfs import mutated
+
+LONGEST = 60  # lines that a person is told without asking for more
+NAMED = re.compile(r"link|joint|URDF|mesh|xacro|well-formed|DOCTYPE|character|stand at")
+EVERY = 4  # of the looks at what people are told
+WAITS = 20  # times as long as a processor's time it may take on a busy machine
+
+
+class Case(NamedTuple):
+    """A URDF to look at."""
+
+    path: Path
+    text: str | None
+    """What stands in it instead; None: it is as it is."""
+    what: str
+    people: bool
+    """Whether what people are told is looked at too, and `--allow`."""
+
+
+class Seen(NamedTuple):
+    """What came of it."""
+
+    statuses: tuple[int, ...]
+    violations: tuple[str, ...]
+    seconds: float
+
+
+def main() -> None:
+    """Print progress, and what isn't told clearly."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("folders", nargs="*", type=Path)
+    parser.add_argument("--mutants", type=int, default=300)
+    parser.add_argument("--most", type=int, default=1_000_000, help="URDFs as they are")
+    parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--jobs", type=int, default=1)
+    parser.add_argument("--limit-s", type=int, default=60, help="of a processor's time for one")
+    given = parser.parse_args()
+    folders = given.folders or [Path(str(find_spec("pybullet_data").submodule_search_locations[0]))]  # type: ignore
+    with tempfile.TemporaryDirectory(prefix="urdfs-", dir=os.environ.get("TMPDIR")) as scratch:
+        copies = [_linked(each, Path(scratch) / str(n)) for n, each in enumerate(folders)]
+        cases = _cases(copies, given.mutants, given.most, given.seed)
+        sys.exit(_look(cases, given.jobs, given.limit_s))
+
+
+def _linked(folder: Path, target: Path) -> Path:
+    """The same files under another folder, without copying them: a draft is written beside each URDF."""
+
+    def link(source: str, to: str) -> None:
+        try:
+            os.link(source, to)
+        except OSError:
+            shutil.copyfile(source, to)
+
+    shutil.copytree(folder, target, copy_function=link, symlinks=False, ignore_dangling_symlinks=True)
+    return target
+
+
+def _cases(folders: list[Path], mutants: int, most: int, seed: int) -> list[Case]:
+    found = [path for folder in folders for path in sorted(folder.rglob("*.urdf"))]
+    rng = random.Random(seed)
+    chosen = found if len(found) <= most else sorted(rng.sample(found, most))
+    cases = [Case(path, None, "as it is", n % EVERY == 0) for n, path in enumerate(chosen)]
+    # What lies about in a thousand copies that differ in a mesh is one kind of robot.
+    kinds = [path for path in found if "random_urdfs" not in path.parts]
+    while mutants > 0:
+        path = rng.choice(kinds)
+        try:
+            text, what = mutated(path.read_text(encoding="utf-8"), rng.randrange(1 << 30))
+        except (SyntaxError, UnicodeDecodeError):
+            continue
+        cases.append(Case(path, text, what, mutants % EVERY == 0))
+        mutants -= 1
+    # Those of a robot together, the robots in any order: what is told before the end is of all kinds.
+    order = {path: rng.random() for path in {case.path: None for case in cases}}
+    return sorted(cases, key=lambda case: order[case.path])
+
+
+def _look(cases: list[Case], jobs: int, limit: int) -> int:
+    statuses: Counter[tuple[int, ...]] = Counter()
+    bad, slowest = 0, (0.0, "")
+    for number, (case, seen) in enumerate(_all(cases, jobs, limit), start=1):
+        statuses[seen.statuses] += 1
+        slowest = max(slowest, (seen.seconds, str(case.path)))
+        for each in seen.violations:
+            bad += 1
+            print(f"\r{case.path}, {case.what}: {each}")
+        print(f"\r{number} of {len(cases)}, {bad} violations", end="", flush=True)
+    print(f"\n{len(cases)} URDFs: {bad} violations; slowest {slowest[0]:.1f} s, {slowest[1]}")
+    print("statuses (URDF; robot drafted from it; and with --allow):")
+    for key, count in sorted(statuses.items()):
+        print(f"  {', '.join(map(str, key)):<12} {count}")
+    return 1 if bad else 0
+
+
+def _all(cases: list[Case], jobs: int, limit: int) -> Iterator[tuple[Case, Seen]]:
+    """Each in a process of its own, forked from one that has the libraries: what crashes is seen."""
+    for name in (
+        "handcart.tools.main",
+        "handcart.tools.commands.check_file",
+        "handcart.tools.checks.check_robot",
+        "handcart.evaluation.robot_report.report",
+    ):
+        __import__(name)
+    __import__("handcart.evaluation.robot_report.urdf_report")
+    context = multiprocessing.get_context("fork")
+    running: list[tuple[Case, multiprocessing.Process, object, float]] = []  # type: ignore[valid-type]
+    waiting, warm = list(reversed(cases)), None
+    while waiting or running:
+        while waiting and len(running) < jobs:
+            case = waiting.pop()
+            if case.path != warm:
+                warm = case.path
+                _read_meshes(warm)
+            mine, theirs = context.Pipe(duplex=False)
+            process = context.Process(target=_child, args=(case, theirs, limit))
+            process.start()
+            theirs.close()
+            running.append((case, process, mine, time.monotonic()))  # type: ignore[arg-type]
+        for each in list(running):
+            case, process, mine, begun = each
+            passed = time.monotonic() - begun
+            ready = mine.poll(0.02)  # type: ignore[attr-defined]
+            if not ready and process.is_alive() and passed < WAITS * limit:
+                continue
+            running.remove(each)
+            yield case, _result(mine, process, passed, limit)
+
+
+def _read_meshes(path: Path) -> None:
+    """Once for all that are forked from here."""
+    from handcart.backends.urdf.robot_parts import read_part
+
+    with contextlib.suppress(Exception):  # who is forked tells of it
+        read_part(path.name, path.parent)
+
+
+def _result(mine: object, process: object, passed: float, limit: int) -> Seen:
+    try:
+        if mine.poll(0.0):  # type: ignore[attr-defined]
+            seen: Seen = mine.recv()  # type: ignore[attr-defined]
+            process.join(10.0)  # type: ignore[attr-defined]
+            return seen
+    except EOFError:
+        pass
+    process.kill()  # type: ignore[attr-defined]
+    process.join()  # type: ignore[attr-defined]
+    late = passed >= WAITS * limit or process.exitcode == -signal.SIGXCPU  # type: ignore[attr-defined]
+    why = f"no end in {limit} s" if late else f"it crashed: {process.exitcode}"  # type: ignore[attr-defined]
+    return Seen((-1,), (why,), passed)
+
+
+def _child(case: Case, answer: object, limit: int) -> None:
+    resource.setrlimit(resource.RLIMIT_CPU, (limit, limit + 5))
+    path = case.path
+    if case.text is not None:
+        path = path.with_name(f"{path.stem}.mutant-{os.getpid()}.urdf")
+        path.write_text(case.text, encoding="utf-8")
+    draft = path.with_name(f"{path.stem}.robot-{os.getpid()}.yaml")
+    try:
+        begun = time.process_time()
+        seen = _checked(path, draft, case.people)._replace(seconds=time.process_time() - begun)
+    finally:
+        draft.unlink(missing_ok=True)
+        if case.text is not None:
+            path.unlink(missing_ok=True)
+    answer.send(seen)  # type: ignore[attr-defined]
+
+
+def _checked(path: Path, draft: Path, people: bool = True) -> Seen:
+    status, violations = _check(path, path.name, "--draft", str(draft), people=people)
+    statuses = [status]
+    if status == 0:
+        status, more = _check(draft, path.name, people=people)
+        violations += [f"as a robot: {each}" for each in more]
+        statuses.append(status)
+        if status == 0 and people:
+            status, more = _check(draft, path.name, "--allow", json_too=False)
+            violations += [f"with --allow: {each}" for each in more]
+            statuses.append(status)
+    return Seen(tuple(statuses), tuple(violations), 0.0)
+
+
+def _check(
+    path: Path, urdf: str, *options: str, json_too: bool = True, people: bool = True
+) -> tuple[int, list[str]]:
+    status, out, err = _said("check", str(path), *options, *(["--json"] if json_too else []))
+    wrong = []
+    if status not in (0, 2):
+        wrong.append(f"status {status}: {' '.join(err.split())[-300:]}")
+    if "Traceback" in err + out:
+        wrong.append("a traceback")
+    if json_too:
+        if err.strip():
+            wrong.append(f"on stderr: {err.strip()[:200]}")
+        wrong += _of_json(status, out, urdf)
+        out, err = _for_people(status, path, wrong) if people else ("", "")
+    # What `--allow` changes stands on stderr, a line a pair.
+    if (lines := len((out if "--allow" in options else out + err).splitlines())) > LONGEST:
+        wrong.append(f"{lines} lines")
+    return status, wrong
+
+
+def _for_people(status: int, path: Path, wrong: list[str]) -> tuple[str, str]:
+    """What is said without `--json`; of a robot that is sound, `--allow` is asked for instead."""
+    if status == 0 and path.suffix != ".urdf":
+        return "", ""
+    again, out, err = _said("check", str(path))
+    if again != status:
+        wrong.append(f"status {again} without --json")
+    return out, err
+
+
+def _of_json(status: int, out: str, urdf: str) -> Iterator[str]:
+    try:
+        told = json.loads(out.splitlines()[-1])
+    except (ValueError, IndexError):
+        yield f"no JSON: {out[:100]!r}"
+        return
+    if status == 2:
+        findings = told.get("findings", [])
+        if told.get("ok") or not findings:
+            yield "status 2 without a finding"
+        for each in findings:
+            if each["line"] < 1 or not str(each["file"]).endswith((urdf, ".yaml")):
+                yield f"no place: {each}"
+            elif not NAMED.search(each["message"]):
+                yield f"names no link or joint: {each['message']}"
+
+
+def _said(*words: str) -> tuple[int, str, str]:
+    """What a command says, that of libraries below Python too."""
+    from handcart.tools.main import main as handcart
+
+    out = io.StringIO()
+    with tempfile.TemporaryFile() as heard:
+        kept = os.dup(2)
+        sys.stderr.flush()
+        os.dup2(heard.fileno(), 2)
+        err, sys.stderr = sys.stderr, os.fdopen(os.dup(2), "w", buffering=1)
+        try:
+            with contextlib.redirect_stdout(out):
+                handcart(list(words))
+            status = 0
+        except SystemExit as end:
+            status = int(end.code or 0)
+        finally:
+            sys.stderr.close()
+            sys.stderr = err
+            os.dup2(kept, 2)
+            os.close(kept)
+        heard.seek(0)
+        return status, out.getvalue(), heard.read().decode(errors="replace")
+
+
+if __name__ == "__main__":
+    main()

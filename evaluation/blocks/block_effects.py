@@ -1,0 +1,51 @@
+"""What a Success of those who stack blocks promises."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+
+from handcart.backends.simulation.blocks.block_props import BlockProps
+from handcart.evaluation.truth.at_most import at_most
+from handcart.evaluation.truth.sensor_sigmas import SIGMAS
+from handcart.evaluation.truth.survey import Claim, Effect, Survey
+from handcart.primitives.blocks.blocks import Blocks
+from handcart.primitives.blocks.stack import MOST_OFF
+from handcart.robotics.geometry.transform import inverse
+
+FIXED_MM, FIXED_DEG = 6.0, 0.3  # that a landmark may tell wrongly of the base: it leans meanwhile
+STACKED_MM = 1e3 * MOST_OFF + SIGMAS * 0.5  # STACK's own limit and its sensor's
+STACK = "STACK"
+
+
+def _fixated(survey: Survey, _: Claim) -> list[str]:
+    fixed, base = survey.run.model.of(Blocks).fixed, survey.run.world.base
+    if fixed is None:
+        return ["it isn't known where the base stands"]
+    off, turned = fixed.pose.distance(base), math.degrees(fixed.pose.turn(base))
+    return [
+        *at_most("the base is {:.1f} mm from where it was found", 1e3 * off, FIXED_MM),
+        *at_most("the base is turned {:.2f} deg against how it was found", turned, FIXED_DEG),
+    ]
+
+
+def _picked_up(survey: Survey, claim: Claim) -> list[str]:
+    held = survey.run.world.held
+    name, wanted = held.name if held else None, f"block {claim.primitive.number}"
+    return [] if name == wanted else [f"the hand holds {name}, not {wanted}"]
+
+
+def _stacked(survey: Survey, claim: Claim) -> list[str]:
+    scene, plan, number = survey.run.world, survey.run.model.of(Blocks).building, claim.primitive.number
+    block = scene.of(BlockProps).blocks.get(str(number))
+    if plan is None or block is None or block.rest.value not in ("table", "tray"):
+        return [f"block {number} doesn't stand anywhere"]
+    if claim.primitive.onto == "robot":
+        off = inverse(plan.seat(number).pose) @ inverse(scene.world_T_base) @ block.pose
+    else:
+        off = inverse(plan.goals[number - 1].pose) @ block.pose
+    return at_most("the block is {:.1f} mm from its goal", 1e3 * math.hypot(*off[:2, 3]), STACKED_MM)
+
+
+EFFECTS: Mapping[str, Effect] = {"FIXATE": _fixated, "PICK_UP_BLOCK": _picked_up, STACK: _stacked}
+"""By the primitive's name."""

@@ -1,0 +1,235 @@
+"""Where blocks come to stand, measured by the ground truth: the errors of Hatano et al. (2000), section 5."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from handcart.backends.robot.robot import Robot
+from handcart.backends.simulation.blocks.block_props import BlockProps
+from handcart.backends.simulation.body.suspension import leaning
+from handcart.evaluation.truth.survey import Survey
+from handcart.evaluation.truth.surveyed_run import SurveyedRun
+from handcart.primitives.blocks.blocks import Blocks, Fixed
+from handcart.primitives.blocks.building import Slot
+from handcart.primitives.contract.action_primitive import ActionPrimitive
+from handcart.primitives.contract.outcome import Outcome
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.geometry.transform import inverse, transform
+
+from .block_effects import EFFECTS, STACK, STACKED_MM
+
+SCALE_MM = 0.5  # of the paper's readings
+FALLEN_MM = 30.0  # further away from its goal a block counts as not placed
+
+Vector = NDArray[np.float64]
+
+
+class Attitude(NamedTuple):
+    """How the base truly is turned and leans."""
+
+    heading: float
+    lean: tuple[float, float]
+
+
+class BlockError(NamedTuple):
+    """Of one block, in the frame of its goal (eq. 14: goal minus actual), in [mm]."""
+
+    number: int
+    x: float
+    y: float
+    z: float
+    turn_mrad: float
+    processed_x: float
+    """Without the effects of the base's turning and leaning since the fixation (eq. 12)."""
+    processed_y: float
+    read_x: float
+    """On the paper's scale of 0.5 mm."""
+    read_y: float
+    yaw_mrad: float
+    """By which the base had turned since the fixation, when the block was let go."""
+    lean_mrad: float
+    """The same about the base's x: the paper's pitch."""
+
+    @property
+    def size(self) -> float:
+        """Of x and y together."""
+        return math.hypot(self.x, self.y)
+
+    @property
+    def processed(self) -> float:
+        """The larger of the processed ones: the paper reads x and y each by itself."""
+        return max(abs(self.processed_x), abs(self.processed_y))
+
+
+@dataclass(frozen=True)
+class BlockNotes:
+    """What couldn't be seen again."""
+
+    reference: tuple[float, tuple[float, float]] | None
+    """Heading and lean."""
+    gripped: dict[str, tuple[float, float, float]]
+    released: dict[str, tuple[float, float, float]]
+    moved: dict[str, tuple[float, float]]
+    frames: int
+    uncorrected: bool
+
+
+class BlockSurvey(Survey):
+    """Looks at a scene once a period, and notes how the base stood when blocks were gripped and let go."""
+
+    name = "blocks"
+    effects = EFFECTS
+    noted = BlockNotes
+
+    def __init__(self, run: SurveyedRun) -> None:
+        """See `Survey`."""
+        super().__init__(run)
+        self.scene, self.model = run.world, run.model
+        self._props = run.world.of(BlockProps)
+        self.plan = run.model.of(Blocks).building if STACK in run.does else None
+        """Where blocks are to be stacked; None: none are."""
+        self._frames, self._uncorrected = 0, True
+        self._fixed: Fixed | None = None
+        self._reference: Attitude | None = None
+        self._held: Any = None
+        self._rested: dict[str, str] = {}
+        self._gripped: dict[str, Vector] = {}
+        """By block: the shift (3,) with which it was gripped off a table, in the base frame, in [m]."""
+        self._released: dict[str, Vector] = {}
+        self._moved: dict[str, tuple[float, float]] = {}
+        """Turn and lean about x since the fixation when it was let go, in [rad]."""
+
+    def look(self, robot: Robot) -> None:
+        """See `Survey`."""
+        blocks = self.model.of(Blocks)
+        if blocks.fixed is not None and not _same_fix(blocks.fixed, self._fixed):
+            self._reference = self._attitude()
+        self._fixed = blocks.fixed
+        held = self.scene.held
+        if held is not self._held:
+            if held is not None and self._rested.get(held.name) == "table":
+                self._gripped[held.name] = self._shift(held)
+            if self._held is not None and self._held.rest.value == "table":
+                self._released[self._held.name] = self._shift(self._held)
+                self._moved[self._held.name] = self._moved_since()
+            self._held = held
+        self._rested = {block.name: block.rest.value for block in self._props.blocks.values()}
+
+    def ended(self, number: int, primitive: ActionPrimitive, outcome: Outcome) -> list[str]:
+        """See `Survey`."""
+        self._frames += int(primitive.facts.get("frames", 0))
+        if getattr(primitive, "onto", "") == "goal":
+            self._uncorrected &= getattr(primitive, "method", "") == "fix_once"
+        return []
+
+    def notes(self) -> BlockNotes:
+        """See `Survey`."""
+        gripped, released = (
+            {name: tuple(shift.tolist()) for name, shift in each.items()}
+            for each in (self._gripped, self._released)
+        )
+        reference = None if self._reference is None else (self._reference.heading, self._reference.lean)
+        return BlockNotes(reference, gripped, released, self._moved, self._frames, self._uncorrected)
+
+    def go_on(self, noted: BlockNotes) -> None:
+        """See `Survey`."""
+        if noted.reference is not None:
+            self._reference, self._fixed = Attitude(*noted.reference), self.model.of(Blocks).fixed
+        self._gripped = {name: np.array(shift) for name, shift in noted.gripped.items()}
+        self._released = {name: np.array(shift) for name, shift in noted.released.items()}
+        self._moved = dict(noted.moved)
+        self._frames, self._uncorrected = noted.frames, noted.uncorrected
+
+    def errors(self) -> list[BlockError]:
+        """Of all blocks that stand about where they should."""
+        found = []
+        for number, goal in enumerate(self.plan.goals if self.plan else (), start=1):
+            block = self._props.blocks.get(str(number))
+            if block is not None and block.rest.value == "table":
+                error = self._error(number, goal, block)
+                if error.size < FALLEN_MM:
+                    found.append(error)
+        return found
+
+    def figures(self) -> dict[str, Any]:
+        """See `Survey`; none where no blocks are to be stacked."""
+        if self.plan is None:
+            return {}
+        errors = self.errors()
+        sizes = [error.size for error in errors]
+        result: dict[str, Any] = {"blocks_placed": len(errors), "frames": self._frames}
+        if errors:
+            result["raw_error_mm_mean"] = round(float(np.mean(sizes)), 3)
+            result["raw_error_mm_max"] = round(max(sizes), 3)
+            if self._uncorrected:  # the method leaves the base's motion uncorrected
+                result["processed_error_mm_max"] = round(max(error.processed for error in errors), 3)
+        result["blocks"] = [
+            {name: round(float(value), 3) for name, value in error._asdict().items()} for error in errors
+        ]
+        return result
+
+    def faults(self) -> list[str]:
+        """See `Survey`; Success claims that every block of the plan stands about where it should."""
+        goals, errors = len(self.plan.goals) if self.plan else 0, self.errors()
+        far = [
+            f"block {error.number} is {error.size:.1f} mm off" for error in errors if error.size > STACKED_MM
+        ]
+        missing = goals - len(errors)
+        return far + ([f"{missing} of {goals} blocks don't stand where they should"] if missing else [])
+
+    def _attitude(self) -> Attitude:
+        return Attitude(self.scene.base.theta, (self.scene.lean[0], self.scene.lean[1]))
+
+    def _moved_since(self) -> tuple[float, float]:
+        if self._reference is None:
+            return 0.0, 0.0
+        now = self._attitude()
+        return now.heading - self._reference.heading, now.lean[0] - self._reference.lean[0]
+
+    def _shift(self, block: Any) -> Vector:
+        """By how much turning and leaning since the fixation moved the block's place, in the base frame."""
+        if self._reference is None:
+            return np.zeros(3)
+        now, pivot = self._attitude(), self.scene.robot.errors.lean_pivot_m
+        before = leaning(self._reference.lean, pivot)
+        turned = transform(rpy=(0.0, 0.0, now.heading - self._reference.heading))
+        after = turned @ leaning(now.lean, pivot)
+        place = inverse(self.scene.world_T_base) @ block.pose[:, 3]
+        return np.asarray(((after - before) @ place)[:3])
+
+    def _error(self, number: int, goal: Slot, block: Any) -> BlockError:
+        actual = inverse(goal.pose) @ block.pose
+        x, y, z = (-1e3 * float(value) for value in actual[:3, 3])
+        turn = math.atan2(actual[1, 0], actual[0, 0])
+        turn = (turn + math.pi / 2) % math.pi - math.pi / 2
+        # The planned base heading is that of its place: shifts are small, so it serves for both.
+        heading = self.scene.base.theta
+        shift = self._released.get(block.name, np.zeros(3)).copy()
+        # Along the closing axis the fingers centred the block, so only the other component was carried here.
+        shift[1] -= self._gripped.get(block.name, np.zeros(3))[1]
+        in_goal = Pose2(0.0, 0.0, heading - goal.floor.theta).apply(shift[None, :2])[0] * 1e3
+        return BlockError(
+            number,
+            x,
+            y,
+            z,
+            1e3 * turn,
+            x + float(in_goal[0]),
+            y + float(in_goal[1]),
+            _on_scale(x),
+            _on_scale(y),
+            *(1e3 * each for each in self._moved.get(block.name, (0.0, 0.0))),
+        )
+
+
+def _same_fix(fixed: Fixed, other: Fixed | None) -> bool:
+    return other is not None and fixed._replace(swings=0) == other._replace(swings=0)
+
+
+def _on_scale(value: float) -> float:
+    return SCALE_MM * round(value / SCALE_MM)

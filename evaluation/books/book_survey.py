@@ -1,0 +1,86 @@
+"""Whether books stand where they belong, and how exactly the robot stopped on the way there."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+from handcart.backends.simulation.books.book_props import BookProps
+from handcart.evaluation.truth.survey import Survey
+from handcart.evaluation.truth.surveyed_run import SurveyedRun
+from handcart.primitives.contract.action_primitive import ActionPrimitive
+from handcart.primitives.contract.outcome import Outcome, Success
+
+from .book_effects import EFFECTS, RELEASE
+from .shelving import Shelving, shelving
+from .stop_errors import stop_errors
+
+
+@dataclass(frozen=True)
+class BookNotes:
+    """What couldn't be seen again."""
+
+    accessions: tuple[int, ...] | None
+    """Of the books that are to be returned; None: none are."""
+    fronts: list[tuple[int, float]]
+    """Of each standing book accession and where its spine was at first, see `Shelving`."""
+    labels: int
+    stops: dict[str, float]
+
+
+class BookSurvey(Survey):
+    """Takes the shelves down as they are at first."""
+
+    name = "books"
+    effects = EFFECTS
+    noted = BookNotes
+    shown = frozenset({"SEARCH"})
+
+    def __init__(self, run: SurveyedRun) -> None:
+        """See `Survey`."""
+        super().__init__(run)
+        self._labels, self._stops = 0, dict[str, float]()
+        self._shelving: Shelving | None = None
+        """None: the task returns no book."""
+        self._books = run.world.of(BookProps)
+        first = self._books.tray_book()
+        if RELEASE in run.does and first is not None:
+            others = [each.accession for each in self._books.to_come]
+            self._shelving = shelving(self._books, (first.accession, *others))
+
+    @classmethod
+    def applies(cls, run: SurveyedRun) -> bool:
+        """See `Survey`; where there are shelves, it counts how the base stops before them."""
+        return super().applies(run) or bool(run.scene is not None and run.scene.of(BookProps).shelves)
+
+    def ended(self, number: int, primitive: ActionPrimitive, outcome: Outcome) -> list[str]:
+        """See `Survey`."""
+        self._labels += int(primitive.facts.get("labels_read", 0))
+        if isinstance(outcome, Success):
+            self._stops |= stop_errors(self.run.world, primitive)
+        return []
+
+    def notes(self) -> BookNotes:
+        """See `Survey`."""
+        first = self._shelving
+        accessions, fronts = (None, {}) if first is None else (first.accessions, first.fronts)
+        return BookNotes(accessions, list(fronts.items()), self._labels, self._stops)
+
+    def go_on(self, noted: BookNotes) -> None:
+        """See `Survey`."""
+        self._labels, self._stops = noted.labels, noted.stops
+        self._shelving = None
+        if noted.accessions is not None:
+            self._shelving = Shelving(noted.accessions, dict(noted.fronts))
+
+    def figures(self) -> dict[str, Any]:
+        """See `Survey`."""
+        if self._shelving is None:
+            return self._stops
+        stands = self._shelving.judge(self._books)
+        return {**self._stops, **stands.figures(), "labels_read": self._labels}
+
+    def faults(self) -> list[str]:
+        """See `Survey`; Success claims that a librarian would be content."""
+        stands = None if self._shelving is None else self._shelving.judge(self._books)
+        return [] if stands is None or stands.right else [str(stands)]

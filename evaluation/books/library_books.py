@@ -1,0 +1,108 @@
+"""Books for generated libraries: measures, call numbers, who stands where."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from handcart.robotics.perception.books.call_number import parse
+
+from .library_room import CLEAR
+
+FONTS = ("DejaVuSans", "DejaVuSans-Bold", "DejaVuSerif", "DejaVuSansMono")
+LETTERS = "ABCDEFGHIJKLMNOPRSTVWZ"
+FEWEST_BETWEEN = 3  # books between two gaps, and between a gap and the row's end
+
+
+@dataclass(frozen=True)
+class GeneratedBook:
+    """A book of a generated library."""
+
+    accession: int
+    call: str
+    shelf: str
+    thickness_mm: float
+    height_mm: int
+    depth_mm: int
+    grey: int
+    font: str
+
+
+@dataclass(frozen=True)
+class Row:
+    """What stands on one shelf, from left to right: books, and gaps as their width in [mm]."""
+
+    shelf: str
+    standing: tuple[GeneratedBook | float, ...]
+    lent: tuple[GeneratedBook, ...]
+    """The books whose gaps are in the row, from left to right."""
+
+
+def call_numbers(rng: np.random.Generator, count: int, first: int) -> list[str]:
+    """Call numbers in library order, all different, from the hundred that starts with `first`."""
+    made: set[str] = set()
+    while len(made) < count:
+        whole = first + int(rng.integers(0, 100))
+        decimals = ["", f".{rng.integers(1, 10)}", f".{rng.integers(10, 99)}"][int(rng.integers(0, 3))]
+        made.add(f"{whole}{decimals} {''.join(rng.choice(list(LETTERS), 3))}")
+    ordered = sorted(((number, call) for call in made if (number := parse(call))), key=lambda each: each[0])
+    return [call for _, call in ordered]
+
+
+def make_row(
+    rng: np.random.Generator, shelf: str, first_accession: int, first_call: int, misplaced: bool
+) -> Row:
+    """A full row with two gaps of lent books and, if wanted, one misplaced book beside or near a gap."""
+    thickness = rng.integers(15, 46, 60).astype(float)
+    count = int(np.searchsorted(np.cumsum(thickness), 1e3 * CLEAR - 20.0))
+    calls = call_numbers(rng, count, first_call)
+    books = [
+        GeneratedBook(
+            first_accession + i,
+            calls[i],
+            shelf,
+            thickness[i],
+            int(rng.integers(180, 241)),
+            int(rng.integers(120, 161)),
+            int(rng.integers(70, 181)),
+            FONTS[int(rng.integers(0, len(FONTS)))],
+        )
+        for i in range(count)
+    ]
+    places = _gap_places(rng, count)
+    lent = tuple(books[i] for i in places)
+    standing: list[GeneratedBook | float] = list(books)
+    for i in places:
+        standing[i] = books[i].thickness_mm + float(rng.integers(4, 9))
+    if misplaced:
+        standing = _misplace(rng, standing, places)
+    return Row(shelf, tuple(standing), lent)
+
+
+def _gap_places(rng: np.random.Generator, count: int) -> list[int]:
+    """Two places in a row of `count`, apart from each other and from both ends."""
+    first = int(rng.integers(FEWEST_BETWEEN, count // 2 - 2))
+    second = int(rng.integers(first + FEWEST_BETWEEN + 1, count - FEWEST_BETWEEN))
+    return [first, second]
+
+
+def _misplace(
+    rng: np.random.Generator, standing: list[GeneratedBook | float], gaps: Sequence[int]
+) -> list[GeneratedBook | float]:
+    """Take one book out and put it directly beside a gap on the far side, at least three places away.
+
+    It must land further from its place than just over a gap: then the row would still read in order.
+    """
+    beside = int(rng.choice(list(gaps))) + int(rng.integers(0, 2))
+    far = [
+        i
+        for i, each in enumerate(standing)
+        if isinstance(each, GeneratedBook) and abs(i - beside) > FEWEST_BETWEEN
+    ]
+    taken = int(rng.choice(far))
+    row = [*standing]
+    book = row.pop(taken)
+    row.insert(beside - 1 if taken < beside else beside, book)
+    return row

@@ -1,0 +1,141 @@
+"""Writing a library: the files of its world, and those that its robot is told."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from handcart.evaluation.drawing.picture_file import write_png
+from handcart.files.whole_file import write_whole
+from handcart.robotics.geometry.pose2 import Pose2
+
+from .library_books import GeneratedBook
+from .library_generator import RESOLUTION, Library, make_library, place_before
+from .library_room import BOARD, CLEAR, FURNITURE, HOME, OUTER, SHELVES, STAND_OFF
+
+NOBODYS = 249  # a tag's number that no catalogue of ours has
+
+
+@dataclass(frozen=True)
+class Libraries:
+    """Makes worlds for a campaign: a library for each seed."""
+
+    options: Mapping[str, Any]
+    """Of `make_library`."""
+
+    def __call__(self, seed: int, folder: Path) -> dict[str, str]:
+        """See `WorldGenerator`."""
+        write_library(make_library(seed, **self.options), folder)
+        return {name: f"{folder}/{name}.yaml" for name in ("world", "map", "places", "catalogue")}
+
+
+def write_library(library: Library, folder: Path) -> None:
+    """Write world.yaml, places.yaml, catalogue.yaml, map.yaml and map.png into a folder."""
+    folder.mkdir(parents=True, exist_ok=True)
+    for name, text in (
+        ("world.yaml", _world(library)),
+        ("places.yaml", _places(library)),
+        ("catalogue.yaml", _catalogue(library)),
+        ("map.yaml", _map_yaml(library)),
+    ):
+        write_whole(folder / name, text)
+    picture = np.where(library.map.occupied, 0, 254).astype(np.uint8)
+    write_png(folder / "map.png", picture[::-1])
+
+
+def _made(library: Library, what: str) -> str:
+    return f"# {what}; made by `handcart make-library --seed {library.seed}`.\n"
+
+
+def _world(library: Library) -> str:
+    lines = [
+        _made(library, "What stands in the library; the robot doesn't see this file")
+        + "format: handcart-world/1",
+        f"start: {_pose(HOME)}",
+        "walls:",
+        *(f"  - {{from_m: [{a}, {b}], to_m: [{c}, {d}]}}" for a, b, c, d in library.walls),
+        "furniture:",
+    ]
+    lines += [
+        f"  - {{name: {each.name}, x_m: {each.x}, y_m: {each.y}, "
+        f"size_m: [{each.length}, {each.width}, {each.height}]}}"
+        for each in FURNITURE
+    ]
+    if library.surprises:
+        lines.append("surprises: # on nobody's map")
+        lines += [
+            f"  - {{name: box_{i + 1}, {_pose(each.pose)[1:-1]}, size_m: {list(each.size)}}}"
+            for i, each in enumerate(library.surprises)
+        ]
+    lines.append("shelves:")
+    for row, shelf in zip(library.rows, SHELVES, strict=True):
+        lines += [
+            f"  - name: {row.shelf}",
+            *_indented(_pose(shelf)),
+            f"    width_m: {CLEAR}",
+            "    books: # from left to right",
+        ]
+        lines += [
+            f"      - {{gap_mm: {each:g}}}" if isinstance(each, float) else f"      - {_book(each)}"
+            for each in row.standing
+        ]
+    tag = {"readable": "readable", "unknown": "readable", "smeared": "smeared"}[library.tag]
+    first, *others = library.wanted
+    accession = NOBODYS if library.tag == "unknown" else first.accession
+    lines.append(f"tray: {_book(first, accession)[:-1]}, tag: {tag}}}")
+    if others:
+        lines += ["handed_over: # when the robot is home again", *(f"  - {_book(each)}" for each in others)]
+    return "\n".join(lines) + "\n"
+
+
+def _indented(flow: str) -> list[str]:
+    return [f"    {pair}" for pair in flow[1:-1].split(", ")]
+
+
+def _pose(pose: Pose2) -> str:
+    heading = round(math.degrees(pose.theta), 3)
+    return f"{{x_m: {round(pose.x, 4)}, y_m: {round(pose.y, 4)}, heading_deg: {heading}}}"
+
+
+def _book(book: GeneratedBook, accession: int | None = None) -> str:
+    number = book.accession if accession is None else accession
+    return (
+        f'{{accession: {number}, call: "{book.call}", thickness_mm: {book.thickness_mm:g}, '
+        f"height_mm: {book.height_mm}, depth_mm: {book.depth_mm}, grey: {book.grey}, font: {book.font}}}"
+    )
+
+
+def _places(library: Library) -> str:
+    lines = [_made(library, "Where the robot's base stands") + "format: handcart-places/1", "places:"]
+    lines.append(f"  home: {_pose(HOME)}")
+    for row, shelf in zip(library.rows, SHELVES, strict=True):
+        front = f"{{distance_m: {STAND_OFF}, width_m: {CLEAR}, board_m: {BOARD}, front_m: {OUTER}}}"
+        lines.append(f"  {row.shelf}: {_pose(place_before(shelf))[:-1]}, shelf: {front}}}")
+    return "\n".join(lines) + "\n"
+
+
+def _catalogue(library: Library) -> str:
+    lines = [_made(library, "All books that the library owns") + "format: handcart-catalogue/1", "books:"]
+    for row in library.rows:
+        standing = [each for each in row.standing if isinstance(each, GeneratedBook)]
+        lines += [
+            f'  - {{accession: {book.accession}, call: "{book.call}", title: "Volume {book.accession}", '
+            f"shelf: {book.shelf}, thickness_mm: {book.thickness_mm:g}, height_mm: {book.height_mm}, "
+            f"depth_mm: {book.depth_mm}}}"
+            for book in sorted([*standing, *row.lent], key=lambda each: each.accession)
+        ]
+    return "\n".join(lines) + "\n"
+
+
+def _map_yaml(library: Library) -> str:
+    return (
+        _made(library, "The floor plan, in ROS format")
+        + f"image: map.png\nresolution: {RESOLUTION}\n"
+        + f"origin: [{library.map.origin_x}, {library.map.origin_y}, 0.0]\n"
+        + "negate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n"
+    )

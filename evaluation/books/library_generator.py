@@ -1,0 +1,172 @@
+"""Generating libraries: a room with shelves, books with gaps, a book to return."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from typing import Literal, get_args
+
+import numpy as np
+from numpy.typing import NDArray
+
+from handcart.files.errors import InputError
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.navigation.maps.grid_map import Box, GridMap, from_boxes
+from handcart.robotics.navigation.routes.route import plan_route
+from handcart.robotics.navigation.routes.voronoi_graph import voronoi_graph
+
+from .library_books import GeneratedBook, Row, make_row
+from .library_room import DEPTH, FURNITURE, HOME, OUTER, SHELF_DEPTH, SHELVES, STAND_OFF, WIDTH
+
+Tag = Literal["readable", "smeared", "unknown"]
+Blocked = Literal["none", "way_around", "closed"]
+
+RESOLUTION = 0.02  # [m], as drawn from a floor plan
+RADIUS = 0.38  # [m] that must be free about a way
+BOX = (0.5, 0.4, 0.6)  # [m]
+DOOR = (0.7, 1.9, 2.5)  # [m]: a doorway from x to x at y, the only way out of the corner of `closed`
+
+
+class NoSuchLibrary(InputError):
+    """A library with these properties can't be made."""
+
+
+@dataclass(frozen=True)
+class Surprise:
+    """A box that the map doesn't show."""
+
+    pose: Pose2
+    size: tuple[float, float, float]
+
+
+@dataclass(frozen=True)
+class Library:
+    """A library, as its world is and as its robot knows it."""
+
+    seed: int
+    walls: tuple[tuple[float, float, float, float], ...]
+    """Each from x, y to x, y, in [m]."""
+    rows: tuple[Row, ...]
+    wanted: tuple[GeneratedBook, ...]
+    """The books to return: the first is on the robot's tray, the others a person hands over."""
+    tag: Tag
+    surprises: tuple[Surprise, ...]
+    map: GridMap
+
+
+def make_library(
+    seed: int,
+    misplaced: bool = True,
+    gap: bool = True,
+    tag: Tag = "readable",
+    blocked: Blocked = "none",
+    books: int = 1,
+) -> Library:
+    """A library of five shelves.
+
+    Args:
+        seed: of everything that chance decides.
+        misplaced: one book on each shelf stands directly beside a gap where it doesn't belong.
+        gap: whether the gap of the book to return is there; else its row is closed.
+        tag: of the book to return.
+        books: how many are to be returned, each to another shelf.
+        blocked: a box stands on the way to the shelf: with another way, or in the only doorway.
+    """
+    for value, kind in ((tag, Tag), (blocked, Blocked)):
+        if value not in get_args(kind):
+            raise NoSuchLibrary(f"no library with {value!r}; allowed: {', '.join(get_args(kind))}")
+    rng = np.random.default_rng(seed)
+    rows = tuple(
+        make_row(rng, f"shelf_{i + 1}", 1 + 45 * i, 100 * (1 + 2 * i), misplaced) for i in range(len(SHELVES))
+    )
+    if not 1 <= books <= len(rows):
+        raise NoSuchLibrary(f"no library with {books} books to return; allowed: 1 to {len(rows)}")
+    shelves = [int(each) for each in rng.permutation(len(rows))[:books]]
+    wanted = tuple(rows[each].lent[int(rng.integers(0, 2))] for each in shelves)
+    chosen = shelves[0]
+    if not gap:
+        rows = (*rows[:chosen], _closed(rows[chosen], wanted[0]), *rows[chosen + 1 :])
+    walls = _walls(blocked == "closed")
+    grid = _map(walls)
+    surprises = _surprises(rng, blocked, grid, place_before(SHELVES[chosen]))
+    return Library(seed, walls, rows, wanted, tag, surprises, grid)
+
+
+def place_before(shelf: Pose2) -> Pose2:
+    """map_T_base from which a robot works at a shelf."""
+    return shelf.compose(Pose2(-STAND_OFF, 0.0, 0.0))
+
+
+def _closed(row: Row, wanted: GeneratedBook) -> Row:
+    """The row without the gap of this book: a lent book's own number isn't there, its neighbours touch."""
+    gaps = [i for i, each in enumerate(row.standing) if isinstance(each, float)]
+    at = gaps[row.lent.index(wanted)]
+    return replace(row, standing=row.standing[:at] + row.standing[at + 1 :])
+
+
+def _walls(corner: bool) -> tuple[tuple[float, float, float, float], ...]:
+    room = (
+        (0.0, 0.0, WIDTH, 0.0),
+        (WIDTH, 0.0, WIDTH, DEPTH),
+        (WIDTH, DEPTH, 0.0, DEPTH),
+        (0.0, DEPTH, 0.0, 0.0),
+    )
+    left, right, y = DOOR
+    if not corner:
+        return room
+    return (*room, (0.0, y, left, y), (right, y, 2.6, y), (2.6, y, 2.6, 0.0))
+
+
+def _map(walls: tuple[tuple[float, float, float, float], ...]) -> GridMap:
+    """What a floor plan shows: walls, furniture, the plinths of the shelves."""
+    boxes = [
+        Box(
+            (x0 + x1) / 2,
+            (y0 + y1) / 2,
+            math.atan2(y1 - y0, x1 - x0),
+            math.hypot(x1 - x0, y1 - y0) + 0.1,
+            0.1,
+        )
+        for x0, y0, x1, y1 in walls
+    ]
+    boxes += [Box(each.x, each.y, 0.0, each.length, each.width) for each in FURNITURE]
+    for shelf in SHELVES:
+        middle = shelf.compose(Pose2(SHELF_DEPTH / 2, 0.0, 0.0))
+        boxes.append(Box(middle.x, middle.y, shelf.theta, SHELF_DEPTH, OUTER))
+    return from_boxes(boxes, RESOLUTION, (-0.2, -0.2), (WIDTH + 0.4, DEPTH + 0.4))
+
+
+def _surprises(
+    rng: np.random.Generator, blocked: Blocked, grid: GridMap, goal: Pose2
+) -> tuple[Surprise, ...]:
+    if blocked == "none":
+        return ()
+    if blocked == "closed":
+        left, right, y = DOOR
+        return (Surprise(Pose2((left + right) / 2, y, 0.0), BOX),)
+    route = _route(grid, goal)
+    if route is None:
+        raise NoSuchLibrary("no way leads from home to the shelf")
+    for share in rng.permutation(np.linspace(0.2, 0.85, 40)):
+        x, y = route[int(share * len(route))]
+        box = Surprise(Pose2(float(x), float(y), float(rng.uniform(0.0, math.pi))), BOX)
+        if _route(grid.with_points(_outline(box), 0.12), goal) is not None and _apart(box, goal):
+            return (box,)
+    raise NoSuchLibrary("no box on the way leaves another way")
+
+
+def _apart(box: Surprise, goal: Pose2) -> bool:
+    return box.pose.distance(goal) > 0.9 and box.pose.distance(HOME) > 0.9
+
+
+def _route(grid: GridMap, goal: Pose2) -> NDArray[np.float64] | None:
+    route = plan_route(voronoi_graph(grid, RADIUS, (HOME.x, HOME.y)), HOME, goal, 0.15)
+    return None if route is None else route.points
+
+
+def _outline(box: Surprise) -> NDArray[np.float64]:
+    along = np.linspace(-0.5, 0.5, 40)
+    length, width, _ = box.size
+    sides = [np.column_stack([along * length, np.full(40, side * width / 2)]) for side in (-1, 1)]
+    ends = [np.column_stack([np.full(40, end * length / 2), along * width]) for end in (-1, 1)]
+    return box.pose.apply(np.vstack(sides + ends))

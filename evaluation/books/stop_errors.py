@@ -1,0 +1,52 @@
+"""How far from where it should the robot truly stopped, before a shelf and before a slot."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from handcart.backends.simulation.books.book import Book
+from handcart.backends.simulation.books.book_props import BookProps
+from handcart.backends.simulation.scene import Scene
+from handcart.evaluation.truth.arrival_survey import DRIVES
+from handcart.primitives.contract.action_primitive import ActionPrimitive
+from handcart.robotics.geometry.transform import inverse
+
+from .book_effects import APPROACH
+from .library_room import STAND_OFF
+
+
+def stop_errors(scene: Scene, primitive: ActionPrimitive) -> dict[str, float]:
+    """Figures about an action that has succeeded; none for those that stop nowhere in particular."""
+    if primitive.label() == DRIVES:
+        return _dock(scene, str(getattr(primitive, "place", "")))
+    if primitive.label() == APPROACH:
+        return _slot(scene, str(getattr(primitive, "shelf", "")))
+    return {}
+
+
+def _dock(scene: Scene, place: str) -> dict[str, float]:
+    """Distance and heading before a shelf's front."""
+    shelves = scene.of(BookProps).shelves
+    if place not in shelves:
+        return {}
+    shelf_T_base = inverse(shelves[place].pose) @ scene.world_T_base
+    off = 1e3 * abs(float(shelf_T_base[0, 3]) + STAND_OFF)
+    turned = abs(math.degrees(math.atan2(shelf_T_base[1, 0], shelf_T_base[0, 0])))
+    along = 1e3 * abs(float(shelf_T_base[1, 3]))
+    return {"dock_mm": round(off, 2), "dock_deg": round(turned, 3), "dock_along_mm": round(along, 1)}
+
+
+def _slot(scene: Scene, shelf: str) -> dict[str, float]:
+    """How far the leading edge of the held book is beside the middle of the slot before it."""
+    book, books = scene.held, scene.of(BookProps)
+    if shelf not in books.shelves or not isinstance(book, Book):
+        return {}
+    edge = inverse(books.shelves[shelf].pose) @ book.pose @ np.array([book.depth, 0.0, 0.0, 1.0])
+    row = books.shelf_books(shelf)
+    left = [each.lateral - each.book.thickness / 2 for each in row if each.lateral > edge[1]]
+    right = [each.lateral + each.book.thickness / 2 for each in row if each.lateral <= edge[1]]
+    if not left or not right:
+        return {}
+    return {"edge_mm": round(1e3 * abs(float(edge[1]) - 0.5 * (min(left) + max(right))), 3)}

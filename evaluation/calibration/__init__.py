@@ -1,0 +1,1 @@
+"""What ground truth says of calibrations."""

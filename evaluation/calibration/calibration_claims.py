@@ -1,0 +1,75 @@
+"""Whether what a calibration claims to have found, with its sigmas, is so."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+from handcart.backends.description.robot_file import RobotFile
+from handcart.backends.robot.mounted_camera import stated_camera
+from handcart.backends.simulation.sensors.true_camera import true_camera
+from handcart.evaluation.truth.sensor_sigmas import SIGMAS
+from handcart.primitives.contract.calibrated import Calibrated
+from handcart.robotics.geometry.transform import inverse
+
+Vector = NDArray[np.float64]
+FOCAL_SHARE = 0.002  # by which the focal length trades with distance, unseen by its sigma
+MIDDLE_PX = 2.0  # the same of the picture's middle, against the mount
+LENS = {"k1": 0.02, "k2": 0.1}  # the same of the lens
+ARM_MRAD = 2.0  # by which an arm's own errors turn a mount
+SPOTS = {"yaw_mrad_per_swing": 0.15, "roll_mrad_per_m": 1.5, "pitch_mrad_per_m": 1.5}
+"""By which spots on a wall, read with a ruler, may be off."""
+
+
+def camera_faults(robot: RobotFile, seed: int, found: Mapping[str, Calibrated]) -> list[str]:
+    """What of a calibrated camera is further from the one that takes the pictures than 5 sigma explain."""
+    assert robot.camera is not None
+    assert robot.arm is not None
+    arm = robot.arm_model()
+    true, stated = true_camera(robot.camera, arm, robot.errors, seed), stated_camera(robot.camera, arm)
+    off = inverse(stated.hand_T_camera) @ true.hand_T_camera
+    K, lens = true.model.K, true.model.distortion
+    mount = SIGMAS * robot.arm.accuracy_mm
+    truth: dict[str, tuple[object, float]] = {
+        "focal_px": (K[1, 1], FOCAL_SHARE * K[1, 1]),
+        "cx_px": (K[0, 2], MIDDLE_PX),
+        "cy_px": (K[1, 2], MIDDLE_PX),
+        "k1": (lens[0], LENS["k1"]),
+        "k2": (lens[1], LENS["k2"]),
+        "xyz_mm": (1e3 * off[:3, 3], mount),
+        "rpy_deg": (
+            Rotation.from_matrix(off[:3, :3]).as_euler("xyz", degrees=True),
+            np.degrees(SIGMAS * ARM_MRAD / 1e3),
+        ),
+    }
+    return _beyond(found, truth)
+
+
+def suspension_faults(spots: Mapping[str, float], found: Mapping[str, Calibrated]) -> list[str]:
+    """What of a calibrated suspension is further from what laser spots tell than 5 sigma explain.
+
+    Args:
+        spots: figures of a `LaserSurvey`.
+        found: what the run calibrated, by key.
+    """
+    return _beyond(found, {name: (spots[f"laser_{name}"], most) for name, most in SPOTS.items()})
+
+
+def _beyond(found: Mapping[str, Calibrated], truth: Mapping[str, tuple[object, float]]) -> list[str]:
+    wrong = []
+    for key, (value, sigma) in found.items():
+        name = key.rpartition(".")[2]
+        if name not in truth:
+            continue
+        true, room = truth[name]
+        off = np.abs(np.atleast_1d(np.asarray(value) - np.asarray(true)))
+        most = room + SIGMAS * np.atleast_1d(np.asarray(sigma))
+        wrong += [
+            f"{name} is {size:.3g} off (at most {limit:.3g})"
+            for size, limit in zip(off.tolist(), most.tolist(), strict=True)
+            if not size <= limit
+        ]
+    return wrong

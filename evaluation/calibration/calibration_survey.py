@@ -1,0 +1,83 @@
+"""What calibrations found, beside the truth or another way of measuring it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, ClassVar
+
+from handcart.backends.robot.robot import Robot
+from handcart.evaluation.truth.survey import Claim, Survey
+from handcart.evaluation.truth.surveyed_run import SurveyedRun
+from handcart.primitives.contract.action_primitive import ActionPrimitive
+from handcart.primitives.contract.calibrated import Calibrated
+from handcart.primitives.contract.outcome import Outcome, Success
+
+from .calibration_claims import camera_faults, suspension_faults
+from .camera_survey import camera_figures
+from .laser_survey import LaserSurvey
+
+CAMERA, SUSPENSION = "CALIBRATE_CAMERA", "CALIBRATE_SUSPENSION"
+
+
+def _camera(survey: CalibrationSurvey, claim: Claim) -> list[str]:
+    return camera_faults(survey.run.spec, survey.run.seed, claim.primitive.evidence.calibrated)
+
+
+def _suspension(survey: CalibrationSurvey, claim: Claim) -> list[str]:
+    return suspension_faults(survey.spots(), claim.primitive.evidence.calibrated)
+
+
+class CalibrationSurvey(Survey):
+    """Points lasers at walls while the suspension is calibrated, as the paper does."""
+
+    name = "calibration"
+    effects: ClassVar = {CAMERA: _camera, SUSPENSION: _suspension}
+    noted = dict[str, float]
+
+    def __init__(self, run: SurveyedRun) -> None:
+        """See `Survey`."""
+        super().__init__(run)
+        self._lasers: LaserSurvey | None = None
+        self._figures: dict[str, float] = {}
+
+    def started(self, number: int, primitive: ActionPrimitive) -> None:
+        """See `Survey`."""
+        self._lasers = LaserSurvey(self.run.world) if primitive.label() == SUSPENSION else None
+
+    def look(self, robot: Robot) -> None:
+        """See `Survey`."""
+        if self._lasers is not None:
+            self._lasers.look(robot)
+
+    def ended(self, number: int, primitive: ActionPrimitive, outcome: Outcome) -> list[str]:
+        """See `Survey`."""
+        if isinstance(outcome, Success):
+            self._take(primitive.label(), primitive.evidence.calibrated)
+        self._lasers = None
+        return []
+
+    def _take(self, do: str, found: Mapping[str, Calibrated]) -> None:
+        """The figures of a calibration that has succeeded."""
+        spec = self.run.spec
+        if do == CAMERA and spec.camera is not None:
+            self._figures |= camera_figures(spec.camera, spec.arm_model(), spec.errors, self.run.seed, found)
+        elif do == SUSPENSION:
+            values = {key.rpartition(".")[2]: each.value for key, each in found.items()}
+            self._figures |= {key: round(each, 4) for key, each in values.items() if isinstance(each, float)}
+            self._figures |= self.spots()
+
+    def spots(self) -> dict[str, float]:
+        """What the lasers tell; raises ValueError where the arm moved too little."""
+        return {} if self._lasers is None else self._lasers.figures()
+
+    def notes(self) -> dict[str, float]:
+        """See `Survey`."""
+        return self._figures
+
+    def go_on(self, noted: dict[str, float]) -> None:
+        """See `Survey`."""
+        self._figures = noted
+
+    def figures(self) -> dict[str, Any]:
+        """See `Survey`."""
+        return self._figures

@@ -1,0 +1,58 @@
+"""How far a calibrated camera is from the one that takes the pictures, by the ground truth."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+
+from handcart.backends.description.sensor_specs import CalibratedCamera, CameraSpec
+from handcart.backends.description.simulated_errors import Errors
+from handcart.backends.robot.mounted_camera import MountedCamera, known_camera
+from handcart.backends.simulation.sensors.true_camera import true_camera
+from handcart.primitives.contract.calibrated import Calibrated
+from handcart.robotics.geometry.transform import apply, difference
+from handcart.robotics.kinematics.arm_model import ArmModel
+
+AWAY = 0.3  # [m] from the camera, where blocks and landmarks are looked at
+_COLUMNS, _ROWS = 17, 13
+_KEY = "camera.calibrated."
+
+
+def camera_figures(
+    spec: CameraSpec, arm: ArmModel, errors: Errors, seed: int, found: Mapping[str, Calibrated]
+) -> dict[str, float]:
+    """For a run's metrics: where points are thought to be that the picture shows, before and after.
+
+    Args:
+        spec: of the camera, as it was in the run.
+        arm: that carries it.
+        errors: of the simulated robot.
+        seed: of the run.
+        found: what the run calibrated, by key.
+    """
+    true = true_camera(spec, arm, errors, seed)
+    after = {key.removeprefix(_KEY): each.value for key, each in found.items() if key.startswith(_KEY)}
+    calibrated = spec.model_copy(update={"calibrated": CalibratedCamera.model_validate(after)})
+    figures: dict[str, float] = {}
+    for name, camera in (("before", known_camera(spec, arm)), ("after", known_camera(calibrated, arm))):
+        off = 1e3 * np.linalg.norm(_points(camera) - _points(true), axis=1)
+        far, turned = difference(camera.hand_T_camera, true.hand_T_camera)
+        figures |= {
+            f"mount_error_{name}_mm": round(1e3 * far, 3),
+            f"mount_error_{name}_mrad": round(1e3 * turned, 3),
+            f"point_error_{name}_mm_mean": round(float(off.mean()), 3),
+            f"point_error_{name}_mm_max": round(float(off.max()), 3),
+        }
+    return figures
+
+
+def _points(camera: MountedCamera) -> NDArray[np.float64]:
+    """(n, 3) in the hand frame in [m]: what pixels all over the picture show of a plane before the camera."""
+    model = camera.model
+    columns, rows = np.meshgrid(
+        np.linspace(0, model.width - 1, _COLUMNS), np.linspace(0, model.height - 1, _ROWS)
+    )
+    rays = model.undistort(np.column_stack([columns.ravel(), rows.ravel()]))
+    return apply(camera.hand_T_camera, AWAY * np.column_stack([rays, np.ones(len(rays))]))

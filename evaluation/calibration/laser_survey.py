@@ -1,0 +1,93 @@
+"""Yaw and lean of the base as the paper measures them: the spots of lasers on walls, read with a ruler."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from handcart.backends.robot.robot import Robot
+from handcart.robotics.geometry.transform import Transform, transform
+from handcart.robotics.manipulation.suspension.laser_spot import Rates, SpotShift, fit_spots, spot_on_wall
+
+DISTANCE = 2.0  # [m] from the pointers to the walls
+SCALE = 0.001  # [m] of the ruler
+HEIGHT = 0.3  # [m] of the pointers; they sit on the base's axis
+AHEAD, LEFT = 0.0, math.pi / 2
+RESTS = 6  # periods for which the arm must stand before somebody reads
+
+Vector = NDArray[np.float64]
+
+
+def read_spot(world_T_base: Transform, world_T_first: Transform, heading: float, scale: float) -> Vector:
+    """How far (2,) in [m] the spot has moved to the left and up, as a person with a ruler reads it.
+
+    Args:
+        world_T_base: (4, 4), by the ground truth.
+        world_T_first: the same at the reference posture; the wall stands at right angles to that beam.
+        heading: of the beam in the base frame, in [rad].
+        scale: what the ruler shows, in [m]; 0: everything.
+    """
+    base_T_laser = transform((0.0, 0.0, HEIGHT), (0.0, 0.0, heading))
+    world_T_wall = world_T_first @ base_T_laser @ transform((DISTANCE, 0.0, 0.0)) @ _FACING
+    first, now = (spot_on_wall(pose, base_T_laser, world_T_wall) for pose in (world_T_first, world_T_base))
+    return now - first if scale == 0.0 else scale * (np.rint(now / scale) - np.rint(first / scale))
+
+
+_FACING = np.array([[0.0, 0.0, 1.0, 0.0], [1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 0.0, 1.0]])
+
+
+class LaserSurvey:
+    """Somebody who reads two spots whenever the arm stands, ahead and to the left, and counts its swings."""
+
+    def __init__(self, scene: Any, scale: float = SCALE) -> None:
+        """`scene` is a simulated world's; `scale` that of the ruler, in [m]."""
+        self._scene, self._scale = scene, scale
+        self._command, self._stood = np.empty(0), 0
+        self._first: tuple[Transform, Vector] | None = None
+        self._last, self._swings = np.empty(0), 0
+        self._ahead: list[SpotShift] = []
+        self._left: list[SpotShift] = []
+
+    def look(self, robot: Robot) -> None:
+        """A period has passed."""
+        command = robot.arm.command()
+        same = np.array_equal(command, self._command)
+        self._command, self._stood = command, self._stood + 1 if same else 0
+        if self._stood not in (1, RESTS):
+            return
+        hand = robot.arm_model.forward(command)[:2, 3]
+        if self._stood == 1:
+            self._count(robot, hand)
+        else:
+            self._read(hand)
+
+    def _count(self, robot: Robot, hand: Vector) -> None:
+        if self._last.size and not np.array_equal(hand, self._last):
+            way = float(np.linalg.norm(hand - self._last))
+            self._swings += way >= robot.spec.suspension.swing_from_mm / 1e3
+        self._last = hand
+
+    def _read(self, hand: Vector) -> None:
+        if self._first is None:
+            self._first, self._swings = (self._scene.world_T_base.copy(), hand), 0
+            return
+        x, y = (hand - self._first[1]).tolist()
+        for heading, shifts in ((AHEAD, self._ahead), (LEFT, self._left)):
+            spot = read_spot(self._scene.world_T_base, self._first[0], heading, self._scale)
+            shifts.append(SpotShift((x, y), float(self._swings), *spot.tolist()))
+
+    def rates(self) -> Rates:
+        """What the spots tell; raises ValueError where the arm moved too little."""
+        return fit_spots(self._ahead, self._left, DISTANCE)
+
+    def figures(self) -> dict[str, float]:
+        """For a run's metrics."""
+        rates = self.rates()
+        return {
+            "laser_yaw_mrad_per_swing": round(1e3 * rates.yaw_per_swing, 4),
+            "laser_roll_mrad_per_m": round(1e3 * rates.roll_per_m, 3),
+            "laser_pitch_mrad_per_m": round(1e3 * rates.pitch_per_m, 3),
+        }

@@ -1,0 +1,234 @@
+"""Checks of what a robot declares: units, frames, signs, rates."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from handcart.backends.capabilities.all_kinds import CAPABILITIES
+from handcart.backends.capabilities.arm import Arm
+from handcart.backends.capabilities.base import Base
+from handcart.backends.capabilities.camera import Camera
+from handcart.backends.capabilities.gripper import Gripper
+from handcart.backends.capabilities.range_sensor import RangeSensor
+from handcart.backends.description.simulated_errors import Errors
+from handcart.backends.robot.mounted_camera import known_camera
+from handcart.evaluation.conformance.rig.bench import Bench
+from handcart.evaluation.conformance.rig.parts import needed, part_of
+from handcart.evaluation.conformance.rig.periods import (
+    STEERING,
+    all_readings,
+    beside,
+    drivable,
+    driven,
+    move_joints,
+    reading_name,
+    steps,
+)
+from handcart.evaluation.conformance.rig.skipped import Skipped
+
+from .check import Check, Finding
+
+NEAR = 0.10  # share by which a simulated robot may differ from its file: radii, tread, slip, starting up
+FORCE_AT_REST = 3.0  # [N]
+SHORT = 0.1  # [m] from a joint to the hand: what the hand is off is an angle there
+STEERS = 0.7  # share of a car's turn that is lost while it steers
+FLIPS = 0.02  # [rad] that a joint is moved for its sign
+
+
+def declared(bench: Bench, finding: Finding) -> None:
+    """The capabilities that the robot's file promises are there, and no others of these kinds."""
+    spec = bench.spec()
+    with bench.stage() as stage:
+        for kind in CAPABILITIES:
+            wanted = kind.FILE_KEY is None or getattr(spec, kind.FILE_KEY) is not None
+            there = stage.backend.get(kind) is not None
+            finding.expect(there or not wanted, f"the robot's file has a {kind.__name__}, the backend none")
+            finding.expect(wanted or not there, f"the backend has a {kind.__name__}, the robot's file none")
+        finding.measured.append(f"{len(stage.backend.capabilities())} capabilities")
+
+
+def readings(bench: Bench, finding: Finding) -> None:
+    """Shapes, units and ranges of readings at rest."""
+    spec = bench.spec()
+    with bench.stage() as stage:
+        backend = stage.backend
+        steps(backend, 2)
+        travel = needed(backend, Base).wheel_travel()
+        finding.at_most("wheel travel at rest", max(map(abs, travel)), 1e-3, "m")
+        if (arm := part_of(backend, Arm)) is not None and spec.arm is not None:
+            home = np.array(spec.posture("home"))
+            finding.expect(arm.joints().shape == home.shape, f"{arm.joints().shape} joints, not {home.shape}")
+            finding.at_most(
+                "joints at home, off", math.degrees(np.abs(arm.joints() - home).max()), 0.5, "deg"
+            )
+            finding.expect(arm.hand_force().shape == (3,), "the force isn't (3,)")
+            finding.at_most("force at rest", float(np.abs(arm.hand_force()).max()), FORCE_AT_REST, "N")
+        if (gripper := part_of(backend, Gripper)) is not None and spec.gripper is not None:
+            most = spec.gripper.opening_mm + 1.0
+            finding.expect(0.0 <= gripper.width() <= most / 1e3, f"a width of {gripper.width()} m")
+        if (camera := part_of(backend, Camera)) is not None and spec.camera is not None:
+            image, size = camera.image(), (spec.camera.height_px, spec.camera.width_px)
+            finding.expect(image.shape == size and image.dtype == np.uint8, f"the picture is {image.shape}")
+            finding.expect(int(image.max()) - int(image.min()) > 20, "the picture shows nothing")
+            finding.expect(abs(camera.model.K[0, 0] - spec.camera.focal_px) < 1e-6, "another focal length")
+        if (sensor := part_of(backend, RangeSensor)) is not None and spec.range_sensor is not None:
+            scan = sensor.scan()
+            beams, reach = spec.range_sensor.beams, spec.range_sensor.reach_m
+            finding.expect(scan.ranges.shape == scan.angles.shape == (beams,), f"{scan.ranges.shape} beams")
+            finding.expect(not np.isnan(scan.ranges).any(), "a range is NaN")
+            met = scan.ranges[np.isfinite(scan.ranges)]
+            finding.expect(bool((met >= 0.0).all() and (met <= reach).all()), "a range beyond the reach")
+            finding.expect(bool((np.diff(scan.angles) > 0.0).all()), "the beams don't go counter-clockwise")
+
+
+def signs_of_the_base(bench: Bench, finding: Finding) -> None:
+    """Forward is forward, left is left, in wheels, scans and truth, with speeds in [m/s] and [rad/s]."""
+    spec, tread = bench.spec(), bench.spec().drive.tread_m
+    speed, turn_rate, car = 0.2, 0.5, spec.drive.kind == "ackermann"
+    with bench.stage() as stage:
+        curve = speed if car else 0.0  # there and back: rooms are small
+        ways = [(speed, 0.0), (-speed, 0.0), (curve, turn_rate), (-curve, -turn_rate)]
+        for forward, turn in (drivable(spec, *way) for way in ways):
+            periods = STEERING if car and turn else 20
+            seconds = periods * spec.period_s
+            steers = STEERS * abs(turn) * seconds if car else 0.0
+            before = stage.backend.ground_truth()
+            left, right = driven(stage.backend, forward, turn, periods)
+            far, round_ = 0.5 * (left + right), (right - left) / tread
+            words = f"{forward:g} m/s and {turn:g} rad/s for {seconds:g} s"
+            _near(finding, f"wheels by {words}", far, forward * seconds, 0.02, "m")
+            _near(finding, f"wheels turn by {words}", round_, turn * seconds, max(steers, 0.03), "rad")
+            after = stage.backend.ground_truth()
+            if before is not None and after is not None:
+                went = after.base.relative_to(before.base)
+                _near(finding, f"truly by {words}", went.x, forward * seconds, 0.03, "m")
+                room = max(steers, 0.05)
+                _near(finding, f"truly turned by {words}", went.theta, turn * seconds, room, "rad")
+
+
+def signs_of_the_scan(bench: Bench, finding: Finding) -> None:
+    """Turning left moves what is seen to the right, by as much."""
+    if bench.spec().drive.kind == "ackermann":
+        raise Skipped("a car can't turn where it stands")
+    with bench.stage() as stage:
+        sensor = needed(stage.backend, RangeSensor)
+        steps(stage.backend, 1)
+        before = sensor.scan()
+        left, right = driven(stage.backend, 0.0, 0.5, 20)
+        turn = (right - left) / bench.spec().drive.tread_m
+        after = sensor.scan()
+        seen = best_turn(before.ranges, after.ranges, before.angles)
+        _near(finding, "the scan turned", seen, -turn, 0.06, "rad")
+
+
+def signs_of_the_joints(bench: Bench, finding: Finding) -> None:
+    """Each joint goes where it is told, in [rad], the others stay."""
+    with bench.stage() as stage:
+        arm = needed(stage.backend, Arm)
+        start, gives = arm.command(), _gives(bench.spec().errors)
+        worst = truly = 0.0
+        for number in range(len(start)):
+            for sign in (1.0, -1.0):
+                goal = beside(bench.spec(), start, number, sign * (FLIPS + 2.0 * gives))
+                move_joints(stage.backend, arm, goal)
+                worst = max(worst, float(np.abs(arm.joints() - goal).max()))
+                truth = stage.backend.ground_truth()
+                if truth is not None:
+                    truly = max(truly, float(np.abs(truth.joints - goal).max()))
+            move_joints(stage.backend, arm, start)
+        finding.at_most("joints off their command", 1e3 * worst, 5.0, "mrad")
+        finding.at_most("joints truly off", 1e3 * truly, 5.0 + 1e3 * gives, "mrad")
+
+
+def _gives(errors: Errors) -> float:
+    """By how much joints may truly be off what their encoders read, in [rad]."""
+    off = errors.hand_systematic_mm + 3.0 * errors.hand_repeat_mm + errors.hand_uniform_mm
+    return off / 1e3 / SHORT
+
+
+def fingers(bench: Bench, finding: Finding) -> None:
+    """The fingers go to the opening that they are told, in [m], and press on each other when closed."""
+    spec = bench.spec().gripper
+    with bench.stage() as stage:
+        gripper = needed(stage.backend, Gripper)
+        assert spec is not None
+        opening = spec.opening_mm / 1e3
+        periods = round(1.5 * opening / (spec.speed_mm_s / 1e3) / stage.backend.period) + 10
+        for width in (0.5 * opening, opening, 0.0):
+            gripper.move(width)
+            steps(stage.backend, periods)
+            finding.at_most(f"opening of {1e3 * width:g}, off", 1e3 * abs(gripper.width() - width), 1.0, "mm")
+        finding.expect(gripper.closed_on_something(), "closed fingers don't press on each other")
+
+
+def mounts(bench: Bench, finding: Finding) -> None:
+    """Camera and range sensor are mounted where the URDF has them, or a calibration found them."""
+    with bench.stage() as stage:
+        robot = stage.robot
+        if (camera := part_of(stage.backend, Camera)) is not None:
+            assert robot.spec.camera is not None
+            mount = known_camera(robot.spec.camera, robot.arm_model).hand_T_camera
+            finding.at_most("camera off", float(np.abs(camera.hand_T_camera - mount).max()), 1e-6)
+        if (sensor := part_of(stage.backend, RangeSensor)) is not None:
+            from handcart.backends.simulation.sensors.mounts import base_T_frame
+
+            urdf = base_T_frame(robot.spec.urdf_text(), "range_sensor")
+            off = np.abs(np.array(sensor.scan().base_T_sensor[:2]) - urdf[:2, 3]).max()
+            finding.at_most("range sensor off", float(off), 1e-6, "m")
+
+
+def rates(bench: Bench, finding: Finding) -> None:
+    """A reading is one a period: asked again it is the same, in the next period it is a new one."""
+    with bench.stage() as stage:
+        backend = stage.backend
+        steps(backend, 1)
+        seen = all_readings(backend)
+        again = all_readings(backend)
+        finding.expect(set(seen) == set(again), "a reading comes and goes")
+        for name in seen:
+            finding.expect(np.array_equal(seen[name], again[name]), f"asked again, {name} is another")
+        fresh = set()
+        for _ in range(5):
+            steps(backend, 1)
+            now = all_readings(backend)
+            fresh |= {name for name in now if not np.array_equal(now[name], seen[name])}
+        noisy = {
+            reading_name(part, method)
+            for part in backend.capabilities()
+            for method, reading in part.READINGS.items()
+            if reading.noisy
+        }
+        finding.expect(noisy <= fresh, f"the same in six periods, noise and all: {sorted(noisy - fresh)}")
+        finding.measured.append(f"new within five periods at rest: {', '.join(sorted(fresh))}")
+
+
+def best_turn(before: NDArray[np.float64], after: NDArray[np.float64], angles: NDArray[np.float64]) -> float:
+    """By how much a scan of evenly spread beams is turned to the left against an earlier one, in [rad]."""
+    spacing = float(angles[1] - angles[0])
+    turns = np.arange(-round(1.0 / spacing), round(1.0 / spacing) + 1)
+    near = np.minimum(before, 5.0)
+    costs = [float(np.median(np.abs(np.roll(near, k) - np.minimum(after, 5.0)))) for k in turns]
+    return float(turns[int(np.argmin(costs))] * spacing)
+
+
+def _near(finding: Finding, what: str, found: float, wanted: float, room: float, unit: str) -> None:
+    allowed = max(room, NEAR * abs(wanted))
+    finding.expect(
+        abs(found - wanted) <= allowed,
+        f"{what}: {found:.3g} {unit}; allowed: {wanted:.3g} give or take {allowed:.2g}",
+    )
+
+
+CHECKS = (
+    Check("capabilities", "the backend has what the robot's file says", declared),
+    Check("readings", "shapes, units and ranges of readings at rest", readings),
+    Check("base", "forward is forward, left is left, in m/s and rad/s", signs_of_the_base),
+    Check("scan's frame", "turning left moves what is seen to the right", signs_of_the_scan),
+    Check("joints", "each joint goes where it is told, in rad", signs_of_the_joints),
+    Check("fingers", "they open to what they are told, and press when closed", fingers),
+    Check("mounts", "camera and range sensor stand where the URDF has them", mounts),
+    Check("rates", "a reading is taken once a period, and a new one in the next", rates),
+)

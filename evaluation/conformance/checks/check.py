@@ -1,0 +1,64 @@
+"""One thing that must hold, and whether it does."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+from handcart.evaluation.conformance.rig.bench import Bench
+from handcart.evaluation.conformance.rig.skipped import Skipped
+
+
+@dataclass
+class Finding:
+    """What a check found: `wrong` says in words what doesn't hold, `measured` what was seen.
+
+    A check that couldn't be made, because the robot lacks what it looks at, is `skipped` with the reason.
+    """
+
+    name: str
+    holds: str
+    """What must hold."""
+    wrong: list[str] = field(default_factory=list)
+    measured: list[str] = field(default_factory=list)
+    skipped: str = ""
+
+    @property
+    def ok(self) -> bool:
+        """Whether nothing is wrong."""
+        return not self.wrong
+
+    def expect(self, holds: bool, words: str) -> None:
+        """Note `words` as wrong unless it holds."""
+        if not holds:
+            self.wrong.append(words)
+
+    def at_most(self, what: str, size: float, most: float, unit: str = "") -> None:
+        """A size, in `unit`, must be at most `most`; NaN is not."""
+        told = f"{what} {size:.3g}{unit and ' '}{unit}"
+        self.measured.append(told)
+        self.expect(size <= most, f"{told}; at most {most:.3g} is allowed")
+
+
+@dataclass(frozen=True)
+class Check:
+    """Something that must hold of every backend."""
+
+    name: str
+    holds: str
+    """In words, for the table."""
+    look: Callable[[Bench, Finding], None]
+
+    def __call__(self, bench: Bench) -> Finding:
+        """Look; an exception of the backend is a finding too."""
+        finding = Finding(self.name, self.holds)
+        try:
+            with warnings.catch_warnings():
+                warnings.simplefilter("error", RuntimeWarning)  # a sum of NaN, an overflow
+                self.look(bench, finding)
+        except Skipped as reason:
+            finding.skipped = str(reason)
+        except Exception as error:
+            finding.wrong.append(f"it broke the check: {type(error).__name__}: {error}")
+        return finding

@@ -1,0 +1,46 @@
+"""Checks of a satellite receiver."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from handcart.backends.capabilities.base import Base
+from handcart.backends.capabilities.gps import Gps
+from handcart.evaluation.conformance.rig.bench import Bench
+from handcart.evaluation.conformance.rig.parts import needed
+from handcart.evaluation.conformance.rig.skipped import Skipped
+from handcart.evaluation.truth.simulated_world import simulated_world
+
+from .check import Check, Finding
+
+FIXES = 30
+SPEED = 0.2  # [m/s]
+OFF = 3.0  # sigmas that the median of fixes may be off, of two axes; outliers and reflections come beside
+
+
+def gps(bench: Bench, finding: Finding) -> None:
+    """Fixes come at their rate, and tell where the antenna truly is, in [m]."""
+    robot = bench.spec()
+    with bench.stage() as stage:
+        backend, receiver = stage.backend, needed(stage.backend, Gps)
+        scene, spec = simulated_world(backend), robot.gps
+        if scene is None or spec is None:
+            raise Skipped("no antenna's true place is known")
+        base, antenna, off = needed(backend, Base), np.array([*robot.antenna, 1.0]), list[float]()
+        periods = math.ceil(FIXES * spec.period_s / backend.period)
+        for number in range(periods):
+            if number < periods // 2:
+                base.drive(SPEED, 0.0)
+            backend.step()
+            fix = receiver.fix()
+            if fix is not None:
+                finding.expect(fix.position.shape == (2,), f"a position {fix.position.shape}")
+                off.append(math.dist(fix.position, (scene.world_T_base @ antenna)[:2]))
+        finding.expect(abs(len(off) - FIXES) <= 1, f"{len(off)} fixes, not {FIXES}")
+        most = OFF * math.hypot(spec.white_m, spec.drift_m) + 1e-3
+        finding.at_most("off, median", float(np.median(off)) if off else math.inf, most, "m")
+
+
+CHECKS = (Check("gps", "fixes come at their rate, and tell where the antenna is", gps),)

@@ -1,0 +1,62 @@
+"""Checks of an inertial measurement unit."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from handcart.backends.capabilities.base import Base
+from handcart.backends.capabilities.imu import Imu
+from handcart.evaluation.conformance.rig.bench import Bench
+from handcart.evaluation.conformance.rig.parts import needed
+from handcart.evaluation.conformance.rig.periods import SETTLES, STEERING, drivable, steps
+
+from .check import Check, Finding
+
+GRAVITY = 9.81  # [m/s²]
+REST = 40  # periods that are averaged
+SIGMAS = 5.0
+LEANS = 0.02 * GRAVITY  # [m/s²] along x and y of a robot that doesn't stand quite level
+TURN_RATE, PERIODS = 0.4, 30  # [rad/s]
+
+
+def imu(bench: Bench, finding: Finding) -> None:
+    """At rest gravity alone is felt, upwards; turning left is positive about z, in [rad/s]."""
+    spec = bench.spec().imu
+    with bench.stage() as stage:
+        unit, backend = needed(stage.backend, Imu), stage.backend
+        assert spec is not None, "the check of capabilities tells that"
+        felt, turned = [], []
+        for _ in range(REST):
+            steps(backend, 1)
+            felt.append(unit.accelerations())
+            turned.append(unit.rates())
+        finding.expect(felt[0].shape == turned[0].shape == (3,), "a reading isn't (3,)")
+        off = np.abs(np.mean(felt, axis=0) - [0.0, 0.0, GRAVITY])
+        allowed = SIGMAS * (spec.accelerometer_sigma_m_s2 + spec.accelerometer_bias_m_s2) + LEANS
+        finding.at_most("gravity at rest, off", float(off.max()), allowed, "m/s²")
+        noise = spec.angle_random_walk_deg_rt_s / math.sqrt(REST * backend.period)
+        bias = math.radians(SIGMAS * (noise + spec.gyro_bias_deg_s + spec.warm_up_deg_s))
+        rest = np.mean(turned, axis=0)
+        finding.at_most("turn rates at rest", float(np.abs(rest).max()), bias + 1e-4, "rad/s")
+        _turns(bench, finding, float(rest[2]))
+
+
+def _turns(bench: Bench, finding: Finding, bias: float) -> None:
+    """Both ways, by the gyro about z less what it reads at rest; a car drives circles."""
+    with bench.stage() as stage:
+        unit, base, backend = needed(stage.backend, Imu), needed(stage.backend, Base), stage.backend
+        for way, sign in (("left", 1.0), ("right", -1.0)):
+            turn, car = 0.0, bench.spec().drive.kind == "ackermann"
+            count = STEERING if car else PERIODS
+            for number in range(count + SETTLES):
+                if number < count:
+                    base.drive(*drivable(bench.spec(), 0.0, sign * TURN_RATE))
+                backend.step()
+                turn += (float(unit.rates()[2]) - bias) * backend.period
+            finding.measured.append(f"turned {way}: {turn:.3f} rad by the gyro")
+            finding.expect(turn * sign > 0.02, f"turning {way} reads {turn:.3f} rad about z")
+
+
+CHECKS = (Check("imu", "at rest it feels gravity alone, and turning left is positive", imu),)

@@ -1,0 +1,57 @@
+"""Checks of an indoor positioning system."""
+
+from __future__ import annotations
+
+import math
+
+from handcart.backends.capabilities.base import Base
+from handcart.backends.capabilities.positioning import PoseReading, Positioning
+from handcart.evaluation.conformance.rig.bench import Bench
+from handcart.evaluation.conformance.rig.parts import needed
+from handcart.evaluation.conformance.rig.skipped import Skipped
+from handcart.evaluation.truth.simulated_world import simulated_world
+
+from .check import Check, Finding
+
+PERIODS = 60
+SPEED, TURN_RATE = 0.2, 0.3  # [m/s], [rad/s]
+SIGMAS = 5.0
+
+
+def positioning(bench: Bench, finding: Finding) -> None:
+    """Readings come at their rate, and tell where the base truly was as long ago as they say."""
+    spec = bench.spec().positioning
+    with bench.stage() as stage:
+        backend, system, period = stage.backend, needed(stage.backend, Positioning), stage.backend.period
+        scene = simulated_world(backend)
+        if scene is None or spec is None:
+            raise Skipped("no base's true place is known")
+        poses, taken = [scene.base], list[tuple[float, PoseReading]]()
+        for number in range(1, PERIODS + 1):
+            if number <= PERIODS // 2:
+                needed(backend, Base).drive(SPEED, TURN_RATE)
+            backend.step()
+            poses.append(scene.base)
+            reading = system.reading()
+            if reading is not None and (not taken or reading.number != taken[-1][1].number):
+                taken.append((number * period, reading))
+        finding.expect(len(taken) > 1, "no readings come")
+        true = [poses[max(0, round((time - told.age) / period))] for time, told in taken]
+        off = [told.pose.distance(pose) for (_, told), pose in zip(taken, true, strict=True)]
+        turned = [told.pose.turn(pose) for (_, told), pose in zip(taken, true, strict=True)]
+        finding.at_most(
+            "off", 1e3 * max(off, default=0.0), SIGMAS * math.sqrt(2.0) * spec.sigma_mm + 1.0, "mm"
+        )
+        most = SIGMAS * spec.heading_sigma_mrad + 1.0
+        finding.at_most("turned", 1e3 * max(turned, default=0.0), most, "mrad")
+        oldest = spec.latency_s + 2.0 * period
+        finding.at_most("age", max((told.age for _, told in taken), default=0.0), oldest, "s")
+        wanted = min(spec.rate_hz, 1.0 / period) * PERIODS * period
+        finding.expect(
+            abs(len(taken) - wanted) <= 0.1 * wanted + 2.0, f"{len(taken)} readings, not {wanted:.0f}"
+        )
+
+
+CHECKS = (
+    Check("positioning", "readings come at their rate, and tell where the base was as long ago", positioning),
+)

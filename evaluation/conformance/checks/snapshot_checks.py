@@ -1,0 +1,132 @@
+"""Checks of what is measured at the start of a primitive, and of coming back to it."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+
+from handcart.backends.capabilities.arm import Arm
+from handcart.backends.capabilities.gripper import Gripper
+from handcart.evaluation.conformance.rig.bench import Bench
+from handcart.evaluation.conformance.rig.parts import part_of
+from handcart.evaluation.conformance.rig.periods import beside, move_joints, steps
+from handcart.evaluation.conformance.rig.reach import Reach
+from handcart.evaluation.trials.stage import Stage
+from handcart.evaluation.truth.true_changes import not_restored
+from handcart.primitives.contract.outcome import Fail
+from handcart.primitives.restoring.snapshot import Snapshot, limits, residuals, take_snapshot
+
+from .check import Check, Finding
+
+LOOKS = 20  # readings of what stands
+FAILS, FAILS_QUICK = 100, 20
+
+
+def covers(bench: Bench, finding: Finding) -> None:
+    """Whatever is moved beyond its tolerance is seen: base, each joint, fingers."""
+    with bench.stage() as stage:
+        backend = stage.backend
+        _wait(stage, LOOKS)
+        start = take_snapshot(stage.robot, {})
+        truth = backend.ground_truth()
+        if truth is not None:
+            joints = len(truth.joints)
+            finding.expect(len(start.joints) == joints, f"{len(start.joints)} of {joints} joints")
+            finding.measured.append(f"{joints} joints, {len(truth.bodies)} bodies")
+        seen = _beyond(stage, start)
+        finding.expect(not seen, f"nothing was moved, yet {', '.join(seen)} is")
+        tolerance = stage.robot.spec.tolerance
+        arm, gripper = part_of(backend, Arm), part_of(backend, Gripper)
+        if arm is not None:
+            home = arm.command()
+            for number in range(len(home)):
+                slides = stage.robot.spec.joint_units.slides[number]
+                way = 2e-3 * tolerance.slides_mm if slides else math.radians(2.0 * tolerance.joints_deg)
+                goal = beside(bench.spec(), home, number, way)
+                move_joints(backend, arm, goal)
+                residual = "slides_mm" if slides else "joints_deg"
+                finding.expect(residual in _beyond(stage, start), f"joint {number + 1} moves unseen")
+                move_joints(backend, arm, home)
+        if gripper is not None:
+            before = gripper.command()
+            gripper.move(max(0.0, before - 3e-3 * tolerance.gripper_mm))
+            steps(backend, LOOKS)
+            finding.expect("gripper_mm" in _beyond(stage, start), "the fingers move unseen")
+            gripper.move(before)
+            steps(backend, LOOKS)
+        speed = 0.1
+        drive_seen(stage, speed, 2e-3 * tolerance.base_mm / speed)
+        finding.expect("base_mm" in _beyond(stage, start), "the base moves unseen")
+
+
+def drive_seen(stage: Stage, speed: float, seconds: float) -> None:
+    """Drive, the estimates brought up to date."""
+    for _ in range(math.ceil(seconds / stage.robot.period)):
+        stage.robot.base.drive(speed, 0.0)
+        stage.robot.step()
+    _wait(stage, LOOKS)
+
+
+def tolerances(bench: Bench, finding: Finding) -> None:
+    """Three sigma of what repeated readings of a standing robot spread is within the tolerance."""
+    with bench.stage() as stage:
+        drive_seen(stage, 0.1, 0.5)
+        first = take_snapshot(stage.robot, {})
+        spread: dict[str, list[float]] = {}
+        for _ in range(LOOKS):
+            _wait(stage, 1)
+            for name, size in _plain(stage, first).items():
+                spread.setdefault(name, []).append(size)
+        allowed = limits(stage.robot, dict.fromkeys(spread, 0.0))
+        for name, sizes in spread.items():
+            if name != "held":
+                unit = name.rsplit("_", 1)[-1]
+                sigma = 3.0 * float(np.sqrt(np.mean(np.square(sizes)) / 2.0))
+                finding.at_most(f"3 sigma of {name}", sigma, allowed[name], unit)
+
+
+def drift(bench: Bench, finding: Finding, kind: type[Reach] = Reach) -> None:
+    """Many Fails in a row don't add up: the last ends where the first began."""
+    times = FAILS_QUICK if bench.quick else FAILS
+    with bench.stage() as stage:
+        first = stage.backend.ground_truth()
+        spec = bench.spec()
+        for number in range(times):
+            outcome = stage.do(kind(fails=True))
+            if not isinstance(outcome, Fail):
+                finding.wrong.append(f"Fail {number + 1} is {type(outcome).__name__}: {outcome}")
+                return
+        last = stage.backend.ground_truth()
+        finding.measured.append(f"{times} Fails")
+        if first is None or last is None:
+            finding.measured.append("no ground truth")
+            return
+        finding.at_most("base drifted", 1e3 * first.base.distance(last.base), spec.tolerance.base_mm, "mm")
+        finding.wrong += not_restored(first, last, spec)
+
+
+def _wait(stage: Stage, periods: int) -> None:
+    for _ in range(periods):
+        stage.robot.step()
+
+
+def _plain(stage: Stage, start: Snapshot) -> dict[str, float]:
+    """Residuals without how unsure the base's are."""
+    now = replace(take_snapshot(stage.robot, {}), pose_sigma=(0.0, 0.0))
+    found = residuals(start, now, stage.robot.spec.joint_units.slides)
+    return {name: size for name, size in found.items() if "unsure" not in name}
+
+
+def _beyond(stage: Stage, start: Snapshot) -> list[str]:
+    found = _plain(stage, start)
+    allowed = limits(stage.robot, found)
+    return [name for name, size in found.items() if not size <= allowed[name]]
+
+
+CHECKS = (
+    Check("snapshot", "whatever is moved beyond its tolerance is seen: base, each joint, fingers", covers),
+    Check("tolerances", "3 sigma of readings at rest are within the robot's tolerances", tolerances),
+    Check("drift", "many Fails in a row don't add up", drift),
+)

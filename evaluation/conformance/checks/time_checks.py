@@ -1,0 +1,165 @@
+"""Checks of time: periods, clocks, seeds."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from unittest import mock
+
+import numpy as np
+from numpy.typing import NDArray
+
+from handcart.backends.backend import Backend
+from handcart.backends.capabilities.arm import Arm
+from handcart.backends.capabilities.base import Base
+from handcart.backends.capabilities.gripper import Gripper
+from handcart.evaluation.conformance.rig.bench import Bench
+from handcart.evaluation.conformance.rig.parts import needed, part_of
+from handcart.evaluation.conformance.rig.periods import all_readings, beside, drivable, steps
+from handcart.evaluation.truth.simulated_world import simulated_world
+
+from .check import Check, Finding
+
+Record = list[dict[str, NDArray[np.float64]]]
+LONG = 40  # periods of the script
+DAYS = 1e6  # [s] by which a clock is put forward at each look
+
+
+def period(bench: Bench, finding: Finding) -> None:
+    """A step is one period of the robot's file: what is driven in N of them says so."""
+    spec = bench.spec()
+    with bench.stage() as stage:
+        backend, count, speed = stage.backend, 40, 0.2
+        finding.expect(backend.period == spec.period_s, f"{backend.period} s, not {spec.period_s} s")
+        base = needed(backend, Base)
+        for _ in range(20):  # until the speed is reached
+            base.drive(speed, 0.0)
+            backend.step()
+        before = base.wheel_travel()
+        for _ in range(count):
+            base.drive(speed, 0.0)
+            backend.step()
+        far = base.wheel_travel().left - before.left
+        seconds = far / speed
+        finding.measured.append(f"{count} steps roll {far:.4g} m at {speed:g} m/s")
+        finding.expect(
+            abs(seconds / (count * spec.period_s) - 1.0) < 0.03, f"{count} steps last {seconds:.3g} s"
+        )
+
+
+def monotonic(bench: Bench, finding: Finding) -> None:
+    """The simulated clock goes on by one period with each step, and not otherwise."""
+    with bench.stage() as stage:
+        scene = simulated_world(stage.backend)
+        if scene is None:
+            finding.skipped = "nothing is simulated"
+            return
+        for _ in range(10):
+            before = scene.time
+            all_readings(stage.backend)
+            finding.expect(scene.time == before, "the clock goes on while readings are taken")
+            stage.backend.step()
+            ahead = scene.time - before
+            finding.expect(abs(ahead - stage.backend.period) < 1e-9, f"a step takes {ahead:g} s")
+
+
+def same_seed(bench: Bench, finding: Finding) -> None:
+    """The same seed gives the same readings, bit for bit; another seed others."""
+    first, second, other = (_script(bench, seed) for seed in (3, 3, 4))
+    finding.wrong += [f"the same seed, another reading: {each}" for each in _different(first, second)]
+    finding.expect(bool(_different(first, other)), "another seed gives the same readings")
+    finding.measured.append(f"{len(first)} periods")
+
+
+def looking_on(bench: Bench, finding: Finding) -> None:
+    """Who takes more readings doesn't change the run."""
+    quiet = _script(bench, 3, look=lambda backend, number: number % 10 == 9)
+    busy = _script(bench, 3)
+    kept = [readings for number, readings in enumerate(busy) if number % 10 == 9]
+    finding.wrong += [f"a reading that nobody needed changed {each}" for each in _different(quiet, kept)]
+
+
+def wall_clock(bench: Bench, finding: Finding) -> None:
+    """Whatever the wall clock does, the readings are the same."""
+    if scene_of_bench(bench) is None:
+        finding.skipped = "nothing is simulated"
+        return
+    plain = _script(bench, 3)
+    with _other_clocks():
+        hasty = _script(bench, 3)
+    slow = _script(bench, 3, look=_dawdle)
+    for words, record in (("with a clock that leaps", hasty), ("when steps take longer", slow)):
+        finding.wrong += [f"{words}, {each} is another" for each in _different(plain, record)]
+
+
+def _dawdle(backend: Backend, number: int) -> bool:
+    """Look, after a while."""
+    time.sleep(0.01)
+    return True
+
+
+def scene_of_bench(bench: Bench) -> object:
+    """The scene of a backend on the bench, None where nothing is simulated."""
+    with bench.stage() as stage:
+        scene: object = simulated_world(stage.backend)
+        return scene
+
+
+def _script(
+    bench: Bench, seed: int, look: Callable[[Backend, int], bool] = lambda backend, number: True
+) -> Record:
+    """Base, arm and fingers move together; gives the readings of the periods that were looked at."""
+    record: Record = []
+    with bench.stage(seed) as stage:
+        backend = stage.backend
+        arm, gripper = part_of(backend, Arm), part_of(backend, Gripper)
+        for number in range(LONG):
+            if number < LONG // 2:
+                needed(backend, Base).drive(*drivable(bench.spec(), 0.1, 0.2))
+                if arm is not None:
+                    arm.move(beside(bench.spec(), arm.command(), 0, 0.005))
+                if gripper is not None:
+                    gripper.move(0.5 * gripper.command())
+            steps(backend, 1)
+            if look(backend, number):
+                record.append(all_readings(backend))
+    return record
+
+
+def _different(one: Record, other: Record) -> list[str]:
+    """Names of readings that differ, with the first period in which they do."""
+    first: dict[str, int] = {}
+    for number, (a, b) in enumerate(zip(one, other, strict=True)):
+        for name in a:
+            if not np.array_equal(a[name], b[name], equal_nan=True):
+                first.setdefault(name, number)
+    return [f"{name} from period {number} on" for name, number in first.items()]
+
+
+@contextmanager
+def _other_clocks() -> Iterator[None]:
+    """Python's clocks leap by days at each look."""
+    count = iter(range(10**9))
+
+    def leap() -> float:
+        return DAYS * next(count)
+
+    names = ("time", "monotonic", "perf_counter", "process_time")
+    patches = [mock.patch.object(time, name, leap) for name in names]
+    for patch in patches:
+        patch.start()
+    try:
+        yield
+    finally:
+        for patch in patches:
+            patch.stop()
+
+
+CHECKS = (
+    Check("period", "a step is one period of the robot's file", period),
+    Check("clock", "the simulated clock goes on with each step, and not otherwise", monotonic),
+    Check("seed", "the same seed gives the same readings, bit for bit", same_seed),
+    Check("looking on", "who takes more readings doesn't change the run", looking_on),
+    Check("wall clock", "nothing depends on the wall clock", wall_clock),
+)

@@ -1,0 +1,107 @@
+"""What can go wrong, to be tried on purpose."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from enum import Enum
+from typing import Any
+
+from handcart.backends.capabilities.all_kinds import CAPABILITIES
+from handcart.tasks.domain import domains, imported
+
+NOTHING = "nothing"
+"""The kind of a trial in which no fault is injected."""
+FOR_GOOD = 1_000_000
+"""Periods: longer than anything lasts."""
+SENSORS = tuple(dict.fromkeys(each.sensor for kind in CAPABILITIES for each in kind.READINGS.values()))
+"""Of all capabilities."""
+
+
+class FaultKind(Enum):
+    """Kinds of faults."""
+
+    EXCEPTION = "exception"
+    """The backend raises when a sensor is read next, or commanded next."""
+    REFUSED = "refused command"
+    """The next command is refused."""
+    STUCK = "stuck actuator"
+    """What is commanded next takes its commands and doesn't move."""
+    SLIP = "slip"
+    """The base goes less far than its wheels roll; a standing one slides."""
+    STALE = "stale sensor"
+    """A sensor goes on giving its last reading."""
+    NAN = "NaN"
+    """A sensor gives NaN, a camera black pictures."""
+    CANCEL = "cancel"
+    """Somebody calls the attempt back."""
+    TIME_OUT = "time-out"
+    """Whoever runs the attempt loses patience."""
+    WORLD = "world"
+    """Something happens to what a domain's primitives work on: see `Domain.faults`."""
+
+
+EVERYWHERE = tuple(kind for kind in FaultKind if kind is not FaultKind.WORLD)
+"""Kinds that are tried in any primitive."""
+
+HARMLESS = (FaultKind.EXCEPTION, FaultKind.REFUSED, FaultKind.CANCEL, FaultKind.TIME_OUT)
+"""After these the robot is whole: it can be restored."""
+
+
+@dataclass(frozen=True)
+class Fault:
+    """A fault that begins now."""
+
+    kind: FaultKind
+    sensor: str = ""
+    """Which one is concerned, see `SENSORS`; of an exception, empty: the next command. In the world: what
+    happens, in a word or two."""
+    periods: int = 1
+    """For how long."""
+    speed: float = 0.0
+    """At which a standing base slides ahead, in [m/s]."""
+    turn_rate: float = 0.0
+    """At which a standing base slides round, in [rad/s]."""
+    act: Callable[[Any], None] | None = None
+    """What happens in the world: called with the simulated one before each of its periods."""
+
+    def __str__(self) -> str:
+        what = f"{self.kind.value} {self.sensor}".rstrip()
+        if self.kind in HARMLESS:
+            return what
+        return f"{what} for good" if self.periods >= FOR_GOOD else f"{what} for {self.periods} periods"
+
+
+_STUCK, _STALE, _NAN = (20, FOR_GOOD, 5), (20, FOR_GOOD, 60), (1, 10, FOR_GOOD)
+_SLIDES = ((0.1, 0.0), (-0.1, 0.0), (0.0, 0.12), (0.0, -0.12))
+
+
+def variant(kind: FaultKind, number: int, sensors: Sequence[str] = SENSORS) -> Fault:
+    """One of the ways in which that kind of fault comes; `number` goes through them all.
+
+    Args:
+        kind: of fault.
+        number: 0 and on.
+        sensors: those that are read at all.
+    """
+    sensor = sensors[number % len(sensors)]
+    turn = number // len(sensors)
+    match kind:
+        case FaultKind.EXCEPTION:
+            return Fault(kind, ("", *sensors)[number % (1 + len(sensors))], FOR_GOOD)
+        case FaultKind.STUCK:
+            return Fault(kind, periods=_STUCK[number % len(_STUCK)])
+        case FaultKind.SLIP:
+            speed, turn_rate = _SLIDES[number % len(_SLIDES)]
+            return Fault(kind, periods=10, speed=speed, turn_rate=turn_rate)
+        case FaultKind.STALE:
+            return Fault(kind, sensor, _STALE[turn % len(_STALE)])
+        case FaultKind.NAN:
+            return Fault(kind, sensor, _NAN[turn % len(_NAN)])
+    return Fault(kind, periods=FOR_GOOD)
+
+
+def faults_of(primitive: str) -> tuple[Fault, ...]:
+    """Those that the domain of a primitive, given by its name, declares."""
+    named = [each.faults for each in domains() if primitive in each.primitives and each.faults is not None]
+    return tuple(fault for path in named for fault in imported(path))

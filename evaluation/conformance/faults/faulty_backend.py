@@ -1,0 +1,219 @@
+"""Any backend, with faults on purpose."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from functools import partial
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from handcart.backends.backend import Backend, CommandError
+from handcart.backends.capabilities.arm import Arm
+from handcart.backends.capabilities.base import Base, WheelTravel
+from handcart.backends.capabilities.capability import Capability, Reading
+from handcart.backends.capabilities.gripper import Gripper
+from handcart.evaluation.conformance.rig.layered_backend import Kind, LayeredBackend
+from handcart.evaluation.conformance.rig.numbers import broken
+from handcart.evaluation.conformance.rig.parts import part_of
+from handcart.evaluation.conformance.rig.periods import SETTLES
+from handcart.evaluation.truth.simulated_world import simulated_world
+
+from .fault import SENSORS, Fault, FaultKind
+
+SLIPS = 0.5  # share of the wheels' roll that is lost
+SLIDE = 0.1  # [m/s] of a standing car, see `Fault.speed`
+Vector = NDArray[np.float64]
+
+
+class InjectedError(RuntimeError):
+    """What a backend raises that was told to."""
+
+
+class FaultyBackend(LayeredBackend):
+    """Passes everything on, until `inject` is called: from then on the fault is there for its periods.
+
+    A stuck joint that comes free catches up, 0.02 rad a period.
+
+    Attributes:
+        bitten: how often the fault changed something; 0: nobody would know that it was there.
+        asked: whether a primitive is asking. Exceptions hit nobody else.
+    """
+
+    def __init__(self, inner: Backend) -> None:
+        super().__init__(inner)
+        self.bitten, self.asked = 0, True
+        self._fault: Fault | None = None
+        self._left = 0
+        self._stuck: Capability | None = None
+        self._last: dict[tuple[Kind, str], Any] = {}
+        self._read_once: set[str] = set()
+        self._joints: Vector | None = None
+        self._width: float | None = None
+        self._hidden = np.zeros(2)
+        self._driven = False
+
+    def inject(self, fault: Fault) -> None:
+        """From now on the fault is there."""
+        self._fault, self._left = fault, fault.periods
+
+    @property
+    def sensors_read(self) -> tuple[str, ...]:
+        """Names of the sensors that were read so far."""
+        return tuple(name for name in SENSORS if name in self._read_once)
+
+    def _slide(self, base: Base, fault: Fault) -> None:
+        """A standing base slides; one that can't turn where it stands slides ahead or back instead."""
+        try:
+            base.drive(fault.speed, fault.turn_rate)
+        except CommandError:
+            base.drive(math.copysign(SLIDE, fault.turn_rate), 0.0)
+
+    def stay(self) -> bool:
+        """The fault moves nothing from now on, what is stuck stays so; whether the base slid just now."""
+        slid = self._fault is not None and self._fault.kind is FaultKind.SLIP and self._left > -SETTLES
+        self._left = min(0, self._left) if slid else self._left
+        self._joints = self._width = None
+        return slid
+
+    def step(self) -> None:
+        """See `Backend`."""
+        slips = self._is(FaultKind.SLIP)
+        base = part_of(self.inner, Base) if slips else None
+        before = base.wheel_travel() if base else WheelTravel(0.0, 0.0)
+        if slips and base and not self._driven and self._fault:
+            self._slide(base, self._fault)
+        self._catch_up()
+        if self._is(FaultKind.WORLD) and self._fault and self._fault.act:
+            self._fault.act(simulated_world(self.inner))
+            self.bitten += 1
+        self.inner.step()
+        if base:
+            went = np.subtract(base.wheel_travel(), before)
+            shown = went / (1.0 - SLIPS) if self._driven else 0.0
+            self._hidden += shown - went
+            self.bitten += bool(went.any())
+        self._driven = False
+        self._left -= 1
+
+    def stop(self) -> None:
+        """See `Backend`; what is stuck forgets where it was to go."""
+        self.inner.stop()
+        self._joints = self._width = None
+        self._driven = False
+
+    # Commands
+
+    def pass_on(self, part: Capability, kind: Kind, method: str, *words: Any) -> Any:
+        """See `LayeredBackend`."""
+        take = partial(super().pass_on, part, kind, method, *words)
+        reading = kind.READINGS.get(method)
+        if reading is not None:
+            return self._read(reading, (kind, method), take)
+        if method in kind.COMMANDS:
+            self._call("")
+        return take()
+
+    def base_drive(self, base: Base, speed: float, turn_rate: float) -> None:
+        """See `Base`."""
+        self._driven = True
+        if self._sticks(base):
+            base.drive(0.0, 0.0)
+        elif self._is(FaultKind.SLIP):
+            base.drive((1.0 - SLIPS) * speed, (1.0 - SLIPS) * turn_rate)
+        else:
+            base.drive(speed, turn_rate)
+
+    def arm_move(self, arm: Arm, joints: Vector) -> None:
+        """See `Arm`."""
+        if self._sticks(arm) or self._joints is not None:
+            self._joints = np.array(joints, dtype=np.float64)
+        else:
+            arm.move(joints)
+            self._joints = None
+
+    def arm_command(self, arm: Arm) -> Vector:
+        """See `Arm`."""
+        return arm.command() if self._joints is None else self._joints.copy()
+
+    def gripper_move(self, gripper: Gripper, width: float) -> None:
+        """See `Gripper`."""
+        if self._sticks(gripper):
+            self._width = float(width)
+        else:
+            gripper.move(width)
+            self._width = None
+
+    def gripper_command(self, gripper: Gripper) -> float:
+        """See `Gripper`."""
+        return gripper.command() if self._width is None else self._width
+
+    def _sticks(self, part: Capability) -> bool:
+        if not self._is(FaultKind.STUCK):
+            return False
+        self._stuck = self._stuck or part
+        if self._stuck is not part:
+            return False
+        self.bitten += 1
+        return True
+
+    def _catch_up(self) -> None:
+        """What was stuck and no longer is goes where it was last told to."""
+        if self._is(FaultKind.STUCK):
+            return
+        gripper = part_of(self.inner, Gripper)
+        if self._width is not None and gripper:
+            gripper.move(self._width)
+            self._width = None
+        arm = part_of(self.inner, Arm)
+        if self._joints is None or arm is None:
+            return
+        if self._goes_on(arm, self._joints - arm.command(), _STEP):
+            self._joints = None
+
+    def _goes_on(self, arm: Arm, way: Vector, step: float) -> bool:
+        """A step of so much at most, less where a joint may not move as fast; whether that was all of it."""
+        try:
+            arm.move(arm.command() + np.clip(way, -step, step))
+        except CommandError:
+            return step > _LEAST and self._goes_on(arm, way, 0.5 * step)
+        return float(np.abs(way).max()) <= step
+
+    # Readings
+
+    def base_wheel_travel(self, base: Base) -> WheelTravel:
+        """See `Base`."""
+        return WheelTravel(*np.add(base.wheel_travel(), self._hidden))
+
+    def _read(self, reading: Reading, name: tuple[Kind, str], take: Callable[[], Any]) -> Any:
+        self._call(reading.sensor)
+        concerned = self._fault is not None and self._fault.sensor == reading.sensor
+        if concerned and self._is(FaultKind.STALE) and name in self._last:
+            self.bitten += 1
+            return self._last[name]
+        value = self._last[name] = take()
+        self._read_once.add(reading.sensor)
+        if concerned and self._is(FaultKind.NAN):
+            self.bitten += 1
+            return broken(value, reading.measured)
+        return value
+
+    def _call(self, sensor: str) -> None:
+        """Raise what the fault raises when the primitive reads that sensor; empty: commands something."""
+        if not self.asked or self.bitten or self._fault is None:
+            return
+        if self._is(FaultKind.EXCEPTION) and self._fault.sensor == sensor:
+            self.bitten += 1
+            raise InjectedError("the backend broke")
+        if self._is(FaultKind.REFUSED) and not sensor:
+            self.bitten += 1
+            raise CommandError("refused on purpose; allowed: nothing")
+
+    def _is(self, kind: FaultKind) -> bool:
+        return self._fault is not None and self._fault.kind is kind and self._left > 0
+
+
+_STEP = 0.02  # [rad] or [m] a period that a joint catches up with
+_LEAST = 1e-5  # the same: slower than any joint

@@ -1,0 +1,110 @@
+"""A task run as it should go, up to the attempts in which something is to go wrong."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from handcart.backends.description.robot_loading import load_robot
+from handcart.backends.robot.robot import Robot
+from handcart.evaluation.conformance.rig.bench import Bench, liar_around
+from handcart.networks.graph.network import Action
+from handcart.networks.graph.planner import NoWay, Planner
+from handcart.networks.task.preparing import make_robot, prepare
+from handcart.networks.task.task_file import Task, load_task
+from handcart.primitives.contract.action_primitive import ActionPrimitive
+from handcart.primitives.contract.outcome import Success
+
+from .faulty_backend import FaultyBackend
+from .underway import Underway
+
+TASKS = Path(__file__).parents[3] / "tasks"
+RETURN_BOOK, DRIVE_MAP = (TASKS / name / "task.yaml" for name in ("return_book", "drive_map"))
+
+
+class NoRehearsal(Exception):
+    """The task doesn't go as it should, though nothing is broken."""
+
+
+@dataclass(frozen=True)
+class Rehearsal:
+    """A task on a backend, with a seed."""
+
+    task: Path
+    backend: str
+    seed: int = 0
+    liar: str | None = None
+    """See `Bench`."""
+    settings: Mapping[str, str] = field(default_factory=dict)
+    """As for `handcart run --set`."""
+    instead: Mapping[str, type[ActionPrimitive]] = field(default_factory=dict)
+    """Other classes for primitives, by name."""
+
+    def actions(self) -> list[Action]:
+        """What is rehearsed: the cheapest way to the goal, and on it what only changes knowledge.
+
+        Raises:
+            NoRehearsal: no way leads to the goal.
+        """
+        return rehearsed(load_task(self.task, self.settings))
+
+    def attempts(self) -> Iterator[tuple[int, str, Underway]]:
+        """Each action's number, from 1, name, and attempt about to begin; who iterates on gets it done.
+
+        Raises:
+            NoRehearsal: an attempt doesn't succeed.
+        """
+        with prepare(self.task, self.backend, self.settings, self.seed) as prepared:
+            inner = prepared.backend
+            spec = load_robot(prepared.task.robot)
+            told = inner if self.liar is None else liar_around(self.liar, inner, spec)
+            backend = FaultyBackend(told)
+            robot: Robot = make_robot(prepared.task, backend, prepared.robot.spec, prepared.model)
+            for number, action in enumerate(rehearsed(prepared.task), start=1):
+                assert action.binding is not None
+                primitive = action.binding.make(prepared.model)
+                kind = self.instead.get(action.do)
+                made = primitive if kind is None else kind.model_validate(primitive.model_dump())
+                underway = Underway(made, robot, backend, prepared.model, spec, self.seed)
+                yield number, action.do, underway
+                outcome = None
+                while outcome is None:
+                    outcome = underway.advance()
+                if not isinstance(outcome, Success):
+                    raise NoRehearsal(f"{action}: {type(outcome).__name__}: {outcome.reason}")
+
+
+@dataclass(frozen=True)
+class Solo:
+    """One primitive alone, from where the robot stands at first."""
+
+    bench: Bench
+    primitive: ActionPrimitive
+    seed: int = 0
+
+    def attempts(self) -> Iterator[tuple[int, str, Underway]]:
+        """As for `Rehearsal`; its number is 0."""
+        with self.bench.stage(self.seed) as stage:
+            faulty = FaultyBackend(stage.backend)
+            robot = self.bench.around(stage, faulty).robot
+            primitive = self.primitive.model_copy()
+            underway = Underway(primitive, robot, faulty, stage.model, self.bench.spec(), self.seed)
+            yield 0, primitive.label(), underway
+
+
+def rehearsed(task: Task) -> list[Action]:
+    """See `Rehearsal.actions`."""
+    network = task.network
+    plan = Planner(network).plan(network.start)
+    if isinstance(plan, NoWay):
+        raise NoRehearsal(plan.explanation)
+    result: list[Action] = []
+    for action in plan.actions:
+        for other in network.actions:
+            thinks = other.binding is not None and other.binding.kind.only_knowledge
+            here = other.source in (action.source, action.on_fail)
+            if thinks and here and other not in plan.actions:
+                result.append(other)
+        result.append(action)
+    return result

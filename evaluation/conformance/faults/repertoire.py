@@ -1,0 +1,49 @@
+"""Which shipped tasks a robot is tried in."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+
+from handcart.backends.description.robot_loading import load_robot
+from handcart.files.errors import FileError
+from handcart.networks.task.preparing import check
+from handcart.networks.task.task_file import Task, load_task
+from handcart.tasks.domain import domains
+
+from .rehearsal import DRIVE_MAP
+
+
+def declared() -> dict[Path, Mapping[str, str]]:
+    """The task files that domains declare for it and one that drives alone, with what is set to rehearse."""
+    every = {path: settings for domain in domains() for path, settings in domain.rehearsals.items()}
+    return {**every, DRIVE_MAP: {}}
+
+
+def repertoire(robot: str, settings: Mapping[str, str], backend: str) -> tuple[Path, ...]:
+    """Those that are made for a robot or a variant of it; if there are none, all that it can do.
+
+    Args:
+        robot: a shipped robot's name, or the path of a robot's file.
+        settings: that choose this robot in any task.
+        backend: its name.
+
+    Raises:
+        FileError: the robot's file is wrong.
+    """
+    load_robot(robot)
+    own = tuple(path for path in declared() if _made_for(load_task(path), robot))
+    return own or tuple(path for path in declared() if _possible(path, settings, backend))
+
+
+def _made_for(task: Task, robot: str) -> bool:
+    by_path = robot.endswith((".yaml", ".yml"))
+    return not by_path and task.robot.partition("/")[0] == robot.partition("/")[0]
+
+
+def _possible(path: Path, settings: Mapping[str, str], backend: str) -> bool:
+    """Whether the robot has what the task's primitives need, and comes to its places."""
+    try:
+        return not check(path, backend, settings).errors
+    except FileError:
+        return False

@@ -1,0 +1,171 @@
+"""An attempt that is under way, and what must be true when it has ended."""
+
+from __future__ import annotations
+
+from collections.abc import Generator
+from dataclasses import dataclass, field
+
+from handcart.backends.description.robot_file import RobotFile
+from handcart.backends.robot.robot import Robot
+from handcart.evaluation.conformance.rig.periods import SETTLES, steps
+from handcart.evaluation.conformance.rig.standing import Standing
+from handcart.evaluation.truth.simulated_world import simulated_world
+from handcart.evaluation.truth.surveyed_run import SurveyedRun
+from handcart.evaluation.truth.surveys import Surveys
+from handcart.primitives.contract.action_primitive import ActionPrimitive
+from handcart.primitives.contract.attempt import LONGEST_RESTORE, attempt
+from handcart.primitives.contract.discrepancy import Discrepancy
+from handcart.primitives.contract.outcome import Fail, GiveUp, Outcome, Success
+from handcart.primitives.knowledge.world_model import WorldModel
+
+from .fault import HARMLESS, Fault, FaultKind
+from .faulty_backend import FaultyBackend
+
+QUIET = 2.0  # [s] in which nothing may move after the end
+PATIENCE = 2 * LONGEST_RESTORE  # [s] of the robot's time that an attempt gets after the fault
+
+
+class Endless(Exception):
+    """The attempt goes on and on."""
+
+
+@dataclass(frozen=True)
+class Ending:
+    """How an attempt ended, and what of it is not true."""
+
+    outcome: str
+    """Success, Fail or GiveUp; Error where an exception came through."""
+    reason: str
+    periods: int
+    """That it took, from where it was taken over."""
+    bitten: bool = True
+    """Whether the fault changed anything."""
+    wrong: tuple[str, ...] = ()
+    sensors: tuple[str, ...] = ()
+    """Those that were read."""
+
+
+@dataclass
+class Underway:
+    """One attempt of a primitive on a robot whose backend can be made to err."""
+
+    primitive: ActionPrimitive
+    robot: Robot
+    backend: FaultyBackend
+    model: WorldModel
+    spec: RobotFile
+    """As nobody has changed it."""
+    seed: int = 0
+    """Of the simulated errors."""
+    periods: Generator[None, None, Outcome] = field(init=False)
+    surveys: Surveys = field(init=False)
+    _bumps: int | None = field(default=None, init=False)
+    """Of the base, before it was restored."""
+    _no_return: bool = field(default=False, init=False)
+    """Whether a point of no return was declared, be it taken back."""
+
+    def __post_init__(self) -> None:
+        does = frozenset({self.primitive.label()})
+        world = simulated_world(self.backend)
+        self.surveys = Surveys(SurveyedRun(self.robot, self.spec, self.model, world, self.seed, does))
+        self.surveys.started(1, self.primitive)
+        self.periods = attempt(self.primitive, self.robot, self.model, self._restores)
+
+    def _restores(self, reason: str) -> None:
+        truth = self.backend.ground_truth()
+        self._bumps = truth.bumps if truth else None
+
+    def _step(self) -> None:
+        self._no_return |= self.primitive._no_return is not None
+        self.backend.asked = False
+        self.robot.step()
+        self.surveys.look(self.robot)
+        self.backend.asked = True
+
+    def advance(self) -> Outcome | None:
+        """One period; gives the outcome if the attempt has ended."""
+        try:
+            next(self.periods)
+        except StopIteration as end:
+            outcome: Outcome = end.value
+            return outcome
+        self._step()
+        return None
+
+    def finish(self, fault: Fault | None = None) -> Ending:
+        """Go on to the end, with a fault from now on, and hold the outcome against the truth."""
+        count = [0]
+        try:
+            outcome = self._to_the_end(fault, count)
+        except Endless:
+            return self._ended("none", f"no end after {PATIENCE:.0f} s", count[0], ("it doesn't end",))
+        except Exception as error:
+            told = f"{type(error).__name__}: {error}"
+            return self._ended("Error", told, count[0], (f"an exception came through: {told}",))
+        if not isinstance(outcome, Success | Fail | GiveUp):
+            return self._ended(str(outcome), "", count[0], (f"{outcome!r} is no outcome",))
+        wrong = self._untrue(outcome)
+        if isinstance(outcome, GiveUp) and self._whole(fault):
+            wrong.append("it gave up, although the robot is whole and nothing was done for good")
+        reason = "" if isinstance(outcome, Success) else outcome.reason
+        return self._ended(type(outcome).__name__, reason, count[0], tuple(wrong))
+
+    def _ended(self, outcome: str, reason: str, periods: int, wrong: tuple[str, ...]) -> Ending:
+        bitten = bool(self.backend.bitten)
+        return Ending(outcome, reason, periods, bitten, wrong, self.backend.sensors_read)
+
+    def _to_the_end(self, fault: Fault | None, count: list[int]) -> Outcome:
+        if fault is not None:
+            self.backend.inject(fault)
+        error = _thrown(fault)
+        end = self.robot.time + PATIENCE
+        if error is not None:
+            self.backend.bitten += 1
+            try:
+                self.periods.throw(error)
+            except StopIteration as ended:
+                outcome: Outcome = ended.value
+                return outcome
+            self._step()
+        while self.robot.time < end:
+            count[0] += 1
+            found = self.advance()
+            if found is not None:
+                return found
+        raise Endless
+
+    def _untrue(self, outcome: Outcome) -> list[str]:
+        after = self.backend.ground_truth()
+        wrong = []
+        if isinstance(outcome, Fail) and self._no_return:
+            wrong.append("Fail after a point of no return")
+        word = type(outcome).__name__
+        wrong += [f"{word}, but {each}" for each in self.surveys.ended(1, self.primitive, outcome)]
+        bumps = 0 if self._bumps is None or after is None else after.bumps - self._bumps
+        if isinstance(outcome, Fail) and bumps > 0:
+            wrong.append("the base ran into something while it was restored")
+        wrong += self.surveys.broken
+        return wrong + self._unquiet(outcome)
+
+    def _unquiet(self, outcome: Outcome) -> list[str]:
+        """What moves although the attempt has ended."""
+        if self.backend.stay():
+            steps(self.backend, SETTLES)  # a slide of the kit's own that a drive brakes
+        ended = Standing.of(self.backend.inner)
+        for _ in range(round(QUIET / self.robot.period)):
+            self.backend.step()
+        word = type(outcome).__name__
+        moving = ended.moved(Standing.of(self.backend.inner))
+        return [f"after {word} it doesn't stand still: {each}" for each in moving]
+
+    def _whole(self, fault: Fault | None) -> bool:
+        return not self._no_return and (fault is None or fault.kind in HARMLESS)
+
+
+def _thrown(fault: Fault | None) -> Exception | None:
+    """What is thrown into an attempt from outside."""
+    if fault is not None and fault.kind is FaultKind.CANCEL:
+        return Discrepancy("cancelled by request")
+    if fault is not None and fault.kind is FaultKind.TIME_OUT:
+        return TimeoutError("it takes too long")
+    return None

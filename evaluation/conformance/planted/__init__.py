@@ -1,0 +1,1 @@
+"""Liars that the kit has to find."""

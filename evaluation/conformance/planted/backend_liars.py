@@ -1,0 +1,230 @@
+"""Backends that lie, each in one way: planted for the kit to find."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable, Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+
+from handcart.backends.backend import Backend, CommandError
+from handcart.backends.capabilities.arm import Arm
+from handcart.backends.capabilities.base import Base, WheelTravel
+from handcart.backends.capabilities.camera import Camera
+from handcart.backends.capabilities.gps import Fix, Gps
+from handcart.backends.capabilities.gripper import Gripper
+from handcart.backends.capabilities.imu import Imu
+from handcart.backends.capabilities.positioning import PoseReading, Positioning
+from handcart.backends.capabilities.range_sensor import RangeSensor, Scan
+from handcart.backends.description.robot_file import RobotFile
+from handcart.evaluation.conformance.rig.layered_backend import LayeredBackend
+from handcart.evaluation.conformance.rig.parts import part_of
+
+LATE = 10  # periods by which a queued command comes late
+Vector = NDArray[np.float64]
+
+
+class KeepsDriving(LayeredBackend):
+    """A command lives on until there is another."""
+
+    def __init__(self, inner: Backend, spec: RobotFile) -> None:
+        super().__init__(inner)
+        self._command = (0.0, 0.0)
+
+    def base_drive(self, base: Base, speed: float, turn_rate: float) -> None:
+        """Kept."""
+        base.drive(speed, turn_rate)
+        self._command = (speed, turn_rate)
+
+    def step(self) -> None:
+        """Renews what was kept."""
+        base = part_of(self.inner, Base)
+        if base is not None and self._command != (0.0, 0.0):
+            base.drive(*self._command)
+        self.inner.step()
+
+    def stop(self) -> None:
+        """Forgets it."""
+        self._command = (0.0, 0.0)
+        self.inner.stop()
+
+
+class QueuesCommands(LayeredBackend):
+    """After a stop, what was commanded before it comes once more."""
+
+    def __init__(self, inner: Backend, spec: RobotFile) -> None:
+        super().__init__(inner)
+        self._command, self._due = (0.0, 0.0), -1
+
+    def base_drive(self, base: Base, speed: float, turn_rate: float) -> None:
+        """Kept in the queue."""
+        base.drive(speed, turn_rate)
+        self._command = (speed, turn_rate)
+
+    def stop(self) -> None:
+        """Doesn't empty the queue."""
+        self.inner.stop()
+        self._due = LATE
+
+    def step(self) -> None:
+        """Sends it when it is due."""
+        base = part_of(self.inner, Base)
+        self._due -= 1
+        if base is not None and 0 <= self._due < LATE // 2:
+            base.drive(*self._command)
+        self.inner.step()
+
+
+class TakesAnything(LayeredBackend):
+    """What is beyond a limit, or no number, is taken without a word."""
+
+    def __init__(self, inner: Backend, spec: RobotFile) -> None:
+        super().__init__(inner)
+
+    def base_drive(self, base: Base, speed: float, turn_rate: float) -> None:
+        """Never refused."""
+        _try(lambda: base.drive(speed, turn_rate))
+
+    def arm_move(self, arm: Arm, joints: Vector) -> None:
+        """Never refused."""
+        _try(lambda: arm.move(joints))
+
+    def gripper_move(self, gripper: Gripper, width: float) -> None:
+        """Never refused."""
+        _try(lambda: gripper.move(width))
+
+
+def _try(command: Callable[[], None]) -> None:
+    try:
+        command()
+    except CommandError:
+        return
+
+
+class MovesAtOnce(LayeredBackend):
+    """A command takes effect without a step."""
+
+    def __init__(self, inner: Backend, spec: RobotFile) -> None:
+        super().__init__(inner)
+
+    def base_drive(self, base: Base, speed: float, turn_rate: float) -> None:
+        """And off it goes."""
+        base.drive(speed, turn_rate)
+        self.inner.step()
+
+
+class WrongUnits(LayeredBackend):
+    """Wheel travel in millimetres."""
+
+    def __init__(self, inner: Backend, spec: RobotFile) -> None:
+        super().__init__(inner)
+
+    def base_wheel_travel(self, base: Base) -> WheelTravel:
+        """In [mm]."""
+        travel = base.wheel_travel()
+        return WheelTravel(1e3 * travel.left, 1e3 * travel.right)
+
+
+class EchoesCommands(LayeredBackend):
+    """Encoders read what was commanded; the first joint moves half as far."""
+
+    def __init__(self, inner: Backend, spec: RobotFile) -> None:
+        super().__init__(inner)
+        self._start: Vector | None = None
+        self._told: Vector | None = None
+
+    def arm_move(self, arm: Arm, joints: Vector) -> None:
+        """Half of it."""
+        if self._start is None:
+            self._start = arm.command()
+        halved = np.array(joints, dtype=np.float64)
+        halved[0] = 0.5 * (self._start[0] + halved[0])
+        arm.move(halved)
+        self._told = np.array(joints, dtype=np.float64)
+
+    def arm_command(self, arm: Arm) -> Vector:
+        """What was asked for."""
+        return arm.command() if self._told is None else self._told.copy()
+
+    def arm_joints(self, arm: Arm) -> Vector:
+        """What was asked for."""
+        return arm.joints() if self._told is None else self._told.copy()
+
+
+class RollsDice(LayeredBackend):
+    """Ranges waver with the wall clock, each time that they are asked for."""
+
+    def __init__(self, inner: Backend, spec: RobotFile) -> None:
+        super().__init__(inner)
+
+    def range_sensor_scan(self, sensor: RangeSensor) -> Scan:
+        """Another one each time."""
+        scan = sensor.scan()
+        return scan._replace(ranges=scan.ranges + 1e-3 * math.sin(1e6 * time.perf_counter()))
+
+
+class HalfPixel(LayeredBackend):
+    """Pictures are half a pixel off, as where a pixel is counted from its edge."""
+
+    def __init__(self, inner: Backend, spec: RobotFile) -> None:
+        super().__init__(inner)
+
+    def camera_image(self, camera: Camera) -> NDArray[np.uint8]:
+        """Between two columns."""
+        image = camera.image().astype(np.float64)
+        return np.asarray(0.5 * (image + np.roll(image, 1, axis=1))).astype(np.uint8)
+
+
+class Undelayed(LayeredBackend):
+    """Where the base was is told as where it is."""
+
+    def __init__(self, inner: Backend, spec: RobotFile) -> None:
+        super().__init__(inner)
+
+    def positioning_reading(self, positioning: Positioning) -> PoseReading | None:
+        """Of this instant, it says."""
+        reading = positioning.reading()
+        return None if reading is None else reading._replace(age=0.0)
+
+
+class TurnsOtherWay(LayeredBackend):
+    """The gyros' axes point down."""
+
+    def __init__(self, inner: Backend, spec: RobotFile) -> None:
+        super().__init__(inner)
+
+    def imu_rates(self, imu: Imu) -> Vector:
+        """Left is right."""
+        return -imu.rates()
+
+
+class FixInMillimetres(LayeredBackend):
+    """The receiver tells millimetres."""
+
+    def __init__(self, inner: Backend, spec: RobotFile) -> None:
+        super().__init__(inner)
+
+    def gps_fix(self, gps: Gps) -> Fix | None:
+        """In [mm]."""
+        fix = gps.fix()
+        return None if fix is None else fix._replace(position=1e3 * fix.position)
+
+
+LIARS: Mapping[str, Callable[[Backend, RobotFile], Backend]] = {
+    kind.__name__: kind
+    for kind in (
+        KeepsDriving,
+        QueuesCommands,
+        TakesAnything,
+        MovesAtOnce,
+        WrongUnits,
+        EchoesCommands,
+        RollsDice,
+        HalfPixel,
+        Undelayed,
+        TurnsOtherWay,
+        FixInMillimetres,
+    )
+}

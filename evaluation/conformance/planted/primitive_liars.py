@@ -1,0 +1,166 @@
+"""Primitives that lie, each in one way: planted for the kit to find."""
+
+from __future__ import annotations
+
+from collections.abc import Generator
+from typing import Any
+
+import numpy as np
+
+from handcart.backends.capabilities.arm import Arm
+from handcart.backends.capabilities.base import Base
+from handcart.backends.capabilities.gripper import Gripper
+from handcart.backends.robot.robot import Robot
+from handcart.evaluation.conformance.rig.parts import part_of
+from handcart.evaluation.conformance.rig.reach import Reach
+from handcart.primitives.books.pick_up import PickUp
+from handcart.primitives.contract.action_primitive import Periods
+from handcart.primitives.knowledge.world_model import ModelView
+from handcart.primitives.motions.grip import open_to
+from handcart.primitives.restoring.retrace import reach_pose, retrace
+from handcart.primitives.restoring.snapshot import Snapshot
+from handcart.primitives.restoring.trace import Trace
+
+LATER = 20  # periods: a quarter of a second for the verdict, then some
+CREEP = 0.005  # [m] that an undo leaves each time
+
+
+class NotRestored(Reach):
+    """Leaves everything as it is."""
+
+    def restore(self, robot: Robot, model: ModelView, start: Snapshot, trace: Trace) -> Periods:
+        return
+        yield
+
+
+class BaseAlone(Reach):
+    """Brings back the base, not arm and fingers."""
+
+    def restore(self, robot: Robot, model: ModelView, start: Snapshot, trace: Trace) -> Periods:
+        yield from reach_pose(robot, start.pose)
+
+
+class DropsObject(PickUp):
+    """Opens the hand before it goes back."""
+
+    def restore(self, robot: Robot, model: ModelView, start: Snapshot, trace: Trace) -> Periods:
+        self._held = False
+        yield from open_to(robot, None)
+        yield from retrace(robot, start, trace)
+
+
+class MovesLater(Reach):
+    """Comes back, and drives off a second later."""
+
+    def restore(self, robot: Robot, model: ModelView, start: Snapshot, trace: Trace) -> Periods:
+        yield from retrace(robot, start, trace)
+        backend, periods = robot.backend, [0]
+        step = backend.step
+
+        def later() -> None:
+            periods[0] += 1
+            if periods[0] > LATER:
+                robot.base.drive(0.1, 0.0)
+            step()
+
+        backend.step = later  # type: ignore[method-assign]
+
+
+class RelativeUndo(Reach):
+    """Goes back by what it knows to have driven, and always a little less."""
+
+    def restore(self, robot: Robot, model: ModelView, start: Snapshot, trace: Trace) -> Periods:
+        yield from retrace(robot, start, trace)
+        for _ in range(5):
+            robot.base.drive(CREEP / (5 * robot.period), 0.0)
+            yield
+
+
+class EditsSnapshot(Reach):
+    """Doesn't come back: it moves the goal."""
+
+    def restore(self, robot: Robot, model: ModelView, start: Snapshot, trace: Trace) -> Periods:
+        yield from robot.wait(1.0)
+        arm, gripper = part_of(robot.backend, Arm), part_of(robot.backend, Gripper)
+        if arm is not None:
+            start.joints[:] = arm.joints()
+        object.__setattr__(start, "pose", robot.pose)
+        if gripper is not None:
+            object.__setattr__(start, "gripper_width", gripper.width())
+
+
+class RaisesTolerance(Reach):
+    """Doesn't come back: it takes tolerances that forgive everything."""
+
+    def restore(self, robot: Robot, model: ModelView, start: Snapshot, trace: Trace) -> Periods:
+        yield from robot.wait(1.0)
+        loose = dict.fromkeys(type(robot.spec.tolerance).model_fields, 1000000.0)
+        tolerance = robot.spec.tolerance.model_copy(update=loose)
+        robot.spec = robot.spec.model_copy(update={"tolerance": tolerance})
+
+
+class SwallowsFault(Reach):
+    """Takes whatever goes wrong for the end."""
+
+    def motion(self, robot: Robot, model: ModelView) -> Periods:
+        try:
+            yield from super().motion(robot, model)
+        except Exception:
+            return
+
+    def effect(self, robot: Robot, model: ModelView) -> Generator[None, None, bool]:
+        return True
+        yield
+
+
+class ClaimsSuccess(Reach):
+    """Does nothing, and says that it is done."""
+
+    def motion(self, robot: Robot, model: ModelView) -> Periods:
+        yield
+
+    def effect(self, robot: Robot, model: ModelView) -> Generator[None, None, bool]:
+        return True
+        yield
+
+
+class FailsAfterNoReturn(Reach):
+    """Declares a point of no return, and takes it back when something goes wrong."""
+
+    swing_rad: float = 0.0
+    grip_m: float = 0.0
+
+    def motion(self, robot: Robot, model: ModelView) -> Periods:
+        self.point_of_no_return("what is done is done")
+        try:
+            yield from super().motion(robot, model)
+        except BaseException:
+            self._no_return = None
+            raise
+
+
+class Hangs(Reach):
+    """Never comes to an end of its restoring, and never hands back control."""
+
+    def restore(self, robot: Robot, model: ModelView, start: Snapshot, trace: Trace) -> Periods:
+        while True:
+            pass
+        yield
+
+
+class RunsIntoThings(Reach):
+    """Comes back by way of the wall, past the guard that would keep it off."""
+
+    def restore(self, robot: Robot, model: ModelView, start: Snapshot, trace: Trace) -> Periods:
+        unguarded = robot.get(Base)  # type: ignore[type-abstract]
+        for _ in range(self._far(robot)):
+            unguarded.drive(0.3, 0.0)
+            yield
+            trace.record()
+        yield from retrace(robot, start, trace)
+
+    def _far(self, robot: Robot) -> int:
+        """Periods until it touches what stands ahead."""
+        scan = robot.range_sensor.scan()
+        ahead: Any = np.abs(scan.angles) < 0.1
+        return int((float(scan.ranges[ahead].min()) + 0.1) / (0.3 * robot.period))

@@ -1,0 +1,86 @@
+"""Another backend behind the same face: what faults and liars are made of."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+from handcart.backends.backend import Backend
+from handcart.backends.capabilities.all_kinds import CAPABILITIES
+from handcart.backends.capabilities.capability import Capability
+from handcart.backends.description.robot_file import RobotFile
+
+Kind = type[Capability]
+
+
+class LayeredBackend(Backend):
+    """Passes everything on to the backend inside. A subclass overrides what it changes.
+
+    Each capability gets a layer of its own kind, which asks this object. A method `arm_move(arm, joints)` of
+    a subclass is asked instead of `Arm.move(joints)`, `range_sensor_scan(sensor)` instead of
+    `RangeSensor.scan()` and so on; it gets the capability inside. Those of kinds that aren't among
+    `CAPABILITIES` are handed out as they are.
+    """
+
+    def __init__(self, inner: Backend) -> None:
+        self._inner = inner
+        self.name, self.period = inner.name, inner.period
+        self._layers = tuple(self._layer(part) for part in inner.capabilities())
+
+    @property
+    def inner(self) -> Backend:
+        """What it is put around."""
+        return self._inner
+
+    def _layer(self, part: Capability) -> Capability:
+        kind = next((kind for kind in CAPABILITIES if isinstance(part, kind)), None)
+        if kind is None:
+            return part
+        layer: Capability = _layered(kind)(self, part)
+        return layer
+
+    def pass_on(self, part: Capability, kind: Kind, method: str, *words: Any) -> Any:
+        """What a method of a capability inside, of that kind, gives who asks the layer around it."""
+        own = getattr(self, f"{kind.words().replace(' ', '_')}_{method}", None)
+        return getattr(part, method)(*words) if own is None else own(part, *words)
+
+    @classmethod
+    def build(cls, robot: RobotFile, world: Path | None, seed: int) -> Backend:
+        """Not by name: a layer is put around a backend that is there."""
+        raise TypeError(f"{cls.__name__} is made around another backend")
+
+    def capabilities(self) -> tuple[Capability, ...]:
+        """See `Backend`."""
+        return self._layers
+
+    def step(self) -> None:
+        """See `Backend`."""
+        self.inner.step()
+
+    def stop(self) -> None:
+        """See `Backend`."""
+        self.inner.stop()
+
+    def close(self) -> None:
+        """See `Backend`."""
+        self.inner.close()
+
+
+@cache
+def _layered(kind: Kind) -> Callable[[LayeredBackend, Capability], Any]:
+    """The class of layers around a kind of capability: its abstract methods ask the whole."""
+    names = sorted(kind.__abstractmethods__)
+    methods = {name: _passing(kind, name) for name in names}
+    return type(f"Layered{kind.__name__}", (kind,), {"__init__": _begin, **methods})
+
+
+def _begin(self: Any, whole: LayeredBackend, inner: Capability) -> None:
+    self.whole, self.inner = whole, inner
+
+
+def _passing(kind: Kind, name: str) -> Any:
+    if isinstance(getattr(kind, name), property):
+        return property(lambda self: getattr(self.inner, name))
+    return lambda self, *words: self.whole.pass_on(self.inner, kind, name, *words)

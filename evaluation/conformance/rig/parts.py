@@ -1,0 +1,26 @@
+"""The parts of a robot, by their kinds."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TypeVar, cast
+
+from handcart.backends.backend import Backend
+from handcart.backends.capabilities.capability import Capability
+
+from .skipped import Skipped
+
+C = TypeVar("C", bound=Capability)
+
+
+def part_of(backend: Backend, kind: Callable[..., C]) -> C | None:
+    """As `Backend.get`, for an abstract `kind` too: None where the robot has none."""
+    return backend.get(cast("type[C]", kind))
+
+
+def needed(backend: Backend, kind: Callable[..., C]) -> C:
+    """The part; raises `Skipped` where the robot has none."""
+    part = part_of(backend, kind)
+    if part is None:
+        raise Skipped(f"the robot has no {cast('type[C]', kind).words()}")
+    return part

@@ -1,0 +1,96 @@
+"""Small scripts that checks let a backend run through."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from handcart.backends.backend import Backend, CommandError
+from handcart.backends.capabilities.all_kinds import CAPABILITIES
+from handcart.backends.capabilities.arm import Arm
+from handcart.backends.capabilities.base import Base
+from handcart.backends.capabilities.capability import Capability
+from handcart.backends.description.robot_file import RobotFile
+
+from .numbers import as_numbers
+from .parts import needed
+
+SETTLES = 10  # periods within which a robot comes to rest
+SLOW = 0.3  # [rad/s], [m/s] at which checks move joints
+CAR_SPEED = 0.2  # [m/s] at which a car turns
+STEERING = 120  # periods within which it has steered from one side to the other and turned
+
+
+def steps(backend: Backend, count: int) -> None:
+    """Let periods pass without a command."""
+    for _ in range(count):
+        backend.step()
+
+
+def drive(backend: Backend, speed: float, turn_rate: float, periods: int) -> None:
+    """Drive for so many periods, then wait until it stands."""
+    base = needed(backend, Base)
+    for _ in range(periods):
+        base.drive(speed, turn_rate)
+        backend.step()
+    steps(backend, SETTLES)
+
+
+def driven(backend: Backend, speed: float, turn_rate: float, periods: int) -> tuple[float, float]:
+    """The same; gives how far the left and the right wheel rolled, in [m]."""
+    base = needed(backend, Base)
+    before = base.wheel_travel()
+    drive(backend, speed, turn_rate, periods)
+    after = base.wheel_travel()
+    return after.left - before.left, after.right - before.right
+
+
+def drivable(spec: RobotFile, speed: float, turn_rate: float) -> tuple[float, float]:
+    """The same for a car too: it turns only while it drives, and no sharper than it can steer."""
+    if spec.drive.kind != "ackermann":
+        return speed, turn_rate
+    speed = speed or CAR_SPEED * (turn_rate != 0.0)
+    most = 0.9 * spec.drive.sharpest_per_m * abs(speed)
+    return speed, max(-most, min(turn_rate, most))
+
+
+def beside(spec: RobotFile, joints: NDArray[np.float64], number: int, way: float) -> NDArray[np.float64]:
+    """The same joints (n,) but for one that is `way` further on, or back where its limit is too near."""
+    model, goal = spec.arm_model(), joints.copy()
+    goal[number] += way
+    if not model.lower[number] <= goal[number] <= model.upper[number]:
+        goal[number] -= 2.0 * way
+    return goal
+
+
+def move_joints(backend: Backend, arm: Arm, goal: NDArray[np.float64], speed: float = SLOW) -> None:
+    """Move slowly to joint angles (n,) in [rad], slower where a joint must, and wait until they stand."""
+    start = arm.command()
+    count = max(1, int(np.ceil(float(np.abs(goal - start).max()) / (speed * backend.period))))
+    for share in np.linspace(0.0, 1.0, count + 1)[1:]:
+        try:
+            arm.move(start + share * (goal - start))
+        except CommandError:
+            if speed < SLOW / 64:
+                raise
+            move_joints(backend, arm, goal, 0.5 * speed)
+            return
+        backend.step()
+    steps(backend, SETTLES)
+
+
+def all_readings(backend: Backend) -> dict[str, NDArray[np.float64]]:
+    """Every reading of this period, by capability and method: "arm joints"."""
+    result: dict[str, NDArray[np.float64]] = {}
+    for part in backend.capabilities():
+        for method, reading in part.READINGS.items():
+            numbers = as_numbers(getattr(part, method)(), reading.measured)
+            if numbers is not None:
+                result[reading_name(part, method)] = numbers
+    return result
+
+
+def reading_name(part: Capability, method: str) -> str:
+    """What messages call a reading."""
+    kind = next((each for each in CAPABILITIES if isinstance(part, each)), type(part))
+    return f"{kind.words()} {method}"

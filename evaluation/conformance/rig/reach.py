@@ -1,0 +1,97 @@
+"""REACH: an honest primitive that moves all that a robot has, for the kit to try things on."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Generator
+from typing import Any, ClassVar
+
+import numpy as np
+from pydantic import PrivateAttr
+
+from handcart.backends.capabilities.arm import Arm
+from handcart.backends.capabilities.base import Base
+from handcart.backends.capabilities.gripper import Gripper
+from handcart.backends.ground_truth import GroundTruth
+from handcart.backends.robot.robot import Robot
+from handcart.primitives.contract.action_primitive import ActionPrimitive, Periods
+from handcart.primitives.contract.discrepancy import Discrepancy
+from handcart.primitives.knowledge.world_model import ModelView
+
+from .parts import part_of
+from .periods import beside
+
+SPEED, CREEP, SWINGS = 0.2, 0.02, 0.3  # [m/s], [m/s], [rad/s]
+CLOSE = 0.002  # [m] left that count as nothing
+SHARE = 0.8  # of what was to be reached that must be
+UNFELT = 0.06  # [m] that wheels may slip in the kit's faults: a robot that reckons by them alone can't know
+PATIENCE = 3.0  # [s] that the fingers get
+
+
+class Reach(ActionPrimitive):
+    """Drive ahead, swing a joint, close the fingers part of the way; each only where the robot has it."""
+
+    ahead_m: float = 0.15
+    """How far to drive."""
+    swing_rad: float = 0.15
+    """How far to turn the first joint."""
+    grip_m: float = 0.01
+    """How far to close the fingers."""
+    fails: bool = False
+    """Whether it turns out at the end that it can't be done."""
+
+    needs: ClassVar = (Base,)
+
+    _pose: Any = PrivateAttr(default=None)
+
+    def motion(self, robot: Robot, model: ModelView) -> Periods:
+        self._pose = robot.pose
+        yield from self._drive(robot)
+        yield from self._swing(robot)
+        yield from self._grip(robot)
+        if self.fails:
+            raise Discrepancy("it was only to be tried")
+
+    def _drive(self, robot: Robot) -> Periods:
+        """Speeding up and slowing down as the robot may."""
+        left, speed, rate = self.ahead_m, 0.0, robot.drive_limits.acceleration
+        while left > CLOSE:
+            speed = min(SPEED, speed + rate * robot.period, max(CREEP, math.sqrt(rate * left)))
+            robot.base.drive(speed, 0.0)
+            left -= speed * robot.period
+            yield
+
+    def _swing(self, robot: Robot) -> Periods:
+        arm = part_of(robot.backend, Arm)
+        if arm is None:
+            return
+        start = arm.command()
+        way = beside(robot.spec, start, 0, self.swing_rad) - start
+        for share in np.linspace(0.0, 1.0, round(self.swing_rad / (SWINGS * robot.period)) + 1)[1:]:
+            arm.move(start + share * way)
+            yield
+
+    def _grip(self, robot: Robot) -> Periods:
+        gripper = part_of(robot.backend, Gripper)
+        if gripper is None:
+            return
+        goal = max(0.0, gripper.command() - self.grip_m)
+        gripper.move(goal)
+        end = robot.time + PATIENCE
+        while abs(gripper.width() - goal) > 5e-4 and not gripper.closed_on_something():
+            if robot.time > end:
+                raise Discrepancy("the fingers don't close")
+            yield
+
+    def effect(self, robot: Robot, model: ModelView) -> Generator[None, None, bool]:
+        """The base has gone ahead, by the estimate of its pose."""
+        return self._pose is not None and robot.pose.relative_to(self._pose).x > SHARE * self.ahead_m
+        yield
+
+    def false_effect(self, scene: Any, before: GroundTruth) -> list[str]:
+        """What a Success promises and isn't so."""
+        went = scene.base.relative_to(before.base).x
+        least = SHARE * self.ahead_m - 0.02  # what the estimate of the pose may be off
+        if scene.robot.localiser == "odometry":
+            least -= UNFELT
+        return [] if went > least else [f"the base went {went:.3f} m of {self.ahead_m} m"]

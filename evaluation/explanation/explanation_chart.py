@@ -1,0 +1,298 @@
+"""The last seconds of readings and commands, beside what was seen, as one picture."""
+
+from __future__ import annotations
+
+import math
+import zipfile
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from textwrap import wrap
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from handcart.evaluation.drawing.figure_file import save_figure
+from handcart.evaluation.drawing.legend import add_legend
+from handcart.files.errors import HandcartError
+from handcart.networks.runs.flight_recorder import Readings, load_arrays, load_readings
+from handcart.robotics.geometry.pose2 import Pose2
+
+from .explanation import Explanation
+from .explanation_words import cause_words
+
+COMMAND, READING, RESTORED, LIMIT, SENSED = "#999999", "#3b6fd4", "#fbe8cf", "#c8382e", "#d62828"
+JOINTS = "tab10"
+WIDE = 90  # characters of a line of words
+AROUND = 2.0  # [m] about the robot that is drawn
+AHEAD = np.radians(20.0)  # to both sides of the robot's nose, where the nearest range is told apart
+
+
+MOST_PIXELS = 50_000_000
+
+
+class UnreadableEvidence(HandcartError):
+    """A file among a run's evidence isn't what was written."""
+
+    def __init__(self, path: Path, error: Exception) -> None:
+        super().__init__(f"{path} can't be read: {error}")
+
+
+class _Panel(NamedTuple):
+    """One of the charts above each other."""
+
+    title: str
+    sensor: str
+    """The capability that it shows."""
+    unit: str
+    needs: str
+    """Name of a column without which there is nothing to draw."""
+    draw: Callable[[Any, Readings], None]
+
+
+def draw_chart(told: Explanation, path: Path) -> None:
+    """Draw it into `path`, as SVG, or what its suffix says.
+
+    Raises:
+        UnreadableEvidence: readings, points or the picture are damaged.
+        OSError: the file can't be written.
+    """
+    try:
+        _draw(told, path)
+    except (LookupError, TypeError, ValueError, ArithmeticError, AttributeError) as error:
+        kept = told.readings or told.points or told.picture or told.run.folder
+        raise UnreadableEvidence(kept, error) from None
+
+
+def _draw(told: Explanation, path: Path) -> None:
+    import matplotlib
+    from matplotlib.figure import Figure
+
+    readings = _read(told.readings, load_readings) if told.readings else {}
+    panels = [each for each in _PANELS if each.needs in readings]
+    decided: dict[str, Any] = (told.causes[0].get("measured") or {}) if told.causes else {}
+    figure = Figure(figsize=(12.0, max(5.5, 1.0 + 1.1 * len(panels))), layout="constrained")
+    halves: Any = figure.subfigures(1, 2, width_ratios=[1.0, 1.1])
+    left, right = halves
+    seen, words = left.subplots(2, 1, height_ratios=[3.0, 1.0])
+    _draw_seen(seen, told, readings)
+    words.set_axis_off()
+    words.text(0.0, 1.0, _chain(told), va="top", fontsize=8, wrap=True, transform=words.transAxes)
+    if panels:
+        axes = right.subplots(len(panels), 1, sharex=True, squeeze=False)[:, 0]
+        for axis, panel in zip(axes, panels, strict=True):
+            _draw_panel(axis, panel, readings, told, decided)
+        axes[-1].set_xlabel("time [s]; grey: commanded, shaded: restoring, red: broken off")
+    figure.suptitle(_title(told), fontsize=10)
+    with matplotlib.rc_context({"svg.hashsalt": "handcart", "svg.fonttype": "none"}):
+        save_figure(figure, path)
+
+
+def _read(path: Path, read: Callable[[Path], Any]) -> Any:
+    try:
+        return read(path)
+    except (OSError, ValueError, zipfile.BadZipFile) as error:
+        raise UnreadableEvidence(path, error) from None
+
+
+def _chain(told: Explanation) -> str:
+    """The cause chain, a line for each link."""
+    if told.action is None:
+        return ""
+    links = [line for cause in told.causes for line in cause_words(told.action, cause)]
+    return "\n".join("\n    ".join(wrap(each, WIDE)) for each in links)
+
+
+def _title(told: Explanation) -> str:
+    action = told.action
+    if action is None:
+        return f"{told.run.folder.name}: the end of the run"
+    reason = f": {action.reason}" if action.reason else ""
+    return f"{told.run.folder.name}, action {action.number}: {action.do} {action.outcome}{reason}"
+
+
+# What was seen
+
+
+def _draw_seen(axis: Any, told: Explanation, readings: Readings) -> None:
+    axis.set_anchor("N")
+    if told.picture is not None:
+        axis.imshow(_read(told.picture, _pixels))
+        axis.set_title(f"what was seen: {told.picture.stem}", fontsize=8)
+        axis.set_axis_off()
+    elif "ranges_m" in readings or told.points is not None:
+        _draw_plan(axis, told, readings)
+    else:
+        axis.set_axis_off()
+
+
+def _pixels(path: Path) -> NDArray[np.uint8]:
+    import cv2
+    from PIL import Image
+
+    with Image.open(path) as picture:
+        if math.prod(picture.size) > MOST_PIXELS:
+            raise ValueError(f"it has {picture.size[0]} x {picture.size[1]} pixels")
+    pixels = cv2.imread(str(path))
+    if pixels is None:
+        raise ValueError("it is no picture")
+    return cv2.cvtColor(pixels, cv2.COLOR_BGR2RGB).astype(np.uint8)
+
+
+def _draw_plan(axis: Any, told: Explanation, readings: Readings) -> None:
+    """The robot from above when it decided, with its scan and what a primitive kept of the map."""
+    points = _read(told.points, load_arrays) if told.points else {}
+    middle = next(iter(points.values()))[0] if points else np.zeros(2)
+    if len(readings.get("time_s", ())):
+        now = _deciding(told, readings)
+        middle = np.array([readings["x_m"][now], readings["y_m"][now]])
+        pose = Pose2(float(middle[0]), float(middle[1]), float(readings["heading_rad"][now]))
+        _draw_robot(axis, readings, pose)
+        if "ranges_m" in readings:
+            axis.plot(*_scan(readings, now, pose).T, ".", color="#777777", ms=2.0, label="scan")
+        axis.plot(readings["x_m"], readings["y_m"], color=READING, lw=1.0, label="driven")
+    for name, style in (("planned", ":"), ("ahead", "--")):
+        if name in points:
+            axis.plot(*points[name].T, style, color=COMMAND, lw=1.2, label=name)
+    if "sensed" in points:
+        axis.plot(*points["sensed"].T, ".", color=SENSED, ms=4.0, label="sensed, not on the map")
+    if "in the way" in points:
+        axis.plot(*points["in the way"].T, "x", color="black", ms=10, mew=2, label="in the way")
+    axis.set_xlim(middle[0] - AROUND, middle[0] + AROUND)
+    axis.set_ylim(middle[1] - AROUND, middle[1] + AROUND)
+    axis.set_aspect("equal")
+    axis.set_xlabel("x [m] on the map")
+    axis.set_ylabel("y [m]")
+    axis.set_title("from above, when it decided", fontsize=8)
+    add_legend(axis, fontsize=7)
+
+
+def _deciding(told: Explanation, readings: Readings) -> int:
+    """The row in which the motion was broken off, else the last one."""
+    end = np.inf if told.action is None else told.action.broken_off or np.inf
+    return max(0, int(np.searchsorted(readings["time_s"], end + 1e-6)) - 1)
+
+
+def _draw_robot(axis: Any, readings: Readings, pose: Pose2) -> None:
+    from matplotlib.patches import Circle
+
+    radius = float(readings.get("footprint_m", np.array(0.0)))
+    axis.add_patch(Circle((pose.x, pose.y), radius, fill=False, color=READING, lw=1.5))
+    nose = pose.apply(np.array([[radius, 0.0]]))[0]
+    axis.plot([pose.x, nose[0]], [pose.y, nose[1]], color=READING, lw=1.5)
+
+
+def _scan(readings: Readings, row: int, pose: Pose2) -> NDArray[np.float64]:
+    reach, angle = readings["ranges_m"][row].astype(np.float64), readings["angles_rad"]
+    hit = np.isfinite(reach)
+    points = reach[hit, None] * np.column_stack([np.cos(angle[hit]), np.sin(angle[hit])])
+    return pose.compose(Pose2(*readings["base_T_sensor"])).apply(points)
+
+
+# Readings and commands over time
+
+
+def _draw_panel(
+    axis: Any, panel: _Panel, readings: Readings, told: Explanation, decided: dict[str, Any]
+) -> None:
+    panel.draw(axis, _with_gaps(readings))
+    decides = panel.sensor == decided.get("sensor")
+    axis.set_title(panel.title, fontsize=8, loc="left", fontweight="bold" if decides else "normal", pad=2)
+    axis.tick_params(labelsize=7)
+    axis.margins(x=0.0)
+    times, restoring = readings["time_s"], readings["restoring"]
+    axis.fill_between(
+        times, 0, 1, where=restoring, transform=axis.get_xaxis_transform(), color=RESTORED, lw=0, zorder=0
+    )
+    if told.action is not None and told.action.broken_off is not None:
+        axis.axvline(told.action.broken_off, color=LIMIT, lw=1.0)
+    if decides and decided.get("unit") == panel.unit and decided.get("limit") is not None:
+        axis.axhline(decided["limit"], color=LIMIT, lw=0.8, ls=":")
+
+
+def _with_gaps(readings: Readings) -> Readings:
+    """A row of NaN where seconds were left out, so that no line is drawn across."""
+    times = readings["time_s"]
+    period = float(np.median(np.diff(times))) if len(times) > 1 else 1.0
+    gaps = np.flatnonzero(np.diff(times) > 1.5 * period) + 1
+    columns = {}
+    for name, column in readings.items():
+        if (
+            column.ndim
+            and len(column) == len(times)
+            and name not in ("angles_rad", "base_T_sensor", "joint_slides")
+        ):
+            columns[name] = np.insert(column.astype(np.float64), gaps, np.nan, axis=0)
+    columns["time_s"][np.isnan(columns["time_s"])] = times[gaps - 1]
+    return {**readings, **columns}
+
+
+def _speed(axis: Any, readings: Readings) -> None:
+    times = readings["time_s"]
+    travel = (readings["wheel_left_m"] + readings["wheel_right_m"]) / 2
+    axis.step(times, readings["speed_command_m_s"], color=COMMAND, lw=2.5, where="pre")
+    if len(times) > 1:
+        passed = np.where(np.diff(times) > 0.0, np.diff(times), np.nan)
+        axis.plot(times[1:], np.diff(travel) / passed, color=READING, lw=1.0)
+
+
+def _turn(axis: Any, readings: Readings) -> None:
+    times = readings["time_s"]
+    axis.step(times, np.degrees(readings["turn_command_rad_s"]), color=COMMAND, lw=2.5, where="pre")
+    if len(times) > 1:
+        passed = np.where(np.diff(times) > 0.0, np.diff(times), np.nan)
+        turned = (np.diff(readings["heading_rad"]) + np.pi) % (2 * np.pi) - np.pi
+        axis.plot(times[1:], np.degrees(turned / passed), color=READING, lw=1.0)
+
+
+def _nearest(axis: Any, readings: Readings) -> None:
+    ranges = readings["ranges_m"]
+    angles = readings["angles_rad"] + readings["base_T_sensor"][2]
+    ahead = np.abs((angles + np.pi) % (2 * np.pi) - np.pi) <= AHEAD
+    least = np.min(ranges, axis=1, where=np.isfinite(ranges), initial=np.inf)
+    front = np.min(ranges[:, ahead], axis=1, where=np.isfinite(ranges[:, ahead]), initial=np.inf)
+    for line, style, label in ((least, "-", "nearest"), (front, "--", "nearest ahead")):
+        shown = np.where(np.isfinite(line), line, np.nan)
+        axis.plot(readings["time_s"], shown, style, color=READING, lw=1.0, label=label)
+    add_legend(axis, fontsize=6, loc="upper right")
+
+
+def _explained(axis: Any, readings: Readings) -> None:
+    axis.plot(readings["time_s"], readings["scan_explained"], color=READING, lw=1.0)
+    axis.set_ylim(0.0, 1.05)
+
+
+def _joints(axis: Any, readings: Readings) -> None:
+    import matplotlib
+
+    colours = matplotlib.colormaps[JOINTS](range(10))
+    angles = readings["joints_rad"]
+    slides = readings.get("joint_slides", np.zeros(angles.shape[1], dtype=bool))
+    scale = np.where(slides, 1e3, np.degrees(1.0))
+    axis.plot(readings["time_s"], scale * readings["joints_command_rad"], color=COMMAND, lw=2.5)
+    for number, joint in enumerate((scale * angles).T):
+        colour, name = colours[number % len(colours)], f"{number + 1}{' [mm]' if slides[number] else ''}"
+        axis.plot(readings["time_s"], joint, color=colour, lw=1.0, label=name)
+    add_legend(axis, fontsize=6, loc="upper right", ncols=6)
+
+
+def _force(axis: Any, readings: Readings) -> None:
+    for name, column in zip("xyz", readings["hand_force_n"].T, strict=True):
+        axis.plot(readings["time_s"], column, lw=1.0, label=name)
+    add_legend(axis, fontsize=6, loc="upper right", ncols=3)
+
+
+def _grip(axis: Any, readings: Readings) -> None:
+    axis.step(readings["time_s"], 1e3 * readings["grip_command_m"], color=COMMAND, lw=2.5, where="pre")
+    axis.plot(readings["time_s"], 1e3 * readings["grip_width_m"], color=READING, lw=1.0)
+
+
+_PANELS: Sequence[_Panel] = (
+    _Panel("Base: speed [m/s]", "Base", "m/s", "speed_command_m_s", _speed),
+    _Panel("Base: turn rate [deg/s]", "Base", "deg/s", "turn_command_rad_s", _turn),
+    _Panel("RangeSensor: nearest [m]", "RangeSensor", "", "ranges_m", _nearest),
+    _Panel("RangeSensor: share of the scan that the map explains", "RangeSensor", "", "ranges_m", _explained),
+    _Panel("Arm: joints [deg]", "Arm", "deg", "joints_rad", _joints),
+    _Panel("Arm: force on the hand, in its frame [N]", "Arm", "N", "hand_force_n", _force),
+    _Panel("Gripper: opening [mm]", "Gripper", "mm", "grip_width_m", _grip),
+)

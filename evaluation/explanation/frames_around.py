@@ -1,0 +1,115 @@
+"""The CAN frames around a Fail, in words."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from pathlib import Path
+from statistics import median
+from typing import NamedTuple
+
+from pydantic import ValidationError
+
+from handcart.backends.can.bus.frame_log import NAMES
+from handcart.backends.can.bus.frame_names import FrameNames
+from handcart.backends.can.bus.frame_words import FrameWords, Told
+
+from .bus_log import read_log
+
+MOST = 40  # lines at most, those nearest in time
+_SILENT = 2.5  # times its usual spacing that a frame is missing for
+
+
+class FrameLine(NamedTuple):
+    """A frame that tells something."""
+
+    time: float
+    """[s] of the robot's time."""
+    cob_id: int
+    told: Told
+
+
+@dataclass(frozen=True)
+class FramesAround:
+    """What passed on the bus around an instant, without what said the same again and again."""
+
+    file: Path
+    """All of it."""
+    frames: int
+    """In that file."""
+    lines: tuple[FrameLine, ...]
+    """Orders, states, errors, settings: what changed."""
+    left_out: int
+    """Lines further away than those."""
+    silent: tuple[FrameLine, ...]
+    """The last of each cyclic answer that ends while others go on."""
+
+
+def frames_around(file: Path, run: Path, instant: float) -> FramesAround:
+    """Read a file of the evidence back.
+
+    Args:
+        file: written when the action, or the run, had ended.
+        run: the run's folder.
+        instant: at which something went wrong, in [s] of the file's stamps; beyond its end: its last frame.
+
+    Raises:
+        OSError, ValueError: the file, or the names beside the journal, can't be read.
+    """
+    try:
+        names = FrameNames.model_validate_json((run / NAMES).read_bytes())
+    except ValidationError as error:
+        raise ValueError(f"{run / NAMES} is damaged: {error.error_count()} faults") from None
+    frames = read_log(file)
+    if not frames:
+        return FramesAround(file, 0, (), 0, ())
+    words = FrameWords(names)
+    all_lines = [FrameLine(each.timestamp, each.arbitration_id, words.told(each)) for each in frames]
+    telling, instant = list(_changes(all_lines)), min(instant, all_lines[-1].time)
+    nearest = sorted(sorted(telling, key=lambda line: abs(line.time - instant))[:MOST])
+    silent = tuple(_silent(all_lines))
+    return FramesAround(file, len(frames), tuple(nearest), len(telling) - len(nearest), silent)
+
+
+def _changes(lines: Sequence[FrameLine]) -> Iterator[FrameLine]:
+    before: dict[int, str] = {}
+    for line in lines:
+        state = line.told.state
+        if state is None:
+            yield line
+            continue
+        if before.setdefault(line.cob_id, state) != state:
+            before[line.cob_id] = state
+            yield line
+
+
+def _silent(lines: Sequence[FrameLine]) -> Iterator[FrameLine]:
+    """Of nodes' answers, and of heartbeats, those that end while others go on."""
+    for kind in ("TPDO", "heartbeat"):
+        came: dict[int, list[FrameLine]] = {}
+        for line in lines:
+            if line.told.state is not None and line.told.what.startswith(kind):
+                came.setdefault(line.cob_id, []).append(line)
+        last = max((each[-1].time for each in came.values()), default=0.0)
+        for each in came.values():
+            usual = median(b.time - a.time for a, b in pairwise(each)) if each[1:] else 0.0
+            if usual > 0.0 and last - each[-1].time > _SILENT * usual:
+                yield each[-1]
+
+
+def in_words(around: FramesAround) -> Iterator[str]:
+    """A line for each."""
+    if around.left_out:
+        yield f"{around.left_out} lines further away are left out"
+    width = max((len(each.told.who) for each in (*around.lines, *around.silent)), default=0)
+    for each in around.lines:
+        yield _line(each, each.told.words, width)
+    for each in around.silent:
+        yield _line(each, "the last one: none came after", width)
+    if not around.lines and not around.silent:
+        yield "nothing but the same orders and states again and again"
+
+
+def _line(line: FrameLine, words: str, width: int) -> str:
+    return f"{line.time:9.3f} s  {line.told.who:<{width}}  {line.told.what:<9}  {words}".rstrip()

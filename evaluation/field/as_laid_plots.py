@@ -1,0 +1,139 @@
+"""`as_laid.svg`: a deployment as figures 3 and 7 to 10 of Ohki et al. (2012) show theirs."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from handcart.evaluation.drawing.figure_file import save_figure
+from handcart.evaluation.drawing.legend import add_legend
+
+from .as_laid_report import NAME, AsLaid
+from .laid_placement import Place, Placement
+from .total_station import TotalStation
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+Array = NDArray[np.float64]
+
+FIX, ODOMETRY, ESTIMATE, TRUTH = "#e0c000", "#3b6fd4", "#d62828", "#111111"
+LAID, UNSEEN = "#c2408a", "#999999"
+WIDE = 11.0  # [in]
+TALL = (1.9, 5.5)  # [in] of a panel with the course
+MOST = 1500  # points of a kind: more aren't seen, and make the file large
+INSIDE = 5.991  # squared distance in sigmas that 95 % keep, of two degrees of freedom
+
+
+class Laying(Protocol):
+    """What was seen of it."""
+
+    tracks: dict[str, list[Place]]
+    station: TotalStation | None
+
+    def placements(self) -> list[Placement]:
+        """Of all sensors."""
+        ...
+
+
+def draw_as_laid(folder: Path, survey: Laying, sensors: list[AsLaid]) -> Path:
+    """Draw a run's localization, its trajectory and errors into its folder; gives the picture's path."""
+    import matplotlib
+    from matplotlib.figure import Figure
+
+    tall = _tall(survey)
+    figure = Figure(figsize=(WIDE, 2 * tall + 5.0), layout="constrained")
+    axes = figure.subplot_mosaic(
+        [["track", "track"], ["hand", "hand"], ["errors", "ellipses"]], height_ratios=[tall, tall, 5.0]
+    )
+    _track(axes["track"], survey)
+    _hand(axes["hand"], survey)
+    _errors(axes["errors"], survey)
+    _ellipses(axes["ellipses"], survey, sensors)
+    for name, each in axes.items():
+        if name in ("hand", "track") and tall <= TALL[0]:
+            each.set_ylabel("stretched")  # a straight course: else what is to be seen isn't
+        else:
+            each.set_aspect("equal", adjustable="datalim")
+        each.grid(alpha=0.3)
+    path = folder / f"{NAME}.svg"
+    with matplotlib.rc_context({"svg.hashsalt": "handcart"}):
+        save_figure(figure, path)
+    return path
+
+
+def _tall(survey: Laying) -> float:
+    """Of a panel with the whole course, in [in]."""
+    if len(survey.tracks["truth"]) < 2:
+        return TALL[0]
+    long, high = np.ptp(np.array(survey.tracks["truth"]), axis=0)
+    return float(np.clip(WIDE * (high + 2.0) / (long + 2.0), *TALL))
+
+
+def _thinned(points: Sequence[Place] | Sequence[Array]) -> Array:
+    """(2, n) not more than can be seen."""
+    return np.array(points[:: 1 + len(points) // MOST]).T
+
+
+def _track(axes: Axes, survey: Laying) -> None:
+    """Figure 3: fixes, odometry and what becomes of them."""
+    axes.set_title("where the robot was, and where it took itself to be [m]")
+    if survey.tracks["fixes"]:
+        axes.plot(*_thinned(survey.tracks["fixes"]), ".", color=FIX, ms=2.5, label="GPS", zorder=0)
+    lines = (("odometry", ODOMETRY, 1.0), ("truth", TRUTH, 2.2), ("estimate", ESTIMATE, 0.9))
+    for name, colour, wide in lines:
+        if survey.tracks[name]:
+            axes.plot(*_thinned(survey.tracks[name]), color=colour, lw=wide, label=name)
+    add_legend(axes, loc="upper right", fontsize="small", ncols=4)
+
+
+def _hand(axes: Axes, survey: Laying) -> None:
+    """Figures 7 and 8: the hand's trajectory by the total station, and what it let go."""
+    axes.set_title("hand and sensors by the total station [m]")
+    sights = survey.station.sights if survey.station is not None else []
+    if sights:
+        places = _thinned([sight.place[:2] for sight in sights])
+        axes.plot(*places, ".", color=ODOMETRY, ms=1.5, label="hand")
+    every = survey.placements()
+    seen = [each.measured for each in every if each.measured is not None]
+    unseen = [each.lies for each in every if each.measured is None]
+    if seen:
+        axes.plot(*np.array(seen).T, "o", color=LAID, ms=5.0, label="sensor")
+    if unseen:
+        axes.plot(
+            *np.array(unseen).T, "o", mfc="none", color=UNSEEN, ms=5.0, label="out of its sight (truth)"
+        )
+    axes.plot(*np.array([each.target for each in every]).reshape(-1, 2).T, "+", color=TRUTH, label="target")
+    add_legend(axes, loc="upper right", fontsize="small", ncols=4)
+
+
+def _errors(axes: Axes, survey: Laying) -> None:
+    """Figures 9 and 10: errors about their mean."""
+    errors = np.array([each.error_mm for each in survey.placements() if each.error_mm is not None])
+    axes.set_title("errors by the total station, about their mean [mm]")
+    if len(errors) > 1:
+        axes.plot(*(errors - errors.mean(axis=0)).T, "o", color=LAID, ms=5.0)
+        x, y = errors.std(axis=0, ddof=1)
+        axes.set_xlabel(f"{len(errors)} seen; standard deviation {x:.0f} in x, {y:.0f} in y")
+
+
+def _ellipses(axes: Axes, survey: Laying, sensors: list[AsLaid]) -> None:
+    """What the report says against where the sensors lie."""
+    axes.set_title("as-laid report about the true places [mm]")
+    lies = {each.name: np.array(each.lies) for each in survey.placements()}
+    known = [sensor for sensor in sensors if sensor.name in lies]
+    held = 0
+    for sensor in known:
+        off = sensor.place - lies[sensor.name]
+        inside = bool(off @ np.linalg.solve(sensor.covariance, off) < INSIDE)
+        held += inside
+        colour, wide = (UNSEEN, 0.4) if inside else (ESTIMATE, 0.9)
+        axes.plot(*(1e3 * (sensor.outline - lies[sensor.name])).T, color=colour, lw=wide)
+    if known:
+        axes.plot(*np.array([1e3 * (each.place - lies[each.name]) for each in known]).T, ".", color=LAID)
+    axes.plot(0.0, 0.0, "+", color=TRUTH, ms=12.0, mew=1.5)
+    axes.set_xlabel(f"95 % ellipses: {held} of {len(known)} hold the true place; red: those that don't")

@@ -1,0 +1,41 @@
+"""What a Success of who lays sensors in a field promises."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+
+import numpy as np
+
+from handcart.backends.simulation.field.field_props import FieldProps
+from handcart.evaluation.truth.at_most import at_most
+from handcart.evaluation.truth.sensor_sigmas import SIGMAS
+from handcart.evaluation.truth.survey import Claim, Effect, Survey
+from handcart.primitives.field.field_work import FieldWork
+
+LAID_MM = 30.0  # by which a sensor shifts while it is let go, on uneven ground
+DEPLOY = "DEPLOY"
+
+
+def _deployed(survey: Survey, claim: Claim) -> list[str]:
+    """The sensor stands on the ground, where it is believed to and should, as far as that is known."""
+    model, name = survey.run.model, claim.primitive.target
+    work = model.of(FieldWork)
+    laid = next((each for each in work.laid if each.name == name), None)
+    if laid is None:
+        return ["no sensor counts as laid there"]
+    block = survey.run.world.of(FieldProps).sensors.get(str(1 + work.laid.index(laid)))
+    if block is None or block.rest.value != "table":
+        return ["the sensor doesn't stand on the ground"]
+    target, lies = work.targets[name], block.pose[:2, 3]
+    most = LAID_MM + SIGMAS * 1e3 * math.sqrt(float(np.linalg.eigvalsh(laid.spread)[-1]))
+    from_belief = 1e3 * math.dist(lies, (laid.x, laid.y))
+    from_target = 1e3 * math.dist(lies, (target.x, target.y))
+    return [
+        *at_most("the sensor is {:.0f} mm from where it is believed to be", from_belief, most),
+        *at_most("the sensor is {:.0f} mm from its target", from_target, most),
+    ]
+
+
+EFFECTS: Mapping[str, Effect] = {DEPLOY: _deployed}
+"""By the primitive's name."""

@@ -1,0 +1,232 @@
+"""Where sensors come to lie, measured by the total station: the errors of Ohki et al. (2012), section VI."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from handcart.backends.capabilities.gps import Gps
+from handcart.backends.robot.robot import Robot
+from handcart.backends.simulation.field.field_props import FieldProps
+from handcart.evaluation.truth.survey import Survey
+from handcart.evaluation.truth.survey_notes import SurveyNotes
+from handcart.evaluation.truth.surveyed_run import SurveyedRun
+from handcart.networks.task.preparing import Prepared
+from handcart.primitives.field.field_work import FieldWork
+from handcart.primitives.field.target import Laid
+from handcart.robotics.navigation.outdoors.placement_errors import aligned_spread, nees
+
+from .field_effects import EFFECTS
+from .laid_placement import Place, Placement
+from .total_station import Sight, TotalStation
+
+LOOKS_BACK = 1.0  # [s] before a sensor is let go, in which the hand stands over it
+EVERY = 0.5  # [s] between points of the tracks that are drawn
+NOTES = "survey.jsonl"
+TRACKS = ("fixes", "odometry", "estimate", "truth")
+NOTED = 5.0  # [s] at most between two notes
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class FieldNote:
+    """What is new since the last one."""
+
+    laid: dict[str, tuple[str, Place | None]]
+    """By sensor: the block that it is, and where it was measured to lie."""
+    tracks: dict[str, list[Place]]
+    sights: list[tuple[float, float, float, float]]
+    """Time in [s], place in [m]."""
+
+
+class FieldSurvey(Survey):
+    """Looks at a scene once a period, and notes where sensors are let go.
+
+    Its notes grow with the way, so they have a file of their own in the run's folder.
+    """
+
+    name = "field"
+    effects = EFFECTS
+
+    def __init__(self, run: SurveyedRun) -> None:
+        """See `Survey`; raises NotAState where the notes in the run's folder make no sense."""
+        super().__init__(run)
+        self._model = run.model
+        self._scene: Any = run.scene
+        spec = None if run.scene is None else run.scene.of(FieldProps).total_station
+        self.station = TotalStation(spec, run.world, run.seed) if spec is not None else None
+        self._blocks: dict[str, str] = {}
+        self._seen: dict[str, Place | None] = {}
+        self.tracks: dict[str, list[Place]] = {name: [] for name in TRACKS}
+        """Points (x, y) in [m], for plots."""
+        self._next = 0.0
+        self._held = ""
+        simulated = run.folder is not None and run.scene is not None
+        self._notes = SurveyNotes(run.folder, NOTES) if run.folder is not None and simulated else None
+        if run.scene is not None:
+            self._go_on()
+            self._noted, self._told = run.world.time, self._lengths()
+
+    @classmethod
+    def applies(cls, run: SurveyedRun) -> bool:
+        """See `Survey`; the as-laid report needs no ground truth."""
+        return bool(run.does & cls.effects.keys() or run.model.of(FieldWork).targets)
+
+    def look(self, robot: Robot) -> None:
+        """See `Survey`."""
+        if self._scene is None:
+            return
+        if self.station is not None:
+            self.station.look()
+        self._follow(robot)
+        laid = self._model.of(FieldWork).laid[len(self._blocks) :]
+        for each in laid:
+            self._blocks[each.name] = self._held
+            self._seen[each.name] = self._measured()
+        if laid or self._scene.time >= self._noted + NOTED:
+            self._note([each.name for each in laid])
+        held = self._scene.held
+        self._held = "" if held is None else held.spec.name
+
+    def _go_on(self) -> None:
+        """Take up what was noted of the run that this one goes on with."""
+        if self._notes is not None:
+            for note in self._notes.until(self._scene.time):
+                self._take_up(self._notes.checked(note, FieldNote))
+        for laid in self._model.of(FieldWork).laid:
+            if laid.name not in self._blocks:  # nobody noted anything
+                self._blocks[laid.name], self._seen[laid.name] = self._nearest(laid), None
+
+    def _take_up(self, note: FieldNote) -> None:
+        for name in TRACKS:
+            self.tracks[name] += note.tracks.get(name, [])
+        for name, (block, place) in note.laid.items():
+            self._blocks[name], self._seen[name] = block, place
+        if self.station is not None:
+            self.station.sights += [Sight(time, np.array(place)) for time, *place in note.sights]
+
+    def _lengths(self) -> dict[str, int]:
+        """How many points there are of each kind."""
+        sights = len(self.station.sights) if self.station is not None else 0
+        return {"sights": sights, **{name: len(points) for name, points in self.tracks.items()}}
+
+    def _note(self, laid: list[str]) -> None:
+        """Note what is new: sensors by name, tracks and sights."""
+        if self._notes is None:
+            return
+        sights = self.station.sights[self._told["sights"] :] if self.station is not None else []
+        note = FieldNote(
+            {name: (self._blocks[name], self._seen[name]) for name in laid},
+            {
+                name: [(round(x, 3), round(y, 3)) for x, y in points[self._told[name] :]]
+                for name, points in self.tracks.items()
+            },
+            [(sight.time, *sight.place.round(4).tolist()) for sight in sights],
+        )
+        self._notes.add(self._scene.time, vars(note))
+        self._noted, self._told = self._scene.time, self._lengths()
+
+    def placements(self) -> list[Placement]:
+        """All sensors that were let go."""
+        work = self._model.of(FieldWork)
+        found = []
+        for laid in work.laid:
+            block = self._scene.of(FieldProps).sensors.get(self._blocks.get(laid.name, ""))
+            target = work.targets[laid.name]
+            if block is not None:
+                lies = (float(block.pose[0, 3]), float(block.pose[1, 3]))
+                seen = self._seen.get(laid.name)
+                found.append(Placement(laid.name, (target.x, target.y), laid, seen, lies))
+        return found
+
+    def figures(self) -> dict[str, Any]:
+        """See `Survey`."""
+        if self._scene is None or not self._model.of(FieldWork).targets:
+            return {}
+        every = self.placements()
+        seen = [each for each in every if each.error_mm is not None]
+        result: dict[str, Any] = {"placed": len(every), "out_of_sight": len(every) - len(seen)}
+        if seen:
+            errors = np.array([each.error_mm for each in seen])
+            sizes = np.hypot(*errors.T)
+            result["error_mm_rms"] = round(float(np.sqrt(np.mean(sizes**2))), 1)
+            result["error_mm_max"] = round(float(sizes.max()), 1)
+            result["nees_mean"] = round(float(np.mean(self._nees(seen))), 3)
+        if len(seen) > 2:
+            spread = 1e3 * aligned_spread(errors / 1e3, np.array([each.target for each in seen]))
+            result["aligned_sd_x_mm"], result["aligned_sd_y_mm"] = (round(float(each), 1) for each in spread)
+        result["placements"] = [_row(each) for each in every]
+        return result
+
+    def report(self, prepared: Prepared, folder: Path) -> None:
+        """Write the as-laid report where sensors were laid; draw it where they were surveyed."""
+        if not prepared.model.of(FieldWork).laid:
+            return
+        from .as_laid_plots import draw_as_laid
+        from .as_laid_report import write_as_laid
+
+        sensors = write_as_laid(prepared, folder)
+        if self._scene is not None:
+            draw_as_laid(folder, self, sensors)
+
+    def _nearest(self, laid: Laid) -> str:
+        """The block that lies nearest to where the robot believed to lay it."""
+        away = {
+            block.spec.name: math.dist(block.pose[:2, 3], (laid.x, laid.y))
+            for block in self._scene.of(FieldProps).sensors.values()
+        }
+        return min(away, key=lambda name: away[name], default="")
+
+    def _nees(self, seen: list[Placement]) -> Array:
+        own = 0.0 if self.station is None else self.station.sigma**2
+        believed = np.array([(each.believed.x, each.believed.y) for each in seen])
+        off = np.array([each.measured for each in seen], dtype=np.float64) - believed
+        return nees(off, np.array([each.believed.spread + own * np.eye(2) for each in seen]))
+
+    def _measured(self) -> Place | None:
+        """Mean of the readings of the last second."""
+        sights = self.station.sights if self.station is not None else []
+        last = [sight.place for sight in sights[-10:] if sight.time > self._scene.time - LOOKS_BACK]
+        if not last:
+            return None
+        x, y = np.mean(last, axis=0)[:2].tolist()
+        return x, y
+
+    def _follow(self, robot: Robot) -> None:
+        if robot.outdoors is None:
+            return
+        gps = robot.backend.get(Gps)  # type: ignore[type-abstract]
+        fix = gps.fix() if gps is not None else None
+        if fix is not None:
+            self.tracks["fixes"].append((float(fix.position[0]), float(fix.position[1])))
+        if self._scene.time >= self._next:
+            self._next = self._scene.time + EVERY
+            poses = {
+                "odometry": robot.outdoors.odometry.pose,
+                "estimate": robot.pose,
+                "truth": self._scene.base,
+            }
+            for name, pose in poses.items():
+                self.tracks[name].append((pose.x, pose.y))
+
+
+def _row(each: Placement) -> dict[str, Any]:
+    """Of the summary."""
+    error = each.error_mm
+    true = [1e3 * (lies - goal) for lies, goal in zip(each.lies, each.target, strict=True)]
+    xx, _, yy = each.believed.covariance
+    return {
+        "name": each.name,
+        "x_mm": None if error is None else round(error[0], 1),
+        "y_mm": None if error is None else round(error[1], 1),
+        "true_x_mm": round(true[0], 1),
+        "true_y_mm": round(true[1], 1),
+        "sigma_x_mm": round(1e3 * math.sqrt(xx), 1),
+        "sigma_y_mm": round(1e3 * math.sqrt(yy), 1),
+        "time_s": round(each.believed.time, 2),
+    }

@@ -1,0 +1,88 @@
+"""A total station: it follows a reflector on the robot's hand, as in the field test of Ohki et al. (2012)."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from handcart.backends.simulation.field.spec import StationSpec
+from handcart.backends.simulation.keyed_noise import keyed
+from handcart.robotics.geometry.transform import inverse
+from handcart.robotics.kinematics.shapes import Box
+
+REFLECTOR = 0.06  # [m] above the frame `hand`
+Array = NDArray[np.float64]
+
+
+class Sight(NamedTuple):
+    """A reading."""
+
+    time: float
+    """[s]"""
+    place: Array
+    """(3,) of the reflector, in [m]."""
+
+
+class TotalStation:
+    """Reads the ground truth, for evaluation only.
+
+    Every 0.3 s it measures the reflector, unless body or mast of the robot, or something in the field, stands
+    between. The reflector sits right above the sensor, where the paper has it on top of the slide: there, a
+    slide that isn't upright would be taken for an error.
+    """
+
+    def __init__(self, spec: StationSpec, scene: Any, seed: int) -> None:
+        """Stand in the field of a scene."""
+        self._spec, self._scene, self._seed = spec, scene, seed
+        self._place = np.array([spec.x_m, spec.y_m, spec.height_m])
+        shapes = scene.arm.link_shapes(scene.joints)
+        self._body = [shape for shape in shapes if isinstance(shape, Box) and shape.name == "base"]
+        self._count = self._due()
+        self.sights: list[Sight] = []
+        """All readings."""
+        self.hidden = 0
+        """How often the reflector couldn't be seen."""
+
+    def look(self) -> None:
+        """A period has passed."""
+        if (count := self._due()) <= self._count:
+            return
+        self._count = count
+        hand = self._scene.world_T("hand")
+        reflector = hand[:3, 3] - REFLECTOR * hand[:3, 0]
+        if self._hidden(reflector):
+            self.hidden += 1
+            return
+        noise = keyed(self._seed, "total station", self._count).standard_normal(3)
+        self.sights.append(Sight(self._scene.time, reflector + self.sigma * noise))
+
+    def _due(self) -> int:
+        """How many readings a station has taken by now."""
+        return int(self._scene.time / self._spec.period_s + 1e-6)
+
+    @property
+    def sigma(self) -> float:
+        """Of a reading, along each axis, in [m]."""
+        return self._spec.accuracy_mm / 2e3
+
+    def _hidden(self, reflector: Array) -> bool:
+        base = inverse(self._scene.world_T_base)
+        ends = [base @ np.array([*point, 1.0]) for point in (self._place, reflector)]
+        if any(_cuts(box, ends[0][:3], ends[1][:3]) for box in self._body):
+            return True
+        solids = [each.box for each in self._scene.solids if each.box.pose[2, 3] > 0.0]
+        return any(_cuts(box, self._place, reflector) for box in solids)
+
+
+def _cuts(box: Box, start: Array, end: Array) -> bool:
+    """Whether the line between two points (3,) goes through a box (slabs)."""
+    turn, middle = box.pose[:3, :3], box.pose[:3, 3]
+    here, ray = (start - middle) @ turn, (end - start) @ turn
+    half = np.array(box.size) / 2
+    ray = np.where(np.abs(ray) < 1e-12, 1e-12, ray)
+    first, second = (-half - here) / ray, (half - here) / ray
+    enters = float(np.minimum(first, second).max())
+    leaves = float(np.maximum(first, second).min())
+    return max(enters, 0.0) < min(leaves, 1.0)

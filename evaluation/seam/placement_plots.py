@@ -1,0 +1,154 @@
+"""Pictures of a path divided among base placements, and of how well it was tracked, after Shin (2005)."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from handcart.evaluation.drawing.figure_file import save_figure
+from handcart.robotics.manipulation.arms.pitch_arm import PitchArm
+from handcart.robotics.manipulation.arms.planar_arm import PlanarArm
+from handcart.robotics.manipulation.placement.placement_division import Division
+from handcart.robotics.manipulation.tracking.tool_path import ToolPath
+
+Floats = NDArray[np.float64]
+
+COLOURS = ("#3b6fd4", "#c8382e", "#2e8b57", "#9a5fb4", "#d98e04", "#3aa0a8")
+FAINT = "#999999"
+POSTURES = 7  # of the arm in a segment
+BODY = (0.9, 0.65)  # [m] length and width of the base that is drawn
+
+
+class DividedPath(NamedTuple):
+    """What one panel shows."""
+
+    title: str
+    bases: Floats
+    """(b, 3): base poses that the division numbers."""
+    division: Division
+
+
+def draw_planar_divisions(
+    arm: PlanarArm, path: ToolPath, panels: Sequence[DividedPath], target: Path
+) -> None:
+    """As figure 2: the two-link arm in some postures of each segment, panel below panel.
+
+    Raises:
+        OSError: the file can't be written.
+    """
+    figure, axes = _figure(len(panels), (7.0, 2.6 * len(panels)))
+    for ax, panel in zip(axes, panels, strict=True):
+        for colour, segment in _coloured(panel.division):
+            base, points = panel.bases[segment.placement], path.points[segment.first : segment.last + 1]
+            ax.plot(points[:, 0], points[:, 1], color=colour, linewidth=3.0)
+            ax.plot(*base[:2], "o", color=colour)
+            some = points[np.linspace(0, len(points) - 1, POSTURES).astype(int)]
+            for (first, both), tip in zip(np.cumsum(arm.joints(base, some), axis=1), some, strict=True):
+                elbow = base[:2] + arm.first * np.array((np.cos(first), np.sin(first)))
+                wrist = elbow + arm.second * np.array((np.cos(both), np.sin(both)))
+                ends = np.vstack((base[:2], elbow, wrist if np.isfinite(both) else tip[:2]))
+                ax.plot(ends[:, 0], ends[:, 1], "-o", color=colour, markersize=2.5, linewidth=0.8, alpha=0.6)
+        _label(ax, panel, path)
+    _save(figure, target)
+
+
+def draw_divisions(
+    path: ToolPath, panels: Sequence[DividedPath], target: Path, arm: PitchArm | None = None
+) -> None:
+    """As figure 4: the path, the bases and a pitch arm's postures from above, and the path from ahead.
+
+    Raises:
+        OSError: the file can't be written.
+    """
+    figure, axes = _figure(2 * len(panels), (8.0, 4.2 * len(panels)), [2.2, 1.0] * len(panels))
+    for above, ahead, panel in zip(axes[::2], axes[1::2], panels, strict=True):
+        for colour, segment in _coloured(panel.division):
+            part = path.part(segment.first, segment.last)
+            base = panel.bases[segment.placement]
+            above.plot(part.points[:, 0], part.points[:, 1], color=colour, linewidth=3.0)
+            ahead.plot(part.points[:, 0], part.points[:, 2], color=colour, linewidth=3.0)
+            _draw_base(above, base, colour)
+            if arm is not None:
+                _draw_arm(above, arm, base, part, colour)
+        _label(above, panel, path)
+        ahead.set_aspect("equal", adjustable="datalim")
+        ahead.set_xlabel("x [m]")
+        ahead.set_ylabel("z [m]")
+    _save(figure, target)
+
+
+def draw_tracking_errors(runs: Sequence[tuple[str, Floats, Floats]], target: Path) -> None:
+    """As figure 5: distance of the tool from its path over time, one panel for each of the runs.
+
+    Args:
+        runs: title, times (k,) in [s] and errors (k,) in [m] of each.
+    Raises:
+        OSError: the file can't be written.
+    """
+    figure, axes = _figure(len(runs), (7.0, 2.4 * len(runs)))
+    for ax, (title, times, errors) in zip(axes, runs, strict=True):
+        millimetres = 1e3 * errors
+        ax.plot(times, millimetres, color=COLOURS[0], linewidth=0.8)
+        ax.axhline(millimetres.max(), color=COLOURS[1], linewidth=0.8, linestyle="--")
+        rms = np.sqrt(np.mean(millimetres**2))
+        ax.set_title(f"{title}: at most {millimetres.max():.2f} mm, rms {rms:.2f} mm", fontsize=10)
+        ax.set_ylim(bottom=0.0)
+        ax.set_ylabel("error [mm]")
+    axes[-1].set_xlabel("time [s]")
+    _save(figure, target)
+
+
+def _figure(rows: int, size: tuple[float, float], ratios: Any = None) -> tuple[Any, list[Any]]:
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=size, layout="constrained")
+    axes = figure.subplots(
+        rows, squeeze=False, sharex=True, gridspec_kw={"height_ratios": ratios or [1] * rows}
+    )
+    return figure, list(axes.ravel())
+
+
+def _coloured(division: Division) -> list[tuple[str, Any]]:
+    return [(COLOURS[row % len(COLOURS)], segment) for row, segment in enumerate(division.segments)]
+
+
+def _label(ax: Any, panel: DividedPath, path: ToolPath) -> None:
+    shares = " + ".join(
+        f"{path.lengths[segment.last] - path.lengths[segment.first]:.2f}"
+        for segment in panel.division.segments
+    )
+    ax.set_title(f"{panel.title}: {shares} m, score {panel.division.score / path.length:.3f}", fontsize=10)
+    ax.set_aspect("equal", adjustable="datalim")
+    ax.set_ylabel("y [m]")
+
+
+def _draw_base(ax: Any, base: Floats, colour: str) -> None:
+    cos, sin = np.cos(base[2]), np.sin(base[2])
+    half = 0.5 * np.array(BODY)
+    corners = np.array([(1, 1), (-1, 1), (-1, -1), (1, -1), (1, 1)]) * half
+    outline = corners @ np.array([[cos, sin], [-sin, cos]]) + base[:2]
+    ax.plot(outline[:, 0], outline[:, 1], color=colour, linewidth=1.0)
+    ax.plot(*base[:2], "o", color=colour)
+    ax.plot(
+        *np.column_stack((base[:2], base[:2] + half[0] * np.array((cos, sin)))), color=colour, linewidth=2.0
+    )
+
+
+def _draw_arm(ax: Any, arm: PitchArm, base: Floats, part: ToolPath, colour: str) -> None:
+    some = np.linspace(0, len(part.points) - 1, POSTURES).astype(int)
+    shoulder = arm.shoulders(np.atleast_2d(base))[0]
+    for angles in arm.joints(base, part)[some]:
+        if np.isnan(angles).any():
+            continue
+        heading = base[2] + angles[0]
+        reach = np.concatenate(([0.0], np.cumsum(np.array(arm.links) * np.cos(np.cumsum(angles[1:])))))
+        knots = shoulder + reach[:, None] * np.array((np.cos(heading), np.sin(heading)))
+        ax.plot(knots[:, 0], knots[:, 1], "-o", color=colour, markersize=2.5, linewidth=0.8, alpha=0.6)
+
+
+def _save(figure: Any, target: Path) -> None:
+    save_figure(figure, target, dpi=110)

@@ -1,0 +1,53 @@
+"""Whether a task's seam can be tracked, found out without moving."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from handcart.backends.description.robot_loading import load_robot
+from handcart.files.errors import FileError
+from handcart.networks.task.preparing import load_model
+from handcart.networks.task.task_file import Task
+from handcart.primitives.contract.discrepancy import Discrepancy
+from handcart.primitives.seam.divide import Divide
+from handcart.primitives.seam.seam import Seam
+from handcart.primitives.seam.seam_file import untrackable
+from handcart.primitives.seam.seam_room import SeamRoom, placer_of
+from handcart.robotics.manipulation.placement.untrackable import Untrackable
+
+
+def seam_facts(task: Task) -> dict[str, Any]:
+    """What DIVIDE would find where the robot sets out; empty for a task that divides no seam.
+
+    Raises:
+        FileError: a point of the seam can't be tracked: the first one, why, and the nearest that can be; or
+            the robot has nothing to track it with.
+    """
+    divides, file = _divides(task), task.path("knowledge", "seam")
+    if not divides or file is None:
+        return {}
+    most = max(divides, key=lambda each: each.placements)
+    spec, (model, _) = load_robot(task.robot), load_model(task)
+    work = model.of(Seam)
+    assert work.seam is not None, "its file is named"
+    boxes = tuple(each.box for each in work.work_piece.boxes) if work.work_piece else ()
+    try:
+        placer, start = placer_of(spec), task.knowledge.start
+        room = SeamRoom(spec, placer.arm, model.map, model.obstacles, start, boxes)
+        found = placer.place(work.seam, room.blocked, most.placements, room.free, most.move_m)
+    except Discrepancy as lacking:
+        raise FileError([task.document.finding(("robot",), f"DIVIDE can't be done: {lacking}")]) from None
+    except Untrackable as error:
+        raise untrackable(str(file), error) from None
+    length, count = work.seam.length, len(found.segments)
+    return {"seam": f"{length:.2f} m, {count} placements, score {found.score / length:.3f}"}
+
+
+def _divides(task: Task) -> list[Divide]:
+    """Each DIVIDE of the network whose parameters are known."""
+    bindings = [action.binding for action in task.network.actions if action.binding is not None]
+    return [
+        each.kind.model_validate(each.fixed)
+        for each in bindings
+        if issubclass(each.kind, Divide) and not each.late
+    ]

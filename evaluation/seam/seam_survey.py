@@ -1,0 +1,192 @@
+"""How exactly a seam was tracked, by ground truth."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from handcart.backends.robot.robot import Robot
+from handcart.evaluation.truth.survey import Survey
+from handcart.evaluation.truth.surveyed_run import SurveyedRun
+from handcart.primitives.contract.action_primitive import ActionPrimitive
+from handcart.primitives.contract.outcome import Outcome, Success
+from handcart.primitives.seam.seam import Seam
+from handcart.primitives.seam.seam_room import working_arm
+from handcart.primitives.seam.track import MOST_OFF, Track
+from handcart.robotics.manipulation.tracking.tool_path import ToolPath
+from handcart.robotics.manipulation.tracking.tracking_limits import ArmLoad, LimitUse
+
+from .seam_effects import EFFECTS
+
+Floats = NDArray[np.float64]
+
+ROUNDING = 1e-9
+SENSORS = 0.0015  # [m]: five sigma of positioning and arm, beyond what TRACK allows
+
+
+class Stretch:
+    """What was commanded, and where the tool truly was, period by period, along a part of the seam."""
+
+    def __init__(self, part: ToolPath) -> None:
+        self.part = part
+        self.score = 0.0
+        """Integral along the part, in [m]."""
+        self.times: list[float] = []
+        self.joints: list[Floats] = []
+        self.tips: list[Floats] = []
+
+
+@dataclass(frozen=True)
+class StretchNotes:
+    """A `Stretch`, as it can be noted."""
+
+    part: dict[str, Any]
+    score: float
+    times: list[float]
+    joints: list[list[float]]
+    tips: list[tuple[float, float, float]]
+
+
+class SeamSurvey(Survey):
+    """Looks at a scene once a period while TRACK has the tool on the seam."""
+
+    name = "seam"
+    effects = EFFECTS
+    noted = list[StretchNotes]
+
+    def __init__(self, run: SurveyedRun) -> None:
+        """See `Survey`."""
+        super().__init__(run)
+        self.tracks: Track | None = None
+        """The running one."""
+        self.stretches: list[Stretch] = []
+        """Of the TRACKs that succeeded."""
+        self._now: Stretch | None = None
+
+    @classmethod
+    def applies(cls, run: SurveyedRun) -> bool:
+        """See `Survey`; where a seam is known, it says how much of it was tracked."""
+        return super().applies(run) or (run.scene is not None and run.model.of(Seam).seam is not None)
+
+    def started(self, number: int, primitive: ActionPrimitive) -> None:
+        """See `Survey`."""
+        self.tracks = primitive if isinstance(primitive, Track) else None
+        self._now = None
+
+    def look(self, robot: Robot) -> None:
+        """See `Survey`."""
+        part = None if self.tracks is None else self.tracks.tracking
+        if part is None:
+            return
+        if self._now is None:
+            self._now = Stretch(part)
+        self._now.times.append(robot.time)
+        self._now.joints.append(robot.arm.command())
+        self._now.tips.append(self.run.world.world_T("hand")[:3, 3].copy())
+
+    def ended(self, number: int, primitive: ActionPrimitive, outcome: Outcome) -> list[str]:
+        """See `Survey`."""
+        if isinstance(outcome, Success) and self._now is not None:
+            self._now.score = float(outcome.evidence.get("part_score_m", 0.0))
+            self.stretches.append(self._now)
+        self.tracks = self._now = None
+        return []
+
+    def notes(self) -> list[StretchNotes]:
+        """See `Survey`."""
+        return [_noted(each) for each in self.stretches]
+
+    def go_on(self, noted: list[StretchNotes]) -> None:
+        """See `Survey`."""
+        self.stretches = [_again(each, self.run.robot.arm_model.dof) for each in noted]
+
+    def errors(self) -> list[tuple[Floats, Floats]]:
+        """For each stretch times (k,) in [s] and distances (k,) of the tool from the seam in [m]."""
+        return [
+            (np.array(each.times), distances(np.array(each.tips), each.part.points))
+            for each in self.stretches
+        ]
+
+    def figures(self) -> dict[str, Any]:
+        """See `Survey`; none where no seam is known."""
+        seam = self.run.model.of(Seam).seam
+        if seam is None:
+            return {}
+        tracked = sum(each.part.length for each in self.stretches)
+        found: dict[str, Any] = {"placements": len(self.stretches), "seam_tracked_m": round(tracked, 3)}
+        found["score"] = round(sum(each.score for each in self.stretches) / seam.length, 4)
+        if not self.stretches:
+            return found
+        off = 1e3 * np.concatenate([distance for _, distance in self.errors()])
+        return found | {
+            "tracking_error_mm_max": round(float(off.max()), 3),
+            "tracking_error_mm_rms": round(float(np.sqrt(np.mean(off**2))), 3),
+            "joint_limit_violations": self._violations(),
+        }
+
+    def faults(self) -> list[str]:
+        """See `Survey`; Success claims that all of it was tracked, nowhere farther off than TRACK allows."""
+        seam = self.run.model.of(Seam).seam
+        if seam is None:
+            return []
+        left = seam.length - sum(each.part.length for each in self.stretches)
+        found = [f"{left:.3f} m of the seam were not tracked"] if left > 1e-6 else []
+        off = max((float(distance.max()) for _, distance in self.errors()), default=0.0)
+        return found + ([f"the tool was {1e3 * off:.1f} mm off the seam"] if off > MOST_OFF + SENSORS else [])
+
+    def uses(self) -> list[LimitUse]:
+        """What each stretch took of the joints' speeds and torques, the tool's force included."""
+        return [self._use(each) for each in self.stretches]
+
+    def _violations(self) -> int:
+        """Periods and joints with an angle, a speed or a torque beyond its limit."""
+        arm = self.run.robot.arm_model
+        joints = np.vstack([each.joints for each in self.stretches])
+        beyond = (joints < arm.lower - ROUNDING) | (joints > arm.upper + ROUNDING)
+        return sum(use.violations for use in self.uses()) + int(beyond.sum())
+
+    def _use(self, stretch: Stretch) -> LimitUse:
+        arm, tool = working_arm(self.run.robot.spec), self.run.robot.spec.tool
+        load, joints = ArmLoad(arm), np.array(stretch.joints)
+        ways = np.gradient(np.array([arm.forward(q)[:3, 3] for q in joints]), axis=0)
+        ways /= np.maximum(np.linalg.norm(ways, axis=1, keepdims=True), ROUNDING)
+        force = 0.0 if tool is None else tool.force_n
+        push = np.array([load.push(q, force * way) for q, way in zip(joints, ways, strict=True)])
+        return load.use(joints, self.run.robot.period, load.torque, push)
+
+
+def _noted(stretch: Stretch) -> StretchNotes:
+    part = {name: np.asarray(value).tolist() for name, value in stretch.part._asdict().items()}
+    joints, tips = ([each.tolist() for each in points] for points in (stretch.joints, stretch.tips))
+    return StretchNotes(part, stretch.score, stretch.times, joints, [(x, y, z) for x, y, z in tips])
+
+
+def _again(noted: StretchNotes, dof: int) -> Stretch:
+    """Raises ValueError for what is no stretch of such an arm."""
+    part = {name: np.array(value, dtype=np.float64) for name, value in noted.part.items()}
+    joints, tips = np.array(noted.joints, dtype=np.float64), np.array(noted.tips, dtype=np.float64)
+    found = {name: each.shape for name, each in {**part, "joints": joints, "tips": tips}.items()}
+    count, points = len(noted.times), len(part["lengths"]) if "lengths" in part else 0
+    shapes = {name: (points, *shape) for name, shape in _PART.items()}
+    shapes |= {"joints": (count, dof), "tips": (count, 3)}
+    if found != shapes or not count or points < 2:
+        raise ValueError(f"arrays {found}, needed: {shapes}")
+    stretch = Stretch(ToolPath(**part))
+    stretch.score, stretch.times = noted.score, noted.times
+    stretch.joints, stretch.tips = list(joints), list(tips)
+    return stretch
+
+
+_PART = {"points": (3,), "rotations": (3, 3), "tangents": (3,), "turns": (3,), "lengths": ()}
+"""Shapes of what a `ToolPath` has for each of its points."""
+
+
+def distances(points: Floats, path: Floats) -> Floats:
+    """Distances (k,) of points (k, 3) from the straight lines through the points (p, 3) of a path, in [m]."""
+    starts, ways = path[:-1], np.diff(path, axis=0)
+    to = points[:, None] - starts[None]
+    share = np.clip(np.einsum("kpi,pi->kp", to, ways) / np.einsum("pi,pi->p", ways, ways), 0.0, 1.0)
+    return np.asarray(np.linalg.norm(to - share[..., None] * ways, axis=2).min(axis=1))

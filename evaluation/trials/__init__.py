@@ -1,0 +1,1 @@
+"""A run with its metrics, and many of them."""

@@ -1,0 +1,209 @@
+"""`overview.svg`: a run at a glance, drawn from its folder and what the robot knew."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from handcart.evaluation.drawing.figure_file import save_figure
+from handcart.evaluation.drawing.legend import add_legend
+from handcart.networks.journal.evidence_files import FOLDER
+from handcart.networks.journal.journal_record import read_journal
+from handcart.networks.runs.flight_recorder import SUFFIX
+from handcart.networks.runs.telemetry import Track, load_track
+from handcart.primitives.knowledge.place import Place
+from handcart.robotics.navigation.maps.grid_map import GridMap
+from handcart.robotics.navigation.routes.voronoi_graph import voronoi_graph
+
+COLOURS = {"Success": "#2a9d5c", "Fail": "#e0a100", "GiveUp": "#c8382e", "running": "#999999"}
+PLANNED, DRIVEN, RESTORED, SENSED, GRAPH = "#3b6fd4", "#111111", "#e07b00", "#d62828", "#b9c7dd"
+SCAN = "#2a9d5c"
+BESIDE = 0.5  # of the known part of a map that is drawn too [m]
+
+
+@dataclass(frozen=True)
+class Stretch:
+    """One action on the time line."""
+
+    number: int
+    do: str
+    start: float
+    """[s]"""
+    end: float
+    outcome: str
+
+
+def draw_overview(
+    run_dir: Path,
+    grid: GridMap,
+    places: Mapping[str, Place],
+    radius: float,
+    shown: Collection[str] = (),
+) -> Path:
+    """Draw a run that has ended.
+
+    Args:
+        run_dir: the run's folder.
+        grid: the map that the robot had.
+        places: on it.
+        radius: of the robot's footprint, in [m].
+        shown: primitives whose pictures are shown before others'.
+
+    Returns:
+        The path of the picture.
+    """
+    import matplotlib
+    from matplotlib.figure import Figure
+
+    track, stretches = load_track(run_dir / "telemetry.npz"), time_line(run_dir)
+    picture = _last_picture(run_dir, shown)
+    figure = Figure(figsize=(12.0, 7.2), layout="constrained")
+    axes = figure.subplot_mosaic(
+        [["map", "picture"], ["time", "time"]] if picture is not None else [["map"], ["time"]],
+        height_ratios=[4.2, 1.0],
+        width_ratios=[1.35, 1.0] if picture is not None else [1.0],
+    )
+    _draw_map(axes["map"], grid, places, radius)
+    _draw_drive(axes["map"], run_dir, track)
+    _draw_time(axes["time"], stretches)
+    if picture is not None:
+        name, pixels = picture
+        axes["picture"].imshow(pixels)
+        axes["picture"].set_title(f"what was seen: {name}", fontsize=9)
+        axes["picture"].set_axis_off()
+    path = run_dir / "overview.svg"
+    with matplotlib.rc_context({"svg.hashsalt": "handcart", "svg.fonttype": "none"}):
+        save_figure(figure, path)
+    for each in stretches:
+        if each.outcome != "Success":
+            _draw_fail(run_dir, each, grid)
+    return path
+
+
+def time_line(run_dir: Path) -> list[Stretch]:
+    """The actions of a run, from its journal."""
+    started: dict[int, tuple[str, float]] = {}
+    ended: dict[int, tuple[str, float]] = {}
+    last = 0.0
+    for record in read_journal(run_dir / "journal.jsonl").records:
+        last = float(record["t"])
+        if record["kind"] == "START":
+            started[record["n"]] = (record["action"]["do"], last)
+        elif record["kind"] == "RESULT":
+            ended[record["n"]] = (record["outcome"], last)
+    return [
+        Stretch(number, do, start, ended.get(number, ("", last))[1], ended.get(number, ("running", last))[0])
+        for number, (do, start) in started.items()
+    ]
+
+
+def _draw_map(axis: Any, grid: GridMap, places: Mapping[str, Place], radius: float) -> None:
+    height, width = grid.occupied.shape
+    x0, y0, cell = grid.origin_x, grid.origin_y, grid.resolution
+    shade = np.where(grid.occupied, 60, np.where(grid.unknown, 215, 255)).astype(np.uint8)
+    extent = (x0, x0 + width * cell, y0, y0 + height * cell)
+    axis.imshow(shade, cmap="gray", vmin=0, vmax=255, origin="lower", extent=extent, interpolation="nearest")
+    try:
+        graph = voronoi_graph(grid, radius).graph
+    except ValueError:
+        graph = None
+    for number, (_, _, line) in enumerate(graph.edges(data="points") if graph is not None else ()):
+        axis.plot(line[:, 0], line[:, 1], color=GRAPH, lw=1.0, label=None if number else "Voronoi graph")
+    for name, place in places.items():
+        dx, dy = 0.25 * np.cos(place.pose.theta), 0.25 * np.sin(place.pose.theta)
+        axis.annotate(
+            "", (place.x_m + dx, place.y_m + dy), (place.x_m, place.y_m), arrowprops={"arrowstyle": "->"}
+        )
+        axis.annotate(name, (place.x_m, place.y_m), (4, 4), textcoords="offset points", fontsize=8)
+    known = np.argwhere(~grid.unknown)
+    if len(known):
+        low, high = grid.to_point(known.min(axis=0)[None])[0], grid.to_point(known.max(axis=0)[None])[0]
+        axis.set_xlim(max(low[0] - BESIDE, extent[0]), min(high[0] + BESIDE, extent[1]))
+        axis.set_ylim(max(low[1] - BESIDE, extent[2]), min(high[1] + BESIDE, extent[3]))
+    axis.set_aspect("equal")
+    axis.set_xlabel("x [m]")
+    axis.set_ylabel("y [m]")
+
+
+def _draw_drive(axis: Any, run_dir: Path, track: Track) -> None:
+    for number, line in enumerate(_named(run_dir, "planned")):
+        label = None if number else "planned"
+        axis.plot(line[:, 0], line[:, 1], color=PLANNED, lw=1.0, ls="--", label=label, zorder=3)
+    if len(track.pose):
+        axis.plot(track.pose[:, 0], track.pose[:, 1], color=DRIVEN, lw=1.5, label="driven")
+        back = np.where(track.restoring[:, None], track.pose[:, :2], np.nan)
+        if track.restoring.any():
+            axis.plot(back[:, 0], back[:, 1], color=RESTORED, lw=1.5, label="restored")
+    scans, sensed = _named(run_dir, "scan"), _named(run_dir, "sensed")
+    if scans:
+        axis.plot(*np.vstack(scans).T, ".", color=SCAN, ms=1.5, label="scan on arrival", rasterized=True)
+    if sensed:
+        axis.plot(*np.vstack(sensed).T, ".", color=SENSED, ms=2.5, label="sensed, not on the map")
+    add_legend(axis, fontsize=7, loc="upper left", bbox_to_anchor=(0.0, -0.1), ncols=6, frameon=False)
+
+
+def _draw_time(axis: Any, stretches: list[Stretch]) -> None:
+    for each in stretches:
+        axis.barh(0, each.end - each.start, left=each.start, color=COLOURS[each.outcome], edgecolor="white")
+        middle = 0.5 * (each.start + each.end)
+        axis.text(middle, 0.0, each.do, ha="center", va="center", fontsize=7, rotation=60, color="black")
+    axis.set_yticks([])
+    axis.set_ylim(-0.5, 0.5)
+    axis.set_xlabel("time [s]; green: Success, yellow: Fail and restored, red: GiveUp")
+    for side in ("top", "left", "right"):
+        axis.spines[side].set_visible(False)
+
+
+def _draw_fail(run_dir: Path, stretch: Stretch, grid: GridMap) -> None:
+    """The scan that decided a Fail of driving, close to what stood in the way."""
+    name = f"{stretch.number:03d}_{stretch.do}_{stretch.outcome}"
+    points = _points(run_dir).get(name, {})
+    if "in the way" not in points:
+        return
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(5.0, 5.0), layout="constrained")
+    axis = figure.subplots()
+    _draw_map(axis, grid, {}, 1e3)
+    axis.plot(*points["sensed"].T, ".", color=SENSED, label="sensed, not on the map")
+    axis.plot(*points["ahead"].T, color=PLANNED, ls="--", label="the way ahead")
+    x, y = points["in the way"][0]
+    axis.plot(x, y, "x", color="black", ms=12, mew=2, label="in the way")
+    axis.set_xlim(x - 2.0, x + 2.0)
+    axis.set_ylim(y - 2.0, y + 2.0)
+    add_legend(axis, fontsize=8)
+    save_figure(figure, run_dir / FOLDER / f"{name}.svg")
+
+
+def _named(run_dir: Path, name: str) -> list[NDArray[np.float64]]:
+    """The points of this name that the actions left, in their order."""
+    return [points[name] for points in _points(run_dir).values() if name in points]
+
+
+def _points(run_dir: Path) -> dict[str, dict[str, NDArray[np.float64]]]:
+    found = {}
+    for path in sorted((run_dir / FOLDER).glob("*.npz")):
+        if path.name.endswith(SUFFIX):
+            continue
+        with np.load(path) as arrays:
+            found[path.stem] = dict(arrays)
+    return found
+
+
+def _last_picture(run_dir: Path, shown: Collection[str]) -> tuple[str, NDArray[np.uint8]] | None:
+    """The last picture of one of these primitives, or else of any, half its size; RGB."""
+    every = sorted((run_dir / FOLDER).glob("*.png"))
+    paths = [path for path in every if any(f"_{name}" in path.name for name in shown)] or every
+    if not paths:
+        return None
+    pixels = cv2.imread(str(paths[-1]))
+    if pixels is None:
+        return None
+    half = cv2.resize(pixels, None, fx=0.6, fy=0.6, interpolation=cv2.INTER_AREA)
+    return paths[-1].stem, cv2.cvtColor(half, cv2.COLOR_BGR2RGB).astype(np.uint8)

@@ -1,0 +1,236 @@
+"""Running a task once, with its metrics, into a folder of its own."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Mapping, Sequence
+from contextlib import ExitStack
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from handcart.evaluation.truth.judge import Judge
+from handcart.files.errors import HandcartError
+from handcart.files.printable import printable
+from handcart.networks.coordination.interrupts import Interrupts
+from handcart.networks.journal.retracing import NeedsOperator
+from handcart.networks.journal.run_header import boot_id, robot_fingerprint
+from handcart.networks.run_observer import RunObserver
+from handcart.networks.run_options import RunOptions
+from handcart.networks.runs.recon import gone_on, reconnoitre, standing_as_left
+from handcart.networks.runs.resuming import NothingToResume as NothingToResume
+from handcart.networks.runs.resuming import Past, read_past, task_of
+from handcart.networks.runs.robot_claim import claimed
+from handcart.networks.runs.run import execute
+from handcart.networks.task.preparing import Prepared, beginning_at, prepare
+from handcart.networks.task.task_file import load_task
+
+
+class NoFolder(HandcartError):
+    """A run can't have a folder of its own; nothing has moved."""
+
+
+def run_task(task: Path, runs: Path, options: RunOptions | None = None) -> tuple[dict[str, Any], int]:
+    """Run a task once.
+
+    Args:
+        task: its file.
+        runs: the run's folder is made in there.
+        options: how it is run.
+
+    Returns:
+        The summary that also stands in the run's folder, and the exit status.
+
+    Raises:
+        FileError: something in the task or a file that it names is wrong; nothing has moved.
+        NoBench, NoWindow, NoVideo: there are no drives to simulate; it can't be shown, or recorded.
+        NeedsOperator: a real robot's last run waits for a person.
+        RobotBusy: it is in another run.
+    """
+    options = options or RunOptions()
+    with ExitStack() as stack:
+        heard = options.interrupts or stack.enter_context(Interrupts())
+        prepared = stack.enter_context(_prepared(task, options))
+        claim = stack.enter_context(claimed(prepared.backend))
+        observers = list(options.observers)
+        if options.video is not None:
+            from .video import Video
+
+            observers.append(stack.enter_context(Video(options.video, prepared.robot)))
+        folder = new_folder(runs, f"{task.resolve().parent.name}-{options.seed}")
+        judge = Judge(prepared, folder)
+        if claim is not None:
+            claim.begin(folder)
+        chosen = replace(options, observers=(judge, *observers), interrupts=heard)
+        ran = execute(prepared, folder, chosen)
+        _report(prepared, folder, judge, options.observers)
+        if options.draw:
+            _draw(prepared, folder, judge, options.observers)
+    return ran.summary, ran.end.exit_status
+
+
+def _prepared(task: Path, options: RunOptions) -> Prepared:
+    return prepare(
+        task,
+        options.backend,
+        options.settings,
+        options.seed,
+        window=options.window,
+        situation=options.situation,
+        errors=options.errors,
+        bench=options.bench,
+    )
+
+
+def _report(prepared: Prepared, folder: Path, judge: Judge, observers: Sequence[RunObserver]) -> None:
+    """What the surveys write and draw; a disk that takes no more doesn't change how the run ended."""
+    try:
+        judge.surveys.report(prepared, folder)
+    except OSError as error:
+        _say(observers, f"{folder} can't be written: {error.strerror}; no report of the surveys is whole")
+
+
+def _draw(prepared: Prepared, folder: Path, judge: Judge, observers: Sequence[RunObserver]) -> None:
+    """Draw the overview; a disk that takes no more doesn't change how the run ended."""
+    from .overview import draw_overview
+
+    model, radius = prepared.model, prepared.robot.spec.footprint_radius_m
+    try:
+        draw_overview(folder, model.map, model.places, radius, judge.surveys.shown)
+    except OSError as error:
+        _say(observers, f"{folder} can't be written: {error.strerror}; there is no overview.svg")
+
+
+def _say(observers: Sequence[RunObserver], words: str) -> None:
+    for each in observers:
+        each.say(words)
+
+
+def resume_task(
+    folder: Path, confirm: int | None, options: RunOptions | None = None
+) -> tuple[dict[str, Any], int]:
+    """Go on with a run that broke off; a simulated world is put back to its last checkpoint.
+
+    Args:
+        folder: the run's.
+        confirm: the journal's last record, as a person has seen it; needed where a real robot moves.
+        options: how it goes on; how it was begun stands in its journal, so nothing else of them counts than
+            `permits`, `interrupts`, `sync` and `observers`.
+
+    Returns:
+        The summary that also stands in the run's folder, and the exit status.
+
+    Raises:
+        NoRun: it is no run's folder.
+        JournalError: the journal can't be read, or is damaged inside.
+        NotAState: the checkpoint, or what was noted to judge the run by, is damaged or of something else.
+        RunAlive: the run still goes on.
+        NothingToResume: the run came to its end.
+        NeedsOperator: a person has to decide something first.
+        FileError: the task or a file that it names is wrong by now.
+    """
+    options = options or RunOptions()
+    observers = options.observers
+    header, made = prepare_again(folder)
+    with ExitStack() as stack:
+        heard = options.interrupts or stack.enter_context(Interrupts())
+        prepared = stack.enter_context(made)
+        claim = stack.enter_context(claimed(prepared.backend, folder))
+        past = put_back(folder, header, prepared, observers)
+        if not prepared.backend.simulated:
+            prepared = standing_as_left(prepared, past)
+            recon = reconnoitre(prepared.robot, past)
+            for words in (*recon.words(), past.next_words()):
+                _say(observers, words)
+            past = gone_on(past, recon, confirm)
+        judge = Judge(prepared, folder)
+        if claim is not None:
+            claim.begin(folder)
+        chosen = replace(options, observers=(judge, *observers), interrupts=heard, checkpoints=True)
+        ran = execute(prepared, folder, chosen, past)
+        _report(prepared, folder, judge, observers)
+    return ran.summary, ran.end.exit_status
+
+
+def prepare_again(folder: Path) -> tuple[Mapping[str, Any], Prepared]:
+    """The header of a run that broke off, and its task prepared as then.
+
+    Its journal is read first: no robot is woken for one that can't be gone on with. Raises as `resume_task`.
+    """
+    header = task_of(folder)
+    task_path = Path(header["task_path"])
+    network = load_task(task_path, header["settings"]).network
+    begun = None if header["start"] == network.start else header["start"]
+    read_past(folder, network if begun is None else beginning_at(network, begun))
+    prepared = prepare(
+        task_path,
+        header["backend"],
+        header["settings"],
+        header["seed"],
+        situation=begun,
+        errors=header["errors"],
+        bench=header["bench"],
+        resumed=True,
+    )
+    return header, prepared
+
+
+def put_back(
+    folder: Path, header: Mapping[str, Any], prepared: Prepared, observers: Sequence[RunObserver] = ()
+) -> Past:
+    """Put a run, prepared anew, where it stood when it broke off; of a real robot only what it knew.
+
+    Args:
+        folder: the run's.
+        header: of its journal.
+        prepared: from the files that it names.
+        observers: hear what is known.
+
+    Raises:
+        NoRun, JournalError, NotAState, NeedsOperator: see `resume_task`.
+    """
+    past = read_past(folder, prepared.task.network)
+    if header["robot_sha256"] != robot_fingerprint(prepared.robot.spec):
+        words = f"the robot is not the one that was run: the file {header['robot']} has changed"
+        raise NeedsOperator(printable(words))
+    past.check_robot(prepared.robot)
+    for words in past.words(time.time(), boot_id()):
+        _say(observers, words)
+    if past.checkpoint is not None:
+        past.checkpoint.put_back(prepared)
+    if prepared.backend.simulated:
+        _check_world(past, observers)
+    return past
+
+
+def _check_world(past: Past, observers: Sequence[RunObserver]) -> None:
+    """Whether a simulated world could be put back to where the run may go on from (R10)."""
+    for words in past.doubts():
+        _say(observers, f"unknown: {words}")
+    _say(observers, past.next_words())
+    if past.standing.done and past.checkpoint is None:
+        raise NeedsOperator(f"{past.folder} holds no checkpoint of the simulated world")
+
+
+def new_folder(runs: Path, name: str) -> Path:
+    """Make a folder that didn't exist yet: NAME, NAME.2, NAME.3 ...
+
+    Raises:
+        NoFolder: it can't be made, or its name is no text.
+    """
+    number, folder = 1, runs / name
+    try:
+        str(folder.absolute()).encode()
+        runs.mkdir(parents=True, exist_ok=True)
+        while True:
+            try:
+                folder.mkdir()
+                return folder
+            except FileExistsError:
+                number += 1
+                folder = runs / f"{name}.{number}"
+    except UnicodeEncodeError:
+        shown = str(folder.absolute()).encode(errors="backslashreplace").decode()
+        raise NoFolder(f"the name of {shown} is no UTF-8; allowed: a folder whose name is") from None
+    except OSError as error:
+        raise NoFolder(f"no folder can be made in {runs}: {error.strerror}") from None

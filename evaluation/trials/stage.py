@@ -1,0 +1,127 @@
+"""A robot in a world, to try single primitives on."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from types import TracebackType
+
+from handcart.backends.backend import Backend
+from handcart.backends.description.robot_loading import load_robot
+from handcart.backends.registry import make_backend
+from handcart.backends.robot.robot import MissingCapability, Robot
+from handcart.files.errors import InputError
+from handcart.files.findings import Findings
+from handcart.files.suggest import suggest
+from handcart.files.yaml.yaml_document import Document
+from handcart.files.yaml.yaml_node import Node
+from handcart.networks.task.preparing import nowhere
+from handcart.networks.task.task_file import Task
+from handcart.networks.task.task_knowledge import ORIGIN, TaskKnowledge, domain_keys, read_sections
+from handcart.primitives.contract.action_primitive import ActionPrimitive
+from handcart.primitives.contract.attempt import attempt
+from handcart.primitives.contract.outcome import Outcome
+from handcart.primitives.knowledge.place import load_map
+from handcart.primitives.knowledge.place_file import load_places
+from handcart.primitives.knowledge.world_model import WorldModel
+
+LIBRARY = Path(__file__).parent.parent.parent / "tasks" / "return_book"
+
+
+class NoSuchPlace(InputError):
+    """The robot can't start at a place that isn't there."""
+
+
+@dataclass(frozen=True)
+class StageFiles:
+    """What a stage is built from; by default the library of the task return_book."""
+
+    world: Path = LIBRARY / "world.yaml"
+    map: Path | None = LIBRARY / "map.yaml"
+    places: Path | None = LIBRARY / "places.yaml"
+    knowledge: Mapping[str, Path] = field(default_factory=lambda: {"catalogue": LIBRARY / "catalogue.yaml"})
+    """Other files, by their keys under `knowledge:` of a task file."""
+    start: str = "home"
+    """The place where the robot stands at first."""
+
+    @classmethod
+    def of(cls, task: Task) -> StageFiles:
+        """Those of a task.
+
+        Raises:
+            InputError: it has no world.
+        """
+        world, named = task.path("world"), {key: task.path("knowledge", key) for key in domain_keys()}
+        if world is None:
+            raise InputError(f"{task.document.file}: the task names no world; needed: the key `world`")
+        start = (task.file.knowledge.start if task.file.knowledge else None) or ""
+        others = {key: path for key, path in named.items() if path is not None}
+        return cls(world, task.path("knowledge", "map"), task.path("knowledge", "places"), others, start)
+
+
+@dataclass
+class Stage:
+    """A robot in a world, with what it is told beforehand; leaving it as a context closes the backend."""
+
+    robot: Robot
+    model: WorldModel
+    backend: Backend
+    knowledge: TaskKnowledge = field(default_factory=lambda: TaskKnowledge(None, {}))
+    restored: list[str] = field(default_factory=list)
+    """Why restoring began, each time that it did."""
+
+    def do(self, primitive: ActionPrimitive) -> Outcome:
+        """One attempt of a primitive, to its outcome.
+
+        Raises:
+            MissingCapability: the robot lacks what the primitive needs; nothing has moved.
+        """
+        for kind in primitive.needs:
+            if self.backend.get(kind) is None:
+                raise MissingCapability(kind, self.backend)
+        periods = attempt(primitive, self.robot, self.model, self.restored.append)
+        while True:
+            try:
+                next(periods)
+            except StopIteration as end:
+                outcome: Outcome = end.value
+                return outcome
+            self.robot.step()
+
+    def __enter__(self) -> Stage:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.backend.close()
+
+
+def set_stage(
+    files: StageFiles = StageFiles(), robot: str = "librarian", backend: str = "kinematic", seed: int = 0
+) -> Stage:
+    """Build a stage.
+
+    Args:
+        files: world and knowledge.
+        robot: a shipped robot's name, or the path of a robot's YAML file.
+        backend: by name.
+        seed: of the simulated errors.
+
+    Raises:
+        FileError: something in the files is wrong.
+    """
+    spec, findings = load_robot(robot), Findings()
+    places = load_places(files.places) if files.places else None
+    known = places.value.places if places else {}
+    if files.start and files.start not in known:
+        raise NoSuchPlace(f"no place {files.start!r} to start at{suggest(files.start, known)}")
+    start = known[files.start].pose if files.start else ORIGIN
+    where = Document(str(files.world), b"", Node({}, str(files.world), 1, 1, 1, 1))
+    knowledge = TaskKnowledge(places, read_sections(files.knowledge, start, where, findings), start)
+    findings.raise_all()
+    grid = load_map(files.map)[0] if files.map else nowhere()
+    model = WorldModel(grid, knowledge.all_places(), sections=knowledge.fresh_sections())
+    made = make_backend(backend, spec, files.world, seed, start)
+    return Stage(Robot(made, spec, start, grid), model, made, knowledge)

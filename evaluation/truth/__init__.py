@@ -1,0 +1,1 @@
+"""Whether outcomes are true, by the ground truth of a simulated world."""

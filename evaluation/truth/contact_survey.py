@@ -1,0 +1,143 @@
+"""What the robot touched in a run: with what of it, what, and when."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass
+from typing import Any
+
+import numpy as np
+
+from handcart.backends.robot.robot import Robot
+from handcart.backends.simulation.body.arm_contact import HELD
+from handcart.primitives.contract.action_primitive import ActionPrimitive
+from handcart.primitives.contract.meant_contact import RobotPart
+from handcart.primitives.contract.outcome import Outcome, Success
+
+from .robot_links import RobotLinks
+from .survey import Survey
+from .surveyed_run import SurveyedRun
+
+LISTED = 8  # contacts that a run's metrics tell one by one
+Pair = tuple[str, str]
+
+
+@dataclass
+class Touched:
+    """One contact, from where it began, or the action did, to where one of them ended."""
+
+    part: RobotPart
+    body: str
+    """The link, or what is held, by its name."""
+    other: str
+    """What it touched, by its name in the world."""
+    action: int
+    """Number of the action; 0: none was running."""
+    do: str
+    """Its primitive."""
+    from_s: float
+    """The robot's time, in [s]."""
+    to_s: float
+    force_n: float | None
+    """Largest force on the hand meanwhile, in [N]; None where no force is known."""
+    meant: bool
+    """Whether the primitive means to touch that."""
+
+    def __str__(self) -> str:
+        how_long = f"from {self.from_s:.2f} s to {self.to_s:.2f} s"
+        return f"{self.body} touched {self.other}, which it didn't mean to, {how_long}"
+
+
+class ContactSurvey(Survey):
+    """Looks at a scene once a period."""
+
+    name = "contacts"
+    noted = list[Touched]
+
+    def __init__(self, run: SurveyedRun) -> None:
+        """See `Survey`."""
+        super().__init__(run)
+        self.contacts: list[Touched] = []
+        """All of them that are over, and those that last."""
+        self._running: tuple[int, ActionPrimitive] | None = None
+        self._lasting: dict[Pair, Touched | None] = {}
+        """What touches now; None: since before this action ended."""
+        self._links, self._held = RobotLinks(run.world.arm), ""
+
+    @classmethod
+    def applies(cls, run: SurveyedRun) -> bool:
+        """See `Survey`."""
+        return run.scene is not None
+
+    def started(self, number: int, primitive: ActionPrimitive) -> None:
+        """An action with that number starts; what touches already counts as touched by it."""
+        self._running, self._lasting = (number, primitive), {}
+
+    def ended(self, number: int, primitive: ActionPrimitive, outcome: Outcome) -> list[str]:
+        """See `Survey`; a Success touched nothing that its primitive doesn't mean to."""
+        unmeant = self.unmeant()
+        self._running = None
+        self._lasting = dict.fromkeys(self.run.world.touching)
+        return [str(each) for each in unmeant] if isinstance(outcome, Success) else []
+
+    def unmeant(self) -> list[Touched]:
+        """What the running action touched without meaning to."""
+        number = 0 if self._running is None else self._running[0]
+        return [each for each in self.contacts if each.action == number and number and not each.meant]
+
+    def look(self, robot: Robot) -> None:
+        """A period has passed."""
+        if self.run.world.held is not None:
+            self._held = self.run.world.held.name
+        touching = self.run.world.touching
+        if not touching and not self._lasting:
+            return
+        self._lasting = {pair: each for pair, each in self._lasting.items() if pair in touching}
+        for pair in sorted(touching):
+            if pair not in self._lasting:
+                self._lasting[pair] = self._begin(pair, robot.time)
+            each = self._lasting[pair]
+            if each is not None:
+                self._go_on_touching(each, robot.time)
+
+    def _begin(self, pair: Pair, now: float) -> Touched:
+        body, other = pair
+        part, number, do, meant = self._links.part(body), 0, "", False
+        if self._running is not None:
+            number, primitive = self._running
+            do, means = primitive.label(), primitive.meant_contacts(self.run.model)
+            meant = any(each.covers(part, other) for each in means)
+        name = f"held {self._held}" if body == HELD else body
+        touched = Touched(part, name, other, number, do, round(now, 3), now, None, meant)
+        self.contacts.append(touched)
+        return touched
+
+    def _go_on_touching(self, each: Touched, now: float) -> None:
+        each.to_s = round(now, 3)
+        if each.part in ("hand", "held"):
+            force = float(np.linalg.norm(self.run.world.hand_force))
+            each.force_n = round(max(force, each.force_n or 0.0), 1)
+
+    def notes(self) -> list[Touched]:
+        """See `Survey`."""
+        return self.contacts
+
+    def go_on(self, noted: list[Touched]) -> None:
+        """See `Survey`."""
+        self.contacts = noted
+        self._lasting = dict.fromkeys(self.run.world.touching)
+
+    def figures(self) -> dict[str, Any]:
+        """For a run's metrics: how many contacts, and the first of those that weren't meant."""
+        unmeant = [each for each in self.contacts if not each.meant]
+        seconds = sum(each.to_s - each.from_s for each in unmeant)
+        counts = {f"contacts_of_{part}": _of(self.contacts, part) for part in ("base", "arm", "hand", "held")}
+        return {
+            **counts,
+            "contacts_unmeant": len(unmeant),
+            "contacts_unmeant_s": round(seconds, 2),
+            "contacts": [asdict(each) for each in unmeant[:LISTED]],
+        }
+
+
+def _of(contacts: list[Touched], part: str) -> int:
+    return sum(each.part == part for each in contacts)

@@ -1,0 +1,60 @@
+"""How far from where it is the robot believed to be, by ground truth."""
+
+from __future__ import annotations
+
+import math
+
+from handcart.backends.robot.robot import Robot
+
+from .survey import Survey
+from .surveyed_run import SurveyedRun
+
+
+class LocalisationSurvey(Survey):
+    """Looks at a scene once a period."""
+
+    name = "localisation"
+    noted = tuple[int, float, float, float]
+
+    def __init__(self, run: SurveyedRun) -> None:
+        """See `Survey`."""
+        super().__init__(run)
+        self.periods = 0
+        self.squares = 0.0
+        """Sum of squared distances, in [m²]."""
+        self.farthest = 0.0
+        """In [m]."""
+        self.turned = 0.0
+        """The largest error of the heading, in [rad]."""
+
+    @classmethod
+    def applies(cls, run: SurveyedRun) -> bool:
+        """See `Survey`."""
+        return run.scene is not None
+
+    def look(self, robot: Robot) -> None:
+        """A period has passed."""
+        pose, truth = robot.pose, self.run.world.base
+        off = pose.distance(truth)
+        self.periods += 1
+        self.squares += off * off
+        self.farthest = max(self.farthest, off)
+        self.turned = max(self.turned, pose.turn(truth))
+
+    def notes(self) -> tuple[int, float, float, float]:
+        """See `Survey`."""
+        return self.periods, self.squares, self.farthest, self.turned
+
+    def go_on(self, noted: tuple[int, float, float, float]) -> None:
+        """See `Survey`."""
+        self.periods, self.squares, self.farthest, self.turned = noted
+
+    def figures(self) -> dict[str, float]:
+        """For a run's metrics."""
+        if not self.periods:
+            return {}
+        return {
+            "localisation_mm_rms": round(1e3 * math.sqrt(self.squares / self.periods), 2),
+            "localisation_mm_max": round(1e3 * self.farthest, 2),
+            "localisation_deg_max": round(math.degrees(self.turned), 3),
+        }

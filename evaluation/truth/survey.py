@@ -1,0 +1,90 @@
+"""What ground truth says of the outcomes of a domain's primitives."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any, ClassVar, NamedTuple
+
+from handcart.backends.ground_truth import GroundTruth
+from handcart.backends.robot.robot import Robot
+from handcart.networks.task.preparing import Prepared
+from handcart.primitives.contract.action_primitive import ActionPrimitive
+from handcart.primitives.contract.outcome import Outcome
+
+from .surveyed_run import SurveyedRun
+
+
+class Claim(NamedTuple):
+    """A Success that is held against the ground truth."""
+
+    primitive: Any
+    """The `ActionPrimitive` that claims it."""
+    before: GroundTruth
+    after: GroundTruth
+
+
+Effect = Callable[[Any, Claim], list[str]]
+"""What a Success of a primitive promises and isn't so, in words; gets the survey, and the claim."""
+
+
+class Survey(ABC):
+    """Looks at a run from outside: it changes nothing, and sees what no primitive may see.
+
+    One that raises is left out from then on, and `untrue` says so: the run itself goes on.
+    """
+
+    name: ClassVar[str]
+    """Under which its notes are kept; the domain's, say."""
+    effects: ClassVar[Mapping[str, Effect]] = {}
+    """By name of the primitive: what its Success promises and isn't so. What a primitive disturbs beside what
+    it holds, and beside what its `meant_contacts` name for the hand, is found without that."""
+    noted: ClassVar[Any] = None
+    """Type of what `notes` gives: numbers, words, lists, mappings, dataclasses of them. None: no notes."""
+    shown: ClassVar[frozenset[str]] = frozenset()
+    """Primitives whose pictures a run's overview shows before others'."""
+
+    def __init__(self, run: SurveyedRun) -> None:
+        """Of a run that hasn't started, or goes on."""
+        self.run = run
+
+    @classmethod
+    def applies(cls, run: SurveyedRun) -> bool:
+        """Whether it has anything to look at: a simulated world, and one of its primitives."""
+        return run.scene is not None and bool(run.does & cls.effects.keys())
+
+    def started(self, number: int, primitive: ActionPrimitive) -> None:
+        """An action with that number starts."""
+
+    def look(self, robot: Robot) -> None:
+        """A period has passed."""
+
+    def ended(self, number: int, primitive: ActionPrimitive, outcome: Outcome) -> list[str]:
+        """An action has ended; gives what more of its outcome isn't so, in words."""
+        return []
+
+    def notes(self) -> Any:
+        """What a run that breaks off now couldn't tell again, of the type `noted`."""
+
+    def go_on(self, noted: Any) -> None:
+        """Take up the last notes of the run that this one goes on with: of the type `noted`, else anything.
+
+        Raises:
+            ValueError: they can't be of such a run.
+        """
+
+    @abstractmethod
+    def figures(self) -> Mapping[str, Any]:
+        """For the metrics of a run that has ended."""
+
+    def faults(self) -> list[str]:
+        """What the Success of a whole run claims and isn't so, in words."""
+        return []
+
+    def report(self, prepared: Prepared, folder: Path) -> None:
+        """Write reports and pictures into the folder of a run that has ended.
+
+        Raises:
+            OSError: the disk takes no more.
+        """

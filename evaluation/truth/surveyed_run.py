@@ -1,0 +1,49 @@
+"""What a survey may look at: a robot, what it knows, and the simulated world as it truly is."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from handcart.backends.description.robot_file import RobotFile
+from handcart.backends.robot.robot import Robot
+from handcart.networks.task.preparing import Prepared
+from handcart.primitives.knowledge.world_model import WorldModel
+
+from .simulated_world import simulated_world
+
+if TYPE_CHECKING:
+    from handcart.backends.simulation.scene import Scene
+
+
+@dataclass(frozen=True)
+class SurveyedRun:
+    """A run that is surveyed, or a single attempt."""
+
+    robot: Robot
+    spec: RobotFile
+    """The robot's file as it is at first: a calibration changes the robot's own."""
+    model: WorldModel
+    scene: Scene | None
+    """The simulated world as it truly is; None where there is none."""
+    seed: int = 0
+    """Of the simulated errors."""
+    does: frozenset[str] = frozenset()
+    """Names of the primitives that it may come to."""
+    folder: Path | None = None
+    """Where a survey may keep notes; None: nowhere."""
+
+    @property
+    def world(self) -> Scene:
+        """The same, for who has asked before whether there is one."""
+        assert self.scene is not None, "nothing is simulated"
+        return self.scene
+
+    @classmethod
+    def of(cls, prepared: Prepared, folder: Path | None = None) -> SurveyedRun:
+        """A run of a task that hasn't started."""
+        robot = prepared.robot
+        does = frozenset(action.do for action in prepared.task.network.actions)
+        scene = simulated_world(prepared.backend)
+        return cls(robot, robot.spec, prepared.model, scene, prepared.seed, does, folder)

@@ -1,0 +1,207 @@
+"""All surveys of a run, asked one after the other."""
+
+from __future__ import annotations
+
+import traceback
+from collections.abc import Callable, Iterator, Mapping
+from functools import cache
+from pathlib import Path
+from typing import Any, TypeVar
+
+from handcart.backends.ground_truth import GroundTruth
+from handcart.backends.robot.robot import Robot
+from handcart.backends.saved_state import NotAState
+from handcart.files.errors import InputError
+from handcart.networks.task.preparing import Prepared
+from handcart.primitives.contract.action_primitive import ActionPrimitive
+from handcart.primitives.contract.outcome import Fail, Outcome, Success
+from handcart.tasks.domain import domains, imported
+
+from .arrival_survey import ArrivalSurvey
+from .contact_survey import ContactSurvey
+from .localisation_survey import LocalisationSurvey
+from .path_survey import PathSurvey
+from .survey import Claim, Survey
+from .survey_notes import as_noted
+from .surveyed_run import SurveyedRun
+from .true_changes import disturbed, not_restored
+
+GENERAL = (PathSurvey, ContactSurvey, LocalisationSurvey, ArrivalSurvey)
+MOST_DISTURBED_MM = 10.0  # that anything may be moved which isn't the primitive's to move
+S = TypeVar("S", bound=Survey)
+T = TypeVar("T")
+
+
+class NoSurvey(InputError):
+    """A domain names a survey that is none; nothing has moved."""
+
+
+@cache
+def survey_kinds() -> tuple[type[Survey], ...]:
+    """The general surveys, then those of all domains.
+
+    Raises:
+        NoSurvey: one of them can't be imported, or is no survey.
+    """
+    named = [(domain.name, domain.survey) for domain in domains() if domain.survey is not None]
+    return (*GENERAL, *(_kind(name, path) for name, path in named))
+
+
+def _kind(domain: str, path: str) -> type[Survey]:
+    try:
+        kind = imported(path)
+    except Exception as error:  # whatever a module of somebody else's raises
+        told = f"{type(error).__name__}: {error}"
+        raise NoSurvey(f"the survey {path} of the domain {domain} can't be imported: {told}") from error
+    if not (isinstance(kind, type) and issubclass(kind, Survey)):
+        raise NoSurvey(f"the survey {path} of the domain {domain} is none; allowed: a subclass of Survey")
+    return kind
+
+
+class Surveys:
+    """Those that have something to look at; one that raises is left out from then on."""
+
+    def __init__(self, run: SurveyedRun) -> None:
+        """Of a run that hasn't started, or goes on."""
+        self.run = run
+        self.broken: list[str] = []
+        """Those that raised, in words."""
+        self._every: list[Survey] = []
+        self._before: GroundTruth | None = None
+        for kind in survey_kinds():
+            self._add(kind)
+
+    def _add(self, kind: type[Survey]) -> None:
+        try:
+            if kind.applies(self.run):
+                self._every.append(kind(self.run))
+        except InputError:  # what it noted in the run's folder makes no sense
+            raise
+        except Exception as error:
+            self.broken.append(_broke(kind, error))
+
+    def of(self, kind: type[S]) -> S | None:
+        """The survey of that class; None where it has nothing to look at."""
+        return next((each for each in self._every if isinstance(each, kind)), None)
+
+    @property
+    def shown(self) -> frozenset[str]:
+        """Primitives whose pictures an overview shows before others'."""
+        return frozenset().union(*(each.shown for each in self._every))
+
+    def look(self, robot: Robot) -> None:
+        """A period has passed."""
+        for survey in self._every:
+            try:
+                survey.look(robot)
+            except Exception as error:
+                self._leave_out(survey, error)
+
+    def started(self, number: int, primitive: ActionPrimitive) -> None:
+        """An action with that number starts."""
+        self._before = self.run.robot.backend.ground_truth()
+        for _ in self._asked(lambda survey: survey.started(number, primitive)):
+            pass
+
+    def ended(self, number: int, primitive: ActionPrimitive, outcome: Outcome) -> list[str]:
+        """An action has ended; gives what its outcome claims and isn't so, in words."""
+        after = self.run.robot.backend.ground_truth()
+        wrong: list[str] = []
+        if self._before is not None and after is not None:
+            if isinstance(outcome, Fail):
+                wrong = not_restored(self._before, after, self.run.spec)
+            elif isinstance(outcome, Success):
+                wrong = self._false_effect(Claim(primitive, self._before, after))
+        more = [told for _, told in self._asked(lambda survey: survey.ended(number, primitive, outcome))]
+        return wrong + [each for told in more for each in told]
+
+    def _false_effect(self, claim: Claim) -> list[str]:
+        """What of a Success isn't so; of primitives that no survey knows, only what they disturbed."""
+        own = _own(claim, self.run)
+        wrong = [
+            f"it moved {each} mm (at most {MOST_DISTURBED_MM:.0f})"
+            for each in disturbed(claim.before, claim.after, MOST_DISTURBED_MM, own)
+        ]
+        own_word = getattr(claim.primitive, "false_effect", None)
+        if own_word is not None:
+            return wrong + list(own_word(self.run.world, claim.before))
+        label = claim.primitive.label()
+        checks = self._asked(lambda survey: survey.effects[label](survey, claim), label)
+        return wrong + [each for _, told in checks for each in told]
+
+    def notes(self) -> dict[str, Any]:
+        """What a run that breaks off now couldn't tell again, by survey."""
+        noting = [each for each in self._every if each.noted is not None]
+        return {survey.name: told for survey, told in self._asked(lambda each: each.notes(), among=noting)}
+
+    def go_on(self, notes: Mapping[str, Any], path: Path) -> None:
+        """Take up what was noted of the run that this one goes on with.
+
+        Args:
+            notes: what `notes` gave, as it was read from a file.
+            path: of that file, for messages.
+
+        Raises:
+            NotAState: they are no such notes.
+        """
+        for survey in [each for each in self._every if each.noted is not None]:
+            try:
+                survey.go_on(as_noted(notes[survey.name], survey.noted))
+            except KeyError:
+                raise NotAState(f"{path}: nothing was noted of {survey.name}") from None
+            except ValueError as error:
+                raise NotAState(f"{path}: of {survey.name}: {error}") from None
+
+    def figures(self) -> dict[str, Any]:
+        """For the metrics of a run that has ended."""
+        told = [figures for _, figures in self._asked(lambda survey: survey.figures())]
+        return {name: value for each in told for name, value in each.items()}
+
+    def faults(self) -> list[str]:
+        """What the Success of a whole run claims and isn't so: in words, a line each survey."""
+        told = [faults for _, faults in self._asked(lambda survey: survey.faults())]
+        return ["; ".join(faults) for faults in told if faults]
+
+    def report(self, prepared: Prepared, folder: Path) -> None:
+        """Write reports and pictures into the folder of a run that has ended; raises as `Survey.report`."""
+        for survey in self._every:
+            try:
+                survey.report(prepared, folder)
+            except OSError:
+                raise
+            except Exception as error:
+                self._leave_out(survey, error)
+
+    def _asked(
+        self, ask: Callable[[Survey], T], label: str | None = None, among: list[Survey] | None = None
+    ) -> Iterator[tuple[Survey, T]]:
+        """The answers of all, or of those that check the primitive of that name."""
+        for survey in list(self._every if among is None else among):
+            if label is not None and label not in survey.effects:
+                continue
+            try:
+                answer = ask(survey)
+            except Exception as error:
+                self._leave_out(survey, error)
+            else:
+                yield survey, answer
+
+    def _leave_out(self, survey: Survey, error: Exception) -> None:
+        self._every = [each for each in self._every if each is not survey]
+        self.broken.append(_broke(type(survey), error))
+
+
+def _own(claim: Claim, run: SurveyedRun) -> set[str]:
+    """What a primitive may move: what the hand holds before or after, or is to touch."""
+    before, after = claim.before.bodies, claim.after.bodies
+    held = {name for each in (before, after) for name, body in each.items() if body.support == "hand"}
+    meant = [each for each in claim.primitive.meant_contacts(run.model) if each.part == "hand"]
+    return held | {name for name in before if any(each.covers("hand", name) for each in meant)}
+
+
+def _broke(kind: type[Survey], error: Exception) -> str:
+    """Which survey raised what, and where."""
+    at = traceback.extract_tb(error.__traceback__)[-1]
+    where = f"{Path(at.filename).name}, line {at.lineno}"
+    which = f"{kind.__module__}:{kind.__name__}"
+    return f"the survey {which} broke and says no more: {type(error).__name__}: {error} ({where})"

@@ -1,0 +1,84 @@
+"""What moved between two instants, by the ground truth, and whether that is allowed."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Collection, Mapping
+
+import numpy as np
+
+from handcart.backends.description.robot_file import RobotFile
+from handcart.backends.ground_truth import GroundTruth
+from handcart.robotics.geometry.transform import difference
+
+from .sensor_sigmas import (
+    BASE_SIGMA_DEG,
+    BASE_SIGMA_MM,
+    JOINT_SIGMA_DEG,
+    OBJECT_SIGMA_MM,
+    SIGMAS,
+    SLIDE_SIGMA_MM,
+)
+
+GRIPPER_SIGMA_MM = 0.05  # of the measured opening
+STILL = {
+    "base mm": 0.5,
+    "base deg": 0.05,
+    "joints deg": 0.05,
+    "slides mm": 0.2,
+    "gripper mm": 0.2,
+    "body mm": 1.0,
+}
+"""Within which what stands may be seen to move, in two seconds."""
+
+
+def moved(before: GroundTruth, after: GroundTruth) -> dict[str, float]:
+    """How far everything moved: name with unit to size; infinitely far what another thing carries now."""
+    joints = np.abs(before.joints - after.joints)
+    result = {
+        "base mm": 1e3 * before.base.distance(after.base),
+        "base deg": math.degrees(before.base.turn(after.base)),
+        "joints deg": math.degrees(float(joints[~before.slides].max(initial=0.0))),
+        "slides mm": 1e3 * float(joints[before.slides].max(initial=0.0)),
+        "gripper mm": 1e3 * abs(before.width - after.width),
+    }
+    for name, body in before.bodies.items():
+        now = after.bodies.get(name)
+        lost = now is None or now.support != body.support
+        result[f"{name} mm"] = math.inf if lost or now is None else 1e3 * difference(body.pose, now.pose)[0]
+    return result
+
+
+def not_restored(before: GroundTruth, after: GroundTruth, spec: RobotFile) -> list[str]:
+    """What is not where it was: beyond the tolerance of the robot's file and 5 sigma of what measures it."""
+    tolerance = spec.tolerance
+    allowed = {
+        "base mm": tolerance.base_mm + SIGMAS * BASE_SIGMA_MM,
+        "base deg": tolerance.base_deg + SIGMAS * BASE_SIGMA_DEG,
+        "joints deg": tolerance.joints_deg + SIGMAS * JOINT_SIGMA_DEG,
+        "slides mm": tolerance.slides_mm + SIGMAS * SLIDE_SIGMA_MM,
+        "gripper mm": tolerance.gripper_mm + SIGMAS * GRIPPER_SIGMA_MM,
+    }
+    body = tolerance.object_mm + SIGMAS * OBJECT_SIGMA_MM
+    return _beyond(moved(before, after), allowed, body)
+
+
+def not_still(before: GroundTruth, after: GroundTruth) -> list[str]:
+    """What moved although all should stand."""
+    return _beyond(moved(before, after), STILL, STILL["body mm"])
+
+
+def disturbed(before: GroundTruth, after: GroundTruth, most_mm: float, without: Collection[str]) -> list[str]:
+    """Bodies but those named in `without` that were moved further than `most_mm`."""
+    others = {f"{name} mm" for name in before.bodies if name not in without}
+    found = moved(before, after)
+    return [f"{name} {found[name]:.1f}" for name in sorted(others) if not found[name] <= most_mm]
+
+
+def _beyond(found: Mapping[str, float], allowed: Mapping[str, float], body: float) -> list[str]:
+    limits = {name: allowed.get(name, body) for name in found}
+    return [
+        f"{name} {size:.2f} (at most {limits[name]:.2f})"
+        for name, size in found.items()
+        if not size <= limits[name]
+    ]

@@ -1,0 +1,184 @@
+"""A map's file: a YAML file in ROS format (map_server) beside a picture, or a `.map` of MovingAI."""
+
+from __future__ import annotations
+
+from contextlib import suppress
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import AfterValidator, ConfigDict, Field
+
+from handcart.files.errors import FileError, Finding, UnsafePath
+from handcart.files.inside import portable, resolve_inside
+from handcart.files.models.loading import Loaded, load_document
+from handcart.files.models.model import FileModel
+from handcart.files.picture import Grey, read_grey
+from handcart.files.suggest import nearest
+from handcart.files.yaml.yaml_document import Document, read_document
+from handcart.robotics.navigation.maps.grid_map import GridMap, from_occupancy, unknown_read_as_free
+from handcart.robotics.navigation.maps.ros_occupancy import Mode, ros_occupancy
+
+from .movingai_map import SUFFIX, read_movingai
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+Metres = Annotated[float, Field(ge=-1e7, le=1e7)]  # grid coordinates on the Earth are as large
+Share = Annotated[float, Field(ge=0.0, le=1.0)]
+CELL = 1.0  # [m] of a MovingAI map, which tells none
+
+
+def _place(text: str) -> str:
+    return text if text.startswith("/") and "\0" not in text else portable(text)
+
+
+MapPlace = Annotated[str, AfterValidator(_place)]
+"""A relative path on every system, or an absolute one; still to be resolved."""
+
+
+class MapFile(FileModel):
+    """A map in ROS format (map_server). Keys that other programs put there are left out of account."""
+
+    model_config = ConfigDict(extra="ignore")
+
+    image: MapPlace
+    """The picture (PGM, PNG, BMP, JPEG), or a MovingAI map: in the file's own folder or below, or by its
+    absolute path."""
+    resolution: Annotated[float, Field(ge=1e-3, le=100.0)]
+    """Side of a cell, in [m]."""
+    origin: tuple[Metres, Metres, float]
+    """Where the lower-left corner is, in [m]; the third number, its turn, is 0."""
+    negate: Annotated[int, Field(ge=0, le=1)] | bool = 0
+    """1: dark means free."""
+    occupied_thresh: Share = 0.65
+    """From this occupancy on a cell is occupied."""
+    free_thresh: Share = 0.25
+    """Up to this occupancy a cell is free."""
+    mode: Mode = "trinary"
+    """How the picture is read; between the thresholds `scale` has percents. Where a robot drives, 100 is
+    a wall and 0 is free."""
+
+
+class OccupancyFile(NamedTuple):
+    """What a map's file says, before anybody says what it is for."""
+
+    values: NDArray[np.int8]
+    """(h, w) in percent, -1 for unknown, row 0 at the bottom."""
+    resolution: float
+    """Side of a cell, in [m]."""
+    origin: tuple[float, float]
+    """Lower-left corner, in [m]."""
+    warning: str | None
+
+    @property
+    def grid(self) -> GridMap:
+        """What stands there."""
+        return from_occupancy(self.values, self.resolution, self.origin)
+
+
+def is_map(document: Document) -> bool:
+    """Whether a file says of itself that it is a map in ROS format."""
+    keys = document.data.keys() if isinstance(document.data, dict) else set()
+    return "format" not in keys and {"image", "resolution", "origin"} <= keys
+
+
+def is_map_file(path: Path) -> bool:
+    """Whether a file is a map; raises `FileError` where it can't be read."""
+    return path.suffix == SUFFIX or is_map(read_document(path))
+
+
+def map_path(root: Path, name: str, *, start: Path) -> Path:
+    """Where a map is that another file names: inside `root`, from `start`, as all files.
+
+    Or, since maps lie where ROS put them, by its absolute path, if there is a map.
+
+    Raises:
+        UnsafePath: it leads elsewhere.
+    """
+    if name.startswith("/"):
+        with suppress(FileError):
+            if is_map_file(Path(name)):
+                return Path(name)
+    return resolve_inside(root, name, start=start)
+
+
+def load_map(path: Path) -> tuple[GridMap, str | None]:
+    """A map, and a warning about it, if there is one.
+
+    Raises:
+        FileError: the file or its picture is missing or wrong.
+    """
+    read = read_occupancy(path)
+    return read.grid, read.warning
+
+
+def read_occupancy(path: Path) -> OccupancyFile:
+    """What stands in a map's file and its picture; raises `FileError` with every finding."""
+    if path.suffix == SUFFIX:
+        warning = f"a MovingAI map tells no size of its cells: {CELL:g} m is taken; "
+        advice = f"a map's file with `image: {path.name}` and `resolution` tells another"
+        told = str(Finding(str(path), 1, 1, warning + advice))
+        return OccupancyFile(read_movingai(path), CELL, (0.0, 0.0), told)
+    loaded = load_document(read_document(path), MapFile)
+    spec = loaded.value
+    if wrong := list(_wrong(loaded)):
+        raise FileError(wrong)
+    picture = _picture_path(loaded, path)
+    place = spec.resolution, spec.origin[:2]
+    if picture.suffix == SUFFIX:
+        return OccupancyFile(read_movingai(picture), *place, None)
+    grey = read_grey(picture)
+    values = ros_occupancy(
+        grey.level, spec.mode, spec.occupied_thresh, spec.free_thresh, bool(spec.negate), grey.opaque
+    )
+    return OccupancyFile(values, *place, _warning(loaded, grey))
+
+
+def _wrong(loaded: Loaded[MapFile]) -> Iterator[Finding]:
+    spec, keys = loaded.value, MapFile.model_fields
+    for key in loaded.document.data:
+        if key not in keys and (meant := nearest(key, keys)):
+            yield loaded.finding((key,), f"unknown key {key!r}; did you mean {meant!r}?", at_key=True)
+    if spec.origin[2] != 0.0:
+        yield loaded.finding(("origin", 2), f"the map is turned by {spec.origin[2]} rad; allowed: 0")
+    if spec.free_thresh >= spec.occupied_thresh:
+        wrong = (
+            f"free_thresh is {spec.free_thresh}; allowed: less than occupied_thresh, {spec.occupied_thresh}"
+        )
+        yield loaded.finding(("free_thresh",), wrong)
+
+
+def _picture_path(loaded: Loaded[MapFile], path: Path) -> Path:
+    image = loaded.value.image
+    try:
+        picture = Path(image) if image.startswith("/") else _beside(path, image)
+    except UnsafePath as unsafe:
+        raise loaded.refuse(("image",), f"{unsafe}, or an absolute one") from None
+    if not picture.is_file():
+        raise loaded.refuse(("image",), f"no picture can be read from {image!r}; allowed: a picture's file")
+    return picture
+
+
+def _beside(path: Path, image: str) -> Path:
+    """In the folder of the map's file; or, where that is a link (as ROS installs packages), of its target."""
+    try:
+        return resolve_inside(path.parent, image)
+    except UnsafePath:
+        if not path.is_symlink():
+            raise
+        return resolve_inside(path.resolve().parent, image)
+
+
+def _warning(loaded: Loaded[MapFile], grey: Grey) -> str | None:
+    spec = loaded.value
+    lost = 0
+    if spec.mode == "trinary":
+        lost = unknown_read_as_free(grey.level, spec.free_thresh, bool(spec.negate))
+    if not lost:
+        return None
+    known = "free_thresh" in spec.model_fields_set
+    line, column = loaded.document.position(("free_thresh",)) if known else (1, 1)
+    warning = f"free_thresh {spec.free_thresh} turns {lost} unknown cells (grey 205) into free ones; "
+    return str(Finding(loaded.document.file, line, column, warning + "use 0.196 to keep them unknown"))

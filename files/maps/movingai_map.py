@@ -1,0 +1,67 @@
+"""Reading a `.map` of the MovingAI benchmarks (Sturtevant, 2012): https://movingai.com/benchmarks/formats.html."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from handcart.files.errors import FileError, Finding
+from handcart.files.picture import MAX_PIXELS
+from handcart.files.regular_file import decode_text, read_regular_file
+from handcart.robotics.navigation.maps.ros_occupancy import FREE, OCCUPIED, UNKNOWN
+
+SUFFIX = ".map"
+MAX_BYTES = MAX_PIXELS + (1 << 20)
+_MEANING = {".": FREE, "G": FREE, "S": FREE, "@": OCCUPIED, "O": OCCUPIED, "T": OCCUPIED, "W": UNKNOWN}
+"""Ground, swamp; out of bounds, trees. Water is in the way and is no wall: as unknown space."""
+_HEADER = (("type", r"type\s+octile"), ("height", r"height\s+(\d{1,6})"), ("width", r"width\s+(\d{1,6})"))
+
+
+def read_movingai(path: Path) -> NDArray[np.int8]:
+    """Occupancy (h, w) in percent, -1 for water, row 0 at the bottom (the last in the file).
+
+    Raises:
+        FileError: it can't be read, or isn't such a map; with the line.
+    """
+    file = str(path)
+    lines = decode_text(read_regular_file(path, MAX_BYTES), file, longest_line=None).splitlines()
+    height, width = _size(file, lines)
+    rows = [line.rstrip() for line in lines[4 : 4 + height]]
+    if len(rows) < height or any(line.strip() for line in lines[4 + height :]):
+        raise _refused(
+            file, min(len(lines), 4 + height), f"{len(lines) - 4} rows; allowed: the {height} told"
+        )
+    table = np.full(128, -2, dtype=np.int8)
+    table[[ord(each) for each in _MEANING]] = list(_MEANING.values())
+    for number, row in enumerate(rows, start=5):
+        if len(row) != width:
+            raise _refused(file, number, f"{len(row)} cells; allowed: the {width} told in line 3")
+        if found := re.search(f"[^{re.escape(''.join(_MEANING))}]", row):
+            wrong = f"no terrain {found.group()!r}; allowed: {' '.join(_MEANING)}"
+            raise _refused(file, number, wrong, found.start() + 1)
+    values = table[np.frombuffer("".join(rows).encode("ascii"), dtype=np.uint8)]
+    return np.ascontiguousarray(values.reshape(height, width)[::-1])
+
+
+def _size(file: str, lines: list[str]) -> tuple[int, int]:
+    numbers = []
+    for number, (key, pattern) in enumerate(_HEADER, start=1):
+        line = lines[number - 1].strip() if number <= len(lines) else ""
+        found = re.fullmatch(pattern, line)
+        if found is None:
+            allowed = "type octile" if key == "type" else f"{key} and a number"
+            raise _refused(file, number, f"{line[:40]!r} is no line of a MovingAI map; allowed: {allowed}")
+        numbers += [int(each) for each in found.groups()]
+    if len(lines) < 4 or lines[3].strip() != "map":
+        raise _refused(file, 4, "the map doesn't begin; allowed: map")
+    height, width = numbers
+    if not 0 < height * width <= MAX_PIXELS:
+        raise _refused(file, 2, f"{width} x {height} cells; allowed: at least one, {MAX_PIXELS} in all")
+    return height, width
+
+
+def _refused(file: str, line: int, wrong: str, column: int = 1) -> FileError:
+    return FileError([Finding(file, line, column, wrong)])

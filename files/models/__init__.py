@@ -1,0 +1,1 @@
+"""Files as typed values, and what is wrong with them."""

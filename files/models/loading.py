@@ -1,0 +1,85 @@
+"""From a YAML file to a typed value, with everything that is wrong told at once."""
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Generic, TypeVar
+
+from pydantic import TypeAdapter, ValidationError
+
+from handcart.files.errors import FileError, Finding
+from handcart.files.findings import Findings
+from handcart.files.models.model_findings import findings_of
+from handcart.files.models.settings import with_settings
+from handcart.files.yaml.yaml_document import Document, read_document
+from handcart.files.yaml.yaml_node import KeyPath
+
+M = TypeVar("M")
+
+
+@dataclass(frozen=True)
+class Loaded(Generic[M]):
+    """A checked value together with the document it came from, for checks that come later."""
+
+    value: M
+    document: Document
+
+    def finding(self, path: KeyPath, message: str, *, at_key: bool = False) -> Finding:
+        """What is wrong with the value (or key) at `path`: "what is wrong; what is allowed"."""
+        return self.document.finding(path, message, at_key=at_key)
+
+    def refuse(self, path: KeyPath, message: str, *, at_key: bool = False) -> FileError:
+        """An error, to raise, with this one finding; `handcart.files.findings.Findings` collects several."""
+        return FileError([self.finding(path, message, at_key=at_key)])
+
+
+def load(
+    path: Path | str,
+    model: type[M] | TypeAdapter[M],
+    overrides: Mapping[str, str] | None = None,
+    context: object = None,
+) -> M:
+    """The value of the type `model` in the YAML file `path`.
+
+    overrides: what `--set KEY=VALUE` gave, VALUE unparsed, for keys of the file's section
+        `parameters`; checked as if it stood in the file.
+    context: handed to the validators of the model (`info.context`).
+    Raises `FileError` with every finding.
+    """
+    return load_document(with_settings(read_document(path), overrides or {}), model, context).value
+
+
+def load_document(document: Document, model: type[M] | TypeAdapter[M], context: object = None) -> Loaded[M]:
+    """The whole of `document` as a `model`; raises `FileError` with every finding."""
+    return Loaded(load_part(document, (), model, context), document)
+
+
+def load_part(
+    document: Document, path: KeyPath, model: type[M] | TypeAdapter[M], context: object = None
+) -> M:
+    """What stands at `path` in `document` as a `model` (a class, or a TypeAdapter of any type).
+
+    For parts whose type is known only when something else was read: the parameters of a primitive.
+    The file's own kinds hold: text is no number, true is no 1, 1.0 is no whole number.
+    Raises `FileError` with every finding.
+    """
+    adapter: TypeAdapter[M] = model if isinstance(model, TypeAdapter) else TypeAdapter(model)
+    node, there = document.root.deepest(path)
+    if not there:
+        raise FileError([document.finding(path, f"the key {path[-1]!r} is missing; needed: a value")])
+    try:
+        # Strict on JSON is what a file needs: no kind taken for another, yet lists become tuples
+        # and words members of enumerations.
+        return adapter.validate_json(json.dumps(node.plain()), strict=True, context=context)
+    except ValidationError as error:
+        raise FileError(findings_of(error, adapter, document, path)) from None
+
+
+def collect(findings: Findings, document: Document, path: KeyPath, model: Any, context: object = None) -> Any:
+    """As `load_part`, but gives None and adds to `findings` where that would raise."""
+    try:
+        return load_part(document, path, model, context)
+    except FileError as error:
+        findings.take(error)
+        return None

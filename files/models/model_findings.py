@@ -1,0 +1,141 @@
+"""pydantic's errors as findings: at their line and column, in the words of files."""
+
+from collections.abc import Iterable, Mapping
+from typing import Any, get_args
+
+from pydantic import TypeAdapter, ValidationError
+from pydantic_core.core_schema import ErrorType
+
+from handcart.files.errors import Finding
+from handcart.files.models.schema_walk import Place, SchemaWalk
+from handcart.files.models.schema_words import described, names_of, shown
+from handcart.files.suggest import nearest, suggest
+from handcart.files.yaml.yaml_document import Document
+from handcart.files.yaml.yaml_node import KeyPath
+
+# The value has not even the kind that this member of a union takes.
+_OTHER_KIND = frozenset(
+    {"string_type", "int_type", "int_from_float", "float_type", "bool_type", "none_required", "model_type"}
+    | {"list_type", "tuple_type", "set_type", "frozen_set_type", "dict_type", "model_attributes_type"}
+)
+_PYDANTICS_OWN = frozenset(get_args(ErrorType))
+_BOUNDS = ("ge", "gt", "le", "lt", "multiple_of", "min_length", "max_length", "pattern")
+
+
+def findings_of(
+    error: ValidationError, adapter: TypeAdapter[Any], document: Document, at: KeyPath = ()
+) -> list[Finding]:
+    """One finding for each thing wrong with the part of `document` at the path `at`."""
+    walk = SchemaWalk(adapter.core_schema)
+    raw = error.errors(include_url=False)
+    placed = [(walk.place(each["loc"]), each) for each in raw]
+    return [_Wording(walk, document, at).finding(place, each) for place, each in _meant(placed)]
+
+
+_Placed = tuple[Place, Any]
+
+
+def _meant(errors: list[_Placed]) -> Iterable[_Placed]:
+    """The errors without those of union members that the value was not meant to be."""
+    tried: dict[KeyPath, dict[str, list[_Placed]]] = {}
+    for placed in errors:
+        for path, label in placed[0].unions[:1]:
+            tried.setdefault(path, {}).setdefault(label, []).append(placed)
+    yield from (placed for placed in errors if not placed[0].unions)
+    for path, members in tried.items():
+        near = [found for found in members.values() if not _other_kind(path, found)]
+        if near:
+            yield from min(near, key=len)
+        else:
+            yield _none_of(path, [found[0] for found in members.values()])
+
+
+def _other_kind(path: KeyPath, errors: list[_Placed]) -> bool:
+    return any(place.path == path and each["type"] in _OTHER_KIND for place, each in errors)
+
+
+def _none_of(path: KeyPath, errors: list[_Placed]) -> _Placed:
+    choices = [place.schema for place, _ in errors]
+    return Place(path, {"type": "union", "choices": choices}, errors[0][0].parent), errors[0][1]
+
+
+class _Wording:
+    """Puts one error of pydantic into words."""
+
+    def __init__(self, walk: SchemaWalk, document: Document, at: KeyPath) -> None:
+        self._walk = walk
+        self._document = document
+        self._at = at
+
+    def finding(self, place: Place, error: Any) -> Finding:
+        path = (*self._at, *place.path)
+        match error["type"]:
+            case "missing":
+                return self._document.finding(path[:-1], self._missing(place))
+            case "extra_forbidden":
+                return self._document.finding(path, self._unknown(place), at_key=True)
+            case "union_tag_not_found" | "union_tag_invalid":
+                return self._kind(place, path, error["input"])
+            case "value_error" | "assertion_error":
+                told = f"{_name(path)}: {error['ctx']['error']}"
+                return self._document.finding(path, told, at_key=place.key)
+        return self._document.finding(path, self._unfit(place, path, error), at_key=place.key)
+
+    def _missing(self, place: Place) -> str:
+        missing = place.path[-1]
+        if isinstance(missing, int):
+            allowed = described(self._walk, place.parent)
+            return f"{_name(place.path[:-1])} is too short; allowed: {allowed}"
+        one_of = "one of " if names_of(place.schema) else ""
+        needed = one_of + described(self._walk, place.schema, missing)
+        return f"the key {missing!r} is missing; needed: {needed or 'a value'}"
+
+    def _unknown(self, place: Place) -> str:
+        fields = self._walk.fields(place.parent)
+        return f"unknown key {place.path[-1]!r}{suggest(str(place.path[-1]), fields)}"
+
+    def _kind(self, place: Place, path: KeyPath, value: Any) -> Finding:
+        key, kinds = place.schema["discriminator"], [str(kind) for kind in place.schema["choices"]]
+        if not isinstance(key, str) or not isinstance(value, dict):
+            return self._document.finding(path, f"{_name(path)} is of no known kind{suggest('', kinds)}")
+        if key not in value:
+            return self._document.finding(path, f"the key {key!r} is missing{suggest('', kinds)}")
+        unknown = f"{key} is {shown(value[key])}{suggest(str(value[key]), kinds)}"
+        return self._document.finding((*path, key), unknown)
+
+    def _unfit(self, place: Place, path: KeyPath, error: Any) -> str:
+        value, words = error["input"], names_of(place.schema)
+        allowed = described(self._walk, place.schema, _key(path))
+        if error["type"] not in _PYDANTICS_OWN:
+            return f"{_name(path)}: {error['msg']}"
+        if not allowed or not _says_bound(allowed, error.get("ctx", {})):
+            wanted = error["msg"].removeprefix("Input should be ")
+            return f"{_name(path)} is {shown(value)}; allowed: {wanted[:1].lower()}{wanted[1:]}"
+        if place.key:
+            return f"the key {path[-1]!r} does not fit; allowed: {allowed}"
+        near = nearest(value, words) if isinstance(value, str) else None
+        hint = f"did you mean {near!r}? " if near is not None else ""
+        if allowed.startswith("text") and isinstance(value, int | float):
+            allowed = allowed.replace("text", "text in quotes", 1)
+        return f"{_name(path)} is {shown(value)}; {hint}allowed: {allowed}"
+
+
+def _says_bound(allowed: str, context: Mapping[str, Any]) -> bool:
+    """Whether a description names the bound that was broken; one set around a validator it does not."""
+    broken = (context[bound] for bound in _BOUNDS if bound in context)
+    return all((f"{b:.12g}" if isinstance(b, int | float) else str(b)) in allowed for b in broken)
+
+
+def _key(path: KeyPath) -> str:
+    """The innermost key of a path: the one that names the unit of a list's items."""
+    return next((step for step in reversed(path) if isinstance(step, str)), "")
+
+
+def _name(path: KeyPath) -> str:
+    """What a message calls the value at `path`: `width_mm`, `corner_m[1]`, `item 2`."""
+    indices = ""
+    for step in reversed(path):
+        if isinstance(step, str):
+            return f"{step}{indices}"
+        indices = f"[{step}]{indices}"
+    return f"item {indices}" if indices else "the file"

@@ -1,0 +1,74 @@
+"""Values given on the command line, `--set KEY=VALUE`, read by the rules of the files."""
+
+from collections.abc import Mapping
+
+from handcart.files.errors import FileError, Finding
+from handcart.files.findings import Findings
+from handcart.files.regular_file import decode_text
+from handcart.files.suggest import suggest
+from handcart.files.yaml.scalars import UnclearScalar, resolve_plain
+from handcart.files.yaml.yaml_document import Document, parse_document
+from handcart.files.yaml.yaml_node import KeyPath, Node
+
+SECTION: KeyPath = ("parameters",)
+"""Where a task declares what may be set."""
+
+
+def split_setting(text: str) -> tuple[str, str]:
+    """Key and value of `KEY=VALUE`; raises `FileError` if there is no key or no `=`."""
+    key, equals, value = text.partition("=")
+    if not equals or not key.strip():
+        raise FileError([Finding(f"--set {text}", 0, 0, "no setting; allowed: KEY=VALUE")])
+    return key.strip(), value.strip()
+
+
+def setting_value(key: str, text: str) -> Node:
+    """What `text` means as the value of `key`.
+
+    An unquoted word by the rules for those; lists, mappings and quoted text as in a file. What is
+    wrong with the node later on is reported as `--set KEY=VALUE: ...`. Raises `FileError`.
+    """
+    name = f"--set {key}={text}"
+    try:
+        given = text.encode(errors="surrogateescape")
+        is_flow = text[:1] in ("[", "{", "'", '"')
+        content = (
+            _without_lines(parse_document(given, name).root).content
+            if is_flow
+            else resolve_plain(decode_text(given, name))
+        )
+    except UnclearScalar as unclear:
+        raise FileError([Finding(name, 0, 0, str(unclear))]) from None
+    except FileError as error:
+        raise FileError(Finding(name, 0, 0, found.message) for found in error.findings) from None
+    return Node(content, name, 0, 0, 0, 0)
+
+
+def _without_lines(node: Node) -> Node:
+    content = node.content
+    if isinstance(content, dict):
+        content = {key: _without_lines(child) for key, child in content.items()}
+    elif isinstance(content, list):
+        content = [_without_lines(child) for child in content]
+    return Node(content, node.file, 0, 0, 0, 0)
+
+
+def with_settings(document: Document, settings: Mapping[str, str], section: KeyPath = SECTION) -> Document:
+    """`document` with values of its `section` changed; only what stands there can be set.
+
+    settings: values by key, unparsed. Raises `FileError` with everything wrong with any of them.
+    """
+    findings = Findings()
+    declared, there = document.root.deepest(section)
+    known = declared.content if there and isinstance(declared.content, dict) else {}
+    for key, text in settings.items():
+        if key not in known:
+            wrong = f"unknown parameter {key!r}{suggest(key, known)}"
+            findings.add(Finding(f"--set {key}={text}", 0, 0, wrong))
+            continue
+        try:
+            document = document.with_value((*section, key), setting_value(key, text))
+        except FileError as error:
+            findings.take(error)
+    findings.raise_all()
+    return document

@@ -1,0 +1,114 @@
+"""A YAML file, read once: its data, the place of each value, its bytes and their checksum.
+
+The language is YAML 1.2 without aliases, anchors, merge keys, tags and second documents, without
+duplicate keys, and without words that readers disagree on (files/yaml/scalars.py). Keys are text.
+"""
+
+import hashlib
+from dataclasses import dataclass, replace
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+from ruamel.yaml.error import YAMLError
+from yaml import YAMLError as FastYAMLError
+
+from handcart.files.errors import FileError, Finding
+from handcart.files.regular_file import decode_text, read_regular_file
+from handcart.files.yaml.yaml_builder import TreeBuilder
+from handcart.files.yaml.yaml_events import exact_events, fast_events
+from handcart.files.yaml.yaml_node import KeyPath, Node
+from handcart.files.yaml.yaml_syntax import syntax_error
+
+MAX_BYTES = 1 << 20
+MAX_NODES = 50_000
+
+
+@dataclass(frozen=True)
+class Document:
+    """What stands in a file.
+
+    `file` is its name as the user gave it, `content` the bytes that were read: whoever runs them
+    runs what was checked, whatever happens to the file meanwhile. Values set from the command line
+    change `root`, not `content`.
+    """
+
+    file: str
+    content: bytes
+    root: Node
+
+    @cached_property
+    def sha256(self) -> str:
+        """The checksum of `content`, in hexadecimal."""
+        return hashlib.sha256(self.content).hexdigest()
+
+    @cached_property
+    def data(self) -> Any:
+        """The values as dict, list, str, int, float, bool and None; don't change them."""
+        return self.root.plain()
+
+    @property
+    def folder(self) -> Path:
+        """The folder that relative paths in the file start from."""
+        return Path(self.file).parent
+
+    def position(self, path: KeyPath = ()) -> tuple[int, int]:
+        """Line and column (from 1) of the value at `path`, or of the innermost that is there."""
+        node, _ = self.root.deepest(path)
+        return node.line, node.column
+
+    def key_position(self, path: KeyPath) -> tuple[int, int]:
+        """Line and column (from 1) of the key of the value at `path` (of the item, in a list)."""
+        node, whole = self.root.deepest(path)
+        return (node.key_line, node.key_column) if whole else (node.line, node.column)
+
+    def finding(self, path: KeyPath, message: str, *, at_key: bool = False) -> Finding:
+        """What is wrong with the value (or its key) at `path`: "what is wrong; what is allowed"."""
+        node, _ = self.root.deepest(path)
+        line, column = self.key_position(path) if at_key else (node.line, node.column)
+        return Finding(node.file, line, column, message)
+
+    def is_set(self, path: KeyPath) -> bool:
+        """Whether the value at `path` was given on the command line: its paths start from there."""
+        return self.root.deepest(path)[0].line == 0
+
+    def with_value(self, path: KeyPath, value: Node) -> "Document":
+        """This document with another value at `path`; raises KeyError if the way to it is not there."""
+        return replace(self, root=self.root.replaced(path, value))
+
+
+def read_document(path: Path | str, *, max_bytes: int = MAX_BYTES, max_nodes: int = MAX_NODES) -> Document:
+    """Read the YAML file `path`; raises `FileError` with all that is wrong with it as YAML."""
+    return parse_document(read_regular_file(path, max_bytes), str(path), max_nodes=max_nodes)
+
+
+def parse_document(content: bytes, file: str, *, max_nodes: int = MAX_NODES) -> Document:
+    """The document in `content`, called `file` in messages; raises `FileError`."""
+    text = decode_text(content, file)
+    root = _fast_tree(text, file, max_nodes) or _tree(text, file, max_nodes)
+    return Document(file, content, root)
+
+
+def _fast_tree(text: str, file: str, max_nodes: int) -> Node | None:
+    """The tree by the fast parser; None where the exact one has to be asked."""
+    events = fast_events(text)
+    builder = TreeBuilder(file, max_nodes)
+    try:
+        for event in events or ():
+            builder.take(event)
+    except FastYAMLError:
+        return None
+    return builder.tree() if events is not None else None
+
+
+def _tree(text: str, file: str, max_nodes: int) -> Node:
+    builder = TreeBuilder(file, max_nodes)
+    try:
+        for event in exact_events(text):
+            builder.take(event)
+    except FileError:  # is a ValueError too
+        raise
+    # The parser also lets out what chr(), int() and assert say of absurd escapes and versions.
+    except (YAMLError, ValueError, OverflowError, AssertionError) as error:
+        builder.findings.take(syntax_error(file, error, builder.latest))
+    return builder.tree()

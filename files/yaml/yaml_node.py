@@ -1,0 +1,67 @@
+"""The tree of a YAML file: values with the places where they stand."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, TypeAlias
+
+from handcart.files.yaml.scalars import Scalar
+
+KeyPath: TypeAlias = tuple[str | int, ...]
+"""The way from the root of a file to a value: keys and indices, `("places", 3, "width_mm")`."""
+
+
+@dataclass(frozen=True, slots=True)
+class Node:
+    """A value and where it stands (lines and columns from 1); for a value in a mapping also its key."""
+
+    content: "Scalar | list[Node] | dict[str, Node]"
+    file: str
+    line: int
+    column: int
+    key_line: int
+    key_column: int
+
+    def child(self, step: str | int) -> "Node | None":
+        """The value under a key or index, None if there is none."""
+        if isinstance(self.content, dict) and isinstance(step, str):
+            return self.content.get(step)
+        if isinstance(self.content, list) and isinstance(step, int) and 0 <= step < len(self.content):
+            return self.content[step]
+        return None
+
+    def deepest(self, path: KeyPath) -> "tuple[Node, bool]":
+        """The node at `path`, or the last one on the way to it; and whether the whole way was there."""
+        node = self
+        for step in path:
+            child = node.child(step)
+            if child is None:
+                return node, False
+            node = child
+        return node, True
+
+    def plain(self) -> Any:
+        """The value as dict, list, str, int, float, bool or None."""
+        if isinstance(self.content, dict):
+            return {key: child.plain() for key, child in self.content.items()}
+        if isinstance(self.content, list):
+            return [child.plain() for child in self.content]
+        return self.content
+
+    def replaced(self, path: KeyPath, new: "Node") -> "Node":
+        """This tree with the node at `path` changed for `new` (a last key may be a new one)."""
+        if not path:
+            return new
+        step, rest = path[0], path[1:]
+        if isinstance(self.content, dict) and isinstance(step, str) and (not rest or step in self.content):
+            old = self.content.get(step)
+            changed = old.replaced(rest, new) if old is not None else new
+            return self._with({**self.content, step: changed})
+        if isinstance(self.content, list) and isinstance(step, int) and 0 <= step < len(self.content):
+            items = list(self.content)
+            items[step] = items[step].replaced(rest, new)
+            return self._with(items)
+        raise KeyError(step)
+
+    def _with(self, content: "list[Node] | Mapping[str, Node]") -> "Node":
+        kept = content if isinstance(content, list) else dict(content)
+        return Node(kept, self.file, self.line, self.column, self.key_line, self.key_column)

@@ -1,0 +1,78 @@
+"""An arm that turns about a vertical axis, bends in the plane through it, and has no wrist yaw."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from handcart.robotics.manipulation.placement.placement_scores import PlacementScores
+from handcart.robotics.manipulation.placement.score_rule import ScoreRule
+from handcart.robotics.manipulation.tracking.tool_path import ToolPath
+
+from .pitch_arm_table import pitch_arm_joints, pitch_arm_table
+
+Floats = NDArray[np.float64]
+
+_FREE = (-np.inf, np.inf)
+
+
+class PitchArm(NamedTuple):
+    """Yaw, three pitch joints and a roll about the tool: the arm of Shin (2005), in closed form.
+
+    It puts the tool's tip where the path is, with the path's elevation. It can't choose the tool's azimuth:
+    that is where the arm comes from, and a path allows it within a tolerance. The roll joint turns the tool
+    about itself and moves nothing else; the limits of a `ScoreRule` are those of the other four. The elbow is
+    up. Joint angles are 0 with the arm stretched out level and ahead, above zero upwards and to the left.
+    """
+
+    ahead: float = 0.35
+    """The yaw axis before the base's centre, in [m]."""
+    height: float = 0.80
+    """Of the shoulder above the floor, in [m]."""
+    links: tuple[float, float, float] = (0.55, 0.55, 0.25)
+    """Upper arm, forearm, and wrist to tool tip, in [m]."""
+    yaw_limit: float = np.radians(150.0)
+    """To both sides, in [rad]."""
+    azimuth_tolerance: float = np.radians(60.0)
+    """How far the tool's azimuth may be from the path's, in [rad]."""
+    pitch_limits: tuple[tuple[float, float], tuple[float, float], tuple[float, float]] = (_FREE, _FREE, _FREE)
+    """Lowest and highest angles of the pitch joints, in [rad]."""
+
+    def scores(self, bases: Floats, path: ToolPath, rule: ScoreRule) -> PlacementScores:
+        """Of base poses (b, 3) on the floor: x and y in [m], heading in [rad]."""
+        values, usable = pitch_arm_table(
+            self._stands(bases), self.marks(path), self._figures(), int(rule.measure), rule.limits
+        )
+        return PlacementScores(values.T, usable.T)
+
+    def joints(self, base: Floats, path: ToolPath) -> Floats:
+        """Yaw and pitch angles (p, 4) in [rad] from a base pose (3,); NaN out of reach."""
+        return pitch_arm_joints(self._stands(np.atleast_2d(base))[0], self.marks(path), self._figures())
+
+    def shoulders(self, bases: Floats) -> Floats:
+        """(b, 2): where the yaw axis stands, in [m]."""
+        return self._stands(bases)[:, :2]
+
+    def _stands(self, bases: Floats) -> Floats:
+        """(b, 4): shoulder x, y and the heading's cosine and sine."""
+        cos, sin = np.cos(bases[:, 2]), np.sin(bases[:, 2])
+        return np.column_stack((bases[:, 0] + self.ahead * cos, bases[:, 1] + self.ahead * sin, cos, sin))
+
+    def marks(self, path: ToolPath) -> Floats:
+        """(p, 11): position, tangent, the tool's level direction, its cosine, sine and rate of elevation."""
+        axes = path.rotations[:, :, 0]
+        level = np.hypot(axes[:, 0], axes[:, 1])
+        safe = np.maximum(level, np.finfo(float).tiny)
+        rate = np.cross(path.turns, axes)[:, 2] / np.maximum(level, _STEEP)
+        return np.column_stack(
+            (path.points, path.tangents, axes[:, :2] / safe[:, None], level, axes[:, 2], rate)
+        )
+
+    def _figures(self) -> Floats:
+        turns = (np.cos(self.yaw_limit), np.cos(self.azimuth_tolerance))
+        return np.array((self.height, *self.links, *turns, *np.ravel(self.pitch_limits)))
+
+
+_STEEP = 1e-6

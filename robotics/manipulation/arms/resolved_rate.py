@@ -1,0 +1,101 @@
+"""Leading a planar arm's tip along a straight line by joint rates."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from handcart.robotics.manipulation.arms.scara import Scara
+
+Array = NDArray[np.float64]
+STEP = 0.005  # [m] between postures that are looked at before a line is driven
+
+
+class RateLimits(NamedTuple):
+    """Of tip and joints."""
+
+    speed: float = 0.2
+    """Of the tip, in [m/s]."""
+    acceleration: float = 0.4
+    """Of the tip, in [m/s²]."""
+    rate: float = 1.5
+    """Of each joint, in [rad/s]."""
+
+
+class ResolvedRate:
+    """Whitney's (1969) resolved rates, with the Jacobian of the middle of the period.
+
+    Along the line the tip speeds up and brakes; beside it, what it has strayed is driven back. Where a joint
+    can't follow, the tip gets slower, not crooked.
+    """
+
+    def __init__(
+        self,
+        arm: Scara,
+        start: Array,
+        end: Array,
+        limits: RateLimits = RateLimits(),
+        jacobian: Callable[[Array], Array] | None = None,
+    ) -> None:
+        """Lead from `start` to `end` (2,) in [m], arm frame; another `jacobian` is for tests."""
+        self._arm, self._start, self._end, self._limits = arm, np.asarray(start), np.asarray(end), limits
+        self._length = float(np.hypot(*(self._end - self._start)))
+        self._along = (self._end - self._start) / max(self._length, 1e-12)
+        self._jacobian = arm.jacobian if jacobian is None else jacobian
+        self._speed = 0.0
+
+    def left(self, q: Array) -> float:
+        """Distance of the tip from the end, in [m], with the joints at `q` (2,)."""
+        return float(np.hypot(*(self._end - self._arm.tip(q))))
+
+    def astray(self, q: Array) -> float:
+        """Distance of the tip from the line, in [m]."""
+        return float(np.hypot(*self._aside(self._arm.tip(q))))
+
+    def command(self, q: Array, dt: float) -> Array:
+        """(2,) joint rates in [rad/s] for the next `dt` [s], with the joints at `q` (2,) in [rad]."""
+        tip = self._arm.tip(q)
+        ahead = float((self._end - tip) @ self._along)
+        braking = math.sqrt(2.0 * 0.8 * self._limits.acceleration * abs(ahead))
+        most = min(self._limits.speed, self._speed + self._limits.acceleration * dt, braking, abs(ahead) / dt)
+        velocity = math.copysign(most, ahead) * self._along - self._aside(tip) / (2.0 * dt)
+        rates = np.linalg.solve(self._jacobian(q), velocity)
+        rates = np.linalg.solve(self._jacobian(q + 0.5 * dt * rates), velocity)
+        share = min(1.0, self._limits.rate / max(1e-12, float(np.abs(rates).max())))
+        self._speed = share * most
+        out: Array = np.asarray(share * rates, dtype=np.float64)
+        return out
+
+    def _aside(self, tip: Array) -> Array:
+        away = tip - self._start
+        return np.asarray(away - (away @ self._along) * self._along)
+
+
+def line_postures(arm: Scara, q: Array, target: Array) -> Array | None:
+    """(n, 2) postures of a straight line of the tip from `q` to `target`, or None if it leaves the limits."""
+    start = arm.tip(q)
+    count = max(1, math.ceil(float(np.hypot(*(target - start))) / STEP))
+    free = arm._replace(theta1_working=arm.theta1)
+    found = [free.inverse(start + share * (target - start)) for share in np.linspace(0.0, 1.0, count + 1)[1:]]
+    postures = [posture for posture in found if posture is not None]
+    return np.array([q[:2], *postures]) if len(postures) == count else None
+
+
+def way_to(arm: Scara, q: Array, target: Array) -> list[Array] | None:
+    """Places (2,) in [m] to lead the tip through by straight lines, to a target in reach; None out of reach.
+
+    One line where it keeps the limits; else a chain of short ones that swings round the shoulder while it
+    reaches out or in.
+    """
+    goal = arm.inverse(target)
+    if goal is None:
+        return None
+    if line_postures(arm, q, target) is not None:
+        return [np.asarray(target, dtype=np.float64)]
+    count = max(2, math.ceil(float(np.abs(goal - q[:2]).max()) / 0.1))
+    between = [arm.tip(q[:2] + share * (goal - q[:2])) for share in np.linspace(0.0, 1.0, count + 1)[1:-1]]
+    return [*between, np.asarray(target, dtype=np.float64)]

@@ -1,0 +1,121 @@
+"""A SCARA arm on a base that may stand askew: two turning joints, then a slide straight down.
+
+Ohki et al. (2012), section V, with a Jacobian that is the derivative of the tip: in the printed one, J11 has
+a cosine where a sine belongs, and J21 the second link's length where the first one's belongs.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.navigation.outdoors.field_log import rotations
+
+Array = NDArray[np.float64]
+
+
+class Scara(NamedTuple):
+    """Lengths, limits and postures; angles are counted anticlockwise, seen from above.
+
+    Joints are theta1 from the arm's x axis to the first link, theta2 from the first to the second, and how
+    far the slide is lowered. The elbow is bent to the right: theta2 is negative.
+    """
+
+    upper: float = 0.395
+    """First link, in [m]."""
+    fore: float = 0.610
+    """Second link, in [m]."""
+    mount: tuple[float, float, float, float] = (0.0, 0.0, 0.6, -math.pi / 2.0)
+    """base_T_arm: x, y, z in [m] of the shoulder, the slide up, and yaw in [rad] (x axis to the right)."""
+    theta1: tuple[float, float] = (0.0, math.radians(150.0))
+    """Limits on the way, in [rad]."""
+    theta1_working: tuple[float, float] = (0.0, math.radians(90.0))
+    """Limits at a target, in [rad]: farther, and the first link gets to the sensor on top of the body."""
+    theta2: tuple[float, float] = (math.radians(-160.0), math.radians(-8.0))
+    """Limits in [rad]: straight, the arm has no speed along itself."""
+    slide: tuple[float, float] = (0.0, 0.6)
+    """Limits in [m]."""
+    stowed: tuple[float, float] = (math.radians(150.0), math.radians(-15.0))
+    """In [rad]."""
+    middle: tuple[float, float] = (math.radians(120.0), math.radians(-60.0))
+    """Between stowed and any target, so that the tip doesn't come to the wheels, in [rad]."""
+
+    def tip(self, q: Array) -> Array:
+        """(2,) in [m], arm frame, with the joints at `q` (2,) or (3,) in [rad]."""
+        one, both = float(q[0]), float(q[0] + q[1])
+        return np.array(
+            [
+                self.upper * math.cos(one) + self.fore * math.cos(both),
+                self.upper * math.sin(one) + self.fore * math.sin(both),
+            ]
+        )
+
+    def jacobian(self, q: Array) -> Array:
+        """(2, 2) of the tip by theta1 and theta2, in [m/rad] (eq. 5, corrected)."""
+        one, both = float(q[0]), float(q[0] + q[1])
+        across, along = self.fore * math.sin(both), self.fore * math.cos(both)
+        return np.array(
+            [
+                [-self.upper * math.sin(one) - across, -across],
+                [self.upper * math.cos(one) + along, along],
+            ]
+        )
+
+    def inverse(self, target: Array) -> Array | None:
+        """(2,) angles that hold the tip at `target` (2,) in [m], arm frame; None beyond reach or limits."""
+        x, y = float(target[0]), float(target[1])
+        cos = (x * x + y * y - self.upper**2 - self.fore**2) / (2.0 * self.upper * self.fore)
+        if abs(cos) > 1.0:
+            return None
+        bend = -math.acos(cos)
+        one = math.atan2(y, x) - math.atan2(
+            self.fore * math.sin(bend), self.upper + self.fore * math.cos(bend)
+        )
+        q = np.array([math.remainder(one, 2.0 * math.pi), bend])
+        return q if self.within(q, working=True) else None
+
+    def within(self, q: Array, working: bool = False) -> bool:
+        """Whether angles (2,) keep the limits, on the way or at a target."""
+        low, high = self.theta1_working if working else self.theta1
+        inside = low - 1e-9 <= q[0] <= high + 1e-9
+        return bool(inside and self.theta2[0] - 1e-9 <= q[1] <= self.theta2[1] + 1e-9)
+
+    def base_tip(self, q: Array) -> Array:
+        """(3,) in [m], base frame, with the joints at `q` (3,) in [rad], [rad], [m]."""
+        x, y, z, yaw = self.mount
+        plane = Pose2(x, y, yaw).apply(self.tip(q)[None]).reshape(2)
+        return np.array([plane[0], plane[1], z - float(q[2])])
+
+    def joints_for(self, point: Array) -> Array | None:
+        """(3,) joints that hold the tip at `point` (3,) in [m], base frame; None if it can't be reached."""
+        x, y, z, yaw = self.mount
+        angles = self.inverse(Pose2(x, y, yaw).inverse().apply(np.asarray(point)[None, :2]).reshape(2))
+        lowered = z - float(point[2])
+        if angles is None or not self.slide[0] <= lowered <= self.slide[1]:
+            return None
+        return np.array([*angles, lowered])
+
+
+def world_to_base(pose: Pose2, tilt: tuple[float, float], point: Array) -> Array:
+    """(3,) a world's point (3,) in [m] seen from a base at `pose` on the ground, roll and pitch in [rad].
+
+    A slide on a base that is 2.5 degrees askew comes down 17 mm beside, 0.4 m lower: the arm has to know.
+    """
+    away = np.asarray(point, dtype=np.float64) - (pose.x, pose.y, 0.0)
+    seen: Array = _world_R_base(pose, tilt).T @ away
+    return seen
+
+
+def base_to_world(pose: Pose2, tilt: tuple[float, float], point: Array) -> Array:
+    """(3,) the reverse of `world_to_base`."""
+    out: Array = _world_R_base(pose, tilt) @ np.asarray(point, dtype=np.float64) + (pose.x, pose.y, 0.0)
+    return out
+
+
+def _world_R_base(pose: Pose2, tilt: tuple[float, float]) -> Array:
+    roll, pitch, yaw = (np.array([angle]) for angle in (*tilt, pose.theta))
+    return np.asarray(rotations(roll, pitch, yaw)[0])

@@ -1,0 +1,93 @@
+"""Any arm of a URDF, scored over base placements."""
+
+from __future__ import annotations
+
+from enum import IntEnum
+
+import numpy as np
+from numpy.typing import NDArray
+
+from handcart.robotics.kinematics.arm_model import ArmModel
+from handcart.robotics.manipulation.placement.placement_scores import PlacementScores
+from handcart.robotics.manipulation.placement.score_rule import Measure, ScoreRule
+from handcart.robotics.manipulation.tracking.tool_path import ToolPath
+
+from .screw_chain import ScrewChain
+from .screw_steps import NOTHING_FREE, TOOL_FREE, VERTICAL_FREE
+from .screw_table import pool_poses, screw_table
+
+Floats = NDArray[np.float64]
+
+
+class FreeTurn(IntEnum):
+    """A turn of the tool that a path leaves to the arm."""
+
+    NONE = NOTHING_FREE
+    VERTICAL = VERTICAL_FREE
+    """The azimuth, within a tolerance: for arms without wrist yaw."""
+    TOOL = TOOL_FREE
+    """About the tool's own x axis: for tools that are round."""
+
+
+class ScrewArm:
+    """Inverse kinematics of all cells by descent, each from the point before it on the path.
+
+    Whether a point is reached is found by trying: a cell may be called out of reach that isn't, never the
+    other way round. Exact top speeds for arms with as many joints as the task has numbers or one more; with
+    more joints to spare the speed is that of the least joint motion, which is less.
+
+    Args:
+        arm: the arm; all its joints turn, and its base link is upright.
+        free: what the path leaves free.
+        azimuth_tolerance: for FreeTurn.VERTICAL, in [rad].
+        postures: number of random postures that descents start from.
+    Raises:
+        ValueError: a joint slides.
+    """
+
+    def __init__(
+        self,
+        arm: ArmModel,
+        free: FreeTurn = FreeTurn.NONE,
+        azimuth_tolerance: float = np.pi,
+        postures: int = 512,
+        seed: int = 0,
+    ) -> None:
+        self.chain = ScrewChain.of_arm(arm)
+        self.free = free
+        self.azimuth_tolerance = azimuth_tolerance
+        rng = np.random.default_rng(seed)
+        self._pool = rng.uniform(arm.lower, arm.upper, (postures, arm.dof))
+        self._poses = pool_poses(self.chain.axes, self.chain.points, self.chain.base_T_tip, self._pool)
+
+    def scores(self, bases: Floats, path: ToolPath, rule: ScoreRule) -> PlacementScores:
+        """Of base poses (b, 3) on the floor: x and y in [m], heading in [rad]."""
+        values, usable, joined = self._table(bases, path, rule, np.empty((0, 0, 0)))
+        return PlacementScores(values.T, usable.T, joined.T)
+
+    def joints(self, base: Floats, path: ToolPath, rule: ScoreRule | None = None) -> Floats:
+        """Joint angles (p, n) in [rad] from a base pose (3,); NaN where `scores` calls a point unusable."""
+        rule = rule or ScoreRule.uniform(Measure.REACHABILITY, 0.1, 1.0, self.chain.dof)
+        angles = np.full((1, len(path.points), self.chain.dof), np.nan)
+        self._table(np.atleast_2d(base), path, rule, angles)
+        joints: Floats = angles[0]
+        return joints
+
+    def _table(
+        self, bases: Floats, path: ToolPath, rule: ScoreRule, angles: Floats
+    ) -> tuple[NDArray[np.float32], NDArray[np.bool_], NDArray[np.bool_]]:
+        headings = bases[:, 2]
+        return screw_table(
+            *self.chain,
+            self._pool,
+            self._poses,
+            np.column_stack((bases[:, :2], np.cos(headings), np.sin(headings))),
+            path.poses,
+            path.twists,
+            int(self.free),
+            float(np.cos(self.azimuth_tolerance)),
+            self.chain.reach,
+            int(rule.measure),
+            rule.limits,
+            angles,
+        )

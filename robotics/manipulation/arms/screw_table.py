@@ -1,0 +1,250 @@
+"""Scores of an arm of screws over base poses and points of a path, compiled."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from handcart.robotics.manipulation.placement.score_rule import UNUSABLE, worth
+from handcart.robotics.numerics.compiled import compiled
+
+from .screw_steps import descend, solve_in_place, tip_and_jacobian, without_free
+
+Floats = NDArray[np.float64]
+Masks = NDArray[np.bool_]
+
+_STARTS = 8  # postures of the pool that a descent is tried from
+_ITERATIONS = 25
+_WARM_ITERATIONS = 12
+_JUMP = 0.5  # [rad] of a joint between two points of a path: another branch
+
+
+@compiled
+def pool_poses(axes: Floats, points: Floats, tip: Floats, pool: Floats) -> Floats:
+    """base_T_tip (m, 4, 4) of postures (m, n)."""
+    poses = np.zeros((len(pool), 4, 4))
+    jacobian = np.empty((6, len(axes)))
+    for index in range(len(pool)):
+        poses[index, 3, 3] = 1.0
+        tip_and_jacobian(axes, points, tip, pool[index], poses[index], jacobian)
+    return poses
+
+
+@compiled
+def in_base(stand: Floats, world_T_tool: Floats, out: Floats) -> None:
+    """base_T_tool (4, 4) into `out`, from a base's x, y, cosine and sine of heading."""
+    cos, sin = stand[2], stand[3]
+    for c in range(4):
+        x, y = world_T_tool[0, c], world_T_tool[1, c]
+        if c == 3:
+            x, y = x - stand[0], y - stand[1]
+        out[0, c], out[1, c] = cos * x + sin * y, cos * y - sin * x
+        out[2, c], out[3, c] = world_T_tool[2, c], world_T_tool[3, c]
+
+
+@compiled
+def _turned(pose: Floats, target: Floats, free: int) -> float:
+    """2 - 2 cos of the turn between two poses, a free turn left out: its square where it is small."""
+    if free == 0:
+        trace = 0.0
+        for i in range(3):
+            for j in range(3):
+                trace += pose[i, j] * target[i, j]
+        return 3.0 - trace
+    across = along = kept = 0.0
+    for c in range(3):
+        if free == 1:
+            kept += pose[2, c] * target[2, c]
+            across += pose[1, c] * target[0, c] - pose[0, c] * target[1, c]
+            along += pose[0, c] * target[0, c] + pose[1, c] * target[1, c]
+        else:
+            kept += pose[c, 0] * target[c, 0]
+            across += pose[c, 1] * target[c, 2] - pose[c, 2] * target[c, 1]
+            along += pose[c, 1] * target[c, 1] + pose[c, 2] * target[c, 2]
+    return 3.0 - kept - math.hypot(across, along)
+
+
+@compiled
+def nearest_starts(poses: Floats, target: Floats, free: int, scale: float, chosen: NDArray[np.int64]) -> None:
+    """Numbers of the poses nearest to the target into `chosen`, nearest first; a radian counts `scale` m."""
+    nearest = np.full(len(chosen), np.inf)
+    for index in range(len(poses)):
+        pose = poses[index]
+        distance = scale * scale * _turned(pose, target, free)
+        for r in range(3):
+            distance += (target[r, 3] - pose[r, 3]) ** 2
+        slot = len(chosen)
+        while slot > 0 and distance < nearest[slot - 1]:
+            slot -= 1
+            if slot + 1 < len(chosen):
+                nearest[slot + 1], chosen[slot + 1] = nearest[slot], chosen[slot]
+        if slot < len(chosen):
+            nearest[slot], chosen[slot] = distance, index
+
+
+@compiled
+def tool_rates(pose: Floats, jacobian: Floats, twist: Floats, free: int, rates: Floats) -> float:
+    """Joint motions for each metre of path (n,), in [rad/m], into `rates`; manipulability, 0 where singular.
+
+    Least squares in the joints; with one joint to spare, the motion whose largest joint is least.
+    """
+    n = len(rates)
+    reduced, along = jacobian.copy(), np.empty((6, 1))
+    along[:, 0] = twist
+    without_free(pose, free, reduced)
+    without_free(pose, free, along)
+    square = reduced @ reduced.T
+    tasks = 6
+    if free:
+        tasks = 5
+        axis = np.zeros(3)
+        axis[2] = 1.0
+        if free == 2:
+            axis[:] = pose[:3, 0]
+        for i in range(3):
+            for j in range(3):
+                square[3 + i, 3 + j] += axis[i] * axis[j]
+    determinant = np.linalg.det(square)
+    if n < tasks or determinant < 1e-18:
+        return 0.0
+    right = along[:, 0].copy()
+    if not solve_in_place(square.copy(), right):
+        return 0.0
+    rates[:] = reduced.T @ right
+    if n == tasks + 1:
+        _spread_evenly(reduced, square, rates)
+    return math.sqrt(determinant)
+
+
+@compiled
+def _spread_evenly(reduced: Floats, square: Floats, rates: Floats) -> None:
+    """Moves along the one spare motion to where the largest rate is least: a linear program in one number."""
+    n = len(rates)
+    spare = np.eye(n) - reduced.T @ np.linalg.solve(square, reduced)
+    widest = 0
+    for i in range(n):
+        if spare[i, i] > spare[widest, widest]:
+            widest = i
+    slope = spare[:, widest].copy()
+    best, least = 0.0, np.inf
+    for i in range(n):
+        for j in range(i + 1, n):
+            for sign in (-1.0, 1.0):
+                bottom = slope[i] + sign * slope[j]
+                if abs(bottom) > 1e-12:
+                    amount = -(rates[i] + sign * rates[j]) / bottom
+                    largest = np.max(np.abs(rates + amount * slope))
+                    if largest < least:
+                        best, least = amount, largest
+    if least < np.max(np.abs(rates)):
+        rates += best * slope
+
+
+@compiled
+def _within_azimuth(pose: Floats, target: Floats, cos_tolerance: float) -> bool:
+    a = math.hypot(pose[0, 0], pose[1, 0])
+    b = math.hypot(target[0, 0], target[1, 0])
+    return bool(pose[0, 0] * target[0, 0] + pose[1, 0] * target[1, 0] >= cos_tolerance * a * b)
+
+
+@compiled
+def screw_table(
+    axes: Floats,
+    points: Floats,
+    tip: Floats,
+    lower: Floats,
+    upper: Floats,
+    pool: Floats,
+    poses: Floats,
+    stands: Floats,
+    targets: Floats,
+    twists: Floats,
+    free: int,
+    cos_tolerance: float,
+    reach: float,
+    measure: int,
+    limits: Floats,
+    angles: Floats,
+) -> tuple[NDArray[np.float32], Masks, Masks]:
+    """Scores and usable (p, b), joined (p-1, b); `angles` (b, p, n) is filled unless it is empty.
+
+    Along the path a descent starts from the point before; where there is none or it doesn't arrive, from the
+    postures of the pool that are nearest, and the best score of those that arrive is taken.
+    """
+    p, bases, n = len(targets), len(stands), len(axes)
+    values = np.zeros((p, bases), dtype=np.float32)
+    usable, joined = np.zeros((p, bases), dtype=np.bool_), np.zeros((p - 1, bases), dtype=np.bool_)
+    target, pose, jacobian = np.empty((4, 4)), np.eye(4), np.empty((6, n))
+    q, last, best_q = np.empty(n), np.empty(n), np.empty(n)
+    elements, rates, twist = np.empty(n), np.zeros(n), np.empty(6)
+    chosen = np.zeros(_STARTS, dtype=np.int64)
+    for b in range(bases):
+        warm = False
+        cos, sin = stands[b, 2], stands[b, 3]
+        for j in range(p):
+            in_base(stands[b], targets[j], target)
+            x, y, z = target[0, 3] - points[0, 0], target[1, 3] - points[0, 1], target[2, 3] - points[0, 2]
+            if x * x + y * y + z * z > reach * reach:
+                warm = False
+                continue
+            for r in (0, 3):
+                twist[r] = cos * twists[j, r] + sin * twists[j, r + 1]
+                twist[r + 1] = cos * twists[j, r + 1] - sin * twists[j, r]
+                twist[r + 2] = twists[j, r + 2]
+            best, tries = UNUSABLE, _STARTS
+            if warm:
+                tries = _STARTS + 1
+            for attempt in range(tries):
+                if warm and attempt == 0:
+                    q[:] = last
+                else:
+                    if attempt == tries - _STARTS:
+                        nearest_starts(poses, target, free, 0.3 * reach, chosen)
+                    q[:] = pool[chosen[attempt - tries + _STARTS]]
+                iterations = _WARM_ITERATIONS if warm and attempt == 0 else _ITERATIONS
+                if not descend(axes, points, tip, lower, upper, target, free, iterations, q, pose, jacobian):
+                    continue
+                if free == 1 and not _within_azimuth(pose, target, cos_tolerance):
+                    continue
+                value = _worth_here(pose, jacobian, twist, free, rates, elements, measure, limits)
+                if value > best:
+                    best = value
+                    best_q[:] = q
+                if warm and attempt == 0 and value != UNUSABLE:
+                    break
+            if best == UNUSABLE:
+                warm = False
+                continue
+            if warm:
+                jump = 0.0
+                for i in range(n):
+                    jump = max(jump, abs(best_q[i] - last[i]))
+                joined[j - 1, b] = jump <= _JUMP
+            values[j, b], usable[j, b] = best, True
+            last[:] = best_q
+            warm = True
+            if angles.size:
+                angles[b, j] = best_q
+    return values, usable, joined
+
+
+@compiled
+def _worth_here(
+    pose: Floats,
+    jacobian: Floats,
+    twist: Floats,
+    free: int,
+    rates: Floats,
+    elements: Floats,
+    measure: int,
+    limits: Floats,
+) -> float:
+    spread = tool_rates(pose, jacobian, twist, free, rates)
+    if measure != 0 and spread == 0.0:
+        return UNUSABLE
+    for i in range(len(rates)):
+        rates[i] = abs(rates[i])
+        elements[i] = abs(twist[0] * jacobian[0, i] + twist[1] * jacobian[1, i] + twist[2] * jacobian[2, i])
+    return worth(measure, elements, rates, spread, limits)

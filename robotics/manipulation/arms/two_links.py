@@ -1,0 +1,31 @@
+"""Two links in a plane, as inner loops use them."""
+
+from __future__ import annotations
+
+import math
+
+from handcart.robotics.numerics.compiled import compiled
+
+
+@compiled
+def two_links(
+    x: float, y: float, first: float, second: float, side: float
+) -> tuple[bool, float, float, float, float, float]:
+    """Unit vectors along both links that reach (x, y), in [m].
+
+    Args:
+        first, second: lengths, in [m].
+        side: 1 when the elbow is to the left of the line to (x, y), -1 to the right.
+    Returns:
+        whether it is reached, the first link's x and y, the second's, and the sine from first to second.
+    """
+    squared = x * x + y * y
+    if squared > (first + second) ** 2 or squared < (first - second) ** 2 or squared == 0.0:
+        return False, 1.0, 0.0, 1.0, 0.0, 0.0
+    per_distance, per_second = 1.0 / math.sqrt(squared), 1.0 / second
+    cos = (squared + first * first - second * second) * per_distance / (2.0 * first)
+    sin = side * math.sqrt(max(0.0, 1.0 - cos * cos))
+    ahead_x, ahead_y = x * per_distance, y * per_distance
+    first_x, first_y = cos * ahead_x - sin * ahead_y, cos * ahead_y + sin * ahead_x
+    second_x, second_y = (x - first * first_x) * per_second, (y - first * first_y) * per_second
+    return True, first_x, first_y, second_x, second_y, first_x * second_y - first_y * second_x

@@ -1,0 +1,1 @@
+"""Motions of an arm that touch nothing, in time."""

@@ -1,0 +1,197 @@
+"""Paths of an arm from one posture to another, free of collisions, and straight lines of its hand."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from itertools import pairwise
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import NDArray
+from ompl import base as ob
+from ompl import geometric as og
+from ompl import util as ou
+
+from handcart.robotics.geometry.transform import Transform
+from handcart.robotics.kinematics.arm_model import ArmModel
+from handcart.robotics.manipulation.motions.collision_model import CollisionModel
+
+Vector = NDArray[np.float64]
+Path = NDArray[np.float64]
+
+
+def plan_motion(
+    arm: ArmModel,
+    collision: CollisionModel,
+    q_start: Vector,
+    q_goal: Vector,
+    seed: int = 0,
+    max_branches: int = 4000,
+    step: float = 0.01,
+) -> Path | None:
+    """A free path from `q_start` (n,) to `q_goal` (n,) of straight joint lines, (m, n) in [rad], or None.
+
+    The straight line is taken when it is free; else RRT-Connect (Kuffner and LaValle 2000, from OMPL)
+    searches between the joint limits and its path is shortened. The same seed gives the same path: effort is
+    bounded by `max_branches` lines tried, not by time. `step` [rad] lies between checks on a line. None
+    too when an end itself is in collision (`collision.contacts` says with what) or beyond the limits.
+    """
+    if not (_within(arm, q_start) and _within(arm, q_goal)):
+        return None
+    if collision.in_collision(q_start) or collision.in_collision(q_goal):
+        return None
+    if collision.line_free(q_start, q_goal, step):
+        return np.array([q_start, q_goal])
+    found = _rrt_connect(arm, collision, q_start, q_goal, seed, max_branches, step)
+    if found is None:
+        return None
+    return _shorten(found, lambda a, b: collision.line_free(a, b, step), np.random.default_rng(seed))
+
+
+def plan_straight(
+    arm: ArmModel,
+    q_start: Vector,
+    base_T_goal: Transform,
+    step: float = 0.005,
+    collision: CollisionModel | None = None,
+) -> Path | None:
+    """Joint angles (m, n) that move the tip in a straight line to `base_T_goal` (4, 4), or None.
+
+    The tip moves at most `step` [m] and turns at most 10 times as many [rad] from one row to the next. None
+    when a pose on the line can't be reached without the arm leaping to another configuration, or when it
+    collides (where `collision` is given).
+    """
+    start, goal = pin.SE3(arm.forward(q_start)), pin.SE3(base_T_goal)
+    motion = pin.log6(start.actInv(goal)).vector
+    distance = float(np.linalg.norm(goal.translation - start.translation))
+    count = max(1, int(np.ceil(max(distance, float(np.linalg.norm(motion[3:])) / 10.0) / step)))
+    path = [np.asarray(q_start, dtype=np.float64)]
+    for index in range(1, count + 1):
+        q = arm.inverse(_between(start, goal, index / count), near=path[-1], restarts=0)
+        if q is None or float(np.abs(q - path[-1]).max()) > _LEAP:
+            return None
+        path.append(q)
+    line = np.array(path)
+    return line if collision is None or collision.path_free(line) else None
+
+
+_LEAP = 0.2  # [rad] between two poses a step apart
+_RANGE = 0.6  # [rad] longest branch of the trees
+_SHORTCUTS = 80
+
+
+def _within(arm: ArmModel, q: Vector) -> bool:
+    return bool(np.all(q >= arm.lower) and np.all(q <= arm.upper))
+
+
+def _between(start: pin.SE3, goal: pin.SE3, share: float) -> Transform:
+    """Position on the straight line, orientation on the shortest turn."""
+    turn = pin.exp3(share * pin.log3(start.rotation.T @ goal.rotation))
+    result = np.eye(4)
+    result[:3, :3] = start.rotation @ turn
+    result[:3, 3] = (1.0 - share) * start.translation + share * goal.translation
+    return result
+
+
+class _Lines(ob.MotionValidator):  # type: ignore[misc]  # ompl ships no types
+    """Tells OMPL which straight lines are free, by the same check that the result must pass."""
+
+    def __init__(
+        self, information: ob.SpaceInformation, collision: CollisionModel, dof: int, step: float
+    ) -> None:
+        super().__init__(information)
+        self._collision = collision
+        self._dof = dof
+        self._step = step
+        self.tried = 0
+
+    def checkMotion(self, first: ob.State, second: ob.State) -> bool:
+        self.tried += 1
+        a, b = _angles(first, self._dof), _angles(second, self._dof)
+        return self._collision.line_free(a, b, self._step)
+
+
+def _rrt_connect(
+    arm: ArmModel,
+    collision: CollisionModel,
+    q_start: Vector,
+    q_goal: Vector,
+    seed: int,
+    max_branches: int,
+    step: float,
+) -> Path | None:
+    # OMPL numbers the generators it makes from one global generator. Setting that first, and making space
+    # and planner anew, gives each call its own stream; OMPL only complains about it in its log.
+    ou.setLogLevel(ou.LogLevel.LOG_NONE)
+    ou.RNG.setSeed(1 + seed % (2**31 - 1))
+    information = ob.SpaceInformation(_space(arm))
+    information.setStateValidityChecker(lambda state: not collision.in_collision(_angles(state, arm.dof)))
+    lines = _Lines(information, collision, arm.dof, step)
+    information.setMotionValidator(lines)
+    information.setup()
+    problem = ob.ProblemDefinition(information)
+    problem.setStartAndGoalStates(_state(information, q_start), _state(information, q_goal))
+    planner = og.RRTConnect(information)
+    planner.setRange(_RANGE)
+    planner.setProblemDefinition(problem)
+    planner.setup()
+    planner.solve(ob.PlannerTerminationCondition(lambda: lines.tried >= max_branches))
+    if not problem.hasExactSolution():
+        return None
+    states = problem.getSolutionPath()
+    return np.array([_angles(states.getState(index), arm.dof) for index in range(states.getStateCount())])
+
+
+def _space(arm: ArmModel) -> ob.RealVectorStateSpace:
+    bounds = ob.RealVectorBounds(arm.dof)
+    for index in range(arm.dof):
+        bounds.setLow(index, float(arm.lower[index]))
+        bounds.setHigh(index, float(arm.upper[index]))
+    space = ob.RealVectorStateSpace(arm.dof)
+    space.setBounds(bounds)
+    return space
+
+
+def _state(information: ob.SpaceInformation, q: Vector) -> ob.State:
+    state = information.allocState()
+    for index, angle in enumerate(q):
+        state[index] = float(angle)
+    return state
+
+
+def _angles(state: ob.State, dof: int) -> Vector:
+    return np.array([state[index] for index in range(dof)])
+
+
+def _shorten(path: Path, free: Callable[[Vector, Vector], bool], rng: np.random.Generator) -> Path:
+    """Replaces pieces between two random points of the path by straight lines where these are free."""
+    path = _without_detours(path, free)
+    for _ in range(_SHORTCUTS):
+        if len(path) == 2:
+            break
+        lengths = np.concatenate(([0.0], np.cumsum(np.linalg.norm(np.diff(path, axis=0), axis=1))))
+        first, second = np.sort(rng.uniform(0.0, lengths[-1], 2))
+        a, b = (np.array([np.interp(s, lengths, column) for column in path.T]) for s in (first, second))
+        before = path[: int(np.searchsorted(lengths, first, side="right"))]
+        after = path[int(np.searchsorted(lengths, second, side="left")) :]
+        # The remains of cut lines are checked too: the samples on them lie elsewhere than before.
+        shortcut = _merged(np.vstack((before[-1:], a, b, after[:1])))
+        if len(before) + len(after) < len(path) and all(free(p, q) for p, q in pairwise(shortcut)):
+            path = np.vstack((before, shortcut[1:], after[1:]))
+    return _without_detours(path, free)
+
+
+def _without_detours(path: Path, free: Callable[[Vector, Vector], bool]) -> Path:
+    """From each point straight on to the furthest point that a free line leads to."""
+    kept = [0]
+    while kept[-1] < len(path) - 1:
+        here = kept[-1]
+        further = range(len(path) - 1, here + 1, -1)
+        kept.append(next((there for there in further if free(path[here], path[there])), here + 1))
+    return path[kept]
+
+
+def _merged(path: Path) -> Path:
+    """The same path without points that repeat the one before."""
+    moved = np.linalg.norm(np.diff(path, axis=0), axis=1) > 1e-9
+    return path[np.concatenate(([True], moved))]

@@ -1,0 +1,138 @@
+"""The inner loops of dividing a path, compiled.
+
+Arrays are (p, b): points x placements. A step is what lies between two points; its gain is its length times
+the mean of the scores at both ends, and a placement must be usable at both.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from handcart.robotics.numerics.compiled import compiled
+
+Floats = NDArray[np.float64]
+Singles = NDArray[np.float32]
+Masks = NDArray[np.bool_]
+Numbers = NDArray[np.int64]
+
+
+@compiled
+def layers(values: Singles, usable: Masks, joined: Masks, steps: Floats, count: int) -> Numbers:
+    """The placement (p-1,) of each step, at most `count` one after the other."""
+    points, bases = values.shape
+    best = np.full((count, bases), -np.inf)
+    stays = np.zeros((points - 1, count, bases), dtype=np.bool_)
+    tops = np.full((points, count), -np.inf)
+    holders = np.zeros((points, count), dtype=np.int64)
+    for j in range(points - 1):
+        half = 0.5 * steps[j]
+        for k in range(count):
+            entered = tops[j, k - 1] if k > 0 else (0.0 if j == 0 else -np.inf)
+            top, holder = -np.inf, 0
+            for b in range(bases):
+                if not (usable[j, b] and usable[j + 1, b]) or (joined.size and not joined[j, b]):
+                    best[k, b] = -np.inf
+                    continue
+                stay = best[k, b] >= entered
+                stays[j, k, b] = stay
+                value = (best[k, b] if stay else entered) + half * (values[j, b] + values[j + 1, b])
+                best[k, b] = value
+                if value > top:
+                    top, holder = value, b
+            tops[j + 1, k], holders[j + 1, k] = top, holder
+    return _backwards(stays, tops, holders)
+
+
+@compiled
+def _backwards(stays: Masks, tops: Floats, holders: Numbers) -> Numbers:
+    steps, count, _ = stays.shape
+    k = 0
+    for other in range(1, count):
+        if tops[steps, other] > tops[steps, k]:
+            k = other
+    chosen = np.zeros(steps, dtype=np.int64)
+    base = holders[steps, k]
+    for j in range(steps - 1, -1, -1):
+        chosen[j] = base
+        if not stays[j, k, base] and j > 0:
+            k -= 1
+            base = holders[j, k]
+    return chosen
+
+
+@compiled
+def cheapest_layers(values: Singles, usable: Masks, joined: Masks, steps: Floats, cost: float) -> Numbers:
+    """The placement (p-1,) of each step, each change costing `cost`."""
+    points, bases = values.shape
+    best = np.full(bases, -np.inf)
+    stays = np.zeros((points - 1, bases), dtype=np.bool_)
+    holders = np.zeros(points, dtype=np.int64)
+    entered = 0.0
+    for j in range(points - 1):
+        half = 0.5 * steps[j]
+        top, holder = -np.inf, 0
+        for b in range(bases):
+            if not (usable[j, b] and usable[j + 1, b]) or (joined.size and not joined[j, b]):
+                best[b] = -np.inf
+                continue
+            stay = best[b] >= entered
+            stays[j, b] = stay
+            value = (best[b] if stay else entered) + half * (values[j, b] + values[j + 1, b])
+            best[b] = value
+            if value > top:
+                top, holder = value, b
+        holders[j + 1] = holder
+        entered = top - cost
+    chosen = np.zeros(points - 1, dtype=np.int64)
+    base = holders[points - 1]
+    for j in range(points - 2, -1, -1):
+        chosen[j] = base
+        if not stays[j, base]:
+            base = holders[j]
+    return chosen
+
+
+@compiled
+def farthest_run(usable: Masks, joined: Masks, first: int) -> tuple[int, int]:
+    """The placement that gets farthest from the point `first`, and where to; `first` where none does."""
+    placement, farthest = -1, first
+    for b in range(usable.shape[1]):
+        last = _run_end(usable, joined, first, b)
+        if last > farthest:
+            placement, farthest = b, last
+    return placement, farthest
+
+
+@compiled
+def heaviest_run(values: Singles, usable: Masks, joined: Masks, steps: Floats, first: int) -> tuple[int, int]:
+    """The placement whose whole run from the point `first` has the greatest integral, and its end."""
+    placement, end, heaviest = -1, first, -np.inf
+    for b in range(values.shape[1]):
+        last = _run_end(usable, joined, first, b)
+        if last > first:
+            total = segment_score(values, steps, b, first, last)
+            if total > heaviest:
+                placement, end, heaviest = b, last, total
+    return placement, end
+
+
+@compiled
+def segment_score(values: Singles, steps: Floats, placement: int, first: int, last: int) -> float:
+    """Integral of the scores of one placement between two points."""
+    total = 0.0
+    for j in range(first, last):
+        total += 0.5 * steps[j] * (values[j, placement] + values[j + 1, placement])
+    return total
+
+
+@compiled
+def _run_end(usable: Masks, joined: Masks, first: int, placement: int) -> int:
+    if not usable[first, placement]:
+        return first
+    last = first
+    while last + 1 < usable.shape[0] and usable[last + 1, placement]:
+        if joined.size and not joined[last, placement]:
+            break
+        last += 1
+    return last

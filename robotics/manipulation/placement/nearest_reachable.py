@@ -1,0 +1,61 @@
+"""What could be tracked instead of a point that can't."""
+
+from __future__ import annotations
+
+from itertools import product
+
+import numpy as np
+from numpy.typing import NDArray
+
+from handcart.robotics.manipulation.tracking.tool_path import ToolPath
+
+from .placement_refinement import Scorer
+from .untrackable import Untrackable
+
+Floats = NDArray[np.float64]
+
+_SHELLS = 0.01 * 1.5 ** np.arange(20)  # [m] 10 mm to 22 m
+_FINEST = 0.001  # [m]
+
+
+def with_nearest(error: Untrackable, scorer: Scorer, path: ToolPath, bases: Floats) -> Untrackable:
+    """The same refusal, with the nearest position that could be tracked from one of the base poses (b, 3).
+
+    The point is moved along 26 directions, outwards until some placement can use it, and back to within a
+    millimetre; tool and tangent stay as they are. So "nearest" is among these directions.
+    """
+    return Untrackable(error.index, error.why, _nearest(scorer, path, bases, error.index))
+
+
+def _nearest(scorer: Scorer, path: ToolPath, bases: Floats, index: int) -> Floats | None:
+    directions = np.array([way for way in product((-1.0, 0.0, 1.0), repeat=3) if any(way)])
+    directions /= np.linalg.norm(directions, axis=1, keepdims=True)
+    inner = 0.0
+    for outer in _SHELLS:
+        found = _usable(scorer, path, bases, index, outer * directions)
+        if found.any():
+            offset = _pull_in(scorer, path, bases, index, directions[found], inner, float(outer))
+            return np.asarray(path.points[index] + offset)
+        inner = float(outer)
+    return None
+
+
+def _pull_in(
+    scorer: Scorer, path: ToolPath, bases: Floats, index: int, directions: Floats, inner: float, outer: float
+) -> Floats:
+    """The shortest of offsets between two distances, by halving."""
+    while outer - inner > _FINEST:
+        middle = 0.5 * (inner + outer)
+        found = _usable(scorer, path, bases, index, middle * directions)
+        if found.any():
+            directions, outer = directions[found], middle
+        else:
+            inner = middle
+    return np.asarray(outer * directions[0])
+
+
+def _usable(scorer: Scorer, path: ToolPath, bases: Floats, index: int, offsets: Floats) -> NDArray[np.bool_]:
+    """(m,): whether the point moved by offsets (m, 3) can be used from any base."""
+    rows = np.full(len(offsets), index)
+    moved = ToolPath(*(field[rows] for field in path))._replace(points=path.points[index] + offsets)
+    return np.asarray(scorer(bases, moved).usable.any(axis=0))

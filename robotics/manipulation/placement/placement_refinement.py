@@ -1,0 +1,110 @@
+"""Placements moved off their grid, to where they are worth most."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from handcart.robotics.manipulation.tracking.tool_path import ToolPath
+
+from .placement_division import Division, Segment, best_division
+from .placement_scores import PlacementScores
+
+Floats = NDArray[np.float64]
+Scorer = Callable[[Floats, ToolPath], PlacementScores]
+"""Scores of base poses (b, 3) along a path: an arm's with its rule, less what rules placements out."""
+
+_TRIES = 48
+_SHRINK = 0.5
+_ROUNDS = 12
+_FINEST = 1e-3  # of the first radius
+
+
+class Refinement(NamedTuple):
+    """A division among placements that stand anywhere."""
+
+    bases: Floats
+    """(k, 3): one for each segment, x and y in [m], heading in [rad]."""
+    division: Division
+    """Placement numbers are rows of `bases`."""
+    gain: float
+    """How much the score rose, in [m]; never below zero."""
+
+
+def refine(
+    scorer: Scorer,
+    path: ToolPath,
+    bases: Floats,
+    division: Division,
+    radius: float,
+    turn: float,
+    seed: int = 0,
+) -> Refinement:
+    """Moves each placement to where its segment is worth most, divides again among old and new; and again.
+
+    It ends where neither helps: a local optimum, never worse than what it began with. How far the best of all
+    is from it, this search can't tell: see `placement_bound`.
+
+    Args:
+        bases: (b, 3) base poses that the division numbers.
+        radius, turn: how far from a placement the search begins, in [m] and [rad]: the steps of the grid.
+    """
+    rng = np.random.default_rng(seed)
+    count = len(division.segments)
+    start = division.score
+    pool = np.array([bases[segment.placement] for segment in division.segments])
+    current = _renumbered(division)
+    for _ in range(_ROUNDS):
+        better = [
+            _climb(scorer, path, pool[segment.placement], segment, (radius, turn), rng)
+            for segment in current.segments
+        ]
+        tried = np.vstack((pool, better))
+        found = best_division(scorer(tried, path), path.lengths, count)
+        if found.score <= current.score + 1e-9 * path.length:
+            break
+        pool = np.array([tried[segment.placement] for segment in found.segments])
+        current = _renumbered(found)
+    return Refinement(pool, current, current.score - start)
+
+
+def _renumbered(division: Division) -> Division:
+    segments = (segment._replace(placement=row) for row, segment in enumerate(division.segments))
+    return division._replace(segments=tuple(segments))
+
+
+def _climb(
+    scorer: Scorer,
+    path: ToolPath,
+    base: Floats,
+    segment: Segment,
+    reach: tuple[float, float],
+    rng: np.random.Generator,
+) -> Floats:
+    """The best of random placements around the best one so far, ever nearer."""
+    part = path.part(segment.first, segment.last)
+    best, value = base, _worth(scorer, np.atleast_2d(base), part)[0]
+    scale = 1.0
+    while scale > _FINEST:
+        steps = rng.uniform(-1.0, 1.0, (_TRIES, 3)) * scale * np.array((reach[0], reach[0], reach[1]))
+        values = _worth(scorer, best + steps, part)
+        top = int(np.argmax(values))
+        if values[top] > value:
+            best, value = best + steps[top], values[top]
+        else:
+            scale *= _SHRINK
+    return best
+
+
+def _worth(scorer: Scorer, bases: Floats, part: ToolPath) -> Floats:
+    """Integrals (b,) of the whole part; -inf where some of it can't be tracked."""
+    scores = scorer(bases, part)
+    sound = scores.usable.all(axis=1)
+    if scores.joined is not None:
+        sound &= scores.joined.all(axis=1)
+    steps = np.diff(part.lengths)
+    values = scores.values.astype(np.float64)
+    return np.where(sound, 0.5 * (values[:, :-1] + values[:, 1:]) @ steps, -np.inf)

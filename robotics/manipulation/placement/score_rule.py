@@ -1,0 +1,96 @@
+"""Which of the measures a placement is scored with, and the limits that it knows."""
+
+from __future__ import annotations
+
+from enum import IntEnum
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from handcart.robotics.numerics.compiled import compiled
+
+Floats = NDArray[np.float64]
+
+UNUSABLE = -1.0
+
+
+class Measure(IntEnum):
+    """What a placement is scored by at a point that it reaches."""
+
+    REACHABILITY = 0
+    """1 wherever the arm reaches: figure 2a of Shin (2005)."""
+    MANIPULABILITY = 1
+    """Yoshikawa's, eq. 2, whatever the direction of the path: figure 2b."""
+    DIRECTIONAL = 2
+    """Eq. 6, absolute values, limits of each joint's own: figures 2c and 4."""
+    SURE = 3
+    """min(eq. 6, 1 - b_min/g) with the exact top speed g: ours."""
+
+
+class ScoreRule(NamedTuple):
+    """A measure and the limits of each joint, as lengths (`performance`)."""
+
+    measure: Measure
+    low: Floats
+    """(n,): tool speed over joint speed limit, in [m]; b_min of Shin (2005)."""
+    high: Floats
+    """(n,): joint torque limit over tool force, in [m]; b_max."""
+
+    @classmethod
+    def of_limits(
+        cls, measure: Measure, velocity: Floats, torque: Floats, speed: float, force: float
+    ) -> ScoreRule:
+        """From limits (n,) in [rad/s] and [Nm], a tool speed in [m/s] and a force along the path in [N].
+
+        Raises:
+            ValueError: a limit, the speed or the force isn't above zero, or they leave a joint no room.
+        """
+        if not (min(*np.atleast_1d(velocity), *np.atleast_1d(torque), speed, force) > 0.0):
+            raise ValueError("speed and torque limits, speed and force must be above zero")
+        low, high = speed / np.asarray(velocity, float), np.asarray(torque, float) / force
+        if not (low < high).all():
+            joint = int(np.argmin(low < high))
+            raise ValueError(
+                f"joint {joint} has no lever between {low[joint]:.3g} m (fast enough) and "
+                f"{high[joint]:.3g} m (strong enough); allowed: a lower speed or force"
+            )
+        return cls(measure, low, high)
+
+    @classmethod
+    def uniform(cls, measure: Measure, low: float, high: float, joints: int) -> ScoreRule:
+        """The same limits for all joints, in [m]: as in the paper."""
+        return cls(measure, np.full(joints, low), np.full(joints, high))
+
+    @property
+    def limits(self) -> Floats:
+        """(3, n) for `worth`: low, high, and one over half of their distance."""
+        return np.array((self.low, self.high, 2.0 / (self.high - self.low)))
+
+
+@compiled
+def worth(measure: int, elements: Floats, rates: Floats, spread: float, limits: Floats) -> float:
+    """Score of a reached point, or UNUSABLE where a limit is broken.
+
+    Args:
+        measure: a `Measure`.
+        elements: |k^T J| (n,), in [m].
+        rates: |J^-1 k| (n,), in [rad/m].
+        spread: Yoshikawa's manipulability.
+        limits: (3, n) of the `ScoreRule`.
+    """
+    if measure == 0:
+        return 1.0
+    if measure == 1:
+        return spread
+    fast, strong = -1.0, 1.0
+    for i in range(len(elements)):
+        fast = max(fast, (elements[i] - limits[0, i]) * limits[2, i])
+        strong = min(strong, (limits[1, i] - elements[i]) * limits[2, i])
+    value = min(fast, strong)
+    if measure == 3:
+        for i in range(len(rates)):
+            value = min(value, 1.0 - limits[0, i] * rates[i])
+    if value <= 0.0:
+        return UNUSABLE
+    return value

@@ -1,0 +1,82 @@
+"""Where a base can stand: clear of what is there, and with a way to it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import cv2
+import numpy as np
+import pinocchio as pin
+from numpy.typing import NDArray
+from scipy import ndimage
+
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.kinematics.coal_bodies import coal_body
+from handcart.robotics.kinematics.shapes import Shape, radius_about
+from handcart.robotics.navigation.maps.grid_map import GridMap
+
+Floats = NDArray[np.float64]
+Masks = NDArray[np.bool_]
+
+
+def has_way(bases: Floats, grid: GridMap, start: tuple[float, float], radius: float) -> Masks:
+    """(b,): base poses (b, 3) to which a round base gets from `start` without touching what the map knows.
+
+    Args:
+        radius: of the base, in [m]; its centre keeps that far from occupied and unknown cells, and from the
+            edge of the map.
+    """
+    free = np.pad(~grid.blocked, 1).astype(np.uint8)
+    away = cv2.distanceTransform(free, cv2.DIST_L2, cv2.DIST_MASK_PRECISE)[1:-1, 1:-1] * grid.resolution
+    parts, _ = ndimage.label(away >= radius, structure=np.ones((3, 3)))
+    inside = grid.inside(bases[:, :2])
+    if not grid.inside(np.array([start]))[0]:
+        return np.zeros(len(bases), dtype=np.bool_)
+    home = parts[tuple(grid.to_cell(np.array([start]))[0])]
+    cells = grid.to_cell(bases[inside, :2])
+    reached = np.zeros(len(bases), dtype=np.bool_)
+    reached[inside] = (parts[cells[:, 0], cells[:, 1]] == home) & (home != 0)
+    return reached
+
+
+def stands_clear(
+    bases: Floats, bodies: Sequence[Shape], obstacles: Sequence[Shape], margin: float = 0.0
+) -> Masks:
+    """(b,): base poses (b, 3) at which none of the robot's bodies is within `margin`, in [m], of an obstacle.
+
+    In space, by coal: a base may stand below what hangs high enough.
+
+    Args:
+        bodies: of the robot, posed in the frame of its base, as it stands while it drives.
+        obstacles: posed in world.
+    """
+    clear = np.ones(len(bases), dtype=np.bool_)
+    for body in bodies:
+        geometry, around = coal_body(body), radius_about(body) + margin
+        centres = _positions(bases, body)
+        for obstacle in obstacles:
+            fixed, placed = coal_body(obstacle), _placement(obstacle.pose)
+            gaps = np.linalg.norm(centres - obstacle.pose[:3, 3], axis=1)
+            for index in np.flatnonzero(clear & (gaps < around + radius_about(obstacle))):
+                world_T_body = _placement(Pose2(*bases[index]).lift() @ body.pose)
+                request, result = pin.coal.CollisionRequest(), pin.coal.CollisionResult()
+                request.security_margin = max(margin, _TOUCH)
+                pin.coal.collide(geometry, world_T_body, fixed, placed, request, result)
+                clear[index] = not result.isCollision()
+    return clear
+
+
+_TOUCH = 1e-6  # [m] coal calls overlapping bodies free at margin 0
+
+
+def _placement(pose: Floats) -> object:
+    return pin.coal.Transform3s(pose[:3, :3], pose[:3, 3])
+
+
+def _positions(bases: Floats, body: Shape) -> Floats:
+    """(b, 3): the body's origin from each base, in world."""
+    cos, sin = np.cos(bases[:, 2]), np.sin(bases[:, 2])
+    x, y, z = body.pose[:3, 3]
+    return np.column_stack(
+        (bases[:, 0] + cos * x - sin * y, bases[:, 1] + sin * x + cos * y, np.full(len(bases), z))
+    )

@@ -1,0 +1,1 @@
+"""A base that yaws and leans when its arm moves."""

@@ -1,0 +1,171 @@
+"""Identifying the base's yaw and lean from what was measured in a calibration run."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import least_squares
+
+from handcart.robotics.clustered_sigmas import clustered_sigmas
+from handcart.robotics.geometry.transform import Transform, apply, inverse, transform
+from handcart.robotics.manipulation.suspension.suspension_model import SuspensionModel
+
+Floats = NDArray[np.float64]
+
+LARGEST_SIGMAS = SuspensionModel(0.5e-3, 2e-3, 2e-3, 0.2)
+"""A parameter that is known less well than this was not measured."""
+_START = SuspensionModel(0.0, -5e-3, 5e-3, 0.0)
+_STEPS = np.array([1e-3, 1e-2, 1e-2, 0.1])
+_BEST = 1e-5  # no measurement is believed to be better [m], [rad]
+_BEST_SHARE = 0.1  # nor than a tenth of what is expected of it
+_RAY_NOISE = 6e-5  # [rad] of a corner: 0.05 px of a lens of 800 px
+
+
+class Swing(NamedTuple):
+    """One move of the arm: where it took the hand, counted from the reference posture."""
+
+    base_T_hand: Transform
+    """By the joints, (4, 4)."""
+    reference: Transform
+    """base_T_hand at the reference posture, (4, 4)."""
+    swings: float
+    """Moves out and back since the reference posture."""
+
+
+class Sighting(NamedTuple):
+    """A landmark seen after a swing."""
+
+    swing: Swing
+    corners: Floats
+    """Where its corners are printed on the sheet, (4, 3) in [m]."""
+    rays: Floats
+    """Where they are seen, (4, 2), as `Landmark.rays`."""
+
+
+class SuspensionFit(NamedTuple):
+    """An identified model."""
+
+    model: SuspensionModel
+    sigmas: SuspensionModel
+    """Standard deviation of each parameter; 0 for those that were given."""
+    rms: float
+    """Of what the model leaves unexplained: in [m]; of sightings, 1 if they are as good as was said."""
+
+
+def fit_displacements(
+    swings: Sequence[Swing], displacements: Floats, known: Mapping[str, float] | None = None
+) -> SuspensionFit:
+    """The model from displacements (n, 3) of the hand in [m], in the base as it stood at the reference.
+
+    `known` gives parameters that aren't to be found. Raises ValueError where the swings can't tell one of the
+    others.
+    """
+
+    def residuals(model: SuspensionModel, _: Floats) -> Floats:
+        moved = [model.displaced(*swing)[:3, 3] - swing.base_T_hand[:3, 3] for swing in swings]
+        return np.ravel(np.array(moved) - displacements)
+
+    return _fit(residuals, len(swings), np.empty(0), known or {})
+
+
+def fit_sightings(
+    sightings: Sequence[Sighting],
+    hand_T_camera: Transform,
+    base_T_sheet: Transform,
+    known: Mapping[str, float] | None = None,
+    arm_error: float = 3e-4,
+) -> SuspensionFit:
+    """The model from landmarks of one sheet, seen from many postures.
+
+    What the arm is off by, with a standard deviation of `arm_error` [m] along each axis, moves the corners of
+    a landmark together, and sideways more than it changes their size: each sighting is weighed so, or the
+    heights, which tell the lean from the pivot, would be lost in what the arm does sideways.
+
+    Where the sheet lies is found as well, its height and its tilt too: at the reference posture the base
+    leans already, by what nobody knows yet. `base_T_sheet` (4, 4) need be good to a few centimetres only.
+    Raises ValueError where the sightings can't tell a parameter.
+    """
+    seen = np.array([each.rays for each in sightings])
+    weights = np.array([_weight(each, hand_T_camera, base_T_sheet, arm_error) for each in sightings])
+
+    def residuals(model: SuspensionModel, placed: Floats) -> Floats:
+        sheet = base_T_sheet @ transform(placed[:3].tolist(), placed[3:].tolist())
+        rays = [
+            _rays(model.displaced(*each.swing) @ hand_T_camera, apply(sheet, each.corners))
+            for each in sightings
+        ]
+        return np.ravel(weights @ (np.array(rays) - seen).reshape(-1, 8, 1))
+
+    return _fit(residuals, len(sightings), np.zeros(6), known or {}, _BEST_SHARE)
+
+
+def _weight(
+    sighting: Sighting, hand_T_camera: Transform, base_T_sheet: Transform, arm_error: float
+) -> Floats:
+    """(8, 8) that makes what a sighting is off by uncorrelated and of unit variance."""
+    camera_T_base = inverse(sighting.swing.base_T_hand @ hand_T_camera)
+    x, y, z = apply(camera_T_base @ base_T_sheet, sighting.corners).T
+    zero = np.zeros(4)
+    by_shift = np.stack([np.stack([1 / z, zero, -x / z**2], -1), np.stack([zero, 1 / z, -y / z**2], -1)], 1)
+    J = arm_error * by_shift.reshape(8, 3)
+    return np.asarray(np.linalg.inv(np.linalg.cholesky(J @ J.T + _RAY_NOISE**2 * np.eye(8))))
+
+
+def _rays(base_T_camera: Transform, points: Floats) -> Floats:
+    """(n, 2) x/z, y/z of points (n, 3) of the base."""
+    inside = apply(inverse(base_T_camera), points)
+    return np.asarray(inside[:, :2] / inside[:, 2:3])
+
+
+def _fit(
+    residuals: Callable[[SuspensionModel, Floats], Floats],
+    count: int,
+    others: Floats,
+    known: Mapping[str, float],
+    best: float = _BEST,
+) -> SuspensionFit:
+    """Least squares over what isn't known of the model, and some `others`; `count` swings were measured.
+
+    No residual is believed to be smaller than `best`.
+    """
+    free = [i for i, name in enumerate(SuspensionModel._fields) if name not in known]
+    fixed = np.array(_START._replace(**known))
+
+    def model_of(values: Floats) -> SuspensionModel:
+        full = fixed.copy()
+        full[free] = values[: len(free)] * _STEPS[free]
+        return SuspensionModel(*full.tolist())
+
+    start = np.concatenate([fixed[free] / _STEPS[free], others])
+    if count == 0:
+        raise ValueError("there are no measurements")
+    found = least_squares(
+        lambda values: residuals(model_of(values), values[len(free) :]),
+        start,
+        x_scale="jac",
+        xtol=1e-12,
+        ftol=1e-12,
+        gtol=1e-14,
+    )
+    sigmas = np.zeros(4)
+    groups = np.repeat(np.arange(count), len(found.fun) // count)
+    sigmas[free] = clustered_sigmas(found.jac, found.fun, groups, best)[: len(free)] * _STEPS[free]
+    _check(sigmas)
+    rms = float(np.sqrt(np.mean(found.fun**2)))
+    return SuspensionFit(model_of(found.x), SuspensionModel(*sigmas.tolist()), rms)
+
+
+def _check(sigmas: Floats) -> None:
+    vague = [
+        name
+        for name, sigma, largest in zip(SuspensionModel._fields, sigmas, LARGEST_SIGMAS, strict=True)
+        if not sigma <= largest
+    ]
+    if vague:
+        raise ValueError(
+            f"the measurements can't tell {', '.join(vague)}: reach further out, in x and in y, at several "
+            "heights and after several swings, or give what is known"
+        )

@@ -1,0 +1,1 @@
+"""Keeping a tool on a path."""

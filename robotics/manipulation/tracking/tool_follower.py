@@ -1,0 +1,110 @@
+"""Joint angles that keep a tool on a path, from a base that stands."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from handcart.robotics.geometry.transform import Transform, inverse
+from handcart.robotics.kinematics.arm_model import ArmModel
+from handcart.robotics.manipulation.arms.screw_arm import FreeTurn
+from handcart.robotics.manipulation.arms.screw_chain import ScrewChain
+from handcart.robotics.manipulation.arms.screw_steps import descend, tip_and_jacobian, without_free
+from handcart.robotics.manipulation.placement.untrackable import Untrackable
+
+from .tool_path import ToolPath
+
+Floats = NDArray[np.float64]
+
+_ITERATIONS = 60
+_JUMP = 0.5  # [rad] of a joint from a point to the next
+_EASES = 0.02  # [rad] at most from a point to the next, by which spare joints keep away from their limits
+_EAGER = 0.05  # of the way there
+_SINGULAR = 1e-3
+
+
+class ToolFollower:
+    """Inverse kinematics point after point, each from the one before, so that the arm keeps its branch.
+
+    For a base that didn't stop where it was planned, call `joints` with where it was measured to stand, near
+    the angles that were planned: the tool is on the path again, as exactly as the base was measured.
+
+    An arm with joints to spare, a free turn of the tool included, keeps away from its limits meanwhile.
+
+    Args:
+        arm: the arm; all its joints turn.
+        free: the turn of the tool that the path leaves free.
+        azimuth_tolerance: for FreeTurn.VERTICAL, in [rad].
+    Raises:
+        ValueError: a joint slides.
+    """
+
+    def __init__(
+        self, arm: ArmModel, free: FreeTurn = FreeTurn.NONE, azimuth_tolerance: float = np.pi
+    ) -> None:
+        self.arm = arm
+        self.free = free
+        self.azimuth_tolerance = azimuth_tolerance
+        self._chain = ScrewChain.of_arm(arm)
+        self._spare = arm.dof > (6 if free == FreeTurn.NONE else 5)
+        self._middle, self._half = 0.5 * (arm.lower + arm.upper), 0.5 * (arm.upper - arm.lower)
+
+    def joints(self, path: ToolPath, world_T_base: Transform, near: Floats) -> Floats:
+        """Joint angles (p, n) within the limits that put the tool at each point of the path.
+
+        Args:
+            world_T_base: (4, 4); it may be tilted.
+            near: angles (n,) that the first point is looked for from.
+        Raises:
+            Untrackable: the first point that the arm doesn't come to, with the nearest position where it came
+                to rest; or to which it would have to jump.
+        """
+        base_T_tools = inverse(world_T_base) @ path.poses
+        angles = np.empty((len(base_T_tools), self.arm.dof))
+        before = np.clip(near, self.arm.lower, self.arm.upper)
+        for index, base_T_tool in enumerate(base_T_tools):
+            angles[index] = self._step(base_T_tool, before, index, world_T_base)
+            if index > 0 and np.abs(angles[index] - before).max() > _JUMP:
+                raise Untrackable(index, "makes the arm jump to another of its ways to reach it")
+            before = self._eased(angles[index]) if self._spare else angles[index]
+        return angles
+
+    def tool_errors(self, path: ToolPath, world_T_base: Transform, angles: Floats) -> Floats:
+        """Distances (p,) of the tool from the points of the path, in [m], with the base standing there."""
+        tips = np.array([(world_T_base @ self.arm.forward(q))[:3, 3] for q in angles])
+        return np.asarray(np.linalg.norm(tips - path.points, axis=1))
+
+    def _step(self, base_T_tool: Transform, before: Floats, index: int, world_T_base: Transform) -> Floats:
+        q, pose, jacobian = before.copy(), np.eye(4), np.empty((6, self.arm.dof))
+        target = np.ascontiguousarray(base_T_tool)
+        arrived = descend(*self._chain, target, int(self.free), _ITERATIONS, q, pose, jacobian)
+        if not arrived:
+            nearest = (world_T_base @ self.arm.forward(q))[:3, 3]
+            raise Untrackable(index, f"can't be reached{self._limit(q)}", nearest)
+        if self.free == FreeTurn.VERTICAL and _azimuth(pose, target) > self.azimuth_tolerance:
+            raise Untrackable(index, "turns the tool's azimuth beyond the tolerance")
+        return q
+
+    def _eased(self, q: Floats) -> Floats:
+        """Angles (n,) near by, with about the same pose of the tool, and further from the limits."""
+        pose, jacobian = np.eye(4), np.empty((6, self.arm.dof))
+        tip_and_jacobian(*self._chain[:3], q, pose, jacobian)
+        without_free(pose, int(self.free), jacobian)
+        # What counts is the share of a joint's range, and most where little of it is left.
+        share = (q - self._middle) / self._half
+        wish = -_EAGER * share**3 * self._half
+        ease = wish - np.linalg.pinv(jacobian, rcond=_SINGULAR) @ (jacobian @ wish)
+        return np.asarray(q + ease * min(1.0, _EASES / max(1e-12, float(np.abs(ease).max()))))
+
+    def _limit(self, q: Floats) -> str:
+        """Which joints stopped the arm, in words."""
+        held = np.minimum(q - self.arm.lower, self.arm.upper - q) < 1e-6
+        names = [name for name, at_limit in zip(self.arm.joint_names, held, strict=True) if at_limit]
+        return f": {', '.join(names)} at the limit" if names else ""
+
+
+def _azimuth(pose: Transform, target: Transform) -> float:
+    """Angle between the levels of two tools' x axes, in [rad]."""
+    across = target[0, 0] * pose[1, 0] - target[1, 0] * pose[0, 0]
+    along = target[0, 0] * pose[0, 0] + target[1, 0] * pose[1, 0]
+    return float(abs(np.arctan2(across, along)))

@@ -1,0 +1,149 @@
+"""When the arm is where on its path: tool speed as asked where the joints allow it, less where they don't."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.interpolate import CubicSpline
+from toppra import SplineInterpolator
+from toppra.algorithm import TOPPRA
+from toppra.constraint import (
+    JointAccelerationConstraint,
+    JointTorqueConstraint,
+    JointVelocityConstraintVarying,
+)
+
+from handcart.robotics.kinematics.arm_model import ArmModel
+from handcart.robotics.manipulation.placement.untrackable import Untrackable
+
+from .tool_path import ToolPath
+from .tracking_limits import ArmLoad, LimitUse
+
+Floats = NDArray[np.float64]
+
+
+class TimedTracking(NamedTuple):
+    """Set-points of the arm along a path, from rest to rest."""
+
+    set_points: Floats
+    """(k, n), one each period, in [rad]."""
+    lengths: Floats
+    """(k,): how far along the path each is, in [m]."""
+    use: LimitUse
+    """What they take of the limits, at every set-point; nothing above 1."""
+
+
+class TrackingLimits(NamedTuple):
+    """What the arm may do while it tracks."""
+
+    speed: float
+    """Of the tool, in [m/s]."""
+    acceleration: Floats
+    """(n,), in [rad/s²]."""
+    torque: Floats
+    """(n,), in [Nm]."""
+    force: float = 0.0
+    """With which the tool pushes along the path, in [N]."""
+
+
+def time_tracking(
+    arm: ArmModel, path: ToolPath, angles: Floats, limits: TrackingLimits, period: float
+) -> TimedTracking:
+    """Set-points along a path whose points the arm reaches with `angles` (p, n).
+
+    The angles are joined by a cubic spline over the arc length; speed along it is chosen by TOPP-RA (Pham and
+    Pham 2018) and then checked at each set-point: where differences of set-points still break a limit, all is
+    stretched in time.
+
+    Args:
+        period: of the set-points, in [s].
+    Raises:
+        Untrackable: the first point at which holding still, and pushing, already takes more torque than there
+            is.
+        ValueError: a limit or the period isn't above zero.
+    """
+    if min(limits.speed, *limits.acceleration, *limits.torque, period) <= 0.0 or limits.force < 0.0:
+        raise ValueError("speed, acceleration, torque and period must be above zero, the force not below")
+    load = ArmLoad(arm)
+    push = _push(arm, load, path, angles, limits.force)
+    _check_holding(arm, load, angles, push, limits.torque)
+    s, speed = _fastest(arm, load, path, angles, limits, push)
+    times = np.concatenate(([0.0], np.cumsum(2.0 * np.diff(s) / (speed[:-1] + speed[1:]))))
+    spline, pushes = CubicSpline(path.lengths, angles), CubicSpline(path.lengths, push)
+    count = max(2, int(np.ceil(times[-1] / period)))
+    for _ in range(_STRETCHES):
+        along = _progress(s, speed, times, np.linspace(0.0, times[-1], count + 1))
+        set_points = spline(along)
+        use = load.use(set_points, period, limits.torque, pushes(along))
+        fastest = float(np.abs(np.diff(along)).max()) / (period * limits.speed)
+        if use.violations == 0 and fastest <= 1.0 + 1e-9:
+            return TimedTracking(set_points, along, use)
+        count = int(count * 1.02) + 1
+    index = int(np.argmax(use.torque.max(axis=1)))
+    raise Untrackable(int(np.searchsorted(path.lengths, along[index])), "takes too much torque at any speed")
+
+
+_STRETCHES = 100
+_ROOM = 0.98  # of the torque limits for TOPP-RA, which looks at fewer places
+
+
+def _push(arm: ArmModel, load: ArmLoad, path: ToolPath, angles: Floats, force: float) -> Floats:
+    """(p, n) sizes of the torques for the force along the path, in [Nm]; any turn of the base is the same."""
+    if force == 0.0:
+        return np.zeros_like(angles)
+    tips = np.array([arm.forward(q)[:3, 3] for q in angles])
+    spline = CubicSpline(path.lengths, tips)(path.lengths, 1)
+    tangents = spline / np.linalg.norm(spline, axis=1, keepdims=True)
+    return np.abs([load.push(q, force * k) for q, k in zip(angles, tangents, strict=True)])
+
+
+def _check_holding(arm: ArmModel, load: ArmLoad, angles: Floats, push: Floats, torque: Floats) -> None:
+    still = np.zeros(arm.dof)
+    for index, (q, more) in enumerate(zip(angles, push, strict=True)):
+        needed = np.abs(load.torques(q, still, still)) + more
+        if (needed > _ROOM * torque).any():
+            joint = int(np.argmax(needed / torque))
+            raise Untrackable(
+                index,
+                f"takes {needed[joint]:.1f} Nm of {arm.joint_names[joint]!r}; "
+                f"allowed: {_ROOM * torque[joint]:.1f} Nm at rest",
+            )
+
+
+def _fastest(
+    arm: ArmModel, load: ArmLoad, path: ToolPath, angles: Floats, limits: TrackingLimits, push: Floats
+) -> tuple[Floats, Floats]:
+    """Arc lengths (g,) and the highest speed along the path at each (g,), from rest to rest."""
+    spline = SplineInterpolator(path.lengths, angles, bc_type="not-a-knot")
+
+    def velocity(s: float) -> Floats:
+        """Joint limits (n, 2) that also keep the tool at its speed."""
+        bound = np.minimum(arm.velocity, limits.speed * np.abs(spline(s, 1)) + 1e-9)
+        return np.column_stack((-bound, bound))
+
+    room = _ROOM * limits.torque - push.max(axis=0)
+    constraints: list[Any] = [
+        JointVelocityConstraintVarying(velocity),
+        JointAccelerationConstraint(np.column_stack((-limits.acceleration, limits.acceleration))),
+    ]
+    still = np.zeros(arm.dof)
+    if all((np.abs(load.torques(q, still, still)) < room).all() for q in angles):
+        constraints.append(
+            JointTorqueConstraint(load.torques, np.column_stack((-room, room)), np.zeros(arm.dof))
+        )
+    grid = np.unique(np.concatenate((path.lengths, np.linspace(0.0, path.length, 4 * len(path.points)))))
+    solver = TOPPRA(constraints, spline, gridpoints=grid, solver_wrapper="seidel")
+    _, speed, _ = solver.compute_parameterization(0.0, 0.0)
+    if speed is None or not np.all(np.isfinite(speed)):
+        raise RuntimeError("TOPP-RA found no speed along a path from rest to rest")
+    return grid, np.maximum(speed, 0.0)
+
+
+def _progress(s: Floats, speed: Floats, times: Floats, at: Floats) -> Floats:
+    """Arc length at the times `at`, with constant acceleration between the points of the grid."""
+    index = np.clip(np.searchsorted(times, at, side="right") - 1, 0, len(s) - 2)
+    dt = at - times[index]
+    gain = (speed[index + 1] - speed[index]) / (times[index + 1] - times[index])
+    return np.asarray(np.clip(s[index] + speed[index] * dt + 0.5 * gain * dt**2, s[0], s[-1]))

@@ -1,0 +1,1 @@
+"""Driving along a route, to a pose, and no farther than is free."""

@@ -1,0 +1,122 @@
+"""Driving a car's path: backwards, forwards, backwards, each as far as the path says."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from handcart.robotics.geometry.pose2 import Pose2, wrap
+from handcart.robotics.navigation.following.drive_limits import DriveLimits
+from handcart.robotics.navigation.following.pure_pursuit import PurePursuit
+from handcart.robotics.navigation.routes.tangent_path import SPACING, CarPath
+
+BACKING = 0.25  # [m/s]
+STANDS = 1e-3  # [m/s]
+Array = NDArray[np.float64]
+
+
+class _Leg:
+    """A piece of the path that is driven in one direction."""
+
+    def __init__(self, poses: Array, reverse: bool, sharpest: float, limits: DriveLimits) -> None:
+        turned = poses + np.array([0.0, 0.0, math.pi if reverse else 0.0])
+        speed = min(BACKING, limits.speed) if reverse else limits.speed
+        self.reverse = reverse
+        self.points = poses[:, :2]
+        steps = np.hypot(*np.diff(self.points, axis=0).T)
+        self.length = float(steps.sum())
+        self.pursuit = PurePursuit(
+            turned, np.zeros(len(poses)), sharpest=sharpest, speed=speed, acceleration=limits.acceleration
+        )
+
+    def seen(self, pose: Pose2) -> Pose2:
+        """The car as the pursuit sees it: backwards, its rear is in front."""
+        return Pose2(pose.x, pose.y, wrap(pose.theta + math.pi)) if self.reverse else pose
+
+
+class CarTracker:
+    """Follows a path of a car with front steering to its end by pure pursuit.
+
+    It has the face of `PathTracker`. Nothing is regulated at the end: a car can't move sideways.
+    """
+
+    def __init__(self, legs: list[tuple[Array, bool]], sharpest: float, limits: DriveLimits) -> None:
+        """Follow some legs.
+
+        Args:
+            legs: poses (n, 3) in [m, m, rad] of the base along each, and whether it is driven backwards.
+            sharpest: curvature that can be steered, in [1/m].
+            limits: of the base.
+        """
+        self._legs = [_Leg(poses, reverse, sharpest, limits) for poses, reverse in legs if len(poses) > 1]
+        self._limits = limits
+        self._at, self._speed, self._bend = 0, 0.0, 0.0
+
+    @classmethod
+    def along(
+        cls, path: CarPath, start: Pose2, goal: Pose2, sharpest: float, limits: DriveLimits
+    ) -> CarTracker:
+        """Of a planned path."""
+        first = np.array([start.compose(Pose2(-path.back_before, 0.0, 0.0))])
+        legs = [
+            (_straight(start, -path.back_before), True),
+            (np.vstack([first, path.poses]), False),
+            (_straight(goal.compose(Pose2(path.back_after, 0.0, 0.0)), -path.back_after), True),
+        ]
+        return cls(legs, sharpest, limits)
+
+    @property
+    def remaining(self) -> float:
+        """Length of path still ahead, in [m]."""
+        if self._at >= len(self._legs):
+            return 0.0
+        return self._legs[self._at].pursuit.left + sum(leg.length for leg in self._legs[self._at + 1 :])
+
+    @property
+    def progress(self) -> float:
+        """How far along the path the car is, in [m]."""
+        return sum(leg.length for leg in self._legs) - self.remaining
+
+    @property
+    def ahead(self) -> Array:
+        """(k, 2) what is left of the leg that is driven, in [m]."""
+        if self._at >= len(self._legs):
+            return np.empty((0, 2))
+        leg = self._legs[self._at]
+        left = round(leg.pursuit.left / max(leg.length, 1e-9) * (len(leg.points) - 1))
+        return leg.points[len(leg.points) - 1 - left :]
+
+    def finished(self, pose: Pose2) -> bool:
+        """Whether the end is reached, at rest."""
+        return self._at >= len(self._legs)
+
+    def command(self, pose: Pose2, dt: float) -> tuple[float, float]:
+        """Speed in [m/s], negative backwards, and turn rate in [rad/s] for the next `dt` in [s]."""
+        if self._at >= len(self._legs):
+            return 0.0, 0.0
+        leg = self._legs[self._at]
+        speed, bend = leg.pursuit.command(leg.seen(pose), self._speed, dt)
+        if speed <= STANDS:
+            self._at, self._speed = self._at + 1, 0.0
+            return 0.0, 0.0
+        self._speed = max(speed, self._speed - self._limits.acceleration * dt)
+        self._bend = bend
+        return self._drive(leg)
+
+    def hold(self, dt: float) -> tuple[float, float]:
+        """Speed and turn rate with which to come to rest and stay there."""
+        self._speed = max(0.0, self._speed - self._limits.acceleration * dt)
+        return self._drive(self._legs[self._at]) if self._at < len(self._legs) else (0.0, 0.0)
+
+    def _drive(self, leg: _Leg) -> tuple[float, float]:
+        most = self._limits.turn_rate
+        turn = max(-most, min(most, self._speed * self._bend))
+        return (-self._speed if leg.reverse else self._speed), turn
+
+
+def _straight(start: Pose2, way: float) -> Array:
+    """(n, 3) poses along a straight line; one if it has no length."""
+    count = math.ceil(abs(way) / SPACING - 1e-9) + 1
+    return np.array([start.compose(Pose2(way * s, 0.0, 0.0)) for s in np.linspace(0.0, 1.0, count)])

@@ -1,0 +1,192 @@
+"""Following a route: the tracking law of Kanayama et al. (1990) for a differential drive."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from handcart.robotics.geometry.pose2 import Pose2, wrap
+from handcart.robotics.navigation.following.drive_limits import BRAKING, DriveLimits, Ramp, rate_to_stop
+from handcart.robotics.navigation.following.pose_regulator import PoseRegulator, PoseTolerance
+from handcart.robotics.navigation.maps.speed_limits import SpeedLimits
+
+SIDEWAYS_GAIN = 25.0  # [1/m²], Ky; with the next one critically damped, 0.2 m to die down
+HEADING_GAIN = 10.0  # [1/m], Kθ
+MOST_SIDEWAYS = 0.12  # [m] of sideways error that steers; more would make the robot turn across the route
+TURN_FROM, TURN_UNTIL = 0.7, 0.08  # [rad] of heading error that is turned away in place
+SPACING = 0.04  # [m] between reference points
+SMOOTHED = 2  # reference points on each side that a tangent is taken over
+SLOWEST = 0.04  # [m/s]
+MARGIN = 3  # reference points before and behind a zone in which its limit holds
+LOOK = 0.6  # [m] of route ahead in which the nearest point is looked for
+CLOSE = 0.015  # [m] left, from where the goal's pose itself is regulated
+
+
+class PathTracker:
+    """Drives along a route to its end, and there into the goal's heading.
+
+    The reference is the nearest point of the route ahead of the progress so far, so the robot may be slow,
+    held or pushed without the reference running away. It turns in place where its heading is far off the
+    route's, slows down in curves and before the end, and hands the last centimetre and the final heading to a
+    `PoseRegulator`.
+    """
+
+    def __init__(
+        self,
+        points: NDArray[np.float64],
+        goal_heading: float | None = None,
+        limits: DriveLimits = DriveLimits(),
+        reverse: bool = False,
+        tolerance: PoseTolerance = PoseTolerance(),
+        allowed: SpeedLimits | None = None,
+    ) -> None:
+        """Track a route.
+
+        Args:
+            points: (n, 2) from about where the robot is to the goal, in [m].
+            goal_heading: at the end, in [rad]; any if None.
+            limits: of the base.
+            reverse: drive backwards: the rear leads.
+            tolerance: what counts as arrived.
+            allowed: how fast it may drive where.
+        """
+        self._points, self._along = _resample(points)
+        self._heading = _tangents(self._points)
+        self._curvature = _curvatures(self._heading, self._along)
+        most = np.full(len(self._points), limits.speed)
+        if allowed is not None:
+            most = _around(allowed.at(self._points, limits.speed))
+        self._speed = _speed_profile(self._along, self._curvature, limits, most)
+        self._limits = limits
+        self._flip = math.pi if reverse else 0.0
+        self._ramp = Ramp(limits)
+        self._progress = 0.0
+        self._turning = True
+        self._closing = len(self._points) < 2
+        end = self._points[-1]
+        goal = Pose2(float(end[0]), float(end[1]), 0.0 if goal_heading is None else wrap(goal_heading))
+        self._regulator = PoseRegulator(goal, limits, tolerance, goal_heading is None, self._ramp)
+
+    @property
+    def progress(self) -> float:
+        """How far along the route the robot is, in [m]."""
+        return self._progress
+
+    @property
+    def remaining(self) -> float:
+        """Length of route still ahead, in [m]."""
+        return float(self._along[-1]) - self._progress
+
+    @property
+    def ahead(self) -> NDArray[np.float64]:
+        """(k, 2) the rest of the route, from where the robot is on it, in [m]."""
+        here = [np.interp(self._progress, self._along, self._points[:, i]) for i in (0, 1)]
+        return np.vstack([here, self._points[self._along > self._progress]])
+
+    def finished(self, pose: Pose2) -> bool:
+        """Whether the robot stands at the end, within tolerance, at rest."""
+        return self._closing and self._regulator.finished(pose)
+
+    def command(self, pose: Pose2, dt: float) -> tuple[float, float]:
+        """Speed in [m/s], negative backwards, and turn rate in [rad/s] for the next `dt` in [s]."""
+        self._advance(pose)
+        self._closing = self._closing or self.remaining < CLOSE
+        if self._closing:
+            return self._regulator.command(pose, dt)
+        speed, turn_rate = self._track(Pose2(pose.x, pose.y, wrap(pose.theta + self._flip)))
+        return self._ramp.towards(-speed if self._flip else speed, turn_rate, dt)
+
+    def hold(self, dt: float) -> tuple[float, float]:
+        """Speed in [m/s] and turn rate in [rad/s] with which to come to rest and stay there."""
+        return self._ramp.towards(0.0, 0.0, dt)
+
+    def _advance(self, pose: Pose2) -> None:
+        """Move progress to the nearest point of the route not far ahead; never back."""
+        low = int(np.searchsorted(self._along, self._progress, side="right")) - 1
+        high = int(np.searchsorted(self._along, self._progress + LOOK, side="right")) + 1
+        starts, ends = self._points[low : high - 1], self._points[low + 1 : high]
+        if len(ends) == 0:
+            return
+        starts = starts[: len(ends)]
+        rays = ends - starts
+        lengths = np.maximum(np.hypot(*rays.T), 1e-12)
+        at = np.clip(((np.array(pose[:2]) - starts) * rays).sum(axis=1) / lengths**2, 0.0, 1.0)
+        away = np.hypot(*(starts + at[:, None] * rays - pose[:2]).T)
+        best = int(np.argmin(away))
+        self._progress = max(self._progress, float(self._along[low + best] + at[best] * lengths[best]))
+
+    def _track(self, pose: Pose2) -> tuple[float, float]:
+        """Wanted speed along the route and turn rate."""
+        reference = self._reference()
+        off = reference.relative_to(pose)
+        if abs(off.theta) > TURN_FROM or (self._turning and abs(off.theta) > TURN_UNTIL):
+            self._turning = True
+            return 0.0, rate_to_stop(off.theta, self._limits.turn_rate, self._limits.turn_acceleration)
+        self._turning = False
+        planned = float(np.interp(self._progress, self._along, self._speed))
+        speed = planned * math.cos(
+            off.theta
+        )  # Kanayama (1990), eq. 12, with x_e = 0 by the choice of reference
+        sideways = max(-MOST_SIDEWAYS, min(MOST_SIDEWAYS, off.y))
+        bend = float(np.interp(self._progress, self._along, self._curvature))
+        return speed, planned * (bend + SIDEWAYS_GAIN * sideways + HEADING_GAIN * math.sin(off.theta))
+
+    def _reference(self) -> Pose2:
+        x, y, heading = (
+            float(np.interp(self._progress, self._along, values))
+            for values in (self._points[:, 0], self._points[:, 1], self._heading)
+        )
+        return Pose2(x, y, wrap(heading))
+
+
+def _resample(points: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """The route evenly spaced (n, 2), and the length along it (n,)."""
+    points = np.asarray(points, dtype=np.float64)
+    along = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(points, axis=0).T))])
+    total = float(along[-1])
+    if total < 1e-6:
+        return points[-1:], np.zeros(1)
+    at = np.linspace(0.0, total, max(2, math.ceil(total / SPACING) + 1))
+    points = np.column_stack([np.interp(at, along, points[:, i]) for i in (0, 1)])
+    return points, np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(points, axis=0).T))])
+
+
+def _tangents(points: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Headings (n,) in travel direction, in [rad], without jumps of a whole turn."""
+    if len(points) < 2:
+        return np.zeros(len(points))
+    index = np.arange(len(points))
+    before, after = np.maximum(index - SMOOTHED, 0), np.minimum(index + SMOOTHED, len(points) - 1)
+    rays = points[after] - points[before]
+    headings: NDArray[np.float64] = np.unwrap(np.arctan2(rays[:, 1], rays[:, 0]))
+    return headings
+
+
+def _curvatures(heading: NDArray[np.float64], along: NDArray[np.float64]) -> NDArray[np.float64]:
+    if len(along) < 2:
+        return np.zeros(len(along))
+    return np.asarray(np.gradient(heading, along))
+
+
+def _around(most: NDArray[np.float64]) -> NDArray[np.float64]:
+    """(n,) the least of each point's and its neighbours': the robot is never quite at one."""
+    if len(most) < 2 * MARGIN + 1:
+        return np.full(len(most), most.min())
+    padded = np.pad(most, MARGIN, mode="edge")
+    least: NDArray[np.float64] = np.lib.stride_tricks.sliding_window_view(padded, 2 * MARGIN + 1).min(axis=1)
+    return least
+
+
+def _speed_profile(
+    along: NDArray[np.float64], curvature: NDArray[np.float64], limits: DriveLimits, most: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Speeds (n,) in [m/s] up to `most` (n,) that curves allow and from which one can brake in time."""
+    speed = np.minimum(most, 0.6 * limits.turn_rate / np.maximum(np.abs(curvature), 1e-6))
+    speed[-1] = 0.0
+    for i in range(len(speed) - 2, -1, -1):
+        room = float(along[i + 1] - along[i])
+        reachable = math.sqrt(float(speed[i + 1]) ** 2 + 2.0 * BRAKING * limits.acceleration * room)
+        speed[i] = min(float(speed[i]), reachable)
+    return np.maximum(speed, SLOWEST)

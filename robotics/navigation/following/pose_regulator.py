@@ -1,0 +1,108 @@
+"""The last centimetres: bringing a differential drive to a pose."""
+
+from __future__ import annotations
+
+import math
+from enum import Enum
+from typing import NamedTuple
+
+from handcart.robotics.geometry.pose2 import Pose2, wrap
+from handcart.robotics.navigation.following.drive_limits import DriveLimits, Ramp, rate_to_stop
+
+STEERED = 0.1  # [m]: nearer than this the bearing to the goal is noise; the heading is held
+
+
+class PoseTolerance(NamedTuple):
+    """What counts as arrived."""
+
+    position: float = 0.008
+    """In [m]."""
+    heading: float = 0.005
+    """In [rad]."""
+
+
+class _Phase(Enum):
+    AIM = "turn towards the goal, or away from it"
+    DRIVE = "straight to it"
+    ALIGN = "turn to the goal's heading"
+
+
+class PoseRegulator:
+    """Turn, drive, turn: reaches any pose near by.
+
+    A differential drive can't move sideways, so a sideways error needs a move along another direction: aim at
+    the goal (with the front or the back, whichever turns less), drive there, turn to the goal's heading. Each
+    of the three is a stable one-dimensional loop; if position is off after the last turn, it begins again.
+    """
+
+    def __init__(
+        self,
+        goal: Pose2,
+        limits: DriveLimits = DriveLimits(),
+        tolerance: PoseTolerance = PoseTolerance(),
+        any_heading: bool = False,
+        ramp: Ramp | None = None,
+    ) -> None:
+        """Regulate to a goal.
+
+        Args:
+            goal: map_T_base to reach.
+            limits: of the base.
+            tolerance: what counts as arrived.
+            any_heading: the heading at the goal doesn't matter.
+            ramp: the commands so far, when this takes over from another law.
+        """
+        self.goal = goal
+        self.tolerance = tolerance
+        self._any_heading = any_heading
+        self._ramp = Ramp(limits) if ramp is None else ramp
+        self._phase = _Phase.ALIGN
+        self._backwards = False
+
+    def finished(self, pose: Pose2) -> bool:
+        """Whether the robot stands at the goal, within tolerance, at rest."""
+        return (
+            self._ramp.at_rest and self._aligned(pose) and pose.distance(self.goal) <= self.tolerance.position
+        )
+
+    def _aligned(self, pose: Pose2) -> bool:
+        return self._any_heading or pose.turn(self.goal) <= self.tolerance.heading
+
+    def command(self, pose: Pose2, dt: float) -> tuple[float, float]:
+        """Speed in [m/s] and turn rate in [rad/s] for the next `dt` in [s]."""
+        goal = self.goal.relative_to(pose)
+        self._choose_phase(pose, goal)
+        limits = self._ramp.limits
+        if self._phase is _Phase.ALIGN:
+            turn = 0.0 if self._any_heading else goal.theta
+            return self._ramp.towards(0.0, self._turn_rate(turn), dt)
+        if self._phase is _Phase.AIM:
+            return self._ramp.towards(0.0, self._turn_rate(self._bearing(goal)), dt)
+        far = math.hypot(goal.x, goal.y) > STEERED
+        turn_rate = self._turn_rate(self._bearing(goal)) if far else 0.0
+        return self._ramp.towards(rate_to_stop(goal.x, limits.speed, limits.acceleration), turn_rate, dt)
+
+    def _choose_phase(self, pose: Pose2, goal: Pose2) -> None:
+        distance = pose.distance(
+            self.goal
+        )  # as in `finished`: rounded otherwise, both could wait for the other
+        if self._phase is _Phase.ALIGN:
+            aligned = self._aligned(pose)
+            far = distance > 5.0 * self.tolerance.position
+            if distance > self.tolerance.position and (far or (aligned and self._ramp.at_rest)):
+                self._phase, self._backwards = _Phase.AIM, goal.x < 0.0
+        elif self._phase is _Phase.AIM:
+            fine = 0.25 * self.tolerance.position / max(distance, self.tolerance.position)
+            if abs(self._bearing(goal)) < max(fine, 0.01) and abs(self._ramp.turn_rate) < 0.05:
+                self._phase = _Phase.DRIVE
+        elif abs(goal.x) < 0.2 * self.tolerance.position and abs(self._ramp.speed) < 0.02:
+            self._phase = _Phase.ALIGN
+
+    def _bearing(self, goal: Pose2) -> float:
+        """Turn that points the front, or the back, at the goal."""
+        bearing = math.atan2(goal.y, goal.x)
+        return wrap(bearing + math.pi) if self._backwards else bearing
+
+    def _turn_rate(self, turn: float) -> float:
+        limits = self._ramp.limits
+        return rate_to_stop(turn, limits.turn_rate, limits.turn_acceleration)

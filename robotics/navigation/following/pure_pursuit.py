@@ -1,0 +1,88 @@
+"""Following a path with front steering: pure pursuit (Coulter, 1992)."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.navigation.following.drive_limits import BRAKING
+
+LOOK = 0.4  # [m] of path ahead in which the nearest point is looked for
+Array = NDArray[np.float64]
+
+
+class PurePursuit:
+    """Steers for a point of the path ahead; slows down before the end.
+
+    The path's own curvature is fed forward, so that in a bend the car isn't always late.
+    """
+
+    def __init__(
+        self,
+        poses: Array,
+        curvatures: Array,
+        ahead: float = 0.8,
+        sharpest: float = 0.5,
+        speed: float = 0.5,
+        acceleration: float = 0.3,
+    ) -> None:
+        """Follow a path.
+
+        Args:
+            poses: (n, 3) of the path, in [m, m, rad].
+            curvatures: (n,) of it, in [1/m].
+            ahead: to the point that is steered for, in [m].
+            sharpest: curvature that the steering allows, in [1/m].
+            speed: in [m/s].
+            acceleration: in [m/s²], also for braking.
+        """
+        self._poses, self._curvatures = np.asarray(poses), np.asarray(curvatures)
+        steps = np.hypot(*np.diff(self._poses[:, :2], axis=0).T)
+        self._along = np.concatenate([[0.0], np.cumsum(steps)])
+        self._ahead, self._sharpest = ahead, sharpest
+        self._speed, self._acceleration = speed, acceleration
+        self._at = 0
+
+    @property
+    def left(self) -> float:
+        """Way to the end, in [m]."""
+        return float(self._along[-1] - self._along[self._at])
+
+    def command(self, pose: Pose2, speed: float, dt: float) -> tuple[float, float]:
+        """Speed in [m/s] and curvature in [1/m] for the next `dt` [s], the car at `pose` with `speed` now."""
+        self._advance(pose)
+        return self._pace(pose, speed, dt), self._steer(pose)
+
+    def astray(self, pose: Pose2) -> float:
+        """Distance from the nearest point of the path, in [m]."""
+        return float(np.hypot(*(self._poses[self._at, :2] - pose[:2])))
+
+    def _advance(self, pose: Pose2) -> None:
+        end = int(np.searchsorted(self._along, self._along[self._at] + LOOK, side="right"))
+        away = np.hypot(*(self._poses[self._at : end, :2] - pose[:2]).T)
+        self._at += int(np.argmin(away))
+
+    def _pace(self, pose: Pose2, speed: float, dt: float) -> float:
+        x, y, heading = self._poses[-1].tolist()
+        near = math.cos(heading) * (x - pose.x) + math.sin(heading) * (y - pose.y)
+        left = near if self.left < LOOK else self.left
+        if left <= 0.0:
+            return 0.0
+        stopping = math.sqrt(2.0 * BRAKING * self._acceleration * left)
+        return min(self._speed, speed + self._acceleration * dt, stopping, left / dt)
+
+    def _steer(self, pose: Pose2) -> float:
+        """The arc that ends on the path's continuation, by how it differs from the path's own arc."""
+        target = int(np.searchsorted(self._along, self._along[self._at] + self._ahead))
+        beyond = self._along[self._at] + self._ahead - self._along[-1]
+        point = self._poses[min(target, len(self._poses) - 1)]
+        x, y = point[0], point[1]
+        if beyond > 0.0:
+            x, y = x + beyond * math.cos(point[2]), y + beyond * math.sin(point[2])
+        local = pose.inverse().apply(np.array([[x, y]])).reshape(2)
+        reach = float(local @ local)
+        bend = 2.0 * float(local[1]) / max(reach, 1e-6)
+        return max(-self._sharpest, min(self._sharpest, bend))

@@ -1,0 +1,192 @@
+"""How far a round robot can move on before it touches what a map or a scan shows."""
+
+from __future__ import annotations
+
+import math
+from typing import Literal, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.navigation.maps.clearances import Clearances, nearest_square
+from handcart.robotics.navigation.maps.grid_map import GridMap
+from handcart.robotics.numerics.compiled import compiled
+
+AWAY = 0.2  # of each metre from where it stood too near to something, that it must be farther from it there
+ALONG = 0.02  # likewise of each metre driven where it is too near by now: all but along it
+NOISE = 0.015  # [m] by which what was measured where it stood may be less when it comes back
+STEP = 0.003  # [m] at least between two looks along the way
+NOTHING = np.empty((0, 2))
+
+
+class Held(NamedTuple):
+    """What a robot would touch."""
+
+    shown_by: Literal["map", "scan"]
+    x: float
+    """Where it is on the map, in [m]."""
+    y: float
+    room: float
+    """From the robot's middle to it, from where the robot is, in [m]."""
+    needed: float
+    """In [m]."""
+
+    @property
+    def words(self) -> str:
+        """What holds it back, for a person."""
+        there = f"the {self.shown_by} shows something at ({self.x:.2f}, {self.y:.2f}) m"
+        return f"{there}, {self.room:.2f} m from its middle, needed: {self.needed:.2f} m"
+
+
+class _Stand(NamedTuple):
+    """Where the robot may be nearer to things than elsewhere."""
+
+    pose: Pose2
+    room: tuple[float, float]
+    """From its middle to what the map and to what the scan shows, in [m]."""
+
+
+class WayGuard:
+    """Foresees what a disc sweeps over, against the map and the scan of the moment.
+
+    Where something is nearer than it may be, only motion that leads away from it is free; and where the robot
+    stood when it began (`stand_at`), it may come back to.
+    """
+
+    def __init__(self, needed: float, grid: GridMap | None = None) -> None:
+        """Guard a disc.
+
+        Args:
+            needed: from its middle to anything at least, in [m].
+            grid: the map, if there is one: what is occupied on it counts.
+        """
+        self._needed = needed
+        nothing = np.zeros((1, 1), dtype=np.bool_)
+        self._map = Clearances(GridMap(nothing, nothing, 1.0, 0.0, 0.0) if grid is None else grid)
+        self._stands: tuple[_Stand, ...] = ()
+
+    def stand_at(self, pose: Pose2, scan: NDArray[np.float64]) -> None:
+        """The robot stands at map_T_base, where `scan` (n, 2), in the base frame, in [m], leaves it room."""
+        scanned = float(np.hypot(*scan.T).min()) if len(scan) else math.inf
+        self._stands = (_Stand(pose, (self._map.nearest(pose[:2]).distance, scanned)),)
+
+    def may_stand_at(self, pose: Pose2) -> None:
+        """Besides, the robot may come as near to what the map shows as map_T_base is."""
+        self._stands += (_Stand(pose, (self._map.nearest(pose[:2]).distance, math.inf)),)
+
+    def free_way(
+        self, pose: Pose2, scan: NDArray[np.float64], curvature: float, length: float
+    ) -> tuple[float, Held | None]:
+        """How much of an arc is free, in [m], and what ends it.
+
+        Args:
+            pose: map_T_base.
+            scan: (n, 2) what the range sensor sees, in the base frame, in [m].
+            curvature: in [1/m], to the left.
+            length: of the arc, in [m]; below zero backwards.
+        """
+        chart = self._map
+        cell = np.array([*((np.array(pose[:2]) - chart.origin) / chart.resolution), chart.resolution])
+        free, ended_by = _free_way(
+            chart.solid,
+            chart.between_centres,
+            np.array([*cell, pose.theta]),
+            scan,
+            np.array([curvature, length]),
+            self._needed,
+            self._stood(pose),
+        )
+        return free, None if ended_by == 0 else self._held(pose, scan, ended_by == 1, curvature, free)
+
+    def _stood(self, pose: Pose2) -> NDArray[np.float64]:
+        """(k, 4): x and y of each stand in the base frame, what the map and what the scan left there."""
+        back = pose.inverse()
+        rows = [(*back.compose(each.pose)[:2], *each.room) for each in self._stands]
+        return np.array(rows, dtype=np.float64).reshape(-1, 4)
+
+    def _held(
+        self, pose: Pose2, scan: NDArray[np.float64], by_map: bool, curvature: float, along: float
+    ) -> Held:
+        there = pose.compose(Pose2(*_on_arc(curvature, along), 0.0))
+        if by_map:
+            x, y = self._map.nearest(there[:2]).point.tolist()
+        else:
+            points = pose.apply(scan)
+            x, y = points[np.argmin(np.hypot(*(points - there[:2]).T))].tolist()
+        return Held("map" if by_map else "scan", x, y, math.hypot(x - pose.x, y - pose.y), self._needed)
+
+
+@compiled
+def _on_arc(curvature: float, along: float) -> tuple[float, float]:
+    turn = curvature * along
+    if abs(turn) < 1e-6:
+        return along, 0.5 * turn * along
+    return math.sin(turn) / curvature, (1.0 - math.cos(turn)) / curvature
+
+
+@compiled
+def _rooms(
+    solid: NDArray[np.bool_],
+    between_centres: NDArray[np.float32],
+    at: NDArray[np.float64],
+    scan: NDArray[np.float64],
+    x: float,
+    y: float,
+    most: float,
+) -> tuple[float, float]:
+    """From (x, y) in the base frame to what the map and to what the scan shows, in [m]; `most` where farther.
+
+    `at`: the base's column and row and the side of a cell in [m], and its heading in [rad].
+    """
+    cos, sin, resolution = math.cos(at[3]), math.sin(at[3]), at[2]
+    column, row = at[0] + (cos * x - sin * y) / resolution, at[1] + (sin * x + cos * y) / resolution
+    on_map = most
+    c = min(max(math.floor(column), 0), solid.shape[1] - 1)
+    r = min(max(math.floor(row), 0), solid.shape[0] - 1)
+    off_map = math.hypot(column - c - 0.5, row - r - 0.5)
+    if (between_centres[r, c] > 0.0 or solid[r, c]) and (
+        between_centres[r, c] - off_map - 0.71 < most / resolution
+    ):
+        on_map = min(most, resolution * nearest_square(solid, between_centres, column, row)[0])
+    scanned = most * most
+    for i in range(len(scan)):
+        scanned = min(scanned, (scan[i, 0] - x) ** 2 + (scan[i, 1] - y) ** 2)
+    return on_map, math.sqrt(scanned)
+
+
+@compiled
+def _free_way(
+    solid: NDArray[np.bool_],
+    between_centres: NDArray[np.float32],
+    at: NDArray[np.float64],
+    scan: NDArray[np.float64],
+    way: NDArray[np.float64],
+    needed: float,
+    stood: NDArray[np.float64],
+) -> tuple[float, int]:
+    """Length of the arc `way` (curvature, length) that is free, with its sign, and what ends it: 0 nothing, 1
+    the map, 2 the scan.
+
+    Distances change by no more than the way driven, so as much as is left can be driven without a look.
+    """
+    size, sign = abs(way[1]), math.copysign(1.0, way[1])
+    most = needed + 1.3 * size + STEP
+    here = _rooms(solid, between_centres, at, scan, 0.0, 0.0, most)
+    room, along = here, 0.0
+    while True:
+        x, y = _on_arc(way[0], sign * along)
+        if along > 0.0:
+            room = _rooms(solid, between_centres, at, scan, x, y, most)
+        spare = np.inf
+        for i in range(2):
+            least = min(needed, here[i] + ALONG * along) if here[i] < needed else needed
+            for k in range(len(stood)):
+                away = math.hypot(x - stood[k, 0], y - stood[k, 1])
+                least = min(least, stood[k, 2 + i] - NOISE + AWAY * away)
+            if room[i] < least - 1e-9:
+                return sign * max(0.0, along - STEP), 1 + i
+            spare = min(spare, room[i] - least)
+        if along >= size:
+            return way[1], 0
+        along = min(size, along + max(STEP, spare / (1.0 + AWAY)))

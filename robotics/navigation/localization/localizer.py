@@ -1,0 +1,203 @@
+"""Where the robot is: odometry, with or without scans."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Mapping
+from typing import Any, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.navigation.localization.odometry import Odometry, OdometryErrors
+from handcart.robotics.navigation.localization.scan_matching import LikelihoodField, ScanMatch, match_scan
+
+FEWEST_POINTS = 20
+LEAST_INLIERS = 0.4  # share of a scan's points that the map must explain for a match to be believed
+ROUGH = np.diag([0.3, 0.3, 0.17]) ** 2  # [m², rad²] of a pose that is looked for
+LESS = 0.9  # share of the points explained so far; fewer, and the pose is looked for farther away
+DISPLACED = (0.010, 0.010)  # [m], [rad] by which scans of one place never differ: eight times their spread
+
+
+class Localizer(ABC):
+    """Estimates map_T_base from wheel travel and range scans."""
+
+    STATE: ClassVar[Mapping[str, Any]] = {}
+    """Attributes that change, besides the odometry's, with their types."""
+
+    def __init__(
+        self,
+        start: Pose2,
+        tread: float,
+        errors: OdometryErrors = OdometryErrors(),
+        covariance: NDArray[np.float64] | None = None,
+    ) -> None:
+        """Start at a pose, certain or with a covariance (3, 3); `tread` of the wheels in [m]."""
+        self._odometry = Odometry(start, tread, errors, covariance)
+
+    @property
+    def odometry(self) -> Odometry:
+        """What the wheels say, corrected."""
+        return self._odometry
+
+    @property
+    def pose(self) -> Pose2:
+        """map_T_base."""
+        return self._odometry.pose
+
+    @property
+    def covariance(self) -> NDArray[np.float64]:
+        """(3, 3) of x, y in [m] and heading in [rad], in the map frame."""
+        return self._odometry.covariance
+
+    def predict(self, left: float, right: float) -> None:
+        """The wheels travelled this far, in [m]."""
+        self._odometry.predict(left, right)
+
+    def find_again(self, points: NDArray[np.float64]) -> bool:
+        """Take over another pose if a scan's end points (n, 2), in [m], clearly fit there; whether so."""
+        return False
+
+    @abstractmethod
+    def correct(self, points: NDArray[np.float64]) -> bool:
+        """Take a scan's end points (n, 2), base frame, in [m]; whether the estimate could be corrected."""
+
+
+class OdometryLocalizer(Localizer):
+    """Wheels alone: what is left when scans are switched off.
+
+    With a map, scans only tell whether the base was moved while its wheels stood.
+    """
+
+    STATE: ClassVar[Mapping[str, Any]] = {"_stands": Pose2 | None}
+
+    def __init__(
+        self,
+        start: Pose2,
+        tread: float,
+        errors: OdometryErrors = OdometryErrors(),
+        covariance: NDArray[np.float64] | None = None,
+        field: LikelihoodField | None = None,
+        sigma: float = 0.01,
+    ) -> None:
+        """As for `Localizer`; `field` of the map, `sigma` the noise of a range in [m]."""
+        super().__init__(start, tread, errors, covariance)
+        self._field, self._sigma = field, sigma
+        self._stands: Pose2 | None = None
+
+    def predict(self, left: float, right: float) -> None:
+        """See `Localizer`."""
+        if left != 0.0 or right != 0.0:
+            self._stands = None
+        super().predict(left, right)
+
+    def correct(self, points: NDArray[np.float64]) -> bool:
+        """Scans are not looked at."""
+        return False
+
+    def find_again(self, points: NDArray[np.float64]) -> bool:
+        """Whether the last two scans of a base that should stand fit the map at different places.
+
+        What lies between them is added to the pose.
+        """
+        if self._field is None or len(points) < FEWEST_POINTS:
+            return False
+        before, near = self._stands, self._stands or self.pose
+        covariance = np.asarray(self.covariance + ROUGH)
+        match = match_scan(self._field, points, near, covariance, self._sigma)
+        if match.inliers < LEAST_INLIERS:
+            return False
+        self._stands = match.pose
+        if before is None:
+            return False
+        apart = before.distance(match.pose) > DISPLACED[0] or before.turn(match.pose) > DISPLACED[1]
+        if apart:
+            moved = match.pose.relative_to(before)
+            self._odometry.reset(self.pose.compose(moved), self.covariance)
+        return apart
+
+
+class ScanLocalizer(Localizer):
+    """Odometry corrected by matching scans with a map.
+
+    Attributes:
+        last_match: what the latest scan gave, taken over or not; None before the first.
+    """
+
+    STATE: ClassVar[Mapping[str, Any]] = {"last_match": ScanMatch | None, "_poor": int}
+
+    def __init__(
+        self,
+        field: LikelihoodField,
+        start: Pose2,
+        tread: float,
+        errors: OdometryErrors = OdometryErrors(),
+        covariance: NDArray[np.float64] | None = None,
+        sigma: float = 0.01,
+        least_inliers: float = LEAST_INLIERS,
+        patience: int = 10,
+    ) -> None:
+        """Start at a pose on a map.
+
+        Args:
+            field: of the map.
+            start: map_T_base.
+            tread: distance of the wheels, in [m].
+            errors: of the wheels.
+            covariance: (3, 3) of the start, in [m, m, rad]; certain if None.
+            sigma: noise of a range, in [m].
+            least_inliers: share of points that the map must explain for a match to be believed.
+            patience: poor matches in a row after which the robot counts as lost and searches wider.
+        """
+        super().__init__(start, tread, errors, covariance)
+        self._field = field
+        self._sigma = sigma
+        self._least_inliers = least_inliers
+        self._patience = patience
+        self._poor = 0
+        self.last_match: ScanMatch | None = None
+
+    @property
+    def sure(self) -> bool:
+        """Whether the last scan was believed."""
+        return self.last_match is not None and self._poor == 0
+
+    @property
+    def lost(self) -> bool:
+        """Whether the last scans didn't fit the map anywhere near."""
+        return self._poor >= self._patience
+
+    def correct(self, points: NDArray[np.float64]) -> bool:
+        """Match the scan and take the pose over, unless the map explains too little of it."""
+        if len(points) < FEWEST_POINTS:
+            self._poor += 1
+            return False
+        match = match_scan(self._field, points, self.pose, self.covariance, self._sigma, anneal=self.lost)
+        self.last_match = match
+        if match.inliers < self._least_inliers:
+            self._poor += 1
+            return False
+        self._poor = 0
+        self._odometry.correct(match.pose, match.covariance)
+        return True
+
+    def find_again(self, points: NDArray[np.float64]) -> bool:
+        """See `Localizer`; up to about 0.3 m and 10 degrees away."""
+        if len(points) < FEWEST_POINTS:
+            return False
+        match = match_scan(self._field, points, self.pose, self.covariance, self._sigma)
+        if self.last_match is None or match.inliers < LESS * self.last_match.inliers:
+            match = match_scan(self._field, points, self.pose, ROUGH, self._sigma, anneal=True)
+        away = self.pose.distance(match.pose) > DISPLACED[0] or self.pose.turn(match.pose) > DISPLACED[1]
+        if not away or match.inliers < self._least_inliers:
+            return False
+        self.relocalize(self.pose, points)
+        return True
+
+    def relocalize(self, near: Pose2, points: NDArray[np.float64]) -> ScanMatch:
+        """Start again from a rough pose, up to about 0.3 m and 10 degrees off, by a scan (n, 2)."""
+        match = match_scan(self._field, points, near, ROUGH, self._sigma, anneal=True)
+        self._odometry.reset(match.pose, match.covariance)
+        self.last_match, self._poor = match, 0
+        return match

@@ -1,0 +1,103 @@
+"""Where the robot is, by an indoor positioning system and its wheels."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from handcart.robotics.geometry.pose2 import Pose2, wrap
+from handcart.robotics.navigation.localization.localizer import Localizer
+from handcart.robotics.navigation.localization.odometry import OdometryErrors
+
+REMEMBERED = 64  # periods of wheel travel: readings may be as late
+UNEXPLAINED = 25.0  # squared Mahalanobis distance beyond which a reading isn't explained
+IN_A_ROW = 3  # of them: a single reading may be broken
+DRIFT = np.diag([2e-5, 2e-5, 1e-5]) ** 2  # [m², rad²] a reading: a standing base creeps
+
+
+class PositioningLocalizer(Localizer):
+    """A Kalman filter: wheels carry the pose on, readings of a positioning system correct it.
+
+    A late reading is first carried on by what the wheels have done since. At rest the readings are averaged.
+    Readings that nothing explains, three in a row, say that the base was moved: the pose is then theirs.
+    """
+
+    STATE: ClassVar[Mapping[str, Any]] = {"_number": int, "_poses": tuple[Pose2, ...], "_strange": int}
+
+    def __init__(
+        self,
+        start: Pose2,
+        tread: float,
+        sigma: tuple[float, float],
+        errors: OdometryErrors = OdometryErrors(),
+        covariance: NDArray[np.float64] | None = None,
+    ) -> None:
+        """Start at a pose.
+
+        Args:
+            start: map_T_base.
+            tread: distance of the wheels, in [m].
+            sigma: of a reading's position along each axis, in [m], and of its heading, in [rad].
+            errors: of the wheels.
+            covariance: (3, 3) of the start, in [m, m, rad]; certain if None.
+        """
+        super().__init__(start, tread, errors, covariance)
+        self._noise = np.diag([sigma[0], sigma[0], sigma[1]]) ** 2 + DRIFT
+        self._number, self._strange = 0, 0
+        self._poses: tuple[Pose2, ...] = (start,)
+
+    def predict(self, left: float, right: float) -> None:
+        """See `Localizer`; once a period."""
+        super().predict(left, right)
+        self._poses = (*self._poses[-REMEMBERED:], self.pose)
+
+    def correct(self, points: NDArray[np.float64]) -> bool:
+        """Scans are not looked at."""
+        return False
+
+    def take(self, number: int, measured: Pose2, periods: int) -> bool:
+        """Take a reading in; one that was taken already is left.
+
+        Args:
+            number: of the reading.
+            measured: map_T_base.
+            periods: how many ago that was.
+
+        Returns:
+            Whether the base turned out to have been moved.
+        """
+        if number == self._number:
+            return False
+        self._number = number
+        then = self._poses[max(0, len(self._poses) - 1 - periods)]
+        now = measured.compose(self.pose.relative_to(then))
+        prior = self.covariance + DRIFT
+        off = np.array([now.x - self.pose.x, now.y - self.pose.y, wrap(now.theta - self.pose.theta)])
+        spread = prior + self._noise
+        if float(off @ np.linalg.solve(spread, off)) > UNEXPLAINED:
+            return self._not_explained(now)
+        self._strange = 0
+        gain = np.linalg.solve(spread, prior).T
+        dx, dy, turn = (gain @ off).tolist()
+        pose = Pose2(self.pose.x + dx, self.pose.y + dy, wrap(self.pose.theta + turn))
+        self._odometry.correct(pose, (np.eye(3) - gain) @ prior)
+        self._shift()
+        return False
+
+    def _not_explained(self, now: Pose2) -> bool:
+        self._strange += 1
+        if self._strange < IN_A_ROW:
+            return False
+        self._strange = 0
+        self._odometry.reset(now, self._noise)
+        self._shift()
+        return True
+
+    def _shift(self) -> None:
+        """What is remembered ends at the corrected pose; the way since stays as it was."""
+        last, here = self._poses[-1], self.pose
+        moved = here.compose(last.inverse())
+        self._poses = tuple(moved.compose(pose) for pose in self._poses)

@@ -1,0 +1,1 @@
+"""Grid maps, and what stands on them."""

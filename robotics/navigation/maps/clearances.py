@@ -1,0 +1,116 @@
+"""Exact distances to what a map shows: to the squares of its cells, not to their centres."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from handcart.robotics.navigation.maps.grid_map import GridMap
+from handcart.robotics.numerics.compiled import compiled
+
+
+class Nearest(NamedTuple):
+    """What is nearest to a point."""
+
+    distance: float
+    """In [m]; 0 inside of it, inf where there is nothing."""
+    point: NDArray[np.float64]
+    """(2,) of it, in [m]; NaN where there is nothing."""
+
+
+class Clearances:
+    """How far points are from the solid cells of a map; a cell is a square, all of it solid.
+
+    Beyond the map there is nothing, or all is solid (`walled`).
+    """
+
+    def __init__(self, grid: GridMap, solid: NDArray[np.bool_] | None = None, walled: bool = False) -> None:
+        """Prepare a map; takes a few milliseconds for 100,000 cells.
+
+        Args:
+            grid: the map.
+            solid: (h, w) which cells count; what is occupied if None.
+            walled: whether everything beyond the map's border is solid too.
+        """
+        chosen = grid.occupied if solid is None else solid
+        self.solid: NDArray[np.bool_] = np.pad(chosen, int(walled), constant_values=True)
+        """(h, w) cells, with a border of them where the map is `walled`."""
+        self.resolution = grid.resolution
+        """Side of a cell, in [m]."""
+        self.origin = np.array([grid.origin_x, grid.origin_y]) - int(walled) * grid.resolution
+        """(2,) lower-left corner of `solid`, in [m]."""
+        self.empty = not bool(self.solid.any())
+        """Whether there is nothing at all."""
+        self.between_centres: NDArray[np.float32] = np.zeros(self.solid.shape, dtype=np.float32)
+        """(h, w) from each cell's centre to that of the nearest solid one, in [cells]."""
+        if not self.empty:
+            open_ = (~self.solid).astype(np.uint8)
+            away = cv2.distanceTransform(open_, cv2.DIST_L2, cv2.DIST_MASK_PRECISE)
+            self.between_centres = np.asarray(away, dtype=np.float32)
+
+    def nearest(self, point: tuple[float, float]) -> Nearest:
+        """What is nearest to (x, y), in [m]."""
+        if self.empty:
+            return Nearest(math.inf, np.full(2, np.nan))
+        x, y = self._scaled(np.array([point[:2]]))[0].tolist()
+        distance, column, row = nearest_square(self.solid, self.between_centres, x, y)
+        return Nearest(distance * self.resolution, self.origin + self.resolution * np.array([column, row]))
+
+    def at(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Distance (n,) of points (n, 2), both in [m]; 0 inside a solid cell, inf where there is none."""
+        if self.empty:
+            return np.full(len(points), np.inf)
+        found = _distances(
+            self.solid, self.between_centres, self._scaled(np.asarray(points, dtype=np.float64))
+        )
+        return np.asarray(found * self.resolution)
+
+    def _scaled(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Column and row (n, 2) in [cells]: cell [i, j] reaches from (j, i) to (j + 1, i + 1)."""
+        return (points - self.origin) / self.resolution
+
+
+@compiled
+def nearest_square(
+    solid: NDArray[np.bool_], between_centres: NDArray[np.float32], x: float, y: float
+) -> tuple[float, float, float]:
+    """Distance of a point to the nearest solid cell's square, and where on it: x and y; all in [cells].
+
+    Rings of cells are looked at from the inside out, beginning where `between_centres` (see `Clearances`)
+    says that the first solid one can be.
+    """
+    height, width = solid.shape
+    column = min(max(math.floor(x), 0), width - 1)
+    row = min(max(math.floor(y), 0), height - 1)
+    best, best_x, best_y = np.inf, np.nan, np.nan
+    ring = max(0, int(between_centres[row, column] / 1.41422) - 1)
+    while ring <= max(height, width):
+        # A cell of this ring is at least ring - 1 cells, and what the point lacks to its cell's side, away.
+        inner = min(min(x - column, column + 1.0 - x), min(y - row, row + 1.0 - y))
+        if ring - 1.0 + max(inner, 0.0) > best:
+            break
+        for r in range(max(row - ring, 0), min(row + ring, height - 1) + 1):
+            step = 1 if abs(r - row) == ring else max(2 * ring, 1)
+            for c in range(column - ring, column + ring + 1, step):
+                if c < 0 or c >= width or not solid[r, c]:
+                    continue
+                near_x, near_y = min(max(x, float(c)), c + 1.0), min(max(y, float(r)), r + 1.0)
+                away = math.hypot(near_x - x, near_y - y)
+                if away < best:
+                    best, best_x, best_y = away, near_x, near_y
+        ring += 1
+    return best, best_x, best_y
+
+
+@compiled
+def _distances(
+    solid: NDArray[np.bool_], between_centres: NDArray[np.float32], at: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    found = np.empty(len(at))
+    for i in range(len(at)):
+        found[i] = nearest_square(solid, between_centres, at[i, 0], at[i, 1])[0]
+    return found

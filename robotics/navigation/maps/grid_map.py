@@ -1,0 +1,166 @@
+"""Occupancy grids."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from typing import NamedTuple
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.navigation.maps.ros_occupancy import (
+    FREE,
+    OCCUPIED,
+    UNKNOWN_GREY,
+    occupancy_of_levels,
+    ros_occupancy,
+)
+
+
+class GridMap(NamedTuple):
+    """What is known to stand where, cell by cell. Row 0 has the lowest y; a cell is read at its centre."""
+
+    occupied: NDArray[np.bool_]
+    """(h, w), row by column."""
+    unknown: NDArray[np.bool_]
+    """(h, w), never where `occupied`."""
+    resolution: float
+    """Side of a cell, in [m]."""
+    origin_x: float
+    """Lower-left corner of cell [0, 0], in [m]."""
+    origin_y: float
+
+    @property
+    def blocked(self) -> NDArray[np.bool_]:
+        """(h, w): occupied or unknown, where a robot has no business."""
+        return self.occupied | self.unknown
+
+    def to_cell(self, points: NDArray[np.float64]) -> NDArray[np.int64]:
+        """Cells (n, 2), row and column, of points (n, 2) in [m]; of points off the map too."""
+        scaled = (np.asarray(points, dtype=np.float64) - (self.origin_x, self.origin_y)) / self.resolution
+        cells: NDArray[np.int64] = np.floor(scaled[:, ::-1]).astype(np.int64)
+        return cells
+
+    def to_point(self, cells: NDArray[np.int64] | NDArray[np.float64]) -> NDArray[np.float64]:
+        """Centres (n, 2) in [m] of cells (n, 2), row and column; positions between cells are welcome."""
+        corner = np.array([self.origin_x, self.origin_y])
+        points: NDArray[np.float64] = (np.asarray(cells)[:, ::-1] + 0.5) * self.resolution + corner
+        return points
+
+    def inside(self, points: NDArray[np.float64]) -> NDArray[np.bool_]:
+        """(n,): which of the points (n, 2) in [m] lie on the map."""
+        cells = self.to_cell(points)
+        within: NDArray[np.bool_] = np.all((cells >= 0) & (cells < self.occupied.shape), axis=1)
+        return within
+
+    def with_points(self, points: NDArray[np.float64], radius: float = 0.0) -> GridMap:
+        """This map with each sensed point (n, 2), in [m], as an obstacle.
+
+        Cells whose centre is within `radius`, in [m], of a point become occupied, and always its own cell.
+        Points outside the map are left out.
+        """
+        cells = self.to_cell(points[self.inside(points)] if len(points) else np.empty((0, 2)))
+        if len(cells) == 0:
+            return self
+        away = np.ones(self.occupied.shape, dtype=np.uint8)
+        away[cells[:, 0], cells[:, 1]] = 0
+        distance = cv2.distanceTransform(away, cv2.DIST_L2, cv2.DIST_MASK_PRECISE)
+        added = distance * self.resolution <= radius + 1e-6
+        return self._replace(occupied=self.occupied | added, unknown=self.unknown & ~added)
+
+
+def from_occupancy(values: NDArray[np.int8], resolution: float, origin: tuple[float, float]) -> GridMap:
+    """A map from occupancies (h, w) in percent, row 0 at the bottom: 100 is occupied, 0 free, others unknown.
+
+    Args:
+        values: as `ros_occupancy` gives them.
+        resolution: side of a cell, in [m].
+        origin: lower-left corner, in [m].
+    """
+    occupied = values == OCCUPIED
+    return GridMap(occupied, ~occupied & (values != FREE), resolution, origin[0], origin[1])
+
+
+def from_ros(
+    image: NDArray[np.uint8],
+    resolution: float,
+    origin: tuple[float, float],
+    occupied_thresh: float,
+    free_thresh: float,
+    negate: bool = False,
+) -> GridMap:
+    """A map from a ROS map picture by nav2's trinary rule.
+
+    Args:
+        image: (h, w) grey, row 0 on top, as in the file.
+        resolution: side of a cell, in [m].
+        origin: lower-left corner of the picture, in [m]; turned pictures are not read.
+        occupied_thresh: from this occupancy on a cell is occupied.
+        free_thresh: up to this occupancy a cell is free; between the two it is unknown.
+        negate: dark means free.
+    """
+    values = ros_occupancy(image, "trinary", occupied_thresh, free_thresh, negate)
+    return from_occupancy(values, resolution, origin)
+
+
+def unknown_read_as_free(image: NDArray[np.uint8], free_thresh: float, negate: bool = False) -> int:
+    """How many cells of grey 205 (nothing was measured there) the threshold turns into free ones."""
+    is_free = occupancy_of_levels(negate)[UNKNOWN_GREY] <= free_thresh
+    return int(np.count_nonzero(image == UNKNOWN_GREY)) if is_free else 0
+
+
+class Box(NamedTuple):
+    """A rectangle on the floor: centre and sides in [m], yaw in [rad]."""
+
+    x: float
+    y: float
+    yaw: float
+    length: float
+    """Side along its own x."""
+    width: float
+    """Side along its own y."""
+
+
+def from_boxes(
+    boxes: Iterable[tuple[float, float, float, float, float]],
+    resolution: float,
+    origin: tuple[float, float],
+    size: tuple[float, float],
+) -> GridMap:
+    """A map on which every cell that a box overlaps is occupied and all others are free.
+
+    Overlap, not "centre inside": a surface then lies in its cell, on average at its centre, which is where
+    scan matching and planning read it.
+
+    Args:
+        boxes: (x, y, yaw, length, width) each, in [m] and [rad].
+        resolution: side of a cell, in [m].
+        origin: lower-left corner of the map, in [m].
+        size: width along x and height along y of the map, in [m]; rounded up to whole cells.
+    """
+    shape = (math.ceil(size[1] / resolution - 1e-9), math.ceil(size[0] / resolution - 1e-9))
+    occupied = np.zeros(shape, dtype=np.bool_)
+    free = GridMap(occupied, np.zeros(shape, dtype=np.bool_), resolution, origin[0], origin[1])
+    for box in boxes:
+        _draw(free, Box(*box))
+    return free
+
+
+def _draw(grid: GridMap, box: Box) -> None:
+    """Occupy the cells that the box overlaps: separating axes of two rectangles."""
+    cos, sin = abs(math.cos(box.yaw)), abs(math.sin(box.yaw))
+    reach = 0.5 * np.array([cos * box.length + sin * box.width, sin * box.length + cos * box.width])
+    corners = np.array([[box.x, box.y]]) + np.array([[-1.0], [1.0]]) * reach
+    first, last = grid.to_cell(corners)
+    low, high = np.clip([first, last + 1], 0, grid.occupied.shape)
+    rows, columns = np.mgrid[low[0] : high[0], low[1] : high[1]]
+    centres = grid.to_point(np.column_stack([rows.ravel(), columns.ravel()]))
+    local = Pose2(box.x, box.y, box.yaw).inverse().apply(centres)
+    half = 0.5 * grid.resolution
+    touch = np.abs(centres - (box.x, box.y)) < reach + half - 1e-9
+    touch_turned = np.abs(local) < np.array([box.length, box.width]) / 2 + half * (cos + sin) - 1e-9
+    overlap = np.all(touch & touch_turned, axis=1).reshape(rows.shape)
+    grid.occupied[low[0] : high[0], low[1] : high[1]] |= overlap

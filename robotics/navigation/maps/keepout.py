@@ -1,0 +1,45 @@
+"""Zones that a robot keeps out of, though nothing stands there: nav2's keepout filter."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from handcart.robotics.navigation.maps.grid_map import GridMap
+
+
+def with_keepout(grid: GridMap, zones: GridMap) -> GridMap:
+    """A map on which the cells that a zone touches are unknown: no way leads there, and no scan shows a wall.
+
+    Args:
+        grid: the map.
+        zones: what is occupied on it is a zone; in cells of any size, from any origin.
+    """
+    barred = keepout_cells(grid, zones)
+    return grid._replace(unknown=grid.unknown | (barred & ~grid.occupied))
+
+
+def keepout_cells(grid: GridMap, zones: GridMap) -> NDArray[np.bool_]:
+    """(h, w) cells of `grid` that a zone touches: whose centre lies in one, or that hold a zone's centre."""
+    height, width = grid.occupied.shape
+    across, up = np.arange(width, dtype=np.int64), np.arange(height, dtype=np.int64)
+    columns = zones.to_cell(grid.to_point(np.column_stack([0 * across, across])))[:, 1]
+    rows = zones.to_cell(grid.to_point(np.column_stack([up, 0 * up])))[:, 0]
+    barred = _picked(zones.occupied, rows, columns)
+    own = np.argwhere(zones.occupied)
+    if len(own):
+        points = zones.to_point(own)
+        cells = grid.to_cell(points[grid.inside(points)])
+        barred[cells[:, 0], cells[:, 1]] = True
+    return barred
+
+
+def _picked(
+    cells: NDArray[np.bool_], rows: NDArray[np.int64], columns: NDArray[np.int64]
+) -> NDArray[np.bool_]:
+    """(len(rows), len(columns)): those cells, False beyond the edge."""
+    height, width = cells.shape
+    inside = ((rows >= 0) & (rows < height))[:, None] & ((columns >= 0) & (columns < width))
+    picked = cells[np.clip(rows, 0, height - 1)[:, None], np.clip(columns, 0, width - 1)]
+    found: NDArray[np.bool_] = picked & inside
+    return found

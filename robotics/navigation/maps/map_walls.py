@@ -1,0 +1,78 @@
+"""What stands on a map, as rectangles: a world can be built from them."""
+
+from __future__ import annotations
+
+import math
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from handcart.robotics.navigation.maps.grid_map import GridMap
+
+THIN = 0.1  # of a cell: thickness of a wall that is one cell wide
+LONE = 0.5  # of a cell: side of a post of one cell
+
+Cells = NDArray[np.int64]
+_RING = np.array([[1, 1, 1], [1, 0, 1], [1, 1, 1]], dtype=np.uint8)
+
+
+def map_walls(grid: GridMap) -> NDArray[np.float64]:
+    """Rectangles (n, 5) for the occupied cells: x, y, yaw, length, width each, in [m] and [rad].
+
+    Surfaces stand at the centres of the outermost occupied cells, where scan matching and planning read them:
+    rectangles of whole cells would stand half a cell nearer on every side. What is one cell wide becomes a
+    thin wall about the cells' centres. Occupied cells that touch, at a corner too, are joined: nothing passes
+    or looks through where free cells don't share a side.
+    """
+    cells = np.pad(grid.occupied, 1)
+    a, b, c, d = cells[:-1, :-1], cells[:-1, 1:], cells[1:, :-1], cells[1:, 1:]
+    filled = np.pad(a & b & c & d, 1)
+    in_row = cells[:, :-1] & cells[:, 1:] & ~filled[:-1, 1:-1] & ~filled[1:, 1:-1]
+    in_column = cells[:-1] & cells[1:] & ~filled[1:-1, :-1] & ~filled[1:-1, 1:]
+    parts = [
+        _blocks(filled[1:-1, 1:-1]),
+        _lines(np.argwhere(in_row), (0, 1)),
+        _lines(np.argwhere(in_column), (1, 0)),
+        _lines(np.argwhere(a & d & ~b & ~c), (1, 1)),
+        _lines(np.argwhere(np.pad(b & c & ~a & ~d, ((0, 0), (1, 0)))), (1, -1)),
+        _posts(cells),
+    ]
+    table = np.vstack(parts)
+    middles = grid.to_point(table[:, :2] - 1.0)
+    return np.column_stack([middles, table[:, 2], table[:, 3:] * grid.resolution])
+
+
+def _blocks(filled: NDArray[np.bool_]) -> NDArray[np.float64]:
+    """Rectangles over squares between four occupied cells each: runs in rows, equal ones put together."""
+    squares = np.argwhere(filled)
+    first, wide = _runs(squares[:, 0], squares[:, 1])
+    row, column = squares[first].T
+    first, high = _runs(column * (filled.shape[1] + 1) + wide, row)
+    size = np.column_stack([high, wide[first]])
+    middle = np.column_stack([row[first], column[first]]) + size / 2
+    return np.column_stack([middle, np.zeros(len(first)), size[:, ::-1]])
+
+
+def _lines(starts: Cells, step: tuple[int, int]) -> NDArray[np.float64]:
+    """Thin walls over joints (n, 2) from a cell to the one a step on; joints in a row put together."""
+    down, right = step
+    first, long = _runs(starts[:, 1] * down - starts[:, 0] * right, starts[:, 0 if down else 1])
+    middle = starts[first] + long[:, None] * np.array(step) / 2
+    yaw = np.full(len(first), math.atan2(down, right))
+    return np.column_stack([middle, yaw, long * math.hypot(*step) + THIN, np.full(len(first), THIN)])
+
+
+def _posts(cells: NDArray[np.bool_]) -> NDArray[np.float64]:
+    """Cells that touch no other."""
+    lone = np.argwhere(cells & (cv2.dilate(cells.view(np.uint8), _RING) == 0))
+    return np.column_stack([lone, np.zeros(len(lone)), np.full((len(lone), 2), LONE)])
+
+
+def _runs(line: Cells, at: Cells) -> tuple[Cells, Cells]:
+    """Unbroken runs of whole numbers `at` (n,) on the same `line` (n,): index of their first, and lengths."""
+    order = np.lexsort((at, line))
+    broken = (np.diff(line[order], prepend=-1) != 0) | (np.diff(at[order], prepend=-1) != 1)
+    broken[:1] = True
+    first = np.flatnonzero(broken)
+    return order[first], np.diff(np.append(first, len(order)))

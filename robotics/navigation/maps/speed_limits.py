@@ -1,0 +1,42 @@
+"""How fast a robot may drive where: nav2's speed filter."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from handcart.robotics.navigation.maps.grid_map import GridMap
+
+
+class SpeedLimits(NamedTuple):
+    """Limits by the cells of a mask: base + multiplier * value.
+
+    After nav2_costmap_2d/plugins/costmap_filters/speed_filter.cpp: a value of 0, an unknown cell, what lies
+    beyond the mask, a limit of 0 and one that can't be (below 0, above 100 percent) are no limit.
+    """
+
+    values: NDArray[np.int8]
+    """(h, w) 0 to 100, -1 for unknown, row 0 at the bottom."""
+    resolution: float
+    """Side of a cell, in [m]."""
+    origin: tuple[float, float]
+    """Lower-left corner, in [m]."""
+    percent: bool
+    """Limits are in percent of the top speed; else in [m/s]."""
+    base: float
+    multiplier: float
+
+    def at(self, points: NDArray[np.float64], top: float) -> NDArray[np.float64]:
+        """(n,) the speed allowed at points (n, 2), in [m/s], for a robot with that top speed."""
+        nothing = np.zeros(self.values.shape, dtype=np.bool_)
+        grid = GridMap(nothing, nothing, self.resolution, *self.origin)
+        cells, inside = grid.to_cell(points), grid.inside(points)
+        values = np.zeros(len(cells))
+        values[inside] = self.values[cells[inside, 0], cells[inside, 1]]
+        limits = self.base + self.multiplier * values
+        most = 100.0 if self.percent else np.inf
+        holds = (values > 0) & (limits > 0.0) & (limits <= most)
+        told = limits / 100.0 * top if self.percent else limits
+        return np.where(holds, np.minimum(told, top), top)

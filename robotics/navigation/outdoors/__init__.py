@@ -1,0 +1,1 @@
+"""Where a base is on open ground, by wheels, gyros and satellites."""

@@ -1,0 +1,86 @@
+"""Where a robot is outdoors: the face that all ways of finding out share."""
+
+from __future__ import annotations
+
+import math
+from abc import ABC, abstractmethod
+from collections.abc import Mapping
+from typing import Any, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.navigation.outdoors.gyro_odometry import Advance, GyroOdometry
+
+PERIOD = 0.1  # [s] of a filter's step; gyros and wheels are integrated with each reading
+Array = NDArray[np.float64]
+
+
+class FieldLocalizer(ABC):
+    """Estimates world_T_base from wheels, gyros, accelerometers and GPS; world is x east, y north.
+
+    Between two steps of the filter its pose is carried on by gyro odometry: there is a new one each period.
+    """
+
+    STATE: ClassVar[Mapping[str, Any]] = {"_since": Pose2}
+    """Attributes that change, besides the odometry's, with their types."""
+
+    def __init__(self, start: Pose2, euler: bool = True) -> None:
+        """Start at a pose; for `euler` see `GyroOdometry`."""
+        self._odometry = GyroOdometry(start, euler)
+        self._since = start  # dead reckoned, at the filter's last step
+
+    @property
+    def odometry(self) -> GyroOdometry:
+        """What wheels and gyros alone say."""
+        return self._odometry
+
+    @property
+    def tilt(self) -> tuple[float, float]:
+        """Roll and pitch in [rad]."""
+        return self._odometry.tilt
+
+    @property
+    def pose(self) -> Pose2:
+        """world_T_base now."""
+        return self._estimate().compose(self._odometry.pose.relative_to(self._since))
+
+    @property
+    @abstractmethod
+    def covariance(self) -> Array:
+        """(3, 3) of x, y in [m] and heading in [rad], in the world's frame, at the last step."""
+
+    def predict(self, rates: Array, accelerations: Array, wheels: Array, dt: float) -> None:
+        """Take in one period's readings (see `GyroOdometry.update`)."""
+        self._odometry.update(rates, accelerations, wheels, dt)
+        if self._odometry.pending >= PERIOD - 1e-9:
+            self._flush()
+
+    def fix(self, position: Array, sigma: float | None = None) -> bool:
+        """Take in a GPS position (2,) in [m], measured now; whether it was believed.
+
+        `sigma` [m] an axis is what the receiver says; the filter's own figure if None. A position that isn't
+        finite is refused.
+        """
+        if not np.all(np.isfinite(position)) or (sigma is not None and not 0.0 < sigma < math.inf):
+            return False
+        self._flush()
+        return self._fix(np.asarray(position, dtype=np.float64), sigma)
+
+    def _flush(self) -> None:
+        if self._odometry.pending > 0.0:
+            self._advance(self._odometry.take())
+            self._since = self._odometry.pose
+
+    @abstractmethod
+    def _estimate(self) -> Pose2:
+        """The filter's pose at its last step."""
+
+    @abstractmethod
+    def _advance(self, advance: Advance) -> None:
+        """One step of the filter."""
+
+    @abstractmethod
+    def _fix(self, position: Array, sigma: float | None) -> bool:
+        """See `fix`; position finite, all readings taken in."""

@@ -1,0 +1,143 @@
+"""What a robot's sensors read while it drives a course outdoors."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from handcart.robotics.navigation.outdoors.field_course import FieldCourse
+from handcart.robotics.navigation.outdoors.field_drive import PERIOD, FieldDrive, FieldTimes, drive_course
+from handcart.robotics.navigation.outdoors.field_noise import FieldNoise
+
+GRAVITY = 9.81  # [m/s²]
+Array = NDArray[np.float64]
+
+
+class FieldLog(NamedTuple):
+    """Readings, one row each 25 ms, and the truth beside them."""
+
+    rates: Array
+    """(n, 3) of the gyros about x forward, y left, z up, in [rad/s]."""
+    accelerations: Array
+    """(n, 3) in [m/s²]."""
+    wheels: Array
+    """(n, 2) travel of the rear wheels, left and right, in [m]."""
+    fix_rows: NDArray[np.int64]
+    """(m,) rows after which a fix comes in."""
+    fixes: Array
+    """(m, 2) east and north in [m]."""
+    start_heading: float
+    """What the robot believes to start with, in [rad]."""
+    drive: FieldDrive
+    """The truth: for evaluation only."""
+
+
+def record_course(
+    course: FieldCourse, noise: FieldNoise, seed: int, times: FieldTimes = FieldTimes()
+) -> FieldLog:
+    """Drive a course and record; the same seed gives the same log."""
+    ground, gyro, felt, sky = (np.random.default_rng([seed, stream]) for stream in range(4))
+    drive = drive_course(course, noise, ground, times)
+    count = len(drive.poses)
+    rows = np.arange(0, count, round(noise.gps_period / PERIOD))
+    rows, fixes = _fixes(drive, rows, noise, sky)
+    return FieldLog(
+        _rates(drive, noise, gyro),
+        _accelerations(drive, noise, felt),
+        drive.travel,
+        rows,
+        fixes,
+        float(noise.start_heading * gyro.standard_normal()),
+        drive,
+    )
+
+
+def rotations(roll: Array, pitch: Array, yaw: Array) -> Array:
+    """world_R_base (n, 3, 3) of angles (n,) in [rad], yaw about z first, then pitch about y, roll about x."""
+    cr, sr, cp, sp, cy, sy = (f(a) for a in (roll, pitch, yaw) for f in (np.cos, np.sin))
+    rows = [
+        [cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr],
+        [sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr],
+        [-sp, cp * sr, cp * cr],
+    ]
+    return np.moveaxis(np.array(rows), -1, 0)
+
+
+def _turned(drive: FieldDrive) -> Array:
+    return rotations(drive.tilts[:, 0], drive.tilts[:, 1], drive.poses[:, 2])
+
+
+def _rates(drive: FieldDrive, noise: FieldNoise, rng: np.random.Generator) -> Array:
+    """(n, 3) mean turn rates of each period, as the gyros tell them."""
+    world_R_base = _turned(drive)
+    step = np.einsum("nji,njk->nik", world_R_base[:-1], world_R_base[1:])  # before_R_after
+    axis = np.stack(
+        [step[:, 2, 1] - step[:, 1, 2], step[:, 0, 2] - step[:, 2, 0], step[:, 1, 0] - step[:, 0, 1]]
+    )
+    true = np.vstack([np.zeros((1, 3)), axis.T / (2.0 * PERIOD)])  # turns are small: sin x = x
+    count = len(true)
+    time = PERIOD * np.arange(count)[:, None]
+    walk = noise.gyro_walk * math.sqrt(PERIOD) * np.cumsum(rng.standard_normal((count, 3)), axis=0)
+    warm_up = noise.gyro_warm_up * rng.standard_normal(3) * np.exp(-time / noise.gyro_warm_up_time)
+    bias = noise.gyro_bias * rng.standard_normal(3) + warm_up + walk
+    white = noise.gyro_white / math.sqrt(PERIOD) * rng.standard_normal((count, 3))
+    scale = 1.0 + noise.gyro_scale * rng.standard_normal(3)
+    read: Array = scale * true + bias + white
+    return read
+
+
+def _accelerations(drive: FieldDrive, noise: FieldNoise, rng: np.random.Generator) -> Array:
+    """(n, 3) gravity, speeding up, and vibration while driving."""
+    speed = drive.driven[:, 0] / PERIOD
+    forward = np.diff(speed, prepend=0.0) / PERIOD
+    forces = GRAVITY * _turned(drive)[:, 2, :]
+    forces[:, 0] += forward
+    forces[:, 1] += speed**2 * drive.driven[:, 1]
+    spread = np.where(
+        speed > 0.0, math.hypot(noise.vibration, noise.accelerometer_white), noise.accelerometer_white
+    )
+    bias = noise.accelerometer_bias * rng.standard_normal(3)
+    read: Array = forces + bias + spread[:, None] * rng.standard_normal((len(speed), 3))
+    return read
+
+
+def _fixes(
+    drive: FieldDrive, rows: NDArray[np.int64], noise: FieldNoise, rng: np.random.Generator
+) -> tuple[NDArray[np.int64], Array]:
+    """Rows (m,) and positions (m, 2) of the fixes that come in."""
+    antenna = _turned(drive)[rows] @ np.array(noise.antenna)
+    position = drive.poses[rows, :2] + antenna[:, :2]
+    count = len(rows)
+    keep = math.exp(-noise.gps_period / noise.gps_drift_time)
+    pushes = noise.gps_drift * rng.standard_normal((count, 2))
+    pushes[1:] *= math.sqrt(1.0 - keep * keep)
+    drift = np.zeros((count, 2))
+    for k in range(count):
+        drift[k] = pushes[k] + (keep * drift[k - 1] if k else 0.0)
+    reflected = _spells(count, noise.multipath_every, noise.multipath_time, noise.gps_period, rng)
+    sizes = noise.multipath * rng.standard_normal((count + 1, 2))
+    position = position + drift + noise.gps_white * rng.standard_normal((count, 2))
+    position = position + np.where(reflected[:, None] > 0, sizes[reflected], 0.0)
+    odd = rng.random(count) < noise.outliers
+    position = position + noise.outlier * odd[:, None] * rng.standard_normal((count, 2))
+    heard = _spells(count, noise.outage_every, noise.outage_time, noise.gps_period, rng) == 0
+    return rows[heard], position[heard]
+
+
+def _spells(
+    count: int, every: float, lasting: float, period: float, rng: np.random.Generator
+) -> NDArray[np.int64]:
+    """(n,) number of the spell that each fix falls in, counted from 1; 0 outside."""
+    number = np.zeros(count, dtype=np.int64)
+    if math.isinf(every):
+        return number
+    time, spell = float(rng.exponential(every)), 0
+    while time < count * period:
+        spell += 1
+        end = time + float(rng.exponential(lasting))
+        number[math.ceil(time / period) : math.ceil(end / period)] = spell
+        time = end + float(rng.exponential(every))
+    return number

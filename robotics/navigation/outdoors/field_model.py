@@ -1,0 +1,144 @@
+"""The linear model of an outdoor robot's errors: what Kalman filter, smoother and information limit share."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from handcart.robotics.navigation.outdoors.field_noise import SHARPEST, FieldNoise
+from handcart.robotics.navigation.outdoors.gyro_odometry import Advance
+from handcart.robotics.numerics.compiled import compiled
+
+X, Y, HEADING, SCALE, TURN_SLIP, SLIP, SIDE, BIAS, WARM_UP, GYRO_SCALE, GPS_X, GPS_Y = range(12)
+SIZE = 12
+TILT = math.radians(0.17)  # what a levelled accelerometer of ordinary make leaves
+Array = NDArray[np.float64]
+
+
+class FieldModel(NamedTuple):
+    """Twelve states and how they change with what wheels and gyro say.
+
+    x, y, heading; relative error of the wheels' travel: constant, in curves (new on each leg), slow;
+    direction of travel beside the heading; the vertical gyro's bias, its part that warms away, its scale;
+    slow error of the fixes in x and y.
+    """
+
+    noise: FieldNoise
+    tilt: float = TILT
+    """Sigma of the estimated roll and pitch, in [rad]: the antenna isn't where it is thought to be."""
+
+    def start(self, pose: Array, position_sigma: float) -> tuple[Array, Array]:
+        """Mean (12,) and covariance (12, 12) before the first reading, at a pose (3,)."""
+        noise = self.noise
+        mean = np.zeros(SIZE)
+        mean[:3] = pose
+        sigmas = np.zeros(SIZE)
+        sigmas[[X, Y]] = position_sigma
+        sigmas[HEADING] = noise.start_heading
+        sigmas[SCALE], sigmas[SLIP], sigmas[TURN_SLIP] = noise.scale, noise.slip, noise.turn_slip
+        sigmas[SIDE], sigmas[BIAS], sigmas[WARM_UP] = noise.side_slip, noise.gyro_bias, noise.gyro_warm_up
+        sigmas[GYRO_SCALE] = noise.gyro_scale
+        sigmas[[GPS_X, GPS_Y]] = self._drift
+        return mean, np.diag(sigmas**2)
+
+    @property
+    def figures(self) -> Array:
+        """(11,) for the compiled step."""
+        n = self.noise
+        ground = [n.slip, n.slip_length, n.turn_slip, n.side_slip, n.side_slip_length, n.side_slip_turning]
+        gyro = [n.gyro_white, n.gyro_walk, n.gyro_warm_up_time]
+        return np.array([*ground, *gyro, self._drift, n.gps_drift_time])
+
+    def step(self, mean: Array, advance: Advance, new_leg: bool) -> tuple[Array, Array, Array]:
+        """Mean (12,), transition (12, 12) and added variances (12,) of one step."""
+        out: tuple[Array, Array, Array] = field_step(mean, np.array(advance), new_leg, self.figures)
+        return out
+
+    @property
+    def _drift(self) -> float:
+        """Slow error of a fix, in [m]."""
+        return math.hypot(self.noise.gps_drift, self.tilt * self.noise.antenna[2])
+
+
+@compiled
+def field_step(mean: Array, advance: Array, new_leg: bool, figures: Array) -> tuple[Array, Array, Array]:
+    """See `FieldModel.step`; `advance` as in `Advance`."""
+    forward, turn, drift, time, rest, _ = advance
+    slip, slip_length, turn_slip, side, side_length, side_turning = figures[:6]
+    white, walk, warm_up_time, gps, gps_time = figures[6:]
+    mean = mean.copy()
+    transition = np.eye(12)
+    added = np.zeros(12)
+    moving = time - rest
+    if new_leg:
+        mean[4], transition[4, 4], added[4] = 0.0, 0.0, turn_slip**2
+    if forward != 0.0 or moving > 0.0:
+        read = turn + drift - (mean[7] + mean[8]) * moving
+        bent = read * (1.0 - mean[9])
+        bend = min(0.6, max(-0.6, bent / forward)) if abs(forward) > 1e-3 else 0.0
+        curve = abs(bend) / SHARPEST
+        slipped = max(0.2, 1.0 + mean[3] + mean[4] * curve + mean[5])
+        way = forward / slipped
+        course = mean[2] + 0.5 * bent + mean[6] + side_turning * bend
+        cos, sin = math.cos(course), math.sin(course)
+        mean[0] += way * cos
+        mean[1] += way * sin
+        mean[2] += bent
+        for column, share in ((3, 1.0), (4, curve), (5, 1.0)):
+            transition[0, column] = -way / slipped * share * cos
+            transition[1, column] = -way / slipped * share * sin
+        if new_leg:
+            transition[0, 4], transition[1, 4] = 0.0, 0.0
+        for column, by_turn, by_course in ((2, 0.0, 1.0), (6, 0.0, 1.0), (7, -moving, -0.5 * moving)):
+            transition[0, column] = -way * sin * by_course
+            transition[1, column] = way * cos * by_course
+            transition[2, column] += by_turn
+        transition[:3, 8] = transition[:3, 7]
+        transition[2, 9] = -read
+        transition[0, 9], transition[1, 9] = 0.5 * way * sin * read, -0.5 * way * cos * read
+        added[2] += white**2 * moving
+        for state, length, sigma in ((5, slip_length, slip), (6, side_length, side)):
+            keep = math.exp(-abs(forward) / length)
+            mean[state] *= keep
+            transition[state, state] = keep
+            added[state] += sigma**2 * (1.0 - keep * keep)
+    keep = math.exp(-time / warm_up_time)
+    mean[8] *= keep
+    transition[8, 8] = keep
+    added[7] += walk**2 * time
+    keep = math.exp(-time / gps_time)
+    for state in (10, 11):
+        mean[state] *= keep
+        transition[state, state] = keep
+        added[state] += gps**2 * (1.0 - keep * keep)
+    return mean, transition, added
+
+
+@compiled
+def carried(covariance: Array, transition: Array, added: Array) -> Array:
+    """The covariance (12, 12) after a step."""
+    out = transition @ covariance @ transition.T
+    for i in range(len(added)):
+        out[i, i] += added[i]
+    return out
+
+
+@compiled
+def corrected(
+    mean: Array, covariance: Array, rows: Array, residual: Array, variance: float
+) -> tuple[Array, Array]:
+    """Mean and covariance after readings with `residual` (m,) = reading - forecast, each of `variance`.
+
+    `rows` (m, 12) is how they depend on the states. In Joseph's form the covariance stays positive.
+    """
+    spread = covariance @ rows.T
+    seen = rows @ spread
+    for i in range(len(residual)):
+        seen[i, i] += variance
+    gain = np.linalg.solve(seen, spread.T).T
+    left = np.eye(len(mean)) - gain @ rows
+    after = left @ covariance @ left.T + variance * (gain @ gain.T)
+    return mean + gain @ residual, 0.5 * (after + after.T)

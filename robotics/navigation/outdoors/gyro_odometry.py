@@ -1,0 +1,193 @@
+"""Dead reckoning with wheels and three gyros on ground that isn't flat.
+
+Ohki et al. (2012), eqs. 1 to 3, with the turn rates that belong to the angles: on a tilted base a gyro turns
+about its own axis, not about the vertical. Frames are x forward, y left, z up, so a nose that rises is a
+negative pitch, and eq. 3 carries a minus.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import ClassVar, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from handcart.robotics.geometry.pose2 import Pose2, wrap
+from handcart.robotics.numerics.compiled import compiled
+
+WINDOW = 20  # readings that must be quiet before the base counts as standing: 0.5 s
+QUIET = 0.1  # [m/s²] standard deviation of the accelerometers at rest
+MEMORY = 20.0  # [s] over which a gyro's bias is averaged at rest: longer and it drifts away meanwhile
+Array = NDArray[np.float64]
+
+
+class Advance(NamedTuple):
+    """What happened since the last one was taken."""
+
+    forward: float
+    """Way over ground, level, in [m]."""
+    turn: float
+    """Of the heading, without the bias known so far, in [rad]."""
+    drift: float
+    """The bias's part that was taken out of `turn`, in [rad]."""
+    time: float
+    """In [s]."""
+    rest: float
+    """Time of it at rest, in [s]."""
+    still: float
+    """What the vertical gyro turned at rest: nothing but its bias, in [rad]."""
+
+
+class GyroOdometry:
+    """Integrates wheel travel along the attitude that the gyros give; cancels their drift in each stop.
+
+    At rest (wheels still and accelerometers quiet for half a second) the gyros' mean is their bias, gravity
+    gives roll and pitch, and the heading stays as it is.
+    """
+
+    STATE: ClassVar = {"_state": Array, "_felt": Array, "_seen": Array}
+    """Attributes that change, with their types."""
+
+    def __init__(self, start: Pose2 = Pose2(0.0, 0.0, 0.0), euler: bool = True) -> None:
+        """Start at a pose; without `euler` body rates count as rates of angles, as the paper has them."""
+        self._euler = euler
+        self._state = np.zeros(18)
+        self._state[:2], self._state[3] = start[:2], start.theta
+        self._felt = np.zeros((WINDOW, 3))
+        self._seen = np.zeros(12)
+
+    @property
+    def pose(self) -> Pose2:
+        """Dead reckoned, in the frame of the start."""
+        return Pose2(float(self._state[0]), float(self._state[1]), wrap(float(self._state[3])))
+
+    @property
+    def height(self) -> float:
+        """Above the start, in [m]."""
+        return float(self._state[2])
+
+    @property
+    def tilt(self) -> tuple[float, float]:
+        """Roll and pitch in [rad]."""
+        return float(self._state[4]), float(self._state[5])
+
+    @property
+    def bias(self) -> Array:
+        """(3,) of the gyros, in [rad/s]."""
+        return self._state[6:9].copy()
+
+    @property
+    def at_rest(self) -> bool:
+        """Whether the base stands."""
+        return bool(self._state[10] > 0.0)
+
+    @property
+    def pending(self) -> float:
+        """Time since the last `take`, in [s]."""
+        return float(self._state[15])
+
+    def update(self, rates: Array, accelerations: Array, wheels: Array, dt: float) -> None:
+        """Take in one period's readings; one that isn't finite counts as the one before.
+
+        Args:
+            rates: (3,) in [rad/s].
+            accelerations: (3,) in [m/s²].
+            wheels: (2,) travel of the rear wheels, in [m].
+            dt: period, in [s].
+        """
+        _update(self._state, self._felt, self._seen, rates, accelerations, wheels, dt, self._euler)
+
+    def take(self) -> Advance:
+        """What happened since the last call."""
+        sums = self._state[12:].tolist()
+        self._state[12:] = 0.0
+        return Advance(*sums)
+
+
+@compiled
+def _refresh(seen: Array, at: int, values: Array) -> Array:
+    """The latest finite values, remembered in `seen` from `at` on."""
+    for k in range(len(values)):
+        if math.isfinite(values[k]):
+            seen[at + k] = values[k]
+    return seen[at : at + len(values)]
+
+
+@compiled
+def _angle_rates(roll: float, pitch: float, rates: Array) -> tuple[float, float, float, float]:
+    """Rates of roll, pitch and yaw by body rates, and of yaw by the third alone."""
+    sin, cos = math.sin(roll), math.cos(roll)
+    across = rates[1] * sin + rates[2] * cos
+    return (
+        rates[0] + across * math.tan(pitch),
+        rates[1] * cos - rates[2] * sin,
+        across / math.cos(pitch),
+        cos / math.cos(pitch),
+    )
+
+
+@compiled
+def _quiet(felt: Array) -> bool:
+    """Whether each axis (columns of (n, 3)) varies no more than at rest."""
+    for axis in range(3):
+        mean = felt[:, axis].mean()
+        if ((felt[:, axis] - mean) ** 2).mean() > QUIET * QUIET:
+            return False
+    return True
+
+
+@compiled
+def _update(
+    state: Array,
+    felt: Array,
+    seen: Array,
+    rates: Array,
+    accelerations: Array,
+    wheels: Array,
+    dt: float,
+    euler: bool,
+) -> None:
+    """One period. State: x, y, z, yaw, roll, pitch; bias (3); still readings, time at rest, row; sums (6)."""
+    turning = _refresh(seen, 0, rates)
+    force = _refresh(seen, 3, accelerations)
+    rolled = _refresh(seen, 6, wheels)
+    travel = 0.5 * (rolled[0] + rolled[1])
+    felt[int(state[11])] = force
+    state[11] = (state[11] + 1) % len(felt)
+    state[9] = state[9] + 1 if rolled[0] == 0.0 and rolled[1] == 0.0 else 0.0
+    state[15] += dt
+    if state[9] >= len(felt) and _quiet(felt):
+        state[10] += dt
+        state[16] += dt
+        state[17] += dt * turning[2]
+        share = max(dt / state[10], dt / MEMORY)
+        for axis in range(3):
+            state[6 + axis] += share * (turning[axis] - state[6 + axis])
+        share = dt / state[10]
+        roll = math.atan2(force[1], force[2])
+        pitch = math.atan2(-force[0], math.hypot(force[1], force[2]))
+        state[4] += share * (roll - state[4])
+        state[5] += share * (pitch - state[5])
+        return
+    state[10] = 0.0
+    free = turning - state[6:9]
+    if euler:
+        roll_rate, pitch_rate, _, _ = _angle_rates(state[4], state[5], free)
+        middle = state[4] + 0.5 * dt * roll_rate, state[5] + 0.5 * dt * pitch_rate
+        roll_rate, pitch_rate, yaw_rate, gain = _angle_rates(middle[0], middle[1], free)
+    else:
+        roll_rate, pitch_rate, yaw_rate, gain = free[0], free[1], free[2], 1.0
+        middle = state[4], state[5]
+    turn = dt * yaw_rate
+    heading = state[3] + 0.5 * turn
+    level = travel * math.cos(middle[1])
+    state[0] += level * math.cos(heading)  # Ohki (2012), eqs. 1 to 3, at the middle of the period
+    state[1] += level * math.sin(heading)
+    state[2] -= travel * math.sin(middle[1])
+    state[3] += turn
+    state[4] += dt * roll_rate
+    state[5] += dt * pitch_rate
+    state[12] += level
+    state[13] += turn
+    state[14] += dt * gain * state[8]

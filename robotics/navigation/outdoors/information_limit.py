@@ -1,0 +1,81 @@
+"""The best that any filter can do with given sensors: the posterior Cramér-Rao bound.
+
+For the nearly linear model of `FieldModel` it is the covariance of a Kalman filter that is linearised about
+the truth and knows every sigma (Tichavský, Muravchik and Nehorai, 1998).
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from handcart.robotics.navigation.outdoors.field_drive import PERIOD, FieldDrive
+from handcart.robotics.navigation.outdoors.field_model import (
+    BIAS,
+    GPS_X,
+    GPS_Y,
+    HEADING,
+    SIZE,
+    WARM_UP,
+    FieldModel,
+    carried,
+    corrected,
+)
+from handcart.robotics.navigation.outdoors.field_noise import FieldNoise
+from handcart.robotics.navigation.outdoors.gyro_odometry import Advance
+
+EACH = 4  # periods put together, as a filter does
+Array = NDArray[np.float64]
+
+
+def information_limit(
+    drive: FieldDrive, fix_rows: NDArray[np.int64], noise: FieldNoise, start_position: float = 0.05
+) -> Array:
+    """Covariances (k, 3, 3) of x, y in [m], heading in [rad] at a drive's placings: none can be below them.
+
+    Args:
+        drive: the truth.
+        fix_rows: (m,) rows after which a fix comes in.
+        noise: the true sigmas.
+        start_position: sigma of the position at the start, in [m].
+    """
+    model = FieldModel(noise, tilt=0.0)
+    mean, spread = model.start(drive.poses[0], start_position)
+    fixes, wanted = set((fix_rows // EACH).tolist()), (drive.placings // EACH).tolist()
+    bias = np.zeros((1, SIZE))
+    bias[0, [BIAS, WARM_UP]] = 1.0
+    bounds, rested = {}, True
+    for block in range(max(wanted) + 1):
+        rows = slice(block * EACH, (block + 1) * EACH)
+        advance = _advance(drive, rows)
+        resting = advance.forward == 0.0
+        _, transition, added = model.step(mean, advance, rested and not resting)
+        spread, rested = carried(spread, transition, added), resting
+        mean[:3] = drive.poses[rows][-1]
+        if resting:
+            _, spread = corrected(mean, spread, bias, np.zeros(1), noise.gyro_white**2 / advance.time)
+        if block in fixes:
+            seen = _fix_rows(mean, noise)
+            _, spread = corrected(mean, spread, seen, np.zeros(2), noise.gps_white**2)
+        bounds[block] = spread[:3, :3].copy()
+    return np.array([bounds[block] for block in wanted])
+
+
+def _advance(drive: FieldDrive, rows: slice) -> Advance:
+    """What sensors without errors would have said."""
+    way, bend = drive.driven[rows].T
+    time = PERIOD * len(way)
+    level = float((way * np.cos(drive.tilts[rows, 1])).sum())
+    return Advance(level, float((way * bend).sum()), 0.0, time, time if level == 0.0 else 0.0, 0.0)
+
+
+def _fix_rows(mean: Array, noise: FieldNoise) -> Array:
+    """(2, 12) how a fix depends on the states."""
+    x, y, _ = noise.antenna
+    cos, sin = math.cos(mean[HEADING]), math.sin(mean[HEADING])
+    rows = np.zeros((2, SIZE))
+    rows[[0, 1], [0, 1]] = rows[[0, 1], [GPS_X, GPS_Y]] = 1.0
+    rows[:, HEADING] = -(sin * x + cos * y), cos * x - sin * y
+    return rows

@@ -1,0 +1,190 @@
+"""The particle filter of Ohki et al. (2012), section IV-B."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Any, ClassVar, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from handcart.robotics.geometry.pose2 import Pose2, wrap
+from handcart.robotics.navigation.outdoors.field_localizer import FieldLocalizer
+from handcart.robotics.navigation.outdoors.gyro_odometry import Advance
+from handcart.robotics.numerics.compiled import compiled
+
+Array = NDArray[np.float64]
+
+
+class ParticleErrors(NamedTuple):
+    """One-sigma figures that the filter believes; the paper gives only the last but one."""
+
+    forward: float = 0.10
+    """Of each step, relative."""
+    turn: float = math.radians(0.5) / math.sqrt(10.0)
+    """By distance, in [rad/√m]."""
+    start_position: float = 0.05
+    """An axis, in [m]."""
+    start_heading: float = math.radians(1.0)
+    """In [rad]."""
+    gps: float = 1.0
+    """An axis, in [m]."""
+    jump: float = 5.0
+    """A fix farther than so many `gps` from the estimate is an unusual jump."""
+
+
+class ParticleFilter(FieldLocalizer):
+    """Six phases, 1,024 particles, ten times a second.
+
+    The paper goes back to the prediction without a new average when there is no new fix; this one averages in
+    every step. Headings are averaged on the circle.
+    """
+
+    STATE: ClassVar[Mapping[str, Any]] = {
+        **FieldLocalizer.STATE,
+        "_particles": Array,
+        "_mean": Array,
+        "_covariance": Array,
+        "dice": tuple[int, int, int, int],
+    }
+
+    def __init__(
+        self,
+        start: Pose2,
+        errors: ParticleErrors = ParticleErrors(),
+        count: int = 1024,
+        seed: int = 0,
+        euler: bool = True,
+    ) -> None:
+        """Start at a pose; without `euler` the gyros are integrated as printed in the paper."""
+        super().__init__(start, euler)
+        self._errors = errors
+        self._rng = np.random.default_rng(seed)
+        spread = [errors.start_position, errors.start_position, errors.start_heading]
+        self._particles = np.array(start)[:, None] + np.array(spread)[:, None] * self._rng.standard_normal(
+            (3, count)
+        )
+        self._mean, self._covariance = _average(self._particles)
+
+    @property
+    def covariance(self) -> Array:
+        """(3, 3) of the particles."""
+        return self._covariance.copy()
+
+    @property
+    def dice(self) -> tuple[int, int, int, int]:
+        """State of the random numbers: two numbers of 128 bits, and 32 bits that may be left over."""
+        state = self._rng.bit_generator.state
+        return state["state"]["state"], state["state"]["inc"], state["has_uint32"], state["uinteger"]
+
+    @dice.setter
+    def dice(self, state: tuple[int, int, int, int]) -> None:
+        here, step, left_over, bits = state
+        self._rng.bit_generator.state = {
+            "bit_generator": "PCG64",
+            "state": {"state": here, "inc": step},
+            "has_uint32": left_over,
+            "uinteger": bits,
+        }
+
+    @property
+    def particles(self) -> Array:
+        """(3, n): x, y in [m], heading in [rad]."""
+        return self._particles.copy()
+
+    def _estimate(self) -> Pose2:
+        return Pose2(float(self._mean[0]), float(self._mean[1]), wrap(float(self._mean[2])))
+
+    def _advance(self, advance: Advance) -> None:
+        if advance.forward != 0.0 or advance.turn != 0.0:
+            across = self._errors.turn * math.sqrt(abs(advance.forward))
+            along = self._errors.forward * abs(advance.forward)
+            _predict(self._particles, self._rng, advance.forward, advance.turn, along, across)
+        self._mean, self._covariance = _average(self._particles)
+
+    def _fix(self, position: Array, sigma: float | None) -> bool:
+        sigma = self._errors.gps if sigma is None else sigma
+        if math.dist(position, self._mean[:2]) > self._errors.jump * sigma:
+            return False
+        believed = bool(_resample(self._particles, self._rng, position[0], position[1], sigma))
+        self._mean, self._covariance = _average(self._particles)
+        return believed
+
+
+@compiled
+def _predict(
+    particles: Array, rng: np.random.Generator, forward: float, turn: float, along: float, across: float
+) -> None:
+    """Phase 2: move each particle (3, n) by the odometry's step with random errors."""
+    for i in range(particles.shape[1]):
+        way = forward + along * rng.standard_normal()
+        bend = turn + across * rng.standard_normal()
+        heading = particles[2, i] + 0.5 * bend
+        particles[0, i] += way * math.cos(heading)
+        particles[1, i] += way * math.sin(heading)
+        particles[2, i] += bend
+
+
+@compiled
+def _resample(particles: Array, rng: np.random.Generator, x: float, y: float, sigma: float) -> bool:
+    """Phases 4 and 5: weigh by a fix (eq. 4) and draw anew; False if no particle could have given it.
+
+    Draws are multinomial. n sorted uniform numbers are sums of n + 1 exponential ones, divided by the total.
+    """
+    count = particles.shape[1]
+    total = 0.0
+    sums, draws = np.empty(count), np.empty(count + 1)
+    for i in range(count):
+        square = (particles[0, i] - x) ** 2 + (particles[1, i] - y) ** 2
+        total += math.exp(-0.5 * square / sigma**2)
+        sums[i] = total
+    if total < 1e-200:
+        return False
+    end = 0.0
+    for i in range(count + 1):
+        end += rng.standard_exponential()
+        draws[i] = end
+    old = particles.copy()
+    source = 0
+    for i in range(count):
+        wanted = draws[i] / end * total
+        while source < count - 1 and sums[source] < wanted:
+            source += 1
+        particles[:, i] = old[:, source]
+    return True
+
+
+@compiled
+def _average(particles: Array) -> tuple[Array, Array]:
+    """Phase 6: mean (3,), the heading's on the circle, and covariance (3, 3)."""
+    count = particles.shape[1]
+    mean = np.zeros(3)
+    around = particles[2, 0]
+    for i in range(count):
+        mean[0] += particles[0, i]
+        mean[1] += particles[1, i]
+    mean /= count
+    cos, sin = 0.0, 0.0
+    for i in range(count):
+        cos += math.cos(particles[2, i] - around)
+        sin += math.sin(particles[2, i] - around)
+    mean[2] = around + math.atan2(sin, cos)
+    covariance = np.zeros((3, 3))
+    for i in range(count):
+        dx, dy = particles[0, i] - mean[0], particles[1, i] - mean[1]
+        turn = particles[2, i] - mean[2]
+        turn -= 2.0 * math.pi * round(turn / (2.0 * math.pi))
+        covariance[0, 0] += dx * dx
+        covariance[0, 1] += dx * dy
+        covariance[0, 2] += dx * turn
+        covariance[1, 1] += dy * dy
+        covariance[1, 2] += dy * turn
+        covariance[2, 2] += turn * turn
+    covariance /= count
+    covariance[1, 0], covariance[2, 0], covariance[2, 1] = (
+        covariance[0, 1],
+        covariance[0, 2],
+        covariance[1, 2],
+    )
+    return mean, covariance

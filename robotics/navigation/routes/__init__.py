@@ -1,0 +1,1 @@
+"""Ways over a map and past round obstacles."""

@@ -1,0 +1,47 @@
+"""A way for a car over open ground, past what is known to stand there."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.navigation.routes.tangent_path import CarPath, car_path
+
+Array = NDArray[np.float64]
+
+
+def plan_car_route(start: Pose2, goal: Pose2, discs: Array, room: float, radius: float) -> CarPath | None:
+    """The shortest path found, or None.
+
+    Only discs that a path meets are looked at: one that is the shortest past some of them and meets none of
+    the others is the shortest past all.
+
+    Args:
+        start, goal: world_T_base.
+        discs: (n, 3) x, y, radius of what stands there, in [m].
+        room: that the base's middle keeps from them, in [m]; less where it starts nearer to one.
+        radius: of the turning circle, in [m].
+    """
+    discs = np.asarray(discs, dtype=np.float64).reshape(-1, 3)
+    away = np.hypot(*(discs[:, :2] - start[:2]).T)
+    grown = np.column_stack([discs[:, :2], np.minimum(discs[:, 2] + room, away - 0.01)])
+    near = np.zeros(len(discs), dtype=np.bool_)
+    while True:
+        path = car_path(start, goal, grown[near], radius)
+        if path is None:
+            return None
+        met = _met(path, start, goal, grown) & ~near
+        if not met.any():
+            return path
+        near |= met
+
+
+def _met(path: CarPath, start: Pose2, goal: Pose2, discs: Array) -> NDArray[np.bool_]:
+    """(n,) which discs a path comes into, backing included."""
+    ends = [start.compose(Pose2(-path.back_before * s, 0.0, 0.0))[:2] for s in np.linspace(0.0, 1.0, 10)]
+    ends += [goal.compose(Pose2(path.back_after * s, 0.0, 0.0))[:2] for s in np.linspace(0.0, 1.0, 10)]
+    points = np.vstack([path.poses[:, :2], np.array(ends)])
+    away = np.hypot(*np.moveaxis(points[:, None] - discs[None, :, :2], -1, 0))
+    met: NDArray[np.bool_] = (away < discs[:, 2] - 1e-3).any(axis=0)
+    return met

@@ -1,0 +1,163 @@
+"""Searches on the flat arrays of a Voronoi graph."""
+
+from __future__ import annotations
+
+import heapq
+
+import numpy as np
+from numpy.typing import NDArray
+
+from handcart.robotics.navigation.maps.blocked_squares import BlockedSquares, is_clear, line_clearance
+from handcart.robotics.numerics.compiled import compiled
+
+
+@compiled
+def way_in(
+    free: NDArray[np.bool_], squares: BlockedSquares, spot: NDArray[np.float64], reach: int, need: float
+) -> tuple[int, int]:
+    """The nearest free cell that a spot can leave for without coming nearer to what is blocked.
+
+    Where there is none (in a corner's bend, say), the one with the clearest way to it.
+
+    Args:
+        free: (h, w) cells whose centres have the room needed.
+        squares: what is blocked.
+        spot: (2,) row and column in [cells], on the map and in no blocked cell.
+        reach: how many cells away it may be.
+        need: clearance of the way there, in [cells].
+
+    Returns:
+        Row and column; (-1, -1) if nothing but ways through blocked cells leads to a free one.
+    """
+    height, width = free.shape
+    row, column = int(spot[0] + 0.5), int(spot[1] + 0.5)
+    near, clearest = float((reach + 1) ** 2), 0.0
+    found, other = (-1, -1), (-1, -1)
+    centre = np.empty(2)
+    for ring in range(reach + 1):
+        if (ring - 0.5) ** 2 > near and ring > 0:
+            break
+        for r in range(max(row - ring, 0), min(row + ring, height - 1) + 1):
+            step = 1 if abs(r - row) == ring else max(2 * ring, 1)
+            for c in range(column - ring, column + ring + 1, step):
+                if not (0 <= c < width and free[r, c]):
+                    continue
+                away = (spot[0] - r) ** 2 + (spot[1] - c) ** 2
+                centre[0], centre[1] = r, c
+                if away < near and is_clear(squares, spot, centre, need):
+                    near, found = away, (r, c)
+                if found[0] < 0:
+                    clear = line_clearance(squares, spot, centre, need, clearest)
+                    if clear > clearest:
+                        clearest, other = clear, (r, c)
+    return found if found[0] >= 0 else other
+
+
+@compiled
+def _first_seen(
+    squares: BlockedSquares,
+    need: float,
+    cells: NDArray[np.int64],
+    edge_of: NDArray[np.int64],
+    order: NDArray[np.int64],
+    row: int,
+    column: int,
+    most: int,
+) -> NDArray[np.int64]:
+    """Indices into `cells` of the first cell in sight of each of the first `most` edges, in this order."""
+    found = np.empty(most, dtype=np.int64)
+    count = 0
+    here, there = np.array([float(row), float(column)]), np.empty(2)
+    for i in order:
+        there[0], there[1] = cells[i, 0], cells[i, 1]
+        known = False
+        for k in range(count):
+            known = known or edge_of[found[k]] == edge_of[i]
+        if not known and is_clear(squares, here, there, need):
+            found[count] = i
+            count += 1
+            if count == most:
+                break
+    return found[:count]
+
+
+def in_sight(
+    squares: BlockedSquares,
+    need: float,
+    cells: NDArray[np.int64],
+    edge_of: NDArray[np.int64],
+    cell: tuple[int, int],
+    edges: int = 4,
+    tried: int = 400,
+) -> NDArray[np.int64]:
+    """Where a cell can join the graph: on the nearest few edges in line of sight.
+
+    Args:
+        squares: what is blocked.
+        need: clearance of the way there, in [cells].
+        cells: (c, 2) cells of the graph.
+        edge_of: (c,) their edges.
+        cell: row and column, free.
+        edges: how many different edges to find.
+        tried: how many of the nearest cells to look at before looking at all.
+
+    Returns:
+        (k,) indices into `cells`, nearest first; empty if none is in sight.
+    """
+    away = (cells[:, 0] - cell[0]) ** 2 + (cells[:, 1] - cell[1]) ** 2
+    if len(away) > tried:
+        near = np.argpartition(away, tried)[:tried]
+        near = near[np.argsort(away[near], kind="stable")]
+        found = _first_seen(squares, need, cells, edge_of, near, cell[0], cell[1], edges)
+        if len(found):
+            return found
+    order = np.argsort(away, kind="stable")
+    return _first_seen(squares, need, cells, edge_of, order, cell[0], cell[1], edges)
+
+
+@compiled
+def cheapest_nodes(
+    slots: NDArray[np.int64],
+    slot_first: NDArray[np.int64],
+    ends: NDArray[np.int64],
+    length: NDArray[np.float64],
+    start_cost: NDArray[np.float64],
+    goal_cost: NDArray[np.float64],
+    limit: float,
+) -> tuple[int, float, NDArray[np.int64]]:
+    """Dijkstra from many starts to many goals.
+
+    Args:
+        slots: incidence as in `EdgeTable`.
+        slot_first: (n + 1,) as in `EdgeTable`.
+        ends: (e, 2) nodes.
+        length: (e,).
+        start_cost: (n,) cost of beginning at each node, inf where one can't.
+        goal_cost: (n,) cost of ending at each node, inf where one can't.
+        limit: only a total below this is of use.
+
+    Returns:
+        The last node (-1 if there is no way below the limit), the total, and for each node the slot of the
+        edge that leads back from it (-1 where the way begins).
+    """
+    cost = start_cost.copy()
+    back = np.full(len(cost), -1, dtype=np.int64)
+    queue = [(cost[node], node) for node in range(len(cost)) if cost[node] < np.inf]
+    heapq.heapify(queue)
+    best, last = limit, -1
+    while queue:
+        so_far, node = heapq.heappop(queue)
+        if so_far >= best:
+            break
+        if so_far > cost[node]:
+            continue
+        if so_far + goal_cost[node] < best:
+            best, last = so_far + goal_cost[node], node
+        for slot in slots[slot_first[node] : slot_first[node + 1]]:
+            other = ends[slot // 2, 1 - slot % 2]
+            new = so_far + length[slot // 2]
+            if new < cost[other]:
+                cost[other] = new
+                back[other] = slot ^ 1
+                heapq.heappush(queue, (new, other))
+    return last, best, back

@@ -1,0 +1,32 @@
+"""What straight lines cost over a grid of prices."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from handcart.robotics.numerics.compiled import compiled
+
+
+@compiled
+def line_price(
+    price: NDArray[np.float32], start: NDArray[np.float64], end: NDArray[np.float64], limit: float
+) -> float:
+    """Price of a straight line between two positions in [cells]; inf if it is above `limit`.
+
+    Read once a cell; positions are row and column, cell centres at whole numbers. Whether anything stands in
+    the line's way is another question.
+    """
+    rows, columns = end[0] - start[0], end[1] - start[1]
+    length = math.sqrt(rows * rows + columns * columns)
+    count = int(length) + 1
+    total = 0.0
+    for i in range(count):
+        row = int(start[0] + rows * (i + 0.5) / count + 0.5)
+        column = int(start[1] + columns * (i + 0.5) / count + 0.5)
+        total += float(price[row, column]) * length / count
+        if total > limit:
+            return np.inf
+    return total

@@ -1,0 +1,256 @@
+"""Routes through the middle of the free space."""
+
+from __future__ import annotations
+
+import math
+from itertools import pairwise
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.navigation.maps.blocked_squares import is_clear, line_clearance, path_clearance
+from handcart.robotics.navigation.routes.graph_search import cheapest_nodes, in_sight, way_in
+from handcart.robotics.navigation.routes.line_price import line_price
+from handcart.robotics.navigation.routes.shortcuts import (
+    around_corners,
+    path_length,
+    rounded,
+    sampled,
+    straightened,
+)
+from handcart.robotics.navigation.routes.shortest_path import shortest_clear_path
+from handcart.robotics.navigation.routes.voronoi_graph import BREAK, VoronoiGraph
+
+MOST = 1.1  # of the shortest way's length, that a way with more room may have
+HASTE = (0.05, 0.15, 0.4)  # of the dearest cell's price, that length costs by itself while a way is too long
+HURRY = 1e4  # that length costs by itself where nothing else counts
+ROUNDS = 20  # of corner rounding: about half a metre of corner on cells of 5 cm
+
+
+class Route(NamedTuple):
+    """A way to drive, from where the robot is to where it is to be."""
+
+    points: NDArray[np.float64]
+    """(n, 2) in [m], evenly spaced by about a cell; the first is the start, the last the goal."""
+    clearance: NDArray[np.float64]
+    """(n,) least distance to any blocked cell's square along the stretches that meet at each point, in [m].
+
+    No spot between two points is nearer than the less of theirs. All of it is at least the graph's radius,
+    but for the way out of where the start itself has less room, and the way in to such a goal: never nearer
+    there than start or goal itself where that is possible."""
+
+    @property
+    def length(self) -> float:
+        """In [m]."""
+        return path_length(self.points)
+
+    @property
+    def mean_clearance(self) -> float:
+        """Over the length, in [m]."""
+        return float(self.clearance.mean())
+
+
+class _End(NamedTuple):
+    """How a start or goal joins the graph; all positions are row and column."""
+
+    spot: NDArray[np.float64]
+    """The start or goal itself, in [cells]."""
+    roomy: bool
+    """Whether the way from there to `cell` has the room that the robot needs."""
+    cell: NDArray[np.int64]
+    joins: NDArray[np.int64]
+    """(k,) indices into the edge table's cells."""
+    ways: list[NDArray[np.int64]]
+    """Cells (2+, 2) from `cell` to each join, in straight lines with room."""
+    price: NDArray[np.float64]
+    """(k,) of each way."""
+    length: NDArray[np.float64]
+    """(k,) of each way, in [cells]."""
+
+
+def plan_route(
+    graph: VoronoiGraph,
+    start: Pose2 | tuple[float, float],
+    goal: Pose2 | tuple[float, float],
+    reach: float = 0.3,
+    least: float = 0.0,
+) -> Route | None:
+    """A short way that keeps away from obstacles.
+
+    Start and goal join the graph where they see it (or by a shortest path where they don't), Dijkstra finds
+    the way between, shortcuts straighten it and its corners are rounded. Every line is followed from cell to
+    cell and its distance to blocked squares is exact, so what the route says of its clearance holds.
+
+    Args:
+        graph: of the map and the robot.
+        start: only x and y count, in [m].
+        goal: only x and y count, in [m].
+        reach: how far outside the graph's free component start and goal may be, in [m], rounded up to whole
+            cells: localisation noise, a place close to furniture.
+        least: clearance without which a route is refused, in [m]: the footprint's radius, say, where the
+            graph was grown by more.
+
+    Returns:
+        None if start or goal is farther than `reach` from the free component or cut off from it, if they are
+        cut off from each other, or if the way needs less clearance than `least`.
+    """
+    ends = [_join(graph, (point[0], point[1]), reach) for point in (start, goal)]
+    if ends[0] is None or ends[1] is None:
+        return None
+    path = _within_reason(graph, ends[0], ends[1])
+    if path is None:
+        return None
+    smooth = rounded(graph.squares, graph.need, sampled(path, 1.0), ROUNDS)
+    points = _with_ends(ends[0], smooth, ends[1])
+    clearance = path_clearance(graph.squares, points) * graph.map.resolution
+    if clearance.min() < least:
+        return None
+    return Route(graph.map.to_point(points), clearance)
+
+
+def _within_reason(graph: VoronoiGraph, start: _End, goal: _End) -> NDArray[np.float64] | None:
+    """The way with the most room that isn't much longer than the shortest; (n, 2), in [cells]."""
+    points = _way(graph, start, goal, 0.0)
+    if points is None or path_length(points) <= MOST * math.hypot(*(points[-1] - points[0])):
+        return points
+    shortest = _way(graph, start, goal, HURRY)
+    assert shortest is not None, "where one way leads, the shortest does"
+    for share in HASTE:
+        if path_length(points) <= MOST * path_length(shortest):
+            return points
+        again = _way(graph, start, goal, share * graph.dearest)
+        assert again is not None
+        points = again
+    return points if path_length(points) <= MOST * path_length(shortest) else shortest
+
+
+def _way(graph: VoronoiGraph, start: _End, goal: _End, haste: float) -> NDArray[np.float64] | None:
+    """The cheapest way's roomy part (n, 2), in [cells], where length costs `haste` on top of its price."""
+    way = _through_graph(graph, start, goal, haste)
+    if way is None:
+        return None
+    return straightened(graph.price, haste, graph.squares, graph.need, _roomy_part(graph, start, way, goal))
+
+
+def _roomy_part(graph: VoronoiGraph, start: _End, way: NDArray[np.int64], goal: _End) -> NDArray[np.float64]:
+    """The way (n, 2) around corners that are too narrow, with start and goal where these have room."""
+    parts = [around_corners(graph.free, graph.squares, graph.need, way)]
+    parts = [start.spot[None], *parts] if start.roomy else parts
+    parts = [*parts, goal.spot[None]] if goal.roomy else parts
+    return np.vstack(parts)
+
+
+def _with_ends(start: _End, path: NDArray[np.float64], goal: _End) -> NDArray[np.float64]:
+    """The path (n, 2) from start to goal, those included: at least two points."""
+    first = path if start.roomy else np.vstack([sampled(np.array([start.spot, path[0]]), 1.0)[:-1], path])
+    whole = first if goal.roomy else np.vstack([first, sampled(np.array([path[-1], goal.spot]), 1.0)[1:]])
+    return whole if len(whole) > 1 else np.vstack([start.spot, goal.spot])
+
+
+def _join(graph: VoronoiGraph, point: tuple[float, float], reach: float) -> _End | None:
+    squares, need, table = graph.squares, graph.need, graph.edges
+    x, y = point
+    resolution = graph.map.resolution
+    spot = np.array([y - graph.map.origin_y, x - graph.map.origin_x]) / resolution - 0.5
+    if not np.all((spot >= -0.5) & (spot < np.array(graph.free.shape) - 0.5)):
+        return None
+    here = line_clearance(squares, spot, spot, need, 0.0)
+    if here <= 0.0:
+        return None
+    found = way_in(graph.free, squares, spot, math.ceil(reach / resolution), here * (1.0 - 1e-9))
+    if found[0] < 0:
+        return None
+    cell = np.array(found)
+    roomy = is_clear(squares, spot, cell.astype(np.float64), need)
+    joins = in_sight(squares, need, table.cells, table.edge_of, found)
+    ways = [np.array([cell, table.cells[i]]) for i in joins]
+    if len(joins) == 0 and len(table.cells):
+        nearest = np.argmin(((table.cells - cell) ** 2).sum(axis=1))
+        way = shortest_clear_path(graph.free, squares, need, cell, table.cells[nearest])
+        joins, ways = (joins, []) if way is None else (np.array([nearest]), [way])
+    price = np.array([_price(graph, way) for way in ways])
+    return _End(
+        spot, roomy, cell, joins, ways, price, np.array([path_length(way.astype(np.float64)) for way in ways])
+    )
+
+
+def _price(graph: VoronoiGraph, way: NDArray[np.int64]) -> float:
+    """Price of straight lines between cells (k, 2)."""
+    return sum(line_price(graph.price, a, b, np.inf) for a, b in pairwise(way.astype(np.float64)))
+
+
+def _through_graph(graph: VoronoiGraph, start: _End, goal: _End, haste: float) -> NDArray[np.int64] | None:
+    """Cells (n, 2) of the way from start to goal, cheapest along the graph.
+
+    Where the graph has none (it lies behind a corner that is too narrow), a shortest path on all free cells.
+    """
+    table = graph.edges
+    direct, a, b = _on_one_edge(graph, start, goal, haste)
+    start_cost, start_by = _node_costs(graph, start, haste)
+    goal_cost, goal_by = _node_costs(graph, goal, haste)
+    price = table.price + haste * table.length
+    last, total, back = cheapest_nodes(
+        table.slots, table.slot_first, table.ends, price, start_cost, goal_cost, direct
+    )
+    if not min(direct, total) < BREAK:
+        return shortest_clear_path(graph.free, graph.squares, graph.need, start.cell, goal.cell)
+    if last < 0:
+        return np.vstack([start.ways[a], _stretch(graph, start.joins[a], goal.joins[b]), goal.ways[b][::-1]])
+    parts = [goal.ways[goal_by[last]][::-1], _to_node(graph, goal.joins[goal_by[last]], last)[::-1]]
+    node = last
+    while back[node] >= 0:
+        edge, end = divmod(int(back[node]), 2)
+        run = table.cells[table.first[edge] : table.first[edge + 1]]
+        parts.append(run if end == 1 else run[::-1])
+        node = table.ends[edge, 1 - end]
+    parts += [_to_node(graph, start.joins[start_by[node]], node), start.ways[start_by[node]]]
+    return np.vstack(parts[::-1])
+
+
+def _node_costs(
+    graph: VoronoiGraph, end: _End, haste: float
+) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+    """For each node the cost from `end` to it along a joined edge, inf where none, and by which join."""
+    table = graph.edges
+    cost = np.full(len(table.nodes), np.inf)
+    by = np.zeros(len(table.nodes), dtype=np.int64)
+    for k, (join, way) in enumerate(zip(end.joins.tolist(), end.price + haste * end.length, strict=True)):
+        edge = table.edge_of[join]
+        whole = table.price[edge] + haste * table.length[edge]
+        along = table.price_along[join] + haste * table.along[join]
+        for node, rest in zip(table.ends[edge], (along, whole - along), strict=True):
+            if way + rest < cost[node]:
+                cost[node], by[node] = way + rest, k
+    return cost, by
+
+
+def _on_one_edge(graph: VoronoiGraph, start: _End, goal: _End, haste: float) -> tuple[float, int, int]:
+    """The cheapest way that leaves an edge before reaching a node: cost and which joins; inf if none."""
+    table = graph.edges
+    best = (math.inf, 0, 0)
+    for a, i in enumerate(start.joins.tolist()):
+        for b, j in enumerate(goal.joins.tolist()):
+            if table.edge_of[i] == table.edge_of[j]:
+                price = start.price[a] + goal.price[b] + abs(table.price_along[i] - table.price_along[j])
+                length = start.length[a] + goal.length[b] + abs(table.along[i] - table.along[j])
+                best = min(best, (float(price + haste * length), a, b))
+    return best
+
+
+def _stretch(graph: VoronoiGraph, i: int, j: int) -> NDArray[np.int64]:
+    """Cells of one edge from its cell i to its cell j."""
+    cells = graph.edges.cells
+    return cells[i : j + 1] if i <= j else cells[j : i + 1][::-1]
+
+
+def _to_node(graph: VoronoiGraph, join: int, node: int) -> NDArray[np.int64]:
+    """Cells from a join along its edge to one of the edge's nodes, the nearer one if both are the same."""
+    table = graph.edges
+    edge = table.edge_of[join]
+    at_first, at_last = table.ends[edge] == node
+    before, after = table.price_along[join], table.price[edge] - table.price_along[join]
+    if at_first and (not at_last or before <= after):
+        return _stretch(graph, join, int(table.first[edge]))
+    return _stretch(graph, join, int(table.first[edge + 1]) - 1)

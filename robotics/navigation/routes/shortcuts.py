@@ -1,0 +1,186 @@
+"""Straightening a path without giving its clearance away."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from handcart.robotics.navigation.maps.blocked_squares import ROUNDING, BlockedSquares, is_clear
+from handcart.robotics.navigation.routes.line_price import line_price
+from handcart.robotics.numerics.compiled import compiled
+
+SAMPLE = 4.0  # of the path, in [cells], before shortcuts
+LONGEST_LEAP = 50  # samples
+
+
+@compiled
+def _apart(one: NDArray[np.float64], other: NDArray[np.float64]) -> float:
+    return math.sqrt((one[0] - other[0]) ** 2 + (one[1] - other[1]) ** 2)
+
+
+@compiled
+def _jumps(count: int) -> NDArray[np.int64]:
+    """How many samples a shortcut may leap over: each number at first, then every next a quarter larger."""
+    jumps = [1]
+    while jumps[-1] < count:
+        jumps.append(max(jumps[-1] + 1, jumps[-1] * 5 // 4))
+    return np.array(jumps)
+
+
+@compiled
+def path_length(path: NDArray[np.float64]) -> float:
+    """Of a path (n, 2)."""
+    total = 0.0
+    for i in range(len(path) - 1):
+        total += _apart(path[i], path[i + 1])
+    return total
+
+
+@compiled
+def sampled(path: NDArray[np.float64], spacing: float) -> NDArray[np.float64]:
+    """The path (n, 2) with points between its own, so that none is farther than `spacing` from the next.
+
+    Points that are there twice are left out.
+    """
+    parts = np.empty(max(len(path) - 1, 0), dtype=np.int64)
+    for i in range(len(parts)):
+        parts[i] = math.ceil(_apart(path[i], path[i + 1]) / spacing)
+    points = np.empty((parts.sum() + 1, 2))
+    points[0] = path[0]
+    count = 1
+    for i in range(len(parts)):
+        for k in range(1, parts[i] + 1):
+            share = k / parts[i]
+            points[count, 0] = path[i, 0] + share * (path[i + 1, 0] - path[i, 0])
+            points[count, 1] = path[i, 1] + share * (path[i + 1, 1] - path[i, 1])
+            if k == parts[i]:
+                points[count] = path[i + 1]
+            count += 1
+    return points
+
+
+@compiled
+def _evenly(path: NDArray[np.float64], spacing: float) -> NDArray[np.int64]:
+    """About every `spacing` one point of a path (n, 2), first and last included."""
+    chosen = [0]
+    along = 0.0
+    for i in range(1, len(path)):
+        along += _apart(path[i - 1], path[i])
+        if along >= spacing * (1.0 - 1e-9) or i == len(path) - 1:
+            chosen.append(i)
+            along = 0.0
+    return np.array(chosen)
+
+
+@compiled
+def straightened(
+    price: NDArray[np.float32], haste: float, squares: BlockedSquares, need: float, path: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Corners (k, 2) of the cheapest chain of straight leaps between samples of a path.
+
+    Found by dynamic programming. A leap keeps `need` from what is blocked; where not even the next sample can
+    be leapt to, the path itself is walked between the two, point by point.
+
+    Args:
+        price: (h, w) of each cell of length.
+        haste: what a cell of length costs on top of that.
+        squares: what is blocked.
+        need: clearance of every leap, in [cells]; the path's own stretches have it.
+        path: (n, 2) positions in [cells], row and column.
+    """
+    path = sampled(path, SAMPLE)
+    samples = _evenly(path, SAMPLE)
+    count = len(samples)
+    cost = np.full(count, np.inf)
+    cost[0] = 0.0
+    back = np.arange(-1, count - 1)
+    walked = np.zeros(count, dtype=np.bool_)
+    jumps = _jumps(min(count - 1, LONGEST_LEAP))
+    for j in range(1, count):
+        end = path[samples[j]]
+        walk = 0.0
+        for k in range(samples[j - 1], samples[j]):
+            step = haste * _apart(path[k], path[k + 1])
+            walk += line_price(price, path[k], path[k + 1], np.inf) + step
+        cost[j], walked[j] = cost[j - 1] + walk, True
+        for jump in jumps:
+            if jump > j:
+                break
+            i = j - jump
+            begin = path[samples[i]]
+            so_far = cost[i] + haste * _apart(begin, end)
+            line = line_price(price, begin, end, cost[j] - so_far)
+            if so_far + line <= cost[j] and is_clear(squares, begin, end, need):
+                cost[j], back[j], walked[j] = so_far + line, i, False
+    kept = [samples[count - 1]]
+    j = count - 1
+    while j > 0:
+        if walked[j]:
+            kept.extend(range(samples[j] - 1, samples[j - 1], -1))
+        j = back[j]
+        kept.append(samples[j])
+    corners: NDArray[np.float64] = path[np.array(kept[::-1])]
+    return corners
+
+
+@compiled
+def around_corners(
+    free: NDArray[np.bool_], squares: BlockedSquares, need: float, way: NDArray[np.int64]
+) -> NDArray[np.float64]:
+    """A way over cells (n, 2), with the free cell beside put in where a step over a corner is too narrow.
+
+    Args:
+        free: (h, w) cells whose centres have the room needed.
+        squares: what is blocked.
+        need: clearance that a step must have, in [cells].
+        way: cells, row and column; stretches that are longer than a step have the clearance.
+    """
+    path = np.empty((2 * len(way), 2))
+    count = 0
+    for i in range(len(way)):
+        path[count] = way[i]
+        count += 1
+        if i + 1 == len(way) or abs(way[i, 0] - way[i + 1, 0]) != 1 or abs(way[i, 1] - way[i + 1, 1]) != 1:
+            continue
+        path[count] = way[i + 1]
+        if not is_clear(squares, path[count - 1], path[count], need):
+            if free[way[i, 0], way[i + 1, 1]]:
+                path[count, 0] = way[i, 0]
+            else:
+                path[count, 1] = way[i, 1]
+            count += 1
+    return path[:count]
+
+
+@compiled
+def rounded(
+    squares: BlockedSquares, need: float, path: NDArray[np.float64], rounds: int
+) -> NDArray[np.float64]:
+    """Round the corners of an evenly sampled path (n, 2) in [cells], ends kept.
+
+    Each sample moves towards the middle of its neighbours, unless a stretch to one of them would then keep
+    less than `need`, in [cells], or less than all of the path did.
+    """
+    smooth = path.copy()
+    tight = np.inf
+    for point in path:
+        tight = min(tight, float(squares.distance[int(point[0] + 1.5), int(point[1] + 1.5)]))
+    keep = max(need, tight - 0.71)  # half a cell's diagonal: the point isn't the centre of its cell
+    moved = np.empty(2)
+    for _ in range(rounds):
+        for i in range(1, len(smooth) - 1):
+            moved[0] = 0.5 * smooth[i, 0] + 0.25 * (smooth[i - 1, 0] + smooth[i + 1, 0])
+            moved[1] = 0.5 * smooth[i, 1] + 0.25 * (smooth[i - 1, 1] + smooth[i + 1, 1])
+            if abs(moved[0] - smooth[i, 0]) + abs(moved[1] - smooth[i, 1]) < 1e-6:
+                continue
+            row, column = int(moved[0] + 0.5), int(moved[1] + 0.5)
+            far = max(_apart(moved, smooth[i - 1]), _apart(moved, smooth[i + 1]))
+            off = math.sqrt((moved[0] - row) ** 2 + (moved[1] - column) ** 2)
+            if squares.distance[row + 1, column + 1] > keep + far + off + ROUNDING or (
+                is_clear(squares, smooth[i - 1], moved, keep)
+                and is_clear(squares, moved, smooth[i + 1], keep)
+            ):
+                smooth[i, 0], smooth[i, 1] = moved[0], moved[1]
+    return smooth

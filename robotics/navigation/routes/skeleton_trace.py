@@ -1,0 +1,151 @@
+"""From the cells of a skeleton to nodes and edges, without losing or inventing a cycle.
+
+Two skeleton cells are linked when they share a side, or a corner that no third skeleton cell bridges. Of each
+full 2 x 2 block the upper link is left out, for the block's four links would be a cycle around nothing. The
+graph of these links has the components of the 8-connected skeleton, and one independent cycle for each
+4-connected hole in it (Euler's formula for the cell complex whose faces are the full blocks).
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from handcart.robotics.navigation.routes.thinning import neighbour_steps
+from handcart.robotics.numerics.compiled import compiled
+
+DEGREE = np.array([code.bit_count() for code in range(256)], dtype=np.uint8)
+
+
+class Trace(NamedTuple):
+    """Edges of a skeleton as runs of cells; cells are flat indices."""
+
+    nodes: NDArray[np.int64]
+    """(n,) cells that are a node: ends, junctions, lone cells, and one cell of each plain loop."""
+    cells: NDArray[np.int64]
+    """All edges' cells one after the other, end nodes included."""
+    first: NDArray[np.int64]
+    """(e + 1,): edge i is cells[first[i]:first[i + 1]]."""
+
+
+@compiled
+def _link(
+    skeleton: NDArray[np.uint8], cells: NDArray[np.int64], links: NDArray[np.uint8], steps: NDArray[np.int64]
+) -> None:
+    up = steps[2]
+    for cell in cells:
+        code = 0
+        for k in range(8):
+            if not skeleton[cell + steps[k]]:
+                continue
+            if k % 2 == 1:
+                linked = not (skeleton[cell + steps[k - 1]] or skeleton[cell + steps[(k + 1) % 8]])
+            elif k == 0 or k == 4:
+                linked = not (skeleton[cell + up] and skeleton[cell + up + steps[k]])
+            else:
+                linked = True
+            if linked:
+                code |= 1 << k
+        links[cell] = code
+
+
+@compiled
+def _walk(
+    links: NDArray[np.uint8],
+    is_node: NDArray[np.uint8],
+    start: int,
+    steps: NDArray[np.int64],
+    out: NDArray[np.int64],
+    filled: int,
+) -> int:
+    """Follow one link out of `start` to the next node, using links up; how much of `out` is filled then."""
+    cell = start
+    out[filled] = cell
+    filled += 1
+    while True:
+        k = 0
+        while not (links[cell] >> k) & 1:
+            k += 1
+        links[cell] &= 255 - (1 << k)
+        cell = cell + steps[k]
+        links[cell] &= 255 - (1 << ((k + 4) % 8))
+        out[filled] = cell
+        filled += 1
+        if is_node[cell]:
+            return filled
+
+
+@compiled
+def _walk_all(
+    links: NDArray[np.uint8],
+    cells: NDArray[np.int64],
+    is_node: NDArray[np.uint8],
+    steps: NDArray[np.int64],
+    out: NDArray[np.int64],
+    first: NDArray[np.int64],
+) -> int:
+    """Walk from every node, then around what is left: plain loops, each given a node of its own."""
+    edges = 0
+    filled = 0
+    for loops in range(2):
+        for cell in cells:
+            if loops and links[cell]:
+                is_node[cell] = 1
+            while is_node[cell] and links[cell]:
+                filled = _walk(links, is_node, cell, steps, out, filled)
+                edges += 1
+                first[edges] = filled
+    return edges
+
+
+def link(skeleton: NDArray[np.bool_]) -> tuple[NDArray[np.int64], NDArray[np.uint8]]:
+    """The skeleton's cells (n,) as flat indices, and links (h * w,): bit k for a link along step k.
+
+    Args:
+        skeleton: (h, w), False all along the border.
+    """
+    cells = np.flatnonzero(skeleton).astype(np.int64)
+    links = np.zeros(skeleton.size, dtype=np.uint8)
+    _link(skeleton.ravel().view(np.uint8), cells, links, neighbour_steps(skeleton.shape[1]))
+    return cells, links
+
+
+def trace(cells: NDArray[np.int64], links: NDArray[np.uint8], width: int) -> Trace:
+    """Nodes and edges of linked cells (n,); `links` is left as it was."""
+    degree = DEGREE[links[cells]]
+    is_node = np.zeros(links.size, dtype=np.uint8)
+    is_node[cells[degree != 2]] = 1
+    most = int(degree.sum()) // 2
+    out = np.empty(2 * most + 1, dtype=np.int64)
+    first = np.zeros(most + 1, dtype=np.int64)
+    edges = _walk_all(links.copy(), cells, is_node, neighbour_steps(width), out, first)
+    return Trace(cells[is_node[cells] == 1], out[: first[edges]], first[: edges + 1])
+
+
+def prune_leaves(
+    cells: NDArray[np.int64], links: NDArray[np.uint8], width: int, touching: NDArray[np.bool_]
+) -> NDArray[np.int64]:
+    """Cut the edges from a junction to a leaf that touches an obstacle, in one pass; returns the cells left.
+
+    One pass only: what becomes a leaf by it is the way into a dead-end room.
+
+    Args:
+        cells: (n,) flat indices of the skeleton.
+        links: (h * w,), changed in place.
+        width: of the map, in [cells].
+        touching: (h * w,) where a leaf counts as touching an obstacle.
+    """
+    before = trace(cells, links, width)
+    keep = np.ones(len(cells), dtype=np.bool_)
+    degree = DEGREE[links]
+    for low, high in zip(before.first[:-1], before.first[1:], strict=True):
+        run = before.cells[low:high]
+        run = run if degree[run[-1]] == 1 else run[::-1]
+        if degree[run[-1]] == 1 and degree[run[0]] >= 3 and touching[run[-1]]:
+            towards = int(np.flatnonzero(neighbour_steps(width) == run[1] - run[0])[0])
+            links[run[0]] &= 255 - (1 << towards)
+            links[run[1:]] = 0
+            keep[np.searchsorted(cells, run[1:])] = False
+    return cells[keep]

@@ -1,0 +1,210 @@
+"""The reduced generalized Voronoi graph of a map (Choset and Burdick, 2000), on a grid."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import cv2
+import networkx as nx
+import numpy as np
+from numpy.typing import NDArray
+
+from handcart.robotics.navigation.maps.blocked_squares import (
+    TOUCHING,
+    BlockedSquares,
+    blocked_squares,
+    is_clear,
+)
+from handcart.robotics.navigation.maps.grid_map import GridMap
+from handcart.robotics.navigation.routes.skeleton_trace import Trace, link, prune_leaves, trace
+from handcart.robotics.navigation.routes.thinning import thin
+
+POWER = 0.75  # of room in the price of a way: buys the clearance that 1.15 of the shortest length can
+EXACT = 1e-6  # of the radius, by which 32-bit distances may be off
+BREAK = 1e9  # price of what can't be passed: more than any way on a map costs
+TOUCH = 2.0  # a leaf this near to the grown obstacles, in [cells], touches them: rounding of two distances
+
+
+class EdgeTable:
+    """The graph's edges as flat arrays, for searches that can't afford objects.
+
+    Attributes:
+        nodes: (n, 2) cells, row and column.
+        cells: (c, 2) cells of all edges one after the other, end nodes included.
+        first: (e + 1,), edge i is cells[first[i]:first[i + 1]].
+        ends: (e, 2) node numbers of the two ends.
+        along: (c,) length along the edge up to each cell, in [cells].
+        edge_of: (c,) number of the edge that a cell belongs to.
+        length: (e,) in [cells].
+        price_along: (c,) as `along`, each step times the price of its cell; `BREAK` more behind a step over
+            a corner that is too narrow.
+        price: (e,) of a whole edge.
+    """
+
+    def __init__(
+        self, found: Trace, width: int, price: NDArray[np.float32], squares: BlockedSquares, need: float
+    ) -> None:
+        self.nodes = _unflatten(found.nodes, width)
+        self.cells = _unflatten(found.cells, width)
+        self.first = found.first
+        tips = np.column_stack([found.cells[found.first[:-1]], found.cells[found.first[1:] - 1]])
+        self.ends: NDArray[np.int64] = np.searchsorted(found.nodes, tips).reshape(-1, 2)
+        step = np.hypot(*np.diff(self.cells, axis=0, prepend=self.cells[:1]).T)
+        step[self.first[:-1]] = 0.0
+        total = np.cumsum(step)
+        sizes = np.diff(self.first)
+        self.along: NDArray[np.float64] = total - np.repeat(total[self.first[:-1]], sizes)
+        self.edge_of: NDArray[np.int64] = np.repeat(np.arange(len(sizes)), sizes)
+        self.length: NDArray[np.float64] = self.along[self.first[1:] - 1]
+        priced = np.cumsum(
+            step * price[self.cells[:, 0], self.cells[:, 1]]
+            + BREAK * _too_narrow(squares, need, self.cells, step)
+        )
+        self.price_along: NDArray[np.float64] = priced - np.repeat(priced[self.first[:-1]], sizes)
+        self.price: NDArray[np.float64] = self.price_along[self.first[1:] - 1]
+        self.slots, self.slot_first = _incidence(self.ends, len(self.nodes))
+
+
+@dataclass(frozen=True, eq=False)
+class VoronoiGraph:
+    """Ways through the middle of the free space.
+
+    Its topology is that of the free component it was built in: one component, and as many independent cycles
+    as the rest of the map (everything outside that component, the world beyond the border included) has
+    components, less one. Free cells are connected over corners (8), the rest over sides only (4). Where two
+    free cells share nothing but a corner and the robot doesn't fit between what is blocked beside it, the
+    graph's edge has a `BREAK`: no route takes it.
+    """
+
+    map: GridMap
+    radius: float
+    """By which obstacles were grown, in [m]."""
+    squares: BlockedSquares
+    """What is blocked, for exact distances."""
+    need: float
+    """Clearance of every way, in [cells]: the radius less rounding, and always more than touching."""
+    clearance: NDArray[np.float32]
+    """(h, w) distance from each cell's centre to the nearest blocked cell's square, in [m]."""
+    price: NDArray[np.float32]
+    """(h, w) of each cell of length: less where there is more room."""
+    free: NDArray[np.bool_]
+    """(h, w) the component: cells that the robot's centre may be in."""
+    graph: nx.MultiGraph
+    """Nodes have `point` (x, y); edges `points` (k, 2), `length` and least `clearance`; all in [m]."""
+    edges: EdgeTable
+
+    @property
+    def dearest(self) -> float:
+        """Price of a cell of length where a robot of this radius just fits."""
+        return float(max(self.radius, self.map.resolution) ** -POWER)
+
+    @property
+    def components(self) -> int:
+        """Number of connected components of the graph."""
+        return int(nx.number_connected_components(self.graph))
+
+    @property
+    def cycles(self) -> int:
+        """Number of independent cycles of the graph."""
+        return int(self.graph.number_of_edges() - self.graph.number_of_nodes() + self.components)
+
+
+def voronoi_graph(
+    grid: GridMap, radius: float, seed_point: tuple[float, float] | None = None
+) -> VoronoiGraph:
+    """Build the graph for a robot of `radius`.
+
+    Args:
+        grid: unknown cells and everything beyond the map count as obstacles.
+        radius: robot's radius, in [m]; obstacles are grown by it.
+        seed_point: (x, y) in [m] in (or nearest to) the free component to take; the largest one if None.
+
+    Raises:
+        ValueError: no cell is left free for a robot of this radius.
+    """
+    squares = blocked_squares(grid.blocked)
+    distance = squares.distance
+    need = max(radius / grid.resolution * (1.0 - 2.0 * EXACT), TOUCHING)
+    free = _component(
+        (distance >= radius / grid.resolution * (1.0 - EXACT)) & (distance > 0.0), grid, seed_point
+    )
+    cells, links = link(thin(free, distance))
+    width = free.shape[1]
+    cells = prune_leaves(cells, links, width, distance.ravel() <= need + TOUCH)
+    clearance = np.ascontiguousarray(distance[1:-1, 1:-1]) * np.float32(grid.resolution)
+    price = room_price(clearance, grid.resolution)
+    table = EdgeTable(trace(cells, links, width), width, price, squares, need)
+    inner = np.ascontiguousarray(free[1:-1, 1:-1])
+    network = _network(grid, table, clearance)
+    return VoronoiGraph(grid, radius, squares, need, clearance, price, inner, network, table)
+
+
+def room_price(clearance: NDArray[np.float32], resolution: float) -> NDArray[np.float32]:
+    """What a cell of length costs where there is this much clearance (h, w), in [m]."""
+    price: NDArray[np.float32] = np.maximum(clearance, np.float32(resolution)) ** np.float32(-POWER)
+    return price
+
+
+def _too_narrow(
+    squares: BlockedSquares, need: float, cells: NDArray[np.int64], step: NDArray[np.float64]
+) -> NDArray[np.bool_]:
+    """(c,) whether a step to a cell (c, 2) leads over a corner too narrowly, and no free cell lies beside."""
+    rows, columns = cells.T + 1
+    before_row, before_column = np.roll(rows, 1), np.roll(columns, 1)
+    beside = np.maximum(squares.distance[before_row, columns], squares.distance[rows, before_column])
+    narrow: NDArray[np.bool_] = (step > 1.0) & (beside < need)
+    for i in np.flatnonzero(narrow):
+        ends = cells[i - 1 : i + 1].astype(np.float64)
+        narrow[i] = not is_clear(squares, ends[0], ends[1], need)
+    return narrow
+
+
+def _component(
+    free: NDArray[np.bool_], grid: GridMap, seed_point: tuple[float, float] | None
+) -> NDArray[np.bool_]:
+    """The largest component of the (padded) free cells, or the one nearest to the seed point."""
+    if not free.any():
+        raise ValueError("no free cell is left after growing the obstacles by the robot's radius")
+    _, labels, stats, _ = cv2.connectedComponentsWithStats(free.view(np.uint8), connectivity=8)
+    if seed_point is None:
+        return np.asarray(labels == 1 + int(np.argmax(stats[1:, cv2.CC_STAT_AREA])))
+    row, column = grid.to_cell(np.array([seed_point]))[0] + 1
+    rows, columns = np.nonzero(free)
+    nearest = int(np.argmin((rows - row) ** 2 + (columns - column) ** 2))
+    return np.asarray(labels == labels[rows[nearest], columns[nearest]])
+
+
+def _network(grid: GridMap, table: EdgeTable, clearance: NDArray[np.float32]) -> nx.MultiGraph:
+    graph = nx.MultiGraph()
+    graph.add_nodes_from(
+        (i, {"point": (x, y)}) for i, (x, y) in enumerate(grid.to_point(table.nodes).tolist())
+    )
+    if len(table.length) == 0:
+        return graph
+    points = grid.to_point(table.cells)
+    least = np.minimum.reduceat(clearance[table.cells[:, 0], table.cells[:, 1]], table.first[:-1])
+    bounds, lengths = table.first.tolist(), (table.length * grid.resolution).tolist()
+    graph.add_edges_from(
+        (
+            a,
+            b,
+            i,
+            {"points": points[bounds[i] : bounds[i + 1]], "length": lengths[i], "clearance": float(least[i])},
+        )
+        for i, (a, b) in enumerate(table.ends.tolist())
+    )
+    return graph
+
+
+def _unflatten(cells: NDArray[np.int64], padded_width: int) -> NDArray[np.int64]:
+    """Rows and columns (n, 2) on the map of flat indices on the padded map."""
+    return np.column_stack(np.divmod(cells, padded_width)) - 1
+
+
+def _incidence(ends: NDArray[np.int64], nodes: int) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Edges at each node: node i has slots[first[i]:first[i + 1]], each 2 * edge + (which end it is)."""
+    flat = ends.ravel()
+    slots = np.argsort(flat, kind="stable")
+    first = np.zeros(nodes + 1, dtype=np.int64)
+    np.cumsum(np.bincount(flat, minlength=nodes), out=first[1:])
+    return slots, first

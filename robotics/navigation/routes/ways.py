@@ -1,0 +1,263 @@
+"""Where a round robot can stand on a map, and drive from where it is."""
+
+from __future__ import annotations
+
+import math
+from functools import cached_property
+from typing import Literal, NamedTuple
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.navigation.localization.scan_matching import CELL_BIAS
+from handcart.robotics.navigation.maps.clearances import Clearances
+from handcart.robotics.navigation.maps.grid_map import GridMap
+from handcart.robotics.navigation.routes.route import Route, plan_route
+from handcart.robotics.navigation.routes.voronoi_graph import EXACT, VoronoiGraph, voronoi_graph
+from handcart.robotics.navigation.routes.widest_way import narrowest_spot
+
+ROOM = 0.02  # [m] beside the footprint that a route keeps
+ROOM_AT_GOAL = 0.04  # [m] likewise where the robot is to stand: it comes to stand within half of that
+SENSED_ROOM = 0.10  # [m] that what was sensed is grown by: its far side wasn't seen
+ROOM_BEFORE = 0.02  # [m] likewise before what the robot is to stand before
+FINE = 0.05  # [m]: cells larger than that leave a pose unsure, by `UNSURE` of what they are larger
+UNSURE = 2.0 * CELL_BIAS  # twice the standard deviation
+LEAST = 0.01  # [m] beside the footprint that is left in any case, but on the way out of a start without it
+LEAVING = 0.25  # [m] at most, from a start that is too near to something to where there is room
+
+NOTHING = np.empty((0, 2))
+
+Kind = Literal["something", "unknown space", "the map's edge", "its front", "nothing"]
+Why = Literal["", "too near", "too narrow", "cut off"]
+
+
+class Way(NamedTuple):
+    """Whether the robot can stand at a goal, and how it gets there."""
+
+    clearance: float
+    """From the goal to what is nearest, in [m]."""
+    needed: float
+    """In [m]."""
+    nearest: tuple[float, float]
+    """Where that is, in [m]; NaN where there is nothing."""
+    kind: Kind
+    """What that is."""
+    component: int | None
+    """Which part of the map, in which this robot can drive about, the goal lies in, by size from 1; None if
+    in none."""
+    route: Route | None
+    """None if there is none."""
+    why: Why
+    """Why there is none."""
+    narrow: tuple[float, float] | None = None
+    """Where it is too narrow, in [m]."""
+    width: float = math.nan
+    """How wide it is there, in [m]."""
+    width_needed: float = math.nan
+    """In [m]."""
+
+    @property
+    def fits(self) -> bool:
+        """Whether the robot can stand at the goal at all."""
+        return self.why != "too near"
+
+    @property
+    def reason(self) -> str:
+        """In words why there is no way; empty where there is one."""
+        if self.why == "too near":
+            x, y = self.nearest
+            there = f"{self.kind} at ({x:.2f}, {y:.2f}) m"
+            return f"{there} leaves {self.clearance:.3f} m to its middle, needed: {self.needed:.3f} m"
+        if self.narrow is None:
+            return "it is cut off: no free space leads there" if self.why else ""
+        x, y = self.narrow
+        wide = f"{self.width:.2f} m wide at ({x:.2f}, {y:.2f}) m"
+        return f"the way is too narrow: {wide}, needed: {self.width_needed:.2f} m"
+
+
+class Ways:
+    """Of a robot on a map, from where it stands."""
+
+    def __init__(
+        self,
+        grid: GridMap,
+        radius: float,
+        start: Pose2 | tuple[float, float],
+        sensed: NDArray[np.float64] = NOTHING,
+    ) -> None:
+        """Look at a map.
+
+        Args:
+            grid: unknown cells and everything beyond the map count as obstacles.
+            radius: of the robot's footprint, in [m].
+            start: where it stands; only x and y count, in [m].
+            sensed: (n, 2) points that are to be kept away from as well, in [m]; on the way by more than at
+                its ends.
+        """
+        self._grid, self._radius, self._start = grid.with_points(sensed), radius, (start[0], start[1])
+        self._grown = grid.with_points(sensed, SENSED_ROOM)
+
+    def to(self, goal: Pose2 | tuple[float, float], front: NDArray[np.float64] | None = None) -> Way:
+        """The way to a goal.
+
+        Args:
+            goal: only x and y count, in [m].
+            front: (2, 2) ends of a straight front on the map, in [m], that the robot is to stand before: it
+                counts for what stands there, and may be nearer.
+        """
+        here = (goal[0], goal[1])
+        if front is None:
+            return self._to(here, self._standing(here), None)
+        before = Ways(without_front(self._grid, front), self._radius, self._start)
+        before._grown = without_front(self._grown, front)
+        stands = before._standing(here, front)
+        found = self._to(here, stands, front)
+        return found if found.route is not None or not found.fits else before._to(here, stands, front)
+
+    def _to(self, goal: tuple[float, float], stands: Way, front: NDArray[np.float64] | None) -> Way:
+        if stands.why:
+            return stands
+        found = stands._replace(component=self._component(goal))
+        if self._graph is None:
+            return found._replace(why="too narrow")
+        reach = min(LEAVING, 0.7 * self._needed)
+        route = plan_route(self._graph, self._start, goal, reach)
+        if route is None:
+            return self._without_way(found, goal, reach)
+        tight = self._tight_spot(route, front)
+        return found._replace(route=route) if tight is None else self._too_narrow(found, tight)
+
+    def _standing(self, goal: tuple[float, float], front: NDArray[np.float64] | None = None) -> Way:
+        """Whether the robot fits there."""
+        distance, point = self._clearances.nearest(goal)
+        at, needed, kind = (float(point[0]), float(point[1])), self._needed, self._kind(point)
+        if front is not None:
+            before, foot = _to_segment(goal, front)
+            if before - self._radius - ROOM_BEFORE < distance - self._needed:
+                distance, at, needed, kind = before, foot, self._radius + ROOM_BEFORE, "its front"
+        near = distance < needed - 1e-9
+        return Way(distance, needed, at, kind, None, None, "too near" if near else "")
+
+    def _kind(self, point: NDArray[np.float64]) -> Kind:
+        """What stands where a cell's square begins."""
+        if not np.isfinite(point).all():
+            return "nothing"
+        around = point + 1e-6 * np.array([[-1.0, -1.0], [-1.0, 1.0], [1.0, -1.0], [1.0, 1.0]])
+        inside = around[self._grid.inside(around)]
+        rows, columns = self._grid.to_cell(inside).T
+        if self._grid.occupied[rows, columns].any():
+            return "something"
+        return "unknown space" if self._grid.unknown[rows, columns].any() else "the map's edge"
+
+    def _component(self, goal: tuple[float, float]) -> int | None:
+        cell = self._near_free(self._labels > 0, goal, 0.5 * self._needed)
+        return None if cell is None else int(self._labels[cell])
+
+    def _near_free(
+        self, free: NDArray[np.bool_], point: tuple[float, float], reach: float
+    ) -> tuple[int, int] | None:
+        rows, columns = np.nonzero(free)
+        row, column = self._grid.to_cell(np.array([point]))[0].tolist()
+        if len(rows) == 0:
+            return None
+        away = np.hypot(rows - row, columns - column)
+        nearest = int(np.argmin(away))
+        near = away[nearest] <= math.ceil(reach / self._grid.resolution)
+        return (int(rows[nearest]), int(columns[nearest])) if near else None
+
+    def _without_way(self, found: Way, goal: tuple[float, float], reach: float) -> Way:
+        """Why no route leads there: all ways are too narrow, or there is none at all."""
+        assert self._graph is not None
+        clearance, open_ = self._graph.clearance, self._graph.clearance > 0.0
+        ends = [self._near_free(open_, point, reach) for point in (self._start, goal)]
+        if ends[0] is None or ends[1] is None:
+            return found._replace(why="cut off")
+        spot = narrowest_spot(clearance, ends[0], ends[1])
+        if spot is None:
+            return found._replace(why="cut off")
+        return self._too_narrow(found, self._grid.to_point(np.array([spot]))[0])
+
+    def _too_narrow(self, found: Way, at: NDArray[np.float64]) -> Way:
+        width, needed = self._width(at), 2.0 * (self._radius + ROOM + self._unsure)
+        if width >= needed:  # ways are looked for from cell to cell
+            needed += self._grid.resolution
+        spot = (float(at[0]), float(at[1]))
+        return found._replace(why="too narrow", narrow=spot, width=width, width_needed=max(needed, width))
+
+    def _width(self, at: NDArray[np.float64]) -> float:
+        """Between what stands on both sides of a point."""
+        distance, point = self._clearances.nearest((float(at[0]), float(at[1])))
+        if not 0.0 < distance < math.inf:
+            return 0.0
+        away = (at - point) / distance
+        other, left = distance, math.inf
+        while left > 1e-3:
+            left = self._clearances.nearest(tuple((at + (other - distance) * away).tolist())).distance
+            other += max(left, 0.0)
+        return other
+
+    def _tight_spot(self, route: Route, front: NDArray[np.float64] | None) -> NDArray[np.float64] | None:
+        """Where the way comes too near to something, except that it may begin so; None if nowhere."""
+        points, room = route.points, route.clearance
+        if front is not None:
+            room = np.minimum(room, [_to_segment((x, y), front)[0] for x, y in points.tolist()])
+        leaving = (np.hypot(*(points - self._start).T) < LEAVING) & (room >= room[0] - 1e-6)
+        tight = (room < self._radius + LEAST - 1e-9) & ~leaving
+        return points[int(np.argmin(np.where(tight, room, np.inf)))] if tight.any() else None
+
+    @property
+    def _needed(self) -> float:
+        return self._radius + ROOM_AT_GOAL + self._unsure
+
+    @property
+    def _unsure(self) -> float:
+        """By how much a pose is less exact than on fine cells, in [m]."""
+        return UNSURE * max(0.0, self._grid.resolution - FINE)
+
+    @cached_property
+    def _clearances(self) -> Clearances:
+        return Clearances(self._grid, self._grid.blocked, walled=True)
+
+    @cached_property
+    def _graph(self) -> VoronoiGraph | None:
+        try:
+            return voronoi_graph(self._grown, self._radius + ROOM + self._unsure, seed_point=self._start)
+        except ValueError:
+            return None
+
+    @cached_property
+    def _labels(self) -> NDArray[np.int64]:
+        """(h, w) part of the map that each cell belongs to, 1 the largest; 0 where the robot can't be."""
+        if self._graph is None:
+            return np.zeros(self._grid.occupied.shape, dtype=np.int64)
+        free = (self._graph.clearance >= self._graph.radius * (1.0 - EXACT)).astype(np.uint8)
+        count, labels, stats, _ = cv2.connectedComponentsWithStats(free, connectivity=8)
+        order = 1 + np.argsort(-stats[1:, cv2.CC_STAT_AREA], kind="stable")
+        numbers = np.zeros(count, dtype=np.int64)
+        numbers[order] = np.arange(1, count)
+        return np.asarray(numbers[labels])
+
+
+def without_front(grid: GridMap, front: NDArray[np.float64]) -> GridMap:
+    """A map without the cells that a front (2, 2), in [m], runs through: there its real place counts."""
+    near = 0.75 * grid.resolution
+    rows, columns = np.nonzero(grid.blocked)
+    centres = grid.to_point(np.column_stack([rows, columns]))
+    low, high = front.min(axis=0) - near, front.max(axis=0) + near
+    candidates = np.flatnonzero(np.all((centres >= low) & (centres <= high), axis=1))
+    gone = [i for i in candidates if _to_segment(tuple(centres[i].tolist()), front)[0] <= near]
+    kept = np.ones(grid.occupied.shape, dtype=np.bool_)
+    kept[rows[gone], columns[gone]] = False
+    return grid._replace(occupied=grid.occupied & kept, unknown=grid.unknown & kept)
+
+
+def _to_segment(
+    point: tuple[float, float], segment: NDArray[np.float64]
+) -> tuple[float, tuple[float, float]]:
+    """Distance of a point to a segment (2, 2), and the point of it that is nearest, in [m]."""
+    ray = segment[1] - segment[0]
+    at = float(np.clip((np.array(point) - segment[0]) @ ray / max(ray @ ray, 1e-12), 0.0, 1.0))
+    foot = segment[0] + at * ray
+    return math.hypot(point[0] - foot[0], point[1] - foot[1]), (float(foot[0]), float(foot[1]))

@@ -1,0 +1,57 @@
+"""The narrowest spot of the widest way between two parts of a map."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from handcart.robotics.numerics.compiled import compiled
+
+
+def narrowest_spot(
+    clearance: NDArray[np.float32], start: tuple[int, int], goal: tuple[int, int]
+) -> tuple[int, int] | None:
+    """The cell (row, column) at which the way with the most room everywhere is narrowest.
+
+    Cells are let in from the roomiest on until start and goal are connected (over corners too); the last one
+    is it (a maximum spanning tree's bottleneck; Hu, 1961).
+
+    Args:
+        clearance: (h, w) of each cell; not above zero where nothing can pass.
+        start: row and column.
+        goal: row and column.
+
+    Returns:
+        None if no way at all leads there.
+    """
+    flat = np.ascontiguousarray(clearance).ravel()
+    order = np.argsort(-flat, kind="stable")[: int(np.count_nonzero(flat > 0.0))]
+    width = clearance.shape[1]
+    last = _connect(order, clearance.shape, start[0] * width + start[1], goal[0] * width + goal[1])
+    return None if last < 0 else (last // width, last % width)
+
+
+@compiled
+def _root(parent: NDArray[np.int64], cell: int) -> int:
+    root = cell
+    while parent[root] != root:
+        parent[root] = parent[parent[root]]
+        root = int(parent[root])
+    return root
+
+
+@compiled
+def _connect(order: NDArray[np.int64], shape: tuple[int, int], start: int, goal: int) -> int:
+    """Which cell, let in in this order, connects start and goal; -1 if none does."""
+    height, width = shape
+    parent = np.full(height * width, -1)
+    for cell in order:
+        parent[cell] = cell
+        row, column = cell // width, cell % width
+        for r in range(max(row - 1, 0), min(row + 2, height)):
+            for c in range(max(column - 1, 0), min(column + 2, width)):
+                if parent[r * width + c] >= 0:
+                    parent[_root(parent, r * width + c)] = _root(parent, cell)
+        if parent[start] >= 0 and parent[goal] >= 0 and _root(parent, start) == _root(parent, goal):
+            return int(cell)
+    return -1

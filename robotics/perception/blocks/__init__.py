@@ -1,0 +1,1 @@
+"""Blocks, by the edges of their faces."""

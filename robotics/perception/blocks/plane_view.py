@@ -1,0 +1,51 @@
+"""An image as a picture of a plane."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import cv2
+import numpy as np
+
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.geometry.transform import Transform
+from handcart.robotics.perception.cameras.camera_model import CameraModel, Floats, GreyImage
+
+
+class PlaneView(NamedTuple):
+    """An image (h, w) of the plane z = 0 of a frame whose `camera_T_plane` (4, 4) is known.
+
+    Points are given in the frame of a pose in that plane, in [m].
+    """
+
+    image: GreyImage
+    camera: CameraModel
+    camera_T_plane: Transform
+
+    def eye(self, pose: Pose2) -> Floats:
+        """(3,) where the camera is, in the pose's frame: z above the plane."""
+        camera_T_pose = self.camera_T_plane @ pose.lift()
+        return np.asarray(-camera_T_pose[:3, :3].T @ camera_T_pose[:3, 3])
+
+    def pixels(self, pose: Pose2, points: Floats) -> Floats:
+        """(..., 2) of points (..., 2)."""
+        camera_T_pose = self.camera_T_plane @ pose.lift()
+        space = points.reshape(-1, 2) @ camera_T_pose[:3, :2].T + camera_T_pose[:3, 3]
+        return self.camera.project(space).reshape(points.shape)
+
+    def profiles(self, pose: Pose2, first: Floats, last: Floats, count: int) -> Floats | None:
+        """Greys (..., count) along short lines from `first` (..., 2) to `last`; None if one leaves the image.
+
+        Only the ends go through the lens: between them a line of a few millimetres is straight.
+        """
+        ends = self.pixels(pose, np.stack([first, last]))
+        height, width = self.image.shape
+        low, high = ends.reshape(-1, 2).min(axis=0), ends.reshape(-1, 2).max(axis=0)
+        if not (low.min() >= 1.0 and high[0] <= width - 2 and high[1] <= height - 2):
+            return None
+        share = np.linspace(0.0, 1.0, count, dtype=np.float32)[:, None]
+        start, end = (each.reshape(-1, 1, 2).astype(np.float32) for each in ends)
+        along = start + (end - start) * share
+        greys = cv2.remap(self.image, along[..., 0], along[..., 1], cv2.INTER_LINEAR)
+        result: Floats = greys.astype(np.float64).reshape(*first.shape[:-1], count)
+        return result

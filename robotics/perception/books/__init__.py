@@ -1,0 +1,1 @@
+"""Spines, gaps and labels on shelves."""

@@ -1,0 +1,173 @@
+"""Where on a shelf a book belongs."""
+
+from __future__ import annotations
+
+from bisect import bisect_right
+from collections.abc import Sequence
+from typing import NamedTuple
+
+from handcart.robotics.perception.books.call_number import CallNumber
+from handcart.robotics.perception.books.shelf_views import ShelfReading
+from handcart.robotics.perception.books.spines import Gap
+
+_LEAST_EXTRA = 0.002
+
+
+class GapFound(NamedTuple):
+    """The slot for a book: `left` > `right`, y in the shelf frame in [m]; `before` and `after` are the call
+    numbers read next to it that stand in order (None at an end of the row); `misplaced` those that don't."""
+
+    left: float
+    right: float
+    before: CallNumber | None
+    after: CallNumber | None
+    misplaced: tuple[CallNumber, ...] = ()
+
+    @property
+    def centre(self) -> float:
+        return (self.left + self.right) / 2
+
+    @property
+    def width(self) -> float:
+        return self.left - self.right
+
+
+class NoGap(NamedTuple):
+    """There is no slot for the book, and why: in words, and as a number of what against its limit.
+
+    `at` is y in the shelf frame in [m] where the book belongs, None where that isn't known.
+    """
+
+    reason: str
+    what: str
+    value: float
+    limit: float
+    unit: str = ""
+    at: float | None = None
+
+
+def find_gap(
+    reading: ShelfReading,
+    call_number: CallNumber,
+    thickness: float,
+    max_extra: float = 0.010,
+    misplacement: bool = True,
+) -> GapFound | NoGap:
+    """The slot between the right neighbours, at least 2 mm and at most `max_extra` [m] wider than the book.
+
+    The right place is the one that leaves the most books in order: the longest non-decreasing subsequence of
+    what stands to the left and is not above `call_number`, and of what stands to the right and is not below
+    it. A misplaced book is in neither, wherever it stands; unread books fit everywhere. With `misplacement`
+    False only the two reads next to each slot are asked.
+    """
+    numbers = [book.call_number for book in reading.books]
+    if all(number is None for number in numbers):
+        return NoGap("no call number could be read on the shelf", "call numbers read", 0, 1)
+    places = _best_places(numbers, call_number) if misplacement else _naive_places(numbers, call_number)
+    if not places:
+        return NoGap(f"no two neighbours on the shelf enclose {call_number}", "places for it", 0, 1)
+    slots = [gap for gap in reading.gaps if _index(reading, gap) in places]
+    before, after = _neighbours(numbers, call_number, places)
+    where = _where(before, after)
+    if not slots:
+        reason = f"{call_number} belongs {where}, and there is no free slot"
+        return NoGap(reason, "slots seen there", 0, 1, at=_at(reading, places[0]))
+    fitting = [gap for gap in slots if _LEAST_EXTRA <= gap.width - thickness <= max_extra]
+    if not fitting:
+        slot = max(slots, key=lambda gap: gap.width)
+        widest, least = slot.width * 1e3, (thickness + _LEAST_EXTRA) * 1e3
+        trouble = "too narrow" if widest < least else "so wide that the book would fall over"
+        return NoGap(
+            f"{call_number} belongs {where}; the slot there is {widest:.0f} mm wide, {trouble} "
+            f"for a book of {thickness * 1e3:.0f} mm",
+            "width of the slot",
+            widest,
+            least if widest < least else (thickness + max_extra) * 1e3,
+            "mm",
+            (slot.left + slot.right) / 2,
+        )
+    chosen = min(fitting, key=lambda gap: gap.width)
+    place = _index(reading, chosen)
+    before, after = _neighbours(numbers, call_number, [place])
+    return GapFound(chosen.left, chosen.right, before, after, _misplaced(numbers, call_number, place))
+
+
+def _index(reading: ShelfReading, gap: Gap) -> int:
+    """How many books stand to the left of a gap."""
+    return sum(book.centre > (gap.left + gap.right) / 2 for book in reading.books)
+
+
+def _at(reading: ShelfReading, place: int) -> float | None:
+    """y where a book put in at that place would stand between its neighbours, in [m]."""
+    sides = [book.right for book in reading.books[:place][-1:]] + [
+        book.left for book in reading.books[place : place + 1]
+    ]
+    return sum(sides) / len(sides) if sides else None
+
+
+def _best_places(numbers: Sequence[CallNumber | None], wanted: CallNumber) -> list[int]:
+    """The insertion places (0 to n) that leave the most books in order."""
+    scores = [
+        len(ordered(_only(numbers[:place], below=wanted)))
+        + len(ordered(_only(numbers[place:], above=wanted)))
+        for place in range(len(numbers) + 1)
+    ]
+    return [place for place, score in enumerate(scores) if score == max(scores)]
+
+
+def _naive_places(numbers: Sequence[CallNumber | None], wanted: CallNumber) -> list[int]:
+    """The places whose next reads on both sides enclose the wanted one."""
+    places = []
+    for place in range(len(numbers) + 1):
+        left = next((n for n in reversed(numbers[:place]) if n is not None), None)
+        right = next((n for n in numbers[place:] if n is not None), None)
+        if (left is None or left <= wanted) and (right is None or wanted <= right):
+            places.append(place)
+    return places
+
+
+def _only(
+    numbers: Sequence[CallNumber | None], below: CallNumber | None = None, above: CallNumber | None = None
+) -> list[CallNumber]:
+    return [
+        n
+        for n in numbers
+        if n is not None and (below is None or n <= below) and (above is None or n >= above)
+    ]
+
+
+def ordered(numbers: Sequence[CallNumber]) -> list[CallNumber]:
+    """A longest non-decreasing subsequence (patience sorting)."""
+    tops: list[CallNumber] = []
+    chains: list[tuple[CallNumber, ...]] = []
+    for number in numbers:
+        pile = bisect_right(tops, number)
+        chain = (*(chains[pile - 1] if pile else ()), number)
+        tops[pile : pile + 1], chains[pile : pile + 1] = [number], [chain]
+    return list(chains[-1]) if chains else []
+
+
+def _neighbours(
+    numbers: Sequence[CallNumber | None], wanted: CallNumber, places: Sequence[int]
+) -> tuple[CallNumber | None, CallNumber | None]:
+    """The reads in order that stand next to the places, on the left and on the right."""
+    left = ordered(_only(numbers[: min(places)], below=wanted))
+    right = ordered(_only(numbers[max(places) :], above=wanted))
+    return (left[-1] if left else None), (right[0] if right else None)
+
+
+def _misplaced(
+    numbers: Sequence[CallNumber | None], wanted: CallNumber, place: int
+) -> tuple[CallNumber, ...]:
+    """The reads that are in no longest order around the place."""
+    in_order = [
+        *ordered(_only(numbers[:place], below=wanted)),
+        *ordered(_only(numbers[place:], above=wanted)),
+    ]
+    return tuple(n for n in numbers if n is not None and n not in in_order)
+
+
+def _where(before: CallNumber | None, after: CallNumber | None) -> str:
+    if before is not None and after is not None:
+        return f"between {before} and {after}"
+    return f"to the right of {before}" if before is not None else f"to the left of {after}"

@@ -1,0 +1,161 @@
+"""Finding call-number labels: bright upright rectangles of known size with dark print on them."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from handcart.robotics.perception.cameras.camera_model import CameraModel, Floats, GreyImage, picture_of_plane
+
+_M_PER_PX = 0.0005
+_WIDEST_VIEW = 1.5  # [m]
+_WIDTHS, _LENGTHS = (0.0075, 0.0135), (0.030, 0.075)  # across and along the spine, [m]
+_LEVELS = range(70, 236, 15)
+_INK_SHARE = (0.04, 0.6)
+
+
+class LabelBox(NamedTuple):
+    """Where a label stands: `centre` (y, z) and `along` (unit vector towards its foot) on the plane x = 0 of
+    the shelf frame, `length` along the spine and `width` across it in [m].
+    """
+
+    centre: tuple[float, float]
+    along: tuple[float, float]
+    length: float
+    width: float
+
+    @property
+    def corners(self) -> Floats:
+        """(4, 2) of y, z in [m]: upper left, upper right, lower right, lower left, seen from the front."""
+        down = np.array(self.along) * self.length / 2
+        right = np.array([self.along[1], -self.along[0]]) * self.width / 2
+        corners: Floats = np.stack([-down - right, right - down, down + right, down - right]) + self.centre
+        return corners
+
+
+class View(NamedTuple):
+    """The shelf's front plane drawn flat: `picture` (h, w), which of it was `seen` (h, w), and its scale.
+
+    Column c, row r show y = left - c * m_per_px, z = top - r * m_per_px.
+    """
+
+    picture: GreyImage
+    seen: NDArray[np.bool_]
+    left: float
+    top: float
+    m_per_px: float
+
+
+def flat_view(
+    image: GreyImage,
+    camera: CameraModel,
+    camera_T_shelf: Floats,
+    mask: NDArray[np.bool_] | None,
+    m_per_px: float = _M_PER_PX,
+    heights: tuple[float, float] | None = None,
+) -> View:
+    """The part of the plane x = 0 of the shelf that the image shows, lens and slant undone.
+
+    `mask` (h, w) is True where the image shows the shelf (False: a held book stands before it); `heights`
+    limits z in [m]. Raises ValueError when the camera doesn't look at the shelf's front.
+    """
+    stops = np.array([0.0, 0.5, 1.0])
+    # The view bulges: the middles of its sides are as far out as its corners.
+    across, down = np.meshgrid(stops * (camera.width - 1), stops * (camera.height - 1))
+    points = camera.pixel_on_plane(np.column_stack([across.ravel(), down.ravel()]), camera_T_shelf)
+    low, high = points.min(axis=0), points.max(axis=0)
+    if not np.isfinite(points).all() or (high - low).max() > _WIDEST_VIEW:
+        raise ValueError("the camera doesn't look at the shelf's front")
+    bottom, top = (low[1], high[1]) if heights is None else heights
+    size = (int((high[0] - low[0]) / m_per_px) + 1, int((top - bottom) / m_per_px) + 1)
+    homography = picture_of_plane(camera_T_shelf, (high[0], top), m_per_px)
+    shown = (
+        np.full(image.shape, 255, dtype=np.uint8) if mask is None else mask.astype(np.uint8) * np.uint8(255)
+    )
+    seen = camera.rectify(shown, homography, size) > 250
+    return View(camera.rectify(image, homography, size), seen, float(high[0]), float(top), m_per_px)
+
+
+def find_labels(
+    image: GreyImage, camera: CameraModel, camera_T_shelf: Floats, mask: NDArray[np.bool_] | None = None
+) -> list[LabelBox]:
+    """The labels wholly in view, from left to right. Arguments as for flat_view; `camera_T_shelf` may be a
+    few millimetres and degrees off.
+    """
+    view = flat_view(image, camera, camera_T_shelf, mask)
+    # Print is thinner than 3 mm: closing paints it over and leaves the paper as one bright patch.
+    paper = cv2.morphologyEx(view.picture, cv2.MORPH_CLOSE, np.ones((7, 5), np.uint8))
+    paper[~view.seen] = 0
+    best: dict[tuple[int, int], tuple[float, LabelBox]] = {}
+    for level in _LEVELS:
+        for squareness, box in _patches(paper >= level, view):
+            near = next((key for key in best if _same_place(key, box)), None)
+            if near is None:
+                near = (round(box.centre[0] * 1000), round(box.centre[1] * 1000))
+            if near not in best or squareness > best[near][0]:
+                best[near] = (squareness, box)
+    boxes = [box for _, box in best.values() if _printed(view, box)]
+    return sorted(boxes, key=lambda box: -box.centre[0])
+
+
+def _same_place(key: tuple[int, int], box: LabelBox) -> bool:
+    return abs(key[0] - box.centre[0] * 1000) < 6 and abs(key[1] - box.centre[1] * 1000) < 30
+
+
+def _patches(bright: NDArray[np.bool_], view: View) -> list[tuple[float, LabelBox]]:
+    """Bright patches of a label's size and shape, with how much of their rectangle they fill."""
+    count, numbers, stats, _ = cv2.connectedComponentsWithStats(bright.astype(np.uint8), connectivity=4)
+    found = []
+    for i in range(1, count):
+        x, y, width, height, area = (int(v) for v in stats[i])
+        if not _label_sized(width * view.m_per_px, height * view.m_per_px, slack=1.4):
+            continue
+        if x == 0 or y == 0 or x + width == bright.shape[1] or y + height == bright.shape[0]:
+            continue
+        patch = (numbers[y : y + height, x : x + width] == i).astype(np.uint8)
+        outline = max(cv2.findContours(patch, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_SIMPLE)[0], key=len)
+        corners = cv2.boxPoints(cv2.minAreaRect(outline)) + np.array([x, y])
+        box = _box(corners, view)
+        filled = area * view.m_per_px**2 / (box.length * box.width)
+        if filled > 0.85 and _label_sized(box.width, box.length):
+            found.append((min(filled, 1.0), box))
+    return found
+
+
+def _label_sized(width: float, length: float, slack: float = 1.0) -> bool:
+    return (
+        _WIDTHS[0] / slack <= width <= _WIDTHS[1] * slack
+        and _LENGTHS[0] / slack <= length <= _LENGTHS[1] * slack
+    )
+
+
+def _box(corners: NDArray[np.float32], view: View) -> LabelBox:
+    """The rectangle of four picture corners (any order, pixel centres of the rim) as a box in the shelf
+    frame.
+    """
+    centre = corners.mean(axis=0)
+    sides = np.diff(corners[[0, 1, 2]], axis=0)
+    spans = np.hypot(sides[:, 0], sides[:, 1])
+    longer = int(np.argmax(spans))
+    down = sides[longer] / spans[longer] * (1 if sides[longer][1] >= 0 else -1)
+    return LabelBox(
+        (view.left - float(centre[0]) * view.m_per_px, view.top - float(centre[1]) * view.m_per_px),
+        (-float(down[0]), -float(down[1])),
+        (float(spans[longer]) + 1) * view.m_per_px,
+        (float(spans[1 - longer]) + 1) * view.m_per_px,
+    )
+
+
+def _printed(view: View, box: LabelBox) -> bool:
+    """A label has print on it; a bare band or a paper spine has none."""
+    column, row = (view.left - box.centre[0]) / view.m_per_px, (view.top - box.centre[1]) / view.m_per_px
+    half_w, half_h = 0.3 * box.width / view.m_per_px, 0.4 * box.length / view.m_per_px
+    inner = view.picture[
+        round(row - half_h) : round(row + half_h), round(column - half_w) : round(column + half_w)
+    ]
+    white, black = np.percentile(inner, (95, 2))
+    share = float((inner < (white + black) / 2).mean())
+    return bool(white - black > 40 and _INK_SHARE[0] < share < _INK_SHARE[1])

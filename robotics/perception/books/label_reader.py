@@ -1,0 +1,114 @@
+"""Reading the call-number labels in a view of the shelf."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from handcart.robotics.perception.books.call_number import CallNumber, parse, snap
+from handcart.robotics.perception.books.label_finder import LabelBox, find_labels
+from handcart.robotics.perception.cameras.camera_model import CameraModel, Floats, GreyImage, plane_to_rays
+
+
+class Label(NamedTuple):
+    """A label that was seen. `text` as read ("" when unreadable), `call_number` None unless it was read as
+    one.
+
+    `confidence` 0..1; `corners` (4, 2) in [px] of the image: the printed text's upper left first, then
+    clockwise as the reader of the text sees them; `lateral`, `height`: its middle's y and z in the shelf
+    frame in [m].
+    """
+
+    text: str
+    call_number: CallNumber | None
+    confidence: float
+    corners: Floats
+    lateral: float
+    height: float
+
+
+class Reading(NamedTuple):
+    """What a reader made of one crop."""
+
+    text: str
+    confidence: float
+
+
+class LabelReader(ABC):
+    """Finds the labels of a view and reads each; subclasses read upright crops.
+
+    `catalogue`, when given, makes every reading one of the known call numbers: the nearest, at most two edits
+    away, or none when two are equally near. A reading below `least_confidence` gives no call number.
+    """
+
+    crop_height_px = 48
+    crop_height_m = 0.0085
+    least_confidence = 0.5
+
+    def __init__(self, catalogue: Sequence[CallNumber] | None = None) -> None:
+        self._catalogue = catalogue
+
+    @abstractmethod
+    def read_crops(self, crops: Sequence[GreyImage]) -> list[Reading]:
+        """One reading for each upright crop (crop_height_px, w): text running left to right."""
+
+    def read(
+        self,
+        image: GreyImage,
+        camera: CameraModel,
+        camera_T_shelf: Floats,
+        mask: NDArray[np.bool_] | None = None,
+    ) -> list[Label]:
+        """The labels wholly visible in `image`, from left to right.
+
+        `camera_T_shelf` (4, 4) may be a few millimetres and degrees off; `mask` (h, w) is True where the
+        image shows the shelf. Raises ValueError when the camera doesn't look at the shelf's front.
+        """
+        boxes = find_labels(image, camera, camera_T_shelf, mask)
+        crops = [self._crop(image, camera, camera_T_shelf, box) for box in boxes]
+        readings = self.read_crops(crops) if crops else []
+        return [
+            self._label(box, reading, camera, camera_T_shelf)
+            for box, reading in zip(boxes, readings, strict=True)
+        ]
+
+    def _crop(
+        self, image: GreyImage, camera: CameraModel, camera_T_shelf: Floats, box: LabelBox
+    ) -> GreyImage:
+        """The label turned so that its text runs left to right, and cut to its text."""
+        m_per_px = self.crop_height_m / self.crop_height_px
+        width = round(box.length / m_per_px)
+        along = np.array(box.along)
+        # Text's own right is towards the book's foot, its down is to the left (+y) of the shelf.
+        down = np.array([-along[1], along[0]])
+        start = np.array(box.centre) - (width - 1) / 2 * m_per_px * along
+        start = start - (self.crop_height_px - 1) / 2 * m_per_px * down
+        to_plane = np.eye(3)
+        to_plane[:2] = np.column_stack([along * m_per_px, down * m_per_px, start])
+        homography = plane_to_rays(camera_T_shelf) @ to_plane
+        return cut_to_print(camera.rectify(image, homography, (width, self.crop_height_px)))
+
+    def _label(self, box: LabelBox, reading: Reading, camera: CameraModel, camera_T_shelf: Floats) -> Label:
+        number = parse(reading.text) if reading.confidence >= self.least_confidence else None
+        if self._catalogue is not None and reading.text:
+            number = snap(reading.text, self._catalogue)
+        corners = camera.plane_in_image(box.corners[[1, 2, 3, 0]], camera_T_shelf)
+        return Label(reading.text, number, reading.confidence, corners, *box.centre)
+
+
+def cut_to_print(crop: GreyImage) -> GreyImage:
+    """Without the empty paper before and after the text, but for a margin of a fifth of the height."""
+    height, width = crop.shape
+    inner = crop[height // 6 : -height // 6]
+    white, black = np.percentile(inner, (90, 1))
+    # The rims of the paper are dark too: the cover shows there.
+    edge = height // 8
+    inked = np.flatnonzero((inner[:, edge:-edge] < (white + black) / 2).any(axis=0)) + edge
+    if len(inked) == 0:
+        return crop
+    margin = height // 5
+    return np.ascontiguousarray(crop[:, max(0, inked[0] - margin) : min(width, inked[-1] + margin)])

@@ -1,0 +1,75 @@
+"""Labels read by a trained text recogniser (PP-OCR, as shipped inside the rapidocr wheel)."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import cached_property
+from importlib.util import find_spec
+from pathlib import Path
+
+import numpy as np
+import onnxruntime
+from numpy.typing import NDArray
+
+from handcart.robotics.perception.books.call_number import CallNumber
+from handcart.robotics.perception.books.call_number_decoder import CallNumberDecoder
+from handcart.robotics.perception.books.label_reader import LabelReader, Reading
+from handcart.robotics.perception.cameras.camera_model import GreyImage
+
+_STEP_PX = 8  # the recogniser gives one column of probabilities for this many of its input
+
+
+class OcrLabelReader(LabelReader):
+    """PP-OCR's recogniser on own crops, its outputs decoded as call numbers only.
+
+    rapidocr's own pipeline adds a detector (four times the work) and chooses among 18,000 characters. Its
+    model is run here as it is, on the processor, `threads` wide. The session is made at the first reading.
+    """
+
+    def __init__(self, catalogue: Sequence[CallNumber] | None = None, threads: int = 1) -> None:
+        super().__init__(catalogue)
+        self._threads = threads
+
+    def read_crops(self, crops: Sequence[GreyImage]) -> list[Reading]:
+        outputs = self._session.run(None, {self._session.get_inputs()[0].name: _batch(crops)})[0]
+        return [self._reading(probabilities) for probabilities in outputs]
+
+    def _reading(self, probabilities: NDArray[np.float32]) -> Reading:
+        decoded = self._decoder.decode(probabilities)
+        return Reading("", 0.0) if decoded is None else Reading(*decoded)
+
+    @cached_property
+    def _session(self) -> onnxruntime.InferenceSession:
+        options = onnxruntime.SessionOptions()
+        options.intra_op_num_threads = self._threads
+        options.inter_op_num_threads = 1
+        options.log_severity_level = 4
+        return onnxruntime.InferenceSession(str(_model_file()), options, providers=["CPUExecutionProvider"])
+
+    @cached_property
+    def _decoder(self) -> CallNumberDecoder:
+        known = self._session.get_modelmeta().custom_metadata_map["character"].splitlines()
+        return CallNumberDecoder(["", *known, " "])
+
+
+def _model_file() -> Path:
+    """The recogniser inside the installed rapidocr. Importing rapidocr itself would set up its loggers."""
+    spec = find_spec("rapidocr")
+    if spec is None or spec.origin is None:
+        raise FileNotFoundError("rapidocr is not installed: it carries the text recogniser")
+    models = sorted((Path(spec.origin).parent / "models").glob("*_rec_*.onnx"))
+    if not models:
+        raise FileNotFoundError(f"rapidocr at {spec.origin} carries no text recogniser")
+    return models[-1]
+
+
+def _batch(crops: Sequence[GreyImage]) -> NDArray[np.float32]:
+    """Crops (48, w) as the recogniser wants them: (n, 3, 48, widest), -1..1, padded with 0."""
+    height = crops[0].shape[0]
+    widest = -(-max(crop.shape[1] for crop in crops) // _STEP_PX) * _STEP_PX
+    batch = np.zeros((len(crops), 3, height, widest), dtype=np.float32)
+    for i, crop in enumerate(crops):
+        darkest, brightest = float(crop.min()), float(crop.max())
+        stretched = (crop.astype(np.float32) - darkest) / max(brightest - darkest, 1.0)
+        batch[i, :, :, : crop.shape[1]] = 2.0 * stretched - 1.0
+    return batch

@@ -1,0 +1,169 @@
+"""Edges that run up the shelf's front: where spines end, by line fits through strips of a flat view."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from handcart.robotics.perception.books.label_finder import View
+
+Floats = NDArray[np.float64]
+
+_STRIP_ROWS = 10
+_STEEPEST, _TILTS = 0.05, 41  # tangents of tilt that are tried
+_REACH = 4  # columns on each side of an edge that are compared
+_LEAST_DROP, _LEAST_RELATIVE_DROP = 7.0, 0.14
+_COVERAGE, _FEWEST_STRIPS = 0.75, 12
+_APART = 7  # columns
+
+
+class Strips(NamedTuple):
+    """Horizontal strips of a flat view, each a mean over some rows: `grey` (n, w), NaN where not seen.
+
+    Column c shows y = left + sign * c * m_per_px (sign -1: seen from the front; +1: mirrored); strip i is at
+    height z[i], all in [m].
+    """
+
+    grey: Floats
+    z: Floats
+    left: float
+    m_per_px: float
+    sign: int
+
+    def mirrored(self) -> Strips:
+        """The same strips from right to left."""
+        last = self.left + self.sign * (self.grey.shape[1] - 1) * self.m_per_px
+        return Strips(self.grey[:, ::-1], self.z, last, self.m_per_px, -self.sign)
+
+    def lateral(self, column: float) -> float:
+        """y in [m] of a column."""
+        return self.left + self.sign * column * self.m_per_px
+
+    def brightness(self, left: float, right: float, lowest: float) -> float | None:
+        """Median over the strips above height `lowest` of the mean grey from y `left` to `right`; None if
+        less than half of it was seen.
+        """
+        part = self._part(left, right)[self.z > lowest]
+        seen = ~np.isnan(part)
+        if part.size == 0 or seen.mean() < 0.5:
+            return None
+        return float(np.median(np.nanmean(part[seen.any(axis=1)], axis=1)))
+
+    def seen(self, left: float, right: float, highest: float) -> float:
+        """Share 0..1 that was seen from y `left` to `right` below height `highest`."""
+        part = self._part(left, right)[self.z < highest]
+        return float(np.mean(~np.isnan(part))) if part.size else 0.0
+
+    def _part(self, left: float, right: float) -> Floats:
+        ends = sorted(round((y - self.left) * self.sign / self.m_per_px) for y in (left, right))
+        return self.grey[:, max(0, ends[0]) : max(0, ends[1] + 1)]
+
+
+class Edge(NamedTuple):
+    """An edge: `y` in [m] at the view's mean height, `drop` in grey levels, `coverage` 0..1 of the view's
+    height.
+    """
+
+    y: float
+    drop: float
+    coverage: float
+
+
+def strips_of(view: View) -> Strips:
+    """Strips of a few millimetres' height, averaged over rows."""
+    count = view.picture.shape[0] // _STRIP_ROWS
+    shape = (count, _STRIP_ROWS, view.picture.shape[1])
+    rows = slice(0, count * _STRIP_ROWS)
+    grey = view.picture[rows].reshape(shape).astype(np.float64).mean(axis=1)
+    grey[~view.seen[rows].reshape(shape).all(axis=1)] = np.nan
+    z = view.top - (np.arange(count) + 0.5 - 0.5 / _STRIP_ROWS) * _STRIP_ROWS * view.m_per_px
+    return Strips(grey, z, view.left, view.m_per_px, -1)
+
+
+def upright(strips: Strips) -> Strips:
+    """The strips shifted against each other so that edges stand upright: undoes a small roll of the camera.
+
+    The tilt is the one whose column means differ most. Positions at the mean height stay.
+    """
+    tilts = np.linspace(-_STEEPEST, _STEEPEST, _TILTS)
+    slopes = np.nan_to_num(strips.grey[:, 2:] - strips.grey[:, :-2])
+    # A label's rim is short but strong; an edge that counts is long.
+    slopes = np.clip(slopes, -25.0, 25.0)
+    scores = [float((_sheared(slopes, strips, tilt).mean(axis=0) ** 2).sum()) for tilt in tilts]
+    return strips._replace(grey=_sheared(strips.grey, strips, float(tilts[int(np.argmax(scores))])))
+
+
+def _sheared(rows: Floats, strips: Strips, tilt: float) -> Floats:
+    columns = np.arange(rows.shape[1])
+    shifts = tilt * (strips.z - strips.z.mean()) / strips.m_per_px
+    return np.stack(
+        [np.interp(columns + shift, columns, row, 0, 0) for row, shift in zip(rows, shifts, strict=True)]
+    )
+
+
+def falling_edges(strips: Strips) -> list[Edge]:
+    """Edges where the grey falls in the direction of the columns, over most of the height that was seen."""
+    grey, width = strips.grey, strips.grey.shape[1]
+    before = grey[:, : -2 * _REACH]
+    # The darkest beyond: between two spines that touch there is but a seam, and the next one may be the
+    # brighter.
+    beyond = [grey[:, _REACH + k : width - _REACH + k] for k in range(1, _REACH + 1)]
+    drop = before - np.minimum.reduce(beyond)
+    seen = ~np.isnan(drop)
+    falls = seen & (drop > np.maximum(_LEAST_DROP, _LEAST_RELATIVE_DROP * before))
+    enough = seen.sum(axis=0) >= _FEWEST_STRIPS
+    coverage = np.where(enough, falls.sum(axis=0) / np.maximum(seen.sum(axis=0), 1), 0.0)
+    strength = (
+        coverage * np.where(seen, np.clip(drop, 0.0, 40.0), 0.0).sum(axis=0) / np.maximum(seen.sum(axis=0), 1)
+    )
+    edges = []
+    for column in _peaks(strength, coverage):
+        fitted = _fit(strips, column + _REACH)
+        if fitted is not None and 0 < fitted < width - 1:
+            edges.append(
+                Edge(strips.lateral(fitted), float(np.nanmean(drop[:, column])), float(coverage[column]))
+            )
+    return edges
+
+
+def _peaks(strength: Floats, coverage: Floats) -> list[int]:
+    """Columns of local maxima, at least _APART from a stronger one."""
+    chosen: list[int] = []
+    candidates = np.flatnonzero(coverage >= _COVERAGE)
+    for column in candidates[np.argsort(-strength[candidates], kind="stable")].tolist():
+        if all(abs(column - other) >= _APART for other in chosen):
+            chosen.append(column)
+    return sorted(chosen)
+
+
+def _fit(strips: Strips, column: int) -> float | None:
+    """Column, at the mean height, of a line through each strip's steepest fall near `column`."""
+    low, high = max(1, column - _REACH - 1), min(strips.grey.shape[1] - 1, column + _REACH + 2)
+    slope = strips.grey[:, low - 1 : high - 1] - strips.grey[:, low + 1 : high + 1]
+    rows = np.flatnonzero(~np.isnan(slope).any(axis=1))
+    if len(rows) < _FEWEST_STRIPS or slope.shape[1] < 3:
+        return None
+    slope = slope[rows]
+    steepest = np.clip(slope.argmax(axis=1), 1, slope.shape[1] - 2)
+    index = np.arange(len(rows))
+    a, b, c = slope[index, steepest - 1], slope[index, steepest], slope[index, steepest + 1]
+    bend = a - 2 * b + c
+    offset = np.where(bend < -1e-9, 0.5 * (a - c) / np.minimum(bend, -1e-9), 0.0)
+    return _robust_line(strips.z[rows] - strips.z.mean(), low + steepest + np.clip(offset, -0.5, 0.5))
+
+
+def _robust_line(z: Floats, columns: Floats) -> float:
+    """Value at z = 0 of a line fitted with Tukey's weights: title and bands pull single strips astray."""
+    weights = np.ones(len(z))
+    level, slope = float(np.median(columns)), 0.0
+    for _ in range(6):
+        residuals = columns - level - slope * z
+        scale = max(0.3, 1.48 * float(np.median(np.abs(residuals))))
+        weights = np.clip(1.0 - (residuals / (4.0 * scale)) ** 2, 0.0, None) ** 2
+        mean_z, mean_c = np.average(z, weights=weights), np.average(columns, weights=weights)
+        spread = float(np.average((z - mean_z) ** 2, weights=weights))
+        slope = float(np.average((z - mean_z) * (columns - mean_c), weights=weights)) / max(spread, 1e-6)
+        level = float(mean_c - slope * mean_z)
+    return level

@@ -1,0 +1,1 @@
+"""Cameras: their lens, their place on the hand, and how both are calibrated."""

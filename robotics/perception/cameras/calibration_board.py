@@ -1,0 +1,56 @@
+"""A board that cameras are calibrated with: what all kinds have in common."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from handcart.robotics.perception.cameras.camera_model import Floats, GreyImage
+
+
+class BoardView(NamedTuple):
+    """Corners of the board in one image."""
+
+    points: Floats
+    """(n, 3) in [m] of the board's frame: origin in the middle, x to the right, y up, z out of it."""
+    pixels: Floats
+    """(n, 2) where they are seen, in [px]."""
+
+
+class CalibrationBoard(ABC):
+    """A pattern of squares; `draw` it, print it, glue it on something flat."""
+
+    def __init__(self, columns: int, rows: int, square: float) -> None:
+        """`columns` by `rows` squares with sides of `square` [m]."""
+        self._columns, self._square = columns, square
+        self._size = np.array([columns, rows]) * square
+        self.corners = (columns - 1) * (rows - 1)
+        """Inner corners: so many can be seen."""
+
+    @property
+    def size(self) -> tuple[float, float]:
+        """Width and height in [m]."""
+        return float(self._size[0]), float(self._size[1])
+
+    def draw(self, m_per_px: float = 1.25e-4) -> GreyImage:
+        """Grey image (h, w) to print with `m_per_px` [m] a pixel, without a margin."""
+        width, height = np.rint(self._size / m_per_px).astype(int).tolist()
+        return self._drawn(width, height)
+
+    @abstractmethod
+    def find(self, image: GreyImage) -> BoardView | None:
+        """The corners in an image (h, w), or None where there are too few to tell the board."""
+
+    @abstractmethod
+    def _drawn(self, width: int, height: int) -> GreyImage:
+        """The pattern in so many pixels."""
+
+    def _places(self, numbers: NDArray[np.integer]) -> Floats:
+        """(n, 3) of corners by their number, counted row by row from the upper left."""
+        row, column = np.divmod(numbers, self._columns - 1)
+        x = (column + 1) * self._square - self._size[0] / 2
+        y = self._size[1] / 2 - (row + 1) * self._square
+        return np.column_stack([x, y, np.zeros(len(numbers))])

@@ -1,0 +1,52 @@
+"""A chessboard with tags in its white fields (ChArUco)."""
+
+from __future__ import annotations
+
+import cv2
+import numpy as np
+
+from handcart.robotics.perception.cameras.calibration_board import BoardView, CalibrationBoard
+from handcart.robotics.perception.cameras.camera_model import GreyImage
+from handcart.robotics.perception.landmarks.tag_family import USUAL, TagFamily, dictionary, tags_of
+
+TAG_SHARE = 0.75  # of a square's side, where nobody says otherwise
+_FEWEST_CORNERS = 6
+
+
+class CharucoBoard(CalibrationBoard):
+    """Every corner is told by the tags around it: the board may lie anyhow and stick out of the image."""
+
+    def __init__(
+        self,
+        columns: int = 9,
+        rows: int = 6,
+        square: float = 0.02,
+        tag: float | None = None,
+        family: TagFamily = USUAL,
+    ) -> None:
+        """`columns` by `rows` squares with sides of `square` [m], each white one with a tag of `tag` [m].
+
+        Raises ValueError where the tag doesn't fit its square, or the family has too few tags.
+        """
+        super().__init__(columns, rows, square)
+        tag = TAG_SHARE * square if tag is None else tag
+        if not 0.0 < tag < square:
+            raise ValueError(f"a tag of {1e3 * tag:g} mm doesn't fit a square of {1e3 * square:g} mm")
+        if columns * rows // 2 > tags_of(family):
+            raise ValueError(
+                f"the board needs {columns * rows // 2} tags, the family {family} has {tags_of(family)}"
+            )
+        self._board = cv2.aruco.CharucoBoard((columns, rows), square, tag, dictionary(family))
+        parameters = cv2.aruco.DetectorParameters()
+        parameters.cornerRefinementMethod = cv2.aruco.CORNER_REFINE_SUBPIX
+        self._detector = cv2.aruco.CharucoDetector(self._board, detectorParams=parameters)
+
+    def find(self, image: GreyImage) -> BoardView | None:
+        """See `CalibrationBoard`; six corners tell it."""
+        pixels, ids, _, _ = self._detector.detectBoard(image)
+        if ids is None or len(ids) < _FEWEST_CORNERS:
+            return None
+        return BoardView(self._places(np.ravel(ids)), np.asarray(pixels, dtype=np.float64).reshape(-1, 2))
+
+    def _drawn(self, width: int, height: int) -> GreyImage:
+        return np.asarray(self._board.generateImage((width, height)), dtype=np.uint8)

@@ -1,0 +1,78 @@
+"""A plain chessboard."""
+
+from __future__ import annotations
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from handcart.robotics.perception.cameras.calibration_board import BoardView, CalibrationBoard
+from handcart.robotics.perception.cameras.camera_model import Floats, GreyImage
+
+_FLAGS = cv2.CALIB_CB_NORMALIZE_IMAGE | cv2.CALIB_CB_ADAPTIVE_THRESH
+_SHARE = 0.25  # of the distance between two corners that is looked at about each: more, and others disturb
+_OFF_PX, _OFF = 0.5, 5.0  # [px], medians that a corner may be beside the smooth grid
+_WINDOW = (2, 5)  # [px] that is looked at to each side, at least and at most
+
+
+class Chessboard(CalibrationBoard):
+    """Has to be in the image as a whole. Its upper left square is the black one of two opposite corners.
+
+    A corner is where the gradient about it is at right angles to the way there (Förstner and Gülch, 1987).
+    With an even number of columns and rows in all it looks the same from both sides: then a view may be
+    turned by half a turn. The lens is calibrated by it all the same, where the camera sits is not.
+    """
+
+    def __init__(self, columns: int, rows: int, square: float) -> None:
+        """`columns` by `rows` squares with sides of `square` [m]; inner corners are one fewer."""
+        super().__init__(columns, rows, square)
+        self._inner = (columns - 1, rows - 1)
+
+    def find(self, image: GreyImage) -> BoardView | None:
+        """See `CalibrationBoard`; all corners have to be seen."""
+        found, rough = cv2.findChessboardCorners(image, self._inner, flags=_FLAGS)
+        if not found:
+            return None
+        corners = _refined(image, np.asarray(rough, np.float32).reshape(self._inner[1], self._inner[0], 2))
+        if _upper_left_is_white(image, corners):
+            corners = corners[::-1, ::-1]
+        sound = _sound(corners).ravel()
+        return BoardView(self._places(np.flatnonzero(sound)), corners.reshape(-1, 2)[sound])
+
+    def _drawn(self, width: int, height: int) -> GreyImage:
+        columns, rows = self._inner[0] + 1, self._inner[1] + 1
+        column = np.arange(width) * columns // width
+        row = np.arange(height) * rows // height
+        return np.where((row[:, None] + column) % 2, np.uint8(255), np.uint8(0))
+
+
+def _refined(image: GreyImage, rough: NDArray[np.float32]) -> Floats:
+    """Corners (rows, columns, 2) to a fraction of a pixel."""
+    steps = [np.linalg.norm(np.diff(rough, axis=axis), axis=2).min() for axis in (0, 1)]
+    window = int(np.clip(_SHARE * min(steps), *_WINDOW))
+    criteria = (cv2.TERM_CRITERIA_COUNT | cv2.TERM_CRITERIA_EPS, 60, 1e-4)
+    fine = cv2.cornerSubPix(image, rough.reshape(-1, 1, 2), (window, window), (-1, -1), criteria)
+    return fine.reshape(rough.shape).astype(np.float64)
+
+
+def _sound(corners: Floats) -> NDArray[np.bool_]:
+    """Which of the corners (rows, columns, 2) lie where the others say: not drawn away by what is beside.
+
+    A lens and a plane seen at a slant make a smooth grid, here a polynomial of third degree.
+    """
+    rows, columns = np.indices(corners.shape[:2]) / np.reshape(corners.shape[:2], (2, 1, 1))
+    terms = [columns**i * rows**j for i in range(4) for j in range(4 - i)]
+    basis = np.stack(terms, axis=-1).reshape(-1, len(terms))
+    places = corners.reshape(-1, 2)
+    fit = basis @ np.linalg.lstsq(basis, places, rcond=None)[0]
+    off = np.linalg.norm(places - fit, axis=1)
+    return np.asarray(off < max(_OFF_PX, _OFF * float(np.median(off))))
+
+
+def _upper_left_is_white(image: GreyImage, corners: Floats) -> bool:
+    """Whether the square before the first corner (rows, columns, 2) is brighter than the one beside it."""
+    first, right, down = corners[0, 0], corners[0, 1] - corners[0, 0], corners[1, 0] - corners[0, 0]
+    outer, beside = first - 0.5 * right - 0.5 * down, first + 0.5 * right - 0.5 * down
+    sheet = np.array([outer, beside], dtype=np.float32)
+    greys = cv2.remap(image, sheet[None, :, 0], sheet[None, :, 1], cv2.INTER_LINEAR)
+    return bool(greys[0, 0] > greys[0, 1])

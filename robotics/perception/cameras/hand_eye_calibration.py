@@ -1,0 +1,196 @@
+"""Calibrating where the camera sits on the hand, from views of a board that lies still."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+from scipy.optimize import least_squares
+from scipy.spatial.transform import Rotation
+
+from handcart.robotics.geometry.transform import Transform, apply, inverse
+from handcart.robotics.perception.cameras.board_pose import PosedBoard, pose_board
+from handcart.robotics.perception.cameras.calibration_board import BoardView
+from handcart.robotics.perception.cameras.camera_model import CameraModel, Floats
+from handcart.robotics.perception.cameras.hand_eye_closed_form import METHODS, closed_form
+
+FEWEST_VIEWS = 8
+LEAST_TURN = 0.1
+"""[rad] (rms) that the hand must have turned about a second axis."""
+ARM_LEVER = 0.5
+"""[m]: an arm whose hand is off by 1 mm is taken to turn it wrongly by 1 mm over this."""
+_MOST_ROUNDS, _SETTLED = 12, 0.02
+_LEAST_ARM_ERROR = 1e-6  # [m]
+
+
+class HandEyeView(NamedTuple):
+    """The board as seen from one posture of the arm."""
+
+    base_T_hand: Transform
+    board: BoardView
+
+
+class HandEyeCalibration(NamedTuple):
+    """Where the camera sits."""
+
+    hand_T_camera: Transform
+    base_T_board: Transform
+    sigmas: Floats
+    """(6,) standard deviations of hand_T_camera: position in [m], turn in [rad], in the camera frame."""
+    rms: float
+    """Of all corners from where hand and camera have them, in [px]."""
+    offsets: Floats
+    """(n,) how far from `base_T_board` each view alone puts the board's middle, in [m]."""
+    arm_error: float
+    """Of the hand's position, rms of each axis, as it shows in the views, in [m]."""
+    method: str
+    """That the refinement started from."""
+
+
+def calibrate_hand_eye(
+    views: Sequence[HandEyeView], camera: CameraModel, worst_offset: float = 0.005
+) -> HandEyeCalibration:
+    """hand_T_camera from views by a calibrated camera, the base standing still.
+
+    OpenCV's closed forms give a start. From there hand_T_camera and base_T_board are moved to where the
+    board's poses fit best, each weighed by how well its corners tell it and by the arm's own error, which is
+    found along with them. (To minimise the corners' distances in the images takes the arm for exact, and is
+    worse than the closed forms.)
+
+    Raises ValueError where there are too few views, where the hand turned too little or about one axis only
+    (how far out along that axis the camera sits can't then be told), or where a view puts the board's middle
+    more than `worst_offset` [m] from where all put it.
+    """
+    _check(views)
+    boards = [pose_board(view.board, camera) for view in views]
+    method, poses = _best_start(views, boards)
+    arm_error = _arm_error(views, boards, poses)
+    for _ in range(_MOST_ROUNDS):
+        weights = [
+            _weight(view, board, poses[0], arm_error) for view, board in zip(views, boards, strict=True)
+        ]
+        poses, jacobian, unexplained = _fit(views, boards, weights, poses)
+        if abs(unexplained - 1.0) < _SETTLED or (unexplained < 1.0 and arm_error <= _LEAST_ARM_ERROR):
+            break
+        arm_error = max(_LEAST_ARM_ERROR, arm_error * float(np.sqrt(unexplained)))
+    offsets = np.linalg.norm(_off(views, boards, poses)[:, :3], axis=1)
+    if not offsets.max() <= worst_offset:
+        raise ValueError(
+            f"view {int(offsets.argmax())} puts the board {1e3 * offsets.max():.1f} mm from where all do, "
+            f"{1e3 * worst_offset:g} mm are allowed: did base or board move, is the arm calibrated?"
+        )
+    sigmas = np.sqrt(np.diag(np.linalg.inv(jacobian.T @ jacobian)) * unexplained)[:6]
+    return HandEyeCalibration(
+        *poses, np.asarray(sigmas), _rms(views, camera, poses), offsets, arm_error, method
+    )
+
+
+def _check(views: Sequence[HandEyeView]) -> None:
+    if len(views) < FEWEST_VIEWS:
+        raise ValueError(f"there are {len(views)} views of the board; at least {FEWEST_VIEWS} are needed")
+    turns = np.array([view.base_T_hand[:3, :3] for view in views])
+    mean = Rotation.from_matrix(turns).mean().as_matrix()
+    axes = Rotation.from_matrix(mean.T @ turns).as_rotvec()
+    second = float(np.linalg.svd(axes, compute_uv=False)[1]) / np.sqrt(len(views))
+    if second < LEAST_TURN:
+        raise ValueError(
+            f"about a second axis the hand turned by {second:.2f} rad (rms) only; {LEAST_TURN:g} are needed: "
+            "look at the board from all sides"
+        )
+
+
+def _best_start(
+    views: Sequence[HandEyeView], boards: Sequence[PosedBoard]
+) -> tuple[str, tuple[Transform, Transform]]:
+    """The closed form from which the views put the board most alike, with where that is."""
+    starts = []
+    for method in METHODS:
+        hand_T_camera = closed_form(
+            [view.base_T_hand for view in views], [board.camera_T_board for board in boards], method
+        )
+        if hand_T_camera is None:
+            continue
+        placed = [
+            view.base_T_hand @ hand_T_camera @ board.camera_T_board
+            for view, board in zip(views, boards, strict=True)
+        ]
+        base_T_board = np.eye(4)
+        base_T_board[:3, :3] = Rotation.from_matrix([each[:3, :3] for each in placed]).mean().as_matrix()
+        base_T_board[:3, 3] = np.median([each[:3, 3] for each in placed], axis=0)
+        off = _off(views, boards, (hand_T_camera, base_T_board))
+        starts.append((float(np.linalg.norm(off[:, :3])), method, (hand_T_camera, base_T_board)))
+    if not starts:
+        raise ValueError("no method finds a place for the camera: are poses and pictures in the same order?")
+    _, method, start = min(starts, key=lambda each: each[0])
+    return method, start
+
+
+def _off(
+    views: Sequence[HandEyeView], boards: Sequence[PosedBoard], poses: tuple[Transform, Transform]
+) -> Floats:
+    """(n, 6) expected camera_T_board less the seen one: shift in [m] and turn in [rad], in camera axes."""
+    hand_T_camera, base_T_board = poses
+    expected = np.array([inverse(view.base_T_hand @ hand_T_camera) @ base_T_board for view in views])
+    seen = np.array([board.camera_T_board for board in boards])
+    turns = Rotation.from_matrix(expected[:, :3, :3] @ seen[:, :3, :3].transpose(0, 2, 1)).as_rotvec()
+    return np.hstack([expected[:, :3, 3] - seen[:, :3, 3], turns])
+
+
+def _arm_error(
+    views: Sequence[HandEyeView], boards: Sequence[PosedBoard], poses: tuple[Transform, Transform]
+) -> float:
+    """A first guess, in [m]."""
+    return max(_LEAST_ARM_ERROR, float(np.sqrt(np.mean(_off(views, boards, poses)[:, :3] ** 2))))
+
+
+def _weight(view: HandEyeView, board: PosedBoard, hand_T_camera: Transform, arm_error: float) -> Floats:
+    """(6, 6) that makes what a view is off by uncorrelated and of unit variance."""
+    camera_T_hand = inverse(hand_T_camera)
+    lever = board.camera_T_board[:3, 3] - camera_T_hand[:3, 3]
+    x, y, z = lever.tolist()
+    by_hand = np.eye(6)
+    by_hand[3:, 3:] *= -1.0
+    by_hand[:3, 3:] = [[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]]
+    of_hand = np.repeat([arm_error, arm_error / ARM_LEVER], 3) ** 2
+    covariance = board.covariance + (by_hand * of_hand) @ by_hand.T
+    return np.asarray(np.linalg.inv(np.linalg.cholesky(covariance)))
+
+
+def _fit(
+    views: Sequence[HandEyeView],
+    boards: Sequence[PosedBoard],
+    weights: Sequence[Floats],
+    start: tuple[Transform, Transform],
+) -> tuple[tuple[Transform, Transform], Floats, float]:
+    """Both poses, the jacobian (6 n, 12), and the variance that is left, 1 if the weights are right."""
+    weight = np.array(weights)
+
+    def residuals(step: Floats) -> Floats:
+        off = _off(views, boards, _moved(start, step))
+        return np.ravel(weight @ off[..., None])
+
+    found = least_squares(residuals, np.zeros(12), x_scale="jac", xtol=1e-10)
+    unexplained = float(found.fun @ found.fun) / (len(found.fun) - 12)
+    return _moved(start, found.x), found.jac, unexplained
+
+
+def _moved(poses: tuple[Transform, Transform], step: Floats) -> tuple[Transform, Transform]:
+    """Both poses moved, in their own frames, by a shift in [m] and a turn in [rad] each (12,)."""
+    moved = []
+    for pose, part in zip(poses, (step[:6], step[6:]), strict=True):
+        change = np.eye(4)
+        change[:3, :3], change[:3, 3] = Rotation.from_rotvec(part[3:]).as_matrix(), part[:3]
+        moved.append(pose @ change)
+    return moved[0], moved[1]
+
+
+def _rms(views: Sequence[HandEyeView], camera: CameraModel, poses: tuple[Transform, Transform]) -> float:
+    """Of all corners, in [px]."""
+    hand_T_camera, base_T_board = poses
+    off = [
+        camera.project(apply(inverse(view.base_T_hand @ hand_T_camera) @ base_T_board, view.board.points))
+        - view.board.pixels
+        for view in views
+    ]
+    return float(np.sqrt(np.mean(np.sum(np.vstack(off) ** 2, axis=1))))

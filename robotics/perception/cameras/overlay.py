@@ -1,0 +1,85 @@
+"""What was seen, drawn into a copy of the image."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from handcart.robotics.perception.books.label_reader import Label
+from handcart.robotics.perception.books.spines import Gap, Spine
+from handcart.robotics.perception.cameras.camera_model import CameraModel, Floats, GreyImage
+from handcart.robotics.perception.landmarks.landmark import Landmark
+from handcart.robotics.perception.landmarks.tag_reader import Tag
+
+_TAG, _READ, _UNREAD, _GAP, _SPINE = (255, 128, 0), (0, 200, 0), (0, 0, 230), (0, 200, 255), (200, 160, 60)
+_HEIGHTS = np.linspace(0.0, 0.2, 9)
+
+
+def draw_overlay(
+    image: GreyImage,
+    tags: Sequence[Tag] = (),
+    labels: Sequence[Label] = (),
+    spines: Sequence[Spine] = (),
+    gaps: Sequence[Gap] = (),
+    camera: CameraModel | None = None,
+    camera_T_shelf: Floats | None = None,
+    landmarks: Sequence[Landmark] = (),
+    outlines: Sequence[Floats] = (),
+    points: Floats | None = None,
+) -> NDArray[np.uint8]:
+    """A BGR copy (h, w, 3) with tags, labels and their texts, landmarks, and the sides of spines and gaps.
+
+    `outlines` (n, 2) in [px] are drawn closed, `points` (n, 2) as small circles. Spines and gaps are in the
+    shelf frame: they are drawn where camera and `camera_T_shelf` are given.
+    """
+    picture = np.asarray(cv2.cvtColor(image, cv2.COLOR_GRAY2BGR), dtype=np.uint8)
+    for tag in tags:
+        _outline(picture, tag.corners, _TAG)
+        _write(picture, str(tag.id), tag.corners.max(axis=0), _TAG)
+    for label in labels:
+        colour = _READ if label.call_number is not None else _UNREAD
+        _outline(picture, label.corners, colour)
+        text = str(label.call_number) if label.call_number is not None else label.text or "?"
+        _write(picture, text, label.corners.min(axis=0) - (12, 6), colour)
+    for landmark in landmarks:
+        _outline(picture, landmark.corners, _TAG)
+        _outline(picture, np.vstack([landmark.corners[0], landmark.centre]), _TAG, closed=False)
+    for outline in outlines:
+        _outline(picture, outline, _READ)
+    for x, y in np.rint(() if points is None else points * 16).astype(int).tolist():
+        cv2.circle(picture, (x, y), 3 * 16, _READ, 1, cv2.LINE_AA, 4)
+    if camera is not None and camera_T_shelf is not None:
+        for things, colour in ((spines, _SPINE), (gaps, _GAP)):
+            for thing in things:
+                for y in (thing.left, thing.right):
+                    _upright(picture, camera, camera_T_shelf, y, colour)
+    return picture
+
+
+def _outline(
+    picture: NDArray[np.uint8], points: Floats, colour: tuple[int, int, int], closed: bool = True
+) -> None:
+    # Four fractional bits: lines fall between pixels as the corners do.
+    fixed = np.rint(points * 16).astype(np.int32).reshape(-1, 1, 2)
+    cv2.polylines(picture, [fixed], closed, colour, 1, cv2.LINE_AA, 4)
+
+
+def _upright(
+    picture: NDArray[np.uint8],
+    camera: CameraModel,
+    camera_T_shelf: Floats,
+    y: float,
+    colour: tuple[int, int, int],
+) -> None:
+    points = camera.plane_in_image(np.column_stack([np.full(len(_HEIGHTS), y), _HEIGHTS]), camera_T_shelf)
+    if np.isfinite(points).all():
+        _outline(picture, np.clip(points, -4000, 4000), colour, closed=False)
+
+
+def _write(picture: NDArray[np.uint8], text: str, at: Floats, colour: tuple[int, int, int]) -> None:
+    where = (int(np.clip(at[0], 0, picture.shape[1] - 8)), int(np.clip(at[1], 10, picture.shape[0] - 2)))
+    cv2.putText(picture, text, where, cv2.FONT_HERSHEY_SIMPLEX, 0.38, (0, 0, 0), 3, cv2.LINE_AA)
+    cv2.putText(picture, text, where, cv2.FONT_HERSHEY_SIMPLEX, 0.38, colour, 1, cv2.LINE_AA)

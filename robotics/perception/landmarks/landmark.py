@@ -1,0 +1,74 @@
+"""The landmark: a black square with one white corner field, on white paper."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from handcart.robotics.perception.cameras.camera_model import CameraModel, Floats, GreyImage
+
+CELLS = 8  # fields across the square
+FIELD = slice(1, 3)  # rows and columns of the white fields, from the upper left
+PAPER, INK = 244, 22
+
+
+class Landmark(NamedTuple):
+    """A landmark as it was seen. Its frame: origin in the middle, x to the right, y up, z out of the paper;
+    the white field is at the upper left."""
+
+    corners: Floats
+    """(4, 2) in [px] of the image as taken: upper left, upper right, lower right, lower left."""
+    centre: Floats
+    """(2,) in [px] of the image as taken: where the diagonals meet."""
+    rays: Floats
+    """(4, 2) x/z and y/z of the corners in the camera frame: the lens is undone."""
+    angle: float
+    """From the camera's x to the landmark's, about the camera's z, in [rad], -pi to pi."""
+    score: float
+    """Correlation of what is inside with what should be, 0 to 1."""
+
+
+def draw_landmark(side: float = 0.06, margin: float = 0.01, m_per_px: float = 1.25e-4) -> GreyImage:
+    """The sheet, `side` + 2 `margin` in [m] across: grey (n, n) image with `m_per_px` [m] a pixel, y up.
+
+    Raises ValueError where a field or the margin is no whole number of pixels: edges would be displaced.
+    """
+    fields, border = side / CELLS / m_per_px, margin / m_per_px
+    if any(abs(n - round(n)) > 1e-6 for n in (fields, border)) or round(fields) < 1:
+        raise ValueError(
+            f"a landmark of {side:g} m with a margin of {margin:g} m can't be drawn with {m_per_px:g} m a "
+            f"pixel; side / {CELLS} and margin must be whole numbers of pixels"
+        )
+    ink = np.kron(pattern(), np.ones((round(fields), round(fields))))
+    square = np.where(ink > 0, PAPER, INK).astype(np.uint8)
+    return np.pad(square, round(border), constant_values=PAPER)
+
+
+def pattern() -> Floats:
+    """The fields (8, 8) from the upper left: 1 white, 0 black."""
+    fields = np.zeros((CELLS, CELLS))
+    fields[FIELD, FIELD] = 1.0
+    return fields
+
+
+def square_corners(side: float) -> Floats:
+    """(4, 3) in [m] of the landmark's frame, in the order of `Landmark.corners`."""
+    half = side / 2
+    return np.array([[-half, half, 0.0], [half, half, 0.0], [half, -half, 0.0], [-half, -half, 0.0]])
+
+
+def diagonals_meet(corners: Floats) -> Floats:
+    """(2,) where the diagonals of a quadrangle (4, 2) meet."""
+    a, b, c, d = corners
+    along, across, start = c - a, d - b, b - a
+    share = (start[0] * across[1] - start[1] * across[0]) / (along[0] * across[1] - along[1] * across[0])
+    return np.asarray(a + share * along)
+
+
+def seen_landmark(rays: Floats, camera: CameraModel, score: float) -> Landmark:
+    """The landmark with corners at `rays` (4, 2)."""
+    both = np.vstack([rays, diagonals_meet(rays)])
+    pixels = camera.project(np.column_stack([both, np.ones(5)]))
+    right = rays[1] + rays[2] - rays[0] - rays[3]
+    return Landmark(pixels[:4], pixels[4], rays, float(np.arctan2(right[1], right[0])), score)

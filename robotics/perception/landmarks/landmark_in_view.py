@@ -1,0 +1,35 @@
+"""Whether a picture shows the whole of a landmark."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.geometry.transform import Transform, apply, inverse
+from handcart.robotics.perception.cameras.camera_model import CameraModel
+from handcart.robotics.perception.landmarks.constellation import Kind
+from handcart.robotics.perception.landmarks.landmark import square_corners
+
+RIM = 16.0  # [px] of the picture in which a landmark may be, or not
+WIDEST = 1.5  # times what a lens without distortion would show: far beyond, a lens' model folds back
+
+
+def wholly_in_view(
+    camera: CameraModel, base_T_camera: Transform, kind: Kind, places: Sequence[Pose2]
+) -> NDArray[np.bool_]:
+    """Which landmarks of a kind at `places`, base_T_mark, are well within the picture (n,).
+
+    Nothing is taken to stand before them.
+    """
+    square = square_corners(kind.side)
+    corners = np.array([apply(place.lift(kind.height), square) for place in places]).reshape(-1, 3)
+    seen = apply(inverse(base_T_camera), corners)
+    pixels, middle = camera.project(seen), np.array([camera.width - 1.0, camera.height - 1.0]) / 2
+    widest = WIDEST * middle / camera.K[(0, 1), (0, 1)]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        before = (np.abs(seen[:, :2] / seen[:, 2:]) < widest).all(axis=1)
+        inside = (np.abs(pixels - middle) <= middle - RIM).all(axis=1)
+    return np.asarray((before & inside).reshape(-1, 4).all(axis=1))

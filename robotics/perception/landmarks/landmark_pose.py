@@ -1,0 +1,71 @@
+"""Where a landmark is, from where its corners are seen."""
+
+from __future__ import annotations
+
+import math
+
+import cv2
+import numpy as np
+
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.geometry.transform import Transform, inverse
+from handcart.robotics.perception.landmarks.landmark import Landmark, square_corners
+
+
+def landmark_pose(seen: Landmark, side: float = 0.06) -> Transform:
+    """camera_T_landmark (4, 4) of a landmark with sides of `side` [m], nothing else known.
+
+    Collins and Bartoli, "Infinitesimal plane-based pose estimation" (2014). The tilt is weakly seen: use
+    `planar_pose` where the camera's is known better. Raises ValueError for corners that are no image of a
+    square.
+    """
+    solved, turn, origin = cv2.solvePnP(
+        square_corners(side), seen.rays, np.eye(3), None, flags=cv2.SOLVEPNP_IPPE_SQUARE
+    )
+    if not solved:
+        raise ValueError("the corners are no image of a square")
+    pose = np.eye(4)
+    pose[:3, :3], pose[:3, 3] = cv2.Rodrigues(turn)[0], origin.ravel()
+    return pose
+
+
+def planar_pose(seen: Landmark, camera_T_plane: Transform) -> Pose2:
+    """plane_T_landmark of a landmark that lies in the plane z = 0 of a frame, face up (towards +z).
+
+    The four corners are put on the plane; the landmark is in their middle. Its size isn't used. Raises
+    ValueError where the plane doesn't lie before the camera.
+    """
+    plane_T_camera = inverse(camera_T_plane)
+    directions = np.column_stack([seen.rays, np.ones(4)]) @ plane_T_camera[:3, :3].T
+    height = plane_T_camera[2, 3]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        lengths = -height / directions[:, 2]
+    if not (lengths > 0.0).all() or not np.isfinite(lengths).all():
+        raise ValueError("the plane does not lie before the camera")
+    corners = (directions * lengths[:, None] + plane_T_camera[:3, 3])[:, :2]
+    centred = corners - corners.mean(axis=0)
+    square = square_corners(1.0)
+    # The turn that brings a square nearest to them, in closed form: the plane's Procrustes problem.
+    cos = float((square[:, :2] * centred).sum())
+    sin = float((square[:, 0] * centred[:, 1] - square[:, 1] * centred[:, 0]).sum())
+    x, y = corners.mean(axis=0).tolist()
+    return Pose2(x, y, math.atan2(sin, cos))
+
+
+def facing(height: float) -> Transform:
+    """camera_T_plane of a plane at right angles to the optical axis, `height` [m] away, its z to the camera.
+
+    x is the camera's x, y is against the camera's y: `facing(h) @ planar_pose(seen, facing(h)).lift()` is the
+    paper's C_T_P0 of a hand that faces straight down (Hatano et al., 2000, section 5.2).
+    """
+    pose = np.diag([1.0, -1.0, -1.0, 1.0])
+    pose[2, 3] = height
+    return pose
+
+
+def apparent_side(seen: Landmark, camera_T_plane: Transform) -> float:
+    """How long the landmark's sides would be in that plane, in [m]: tells a wrong height or a wrong mark."""
+    plane_T_camera = inverse(camera_T_plane)
+    directions = np.column_stack([seen.rays, np.ones(4)]) @ plane_T_camera[:3, :3].T
+    corners = directions[:, :2] * (-plane_T_camera[2, 3] / directions[:, 2:])
+    return float(np.linalg.norm(corners - np.roll(corners, 1, axis=0), axis=1).mean())

@@ -1,0 +1,35 @@
+"""How much of a bus frames take."""
+
+from __future__ import annotations
+
+import pytest
+
+from handcart.backends.can.bus.bus_load import BusLoad, CyclicFrame, frame_bits
+
+
+def stuffed_bits(bits: list[int]) -> int:
+    """As a sender does it: five alike are followed by one that is not (ISO 11898-1)."""
+    count, run, last = 0, 0, -1
+    for bit in bits:
+        run = run + 1 if bit == last else 1
+        last, count = bit, count + 1
+        if run == 5:
+            last, run, count = 1 - bit, 1, count + 1
+    return count
+
+
+@pytest.mark.parametrize("length", range(9))
+def test_the_worst_case_of_stuffing(length: int) -> None:
+    """Five alike, then four and four: no sequence needs more stuffing."""
+    bits = [0] * 5 + [bit for number in range(40) for bit in [1 - number % 2] * 4]
+    stuffed = 34 + 8 * length
+    assert frame_bits(length) == stuffed_bits(bits[:stuffed]) + 13
+
+
+def test_load_of_a_bus() -> None:
+    load = BusLoad.of([CyclicFrame("two", 0x201, 6, 0.01), CyclicFrame("one", 0x181, 8, 0.01)], 125_000)
+    assert [each.what for each in load.frames] == ["one", "two"]
+    assert load.share == pytest.approx((135 + 115) / 1250)
+    assert load.burst_s == pytest.approx(250 / 125_000)
+    assert not load.too_much
+    assert BusLoad.of(load.frames, 35_000).too_much

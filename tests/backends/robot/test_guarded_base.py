@@ -1,0 +1,117 @@
+"""What of a command the guarded wheels pass on."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from handcart.backends.capabilities.base import Base, WheelTravel
+from handcart.backends.capabilities.range_sensor import Scan
+from handcart.backends.description.robot_file import RobotFile
+from handcart.backends.description.robot_loading import load_robot
+from handcart.backends.robot.guarded_base import BESIDE, GuardedBase, steady_points
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.navigation.maps.grid_map import GridMap
+
+NOTHING = np.empty((0, 2))
+WALL_AT = 5.0
+
+
+class Wheels(Base):
+    """Wheels that are told a speed and a turn rate, and do nothing by themselves."""
+
+    def __init__(self) -> None:
+        self.told = (0.0, 0.0)
+
+    def drive(self, speed: float, turn_rate: float) -> None:
+        self.told = (speed, turn_rate)
+
+    def wheel_travel(self) -> WheelTravel:
+        return WheelTravel(0.0, 0.0)
+
+
+class Rolling:
+    """A robot that stands where its wheels were told to, on a map with a wall from x = 5 m on."""
+
+    def __init__(self, spec: RobotFile, x: float, scan: Callable[[Pose2], NDArray[np.float64]]) -> None:
+        solid = np.zeros((100, 60), dtype=np.bool_)
+        solid[:, 50:] = True
+        self.pose, self.wheels, self.period = Pose2(x, 5.0, 0.0), Wheels(), spec.period_s
+        grid = GridMap(solid, np.zeros_like(solid), 0.1, 0.0, 0.0)
+        self.base = GuardedBase(self.wheels, spec, grid, lambda: self.pose, lambda: scan(self.pose))
+
+    def drive(self, speed: float, turn_rate: float = 0.0) -> tuple[float, float]:
+        """A period; gives what was passed on."""
+        self.base.drive(speed, turn_rate)
+        told, turn = self.wheels.told
+        self.pose = self.pose.compose(Pose2(told * self.period, 0.0, turn * self.period))
+        return told, turn
+
+
+@pytest.fixture
+def spec() -> RobotFile:
+    return load_robot("librarian")
+
+
+def test_it_is_never_faster_than_it_can_brake_from(spec: RobotFile) -> None:
+    rolling, braking = Rolling(spec, 3.0, lambda _: NOTHING), spec.drive.acceleration_m_s2
+    top, told = spec.drive.top_speed_m_s, []
+    for _ in range(200):
+        told.append(rolling.drive(top)[0])
+        left = WALL_AT - rolling.pose.x - spec.footprint_radius_m - BESIDE
+        assert told[-1] ** 2 / (2.0 * braking) <= left + 1e-6
+    assert told[0] == top
+    assert left < 0.03  # and it gets near
+
+
+def test_held_back_it_gains_speed_no_faster_than_it_can(spec: RobotFile) -> None:
+    """Who drives doesn't know of it and goes on asking for full speed."""
+    ahead = [np.array([[spec.footprint_radius_m + 0.02, 0.0]])]
+    rolling, top = Rolling(spec, 1.0, lambda _: ahead[0]), spec.drive.top_speed_m_s
+    rolling.base.drive(0.0, 0.0)
+    assert rolling.drive(top)[0] < 0.2 * top
+    held = rolling.base.taken_held()
+    assert held is not None
+    assert held.shown_by == "scan"
+    ahead[0] = NOTHING
+    speeds = [rolling.drive(top)[0] for _ in range(60)]
+    most = spec.drive.acceleration_m_s2 * spec.period_s + 1e-9
+    assert speeds[0] < 0.3 * top
+    assert np.diff(speeds).max() <= most
+    assert speeds[-1] == top
+
+
+def test_it_does_not_creep_nearer_to_a_wall_than_where_it_began(spec: RobotFile) -> None:
+    begun = WALL_AT - spec.footprint_radius_m + 0.03  # too near: it may leave, and come back
+    rolling = Rolling(spec, begun, lambda _: NOTHING)
+    for speed in (0.1, -0.1, 0.1, -0.1, 0.1):
+        for _ in range(20):
+            rolling.drive(speed)
+            assert rolling.pose.x <= begun + 0.016
+    rolling.base.starts_here()
+    rolling.drive(0.05)
+    assert rolling.pose.x <= begun + 0.016
+
+
+def test_a_car_that_is_slowed_stays_on_its_curve() -> None:
+    spec = load_robot("el_verde")
+    assert spec.drive.kind == "ackermann"
+    ahead = np.array([[spec.footprint_radius_m + 0.15, 0.0]])
+    rolling, speed = Rolling(spec, 1.0, lambda _: ahead), spec.drive.top_speed_m_s
+    turn = 0.5 * spec.drive.sharpest_per_m * speed
+    told, turned = rolling.drive(speed, turn)
+    assert 0.0 < told < speed
+    assert turned / told == pytest.approx(turn / speed)
+
+
+def test_a_lone_reading_is_noise_two_beside_each_other_are_not() -> None:
+    angles = np.linspace(-math.pi, math.pi, 360, endpoint=False)
+    ranges = np.full(360, 3.0)
+    ranges[100], ranges[200:202], ranges[300] = 0.4, 0.5, 9.0
+    seen = np.hypot(*steady_points(Scan(angles, ranges, Pose2(0.0, 0.0, 0.0))).T)
+    assert np.sort(seen)[:3] == pytest.approx([0.5, 0.5, 3.0])
+    assert seen.max() == pytest.approx(3.0)

@@ -1,0 +1,111 @@
+"""The robot above any backend: its time, who moves it, what it makes of its readings."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from handcart.backends.robot.robot import Robot
+from handcart.evaluation.trials.stage import Stage, StageFiles, set_stage
+from handcart.evaluation.truth.simulated_world import simulated_world
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.geometry.transform import transform
+
+SEAM = Path(__file__).parents[3] / "tasks" / "track_seam"
+HALL = StageFiles(SEAM / "world.yaml", SEAM / "map.yaml", SEAM / "places.yaml", {})
+
+
+@pytest.fixture
+def make_stage() -> Iterator[Callable[..., Stage]]:
+    made = []
+
+    def one(robot: str, files: StageFiles = StageFiles()) -> Stage:
+        made.append(set_stage(files, robot=robot))
+        return made[-1]
+
+    yield one
+    for each in made:
+        each.backend.close()
+
+
+@pytest.fixture
+def robot(make_stage: Callable[..., Stage]) -> Robot:
+    return make_stage("librarian").robot
+
+
+def test_in_a_pause_its_time_stands_still_and_its_readings_go_on(robot: Robot) -> None:
+    backend, before = simulated_world(robot.backend), robot.time
+    for _ in range(5):
+        robot.step(paused=True)
+    assert robot.time == before
+    assert backend.time == pytest.approx(5 * robot.period)
+    robot.step()
+    assert robot.time == pytest.approx(before + robot.period)
+
+
+def test_computing_takes_its_time_and_the_robot_holds(robot: Robot) -> None:
+    periods, work = 0, robot.compute(lambda a, b: a + b, 2, 3, takes=0.5)
+    while True:
+        try:
+            next(work)
+        except StopIteration as end:
+            assert end.value == 5
+            break
+        periods += 1
+        robot.step()
+        assert robot.driven == (0.0, 0.0)
+    assert periods == 10
+
+
+def test_two_that_move_it_are_noticed_in_the_next_period_too(robot: Robot) -> None:
+    """N12: whoever of them is asked first."""
+    one, other = object(), object()
+    seen = []
+    for movers in ((one,), (one,), (one, other), (one,), (one,)):
+        seen.append([robot.moved_by(each) for each in movers])
+        robot.step()
+    assert seen == [[True], [True], [True, False], [False], [True]]
+
+
+def test_a_lowered_hand_hides_itself_from_the_scan_and_a_raised_one_nothing(
+    robot: Robot, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    points = np.array([[0.6, 0.0], [0.6, 0.1], [0.6, 0.4], [2.0, 0.0]])
+    for height, left in ((0.3, points[2:]), (0.9, points)):
+        monkeypatch.setattr(robot, "base_T", lambda _, z=height: transform((0.6, 0.0, z)))
+        assert robot.without_hand(points).tolist() == left.tolist()
+
+
+def test_a_base_that_was_shifted_while_it_drove_was_not_pushed_while_it_stood(
+    make_stage: Callable[..., Stage],
+) -> None:
+    """By an indoor positioning; it takes the place over in either case."""
+    robot = make_stage("atrv", HALL).robot
+    scene = simulated_world(robot.backend)
+
+    def shifted(speed: float) -> int:
+        for period in range(50):
+            if period == 25:
+                scene.base = scene.base.compose(Pose2(0.0, 0.2, 0.0))
+            robot.base.drive(speed, 0.0)
+            robot.step()
+        assert robot.pose.distance(scene.base) < 0.01
+        return robot.pushes
+
+    assert [shifted(0.1), shifted(0.0)] == [0, 1]
+
+
+def test_an_old_scan_holds_no_base_back_that_drives(robot: Robot, monkeypatch: pytest.MonkeyPatch) -> None:
+    """S1: it fits the map very well, where the base no longer is."""
+    robot.step()
+    scene, old = simulated_world(robot.backend), robot.range_sensor.scan()
+    monkeypatch.setattr(robot.range_sensor, "scan", lambda: old)
+    for _ in range(60):
+        robot.base.drive(0.15, 0.0)
+        robot.step()
+    for _ in range(10):
+        robot.step()
+    assert robot.pose.distance(scene.base) < 0.03

@@ -1,0 +1,69 @@
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from handcart.backends.description.robot_loading import load_robot
+from handcart.backends.robot.mounted_camera import camera_model
+from handcart.backends.simulation.books.book_props import BookProps
+from handcart.backends.simulation.build_scene import build_scene
+from handcart.backends.simulation.rendering.renderer import Renderer
+from handcart.backends.simulation.world.world_model import world_model
+from handcart.robotics.geometry.transform import transform
+from handcart.robotics.perception.landmarks.tag_reader import read_tags
+
+OPTICAL = np.array([[0, 0, 1, 0], [-1, 0, 0, 0], [0, -1, 0, 0], [0, 0, 0, 1.0]])
+
+
+def scene(tag="readable", gap=31.0):
+    book = {"call": "512.7 NAG", "thickness_mm": 40.0, "height_mm": 200.0, "depth_mm": 150.0, "grey": 140}
+    row = [book | {"accession": 1}, {"gap_mm": gap}, book | {"accession": 2}]
+    shelf = {"name": "s", "x_m": 2.0, "y_m": 0.0, "width_m": 0.4, "books": row}
+    world = {
+        "start": {"x_m": 0.0, "y_m": 0.0},
+        "shelves": [shelf],
+        "tray": book | {"accession": 3, "tag": tag},
+    }
+    file = world_model().model_validate({"format": "handcart-world/1"} | world)
+    return build_scene(load_robot("librarian"), file, seed=0)
+
+
+def picture(world, pose, seed=0, period=1):
+    robot = load_robot("librarian")
+    return Renderer(camera_model(robot.camera), robot.errors, seed).render(world, pose, period)
+
+
+def before_shelf(world, y=0.14, x=-0.3, z=0.1):
+    return world.of(BookProps).shelves["s"].pose @ transform((x, y, z)) @ OPTICAL
+
+
+def test_a_gap_is_darker_than_any_spine_and_stands_where_it_is():
+    world = scene()
+    image = picture(world, before_shelf(world)).astype(float)
+    # The gap lies from y = 0.16 to 0.129, the camera before 0.14: 2.67 px a mm.
+    columns = image[150:250].mean(axis=0)
+    assert columns[280:335].max() < 40
+    assert columns[200:250].min() > 60
+
+
+@pytest.mark.parametrize(("tag", "read"), [("readable", [3]), ("smeared", []), ("none", [])])
+def test_the_tag_of_the_tray_book_is_read_unless_it_is_smeared_or_missing(tag, read):
+    world = scene(tag)
+    pose = world.of(BookProps).book_pose(3) @ transform((-0.25, 0.0, 0.17)) @ OPTICAL
+    near = read_tags(picture(world, pose))
+    assert [found.id for found in near if found.id == 3] == read
+
+
+def test_the_picture_depends_on_seed_and_period_alone():
+    world = scene()
+    pose = before_shelf(world)
+    first = picture(world, pose)
+    assert np.array_equal(first, picture(world, pose))
+    assert not np.array_equal(first, picture(world, pose, period=2))
+    assert not np.array_equal(first, picture(world, pose, seed=1))
+
+
+def test_from_behind_a_shelf_no_spine_is_seen():
+    world = scene()
+    behind = world.of(BookProps).shelves["s"].pose @ transform((1.0, 0.0, 0.1), (0.0, 0.0, np.pi)) @ OPTICAL
+    assert read_tags(picture(world, behind)) == []

@@ -1,0 +1,154 @@
+"""Robots put together from several URDFs."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from handcart.backends.description.robot_loading import load_robot
+from handcart.files.errors import FileError
+from handcart.robotics.kinematics.arm_model import ArmModel
+from handcart.robotics.kinematics.shapes import Hull
+from handcart.robotics.kinematics.urdf_assembly import link_names
+
+ROBOT = """\
+format: handcart-robot/1
+urdf: cart.urdf
+parts:
+  - {urdf: stick.urdf, onto: base, xyz_m: [0.1, 0.0, 0.5], rpy_deg: [0.0, 0.0, 90.0]}
+  - {urdf: stick.urdf, onto: stick_end, prefix: upper_}
+period_s: 0.05
+footprint_radius_m: 0.3
+localiser: odometry
+drive: {wheel_radius_m: 0.1, tread_m: 0.5, top_speed_m_s: 0.5, top_turn_deg_s: 90, acceleration_m_s2: 0.5,
+        turn_acceleration_deg_s2: 90}
+tolerance: {base_mm: 25, base_deg: 1.5, joints_deg: 0.3, gripper_mm: 1, object_mm: 8}
+"""
+CART = "<robot name='cart'><link name='base'/></robot>"
+STICK = """\
+<robot name="stick">
+  <link name="stick"><collision><geometry><mesh filename="package://stick_shop/solid.obj"/></geometry></collision></link>
+  <link name="stick_end"/>
+  <joint name="turn" type="revolute">
+    <parent link="stick"/><child link="stick_end"/><origin xyz="0.2 0 0"/><axis xyz="0 0 1"/>
+    <limit lower="-1" upper="1" effort="5" velocity="1"/>
+  </joint>
+</robot>
+"""
+CORNERS = [(x, y, z) for x in (0.0, 0.2) for y in (0.0, 0.04) for z in (0.0, 0.02)]
+FACES = "1 3 4 2|5 6 8 7|1 2 6 5|3 7 8 4|1 5 7 3|2 4 8 6"
+
+
+@pytest.fixture
+def robot(tmp_path: Path) -> Path:
+    """A stick on a stick on a cart; the mesh lies in a package beside the URDF."""
+    corners = "".join(f"v {x} {y} {z}\n" for x, y, z in CORNERS)
+    (tmp_path / "stick_shop").mkdir()
+    faces = "".join(f"f {face}\n" for face in FACES.split("|"))
+    (tmp_path / "stick_shop" / "solid.obj").write_text(corners + faces, encoding="utf-8")
+    (tmp_path / "cart.urdf").write_text(CART, encoding="utf-8")
+    (tmp_path / "stick.urdf").write_text(STICK, encoding="utf-8")
+    (tmp_path / "robot.yaml").write_text(ROBOT, encoding="utf-8")
+    return tmp_path / "robot.yaml"
+
+
+def told(path: Path) -> str:
+    """What is told of a robot that is wrong."""
+    with pytest.raises(FileError) as error:
+        load_robot(str(path))
+    return str(error.value)
+
+
+def test_parts_stand_where_the_file_says(robot: Path) -> None:
+    urdf = load_robot(str(robot)).urdf_text()
+    assert link_names(urdf) == ["base", "stick", "stick_end", "upper_stick", "upper_stick_end"]
+    arm = ArmModel(urdf, ["turn", "upper_turn"], tip="upper_stick_end")
+    straight = arm.forward(np.zeros(2))
+    assert np.allclose(straight[:3, 3], (0.1, 0.4, 0.5))
+    assert np.allclose(arm.forward(np.array([-np.pi / 2, 0.0]))[:3, 3], (0.3, 0.2, 0.5))
+
+
+def test_a_mesh_counts_as_its_hull(robot: Path) -> None:
+    arm = ArmModel(load_robot(str(robot)).urdf_text(), ["turn", "upper_turn"], tip="upper_stick_end")
+    lower, _ = arm.link_shapes(np.zeros(2))
+    assert isinstance(lower, Hull)
+    assert lower.name == "stick"
+    corners = lower.points @ lower.pose[:3, :3].T + lower.pose[:3, 3]
+    assert np.allclose(corners.min(axis=0), (0.06, 0.0, 0.5))
+    assert np.allclose(corners.max(axis=0), (0.1, 0.2, 0.52))
+
+
+def test_the_whole_is_written_for_engines_that_read_files(robot: Path) -> None:
+    spec = load_robot(str(robot))
+    path = spec.urdf_path()
+    assert path.read_text(encoding="utf-8") == spec.urdf_text()
+    assert path.parent != robot.parent
+    del spec
+    assert not path.exists()
+
+
+def test_a_urdf_without_parts_and_meshes_is_taken_as_it_is() -> None:
+    spec = load_robot("librarian")
+    assert spec.urdf_path().name == "librarian.urdf"
+    assert spec.urdf_path().read_text(encoding="utf-8") == spec.urdf_text()
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "wrong"),
+    [
+        (", prefix: upper_", "", "robot.yaml:5:5: both have a link 'stick'; allowed: a prefix"),
+        ("onto: base", "onto: bass", "robot.yaml:4:5: there is no link 'bass' to put it onto; allowed: base"),
+        ("urdf: stick", "urdf: stock", "robot.yaml:4:5: there is no text file 'stock.urdf'"),
+        (
+            "urdf: stick.urdf",
+            'urdf: "package://no_such_shop/stick.urdf"',
+            "robot.yaml:4:5: there is no Python package 'no_such_shop'",
+        ),
+        ("urdf: stick.urdf", 'urdf: "package://../stick.urdf"', "names no package"),
+        ("urdf: stick.urdf", "urdf: ../stick.urdf", "leads out of"),
+        ("urdf: stick.urdf", "urdf: robot.yaml", "robot.yaml:1:1: the file is not well-formed"),
+    ],
+)
+def test_a_wrong_part_is_told_with_its_place(robot: Path, old: str, new: str, wrong: str) -> None:
+    robot.write_text(ROBOT.replace(old, new, 1), encoding="utf-8")
+    assert wrong in told(robot)
+
+
+def test_a_missing_collision_mesh_is_told(robot: Path) -> None:
+    (robot.parent / "stick_shop" / "solid.obj").unlink()
+    said = told(robot)
+    assert "stick.urdf:2:43: link 'stick': mesh 'package://stick_shop/solid.obj': it isn't there" in said
+
+
+def test_a_mesh_without_volume_is_told(robot: Path) -> None:
+    (robot.parent / "stick_shop" / "solid.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", "utf-8")
+    said = told(robot)
+    assert "stick.urdf:2:43: link 'stick'" in said
+    assert "it encloses nothing; allowed: a closed surface" in said
+
+
+@pytest.mark.parametrize(
+    ("link", "key"), [("camera", "camera"), ("range_sensor", "range_sensor"), ("hand", "arm")]
+)
+def test_a_missing_frame_is_told(tmp_path: Path, link: str, key: str) -> None:
+    """S8: before anything moves."""
+    source = Path(str(load_robot("librarian").urdf_path())).parent
+    urdf = (source / "librarian.urdf").read_text(encoding="utf-8")
+    renamed = urdf.replace(f'link name="{link}"', f'link name="other_{link}"')
+    renamed = renamed.replace(f'link="{link}"', f'link="other_{link}"')
+    (tmp_path / "librarian.urdf").write_text(renamed, encoding="utf-8")
+    (tmp_path / "robot.yaml").write_bytes((source / "robot.yaml").read_bytes())
+    assert f"the URDF has no link '{link}'" in told(tmp_path / "robot.yaml")
+
+
+def test_fingers_must_tell_their_size(tmp_path: Path) -> None:
+    source = Path(str(load_robot("librarian").urdf_path())).parent
+    urdf = (source / "librarian.urdf").read_text(encoding="utf-8")
+    solid = '<origin xyz="0.095 0.00075 0"/><geometry><box size="0.11 0.0015 0.04"/></geometry>'
+    box = f"<collision>{solid}</collision>"
+    assert box in urdf
+    (tmp_path / "librarian.urdf").write_text(urdf.replace(box, ""), encoding="utf-8")
+    (tmp_path / "robot.yaml").write_bytes((source / "robot.yaml").read_bytes())
+    assert "the link 'left_finger' has no collision box" in told(tmp_path / "robot.yaml")

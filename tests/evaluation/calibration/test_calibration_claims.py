@@ -1,0 +1,45 @@
+"""A calibration that is off by more than it says is found."""
+
+from __future__ import annotations
+
+import pytest
+
+from handcart.backends.description.robot_loading import load_robot
+from handcart.backends.robot.mounted_camera import stated_camera
+from handcart.backends.simulation.sensors.true_camera import true_camera
+from handcart.evaluation.calibration.calibration_claims import camera_faults, suspension_faults
+from handcart.primitives.contract.calibrated import Calibrated
+from handcart.robotics.geometry.transform import inverse
+
+ROBOT = load_robot("toyama/uncalibrated")
+
+
+def found(**off: float) -> dict[str, Calibrated]:
+    """The truth, but for what is off."""
+    arm = ROBOT.arm_model()
+    true, stated = true_camera(ROBOT.camera, arm, ROBOT.errors, 3), stated_camera(ROBOT.camera, arm)
+    x, y, z = (1e3 * (inverse(stated.hand_T_camera) @ true.hand_T_camera)[:3, 3]).tolist()
+    values = {"focal_px": true.model.K[1, 1], "cx_px": true.model.K[0, 2], "k1": true.model.distortion[0]}
+    told = {name: Calibrated(float(value) + off.get(name, 0.0), 0.2) for name, value in values.items()}
+    told["xyz_mm"] = Calibrated((x + off.get("xyz_mm", 0.0), y, z), (0.1, 0.1, 0.1))
+    return {f"camera.calibrated.{name}": each for name, each in told.items()}
+
+
+def test_the_truth_is_taken() -> None:
+    assert camera_faults(ROBOT, 3, found()) == []
+
+
+@pytest.mark.parametrize(("name", "off"), [("focal_px", 5.0), ("cx_px", -4.0), ("k1", 2.0), ("xyz_mm", 4.0)])
+def test_what_is_off_is_told(name: str, off: float) -> None:
+    (wrong,) = camera_faults(ROBOT, 3, found(**{name: off}))
+    assert wrong.startswith(f"{name} is {abs(off):.3g} off (at most ")
+
+
+def test_a_suspension_is_held_against_the_spots() -> None:
+    spots = {"laser_yaw_mrad_per_swing": -0.8, "laser_roll_mrad_per_m": -8.0, "laser_pitch_mrad_per_m": 8.0}
+    told = {"yaw_mrad_per_swing": -0.85, "roll_mrad_per_m": -8.3, "pitch_mrad_per_m": 7.9, "pivot_m": 0.1}
+    values = {f"suspension.{name}": Calibrated(value, 0.05) for name, value in told.items()}
+    assert suspension_faults(spots, values) == []
+    values["suspension.roll_mrad_per_m"] = Calibrated(-11.0, 0.05)
+    (wrong,) = suspension_faults(spots, values)
+    assert wrong == "roll_mrad_per_m is 3 off (at most 1.75)"

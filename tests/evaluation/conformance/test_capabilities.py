@@ -1,0 +1,168 @@
+"""What stands around a backend follows from what a capability declares, and from nothing else."""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from pathlib import Path
+from typing import Any, ClassVar, NamedTuple
+
+import numpy as np
+import pytest
+
+from handcart.backends.backend import Backend, CommandError
+from handcart.backends.capabilities.all_kinds import CAPABILITIES
+from handcart.backends.capabilities.capability import Capability, Reading
+from handcart.backends.capabilities.gps import Fix, Gps
+from handcart.backends.capabilities.imu import Imu
+from handcart.evaluation.conformance.faults.fault import FOR_GOOD, SENSORS, Fault, FaultKind
+from handcart.evaluation.conformance.faults.faulty_backend import FaultyBackend, InjectedError
+from handcart.evaluation.conformance.rig import layered_backend
+from handcart.evaluation.conformance.rig.bench import Bench
+from handcart.evaluation.conformance.rig.parts import needed
+
+ROOT = Path(__file__).resolve().parents[3]
+
+
+class Load(NamedTuple):
+    number: int
+    grams: float
+    raw: np.ndarray
+    place: str
+
+
+class Scale(Capability):
+    """A scale in the hand, as somebody else might add it."""
+
+    READINGS: ClassVar = {"load": Reading("scale", ("grams", "raw"))}
+    COMMANDS = ("tare",)
+
+    @abstractmethod
+    def load(self) -> Load: ...
+
+    @abstractmethod
+    def tare(self, grams: float) -> None: ...
+
+    @property
+    @abstractmethod
+    def most(self) -> float: ...
+
+
+class OwnScale(Scale):
+    most = 5.0
+
+    def __init__(self) -> None:
+        self.count = 0
+
+    def load(self) -> Load:
+        self.count += 1
+        return Load(self.count, 3.0, np.ones(2), "hand")
+
+    def tare(self, grams: float) -> None:
+        self.count = 0
+
+
+class WithScale(Backend):
+    name, period = "scaled", 0.05
+
+    def __init__(self) -> None:
+        self.scale = OwnScale()
+
+    @classmethod
+    def build(cls, *_: Any) -> Backend:
+        return cls()
+
+    def capabilities(self) -> tuple[Capability, ...]:
+        return (self.scale,)
+
+    def step(self) -> None: ...
+
+    def stop(self) -> None: ...
+
+    def close(self) -> None: ...
+
+
+@pytest.fixture
+def faulty(monkeypatch: pytest.MonkeyPatch) -> FaultyBackend:
+    """Around a robot with a scale, a capability of a test's own."""
+    monkeypatch.setattr(layered_backend, "CAPABILITIES", (*CAPABILITIES, Scale))
+    return FaultyBackend(WithScale())
+
+
+def test_a_layer_passes_on_what_a_new_capability_does(faulty: FaultyBackend) -> None:
+    scale = needed(faulty, Scale)
+    assert not isinstance(scale, OwnScale)
+    assert scale.load().grams == 3.0
+    assert scale.most == 5.0
+    scale.tare(1.0)
+    assert scale.load().number == 1
+
+
+def test_faults_reach_a_new_capability(faulty: FaultyBackend) -> None:
+    scale = needed(faulty, Scale)
+    scale.load()
+    faulty.inject(Fault(FaultKind.NAN, "scale", 1))
+    broken = scale.load()
+    assert np.isnan(broken.grams)
+    assert np.isnan(broken.raw).all()
+    assert (broken.number, broken.place) == (2, "hand")
+    faulty.inject(Fault(FaultKind.STALE, "scale", 1))
+    assert scale.load().number == 2
+    faulty.step()
+    assert scale.load().number == 3
+
+
+@pytest.mark.parametrize(("sensor", "error"), [("scale", InjectedError), ("", InjectedError)])
+def test_exceptions_reach_a_new_capability(faulty: FaultyBackend, sensor: str, error: type) -> None:
+    scale = needed(faulty, Scale)
+    faulty.inject(Fault(FaultKind.EXCEPTION, sensor, FOR_GOOD))
+    with pytest.raises(error):
+        scale.load() if sensor else scale.tare(1.0)
+
+
+def test_a_new_capability_s_commands_can_be_refused(faulty: FaultyBackend) -> None:
+    faulty.inject(Fault(FaultKind.REFUSED))
+    with pytest.raises(CommandError):
+        needed(faulty, Scale).tare(1.0)
+
+
+def test_imu_and_gps_are_in_the_kit_like_the_others() -> None:
+    assert {"imu", "gps", "positioning"} < set(SENSORS)
+    with Bench("kinematic", "el_verde").stage() as stage:
+        faulty = FaultyBackend(stage.backend)
+        for _ in range(40):
+            faulty.step()
+            needed(faulty, Imu).rates()
+            if (fix := needed(faulty, Gps).fix()) is not None:
+                break
+        assert fix is not None
+        faulty.inject(Fault(FaultKind.NAN, "gps", FOR_GOOD))
+        broken = needed(faulty, Gps).fix()
+        assert isinstance(broken, Fix)
+        assert np.isnan([*broken.position, broken.sigma]).all()
+        faulty.inject(Fault(FaultKind.STALE, "imu", FOR_GOOD))
+        before = needed(faulty, Imu).rates()
+        faulty.step()
+        assert np.array_equal(needed(faulty, Imu).rates(), before)
+
+
+def test_what_is_declared_is_there() -> None:
+    for kind in CAPABILITIES:
+        assert {*kind.READINGS, *kind.COMMANDS} <= kind.__abstractmethods__
+
+
+def test_few_files_know_all_kinds() -> None:
+    """Those that have to be edited when one is added, beside its own file, and no others."""
+    listing = {
+        path.relative_to(ROOT).as_posix()
+        for folder in ("backends", "evaluation", "networks", "src", "tools")
+        for path in sorted((ROOT / folder).rglob("*.py"))
+        if "Gps" in (text := path.read_text(encoding="utf-8")) and "Gripper" in text
+    }
+    assert listing - {"evaluation/conformance/planted/backend_liars.py"} <= {
+        "backends/capabilities/all_kinds.py",
+        "src/handcart/__init__.py",
+        "backends/description/robot_file.py",
+        "backends/simulation/simulated_backend.py",
+        "backends/can/can_parts.py",
+        "backends/robot/robot.py",  # only for one that the pose is estimated from
+    }

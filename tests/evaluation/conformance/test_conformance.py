@@ -1,0 +1,263 @@
+"""The conformance kit: an honest backend passes, and the kit catches liars."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+
+from handcart.evaluation.conformance.checks.all_checks import CHECKS
+from handcart.evaluation.conformance.checks.check import Finding
+from handcart.evaluation.conformance.faults import fault
+from handcart.evaluation.conformance.faults.fail_is_true import Batch, Trial
+from handcart.evaluation.conformance.faults.fault import (
+    EVERYWHERE,
+    SENSORS,
+    Fault,
+    FaultKind,
+    faults_of,
+    variant,
+)
+from handcart.evaluation.conformance.faults.faulty_backend import FaultyBackend
+from handcart.evaluation.conformance.faults.forked import Died, Hung, forked
+from handcart.evaluation.conformance.faults.rehearsal import DRIVE_MAP, RETURN_BOOK, Rehearsal, Solo
+from handcart.evaluation.conformance.faults.underway import Ending
+from handcart.evaluation.conformance.kit import Setting, jobs_of, run_kit
+from handcart.evaluation.conformance.planted.mutants import MUTANTS, try_mutant
+from handcart.evaluation.conformance.report import Report
+from handcart.evaluation.conformance.rig.bench import Bench
+from handcart.evaluation.conformance.rig.reach import Reach
+from handcart.evaluation.conformance.task_runs import Ran, compared
+from handcart.files.errors import FileError
+from handcart.networks.task.task_file import load_task
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.tasks.domain import Domain
+
+BENCH = Bench("kinematic")
+SAMPLE = (
+    "EchoesCommands",
+    "EditsSnapshot",
+    "QueuesCommands",
+    "RaisesTolerance",
+    "SwallowsFault",
+    "WrongUnits",
+)
+"""Liars that are caught quickly; `handcart conformance --part mutants` plants all."""
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["capabilities", "limits", "stop", "rates", "landmark", "frames"])
+def test_the_kinematic_backend_passes(name: str) -> None:
+    finding = CHECKS[name](BENCH)
+    assert finding.ok, finding.wrong
+    assert not finding.skipped
+
+
+def test_what_a_robot_lacks_is_left_out_with_the_reason() -> None:
+    finding = CHECKS["joints"](Bench("kinematic", robot="cart"))
+    assert finding.skipped == "the robot has no arm"
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", SAMPLE)
+def test_a_liar_is_caught(name: str) -> None:
+    caught = try_mutant(name, BENCH)
+    assert caught.by
+    assert not caught.skipped
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("name", "liar"), [("imu", "TurnsOtherWay"), ("gps", "FixInMillimetres")])
+def test_gyros_and_receivers_are_checked_and_their_liars_caught(name: str, liar: str) -> None:
+    car = Bench("kinematic", robot="el_verde")
+    finding = CHECKS[name](car)
+    assert finding.ok, finding.wrong
+    assert not finding.skipped
+    assert try_mutant(liar, car).by.startswith(f"{name}: ")
+    assert try_mutant(liar, BENCH).skipped == f"the robot has no {name}"
+
+
+@pytest.mark.parametrize("name", ["base", "joints", "one period", "imu", "gps"])
+def test_a_car_passes_too(name: str) -> None:
+    """It turns only while it drives, and its first joint stands at its limit."""
+    finding = CHECKS[name](Bench("kinematic", robot="el_verde"))
+    assert finding.ok, finding.wrong
+
+
+def test_there_are_23_liars_and_each_tells_its_lie() -> None:
+    assert len(MUTANTS) == 23
+    assert len({mutant.lie for mutant in MUTANTS.values()}) == 23
+
+
+@pytest.mark.slow
+def test_a_robot_with_an_indoor_positioning() -> None:
+    bench = Bench("kinematic", robot="atrv")
+    for name in ("capabilities", "positioning", "joints", "frames"):
+        finding = CHECKS[name](bench)
+        assert finding.ok, finding.wrong
+        assert not finding.skipped
+    assert try_mutant("Undelayed", bench).by.startswith("positioning: off ")
+    assert try_mutant("Undelayed", BENCH).skipped == "the robot has no positioning"
+    assert Setting("kinematic", "atrv").tried() == ["DIVIDE", "MOVE_TO", "REACH", "TRACK"]
+
+
+@pytest.mark.slow
+def test_an_honest_primitive_is_true_whatever_goes_wrong() -> None:
+    trials = Batch(Solo(BENCH, Reach()), 0, 2)()
+    assert len(trials) == 2 * len(EVERYWHERE)
+    assert [str(each) for each in trials if each.ending.wrong] == []
+    assert {each.ending.outcome for each in trials} >= {"Success", "Fail"}
+
+
+def test_a_rehearsal_has_every_primitive_of_the_task() -> None:
+    rehearsal = Rehearsal(RETURN_BOOK, "kinematic")
+    assert {each.do for each in rehearsal.actions()} == {
+        each.do for each in load_task(RETURN_BOOK).network.actions
+    }
+
+
+def test_what_is_tried_depends_on_what_the_robot_can_do() -> None:
+    with_arm, without = Setting("kinematic"), Setting("kinematic", robot="cart")
+    assert {"REACH", "MOVE_TO", "RELEASE"} <= set(with_arm.tried())
+    assert without.tried() == ["MODIFY", "MOVE_TO", "REACH"]
+    assert [found.task for found in without.rehearsals] == [DRIVE_MAP]
+
+
+def test_full_mode_injects_more_than_2500_faults_on_the_kinematic_backend() -> None:
+    batches = Setting("kinematic").batches()
+    assert {each.instants for each in batches} == {40}
+    moving = {each.action for each in batches} - {3, 9}  # MODIFY takes a few periods
+    assert len(moving) * 40 * len(EVERYWHERE) >= 2500
+
+
+def test_each_kind_of_fault_goes_through_its_ways() -> None:
+    assert {variant(FaultKind.STALE, number).sensor for number in range(len(SENSORS))} == set(SENSORS)
+    assert {"wheels", "joints", "width", "positioning", "imu", "gps"} < set(SENSORS)
+    assert len({variant(FaultKind.SLIP, number) for number in range(8)}) == 4
+    assert str(Fault(FaultKind.NAN, "joints", 10)) == "NaN joints for 10 periods"
+
+
+def test_a_copy_of_the_process_may_hang_or_die() -> None:
+    assert forked(lambda: 3, int, 10.0) == 3
+    with pytest.raises(Died, match="ZeroDivisionError"):
+        forked(lambda: 1 // 0, int, 10.0)
+
+    def hang() -> None:
+        while True:
+            pass
+
+    with pytest.raises(Hung):
+        forked(hang, type(None), 0.3)
+
+
+def test_a_report_tells_what_is_wrong() -> None:
+    wrong = Finding("limits", "what is beyond is refused", ["drive(nan, 0) is taken"])
+    untrue = Ending("Fail", "it was only to be tried", 9, wrong=("Fail, but base mm 60.00 (at most 45.00)",))
+    trial = Trial("REACH", 0, 7, "cancel", "cancel", untrue)
+    report = Report.of("mine", "librarian", True, [wrong, [trial]])
+    told = "\n".join(report.lines())
+    assert not report.ok
+    assert "WRONG limits" in told
+    assert "drive(nan, 0) is taken" in told
+    assert "VIOLATION  REACH, period 7, cancel: Fail: Fail, but base mm 60.00" in told
+    assert "1 checks, 1 wrong; 1 faults, 1 violations" in told
+    assert report.as_dict()["faults"]["violations"][0]["period"] == 7
+
+
+def ran(backend: str, seed: int, outcome: str = "Success", errors: bool = True, *untrue: str) -> Ran:
+    return Ran("return_book", backend, seed, errors, outcome, "returned", "", untrue)
+
+
+def test_a_task_must_end_the_same_way_without_errors() -> None:
+    runs = [ran("mine", 0, "Fail", False), ran("kinematic", 0, "Success", False)]
+    (finding,) = compared(runs, "mine")
+    assert finding.wrong == ["mine: Fail in returned; kinematic: Success in returned"]
+    assert compared([ran("mine", 0, errors=False), runs[1]], "mine")[0].ok
+
+
+@pytest.mark.parametrize(("fails", "ok"), [(0, True), (5, True), (6, False), (50, False)])
+def test_success_rates_that_differ_beyond_chance_are_wrong(fails: int, ok: bool) -> None:
+    runs = [ran("kinematic", seed) for seed in range(50)]
+    runs += [ran("mine", seed, "Fail" if seed < fails else "Success") for seed in range(50)]
+    (finding,) = compared(runs, "mine")
+    assert finding.ok == ok
+
+
+def test_an_untrue_outcome_is_wrong_at_any_rate() -> None:
+    runs = [ran("kinematic", 0), ran("mine", 0, "Success", True, "the book lies on the floor")]
+    (finding,) = compared(runs, "mine")
+    assert finding.wrong == ["seed 0 on mine: the book lies on the floor"]
+
+
+def test_whole_tasks_are_run_on_both_backends() -> None:
+    told = [str(each) for each in Setting("pybullet", seeds=2).task_runs()]
+    assert "return_book on pybullet without errors" in told
+    assert "drive_map on kinematic with seed 1" in told
+    assert len(told) == 3 * 2 * 3
+    assert "tasks" not in Setting("pybullet", quick=True).chosen_parts
+
+
+@pytest.mark.slow
+def test_a_shipped_task_for_real() -> None:
+    report = run_kit(Setting("kinematic", "cart", parts=("tasks",), seeds=1), 1)
+    assert report.ok
+    assert [each.measured for each in report.tasks] == [
+        ["kinematic: Success in toured"],
+        ["kinematic: Success 1 of 1"],
+    ]
+
+
+@pytest.mark.slow
+def test_pybullet_passes_where_physics_matters() -> None:
+    pytest.importorskip("pybullet", reason="PyBullet has no wheel for this Python")
+    bench = Bench("pybullet")
+    for name in ("one period", "stop", "frames"):
+        finding = CHECKS[name](bench)
+        assert finding.ok, finding.wrong
+
+
+def test_a_primitive_of_somebody_else_is_found_by_its_name() -> None:
+    jobs = jobs_of(Setting("kinematic", quick=True, parts=("faults",), primitives=("REACH",)))
+    assert len(jobs) == 1
+
+
+@pytest.mark.slow
+def test_the_fixture_tries_a_backend(conformance: Any) -> None:
+    report = conformance("kinematic", robot="cart", parts=("faults",), primitives=("REACH",), instants=1)
+    assert report.ok
+    assert report.injected == len(EVERYWHERE)
+
+
+@pytest.mark.slow
+def test_a_robot_that_is_not_there_is_told_at_once() -> None:
+    with pytest.raises(FileError, match=r"/nowhere/robot\.yaml:1:1: the file does not exist"):
+        run_kit(Setting("kinematic", "/nowhere/robot.yaml", True, ("mutants",)), 1)
+
+
+def push(world: Any) -> None:
+    world.base = world.base.compose(Pose2(0.2, 0.0, 0.0))
+
+
+PUSH = Fault(FaultKind.WORLD, "push", act=push)
+
+
+def test_a_domain_declares_what_may_happen_in_its_world(monkeypatch: pytest.MonkeyPatch) -> None:
+    """It is tried in the domain's primitives alone, beside what is tried in any."""
+    domain = Domain("lamps", {"REACH": "nowhere:Reach"}, faults="lamps:FAULTS")
+    monkeypatch.setattr(fault, "domains", lambda: (domain,))
+    monkeypatch.setattr(fault, "imported", {"lamps:FAULTS": [PUSH]}.__getitem__)
+    assert faults_of("MOVE_TO") == ()
+    batch = Batch(Solo(BENCH, Reach()), 0, 1)
+    assert [each.kind for each in batch.faults("REACH", 0, SENSORS)] == [*EVERYWHERE, FaultKind.WORLD]
+    assert [each.kind for each in batch.faults("STAND", 0, SENSORS)] == [*EVERYWHERE]
+
+
+def test_a_fault_in_the_world_happens_for_its_periods() -> None:
+    with BENCH.stage() as stage:
+        backend, scene = FaultyBackend(stage.backend), stage.backend.scene
+        before = scene.base
+        backend.inject(PUSH)
+        for _ in range(3):
+            backend.step()
+        assert scene.base.distance(before) == pytest.approx(0.2, abs=0.01)
+        assert backend.bitten == 1

@@ -1,0 +1,191 @@
+"""Everything that Success claims has a check, and each check can fail."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from handcart.backends.description.robot_loading import load_robot
+from handcart.backends.ground_truth import Body, GroundTruth
+from handcart.evaluation.blocks.block_survey import BlockSurvey
+from handcart.evaluation.calibration.calibration_survey import CalibrationSurvey
+from handcart.evaluation.field.field_survey import FieldSurvey
+from handcart.evaluation.truth.arrival_survey import ArrivalSurvey
+from handcart.evaluation.truth.localisation_survey import LocalisationSurvey
+from handcart.evaluation.truth.survey import Claim, Survey
+from handcart.evaluation.truth.surveys import survey_kinds
+from handcart.evaluation.truth.true_changes import disturbed, moved
+from handcart.primitives.contract.calibrated import Calibrated
+from handcart.primitives.field.target import Laid
+from handcart.primitives.registry import primitive_names
+from handcart.robotics.geometry.pose2 import Pose2
+
+HERE = Pose2(0.0, 0.0, 0.0)
+
+
+def truth(base: Pose2, **places: float) -> GroundTruth:
+    """The base, and things by how far along x they stand."""
+    bodies = {}
+    for name, x in places.items():
+        pose = np.eye(4)
+        pose[0, 3] = x
+        bodies[name] = Body("table", pose)
+    return GroundTruth(base, np.zeros(2), np.zeros(2, dtype=np.bool_), 0.0, bodies, 0)
+
+
+def false(kind: type[Survey], do: str, claim: Claim, **run: Any) -> list[str]:
+    """What a survey says of a Success; of the run it sees nothing but what is given."""
+    survey: Any = SimpleNamespace(run=SimpleNamespace(**run))
+    return kind.effects[do](survey, claim)
+
+
+def claimed(primitive: Any = None, before: Pose2 = HERE, after: Pose2 = HERE) -> Claim:
+    return Claim(primitive, truth(before), truth(after))
+
+
+def test_every_primitive_has_a_check_of_its_success() -> None:
+    """Those of all domains, the calibrations too; and no two surveys check the same."""
+    checked = [name for kind in survey_kinds() for name in kind.effects]
+    assert sorted(checked) == sorted(primitive_names())
+
+
+def test_surveys_keep_their_notes_apart() -> None:
+    names = [kind.name for kind in survey_kinds()]
+    assert len(set(names)) == len(names)
+
+
+def test_a_calibration_is_held_against_the_truth() -> None:
+    wrong = {"camera.calibrated.k1": Calibrated(9.0, 0.01)}
+    primitive = SimpleNamespace(evidence=SimpleNamespace(calibrated=wrong))
+    spec = load_robot("toyama/uncalibrated")
+    (told,) = false(CalibrationSurvey, "CALIBRATE_CAMERA", claimed(primitive), spec=spec, seed=3)
+    assert told.startswith("k1 is 9")
+
+
+def test_a_base_that_stood_stood() -> None:
+    here = Pose2(1.0, 2.0, 0.1)
+
+    def stood(after: Pose2, localiser: str = "scan") -> list[str]:
+        spec = SimpleNamespace(localiser=localiser)
+        return false(ArrivalSurvey, "STAND", claimed(None, here, after), spec=spec)
+
+    assert stood(Pose2(1.002, 2.0, 0.101)) == []
+    (wrong,) = stood(Pose2(1.01, 2.0, 0.1))
+    assert wrong == "the base moved by 10.0 mm (at most 5.0)"
+    assert stood(Pose2(1.04, 2.0, 0.1), "gps_filter") == []
+    assert stood(Pose2(1.07, 2.0, 0.1), "gps_filter") != []
+    (wrong,) = stood(Pose2(1.0, 2.0, 0.2))
+    assert wrong.startswith("the base turned by 5.73 deg")
+
+
+def test_what_a_primitive_disturbs_is_told_but_for_its_own() -> None:
+    before, after = truth(Pose2(0, 0, 0), one=0.0, two=0.0), truth(Pose2(0, 0, 0), one=0.02, two=0.3)
+    assert disturbed(before, after, 10.0, {"two"}) == ["one mm 20.0"]
+    assert disturbed(before, after, 25.0, {"two"}) == []
+
+
+@pytest.mark.parametrize(
+    ("kind", "docks", "sigma", "off", "right"),
+    [
+        ("differential", False, 0.004, 0.039, True),
+        ("differential", False, 0.004, 0.041, False),
+        ("differential", True, 0.004, 0.023, True),
+        ("differential", True, 0.004, 0.025, False),
+        ("differential", False, 0.030, 0.160, True),
+        ("differential", False, math.inf, 0.0, False),
+        ("ackermann", False, 0.0, 0.24, True),
+        ("ackermann", False, 0.0, 0.26, False),
+    ],
+)
+def test_arrival_is_held_against_what_is_claimed(kind, docks, sigma, off, right) -> None:
+    goal = Pose2(1.0, 2.0, 0.0)
+    scene = SimpleNamespace(base=Pose2(1.0 + off, 2.0, 0.0))
+    robot: Any = SimpleNamespace(
+        pose_sigma=(sigma, 0.001),
+        spec=SimpleNamespace(drive=SimpleNamespace(kind=kind)),
+    )
+    model: Any = SimpleNamespace(places={"there": SimpleNamespace(pose=goal, docks=docks)})
+    claim = claimed(SimpleNamespace(place="there"))
+    told = false(ArrivalSurvey, "MOVE_TO", claim, robot=robot, model=model, world=scene)
+    assert (told == []) is right
+
+
+def laid_at(x: float) -> Any:
+    """A model in which one sensor is believed to lie at x."""
+    laid = Laid("a", x, 0.0, (1e-4, 0.0, 1e-4), (0.0, 0.0), 1.0)
+    known = SimpleNamespace(laid=(laid,), targets={"a": SimpleNamespace(x=0.0, y=0.0)})
+    return SimpleNamespace(of=lambda _: known)
+
+
+def lying(x: float, rest: str = "table") -> Any:
+    """A scene in which the sensor truly lies at x."""
+    pose = np.eye(4)
+    pose[0, 3] = x
+    there = SimpleNamespace(sensors={"1": SimpleNamespace(pose=pose, rest=SimpleNamespace(value=rest))})
+    return SimpleNamespace(of=lambda _: there)
+
+
+def test_a_sensor_lies_where_it_is_believed_to_and_should() -> None:
+
+    def deploy(world: Any, primitive: Any, model: Any) -> list[str]:
+        return false(FieldSurvey, "DEPLOY", claimed(primitive), world=world, model=model)
+
+    primitive = SimpleNamespace(target="a")
+    assert deploy(lying(0.05), primitive, laid_at(0.04)) == []
+    assert deploy(lying(0.05, "floor"), primitive, laid_at(0.05)) == [
+        "the sensor doesn't stand on the ground"
+    ]
+    (wrong,) = deploy(lying(0.0), primitive, laid_at(0.1))
+    assert wrong == "the sensor is 100 mm from where it is believed to be (at most 80.0)"
+    (wrong,) = deploy(lying(0.1), primitive, laid_at(0.1))
+    assert wrong == "the sensor is 100 mm from its target (at most 80.0)"
+    assert deploy(lying(0.0), SimpleNamespace(target="b"), laid_at(0.0)) == ["no sensor counts as laid there"]
+
+
+def test_a_base_stands_and_is_turned_as_it_was_found() -> None:
+    scene = SimpleNamespace(base=Pose2(1.0, 2.0, 0.5))
+
+    def found(x: float, theta: float) -> list[str]:
+        known = SimpleNamespace(fixed=SimpleNamespace(pose=Pose2(x, 2.0, theta)))
+        model: Any = SimpleNamespace(of=lambda _: known)
+        return false(BlockSurvey, "FIXATE", claimed(), world=scene, model=model)
+
+    assert found(1.005, 0.505) == []
+    assert found(1.01, 0.5) == ["the base is 10.0 mm from where it was found (at most 6.0)"]
+    assert found(1.0, 0.52) == ["the base is turned 1.15 deg against how it was found (at most 0.3)"]
+    nothing: Any = SimpleNamespace(of=lambda _: SimpleNamespace(fixed=None))
+    told = false(BlockSurvey, "FIXATE", claimed(), world=scene, model=nothing)
+    assert told == ["it isn't known where the base stands"]
+
+
+def test_what_another_thing_carries_now_is_infinitely_far() -> None:
+    before, after = truth(Pose2(0, 0, 0), one=0.0), truth(Pose2(0, 0, 0), one=0.0)
+    assert moved(before, after)["one mm"] == 0.0
+    held = replace(after, bodies={"one": replace(after.bodies["one"], support="hand")})
+    assert moved(before, held)["one mm"] == math.inf
+    assert moved(before, replace(after, bodies={}))["one mm"] == math.inf
+
+
+def test_how_far_off_it_believed_to_be_is_told_by_squares_and_worst() -> None:
+    run: Any = SimpleNamespace(world=SimpleNamespace(base=Pose2(0.0, 0.0, 0.0)))
+    survey = LocalisationSurvey(run)
+    assert survey.figures() == {}
+    for off, turned in ((0.003, 0.0), (0.004, -0.02), (0.0, 0.01)):
+        robot: Any = SimpleNamespace(pose=Pose2(off, 0.0, turned))
+        survey.look(robot)
+    again = LocalisationSurvey(run)
+    again.go_on(survey.notes())
+    assert (
+        again.figures()
+        == survey.figures()
+        == {
+            "localisation_mm_rms": round(5.0 / math.sqrt(3), 2),
+            "localisation_mm_max": 4.0,
+            "localisation_deg_max": round(math.degrees(0.02), 3),
+        }
+    )

@@ -1,0 +1,55 @@
+"""What the kit tries on which robot follows from what the domains declare."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from handcart.backends.description.robot_loading import shipped_path
+from handcart.evaluation.conformance.faults.repertoire import repertoire
+from handcart.evaluation.conformance.kit import Setting
+from handcart.evaluation.trials.stage import StageFiles
+from handcart.primitives.registry import primitive_names
+
+TASKS = Path(__file__).resolve().parents[3] / "tasks"
+TRIED = {
+    "librarian": "APPROACH INSERT MODIFY MOVE_TO PICK_UP RECOGNIZE RELEASE SEARCH",
+    "toyama": "CALIBRATE_CAMERA CALIBRATE_SUSPENSION FIXATE PICK_UP_BLOCK STACK",
+    "atrv": "DIVIDE MOVE_TO TRACK",
+    "el_verde": "DEPLOY MODIFY MOVE_TO STAND",
+}
+"""On which shipped robot faults are injected into which primitives."""
+
+
+@pytest.mark.parametrize("robot", TRIED)
+def test_faults_are_tried_in_all_that_a_robot_is_made_for(robot: str) -> None:
+    assert Setting("kinematic", robot).tried() == sorted([*TRIED[robot].split(), "REACH"])
+
+
+def test_faults_are_tried_in_every_registered_primitive() -> None:
+    every = {name for names in TRIED.values() for name in names.split()}
+    assert every == set(primitive_names())
+
+
+def test_a_variant_is_tried_in_what_its_robot_is_made_for() -> None:
+    assert Setting("kinematic", "toyama/h1").tasks == Setting("kinematic", "toyama").tasks
+
+
+def test_a_robot_that_nothing_is_made_for_is_tried_in_all_that_it_can_do() -> None:
+    assert [path.parent.name for path in Setting("kinematic", "cart").tasks] == ["drive_map"]
+
+
+@pytest.mark.slow
+def test_a_robot_of_somebodys_own_is_tried_in_all_that_it_can_do() -> None:
+    librarian = str(shipped_path("librarian"))
+    tasks = repertoire(librarian, {"robot": librarian}, "kinematic")
+    assert [path.parent.name for path in tasks] == ["return_book", "return_books", "drive_map"]
+
+
+def test_checks_are_made_where_the_first_task_is_done() -> None:
+    assert Setting("kinematic").bench.files == StageFiles()
+    files = Setting("kinematic", "toyama").bench.files
+    assert files.world == TASKS / "stack_blocks" / "unload_world.yaml"
+    assert files.start == "stacking"
+    assert Setting("kinematic", "el_verde").bench.files == StageFiles()

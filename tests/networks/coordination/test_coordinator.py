@@ -1,0 +1,297 @@
+"""Runs through networks (rows N1 to N6, N11)."""
+
+from collections import deque
+from typing import ClassVar
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from handcart.backends.capabilities.base import WheelTravel
+from handcart.networks.analysis.worst_cases import worst_cases
+from handcart.networks.coordination.coordinator import Coordinator
+from handcart.networks.coordination.events import Ended, LeftOut, Planned, Started
+from handcart.networks.coordination.supervision import Request
+from handcart.networks.graph.binding import Binding
+from handcart.networks.graph.network import Action, ActionNetwork, NetworkError, Situation
+from handcart.networks.journal.journal import Journal
+from handcart.networks.journal.journal_record import read_journal, without_wall
+from handcart.primitives.contract.action_primitive import ActionPrimitive
+from handcart.primitives.contract.discrepancy import Discrepancy
+
+
+def coordinator(stand, network, **more):
+    return Coordinator(network, stand.robot, stand.model, **more)
+
+
+def names(events):
+    return [event.primitive.name for event in events if isinstance(event, Started)]
+
+
+def test_two_ways_and_the_cheap_one_fails(stand):
+    network = stand.network("a m cheap 10", "a z dear 30", "m z last 1")
+    stand.script["cheap"] = deque("FF")
+    events = []
+    end = stand.finish(coordinator(stand, network, observers=[events.append]))
+    # 10 + 1 and 20 + 1 are cheaper than 30, 40 + 1 isn't.
+    assert names(events) == ["cheap", "cheap", "dear"]
+    assert (end.outcome, end.actions, end.fails, end.replans) == ("Success", 3, 2, 2)
+    assert end.exit_status == 0
+
+
+def test_unreachable_from_the_start_ends_without_an_action(stand):
+    """N1: exit status 3 with an explanation, and no motion."""
+    network = stand.network("a b one 1", "c z two 1")
+    end = stand.finish(coordinator(stand, network))
+    assert (end.outcome, end.exit_status, end.actions, end.situation) == ("Fail", 3, 0, "a")
+    assert end.reason == "no way left from a to z: nothing leads from a there"
+
+
+def test_unreachable_after_fails_names_what_blocks(stand):
+    """N2: exit status 3 in the last situation."""
+    network = stand.network("a b one 1", "b z two 1 2", "b z other 5 1")
+    stand.script |= {"two": deque("FFF"), "other": deque("P")}
+    end = stand.finish(coordinator(stand, network))
+    assert (end.outcome, end.situation, end.fails) == ("Fail", "b", 3)
+    assert end.reason == (
+        "no way left from b to z: THINK (b to z) failed 2 times, last: two failed; "
+        "THINK (b to z) failed 1 time, last: other can't be"
+    )
+
+
+@pytest.mark.parametrize("cost", [0.0, -1.0, float("nan"), float("inf")])
+def test_costs_that_are_none(stand, cost):
+    """N3."""
+    bound = Binding.of(stand.Think(name="x"))
+    with pytest.raises(NetworkError, match="cost_s"):
+        ActionNetwork.build([Situation("a"), Situation("z")], [Action("a", "z", bound, cost)], "a", "z")
+
+
+def test_everything_wrong_with_a_network_at_once(stand):
+    bound = Binding.of(stand.Think(name="x"))
+    situations = [Situation("a", {"book": "here"}), Situation("b", {"book": "there"}), Situation("b")]
+    with pytest.raises(NetworkError) as error:
+        ActionNetwork.build(situations, [Action("a", "c", bound, 1.0, 0, "a")], "a", "zz")
+    assert len(str(error.value).splitlines()) == 4
+
+
+def test_fail_may_not_change_physical_facts(stand):
+    bound = Binding.of(stand.Think(name="x"))
+    situations = [Situation("a", {"book": "here"}), Situation("b", {"book": "there"})]
+    with pytest.raises(NetworkError, match="other physical facts"):
+        ActionNetwork.build(situations, [Action("a", "b", bound, on_fail="b")], "a", "b")
+
+
+def test_cycles_and_self_loops_end(stand):
+    """N4."""
+    network = stand.network("a a loop 0.001", "a b there 1", "b a back 0.001", "b z on 1")
+    assert stand.finish(coordinator(stand, network)).actions == 2
+
+
+def test_fail_leads_to_the_situation_that_knows_more(stand):
+    network = stand.network("a z drive 1 3 blocked", "blocked a modify 1", "blocked z around 9")
+    stand.script["drive"] = deque("F")
+    events = []
+    end = stand.finish(coordinator(stand, network, observers=[events.append]))
+    assert names(events) == ["drive", "modify", "drive"]
+    assert end.outcome == "Success"
+
+
+def test_give_up_stays(stand):
+    network = stand.network("a z ask 1", "a z other 5")
+    stand.script["ask"] = deque("G")
+    end = stand.finish(coordinator(stand, network))
+    assert (end.outcome, end.exit_status, end.situation) == ("GiveUp", 4, "a")
+    assert "ask needs help" in end.reason
+
+
+def test_value_not_known_counts_as_a_fail(stand):
+    """N7: not started, counted."""
+    late = Binding(stand.Think, {"name": "x"}, {"text": "book.shelf"})
+    network = ActionNetwork.build(
+        [Situation("a"), Situation("z")], [Action("a", "z", late, 1.0, 2)], "a", "z"
+    )
+    events = []
+    end = stand.finish(coordinator(stand, network, observers=[events.append]))
+    assert (end.outcome, end.actions, end.fails) == ("Fail", 0, 2)
+    assert "book.shelf is not known yet" in end.reason
+    assert sum(isinstance(event, LeftOut) for event in events) == 2
+
+
+def test_refused_permission_counts_as_a_fail(stand):
+    network = stand.network("a z one 1 1", "a z two 2 1")
+    answers = iter([None, False, None, None, True])
+    end = stand.finish(coordinator(stand, network, permission=lambda action: next(answers)))
+    assert (end.outcome, end.actions, end.fails) == ("Success", 1, 1)
+
+
+networks = st.lists(
+    st.tuples(
+        st.integers(0, 4), st.integers(0, 5), st.integers(1, 20), st.integers(1, 3), st.integers(-1, 4)
+    ),
+    min_size=1,
+    max_size=10,
+)
+
+
+@given(networks, st.lists(st.text("SSFFP", max_size=6), min_size=10, max_size=10))
+@settings(max_examples=150, suppress_health_check=[HealthCheck.function_scoped_fixture], deadline=None)
+def test_every_run_ends_within_its_bound(new_stand, rows, outcomes):
+    """N4, N5, N6: whatever the network and whatever fails."""
+    stand = new_stand()
+    built = [
+        f"{source} {target} p{number} {cost} {attempts}" + (f" {on_fail}" if on_fail >= 0 else "")
+        for number, (source, target, cost, attempts, on_fail) in enumerate(rows)
+    ]
+    network = stand.network(*built, start="0", goal="5")
+    stand.script |= {f"p{number}": deque(pattern) for number, pattern in enumerate(outcomes)}
+    events = []
+    end = stand.finish(coordinator(stand, network, observers=[events.append]))
+    assert end.actions <= network.bound()
+    assert end.actions <= worst_cases(network).longest  # what `handcart check` states
+    assert end.fails <= sum(action.attempts for action in network.actions)
+    assert end.outcome == ("Success" if end.situation == "5" else "Fail")
+    failed = [
+        event.action.index
+        for event in events
+        if isinstance(event, Ended) and type(event.outcome).__name__ == "Fail"
+    ]
+    assert all(failed.count(a.index) <= a.attempts for a in network.actions)
+
+
+def test_same_run_same_journal(new_stand, tmp_path):
+    """N11: apart from the wall clock."""
+    journals = []
+    for number in range(2):
+        stand = new_stand()
+        network = stand.network("a b one 1", "a b two 1", "b z three 1", "b z four 2")
+        stand.script |= {"one": deque("F"), "three": deque("FF")}
+        path = tmp_path / f"{number}.jsonl"
+        with Journal(path) as journal:
+            stand.finish(coordinator(stand, network, journal=journal))
+        journals.append([without_wall(record) for record in read_journal(path).records])
+    assert journals[0] == journals[1]
+    kinds = [record["kind"] for record in journals[0]]
+    assert kinds[:4] == ["PLAN", "START", "RESULT", "PLAN"]
+    assert kinds[-1] == "END"
+
+
+def driving(stand, periods=40):
+    bound = Binding.of(stand.Drive(periods=periods))
+    return ActionNetwork.build([Situation("a"), Situation("z")], [Action("a", "z", bound, 1.0)], "a", "z")
+
+
+def test_stop_holds_where_it_is(stand):
+    run = coordinator(stand, driving(stand))
+    end = stand.finish(run, {20: lambda: run.request(Request.STOP)})
+    assert (end.outcome, end.exit_status) == ("Cancelled", 130)
+    assert 0.05 < stand.robot.pose.x < 0.3
+    assert stand.backend.stops
+
+
+def test_cancel_restores_first(stand):
+    run = coordinator(stand, driving(stand))
+    end = stand.finish(run, {30: lambda: run.request(Request.CANCEL)})
+    assert (end.outcome, end.fails) == ("Cancelled", 1)
+    assert abs(stand.robot.pose.x) < 0.02
+
+
+def test_pause_holds_and_time_stands_still(stand):
+    run = coordinator(stand, driving(stand))
+    seen = []
+    at = {
+        20: lambda: run.request(Request.PAUSE),
+        40: lambda: seen.append((stand.robot.time, stand.robot.pose, run.life.paused)),
+        70: lambda: seen.append((stand.robot.time, stand.robot.pose, run.life.paused)),
+        71: lambda: run.request(Request.RESUME),
+    }
+    end = stand.finish(run, at)
+    assert seen[0] == seen[1]
+    assert seen[0][2]
+    assert end.outcome == "Success"
+    assert stand.robot.pose.x == pytest.approx(0.4, abs=0.02)
+
+
+def test_moved_during_a_pause_is_a_discrepancy(stand):
+
+    def push():
+        travel = stand.backend.wheels.travel
+        stand.backend.wheels.travel = type(travel)(travel.left + 0.5, travel.right + 0.5)
+
+    at = {20: lambda: run.request(Request.PAUSE), 40: push, 60: lambda: run.request(Request.RESUME)}
+    events = []
+    run = coordinator(stand, driving(stand), observers=[events.append])
+    end = stand.finish(run, at)
+    outcomes = [event.outcome for event in events if isinstance(event, Ended)]
+    assert "moved during a pause: base_mm" in outcomes[0].reason
+    assert end.fails == 1
+
+
+def test_cancel_while_paused(stand):
+    run = coordinator(stand, driving(stand))
+    at = {30: lambda: run.request(Request.PAUSE), 50: lambda: run.request(Request.CANCEL)}
+    assert stand.finish(run, at).outcome == "Cancelled"
+    assert abs(stand.robot.pose.x) < 0.02
+
+
+def test_a_stop_does_not_wait_until_a_paused_robot_rests(stand):
+    """A robot that trembles never rests; requests are heard all the same."""
+    run, tremble = coordinator(stand, driving(stand)), []
+
+    def travel():
+        tremble.append(0.01)
+        return WheelTravel(sum(tremble), 0.0)
+
+    def pause():
+        stand.backend.wheels.wheel_travel = travel
+        run.request(Request.PAUSE)
+
+    stops = []
+    at = {20: pause, 40: lambda: run.request(Request.STOP), 43: lambda: stops.append(stand.backend.stops)}
+    end = stand.finish(run, at)
+    assert end.outcome == "Cancelled"
+    assert stops == [3]  # the pause's, then before and after the attempt is closed
+
+
+def test_called_back_before_it_began(stand):
+    run = coordinator(stand, driving(stand))
+    end = stand.finish(run, {1: lambda: run.request(Request.RESTORE)})
+    assert (end.outcome, end.fails) == ("Success", 1)
+
+
+def test_plan_is_kept_while_nothing_fails(stand):
+    network = stand.network("a b one 1", "b c two 1", "c z three 1")
+    events = []
+    stand.finish(coordinator(stand, network, observers=[events.append]))
+    assert sum(isinstance(event, Planned) for event in events) == 1
+
+
+class Notice(ActionPrimitive):
+    """Senses one thing more; fails where its script says so."""
+
+    name: str
+    only_knowledge: ClassVar = True
+    writes: ClassVar = ("obstacles",)
+
+    def motion(self, robot, model):
+        model.obstacles = np.vstack([model.obstacles, [[1.0, 2.0]]])
+        if self.name == "fails":
+            raise Discrepancy("it is in the way")
+        return
+        yield
+
+
+def test_what_an_action_learned_stands_in_its_result(stand, tmp_path):
+    """Also what a Fail left known; and nothing where nothing changed."""
+    bound = [Binding.of(Notice(name=name)) for name in ("fails", "works")] + [Binding.of(stand.Drive())]
+    actions = [
+        Action("a", "b", bound[0], 1.0, 1),
+        Action("a", "b", bound[1], 5.0),
+        Action("b", "c", bound[2], 1.0),
+    ]
+    network = ActionNetwork.build(map(Situation, "abc"), actions, "a", "c")
+    with Journal(tmp_path / "j") as journal:
+        stand.finish(coordinator(stand, network, journal=journal))
+    results = [each for each in read_journal(tmp_path / "j").records if each["kind"] == "RESULT"]
+    assert [each.get("learned") for each in results] == [{"obstacles": 1}, {"obstacles": 2}, None]

@@ -1,0 +1,380 @@
+"""The operator's line to a run, whoever else is on it and whatever they send."""
+
+from __future__ import annotations
+
+import json
+import os
+import selectors
+import shutil
+import socket
+import stat
+from collections.abc import Iterator
+from pathlib import Path
+
+import orjson
+import pytest
+
+from benchmarks.damage.fuzzed_messages import fuzzed_messages
+from handcart.networks.coordination.coordinator import Coordinator
+from handcart.networks.journal.journal import Journal
+from handcart.networks.operator.asking import ClosedToYou, NotAlive, NotAnswering, ask, goes_on, tell_to_stop
+from handcart.networks.operator.control import MOST, SILENT, Control
+from handcart.networks.operator.operation import Operation
+from handcart.networks.operator.permits import Permits
+
+FAULT = "a fault in handcart"
+
+
+class Line:
+    """The other end of a line."""
+
+    def __init__(self) -> None:
+        self.socket = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
+        self.socket.setblocking(False)  # connecting waits where the queue is full, else
+        self.came = b""
+
+    def connect(self, folder: Path) -> None:
+        self.socket.connect(str(folder / "control"))
+
+    def send(self, message: bytes) -> None:
+        self.socket.sendall(message)
+
+    def answers(self) -> list[dict]:
+        """What has come whole by now."""
+        while self._more():
+            pass
+        *whole, self.came = self.came.split(b"\n")
+        return [json.loads(each) for each in whole]
+
+    def _more(self) -> bool:
+        try:
+            new = self.socket.recv(1 << 16)
+        except BlockingIOError:
+            return False
+        self.came += new
+        return bool(new)
+
+    @property
+    def hung_up(self) -> bool:
+        try:
+            return self.socket.recv(1) == b""
+        except BlockingIOError:
+            return False
+        except ConnectionResetError:
+            return True
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch) -> Path:
+    monkeypatch.chdir(tmp_path)
+    return Path()
+
+
+@pytest.fixture
+def lines(folder) -> Iterator:
+    """Opens lines; all are closed in the end."""
+    opened: list[Line] = []
+
+    def open_one() -> Line:
+        opened.append(Line())
+        opened[-1].connect(folder)
+        return opened[-1]
+
+    yield open_one
+    for each in opened:
+        each.socket.close()
+
+
+@pytest.fixture
+def run(stand, folder) -> Iterator:
+    """A run before its first period, that listens."""
+    coordinator = Coordinator(stand.network("a z go 1"), stand.robot, stand.model)
+    with Operation(folder, coordinator, Permits(), stand.robot) as operation:
+        operation.coordinator, operation.stand = coordinator, stand
+        yield operation
+
+
+@pytest.fixture
+def control(folder, clock) -> Iterator:
+    """Answers each message with itself."""
+    stops: list[None] = []
+    with Control(folder, dict, lambda: stops.append(None), clock) as listening:
+        listening.stops = stops
+        yield listening
+
+
+def test_every_message_that_is_none_is_answered_in_words(run, lines):
+    """U11: of all JSON types, huge, deep, binary, half; more: `python -m benchmarks.hostile.control`."""
+    for message in fuzzed_messages(400, seed=1):
+        line, rest, answers = lines(), message + b"\n", []
+        while not answers:  # a line that is too long is answered before it is all there
+            sent, rest = rest[:3000], rest[3000:]
+            line.send(sent)
+            run.look()
+            answers = line.answers()
+        (answer,) = answers
+        assert answer["ok"] or ("allowed" in answer["error"] or "permission" in answer["error"]), message
+        assert FAULT not in answer.get("error", "")
+        line.socket.close()
+        run.look()
+    assert run.coordinator.life.state.value == "planning"
+
+
+@pytest.mark.parametrize(
+    ("message", "words"),
+    [
+        ({"do": ["stop"]}, "unknown word ['stop']; allowed: pause, continue"),
+        ({"do": {}}, "unknown word {}"),
+        ({}, "the key 'do' is missing"),
+        ({"do": "permit", "action": True}, "the action True is no number"),
+        ({"do": "permit", "action": 0.0}, "the action 0.0 is no number"),
+        ({"do": "permit", "acton": 3}, "unknown key 'acton'; allowed: action, do"),
+        ({"do": "x\x1b[2J"}, "unknown word 'x\\x1b[2J'"),
+    ],
+)
+def test_what_is_wrong_with_a_message(run, message, words):
+    answer = run.answer(message)
+    assert not answer["ok"]
+    assert words in answer["error"]
+
+
+def test_a_stop_waits_behind_nothing(run, lines, folder):
+    """U9: more idle lines than there may be, half messages, floods, and a queue full of other wishes."""
+    idle = [lines() for _ in range(MOST)]
+    run.look()
+    for each in idle[::2]:
+        each.send(b'{"do":"sta')
+    for each in idle[1::2]:
+        each.send(b'{"do":"pause"}\n{"do":"continue"}\n' * 300)
+    for _ in range(5):
+        run.look()
+    tell_to_stop(folder)
+    run.look()
+    end = run.stand.finish(run.coordinator)
+    assert (end.outcome, end.actions) == ("Cancelled", 0)
+
+
+def test_a_stop_on_the_line_is_heard_beside_idle_ones(run, lines):
+    """U8, U11: eight that say nothing made `handcart stop` say that no run is alive."""
+    for _ in range(3 * MOST):
+        lines()
+        run.look()
+    asking = lines()
+    asking.send(b'{"do":"stop"}\n')
+    run.look()
+    assert asking.answers()[0]["ok"]
+    assert run.stand.finish(run.coordinator).outcome == "Cancelled"
+
+
+def test_a_stop_of_somebody_who_has_hung_up_is_heard(run, lines):
+    line = lines()
+    line.send(b'{"do":"status"}\n{"do":"status"}\n{"do":"stop"}')
+    line.socket.close()
+    for _ in range(5):
+        run.look()
+    assert run.stand.finish(run.coordinator).outcome == "Cancelled"
+
+
+def test_requests_that_may_wait_are_limited_and_a_stop_is_none_of_them(run):
+    told = [run.answer({"do": word})["ok"] for _ in range(50) for word in ("pause", "continue")]
+    assert not all(told)
+    assert run.answer({"do": "stop"})["ok"]
+    assert run.stand.finish(run.coordinator).outcome == "Cancelled"
+
+
+def test_each_line_gets_one_answer_a_period_in_order(control, lines):
+    flood, calm = lines(), lines()
+    flood.send(b"".join(b'{"n":%d}\n' % number for number in range(100)))
+    calm.send(b'{"n":-1}\n')
+    control.poll()
+    assert (len(flood.answers()), calm.answers()) == (1, [{"n": -1}])
+    for _ in range(99):
+        control.poll()
+    assert [each["n"] for each in flood.answers()] == list(range(1, 100))
+
+
+def test_who_does_not_read_makes_nobody_else_wait(control, lines):
+    deaf, calm = lines(), lines()
+    told = orjson.dumps({"n": "x" * 4000}) + b"\n"
+    sent = 0
+    for _ in range(1000):
+        try:
+            sent += deaf.socket.send(told)
+        except BlockingIOError:
+            break
+        control.poll()
+    assert sent < 1000 * len(told)  # it came to a halt, and nothing was lost of it
+    calm.send(b'{"n":1}\n')
+    control.poll()
+    assert calm.answers() == [{"n": 1}]
+
+
+def test_a_message_that_is_too_long_is_told_and_its_line_closed(control, lines):
+    line = lines()
+    line.send(b"x" * 5000)
+    for _ in range(3):
+        control.poll()
+    assert "more than 4096 bytes" in line.answers()[0]["error"]
+    assert line.hung_up
+
+
+def test_a_line_on_which_nothing_comes_is_closed(control, lines, clock):
+    """U11: half a message is nothing whole."""
+    idle, half, busy = lines(), lines(), lines()
+    half.send(b'{"n"')
+    for _ in range(3):
+        busy.send(b"{}\n")
+        control.poll()
+        clock.now += 0.4 * SILENT
+    control.poll()
+    assert (idle.hung_up, half.hung_up) == (True, True)
+    busy.send(b"{}\n")
+    control.poll()
+    assert len(busy.answers()) == 4
+
+
+def test_of_too_many_lines_the_one_that_was_silent_longest_is_closed(control, lines, clock):
+    """U11: who talks keeps their line."""
+    many = []
+    for _ in range(MOST):
+        many.append(lines())
+        control.poll()
+    clock.now += 1.0
+    for each in (*many[:20], *many[21:]):
+        each.send(b"{}\n")
+    control.poll()
+    clock.now += 1.0
+    last = lines()
+    control.poll()
+    assert [len(each.answers()) for each in many] == [1] * 20 + [0] + [1] * (MOST - 21)
+    assert [number for number, each in enumerate(many) if each.hung_up] == [20]
+    last.send(b"{}\n")
+    control.poll()
+    assert last.answers() == [{}]
+
+
+def test_only_its_owner_may_operate_a_run(folder, control):
+    """U11: by either socket."""
+    for name in ("control", "control.stop"):
+        assert stat.S_IMODE(os.stat(folder / name).st_mode) & 0o077 == 0
+
+
+def test_who_asked_more_than_once_is_not_waited_with(control, lines, monkeypatch):
+    waited, plain = [], selectors.DefaultSelector.select
+
+    def select(self, timeout=None):
+        waited.append(timeout)
+        return plain(self, 0.0)
+
+    monkeypatch.setattr(selectors.DefaultSelector, "select", select)
+    line = lines()
+    for _ in range(4):
+        control.poll(5.0)
+        if waited[-1] and not waited[:-1]:
+            line.send(b'{"n":1}\n{"n":2}\n')
+    assert waited == [5.0, 5.0, 0.0, 5.0]
+    assert [each["n"] for each in line.answers()] == [1, 2]
+
+
+def test_an_answer_holds_for_one_start_of_one_action(stand):
+    (action,) = stand.network("a z go 1").actions
+    permits, asked = Permits(step=True), []
+    permits.asking = asked.append
+    for permitted in (True, False):
+        assert permits(action) is None
+        permits.answer(permitted)
+        assert permits(action) is permitted
+    assert permits(action) is None
+    assert asked == [action] * 3
+
+
+def test_a_fault_in_answering_is_told_and_nothing_more(folder, lines):
+    def fails(message):
+        raise KeyError("x")
+
+    with Control(folder, fails, lambda: None) as listening:
+        line = lines()
+        line.send(b"{}\n")
+        listening.poll()
+        assert line.answers() == [{"ok": False, "error": "a fault in handcart: KeyError: 'x'"}]
+
+
+@pytest.mark.parametrize("what", ["nothing", "a folder", "a file", "a broken journal"])
+def test_where_no_run_is_alive_is_said_as_far_as_it_is_known(tmp_path, what):
+    folder = tmp_path / "run"
+    words = {"nothing": "there is no folder", "a file": "is no folder"}.get(what, "no journal can be read")
+    if what == "a file":
+        folder.write_text("")
+    elif what != "nothing":
+        folder.mkdir()
+    if what == "a broken journal":
+        os.mkfifo(folder / "journal.jsonl")
+    for does in (lambda: ask(folder, {"do": "status"}), lambda: tell_to_stop(folder)):
+        with pytest.raises(NotAlive, match="no run is alive") as said:
+            does()
+        assert words in str(said.value)
+
+
+def test_a_run_that_is_over_broke_off_or_does_not_answer(folder):
+    with Journal(folder / "journal.jsonl") as journal:
+        journal.append("RUN", 0.0, {})
+        assert goes_on(folder)
+        with pytest.raises(NotAnswering, match="is alive, but doesn't answer"):
+            ask(folder, {"do": "status"}, 0.1)
+        with Control(folder, dict, lambda: None), pytest.raises(NotAnswering, match=r"within 0\.1 s"):
+            ask(folder, {"do": "status"}, 0.1)
+    with pytest.raises(NotAlive, match="it broke off; handcart resume"):
+        ask(folder, {"do": "status"})
+    shutil.rmtree(folder / "control", ignore_errors=True)
+    again = folder / "again"
+    again.mkdir()
+    with Journal(again / "journal.jsonl") as journal:
+        journal.append("END", 0.0, {"outcome": "Fail", "situation": "here"})
+    with pytest.raises(NotAlive, match="it is over, Fail in situation here"):
+        tell_to_stop(again)
+
+
+def test_a_queue_that_is_full_is_no_run_that_is_over(folder, lines):
+    """Nobody takes what waits: the run computes."""
+    with Journal(folder / "journal.jsonl"), Control(folder, dict, lambda: None):
+        for _ in range(2 * MOST):
+            try:
+                lines()
+            except BlockingIOError:
+                break
+        with pytest.raises(NotAnswering, match="doesn't answer"):
+            ask(folder, {"do": "status"}, 0.1)
+        for _ in range(1000):
+            tell_to_stop(folder)
+
+
+def test_what_answers_but_is_no_run(folder):
+    listening = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
+    listening.bind(str(folder / "control"))
+    listening.listen()
+    child = os.fork()
+    if child == 0:  # pragma: no cover
+        other, _ = listening.accept()
+        other.sendall(b"hello \x1b\n")
+        os._exit(0)
+    with pytest.raises(NotAnswering, match="is no run"):
+        ask(folder, {"do": "status"})
+    os.waitpid(child, 0)
+    listening.close()
+
+
+@pytest.mark.skipif(os.geteuid() != 0, reason="only root can become somebody else")
+def test_a_folder_of_somebody_else(folder, control):
+    """That a run is alive there or isn't can't be said."""
+    child = os.fork()
+    if child == 0:  # pragma: no cover
+        os.seteuid(65534)
+        closed = 0
+        for does in (lambda: ask(folder, {"do": "status"}), lambda: tell_to_stop(folder)):
+            try:
+                does()
+            except ClosedToYou:
+                closed += 1
+        os._exit(closed)
+    _, status = os.waitpid(child, 0)
+    assert os.waitstatus_to_exitcode(status) == 2

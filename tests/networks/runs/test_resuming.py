@@ -1,0 +1,259 @@
+"""What is known of a run that broke off, and what a person has to say before a real robot goes on."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from handcart.backends.description.joint_units import JointUnits
+from handcart.networks.journal.journal import Journal
+from handcart.networks.journal.journal_record import read_journal
+from handcart.networks.journal.retracing import NeedsOperator, standing
+from handcart.networks.journal.waiting import waiting
+from handcart.networks.run_options import RunOptions
+from handcart.networks.runs.checkpoint import NAME, CheckpointKeeper
+from handcart.networks.runs.recon import Recon, gone_on, reconnoitre, standing_as_left
+from handcart.networks.runs.resuming import NothingToResume, Past, read_past, task_of
+from handcart.networks.runs.run import execute
+from handcart.networks.runs.run_folder import read_run_journal
+from handcart.networks.task.preparing import Prepared
+from handcart.networks.task.task_file import load_task
+
+_OWN = ("kind", "q", "t", "wall", "p", "h")
+"""What the journal itself writes into each record."""
+TASK = """\
+format: handcart-task/1
+title: Drive three times
+robot: librarian
+start: a
+goal: z
+situations: {a: {}, b: {}, c: {}, z: {}}
+actions:
+  - {do: DRIVE, from: a, to: b, cost_s: 1, with: {periods: 4}}
+  - {do: DRIVE, from: b, to: c, cost_s: 1, with: {periods: 6}}
+  - {do: DRIVE, from: c, to: z, cost_s: 1, with: {periods: 8}}
+  - {do: DRIVE, from: a, to: z, cost_s: 9, with: {periods: 8}}
+"""
+
+
+class Run:
+    """A real robot's run, over: its folder and network, and what it would go on with."""
+
+    def __init__(self, folder: Path, prepare: Callable[[], Prepared]) -> None:
+        self.folder, self.prepare = folder, prepare
+        prepared = prepare()
+        self.network, self.model = prepared.task.network, prepared.model
+        execute(prepared, folder, RunOptions(checkpoints=True, sync=False))
+
+    @property
+    def records(self) -> tuple[Any, ...]:
+        return read_journal(self.folder / "journal.jsonl").records
+
+    def cut(self, kind: str, number: int, half: bool = False) -> None:
+        """Broken off before the `number`-th record of a kind, or in the middle of it."""
+        path = self.folder / "journal.jsonl"
+        lines = path.read_bytes().splitlines(keepends=True)
+        place = [i for i, line in enumerate(lines) if f'"kind":"{kind}"'.encode() in line][number]
+        torn = lines[place][: len(lines[place]) // 2] if half else b""
+        path.write_bytes(b"".join(lines[:place]) + torn)
+
+    def append(self, kind: str, **fields: Any) -> None:
+        path = self.folder / "journal.jsonl"
+        with Journal.go_on(path, read_journal(path), "never") as journal:
+            journal.append(kind, 9.0, fields)
+
+    def forget(self) -> None:
+        (self.folder / NAME).unlink()
+
+    def past(self) -> Past:
+        return read_past(self.folder, self.network)
+
+
+@pytest.fixture
+def run(tmp_path: Path, new_stand: Callable[[], Any], primitives: Any) -> Run:
+    path = tmp_path / "task" / "task.yaml"
+    path.parent.mkdir()
+    path.write_text(TASK)
+    task = load_task(path, {}, lambda name: getattr(primitives, name))
+
+    def prepare() -> Prepared:
+        stand = new_stand()
+        stand.backend.simulated = False
+        return Prepared(task, "two_wheels", stand.backend, stand.robot, stand.model, 7, {}, ())
+
+    return Run(tmp_path / "run", prepare)
+
+
+def found(past: Past, residuals: dict[str, float], sure: bool = True) -> Recon:
+    at = past.standing.at
+    assert at is not None
+    return Recon(at, at, residuals, dict.fromkeys(residuals, 1.0), (), sure, JointUnits((), (), ()))
+
+
+def test_a_result_that_only_the_checkpoint_holds_counts(run: Run) -> None:
+    run.cut("RESULT", -1)
+    past = run.past()
+    assert past.recovered is not None
+    assert (past.recovered["n"], past.recovered["outcome"]) == (3, "Success")
+    assert past.standing.route.arrived
+
+
+def test_a_checkpoint_that_follows_another_record_is_not_the_journals(run: Run) -> None:
+    run.cut("RESULT", -1)
+    run.append("INTENT", n=3, effect="the lamp goes out")
+    with pytest.raises(NeedsOperator, match="is not the one that its journal names: it is of action 3"):
+        run.past()
+
+
+def test_a_torn_record_may_have_been_the_start_of_the_next_action(run: Run) -> None:
+    """D3"""
+    run.cut("START", 1, half=True)
+    run.forget()
+    past = run.past()
+    assert past.standing.in_doubt is not None
+    assert past.standing.in_doubt["n"] == 2
+    assert list(past.doubts()) == [
+        "how far action 2, DRIVE from b, had come",
+        f"what record {past.last + 1}, which is damaged, told of it",
+    ]
+
+
+@pytest.mark.parametrize("outcome", ["Success", "Fail"])
+def test_a_run_that_came_to_its_end_is_over(run: Run, outcome: str) -> None:
+    run.cut("END", 0)
+    assert task_of(run.folder)["network"] == run.network.fingerprint()
+    run.append("END", outcome=outcome, situation="c", reason="no way")
+    with pytest.raises(NothingToResume, match=f"is over: {outcome} in situation c"):
+        task_of(run.folder)
+
+
+@pytest.mark.parametrize("outcome", ["Cancelled", "GiveUp", "Error"])
+def test_one_that_was_stopped_or_gave_up_is_not(run: Run, outcome: str) -> None:
+    run.cut("END", 0)
+    run.append("END", outcome=outcome, situation="c", reason="asked for")
+    assert task_of(run.folder)["start"] == "a"
+
+
+def test_a_robot_that_stands_elsewhere_does_not_go_on_whatever_is_confirmed(run: Run) -> None:
+    """U13"""
+    run.cut("START", 1)
+    run.forget()
+    past = run.past()
+    for off in ({"base_mm": 150.0}, {"base_mm": math.nan}):
+        with pytest.raises(NeedsOperator, match="the robot isn't where it was left: base_mm"):
+            gone_on(past, found(past, off), past.last)
+    assert gone_on(past, found(past, {"base_mm": 0.5}), past.last).closing[0][0] == "RECON"
+
+
+@pytest.mark.parametrize("confirm", [None, -1, 1])
+def test_only_the_last_record_confirms(run: Run, confirm: int | None) -> None:
+    run.cut("START", 1)
+    run.forget()
+    past = run.past()
+    with pytest.raises(NeedsOperator, match=f"--confirm {past.last}"):
+        gone_on(past, found(past, {}), confirm and past.last + confirm)
+
+
+def test_an_action_in_doubt_that_is_measured_where_it_began_has_failed(run: Run) -> None:
+    run.cut("RESULT", 1)
+    run.forget()
+    past = run.past()
+    after = gone_on(past, found(past, {"base_mm": 0.1}), past.last)
+    kind, closed = after.closing[1]
+    assert (kind, closed["n"], closed["outcome"], closed["by"]) == ("RESULT", 2, "Fail", "recon")
+    assert (after.standing.in_doubt, after.standing.fails) == (None, 1)
+
+
+@pytest.mark.parametrize("why", ["an intent is open", "nobody is sure"])
+def test_what_no_sensor_tells_a_person_has_to_acknowledge(run: Run, why: str) -> None:
+    run.cut("RESULT", 1)
+    run.forget()
+    if why == "an intent is open":
+        run.append("INTENT", n=2, effect="the fingers let the book go")
+    past = run.past()
+    assert past.standing.in_doubt is not None
+    with pytest.raises(NeedsOperator, match=rf"no sensor .*: handcart ack \S+ {past.standing.in_doubt['q']}"):
+        gone_on(past, found(past, {}, sure=why != "nobody is sure"), past.last)
+
+
+def test_the_estimate_goes_on_where_and_when_the_journal_left_it(run: Run) -> None:
+    run.cut("START", 2)
+    run.forget()
+    past, prepared = run.past(), run.prepare()
+    robot = standing_as_left(prepared, past).robot
+    assert past.standing.at is not None
+    assert robot.pose.distance(past.standing.at.pose) < 1e-9
+    assert robot.pose.x == pytest.approx(10 * 0.05 * 0.2, abs=1e-3)
+    assert robot.time == past.time_s > 0.5
+
+
+def test_by_wheels_alone_nobody_knows_where_the_base_stands(run: Run) -> None:
+    """They were not heard meanwhile: that they agree with themselves says nothing."""
+    run.cut("START", 2)
+    run.forget()
+    past = run.past()
+    recon = reconnoitre(standing_as_left(run.prepare(), past).robot, past)
+    assert not recon.sure
+    assert not any(name.startswith("base") for name in recon.residuals)
+    assert any(each.startswith("where the base stands: only its wheels tell") for each in recon.unknown)
+
+
+def test_what_is_not_known_is_not_in_place(run: Run) -> None:
+    recon = found(run.past(), {"joints_deg": 0.9, "gripper_mm": math.nan, "held": math.inf})
+    assert recon.off.keys() == {"gripper_mm", "held"}
+
+
+def test_a_give_up_leaves_the_checkpoint_before_it(run: Run) -> None:
+    """Who acknowledges it has put everything back as it was before that action."""
+    before = (run.folder / NAME).read_bytes()
+    keeper = CheckpointKeeper(run.folder, run.prepare())
+    assert keeper.keep({"n": 4, "outcome": "GiveUp", "reason": "stuck"}, "x") is None
+    assert (run.folder / NAME).read_bytes() == before
+    assert keeper.keep({"n": 4, "outcome": "Success"}, "x")
+    assert (run.folder / NAME).read_bytes() != before
+
+
+def test_a_fail_for_good_is_for_good_after_a_resume_too(run: Run) -> None:
+    run.cut("RESULT", 0)
+    failed = {"n": 1, "outcome": "Fail", "reason": "no way", "permanent": True, "residuals": {}}
+    run.append("RESULT", **failed)
+    there = standing(run.network, run.records)
+    plan = there.route.plan()
+    assert [action.index for action in plan.actions] == [3]
+    run.cut("RESULT", 0)
+    run.append("RESULT", **failed | {"permanent": False})
+    again = standing(run.network, run.records).route.plan()
+    assert [action.index for action in again.actions] == [0, 1, 2]
+
+
+def test_the_result_of_an_action_that_was_not_started_fits_nothing(run: Run) -> None:
+    run.cut("RESULT", 1)
+    run.append("RESULT", n=1, outcome="Success")
+    with pytest.raises(NeedsOperator, match="action 1 is not the one that was started"):
+        standing(run.network, run.records)
+
+
+def test_a_word_on_something_else_settles_nothing(run: Run) -> None:
+    """An action that was broken off waits until that very record is acknowledged."""
+    run.cut("RESULT", 1)
+    start = len(run.records) - 1
+    run.append("ACK", record=1, of="RESULT", reason="seen to")
+    assert list(waiting(read_run_journal(run.folder))) == [start]
+    run.append("ACK", record=start, of="START", reason="seen to")
+    assert waiting(read_run_journal(run.folder)) == {}
+
+
+def test_a_journal_of_another_version_is_not_gone_on_with(run: Run) -> None:
+    """D12"""
+    run.cut("END", 0)
+    header = {key: each for key, each in run.records[0].items() if key not in _OWN}
+    other = run.folder.with_name("other")
+    other.mkdir()
+    with Journal(other / "journal.jsonl") as journal:
+        journal.append("RUN", 0.0, header | {"handcart": "0.0.1"})
+    with pytest.raises(NeedsOperator, match=r"the run is one of handcart '0\.0\.1'; only"):
+        task_of(other)

@@ -1,0 +1,231 @@
+"""Several repeated parts in one task: each action gets the elements of its own part, and no others."""
+
+import re
+from collections import deque
+
+import pytest
+
+from handcart.files.errors import FileError
+from handcart.files.models.json_schema import schema
+from handcart.networks.analysis.figures import figures
+from handcart.networks.analysis.task_findings import task_findings
+from handcart.networks.coordination.coordinator import Coordinator
+from handcart.networks.coordination.events import Started
+from handcart.networks.drawing.drawing import FORMATS
+from handcart.networks.task.preparing import beginning_at
+from handcart.networks.task.task_model import TaskFile
+
+TWICE = """\
+format: handcart-task/1
+title: Think twice
+robot: librarian
+start: s
+goal: z
+situations:
+  s:
+  a: {book: here}
+  b: {book: there}
+  c: {book: there}
+  d: {book: away}
+  z:
+actions:
+  - {do: THINK, from: s, to: a, cost_s: 1, with: {name: s}}
+  - {do: THINK, from: a, to: b, cost_s: 1, with: {name: x, text: {each: word}}}
+  - {do: THINK, from: b, to: c, cost_s: 1, with: {name: y}}
+  - {do: THINK, from: c, to: d, cost_s: 1, with: {name: u, text: {each: word}}}
+  - {do: THINK, from: d, to: z, cost_s: 1, with: {name: v}}
+repeat:
+  - {over: [one, two], as: word, start: a, goal: c, unfinished: skip}
+  - {over: [three, four, five], as: word, start: c, goal: z, unfinished: skip}
+"""
+
+
+def changed(old, new, text=TWICE):
+    assert old in text
+    return text.replace(old, new)
+
+
+def test_two_parts_one_after_the_other(load):
+    network = load(TWICE).network
+    assert list(network.situations) == [
+        "s", "a[1]", "a[2]", "b[1]", "b[2]", "c[1]", "c[2]", "c[3]", "d[1]", "d[2]", "d[3]", "z",
+    ]  # fmt: skip
+    done = [a for a in network.actions if a.binding]
+    assert [str(a) for a in done] == [
+        "THINK (s to a[1])",
+        "THINK (a[1] to b[1])",
+        "THINK (a[2] to b[2])",
+        "THINK (b[1] to a[2])",
+        "THINK (b[2] to c[1])",
+        "THINK (c[1] to d[1])",
+        "THINK (c[2] to d[2])",
+        "THINK (c[3] to d[3])",
+        "THINK (d[1] to c[2])",
+        "THINK (d[2] to c[3])",
+        "THINK (d[3] to z)",
+    ]
+    texts = [a.binding.fixed["text"] for a in done if a.binding.fixed.get("text")]
+    assert texts == ["one", "two", "three", "four", "five"]
+    skips = [str(a) for a in network.actions if not a.binding]
+    assert skips == [
+        f"SKIP ({way})"
+        for way in ("a[1] to a[2]", "a[2] to c[1]", "c[1] to c[2]", "c[2] to c[3]", "c[3] to z")
+    ]
+    attempts = 11 * 3 + 5
+    assert network.bound() == (attempts + 1) * 11 + attempts
+
+
+def test_the_order_in_the_list_does_not_matter(load):
+    first, second = TWICE.splitlines()[-2:]
+    turned = load(changed(f"{first}\n{second}", f"{second}\n{first}")).network
+    assert {str(a) for a in turned.actions} == {str(a) for a in load(TWICE).network.actions}
+
+
+def test_one_mapping_is_a_list_of_one(load):
+    text = TWICE[: TWICE.index("  - {over: [three")].replace("{name: u, text: {each: word}}", "{name: u}")
+    one = changed("repeat:\n  - {over", "repeat: {over", text)
+    assert load(one).network.fingerprint() == load(text).network.fingerprint()
+
+
+def test_both_parts_skip_and_say_which(load, stand):
+    stand.script |= {"x": deque("SP"), "u": deque("PSS")}
+    network, cleared = load(TWICE).network, []
+    coordinator = Coordinator(network, stand.robot, stand.model)
+    stand.model.clear_element = lambda: cleared.append(coordinator.situation)
+    end = stand.finish(coordinator)
+    assert (end.outcome, end.exit_status, end.situation) == ("Fail", 3, "z")
+    assert end.skipped == ("word[2] (two) from a", "word[1] (three) from c")
+    assert cleared == ["a[2]", "c[1]", "c[2]", "c[3]", "z"]
+
+
+def test_what_an_element_knew_is_forgotten_between_equal_elements_of_two_parts(load, stand):
+    network, cleared = (
+        load(changed("[three, four, five]", "[one]", changed("[one, two]", "[one]"))).network,
+        [],
+    )
+    coordinator = Coordinator(network, stand.robot, stand.model)
+    stand.model.clear_element = lambda: cleared.append(coordinator.situation)
+    stand.finish(coordinator)
+    assert cleared == ["c[1]", "z"]
+
+
+def test_a_run_may_begin_in_the_second_part(load, stand):
+    network = beginning_at(load(TWICE).network, "c[3]")
+    events = []
+    end = stand.finish(Coordinator(network, stand.robot, stand.model, observers=[events.append]))
+    texts = [event.primitive.text for event in events if isinstance(event, Started)]
+    assert (end.outcome, texts) == ("Success", ["five", ""])
+
+
+def test_elements_of_another_part_are_unknown(load):
+    text = changed("as: word, start: c", "as: term, start: c")
+    with pytest.raises(FileError) as error:
+        load(text)
+    (found,) = error.value.findings
+    assert (found.line, found.column) == (17, 66)
+    assert found.message == "unknown element 'word'; allowed: term, term.KEY with a key of each element"
+    task = load(changed("name: u, text: {each: word}", "name: u, text: {each: term}", text))
+    elements = {each.element for each in task.network.situations.values()}
+    assert {"word[1] (one)", "term[1] (three)"} < elements
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "line", "column", "message"),
+    [
+        ("start: c, goal: z", "start: b, goal: z", 21, 50, "the part shares 'b' with the one from a"),
+        ("start: a, goal: c", "start: a, goal: d", 21, 50, "the part shares 'c' with the one from a"),
+        ("from: b, to: c", "from: b, to: d", 21, 50, "the part shares 'd' with the one from a"),
+        ("from: b, to: c", "from: b, to: d", 16, 30, "leads into the middle of the repeated part"),
+        ("from: s, to: a", "from: s, to: d", 14, 30, "leads into the middle of the repeated part"),
+        (
+            "from: b, to: c",
+            "from: b, to: c, on_fail: c",
+            16,
+            42,
+            "leads to the next element's 'a', where other",
+        ),
+        ("start: c, goal: z", "start: c, goal: x", 21, 59, "unknown situation 'x'"),
+        ("as: word, start: c", "start: c", 21, 5, "the key 'as' is missing"),
+        ("as: word, start: c", "as: word, begin: 1, start: c", 21, 43, "unknown key 'begin'"),
+        ("[three, four, five]", "[]", 21, 12, "over is a list of 0"),
+        ("[three, four, five]", "[three, 4]", 21, 20, "text is 4"),
+        ("goal: z\nsit", "goal: c\nsit", 5, 7, "is inside the repeated part"),
+    ],
+)
+def test_what_is_wrong_with_one_of_the_parts(load, old, new, line, column, message):
+    with pytest.raises(FileError) as error:
+        load(changed(old, new))
+    places = {(each.line, each.column): each.message for each in error.value.findings}
+    assert message in places.get((line, column), ""), error.value
+
+
+@pytest.mark.parametrize(
+    ("value", "column", "message"),
+    [("[]", 9, "repeat is"), ("7", 9, "repeat is 7; allowed: "), ("[7]", 10, "repeat[0] is 7; allowed: ")],
+)
+def test_a_repeat_of_another_kind(load, value, column, message):
+    text = TWICE[: TWICE.index("repeat:")].replace("{each: word}", "t")
+    with pytest.raises(FileError, match=f"task.yaml:19:{column}: {re.escape(message)}"):
+        load(f"{text}repeat: {value}\n")
+
+
+def test_a_part_that_ends_where_it_begins(load):
+    """What leads there from outside begins it; a Fail inside leads back to the element's own start."""
+    text = changed(
+        "start: c, goal: z", "start: c, goal: c", changed("from: d, to: z", "from: d, to: c, on_fail: c")
+    )
+    text = text.replace("goal: z\n", "goal: c\n").replace("  d: {book: away}", "  d: {book: there}")
+    actions = load(text).network.actions
+    ways = {str(a): a.on_fail for a in actions}
+    assert "THINK (b[2] to c[1])" in ways
+    assert ways["THINK (d[1] to c[2])"] == "c[1]"
+    assert ways["THINK (d[3] to c)"] == "c[3]"
+
+
+def test_a_fail_that_leads_to_the_goal_of_a_part_leads_to_the_next_element(load):
+    text = changed("from: b, to: c", "from: b, to: c, on_fail: c").replace("{book: here}", "{book: there}")
+    assert [a.on_fail for a in load(text).network.actions if a.on_fail] == ["a[2]", "c[1]"]
+
+
+def test_what_check_tells_is_of_both_parts(load):
+    text = re.sub(" {book: .*", "", TWICE.replace("cost_s: 1,", "cost_s: 1, attempts: 1, p: 0.9,"))
+    task = load(text)
+    assert task_findings(task) == []
+    end = figures(task).forecast
+    assert end.goal == pytest.approx(0.9**11)
+    # From anywhere in an element it can be left out; only the way to the first one can't.
+    assert end.left_undone == pytest.approx(0.9 - 0.9**11)
+    lost = "  - {do: THINK, from: d, to: e, cost_s: 9, p: 1, with: {name: e}}\nrepeat"
+    found = task_findings(
+        load(text.replace("repeat", lost, 1).replace("  z:\n", "  e: {book: lost}\n  z:\n"))
+    )
+    assert [each.message.split(":")[0] for each in found] == ["from 'e' nothing leads to the goal"]
+
+
+def test_drawings_show_both_parts(load):
+    network = load(TWICE).network
+    for draw in FORMATS.values():
+        picture = draw(network)
+        assert "a[2]" in picture
+        assert "d[3]" in picture
+
+
+def test_places_of_the_map_in_both_parts(load, tmp_path):
+    (tmp_path / "lib").mkdir()
+    places = "format: handcart-places/1\nplaces:\n  home: {x_m: 0, y_m: 0, heading_deg: 0}\n"
+    (tmp_path / "lib" / "places.yaml").write_text(places)
+    (tmp_path / "lib" / "map.yaml").write_text("")
+    text = changed("start: s\ngoal", "knowledge: {map: map.yaml, places: places.yaml}\nstart: s\ngoal")
+    text = text.replace("[one, two]", "{all: places}").replace("[three, four, five]", "{all: places}")
+    elements = {each.element for each in load(text).network.situations.values()}
+    assert elements == {None, "word[1] (home) from a", "word[1] (home) from c"}
+
+
+def test_editors_know_both_forms():
+    told = schema(TaskFile)["properties"]["repeat"]
+    assert [each.get("type", each.get("$ref")) for each in told["anyOf"]] == [
+        "array",
+        "#/$defs/Repeat",
+        "null",
+    ]
+    assert told["anyOf"][0]["items"] == {"$ref": "#/$defs/Repeat"}

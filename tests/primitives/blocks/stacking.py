@@ -1,0 +1,54 @@
+"""A robot with blocks at the stacking table, to try single primitives on."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from handcart.evaluation.trials.stage import Stage, StageFiles, set_stage
+from handcart.primitives.blocks.fixate import Fixate
+from handcart.primitives.blocks.pick_up_block import PickUpBlock
+from handcart.primitives.contract.action_primitive import ActionPrimitive
+from handcart.primitives.contract.outcome import Outcome, Success
+
+TASK = Path(__file__).parents[3] / "tasks" / "stack_blocks"
+
+
+def at_the_wall(
+    world: Path = TASK / "unload_world.yaml",
+    robot: str = "toyama/h1",
+    seed: int = 0,
+    building: Path = TASK / "building.yaml",
+) -> Stage:
+    """The robot stands about where it should, five blocks on its own table."""
+    files = StageFiles(world, TASK / "map.yaml", TASK / "places.yaml", {"building": building}, "stacking")
+    return set_stage(files, robot=robot, seed=seed)
+
+
+def with_block(stage: Stage, number: int = 1) -> Stage:
+    """The landmark was seen, and the hand holds a block."""
+    for primitive in (Fixate(landmark="stacking"), PickUpBlock(number=number, at="robot")):
+        assert isinstance(stage.do(primitive), Success)
+    return stage
+
+
+def scene_of(stage: Stage) -> Any:
+    """The ground truth."""
+    return stage.backend.scene  # type: ignore[attr-defined]
+
+
+def do_with(
+    stage: Stage, primitive: ActionPrimitive, once: Callable[[Any], bool], change: Callable[[Any], None]
+) -> Outcome:
+    """Run a primitive; as soon as `once` holds of the scene, `change` it."""
+    scene, step, done = scene_of(stage), stage.robot.step, []
+
+    def stepping(paused: bool = False) -> None:
+        if not done and once(scene):
+            done.append(True)
+            change(scene)
+        step(paused)
+
+    stage.robot.step = stepping  # type: ignore[method-assign]
+    return stage.do(primitive)

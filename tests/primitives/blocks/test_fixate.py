@@ -1,0 +1,176 @@
+"""FIXATE: where the base stands, by a landmark."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from handcart.evaluation.trials.stage import StageFiles, set_stage
+from handcart.primitives.blocks.blocks import Blocks
+from handcart.primitives.blocks.fixate import Fixate, landmark_of
+from handcart.primitives.blocks.fixating import fixate, fixed_by, planned_view, sought
+from handcart.primitives.contract.evidence import Evidence
+from handcart.primitives.contract.outcome import Fail, Success
+from handcart.robotics.geometry.pose2 import Pose2
+
+from .stacking import TASK, at_the_wall, scene_of
+
+
+def moved_base(stage, x, y, turn):
+    """Put the base elsewhere than it believes to be."""
+    scene = scene_of(stage)
+    scene.move_base(scene.base.compose(Pose2(x, y, turn)))
+
+
+@pytest.mark.parametrize("seed", [0, 1, 2])
+def test_the_travelling_error_is_measured(seed):
+    with at_the_wall(seed=seed) as stage:
+        outcome = stage.do(Fixate(landmark="stacking"))
+        fixed, truth = stage.model.of(Blocks).fixed, scene_of(stage).base
+    assert isinstance(outcome, Success)
+    # The base also leans: that displaces what is at the table's height by up to a millimetre.
+    assert fixed.pose.distance(truth) < 0.0025
+    assert fixed.pose.turn(truth) < 0.001
+
+
+def test_the_robot_then_knows_where_it_is():
+    with at_the_wall(seed=3) as stage:
+        before = stage.robot.pose.distance(scene_of(stage).base)
+        stage.do(Fixate(landmark="stacking"))
+        after = stage.robot.pose.distance(scene_of(stage).base)
+    assert before > 0.01
+    assert after < 0.0025
+
+
+@pytest.mark.parametrize("turn", [0.006, -0.006])
+def test_a_base_that_is_turned_once_it_was_found_is_a_fail(turn):
+    """The wheels stand still, the gyros feel it; what was found is no longer so."""
+    with at_the_wall(seed=1) as stage:
+        found = []
+        step = stage.robot.step
+
+        def stepping(paused=False):
+            if stage.model.of(Blocks).fixed is not None and not found:
+                found.append(True)
+                moved_base(stage, 0.0, 0.0, turn)
+            step(paused)
+
+        stage.robot.step = stepping
+        outcome = stage.do(Fixate(landmark="stacking"))
+        assert found
+        assert isinstance(outcome, Fail), outcome
+        assert stage.model.of(Blocks).fixed is None
+
+
+@pytest.mark.parametrize(("x", "y"), [(0.11, 0.0), (-0.13, 0.06), (0.02, -0.12), (0.13, 0.09)])
+def test_a_landmark_out_of_view_is_searched_for(x, y):
+    with at_the_wall(seed=1) as stage:
+        moved_base(stage, x, y, 0.05)
+        outcome = stage.do(Fixate(landmark="stacking"))
+        assert isinstance(outcome, Success)
+        assert outcome.evidence["frames"] > 5
+        assert stage.model.of(Blocks).fixed.pose.distance(scene_of(stage).base) < 0.003
+
+
+def world_without(path: Path, landmark: bool) -> Path:
+    """The world without its landmark, or with something else in its place."""
+    text = (TASK / "unload_world.yaml").read_text(encoding="utf-8")
+    mark = "  - {x_m: 4.180, y_m: 1.800, height_m: 0.4}\n"
+    assert mark in text
+    other = "" if landmark else mark.replace("}", ", kind: square}")
+    path.write_text(text.replace(mark, other), encoding="utf-8")
+    return path
+
+
+@pytest.mark.parametrize("landmark", [True, False], ids=["nothing there", "another mark there"])
+def test_no_landmark_is_a_fail_and_the_arm_is_back(tmp_path, landmark):
+    with at_the_wall(world_without(tmp_path / "world.yaml", landmark)) as stage:
+        joints = scene_of(stage).joints.copy()
+        outcome = stage.do(Fixate(landmark="stacking"))
+        assert isinstance(outcome, Fail)
+        assert "landmark is not found" in outcome.reason
+        assert np.abs(scene_of(stage).joints - joints).max() < 0.005
+
+
+def test_without_the_search_a_landmark_out_of_view_is_a_fail():
+    with at_the_wall(seed=1) as stage:
+        moved_base(stage, 0.11, 0.0, 0.05)
+        assert isinstance(stage.do(Fixate(landmark="stacking", search=False)), Fail)
+
+
+def test_a_landmark_that_the_plan_doesnt_have():
+    with at_the_wall() as stage:
+        outcome = stage.do(Fixate(landmark="stackin"))
+    assert isinstance(outcome, Fail)
+    assert outcome.permanent
+    assert "did you mean" in outcome.reason or "stacking" in outcome.reason
+
+
+@pytest.mark.parametrize("aside", [0.0, 0.055, -0.055])
+def test_of_landmarks_beside_each_other_the_right_one_is_taken(aside):
+    """They are 9 cm apart; where the hand is to look past the wanted one, another is nearer to its middle."""
+    files = StageFiles(
+        TASK / "servo_world.yaml",
+        TASK / "map.yaml",
+        TASK / "places.yaml",
+        {"building": TASK / "servo_building.yaml"},
+        "stacking",
+    )
+    with set_stage(files, robot="toyama/h1", seed=1) as stage:
+        planned, found = looked_at(stage, 1, name="goal_3", aside=aside)
+        assert planned.compose(found.planned_T_base).distance(scene_of(stage).base) < 0.004
+
+
+def looked_at(stage, looks, at=lambda picture: None, name="stacking", aside=0.0):
+    """What a fixation finds, outside of an attempt; `at` is called with each picture's number.
+
+    `aside`: how far beside the landmark the hand is to look from, in [m].
+    """
+    robot, mark = stage.robot, landmark_of(stage.model, name)
+    planned = stage.model.places[mark.place].pose
+    hand = planned_view(robot, mark, planned).base_T_hand.copy()
+    hand[1, 3] += aside
+    view = planned_view(robot, mark, planned, hand)
+    wanted = sought(
+        name, stage.model.of(Blocks).building.landmarks, planned, robot.pose, robot.pose_covariance
+    )
+    looking = fixate(robot, view, wanted, "residual", Evidence(), looks=looks)
+    take, taken = robot.picture, []
+
+    def picture():
+        taken.append(None)
+        at(len(taken))
+        return take()
+
+    robot.picture = picture
+    while True:
+        try:
+            next(looking)
+        except StopIteration as end:
+            return planned, end.value
+        robot.step()
+
+
+def test_what_was_seen_before_the_base_was_moved_is_over():
+    with at_the_wall(seed=1) as stage:
+
+        def shifted(picture):
+            if picture == 3:
+                moved_base(stage, 0.006, -0.004, 0.0)
+
+        planned, found = looked_at(stage, 3, shifted)
+        assert found.looks == 3
+        assert found.frames > 4
+        assert planned.compose(found.planned_T_base).distance(scene_of(stage).base) < 0.0025
+
+
+def test_what_is_looked_at_more_often_is_surer():
+    with at_the_wall(seed=1) as stage:
+        planned, found = looked_at(stage, 4)
+        once = fixed_by(stage.robot, "stacking", "stacking", planned, found._replace(looks=1))
+        often = fixed_by(stage.robot, "stacking", "stacking", planned, found)
+        assert found.looks == 4
+        assert once.sigma[0] == pytest.approx(stage.robot.spec.arm.accuracy_mm / 1e3)
+        assert often.sigma[0] == pytest.approx(once.sigma[0] / 2)

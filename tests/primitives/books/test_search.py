@@ -1,0 +1,121 @@
+"""SEARCH at its public face, on the kinematic backend."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, Literal
+
+import numpy as np
+import pytest
+
+from handcart.backends.simulation.books.book_props import BookProps
+from handcart.primitives.books.books import Books
+from handcart.primitives.books.catalogue import Book, Catalogue
+from handcart.primitives.books.search import Search, _end_of_row
+from handcart.primitives.contract.outcome import Fail, Success
+from handcart.robotics.perception.books.call_number import parse
+from handcart.robotics.perception.books.shelf_views import ShelfBook, ShelfReading
+
+
+@pytest.fixture
+def docked(at_slot: Callable[..., Any]) -> Callable[..., Any]:
+    """Builds a rig before the shelf, the book in the hand, no slot known, all books in the catalogue."""
+
+    def make(seed: int = 0, call: str = "512.7 NAG") -> Any:
+        rig = at_slot(seed=seed)
+        rig.model.of(Books).slot = None
+        rig.model.of(Books).book = rig.model.of(Books).book.model_copy(update={"call": call})
+        specs = [each.book.spec for each in rig.scene.of(BookProps).shelf_books("shelf_1")]
+        books = [
+            Book(
+                accession=spec.accession,
+                call=spec.call,
+                title="",
+                shelf="shelf_1",
+                thickness_mm=spec.thickness_mm,
+                height_mm=spec.height_mm,
+                depth_mm=spec.depth_mm,
+            )
+            for spec in specs
+        ]
+        rig.model.of(Books).catalogue = Catalogue(
+            format="handcart-catalogue/1", books=(*books, rig.model.of(Books).book)
+        )
+        return rig
+
+    return make
+
+
+def row(rig: Any) -> list[tuple[float, float]]:
+    """Left and right of each book in the shelf frame, in [m]."""
+    return [
+        (each.lateral + each.book.thickness / 2, each.lateral - each.book.thickness / 2)
+        for each in rig.scene.of(BookProps).shelf_books("shelf_1")
+    ]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("seed", "reader"), [(0, "ocr"), (1, "ocr"), (2, "template")])
+def test_it_finds_the_slot_between_the_right_neighbours(
+    docked: Callable[..., Any], seed: int, reader: Literal["ocr", "template"]
+) -> None:
+    rig = docked(seed)
+    primitive = Search(shelf="shelf_1", reader=reader)
+    assert isinstance(rig.run(primitive), Success)
+    slot = rig.model.of(Books).slot
+    assert (slot.shelf, slot.after, slot.before) == ("shelf_1", "510.7 ABE", "512.8 ABE")
+    left, right = row(rig)[7][1], row(rig)[8][0]
+    assert slot.left - slot.right == pytest.approx(left - right, abs=0.0015)
+    assert slot.left == pytest.approx(left, abs=0.02)  # along the shelf the map counts
+    assert primitive.facts["labels_read"] == 10
+    assert len(primitive.evidence.pictures) == primitive.facts["views"] <= 10
+    assert rig.scene.contacts == []
+
+
+def test_at_the_end_of_the_row_it_looks_straight_at_the_book_end(docked: Callable[..., Any]) -> None:
+    rig = docked(0, call="512.9 ZUS")
+    aside = rig.scene.of(BookProps).shelves["shelf_1"].pose[:3, 1]
+    rig.scene.of(BookProps).books[20].pose[:3, 3] -= 0.009 * aside
+    del rig.scene.of(BookProps).books[21]
+    rig.scene.changes += 1
+    assert isinstance(rig.run(Search(shelf="shelf_1")), Success)
+    slot = rig.model.of(Books).slot
+    assert (slot.after, slot.before) == ("512.8 ABE", "")
+    assert slot.left - slot.right == pytest.approx(0.031, abs=0.0025)
+
+
+@pytest.mark.slow
+def test_where_no_slot_is_free_it_is_a_fail_for_good_and_the_arm_back(docked: Callable[..., Any]) -> None:
+    rig = docked(0, call="510.35 ZUS")
+    before = rig.robot.arm.command()
+    outcome = rig.run(Search(shelf="shelf_1"))
+    assert isinstance(outcome, Fail)
+    assert outcome.reason == "510.35 ZUS belongs between 510.3 ABE and 510.4 ABE, and there is no free slot"
+    assert outcome.permanent
+    assert np.array_equal(rig.robot.arm.command(), before)
+    assert rig.model.of(Books).slot is None
+
+
+def test_without_a_book_there_is_nothing_to_look_for(docked: Callable[..., Any]) -> None:
+    rig = docked()
+    rig.model.of(Books).book = None
+    outcome = rig.run(Search(shelf="shelf_1"))
+    assert isinstance(outcome, Fail)
+    assert outcome.reason == "no book has been recognized"
+
+
+@pytest.mark.parametrize(("no_gap", "end"), [(False, None), (True, -0.12)])
+def test_a_misplaced_last_book_hides_the_rows_end_only_where_no_slot_is_before_it(
+    no_gap: bool, end: float | None
+) -> None:
+    calls = ("511.1 ABE", "513.1 ABE", "510.2 ABE")
+    books = tuple(
+        ShelfBook(-0.04 * at, -0.04 * (at + 1), parse(call), 0.9, 2) for at, call in enumerate(calls)
+    )
+    wanted, between = parse("515.1 ABE"), parse("512.1 ABE")
+    assert wanted is not None
+    assert between is not None
+    reading = ShelfReading(books, (), ())
+    assert _end_of_row(reading, wanted, no_gap) == (None if end is None else pytest.approx(end))
+    assert _end_of_row(reading._replace(books=books[:2]), wanted, no_gap) == pytest.approx(-0.08)
+    assert _end_of_row(reading, between, no_gap) is None

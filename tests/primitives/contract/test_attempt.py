@@ -1,0 +1,245 @@
+"""What the framework promises for every primitive, with tiny ones on the kinematic backend."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Generator
+from typing import Any, ClassVar
+
+import numpy as np
+import pytest
+
+from handcart.backends.capabilities.arm import Arm
+from handcart.backends.capabilities.base import Base
+from handcart.backends.robot.robot import Robot
+from handcart.primitives.books.books import Books
+from handcart.primitives.contract.action_primitive import ActionPrimitive, Periods
+from handcart.primitives.contract.discrepancy import Discrepancy, NeedsPerson
+from handcart.primitives.contract.outcome import Fail, GiveUp, Success
+from handcart.primitives.knowledge.world_model import ModelView, UndeclaredAccess
+from handcart.primitives.restoring.snapshot import Seen
+
+
+class Wave(ActionPrimitive):
+    """Turns the base and swings the arm for a second, then ends as told."""
+
+    end: str = "returns"
+    needs: ClassVar = (Base, Arm)
+
+    def motion(self, robot: Robot, model: ModelView) -> Periods:
+        for index in range(20):
+            robot.base.drive(0.1, 0.4)
+            swing = np.zeros(6)
+            swing[0] = 0.01 * math.sin(index / 4.0)
+            robot.arm.move(robot.arm.command() + swing)
+            yield
+        self.found(swings=1)
+        match self.end:
+            case "discrepancy":
+                raise Discrepancy("the wave was not answered")
+            case "for good":
+                raise Discrepancy("nobody is there", permanent=True)
+            case "a fault":
+                raise ZeroDivisionError("division by zero")
+            case "a person":
+                raise NeedsPerson("the arm squeaks")
+            case "no return":
+                self.point_of_no_return("it waved")
+                yield
+                raise Discrepancy("the wave was not answered")
+            case "reads":
+                model.places["home"]
+            case "writes":
+                model.of(Books).slot = None
+
+    def finish(self, robot: Robot, model: ModelView) -> Periods:
+        yield
+        self.found(finished=1)
+
+
+class Blind(Wave):
+    """Its effect is never seen."""
+
+    def effect(self, robot: Robot, model: ModelView) -> Generator[None, None, bool]:
+        yield
+        return False
+
+
+class BlindAfter(Blind):
+    """Its effect is never seen, and can't be undone."""
+
+    def motion(self, robot: Robot, model: ModelView) -> Periods:
+        self.point_of_no_return("the lamp is broken")
+        yield
+
+
+class Pusher(Wave):
+    """Moves an object by 12 mm that it doesn't put back."""
+
+    end: str = "discrepancy"
+    lost: bool = False
+
+    def observe(self, robot: Robot, model: ModelView) -> Generator[None, None, Seen]:
+        yield
+        if not self.facts:
+            return {"cup": (1.0, 0.0, 0.0)}
+        return {} if self.lost else {"cup": (1.012, 0.0, 0.0)}
+
+
+class Stubborn(Wave):
+    """Its own restore leaves the robot where it is; or raises."""
+
+    end: str = "discrepancy"
+    raises: bool = False
+
+    def restore(self, *_: Any) -> Periods:
+        yield
+        if self.raises:
+            raise Discrepancy("the way back is blocked")
+
+
+class Watched(Wave):
+    """Watches for somebody who comes after half a second, also while restoring."""
+
+    also_back: bool = False
+    _asked: int = 0
+
+    def watch(self, robot: Robot, model: ModelView) -> None:
+        self._asked += 1
+        if self._asked == 10 or (self.also_back and self._asked > 20):
+            raise Discrepancy("somebody stands there")
+
+
+def at(rig: Any) -> tuple[float, ...]:
+    """The true base and the commanded joints."""
+    return (*rig.scene.base, *rig.robot.arm.command())
+
+
+def test_success_carries_what_was_found(make_rig: Callable[..., Any]) -> None:
+    rig = make_rig()
+    outcome = rig.run(Wave())
+    assert outcome == Success({"swings": 1})
+    assert rig.restored == []
+
+
+@pytest.mark.parametrize(
+    ("end", "reason", "permanent"),
+    [
+        ("discrepancy", "the wave was not answered", False),
+        ("for good", "nobody is there", True),
+        ("a fault", "ZeroDivisionError: division by zero", False),
+    ],
+)
+def test_a_fail_is_measured_where_everything_is_as_it_was(
+    make_rig: Callable[..., Any], end: str, reason: str, permanent: bool
+) -> None:
+    rig = make_rig(seed=1)
+    start = at(rig)
+    primitive = Wave(end=end)
+    outcome = rig.run(primitive)
+    assert isinstance(outcome, Fail)
+    assert (outcome.reason, outcome.permanent) == (reason, permanent)
+    assert outcome.residuals["base_mm"] < 25.0
+    assert outcome.residuals["joints_deg"] < 0.3
+    assert np.allclose(at(rig), start, atol=0.02)
+    assert rig.restored == [reason]
+    assert ("traceback" in primitive.facts) == (end == "a fault")
+
+
+def test_nobody_else_makes_a_fail() -> None:
+    with pytest.raises(TypeError, match="must be measured"):
+        Fail("I say so", False, {})
+
+
+def test_a_person_needed_stops_where_it_is(make_rig: Callable[..., Any]) -> None:
+    rig = make_rig()
+    start = at(rig)
+    assert rig.run(Wave(end="a person")) == GiveUp("the arm squeaks")
+    assert not np.allclose(at(rig), start, atol=0.02)
+    here = at(rig)
+    rig.drive(rig.robot.wait(0.5))
+    assert at(rig) == here
+
+
+def test_after_a_point_of_no_return_nothing_is_retraced(make_rig: Callable[..., Any]) -> None:
+    rig = make_rig()
+    start = at(rig)
+    primitive = Wave(end="no return")
+    outcome = rig.run(primitive)
+    assert isinstance(outcome, GiveUp)
+    assert outcome.reason == "the wave was not answered; after a point of no return (it waved)"
+    assert primitive.facts["finished"] == 1
+    assert not np.allclose(at(rig), start, atol=0.02)
+
+
+def test_an_effect_that_is_not_seen_is_a_fail(make_rig: Callable[..., Any]) -> None:
+    outcome = make_rig().run(Blind())
+    assert isinstance(outcome, Fail)
+    assert outcome.reason == "success is not confirmed: what was to be achieved is not seen"
+
+
+def test_an_effect_that_is_not_seen_after_no_return_is_for_a_person(make_rig: Callable[..., Any]) -> None:
+    outcome = make_rig().run(BlindAfter())
+    assert isinstance(outcome, GiveUp)
+    assert "the lamp is broken" in outcome.reason
+
+
+@pytest.mark.parametrize("lost", [False, True])
+def test_an_object_that_is_not_where_it_was_is_for_a_person(make_rig: Callable[..., Any], lost: bool) -> None:
+    outcome = make_rig().run(Pusher(lost=lost))
+    assert isinstance(outcome, GiveUp)
+    assert "not restored: object cup mm" in outcome.reason
+    assert outcome.residuals["object cup mm"] == pytest.approx(math.inf if lost else 12.0)
+
+
+def test_a_restore_that_misses_is_tried_again_by_the_framework(make_rig: Callable[..., Any]) -> None:
+    rig = make_rig()
+    outcome = rig.run(Stubborn())
+    assert isinstance(outcome, GiveUp | Fail)
+    assert rig.robot.pose.distance(rig.robot.pose) == 0.0
+    if isinstance(outcome, GiveUp):  # the arm isn't brought back by regulating the base
+        assert "joints_deg" in outcome.reason
+
+
+def test_raising_while_restoring_is_for_a_person(make_rig: Callable[..., Any]) -> None:
+    outcome = make_rig().run(Stubborn(raises=True))
+    assert outcome == GiveUp("the wave was not answered; and restoring failed: the way back is blocked")
+
+
+def test_the_watch_is_asked_in_motion_and_on_the_way_back(make_rig: Callable[..., Any]) -> None:
+    outcome = make_rig().run(Watched())
+    assert isinstance(outcome, Fail)
+    assert outcome.reason == "somebody stands there"
+    outcome = make_rig().run(Watched(also_back=True))
+    assert isinstance(outcome, GiveUp)
+    assert "restoring failed: somebody stands there" in outcome.reason
+
+
+@pytest.mark.parametrize("period", [1, 8, 20])
+def test_a_cancel_in_any_period_is_restored(make_rig: Callable[..., Any], period: int) -> None:
+    rig = make_rig()
+    start, end = at(rig), rig.robot.time + 0.05 * period
+    outcome = rig.run(Wave(), lambda: rig.robot.time >= end)
+    assert isinstance(outcome, Fail)
+    assert outcome.reason == "cancelled by the operator"
+    assert np.allclose(at(rig), start, atol=0.02)
+
+
+@pytest.mark.parametrize(("end", "what"), [("reads", "reads 'places'"), ("writes", "writes 'slot'")])
+def test_what_was_not_declared_is_refused(make_rig: Callable[..., Any], end: str, what: str) -> None:
+    outcome = make_rig().run(Wave(end=end))
+    assert isinstance(outcome, Fail)
+    assert outcome.reason.startswith(UndeclaredAccess.__name__)
+    assert what in outcome.reason
+
+
+@pytest.mark.slow
+def test_thirty_fails_in_a_row_do_not_drift(make_rig: Callable[..., Any]) -> None:
+    rig = make_rig(seed=4)
+    start = rig.scene.base
+    joints = rig.robot.arm.command()
+    for _ in range(30):
+        assert isinstance(rig.run(Wave(end="discrepancy")), Fail)
+    assert math.dist(start[:2], rig.scene.base[:2]) < 0.025
+    assert abs(start.theta - rig.scene.base.theta) < math.radians(1.0)
+    assert np.allclose(rig.robot.arm.command(), joints, atol=1e-9)

@@ -1,0 +1,119 @@
+"""What the framework makes of a robot that errs: rows B6, S1 to S3, S11, S12 of the fault catalogue."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from handcart.backends.robot.robot import Robot, StaleReading
+from handcart.evaluation.conformance.faults.fault import FOR_GOOD, Fault, FaultKind
+from handcart.evaluation.conformance.faults.faulty_backend import FaultyBackend
+from handcart.evaluation.conformance.faults.rehearsal import Solo
+from handcart.evaluation.conformance.faults.underway import Ending, Underway
+from handcart.evaluation.conformance.rig.bench import Bench
+from handcart.evaluation.conformance.rig.reach import Reach
+from handcart.evaluation.truth.simulated_world import simulated_world
+from handcart.primitives.contract.action_primitive import ActionPrimitive, Periods
+from handcart.primitives.driving.move_to import MoveTo
+from handcart.primitives.knowledge.world_model import ModelView
+from handcart.robotics.geometry.pose2 import Pose2
+
+BENCH = Bench("kinematic")
+
+
+class Stand(ActionPrimitive):
+    """Stands for four seconds."""
+
+    def motion(self, robot: Robot, model: ModelView) -> Periods:
+        yield from robot.wait(4.0)
+
+
+def ended(primitive: ActionPrimitive, period: int, fault: Fault) -> tuple[Ending, Underway]:
+    """How an attempt ends in which something goes wrong from a period on."""
+    for _, _, underway in Solo(BENCH, primitive).attempts():
+        for _ in range(period):
+            underway.advance()
+        return underway.finish(fault), underway
+    raise AssertionError
+
+
+@pytest.mark.parametrize(("speed", "turn_rate"), [(0.1, 0.0), (0.0, 0.12), (0.0, -0.12)])
+def test_a_base_that_is_moved_while_it_stands_needs_a_person(speed: float, turn_rate: float) -> None:
+    slide = Fault(FaultKind.SLIP, periods=10, speed=speed, turn_rate=turn_rate)
+    ending, _ = ended(Stand(), 40, slide)
+    assert (ending.outcome, ending.wrong) == ("GiveUp", ())
+    assert ending.reason == "the base was moved while it stood"
+
+
+@pytest.mark.parametrize(("aside_m", "pushes"), [(0.04, 1), (0.0, 0)])
+def test_a_base_whose_wheels_roll_as_it_is_pushed_is_noticed_too(aside_m: float, pushes: int) -> None:
+    with BENCH.stage() as stage:
+        robot, scene = stage.robot, simulated_world(stage.backend)
+        for _ in range(25):
+            robot.step()
+        scene.base = scene.base.compose(Pose2(0.0, aside_m, 0.0))
+        for _ in range(10):
+            robot.base.drive(0.1, 0.0)
+            robot.step()
+        assert robot.pushes == pushes
+
+
+@pytest.mark.parametrize("periods", [5, 60, FOR_GOOD])
+def test_an_old_scan_is_not_taken_for_a_new_one(periods: int) -> None:
+    ending, _ = ended(Reach(ahead_m=0.4, fails=True), 10, Fault(FaultKind.STALE, "range", periods))
+    assert ending.wrong == ()
+    assert ending.outcome == ("GiveUp" if periods == FOR_GOOD else "Fail")
+
+
+def test_a_lost_robot_knows_nothing_of_its_pose() -> None:
+    """S12: scans no longer fit."""
+    _, underway = ended(Reach(ahead_m=0.4), 10, Fault(FaultKind.STALE, "range", FOR_GOOD))
+    assert underway.robot.lost
+    assert underway.robot.pose_sigma == (math.inf, math.inf)
+
+
+@pytest.mark.parametrize("kind", [FaultKind.STUCK, FaultKind.STALE, FaultKind.NAN])
+def test_an_arm_that_does_not_follow_is_noticed(kind: FaultKind) -> None:
+    ending, _ = ended(Reach(ahead_m=0.0, swing_rad=0.5), 10, Fault(kind, "joints", FOR_GOOD))
+    assert ending.outcome in ("Fail", "GiveUp")
+    assert ending.wrong == ()
+    assert "from where it was told to be" in ending.reason
+
+
+def test_one_broken_reading_of_the_wheels_is_left_out() -> None:
+    ending, underway = ended(Reach(), 10, Fault(FaultKind.NAN, "wheels", 1))
+    assert (ending.outcome, ending.wrong) == ("Success", ())
+    assert np.isfinite([underway.robot.pose.x, underway.robot.pose.theta]).all()
+
+
+@pytest.mark.slow
+def test_a_base_that_is_stuck_close_to_its_goal_is_not_waited_for_for_good() -> None:
+    _, _, underway = next(Solo(BENCH, MoveTo(place="shelf_3")).attempts())
+    goal = underway.model.places["shelf_3"].pose
+    while underway.robot.pose.distance(goal) > 0.04:
+        assert underway.advance() is None
+    ending = underway.finish(Fault(FaultKind.STUCK, periods=FOR_GOOD))
+    assert ending.bitten
+    assert (ending.outcome, ending.wrong) == ("GiveUp", ())  # it can't be brought back either
+    assert "doesn't get on" in ending.reason
+
+
+def test_an_old_picture_is_not_taken_for_a_new_one() -> None:
+    """S11: though the camera has moved."""
+    with BENCH.stage() as stage:
+        faulty = FaultyBackend(stage.backend)
+        robot = BENCH.around(stage, faulty).robot
+        robot.step()
+        first = robot.picture()
+        assert robot.picture() is first
+        faulty.inject(Fault(FaultKind.STALE, "camera", FOR_GOOD))
+        robot.step()
+        assert np.array_equal(robot.picture(), first)  # nothing has moved: it may look the same
+        joints = robot.arm.command()
+        joints[0] += 0.02
+        robot.arm.move(joints)
+        robot.step()
+        with pytest.raises(StaleReading, match="last picture again"):
+            robot.picture()

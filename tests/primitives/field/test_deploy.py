@@ -1,0 +1,84 @@
+"""DEPLOY alone: a base that stands beside its target."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from handcart.backends.simulation.field.field_props import FieldProps
+from handcart.evaluation.trials.stage import Stage
+from handcart.networks.task.preparing import prepare
+from handcart.primitives.contract.outcome import Fail, Success
+from handcart.primitives.field.deploy import Deploy, _spread
+from handcart.primitives.field.field_work import FieldWork
+from handcart.robotics.geometry.pose2 import Pose2
+
+TASK = Path(__file__).parents[3] / "tasks" / "deploy_straight" / "task.yaml"
+TARGETS = "name,x_m,y_m\nhere,0.05,-0.76\nfar,14,-0.75\n"
+WORLD = """\
+format: handcart-world/1
+start: {x_m: 0.0, y_m: 0.0}
+ground: {}
+sensors: {count: 2}
+"""
+
+
+@pytest.fixture
+def stage(tmp_path: Path) -> Iterator[Stage]:
+    (tmp_path / "targets.csv").write_text(TARGETS, encoding="utf-8")
+    (tmp_path / "world.yaml").write_text(WORLD, encoding="utf-8")
+    settings = {"targets": str(tmp_path / "targets.csv"), "world": str(tmp_path / "world.yaml")}
+    with prepare(TASK, None, settings, 2) as prepared:
+        yield Stage(prepared.robot, prepared.model, prepared.backend)
+
+
+def lying(stage: Stage) -> Any:
+    return stage.backend.scene.of(FieldProps).sensors["1"]  # type: ignore[attr-defined]
+
+
+def test_a_sensor_is_laid_where_it_is_believed_to_be(stage: Stage, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Its ellipse is what the pose's errors make of it; where it lies no other is laid."""
+    robot, noted, deploy = stage.robot, [], Deploy(target="here")
+    monkeypatch.setattr(robot, "note_place", lambda: noted.append((robot.pose, robot.pose_covariance)))
+    assert deploy.hindrance(robot, stage.model) == ""
+    assert isinstance(stage.do(deploy), Success)
+    assert deploy.hindrance(robot, stage.model) == "the sensor of target 'here' is laid already"
+    assert Deploy(target="far").hindrance(robot, stage.model) == ""
+    assert "no target 'there'" in Deploy(target="there").hindrance(robot, stage.model)
+    (laid,) = stage.model.of(FieldWork).laid
+    truly = stage.backend.scene.base.inverse().apply(lying(stage).pose[None, :2, 3])[0]  # type: ignore[attr-defined]
+    assert lying(stage).rest.value == "table"
+    assert truly == pytest.approx(laid.beside, abs=0.03)
+    ((pose, covariance),) = noted
+    assert pose.apply(np.array([laid.beside]))[0] == pytest.approx((laid.x, laid.y))
+    draws = np.random.default_rng(0).multivariate_normal(pose, covariance, 20_000)
+    places = np.array([Pose2(*each).apply(np.array([laid.beside]))[0] for each in draws.tolist()])
+    spread = np.cov(places.T)
+    assert laid.spread == pytest.approx(spread, abs=0.03 * float(np.trace(spread)))
+
+
+def test_without_ground_below_it_the_sensor_is_not_let_go(
+    stage: Stage, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A pit that is deeper than the arm looks for ground."""
+    monkeypatch.setattr("handcart.primitives.field.deploy.UNEVEN", -0.06)
+    failed = stage.do(Deploy(target="here"))
+    assert isinstance(failed, Fail), failed
+    assert failed.reason == "there is no ground below the sensor"
+    assert stage.model.of(FieldWork).laid == ()
+
+
+@pytest.mark.parametrize("away", [(0.6, -0.8), (-0.7, 0.4), (0.0, 1.0)])
+def test_a_point_is_as_unsure_as_place_and_heading_of_the_base_make_it(away: tuple[float, float]) -> None:
+    """Where the heading errs to the left, what lies ahead errs to the left, and what lies left backwards."""
+    covariance = np.array([[4e-4, 1e-4, 2e-4], [1e-4, 9e-4, -3e-4], [2e-4, -3e-4, 4e-4]])
+    robot: Any = SimpleNamespace(pose_covariance=covariance)
+    draws = np.random.default_rng(0).multivariate_normal(np.zeros(3), covariance, 40_000)
+    places = np.array([Pose2(*each).apply(np.array([away]))[0] for each in draws.tolist()])
+    expected = np.cov(places.T)
+    assert _spread(robot, np.array(away)) == pytest.approx(expected, abs=0.03 * float(np.trace(expected)))

@@ -1,0 +1,151 @@
+"""Lists of targets, as a user gives them."""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+
+import pytest
+
+from handcart.files.errors import FileError
+from handcart.primitives.field.field import Field, Origin
+from handcart.primitives.field.target_list import load_targets
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.navigation.outdoors.field_course import zigzag_course
+
+START = Pose2(0.0, 0.0, 0.0)
+FIELD = Field(
+    format="handcart-field/1",
+    x_m=(-20.0, 100.0),
+    y_m=(-40.0, 60.0),
+    origin=Origin(latitude_deg=38.2545, longitude_deg=140.85),
+)
+
+
+def read(tmp_path, text, name="targets.csv", field=FIELD):
+    path = tmp_path / name
+    path.write_text(text, encoding="utf-8")
+    return load_targets(path, field, START)
+
+
+def faults(tmp_path, text, name="targets.csv", field=FIELD):
+    with pytest.raises(FileError) as error:
+        read(tmp_path, text, name, field)
+    return [(each.line, each.column, each.message) for each in error.value.findings]
+
+
+def test_the_base_stands_where_the_course_has_it(tmp_path):
+    course = zigzag_course()
+    rows = "".join(f"{n},{x!r},{y!r}\n" for n, (x, y) in enumerate(course.targets.tolist()))
+    targets = read(tmp_path, "name,x_m,y_m\n" + rows)
+    stops = course.line[course.stops]
+    for target, stop in zip(targets.values(), stops, strict=True):
+        assert math.dist(target.stand[:2], stop) < 1e-6
+
+
+def test_a_heading_is_taken_over(tmp_path):
+    target = read(tmp_path, "name,x_m,y_m,heading_deg\na,10,0,90\n")["a"]
+    assert target.stand == pytest.approx((9.25, 0.0, math.pi / 2))
+
+
+def test_degrees_in_csv_and_geojson_are_the_same_place(tmp_path):
+    by_csv = read(tmp_path, "name,latitude_deg,longitude_deg\na,38.2546,140.8503\n")["a"]
+    point = {"type": "Point", "coordinates": [140.8503, 38.2546]}
+    feature = {"type": "Feature", "geometry": point, "properties": {"name": "a"}}
+    text = json.dumps({"type": "FeatureCollection", "features": [feature]})
+    assert read(tmp_path, text, "targets.geojson")["a"][:3] == by_csv[:3]
+    # A minute of arc of the meridian is a sea mile; here 0.0001 deg are 11.1 m.
+    assert by_csv.y == pytest.approx(11.1, abs=0.05)
+    assert by_csv.x == pytest.approx(0.0003 * 111_320 * math.cos(math.radians(38.2545)), abs=0.1)
+
+
+def test_each_bad_line_is_told(tmp_path):
+    text = "name,x_m,y_m\na,10,0\na,20,0\nb,nan,0\nc,10.1,0\nd,500,0\ne,ten,0\nf,1\n"
+    found = faults(tmp_path, text)
+    assert [line for line, _, _ in found] == [3, 4, 5, 6, 7, 8]
+    words = [message for _, _, message in found]
+    for wrong, part in zip(words, ["twice", "finite", "apart", "outside", "ten", "cells"], strict=True):
+        assert part in wrong
+        assert "allowed" in wrong
+    assert found[1][1] == 3  # the cell of x
+
+
+@pytest.mark.parametrize(
+    ("place", "told"),
+    [
+        ("-38.2546,140.8503", "latitude_deg has the wrong sign (hemisphere)"),
+        ("38.2546,-140.8503", "longitude_deg has the wrong sign (hemisphere)"),
+        ("-38.2546,-140.8503", "both have the wrong sign (hemisphere)"),
+        ("98.0,140.8503", "allowed: -90 to 90"),
+        ("39.0,140.8503", "outside"),
+    ],
+)
+def test_degrees_elsewhere_are_refused(tmp_path, place, told):
+    ((line, _, message),) = faults(tmp_path, f"name,latitude_deg,longitude_deg\na,{place}\n")
+    assert line == 2
+    assert told in message
+
+
+def test_degrees_need_an_origin(tmp_path):
+    field = FIELD.model_copy(update={"origin": None})
+    ((_, _, message),) = faults(tmp_path, "name,latitude_deg,longitude_deg\na,38.2,140.8\n", field=field)
+    assert "origin" in message
+
+
+@pytest.mark.parametrize("text", ["", "name,x\n", "name,x_m,y_m\n", "name,x_m,y_m,latitude_deg\na,1,1,1\n"])
+def test_a_list_without_targets_is_refused(tmp_path, text):
+    assert faults(tmp_path, text)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "{}",
+        '{"type": "FeatureCollection", "features": []}',
+        '{"features": [{"geometry": {"type": "LineString", "coordinates": [[1, 2], [2, 3]]}}]}',
+    ],
+)
+def test_geojson_without_points_is_refused(tmp_path, text):
+    assert faults(tmp_path, text, "targets.geojson")
+
+
+@pytest.mark.parametrize(
+    ("text", "line", "words"),
+    [
+        ("name,x_m,y_m\n" + "a" * 200_000 + ",1,2\n", 2, "a line of more than 20000 characters"),
+        ("name,x_m,y_m\n" + "a" * 61 + ",1,2\n", 2, "the name has 61 characters; allowed: 60"),
+        ('name,x_m,y_m\n"a' + ",1,2\n" * 40_000, 26216, "no CSV: field larger than field limit"),
+        ("name,x_m,y_m\n" + "\n" * 5001, 5002, "more than 5000 rows; allowed: fewer"),
+        ("name,x_m,y_m\na,1_0,2\n", 2, "x_m is '1_0'; allowed: a finite number"),
+        ("name,x_m,y_m\na,1\0,2\n", 2, "the character U+0000"),
+        ("x" * 19_000 + "\n", 1, "the header is 'xxxx"),
+    ],
+)
+def test_a_list_as_strangers_write_it_is_refused_at_its_line(tmp_path, text, line, words):
+    """T2, T14"""
+    told = faults(tmp_path, text)
+    assert [each for each, _, _ in told] == [line]
+    assert words in told[0][2]
+    assert len(told[0][2]) < 300
+
+
+def test_a_list_of_40_mb_is_not_read(tmp_path):
+    """T2"""
+    path = tmp_path / "targets.csv"
+    path.touch()
+    os.truncate(path, 40_000_000)
+    with pytest.raises(FileError, match=r"targets.csv:1:1: the file has 40000000 bytes; allowed: at most"):
+        load_targets(path, FIELD, START)
+
+
+def test_a_list_from_a_spreadsheet_begins_with_a_byte_order_mark(tmp_path):
+    assert read(tmp_path, "\ufeffname, x_m, y_m\na, 10, 0\n")["a"].x == 10.0
+
+
+def test_the_largest_list_is_read_and_one_target_too_near_is_found(tmp_path):
+    apart = [(x, y) for x in range(-19, 81) for y in range(-25, 25)]
+    rows = [f"t{number},{x},{y}" for number, (x, y) in enumerate(apart[:-1])]
+    last = f"last,{apart[0][0] + 0.2},{apart[0][1] - 0.2}"
+    ((line, _, message),) = faults(tmp_path, "\n".join(["name,x_m,y_m", *rows, last]))
+    assert (line, "lies where t0 does" in message) == (5001, True)

@@ -1,0 +1,127 @@
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.navigation.following.drive_limits import DriveLimits
+from handcart.robotics.navigation.following.path_tracking import PathTracker
+from handcart.robotics.navigation.following.pose_regulator import PoseRegulator, PoseTolerance
+
+DT = 0.05
+
+
+def moved(pose: Pose2, speed: float, turn_rate: float) -> Pose2:
+    """Exact arc of one period."""
+    turn = turn_rate * DT
+    chord = speed * DT * (math.sin(turn / 2) / (turn / 2) if abs(turn) > 1e-9 else 1.0)
+    return pose.compose(Pose2(chord * math.cos(turn / 2), chord * math.sin(turn / 2), turn))
+
+
+def run(law, pose: Pose2, seconds: float = 120.0, rng=None, noise: float = 0.0):
+    """Drive until finished; returns all poses and commands."""
+    poses, commands = [pose], []
+    seen = pose
+    while not law.finished(seen):
+        assert len(commands) < seconds / DT, f"still at {pose} after {seconds} s"
+        commands.append(law.command(seen, DT))
+        pose = moved(pose, *commands[-1])
+        seen = pose if rng is None else Pose2(*(np.array(pose) + rng.normal(0, noise, 3)))
+        poses.append(pose)
+    return poses, np.array(commands)
+
+
+def curve(length: float = 6.0) -> np.ndarray:
+    x = np.linspace(0.0, length, 120)
+    return np.column_stack([x, 0.6 * np.sin(1.2 * x)])
+
+
+def away_from(points: np.ndarray, poses: list[Pose2]) -> float:
+    """Farthest that any pose is from the route, in [m]."""
+    dense = np.column_stack(
+        [np.interp(np.linspace(0, len(points) - 1, 4000), range(len(points)), points[:, i]) for i in (0, 1)]
+    )
+    return max(float(np.hypot(*(dense - pose[:2]).T).min()) for pose in poses)
+
+
+@pytest.mark.parametrize("reverse", [False, True])
+@pytest.mark.parametrize("heading", [None, -2.0])
+def test_follows_a_curve_to_its_end(reverse, heading):
+    points = curve()
+    poses, commands = run(PathTracker(points, heading, reverse=reverse), Pose2(0.0, 0.0, 2.5))
+    assert math.hypot(poses[-1].x - points[-1, 0], poses[-1].y - points[-1, 1]) < 0.01
+    assert heading is None or abs(poses[-1].theta - heading) < 0.01
+    assert away_from(points, poses) < 0.03
+    driven = commands[np.abs(commands[:, 0]) > 0.1, 0]
+    assert np.all(driven < 0) if reverse else np.all(driven > 0)
+
+
+@pytest.mark.parametrize("reverse", [False, True])
+def test_stays_within_limits(reverse):
+    limits = DriveLimits(0.4, 0.9, 0.5, 2.0)
+    square = np.array([[0, 0], [2, 0], [2, 2], [0, 2], [0, 0.5]], dtype=float)
+    _, commands = run(PathTracker(square, 0.0, limits, reverse), Pose2(0.1, -0.1, 1.0))
+    assert np.all(np.abs(commands) <= np.array(limits[:2]) + 1e-9)
+    assert np.all(np.abs(np.diff(commands, axis=0, prepend=0.0)) <= np.array(limits[2:]) * DT + 1e-9)
+
+
+@settings(max_examples=60, deadline=None)
+@given(
+    st.tuples(st.floats(-0.25, 0.25), st.floats(-0.25, 0.25), st.floats(-math.pi, math.pi)),
+    st.floats(-math.pi, math.pi),
+    st.booleans(),
+)
+def test_converges_from_any_start_beside_the_route(start, heading, reverse):
+    points = np.array([[0.0, 0.0], [1.5, 0.0], [2.0, 1.0]])
+    tracker = PathTracker(points, heading, reverse=reverse)
+    poses, _ = run(tracker, Pose2(*start), seconds=60.0)
+    goal = Pose2(2.0, 1.0, heading)
+    assert poses[-1].distance(goal) <= 0.01
+    assert poses[-1].turn(goal) <= 0.01
+
+
+def test_progress_never_goes_back_and_the_rest_is_what_lies_ahead():
+    tracker = PathTracker(curve(), None)
+    pose, before = Pose2(0.0, 0.0, 0.6), 0.0
+    for _ in range(100):
+        pose = moved(pose, *tracker.command(pose, DT))
+        assert tracker.progress >= before
+        before = tracker.progress
+    assert np.hypot(*np.diff(tracker.ahead, axis=0).T).sum() == pytest.approx(tracker.remaining)
+
+
+def test_a_route_of_one_point_only_turns():
+    poses, commands = run(PathTracker(np.array([[1.0, 2.0]]), 1.0), Pose2(1.0, 2.0, 0.0))
+    assert np.all(commands[:, 0] == 0.0)
+    assert abs(poses[-1].theta - 1.0) < 0.01
+
+
+def test_arrives_with_a_noisy_estimate():
+    rng = np.random.default_rng(0)
+    poses, _ = run(PathTracker(curve(), 0.0), Pose2(0.0, 0.0, 0.6), rng=rng, noise=0.002)
+    assert poses[-1].distance(Pose2(6.0, float(curve()[-1, 1]), 0.0)) < 0.015
+
+
+@settings(max_examples=100, deadline=None)
+@given(st.floats(-0.4, 0.4), st.floats(-0.4, 0.4), st.floats(-math.pi, math.pi), st.floats(-math.pi, math.pi))
+def test_regulator_reaches_any_pose_near_by(x, y, theta, goal_heading):
+    goal = Pose2(1.0, -1.0, goal_heading)
+    poses, _ = run(PoseRegulator(goal), Pose2(1.0 + x, -1.0 + y, theta), seconds=40.0)
+    assert poses[-1].distance(goal) <= 0.008
+    assert poses[-1].turn(goal) <= 0.005
+
+
+def test_regulator_mends_a_sideways_error_in_front_of_a_shelf():
+    tolerance = PoseTolerance(0.004, 0.003)
+    poses, _ = run(PoseRegulator(Pose2(0, 0, 0), tolerance=tolerance), Pose2(0.0, 0.03, 0.0), seconds=20.0)
+    assert abs(poses[-1].y) <= 0.004
+    assert abs(poses[-1].theta) <= 0.003
+    assert max(abs(pose.x) for pose in poses) < 0.01
+
+
+def test_regulator_does_not_wait_for_itself_at_the_edge_of_its_tolerance():
+    goal = Pose2(1.0, -1.0, 0.008)
+    poses, _ = run(PoseRegulator(goal), Pose2(1.008, -1.0, 0.008), seconds=40.0)
+    assert poses[-1].distance(goal) <= 0.008

@@ -1,0 +1,169 @@
+import math
+
+import numpy as np
+import pytest
+
+from benchmarks.field.field_trial import as_laid, start_pose, try_course
+from handcart.backends.plain_values import to_plain
+from handcart.backends.saved_state import pack
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.navigation.outdoors.field_course import straight_course, zigzag_course
+from handcart.robotics.navigation.outdoors.field_drive import PERIOD
+from handcart.robotics.navigation.outdoors.field_log import FieldLog, record_course
+from handcart.robotics.navigation.outdoors.field_noise import REFERENCE, RTK
+from handcart.robotics.navigation.outdoors.gps_filter import GpsFilter
+from handcart.robotics.navigation.outdoors.information_limit import information_limit
+from handcart.robotics.navigation.outdoors.placement_errors import nees, tip_covariance
+from handcart.robotics.navigation.outdoors.smoothing import TrackRecord
+
+RUNS = range(16)
+
+
+def limit(log: FieldLog) -> np.ndarray:
+    """(k, 2) least variances of the tip, in [m²]."""
+    bounds = information_limit(log.drive, log.fix_rows, REFERENCE)
+    headings = log.drive.poses[log.drive.placings, 2]
+    return np.array([np.diag(tip_covariance(p, float(h))) for p, h in zip(bounds, headings, strict=True)])
+
+
+def final_error(log: FieldLog, localizer: GpsFilter) -> float:
+    """Distance to the truth after the last reading, in [m]; every pose on the way is finite."""
+    fixes = dict(zip(log.fix_rows.tolist(), log.fixes, strict=True))
+    for row in range(len(log.rates)):
+        localizer.predict(log.rates[row], log.accelerations[row], log.wheels[row], PERIOD)
+        if row in fixes:
+            localizer.fix(fixes[row])
+        assert all(map(math.isfinite, localizer.pose))
+    return localizer.pose.distance(Pose2(*log.drive.poses[-1].tolist()))
+
+
+@pytest.mark.slow
+def test_it_reaches_the_limit_and_knows_how_wrong_it_is():
+    """Its errors, its own covariance, and the report afterwards; the benchmark has more runs."""
+    live, later, bounds = [], [], []
+    for seed in RUNS:
+        log, record = record_course(zigzag_course(), REFERENCE, seed), TrackRecord()
+        live.append(try_course(log, GpsFilter(start_pose(log), record=record)))
+        later.append(as_laid(log, record.smoothed()))
+        bounds.append(limit(log))
+    rms, rms_later = (
+        np.sqrt(np.mean(np.concatenate([t.errors for t in ts]) ** 2, axis=0)) for ts in (live, later)
+    )
+    least = np.sqrt(np.concatenate(bounds).mean(axis=0))
+    assert (rms < 1.25 * least).all()
+    assert (rms_later < 0.9 * rms).all()
+    for trials in (live, later):
+        squares = np.concatenate([nees(t.errors, t.covariances) for t in trials])
+        assert 1.3 < squares.mean() < 2.9
+        assert (squares < 5.991).mean() > 0.87
+
+
+def test_rtk_lays_within_three_centimetres():
+    errors = []
+    for seed in range(6):
+        log = record_course(zigzag_course(), RTK, seed)
+        errors.append(np.hypot(*try_course(log, GpsFilter(start_pose(log), RTK)).errors.T))
+    assert np.quantile(errors, 0.95) < 0.035
+
+
+@pytest.mark.parametrize("noise", [REFERENCE, RTK])
+@pytest.mark.parametrize("turn", [math.pi, -2.0, math.radians(40.0)])
+def test_a_wrong_start_heading_is_found_out(noise, turn):
+    log = record_course(straight_course(3), noise, 2)
+    localizer = GpsFilter(Pose2(0.0, 0.0, log.start_heading + turn), noise)
+    assert final_error(log, localizer) < 1.0
+    assert localizer.restarts >= 1
+    assert abs(localizer.pose.theta - log.drive.poses[-1, 2]) < 4 * math.sqrt(localizer.covariance[2, 2])
+
+
+@pytest.mark.parametrize("shift", [2.5, 5.0, 30.0])
+def test_a_reflection_is_refused_and_what_was_believed_of_it_taken_back(shift):
+    log = record_course(straight_course(4), REFERENCE, 3)
+    rows = (log.fix_rows > 4000) & (log.fix_rows < 5600)  # 40 s
+    log.fixes[rows] += shift
+    record = TrackRecord()
+    localizer = GpsFilter(start_pose(log), record=record)
+    trial = try_course(log, localizer)
+    assert localizer.refused > 0.8 * rows.sum()
+    assert localizer.restarts == 0
+    assert np.hypot(*trial.errors.T).max() < 0.7
+    assert np.hypot(*as_laid(log, record.smoothed()).errors.T).max() < 0.5
+
+
+def test_good_fixes_are_believed():
+    for seed in range(4):
+        log = record_course(zigzag_course(), REFERENCE, seed)
+        localizer = GpsFilter(start_pose(log))
+        try_course(log, localizer)
+        assert localizer.refused == 0
+
+
+def test_an_outage_is_bridged_and_the_covariance_says_so():
+    log = record_course(straight_course(3), REFERENCE, 4)
+    heard = (log.fix_rows < 2400) | (log.fix_rows > 4800)
+    quiet = log._replace(fix_rows=log.fix_rows[heard], fixes=log.fixes[heard])
+    spread = [try_course(one, GpsFilter(start_pose(one))).covariances[0].trace() for one in (log, quiet)]
+    assert spread[1] > 1.2 * spread[0]
+    assert final_error(quiet, GpsFilter(start_pose(quiet))) < 1.0
+
+
+def test_a_filter_that_is_beside_the_truth_believes_patient_fixes():
+    log = record_course(straight_course(6), REFERENCE, 5)
+    log.fixes[:] += (30.0, -20.0)  # as from a start held for 36 m away from where it was
+    localizer = GpsFilter(start_pose(log))
+    shifted = Pose2(*(log.drive.poses[-1] + (30.0, -20.0, 0.0)).tolist())
+    final_error(log, localizer)
+    assert localizer.restarts >= 1
+    assert localizer.pose.distance(shifted) < 1.5
+
+
+def test_broken_readings_never_spread():
+    log = record_course(straight_course(2), REFERENCE, 6)
+    rng = np.random.default_rng(0)
+    for readings in (log.rates, log.accelerations, log.wheels, log.fixes):
+        readings[rng.random(readings.shape) < 0.02] = rng.choice([np.nan, np.inf, -np.inf])
+    localizer = GpsFilter(start_pose(log))
+    assert final_error(log, localizer) < 1.5
+    assert np.isfinite(localizer.covariance).all()
+
+
+def test_antenna_away_from_the_middle_is_known():
+    noise = RTK._replace(antenna=(0.4, -0.3, 1.2))
+    log = record_course(straight_course(2), noise, 7)
+    assert final_error(log, GpsFilter(start_pose(log), noise)) < 0.05
+
+
+@pytest.mark.parametrize("sigma", [0.5, 4.0])
+def test_one_fix_leaves_the_position_as_unsure_as_it_is(sigma):
+    noise = REFERENCE._replace(antenna=(0.0, 0.0, 0.0))
+    localizer = GpsFilter(Pose2(0.0, 0.0, 0.0), noise, start_position=1000.0)
+    assert localizer.fix(np.array([3.0, -2.0]), sigma)
+    assert np.sqrt(np.diag(localizer.covariance)[:2]) == pytest.approx([sigma, sigma], rel=1e-3)
+    assert localizer.pose[:2] == pytest.approx((3.0, -2.0), abs=1e-3)
+
+
+@pytest.mark.parametrize("heading", [0.0, math.pi / 2, -2.5])
+def test_an_antenna_far_ahead_tells_the_heading_at_rest(heading):
+    noise = RTK._replace(antenna=(3.0, 0.0, 0.0))
+    localizer = GpsFilter(Pose2(0.0, 0.0, heading), noise, start_position=0.001)
+    truth = heading + noise.start_heading
+    for _ in range(50):
+        assert localizer.fix(3.0 * np.array([math.cos(truth), math.sin(truth)]))
+    assert localizer.pose.theta == pytest.approx(truth, abs=0.2 * noise.start_heading)
+
+
+def test_no_marks_no_report():
+    record = TrackRecord()
+    GpsFilter(Pose2(0.0, 0.0, 0.0), record=record)
+    assert record.smoothed() == []
+
+
+def test_a_record_grows_with_the_moments_that_are_wanted_not_with_the_time():
+    sizes = []
+    for noise in (REFERENCE, REFERENCE._replace(gps_period=0.2)):
+        log, record = record_course(straight_course(5), noise, 1), TrackRecord()
+        try_course(log, GpsFilter(start_pose(log), noise, record=record))
+        assert len(record.smoothed()) == 5
+        sizes.append(len(pack(to_plain(record, TrackRecord))))
+    assert sizes[0] == pytest.approx(sizes[1], rel=0.01)
+    assert sizes[0] < 5 * 5_000

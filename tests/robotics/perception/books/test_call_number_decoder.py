@@ -1,0 +1,42 @@
+import numpy as np
+
+from handcart.robotics.perception.books.call_number_decoder import SYMBOLS, CallNumberDecoder
+
+CHARACTERS = ["", *SYMBOLS, *"abcdefghijklmnopqrstuvwxyz", "中", " "]
+DECODER = CallNumberDecoder(CHARACTERS)
+
+
+def _outputs(text, sure=0.98):
+    """What a recogniser says that reads `text` with a blank ("_") between the symbols."""
+    rows = np.full((len(text), len(CHARACTERS)), (1 - sure) / len(CHARACTERS), dtype=np.float32)
+    for row, character in zip(rows, text, strict=True):
+        row[CHARACTERS.index("" if character == "_" else character)] += sure
+    return rows
+
+
+def test_a_clear_reading_is_taken_as_it_is():
+    decoded = DECODER.decode(_outputs("5_112_..7_ NA_GG"))
+    assert decoded.text == "512.7 NAG"
+    assert decoded.confidence > 0.9
+
+
+def test_a_blank_tells_two_symbols_from_one():
+    assert DECODER.decode(_outputs("5_51 A_AB")).text == "551 AAB"
+    assert DECODER.decode(_outputs("555_1_2 A_BBC")).text == "512 ABC"
+
+
+def test_place_decides_between_look_alikes():
+    assert DECODER.decode(_outputs("5O2.l O1o")).text == "502.1 OIO"
+
+
+def test_other_text_is_not_bent_into_a_call_number():
+    assert DECODER.decode(_outputs("RIVERS", 0.999)) is None
+    assert DECODER.decode(_outputs("5中2 ABC", 0.999)) is None
+    assert DECODER.decode(_outputs("512 AB")) is None
+
+
+def test_doubt_lowers_confidence():
+    outputs = _outputs("512 NAG")
+    letter = outputs[6]
+    letter[CHARACTERS.index("C")] = letter[CHARACTERS.index("G")]
+    assert DECODER.decode(outputs).confidence < 0.6

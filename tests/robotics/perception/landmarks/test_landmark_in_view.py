@@ -1,0 +1,39 @@
+"""Whether a picture shows the whole of a landmark."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.geometry.transform import inverse
+from handcart.robotics.perception.landmarks.constellation import Kind
+from handcart.robotics.perception.landmarks.landmark import draw_landmark
+from handcart.robotics.perception.landmarks.landmark_finder import find_landmarks
+from handcart.robotics.perception.landmarks.landmark_in_view import wholly_in_view
+from handcart.robotics.perception.landmarks.landmark_pose import facing
+
+HEIGHT = 0.3
+KIND = Kind(0.0, 0.06)
+
+
+@pytest.mark.parametrize("direction", [(1.0, 0.0), (-0.3, 0.95)])
+def test_what_is_well_within_the_picture_is_found_and_what_is_not_in_it_is_not(tabletop, direction):
+    camera_T_table, shown = facing(HEIGHT), []
+    for away in (0.0, 0.055, 0.085, 0.15):
+        place = Pose2(away * direction[0], away * direction[1], 0.3)
+        table = tabletop.table()
+        tabletop.put(table, draw_landmark(), 0.0, 0.0)
+        found = find_landmarks(tabletop.photograph(table, camera_T_table @ place.lift(), 1), tabletop.camera)
+        shown.append(bool(wholly_in_view(tabletop.camera, inverse(camera_T_table), KIND, [place])[0]))
+        assert found or not shown[-1]
+    assert shown[0]
+    assert not shown[-1]
+    assert sorted(shown, reverse=True) == shown
+
+
+def test_far_beside_and_behind_is_out_of_the_picture(tabletop):
+    places = [Pose2(x, y, 0.0) for x, y in ((0.6, 0.0), (2.0, 1.0), (0.0, -40.0))]
+    assert not wholly_in_view(tabletop.camera, inverse(facing(HEIGHT)), KIND, places).any()
+    assert not wholly_in_view(tabletop.camera, inverse(facing(-HEIGHT)), KIND, [Pose2(0.0, 0.0, 0.0)]).any()
+    assert len(wholly_in_view(tabletop.camera, np.eye(4), KIND, [])) == 0

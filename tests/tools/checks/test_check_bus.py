@@ -1,0 +1,107 @@
+"""What `handcart check` tells of a CAN bus, and that it touches none."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import can
+import pytest
+
+CART = Path(__file__).resolve().parents[3] / "backends" / "robots" / "cart"
+
+
+@pytest.fixture
+def cart(tmp_path: Path) -> Callable[..., Path]:
+    """The cart's file, changed."""
+
+    def changed(**pairs: str) -> Path:
+        for each in CART.iterdir():
+            (tmp_path / each.name).write_bytes(each.read_bytes())
+        path = tmp_path / "robot.yaml"
+        text = path.read_text(encoding="utf-8")
+        for key, value in pairs.items():
+            lines = [
+                f"  {key}: {value}" if each.startswith(f"  {key}:") else each for each in text.splitlines()
+            ]
+            text = "\n".join(lines) + "\n"
+        path.write_text(text, encoding="utf-8")
+        return path
+
+    return changed
+
+
+def test_each_frame_is_told_with_its_bits(handcart: Callable[..., Any], cart: Callable[..., Path]) -> None:
+    said = handcart("check", cart())
+    assert said.status == 0
+    assert "181h    left wheel: answer 1        7       125             50 ms   0.50%" in said.out
+    assert "CAN bus: 4.0% of 500 kbit/s" in said.out
+    bus = json.loads(handcart("check", cart(), "--json").out)["robot"]["bus"]
+    assert bus["share"] == pytest.approx(0.04, abs=1e-3)
+    assert sum(each["share"] for each in bus["frames"]) == pytest.approx(bus["share"], abs=1e-4)
+
+
+def test_c19_an_overloaded_bus_is_refused(handcart: Callable[..., Any], cart: Callable[..., Path]) -> None:
+    """C19: more than 70 % by what goes over it each period."""
+    path = cart(bitrate_kbit_s="20")
+    said = handcart("check", path)
+    assert said.status == 2
+    line = next(
+        n for n, text in enumerate(path.read_text().splitlines(), 1) if text.startswith("  bitrate_kbit_s")
+    )
+    wrong = "cyclic frames take 100% of the bus at this bit rate and 0.05 s a period; allowed: at most 70%"
+    assert said.err.strip() == f"{path}:{line}:19: {wrong}"
+
+
+@pytest.mark.parametrize("words", [("check",), ("run", "--dry-run")])
+def test_nothing_is_opened(
+    handcart: Callable[..., Any],
+    cart: Callable[..., Path],
+    monkeypatch: pytest.MonkeyPatch,
+    tour: Path,
+    words: tuple[str, ...],
+) -> None:
+    """No drive is spoken to, let alone enabled."""
+
+    def opened(*_: object, **__: object) -> None:
+        raise AssertionError("a bus was opened")
+
+    monkeypatch.setattr(can, "Bus", opened)
+    sensors = "\n  sensors: {range_sensor: {port: /dev/ttyUSB0}}"
+    robot = cart(interface="socketcan", channel=f"can0{sensors}")
+    tour.write_text(tour.read_text().replace("robot: librarian", f"robot: {robot.name}\nbackend: can"))
+    command, *options = words
+    said = handcart(command, tour, *options)
+    assert (said.status, said.err) == (0, "")
+
+
+def test_what_the_robot_lacks_is_told_without_opening_it(
+    handcart: Callable[..., Any], cart: Callable[..., Path], tour: Path
+) -> None:
+    robot = cart(interface="socketcan", channel="can0")
+    tour.write_text(tour.read_text().replace("robot: librarian", f"robot: {robot.name}\nbackend: can"))
+    said = handcart("check", tour)
+    assert said.status == 2
+    assert "MOVE_TO needs what the robot doesn't have: RangeSensor; it has: " in said.err
+
+
+def test_a_makers_file_is_read(
+    handcart: Callable[..., Any], cart: Callable[..., Path], tmp_path: Path
+) -> None:
+    """What is wrong in it is told at its place there, with what is wrong in the robot's file."""
+    own = (CART.parents[1] / "can" / "drive.eds").read_text(encoding="utf-8")
+    wheel = "{node: 1, counts_per_rev: 16384, gear_ratio: 20, sign: 1, eds: maker.eds}"
+    robot = cart(left=wheel)
+    assert "there is no file 'maker.eds'" in handcart("check", robot).err
+    maker = tmp_path / "maker.eds"
+    maker.write_text(own.replace("[60FF]", "[60FE]"), encoding="utf-8")
+    said = handcart("check", robot)
+    assert said.status == 2
+    assert said.err.strip() == f"{maker}:1:1: it describes no 60FFh (for a PDO); needed: all of them"
+    maker.write_text(own.replace("DataType=0x0006", "DataType=word", 1), encoding="utf-8")
+    line = own[: own.index("DataType=0x0006")].count("\n") + 1
+    assert f"{maker}:{line}:10: DataType in [" in handcart("check", robot).err
+    maker.write_text(own, encoding="utf-8")
+    assert handcart("check", robot).status == 0

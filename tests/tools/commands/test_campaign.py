@@ -1,0 +1,213 @@
+"""`handcart campaign`: how each action ended."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import threading
+import time
+from contextlib import suppress
+from multiprocessing import get_context
+from pathlib import Path
+
+import pytest
+
+from handcart.evaluation.trials.campaign import Setting, Trial, _end, run_campaign
+
+ROOT = Path(__file__).resolve().parents[3]
+
+ROUNDS = """\
+format: handcart-task/1
+title: There and back, twice
+robot: librarian
+world: world.yaml
+knowledge: {map: map.yaml, places: places.yaml, catalogue: catalogue.yaml, start: home}
+start: here
+goal: done
+situations: {here: {base: home}, there: {base: shelf}, done: {base: home}}
+actions:
+  - {do: MOVE_TO, from: here, to: there, cost_s: 30, with: {place: {each: shelf}}}
+  - {do: MOVE_TO, from: there, to: done, cost_s: 30, with: {place: home}}
+repeat: {over: [shelf_1, shelf_5], as: shelf, start: here, goal: done}
+"""
+
+
+class Trials:
+    """Stands for trials that end as it is told: by their summaries, a signal before the third's end."""
+
+    def __init__(self, reason, signals=()):
+        self.reason, self.signals, self.seeds = reason, signals, []
+        self.untrue = {}
+
+    def __call__(self, setting, seed):
+        self.seeds.append(seed)
+        summary = {"outcome": "Success", "reason": "", "run_dir": "none", "seed": seed}
+        summary["metrics"] = {"untrue": self.untrue.get(seed, [])}
+        summary |= {"sim_time_s": 1.0, "wall_time_s": 1.0, "actions": 1, "fails": 0}
+        if seed != 2:
+            return Trial(seed, 0, summary)
+        for each in self.signals:
+            signal.raise_signal(each)
+        return Trial(seed, 130, summary | {"outcome": "Cancelled", "reason": self.reason})
+
+
+@pytest.fixture
+def trials(monkeypatch):
+    def made(*args):
+        told = Trials(*args)
+        monkeypatch.setattr("handcart.evaluation.trials.campaign.run_trial", told)
+        return told
+
+    return made
+
+
+@pytest.mark.parametrize("kind", [None, signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
+def test_an_interrupt_ends_a_campaign_at_once(trials, kind, tmp_path):
+    """K3: in a trial, which stops by itself then, and between two."""
+    told, done = trials("interrupted", () if kind is None else (kind,)), []
+    with pytest.raises(KeyboardInterrupt):
+        done.extend(run_campaign(Setting(tmp_path / "task.yaml"), range(5), 1))
+    assert [each.seed for each in done] == [0, 1]
+    assert told.seeds == [0, 1, 2]
+
+
+def test_a_trial_that_somebody_stopped_is_left_out(trials, tmp_path):
+    trials("stopped by request")
+    done = list(run_campaign(Setting(tmp_path / "task.yaml"), range(5), 1))
+    assert [each.seed for each in done] == [0, 1, 3, 4]
+
+
+def test_what_ended_before_an_interrupt_is_told(trials, handcart, tmp_path, monkeypatch):
+    trials("interrupted")
+    monkeypatch.setattr("handcart.tools.commands.campaign._shares", lambda report: [])
+    said = handcart("campaign", tmp_path / "task.yaml", "--trials", "5", "--jobs", "1", "--json")
+    told = json.loads(said.out)
+    assert (said.status, told["trials"], told["asked"], told["interrupted"]) == (130, 2, 5, True)
+    assert "interrupted after 2 of 5 trials" in said.err
+
+
+@pytest.mark.parametrize("as_json", [True, False])
+def test_outcomes_that_are_not_so_are_a_fault(trials, handcart, tmp_path, monkeypatch, as_json):
+    """The campaign ends with status 5, and tells which trial to look at first."""
+    told = trials("stopped by request")
+    monkeypatch.setattr("handcart.tools.commands.campaign._shares", lambda report: [])
+    words = ("campaign", tmp_path / "task.yaml", "--trials", "6", "--jobs", "1", *["--json"] * as_json)
+    assert handcart(*words).status == 0
+    told.untrue[4] = ["4. RELEASE Success: it stands beside its place"]
+    said = handcart(*words)
+    assert said.status == 5
+    if as_json:
+        assert json.loads(said.out)["untrue"] == {"4": told.untrue[4]}
+    else:
+        assert "the ground truth contradicts: 1 of 5 trials" in said.out
+        assert "\nseed 4: 4. RELEASE Success: it stands beside its place\n" in said.out
+
+
+def test_a_signal_after_a_trials_last_action_ends_the_campaign_too(monkeypatch, tmp_path):
+    """K3: the trial was whole, so it counts."""
+
+    def run(task, runs, options):
+        options.interrupts.stop_by(lambda: None)
+        signal.raise_signal(signal.SIGTERM)
+        return {"outcome": "Success", "reason": "", "metrics": {}}, 0
+
+    monkeypatch.setattr("handcart.evaluation.trials.campaign.run_task", run)
+    trials = run_campaign(Setting(tmp_path / "task.yaml"), range(500), 1)
+    assert next(trials).success
+    with pytest.raises(KeyboardInterrupt):
+        next(trials)
+
+
+DEAF_ONCE = """
+import signal, time, pathlib
+signal.signal(signal.SIGTERM, lambda *_: signal.signal(signal.SIGTERM, signal.SIG_DFL))
+pathlib.Path(path).touch()
+while True:
+    time.sleep(0.05)
+"""
+
+
+def test_a_process_that_was_told_to_end_as_its_trial_was_over_is_told_again(tmp_path):
+    """K3: else it waits for ever for a lock of the queue that another one took along."""
+    ready = tmp_path / "ready"
+    process = get_context("spawn").Process(target=exec, args=(DEAF_ONCE, {"path": str(ready)}), daemon=True)
+    process.start()
+    end = time.monotonic() + 60.0
+    while not ready.exists():
+        assert time.monotonic() < end
+        time.sleep(0.02)
+    ending = threading.Thread(target=_end, args=([process],), daemon=True)
+    ending.start()
+    ending.join(20.0)
+    assert not process.is_alive()
+
+
+def living(group: int) -> list[str]:
+    """Processes of a group that haven't ended; one that only waits to be asked how it ended has."""
+    stats = []
+    for path in Path("/proc").glob("[0-9]*/stat"):
+        with suppress(OSError):
+            stats.append(path.read_text(encoding="utf-8"))
+    rest = [(each, each.rpartition(")")[2].split()) for each in stats]
+    return [stat for stat, fields in rest if int(fields[2]) == group and fields[0] != "Z"]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("jobs", "kind"), [(1, signal.SIGTERM), (2, signal.SIGTERM), (2, signal.SIGINT)])
+def test_a_campaign_of_processes_is_ended_by_a_signal(tour, tmp_path, jobs, kind):
+    """K3: none of its processes is left."""
+    words = ["campaign", tour, "--trials", "500", "--jobs", str(jobs), "--runs", tmp_path / "runs", "--json"]
+    process = subprocess.Popen(
+        [sys.executable, "-m", "handcart", *words],
+        cwd=ROOT,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.DEVNULL,
+        start_new_session=True,
+    )
+    end = time.monotonic() + 300.0
+    while len(list((tmp_path / "runs").glob("*/summary.json"))) < 2:
+        assert process.poll() is None
+        assert time.monotonic() < end
+        time.sleep(0.02)
+    if kind is signal.SIGINT:
+        os.killpg(process.pid, kind)  # as a terminal does
+    else:
+        process.send_signal(kind)
+    out, _ = process.communicate(timeout=60.0)
+    told = json.loads(out)
+    assert (process.returncode, told["interrupted"]) == (130, True)
+    assert told["trials"] < 500
+    assert set(told["outcomes"]) <= {"Success"}
+    end = time.monotonic() + 20.0
+    while left := living(process.pid):
+        assert time.monotonic() < end, left
+        time.sleep(0.05)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("as_json", [False, True])
+def test_shares_of_each_action(handcart, tour, tmp_path, as_json):
+    words = ("campaign", tour, "--trials", "2", "--jobs", "1", "--runs", tmp_path / "runs")
+    said = handcart(*words, *(["--json"] if as_json else []))
+    assert said.status == 0
+    if as_json:
+        (share,) = json.loads(said.out)["actions"]
+        assert share["action"] == "MOVE_TO (at_home to at_shelf)"
+        assert (share["attempts"], share["p"], share["p_give_up"]) == (2, 1.0, 0.0)
+        assert share["p_wilson"] == pytest.approx([0.3424, 1.0], abs=1e-4)
+    else:
+        line = next(each for each in said.out.splitlines() if each.startswith("MOVE_TO"))
+        assert line.split()[-6:] == ["2", "1.000", "0.342", "to", "1.000", "0.000"]
+
+
+@pytest.mark.slow
+def test_a_repeated_action_is_one_row_named_as_in_the_file(handcart, tour, tmp_path):
+    """Of the last element it leads out of the repeat, of the others back to its start."""
+    tour.write_text(ROUNDS, encoding="utf-8")
+    said = handcart("campaign", tour, "--trials", "1", "--jobs", "1", "--runs", tmp_path / "runs", "--json")
+    assert said.status == 0
+    shares = [(each["action"], each["attempts"]) for each in json.loads(said.out)["actions"]]
+    assert shares == [("MOVE_TO (here to there)", 2), ("MOVE_TO (there to done)", 2)]

@@ -1,0 +1,68 @@
+"""`handcart conformance`."""
+
+from __future__ import annotations
+
+import json
+import time
+from typing import Any
+
+import pytest
+
+import handcart.evaluation.conformance.kit as kit
+from handcart.evaluation.conformance.checks.check import Finding
+from handcart.evaluation.conformance.report import Report
+
+
+@pytest.mark.parametrize("wrong", [[], ["it rolls on"]])
+def test_status_0_only_if_all_holds(handcart: Any, monkeypatch: pytest.MonkeyPatch, wrong: list[str]) -> None:
+    def run(setting: kit.Setting, processes: int, tell: Any) -> Report:
+        return Report.of(setting.backend, setting.robot, setting.quick, [Finding("stop", "it stops", wrong)])
+
+    monkeypatch.setattr(kit, "run_kit", run)
+    for words in ((), ("--json",)):
+        said = handcart("conformance", "--quick", *words)
+        assert said.status == (5 if wrong else 0)
+        assert all(each in said.out for each in wrong)
+    assert json.loads(said.out)["checks"][0]["ok"] is not bool(wrong)
+
+
+def test_off_a_terminal_progress_is_told_at_first_now_and_then_and_at_last(
+    handcart: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    now = [0.0]
+    monkeypatch.setattr(time, "monotonic", lambda: now[0])
+
+    def run(setting: kit.Setting, processes: int, tell: Any) -> Report:
+        for done in range(1, 12):
+            tell(done, 11)
+            now[0] += 8.0
+        return Report.of(setting.backend, setting.robot, setting.quick, [Finding("stop", "it stops")])
+
+    monkeypatch.setattr(kit, "run_kit", run)
+    told = handcart("conformance").err.splitlines()
+    assert told == [f"{done} of 11 jobs done after {8 * done - 8} s" for done in (1, 5, 9, 11)]
+
+
+@pytest.mark.slow
+def test_one_primitive_for_real(handcart: Any) -> None:
+    said = handcart(
+        "conformance", "--robot", "cart", "--primitive", "REACH", "--instants", "1", "--jobs", "1"
+    )
+    assert said.status == 0
+    assert said.out.endswith("8 faults, 0 violations\n")
+
+
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [
+        (("--backend", "kinematik"), "did you mean 'kinematic'"),
+        (("--part", "fault"), "did you mean 'faults'"),
+        (("--primitive", "REECH"), "did you mean 'REACH'"),
+        (("--task", "return_bok"), "did you mean 'return_book'"),
+        (("--robot", "nowhere/robot.yaml"), "nowhere/robot.yaml"),
+    ],
+)
+def test_bad_input_is_refused(handcart: Any, words: tuple[str, str], told: str) -> None:
+    said = handcart("conformance", *words)
+    assert said.status == 2
+    assert told in said.err

@@ -1,0 +1,153 @@
+"""The operator in command of a run that is alive in another process."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from handcart.networks.journal.journal_record import read_journal
+from handcart.networks.operator.control import ask
+
+ROOT = Path(__file__).resolve().parents[3]
+
+
+class Alive:
+    """A run that goes on in a process of its own."""
+
+    def __init__(self, task: Path, runs: Path, *options: str) -> None:
+        words = [sys.executable, "-m", "handcart", "run", str(task), "--runs", str(runs), "--json"]
+        self.process = subprocess.Popen(
+            [*words, *options],
+            cwd=ROOT,
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+        )
+        self.folder = runs / f"{task.parent.name}-0"
+        self.wait_for(lambda: (self.folder / "control").exists())
+
+    def wait_for(self, ready) -> None:
+        end = time.monotonic() + 60.0
+        while not ready():
+            assert self.process.poll() is None, self.process.stderr.read().decode()
+            assert time.monotonic() < end
+            time.sleep(0.005)
+
+    def say(self, word: str, **more) -> dict:
+        return ask(self.folder, {"do": word, **more})
+
+    def state(self) -> str:
+        return self.say("status")["state"]
+
+    def end(self) -> dict:
+        out, _ = self.process.communicate(timeout=60)
+        return json.loads(out.splitlines()[-1])
+
+    def kinds(self) -> list[str]:
+        return [each["kind"] for each in read_journal(self.folder / "journal.jsonl").records]
+
+
+@pytest.fixture
+def alive(tour, tmp_path) -> Iterator:
+    """Starts a run whose only action waits for permission."""
+    tour.write_text(tour.read_text().replace("cost_s: 30,", "cost_s: 30, permit: operator,"))
+    started: list[Alive] = []
+
+    def start(*options: str) -> Alive:
+        started.append(Alive(tour, tmp_path / "runs", *options))
+        return started[-1]
+
+    yield start
+    for each in started:
+        each.process.kill()
+        each.process.communicate()
+
+
+@pytest.mark.slow
+def test_an_action_waits_for_the_operator_and_says_what_it_wants(alive):
+    run = alive()
+    run.wait_for(lambda: run.state() == "waiting for permission")
+    assert run.say("status")["asks"] == {"index": 0, "do": "MOVE_TO", "from": "at_home", "to": "at_shelf"}
+    assert "START" not in run.kinds()
+    assert run.say("permit", action=7)["error"].startswith("action 7 doesn't wait for permission")
+    assert run.say("permit", action=0)["ok"]
+    assert run.end()["outcome"] == "Success"
+    assert not (run.folder / "control").exists()
+
+
+@pytest.mark.slow
+def test_refused_it_counts_as_a_fail(alive):
+    run = alive()
+    for _ in range(3):
+        run.wait_for(lambda: run.say("status")["asks"] is not None)
+        run.say("refuse")
+    end = run.end()
+    assert (end["outcome"], end["actions"], end["fails"]) == ("Fail", 0, 3)
+
+
+@pytest.mark.slow
+def test_a_line_that_drops_changes_nothing(alive):
+    run = alive()
+    run.wait_for(lambda: run.state() == "waiting for permission")
+    for _ in range(20):
+        run.say("status")  # each hangs up afterwards
+    assert run.state() == "waiting for permission"
+
+
+@pytest.mark.slow
+def test_pause_holds_and_continue_goes_on(alive, handcart):
+    run = alive()
+    run.wait_for(lambda: run.state() == "waiting for permission")
+    run.say("pause")
+    run.say("permit")
+    run.wait_for(lambda: run.state() == "paused while acting")
+    then = run.say("status")["sim_time_s"]
+    time.sleep(0.3)
+    assert run.say("status")["sim_time_s"] == then
+    said = handcart("continue", run.folder)
+    assert said.status == 0
+    assert run.end()["outcome"] == "Success"
+
+
+@pytest.mark.slow
+def test_stop_ends_the_run_where_it_is(alive, handcart):
+    run = alive()
+    run.wait_for(lambda: run.state() == "waiting for permission")
+    assert handcart("stop", run.folder).status == 0
+    assert run.end()["outcome"] == "Cancelled"
+    assert run.process.returncode == 130
+
+
+@pytest.mark.slow
+def test_interrupts_stop_and_never_start_a_motion(alive):
+    """K3: the second one doesn't cut the stop short."""
+    run = alive()
+    run.wait_for(lambda: run.state() == "waiting for permission")
+    run.say("permit")
+    run.wait_for(lambda: run.say("status")["sim_time_s"] > 1.0)
+    for _ in range(3):
+        os.kill(run.process.pid, signal.SIGINT)
+    end = run.end()
+    assert (end["outcome"], run.process.returncode) == ("Cancelled", 130)
+    assert "RESTORE" not in run.kinds()
+    assert run.kinds()[-1] == "END"
+
+
+def test_nobody_is_told_where_no_run_is_alive(handcart, tmp_path):
+    said = handcart("stop", tmp_path)
+    assert said.status == 2
+    assert "no run is alive" in said.err
+
+
+@pytest.mark.slow
+def test_words_that_nobody_knows_are_answered(alive):
+    run = alive()
+    assert "allowed: pause, continue" in run.say("dance")["error"]

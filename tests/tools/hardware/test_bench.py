@@ -1,0 +1,95 @@
+"""`handcart bench`: drives as a process of their own."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from handcart.backends.can.can_backend import CanBackend
+from handcart.backends.capabilities.base import Base
+from handcart.backends.description.robot_file import RobotFile
+from handcart.backends.description.robot_loading import load_robot
+from handcart.tools.hardware.bench import AT_THE_PROGRAM
+
+CHANNEL = "239.74.163.31"
+
+
+@pytest.fixture
+def far() -> RobotFile:
+    """The cart, its drives on the bus of the bench."""
+    cart = load_robot("cart")
+    assert cart.can is not None
+    spec = cart.can.model_copy(
+        update={
+            "interface": "udp_multicast",
+            "channel": CHANNEL,
+            "heartbeat_ms": 200,
+            "heartbeat_timeout_ms": 2000,
+        }
+    )
+    return cart.model_copy(update={"can": spec})
+
+
+@pytest.fixture
+def bench(tmp_path: Path) -> Iterator[Path]:
+    """A bench in another process; the path of what it writes."""
+    log = tmp_path / "bench.csv"
+    words = ["cart", "--channel", CHANNEL, "--log", str(log), "--seconds", "60"]
+    command = [sys.executable, "-m", "handcart", "bench", *words]
+    with subprocess.Popen(command, stdout=subprocess.PIPE) as process:
+        assert process.stdout is not None
+        assert b"left wheel 1, right wheel 2" in process.stdout.readline()
+        yield log
+        process.terminate()
+        assert process.wait(20.0) == 0
+
+
+@pytest.mark.slow
+def test_wheels_are_driven_over_the_network(
+    far: RobotFile, bench: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("handcart.backends.can.pace.GAP", 30.0)  # machines that tests run on may be busy
+    monkeypatch.setattr("handcart.backends.can.pace.MISSED", 10_000)
+    with CanBackend.build(far, None, 0) as backend:
+        base = backend.get(Base)  # type: ignore[type-abstract]
+        assert base is not None
+        begun = time.monotonic()
+        for _ in range(20):
+            base.drive(0.2, 0.0)
+            backend.step()
+        left, right = base.wheel_travel()
+        assert left == pytest.approx(right)
+        assert 0.05 < left < 0.05 + 0.2 * (time.monotonic() - begun)  # the drives have a clock of their own
+        assert backend.figures()["loop"]["periods"] == 20
+    time.sleep(1.0)
+    last = bench.read_text().splitlines()[-1].split(",")
+    assert [each.split(":")[2] for each in last[2:]] == ["0.0", "0.0"]
+
+
+def test_faults_are_listed(handcart: Callable[..., Any]) -> None:
+    said = handcart("bench", "--list-faults")
+    assert said.status == 0
+    assert "no-heartbeat       C7        a drive's heartbeat is missing" in said.out
+    assert all(name in said.out for name in AT_THE_PROGRAM)
+
+
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [
+        (("--fault", "falt@1"), "did you mean 'fault'"),
+        (("--fault", "bus-off@1"), "happens at the program's own interface"),
+        (("--fault", "fault@soon"), "allowed: NAME@SECONDS or NAME@SECONDS@NODE"),
+        (("--interface", "udp_multicast", "--channel", "10.0.0.1"), "no CAN on udp_multicast 10.0.0.1"),
+        (("--range-port", "7000"), "nothing has a range sensor; needed: --backend kinematic"),
+    ],
+)
+def test_bad_input(handcart: Callable[..., Any], words: tuple[str, ...], told: str) -> None:
+    said = handcart("bench", "cart", "--channel", CHANNEL, *words)
+    assert said.status == 2
+    assert told in said.err

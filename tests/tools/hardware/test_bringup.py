@@ -1,0 +1,172 @@
+"""Bringing a robot up, rung by rung, on the bench."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from handcart.backends.description.robot_loading import load_robot
+from handcart.evaluation.bringup.ladder import RUNGS, BenchFirst, Ladder
+from handcart.evaluation.bringup.operator import BenchOperator, ScriptedOperator
+from handcart.evaluation.bringup.record import read
+from handcart.evaluation.bringup.site import Site
+from handcart.evaluation.trials.stage import LIBRARY
+
+NAMES = [each.name for each in RUNGS]
+CART = Path(__file__).resolve().parents[3] / "backends" / "robots" / "cart"
+ANSWERS = {
+    "pressed": True,
+    "left_wheel_direction": True,
+    "left_wheel_scale": 100.4,
+    "right_wheel_direction": True,
+    "right_wheel_scale": 100.4,
+    "signed_off": True,
+}
+
+
+@pytest.fixture
+def site(tmp_path: Path) -> Site:
+    """The cart, on a bench."""
+    task = LIBRARY.parent / "drive_map" / "task.yaml"
+    folder = tmp_path / "cart-bench"
+    return Site(
+        "cart", load_robot("cart"), BenchOperator(), folder, task, "kinematic", LIBRARY / "world.yaml"
+    )
+
+
+@pytest.fixture
+def ladder(site: Site) -> Ladder:
+    return Ladder(site)
+
+
+def climb(ladder: Ladder, upto: str) -> list[Any]:
+    """Climb up to that rung, it included."""
+    tried = []
+    while len(ladder.records()) <= NAMES.index(upto):
+        tried.append(ladder.climb())
+        if not tried[-1].passed:
+            break
+    return tried
+
+
+@pytest.mark.slow
+def test_the_lower_half(ladder: Ladder) -> None:
+    """From the interface to the stop test; each is recorded, in order."""
+    tried = climb(ladder, "stop_test")
+    assert [each.rung for each in tried] == NAMES[:7]
+    assert all(each.passed for each in tried)
+    facts = {each.rung: each.facts for each in tried}
+    assert facts["identify"]["nodes"]["left wheel"]["node"] == 1
+    assert facts["read_back"]["supervision"]["left wheel"]["6007h:0"] == 3
+    assert set(facts["emergency_stop"]["states"].values()) == {"SWITCH ON DISABLED"}
+    assert facts["limits"]["left_out"] == "the robot has no joints"
+    stops = facts["stop_test"]
+    assert 0.0 < stops["program"]["max_m"] < stops["heartbeat"]["max_m"] < stops["heartbeat_allowed_m"]
+    assert ladder.next is not None
+    assert ladder.next.name == "calibrate"
+    assert read(ladder.site.folder / "05_axes.yaml").answers["signed_off"] is True
+
+
+def test_none_is_left_out_and_it_goes_on_where_it_was(site: Site) -> None:
+    climb(Ladder(site), "identify")
+    again = Ladder(site)
+    assert [each.rung for each in again.records()] == NAMES[:2]
+    (site.folder / "01_interface.yaml").unlink()
+    assert again.next is RUNGS[0]
+
+
+def test_another_robots_file_has_to_be_tried_anew(site: Site) -> None:
+    """What a calibration changes doesn't count."""
+    climb(Ladder(site), "identify")
+    drive = site.robot.drive
+    site.robot = site.robot.model_copy(update={"drive": drive.model_copy(update={"wheel_radius_m": 0.101})})
+    assert len(Ladder(site).records()) == 2
+    site.robot = site.robot.model_copy(update={"drive": drive.model_copy(update={"top_speed_m_s": 0.9})})
+    assert len(Ladder(site).records()) == 0
+
+
+def test_the_bench_comes_first(site: Site, tmp_path: Path) -> None:
+    climb(Ladder(site), "interface")
+    real = Site("cart", site.robot, BenchOperator(), tmp_path / "cart", site.task)
+    climb(Ladder(site), "interface")
+    ladder = Ladder(real, rehearsed=site.folder)
+    real.spec.model_copy(update={"interface": "udp_multicast"})
+    (site.folder / "01_interface.yaml").unlink()
+    with pytest.raises(BenchFirst, match="was not climbed on the bench"):
+        ladder.climb()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("key", "answer", "words"),
+    [
+        ("pressed", False, "not by the emergency stop"),
+        ("left_wheel_direction", False, "left wheel turns the wrong way: change `sign`"),
+        ("right_wheel_scale", 50.0, "gear_ratio or counts_per_rev is 2.01 times too small"),
+        ("signed_off", False, "not signed off"),
+    ],
+)
+def test_what_a_person_sees_counts(site: Site, key: str, answer: Any, words: str) -> None:
+    site.operator = ScriptedOperator(ANSWERS | {key: answer})
+    last = climb(Ladder(site), "axes")[-1]
+    assert not last.passed
+    assert words in last.reason
+    assert last.answers[key] == answer
+
+
+def test_a_drive_that_doesnt_heed_the_emergency_stop(site: Site, monkeypatch: pytest.MonkeyPatch) -> None:
+    class Nobody(BenchOperator):
+        def act(self, key: str, words: str, on_bench: Callable[[], None]) -> None:
+            """Presses nothing."""
+
+    site.operator = Nobody()
+    last = climb(Ladder(site), "emergency_stop")[-1]
+    assert (last.rung, last.passed) == ("emergency_stop", False)
+    assert "still enabled: left wheel, right wheel" in last.reason
+
+
+def test_the_command(handcart: Callable[..., Any], tmp_path: Path) -> None:
+    words = ("bringup", "cart", "--bench", "kinematic", "--folder", tmp_path / "b")
+    told = json.loads(handcart(*words, "--json").out)
+    assert (told["climbed"], told["next"]) == (["interface"], "identify")
+    said = handcart(*words)
+    assert said.status == 0
+    assert "2 of 11 rungs climbed" in said.out
+    assert "read_back: " in said.out
+    assert handcart(*words, "--again", "interface", "--status").out.splitlines()[-1].startswith("0 of 11")
+    assert len(list((tmp_path / "b" / "cart-bench").glob("before_*/01_interface.yaml"))) == 1
+    wrong = handcart(*words, "--again", "interfase")
+    assert (wrong.status, "did you mean 'interface'" in wrong.err) == (2, True)
+
+
+def test_a_real_robot_is_refused_before_its_rehearsal(handcart: Callable[..., Any], tmp_path: Path) -> None:
+    said = handcart("bringup", "cart", "--folder", tmp_path)
+    assert said.status == 2
+    assert "needed first: handcart bringup cart --bench kinematic --all" in said.err
+    answers = tmp_path / "answers.yaml"
+    answers.write_text("pressed: true\n")
+    said = handcart("bringup", "cart", "--folder", tmp_path, "--answers", answers)
+    assert (said.status, "a robot needs a person beside it" in said.err) == (2, True)
+
+
+@pytest.mark.slow
+def test_the_whole_ladder(handcart: Callable[..., Any], tmp_path: Path) -> None:
+    """Up to the task; what was calibrated is a change to review."""
+    robot = tmp_path / "cart"
+    robot.mkdir()
+    for each in CART.iterdir():
+        if each.is_file():
+            (robot / each.name).write_bytes(each.read_bytes())
+    words = ("bringup", robot / "robot.yaml", "--bench", "kinematic", "--all", "--folder", tmp_path / "b")
+    told = json.loads(handcart(*words, "--json").out)
+    assert (told["climbed"], told["next"]) == (NAMES, None)
+    review = next(each for each in told["tried"] if each["rung"] == "calibrate")["facts"]["review"]
+    found = Path(review.removeprefix("handcart adopt "))
+    said = handcart("adopt", found, "--write")
+    assert said.status == 0
+    assert "+  tread_m: 0.49" in said.out or "+  tread_m: 0.50" in said.out
+    assert json.loads(handcart(*words, "--json").out)["climbed"] == NAMES  # adopting brings nothing down

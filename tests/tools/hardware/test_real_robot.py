@@ -1,0 +1,284 @@
+"""A robot whose world stands by itself: latched; resumed with a person's word (rows N13, K11, U12, U13)."""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from handcart.backends.can.can_backend import CanBackend
+from handcart.networks.journal.journal import Journal
+from handcart.networks.journal.journal_record import read_journal
+from handcart.networks.runs.robot_claim import RobotClaim, state_folder
+
+TASK = """\
+format: handcart-task/1
+title: Drive twice
+robot: cart
+backend: can
+world: world.yaml
+knowledge: {map: map.yaml, places: places.yaml, catalogue: catalogue.yaml, start: home}
+start: at_home
+goal: back
+situations: {at_home: {base: home}, at_shelf: {base: shelf}, back: {base: home again}}
+actions:
+  - {do: MOVE_TO, from: at_home, to: at_shelf, cost_s: 30, with: {place: near}}
+  - {do: MOVE_TO, from: at_shelf, to: back, cost_s: 30, with: {place: home}}
+"""
+
+
+@pytest.fixture
+def task(tour: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """Simulated drives that count as a real robot's."""
+    monkeypatch.setattr(CanBackend, "simulated", property(lambda _: False, lambda _self, _value: None))
+    monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path / "state"))
+    tour.write_text(TASK, encoding="utf-8")
+    with (tour.parent / "places.yaml").open("a") as places:
+        places.write("  near: {x_m: 1.2, y_m: 1.8, heading_deg: 90.0}\n")
+    return tour
+
+
+@pytest.fixture
+def run(handcart: Callable[..., Any], task: Path, tmp_path: Path) -> Callable[..., Any]:
+    """Runs the task; each run has a folder in `runs`."""
+    return lambda *more: handcart("run", task, "--runs", tmp_path / "runs", "--json", *more)
+
+
+def folder_of(said: Any) -> Path:
+    return Path(json.loads(said.out.splitlines()[-1])["run_dir"])
+
+
+def records(folder: Path) -> tuple[dict[str, Any], ...]:
+    return read_journal(folder / "journal.jsonl").records
+
+
+def cut(folder: Path, kind: str, number: int) -> None:
+    """Cut a journal off after its `number`-th record of a kind, as a crash would."""
+    path = folder / "journal.jsonl"
+    lines = path.read_bytes().splitlines(keepends=True)
+    places = [i for i, line in enumerate(lines) if f'"kind":"{kind}"'.encode() in line]
+    path.write_bytes(b"".join(lines[: places[number] + 1]))
+    (folder / "checkpoint").unlink(missing_ok=True)
+
+
+def stands_at(task: Path, x: float, y: float, heading_deg: float) -> None:
+    """Where the robot is found."""
+    world = task.parent / "world.yaml"
+    start = f"start: {{x_m: {x}, y_m: {y}, heading_deg: {heading_deg}}}"
+    text, count = re.subn(r"^start: .*$", start, world.read_text(), flags=re.M)
+    assert count == 1
+    world.write_text(text)
+
+
+def broke_off(folder: Path, kind: str, number: int) -> None:
+    """The run broke off there: nobody has let go of the robot in order."""
+    cut(folder, kind, number)
+    (state_folder() / "can-virtual_cart").write_text(f"{folder.resolve()}\n")
+
+
+@pytest.mark.slow
+def test_runs_follow_each_other_where_nothing_waits(run):
+    for _ in range(2):
+        assert run().status == 0
+    assert (state_folder() / "can-virtual_cart").read_text() == ""
+
+
+def give_up(folder: Path) -> int:
+    """Let a run end in GiveUp; the record's number."""
+    cut(folder, "START", 1)
+    path = folder / "journal.jsonl"
+    with Journal.go_on(path, read_journal(path)) as journal:
+        fields = {"n": 2, "outcome": "GiveUp", "reason": "a wheel is stuck", "residuals": {}}
+        number = journal.append("RESULT", 80.0, fields)
+        journal.append("END", 80.0, {"outcome": "GiveUp", "situation": "at_shelf", "reason": "stuck"})
+    (state_folder() / "can-virtual_cart").write_text(f"{folder.resolve()}\n")
+    return number
+
+
+@pytest.mark.slow
+def test_after_a_give_up_no_run_starts_until_a_person_acknowledges_it(run, handcart, tmp_path):
+    """N13, U12: a service that starts again and again moves nothing and fills no disk."""
+    folder = folder_of(run())
+    number = give_up(folder)
+    for _ in range(3):
+        said = run()
+        assert said.status == 6
+        assert "waits for a person: a wheel is stuck" in said.err
+        assert f"handcart ack {folder} {number}" in said.err
+    assert [each.name for each in (tmp_path / "runs").iterdir()] == [folder.name]
+    assert handcart("ack", folder, number).status == 0
+    assert run().status == 0
+
+
+def test_what_waits_for_a_person_is_told_before_a_robot_is_woken(run, handcart, monkeypatch):
+    """N13: the drives may be off, and the bus with them."""
+    folder = folder_of(run())
+    give_up(folder)
+    monkeypatch.setattr(
+        "handcart.networks.task.preparing.make_backend", lambda *_, **__: pytest.fail("a robot was woken")
+    )
+    said = handcart("resume", folder)
+    assert said.status == 6
+    assert "handcart ack" in said.err
+
+
+def test_one_primitive_alone_is_refused_too(run, handcart, task):
+    """N13"""
+    give_up(folder_of(run()))
+    said = handcart("do", "MOVE_TO", "place=shelf_3", "--robot", "cart", "--backend", "can")
+    assert said.status == 6
+    assert "waits for a person" in said.err
+
+
+@pytest.mark.slow
+def test_a_give_up_of_a_simulated_run_latches_nothing_but_itself(handcart, tour, tmp_path, monkeypatch):
+    """N13: a new run is a new world."""
+    monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path / "state"))
+    for _ in range(2):
+        assert handcart("run", tour, "--runs", tmp_path / "runs").status == 0
+    assert not (tmp_path / "state").exists()
+
+
+@pytest.mark.slow
+def test_an_action_that_was_broken_off_waits_too(run, handcart):
+    """N13: nobody knows where the robot is."""
+    folder = folder_of(run())
+    broke_off(folder, "START", 1)
+    number = len(records(folder)) - 1
+    said = run()
+    assert said.status == 6
+    assert "action 2, MOVE_TO from at_shelf, was broken off" in said.err
+    assert handcart("ack", folder, number).status == 0
+    assert run().status == 0
+
+
+@pytest.mark.slow
+def test_broken_off_between_two_actions_nothing_waits(run):
+    broke_off(folder_of(run()), "RESULT", 0)
+    assert run().status == 0
+
+
+@pytest.mark.slow
+def test_a_journal_that_is_gone_needs_a_person(run, tmp_path):
+    folder = folder_of(run())
+    broke_off(folder, "START", 1)
+    (folder / "journal.jsonl").unlink()
+    said = run()
+    assert said.status == 6
+    assert f"rm {state_folder() / 'can-virtual_cart'}" in said.err
+
+
+def test_two_runs_on_one_robot(run, task):
+    """K11"""
+
+    class Real:
+        name, address = "can", "virtual cart"
+
+    with RobotClaim(Real(), state_folder()) as other:
+        other.begin(Path("/other/run"))
+        said = run()
+    assert said.status == 2
+    assert "is in another run: /other/run" in said.err
+
+
+@pytest.mark.slow
+def test_resume_shows_all_and_moves_only_with_a_persons_word(run, handcart, task):
+    """Known, expected, measured, unknown, next; then `--confirm` with the last record."""
+    folder = folder_of(run())
+    broke_off(folder, "RESULT", 0)
+    at = records(folder)[-1]["at"]["base"]
+    stands_at(task, at[0] + 0.005, at[1], at[2] * 57.29578)
+    last = len(records(folder)) - 1
+    said = handcart("resume", folder)
+    assert said.status == 6
+    for words in ("known: record", "expected: base at", "measured: base at", "unknown: ", "next: MOVE_TO"):
+        assert words in said.err
+    assert f"--confirm {last}" in said.err
+    assert len(records(folder)) == last + 1
+    assert handcart("resume", folder, "--confirm", last - 1).status == 6
+    said = handcart("resume", folder, "--confirm", last, "--json")
+    assert said.status == 0
+    kinds = [each["kind"] for each in records(folder)]
+    assert kinds[last + 1 :] == ["RECON", "EPOCH", "START", "RESULT", "END"]
+    assert json.loads(said.out.splitlines()[-1])["metrics"].get("untrue", []) == []
+
+
+@pytest.mark.slow
+def test_moved_by_hand_while_nobody_watched(run, handcart, task):
+    """U13: nothing moves, whatever is confirmed."""
+    folder = folder_of(run())
+    broke_off(folder, "RESULT", 0)
+    at = records(folder)[-1]["at"]["base"]
+    stands_at(task, at[0] + 0.15, at[1], at[2] * 57.29578)
+    said = handcart("resume", folder, "--confirm", len(records(folder)) - 1)
+    assert said.status == 6
+    assert "the robot isn't where it was left: base_mm 1" in said.err
+
+
+@pytest.mark.slow
+def test_in_doubt_and_measured_where_it_began_the_action_counts_as_failed(run, handcart, task):
+    folder = folder_of(run())
+    broke_off(folder, "START", 1)
+    at = records(folder)[-1]["at"]["base"]
+    stands_at(task, at[0], at[1], at[2] * 57.29578)
+    said = handcart("resume", folder, "--confirm", len(records(folder)) - 1, "--json")
+    assert "unknown: how far action 2, MOVE_TO from at_shelf, had come" in said.err
+    assert said.status == 0
+    assert json.loads(said.out.splitlines()[-1])["fails"] == 1
+    closed = next(each for each in records(folder) if each.get("by") == "recon")
+    assert (closed["n"], closed["outcome"]) == (2, "Fail")
+    assert closed["residuals"]["base_mm"] < 25
+
+
+@pytest.mark.slow
+def test_what_no_sensor_can_tell_needs_a_yes(run, handcart, task):
+    """An INTENT is open: whether it happened only a person knows."""
+    folder = folder_of(run())
+    broke_off(folder, "START", 1)
+    path = folder / "journal.jsonl"
+    at = records(folder)[-1]["at"]["base"]
+    number = len(records(folder)) - 1
+    with Journal.go_on(path, read_journal(path)) as journal:
+        journal.append("INTENT", 30.0, {"n": 2, "effect": "the fingers let the book go"})
+    stands_at(task, at[0], at[1], at[2] * 57.29578)
+    said = handcart("resume", folder, "--confirm", number + 1)
+    assert said.status == 6
+    assert "unknown: whether it happened: the fingers let the book go" in said.err
+    assert f"handcart ack {folder} {number}" in said.err
+    assert handcart("ack", folder, number).status == 0
+    assert handcart("resume", folder, "--confirm", number + 2).status == 0
+
+
+@pytest.mark.slow
+def test_another_file_of_the_robot_is_another_robot(run, handcart, task):
+    """D12"""
+    from handcart.backends.description.robot_loading import ROBOTS
+
+    robot = task.parent / "mine.yaml"
+    robot.write_text((ROBOTS / "cart" / "robot.yaml").read_text())
+    (task.parent / "cart.urdf").write_bytes((ROBOTS / "cart" / "cart.urdf").read_bytes())
+    task.write_text(task.read_text().replace("robot: cart", "robot: mine.yaml"))
+    folder = folder_of(run())
+    broke_off(folder, "RESULT", 0)
+    robot.write_text(robot.read_text().replace("base_mm: 25", "base_mm: 50"))
+    said = handcart("resume", folder)
+    assert said.status == 6
+    assert "the robot is not the one that was run" in said.err
+
+
+@pytest.mark.slow
+def test_a_real_robots_journal_waits_for_the_disk_and_a_simulated_ones_does_not(run, monkeypatch):
+    import os
+
+    calls = []
+    real = os.fdatasync
+    monkeypatch.setattr(os, "fdatasync", lambda file: (calls.append(file), real(file))[1])
+    folder = folder_of(run())
+    assert len(calls) == len(records(folder))
+    calls.clear()
+    run("--no-sync")
+    assert calls == []

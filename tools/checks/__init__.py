@@ -1,0 +1,1 @@
+"""What `handcart check` and `--dry-run` tell."""

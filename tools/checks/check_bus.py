@@ -1,0 +1,56 @@
+"""What `handcart check` tells about a robot's CAN bus."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from handcart.backends.can.bus.bus_load import BusLoad
+    from handcart.backends.description.robot_file import RobotFile
+
+
+def bus_of(robot: RobotFile) -> BusLoad | None:
+    """What cyclic frames take of its bus; None where it has none."""
+    if robot.can is None:
+        return None
+    from handcart.backends.can.bus.cyclic_frames import bus_load
+
+    return bus_load(robot.can, robot.period_s)
+
+
+def bus_tables(load: BusLoad) -> Iterator[Any]:
+    """For people: a row a frame, and the sum."""
+    from handcart.backends.can.bus.bus_load import ALLOWED
+    from handcart.tools.terminal.tables import table_of
+
+    rows = [
+        (
+            f"{each.cob_id:03X}h",
+            each.what,
+            f"{each.length}",
+            f"{each.bits}",
+            f"{1e3 * each.period_s:g} ms",
+            f"{load.share_of(each):.2%}",
+        )
+        for each in load.frames
+    ]
+    yield table_of("frame", "what", "bytes", "bits at worst", "every", "of the bus", rows=rows)
+    yield (
+        f"CAN bus: {load.share:.1%} of {load.bitrate / 1e3:g} kbit/s by cyclic frames, with all bits that "
+        f"stuffing can add; allowed: {ALLOWED:.0%}"
+    )
+    yield f"all of them once take {1e3 * load.burst_s:.2f} ms"
+
+
+def bus_figures(load: BusLoad) -> dict[str, Any]:
+    """The same for programs."""
+    return {
+        "bitrate": load.bitrate,
+        "share": round(load.share, 5),
+        "burst_s": round(load.burst_s, 6),
+        "frames": [
+            {**each._asdict(), "bits": each.bits, "share": round(load.share_of(each), 6)}
+            for each in load.frames
+        ],
+    }

@@ -1,0 +1,187 @@
+"""What `handcart check` tells about a robot."""
+
+from __future__ import annotations
+
+import io
+import math
+from collections import Counter
+from collections.abc import Collection, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from handcart.files.errors import FileError, InputError
+from handcart.files.yaml.yaml_document import read_document
+from handcart.tools.terminal.tables import table_of
+from handcart.tools.terminal.writing import NotWritable
+
+if TYPE_CHECKING:
+    from rich.console import Group
+    from rich.table import Table
+
+    from handcart.evaluation.robot_report.reach import Reach
+    from handcart.evaluation.robot_report.report import Contents, RobotReport
+    from handcart.robotics.kinematics.urdf_contents import JointFacts
+
+WIDTH = 110
+MOST = 3  # links that are named as heavy
+PICTURES = (".svg", ".png", ".pdf")
+
+
+class NoSuchPicture(InputError):
+    """A picture of that kind can't be drawn."""
+
+
+def robot_facts(file: Path, picture: Path | None, quick: bool = False, every: bool = False) -> dict[str, Any]:
+    """Look at a robot, and draw it where a picture is wanted.
+
+    Args:
+        file: the robot's.
+        picture: what to draw into.
+        quick: whether its reach isn't tried.
+        every: whether every joint, link and mesh is told, not only the arm's joints.
+
+    Raises:
+        FileError: something in its files is wrong.
+        NoSuchPicture: the picture's ending is unknown.
+        NotWritable: it can't be written there.
+    """
+    from handcart.backends.description.robot_loading import load_robot
+    from handcart.evaluation.robot_report.picture import draw_robot
+    from handcart.evaluation.robot_report.posture_findings import posture_findings
+    from handcart.evaluation.robot_report.remark import grouped, grouped_findings
+    from handcart.evaluation.robot_report.report import report_of
+
+    from .check_bus import bus_figures, bus_of, bus_tables
+
+    if picture is not None and picture.suffix not in PICTURES:
+        raise NoSuchPicture(f"{picture}: no picture ends like that; allowed: {', '.join(PICTURES)}")
+    robot = load_robot(str(file))
+    try:
+        report = report_of(robot, not quick)
+    except ValueError as error:
+        raise FileError([read_document(file).finding(("urdf",), f"{error}; allowed: a sound URDF")]) from None
+    if picture is not None:
+        try:
+            draw_robot(picture, robot, report.reach)
+        except OSError as error:
+            raise NotWritable(picture, error.strerror) from None
+    bus = bus_of(robot)
+    postures = list(posture_findings(str(file), robot))
+    return {
+        "format": robot.format,
+        "warnings": [*report.warnings, *map(str, postures)],
+        "grouped": [*grouped(report.remarks), *grouped_findings(postures)],
+        "lines": [*_lines(report, every), *(_lines_of(*bus_tables(bus)) if bus else ())],
+        "robot": {**report.figures(), **({"bus": bus_figures(bus)} if bus else {})},
+        **({"picture": str(picture)} if picture is not None else {}),
+    }
+
+
+def contents_lines(contents: Contents, chosen: Collection[str], every: bool) -> list[str]:
+    """Joints, links and meshes as tables: all of them, or the `chosen` joints and what the others come to."""
+    if every:
+        return _lines_of(*(part for table in _tables(contents) for part in (table, "")))
+    rows = [_joint(each) for each in contents.joints if each.name in chosen]
+    others = Counter(each.kind for each in contents.joints if each.name not in chosen)
+    weighed = sorted(((each.mass_kg or 0.0, each.name) for each in contents.links), reverse=True)
+    heaviest = ", ".join(f"{name} {mass:.3g} kg" for mass, name in weighed[:MOST] if mass > 0.0)
+    kinds = ", ".join(f"{count} {kind}" for kind, count in sorted(others.items()))
+    told: list[Any] = [_joint_table(rows), ""] if rows else []
+    told += [f"other joints that move: {kinds}"] if others else []
+    told.append(f"{len(weighed)} links, {sum(mass for mass, _ in weighed):.3g} kg; the heaviest: {heaviest}")
+    told += [f"{len(contents.meshes)} meshes"] if contents.meshes else []
+    return [*_lines_of(*told), "--all tells of each joint, link and mesh", ""]
+
+
+def _lines(report: RobotReport, every: bool) -> list[str]:
+    """The report for people."""
+    told: list[Any] = []
+    if report.contact is not None:
+        told.append(report.contact.words)
+    if report.reach is not None:
+        told += [_reach(report.reach), ""]
+    if report.camera is not None:
+        camera = report.camera
+        told.append(
+            f"camera: sees {camera.across_deg:.0f} by {camera.upright_deg:.0f} deg; "
+            f"{camera.px_per_mm:.1f} px a mm at 0.3 m"
+        )
+    return [*contents_lines(report.contents, report.arm, every), *_lines_of(*told)]
+
+
+def _lines_of(*told: Any) -> list[str]:
+    from rich.console import Console
+    from rich.text import Text
+
+    console = Console(file=io.StringIO(), width=WIDTH, color_system=None)
+    for each in told:
+        # A maker's name may look like markup.
+        console.print(Text(each) if isinstance(each, str) else each)
+    text = console.file.getvalue()  # type: ignore[attr-defined]
+    return [line.rstrip() for line in text.splitlines()]
+
+
+def _tables(contents: Contents) -> list[Table]:
+    tables = [
+        _joint_table([_joint(each) for each in contents.joints]),
+        table_of(
+            "link",
+            "mass",
+            "remark",
+            rows=[
+                (
+                    each.name,
+                    "frame only" if each.mass_kg is None else f"{each.mass_kg:.3g} kg",
+                    "; ".join(each.faults),
+                )
+                for each in contents.links
+            ],
+        ),
+    ]
+    if contents.meshes:
+        rows = [(each.link, each.kind, each.file, each.fault or "") for each in contents.meshes]
+        tables.append(table_of("mesh of", "kind", "file", "remark", rows=rows))
+    return tables
+
+
+def _joint_table(rows: Sequence[Sequence[str]]) -> Table:
+    return table_of("joint", "kind", "from", "to", "speed", "effort", rows=rows)
+
+
+def _joint(joint: JointFacts) -> tuple[str, ...]:
+    turns = joint.kind != "prismatic"
+    scale, unit, force = (math.degrees(1.0), "deg", "Nm") if turns else (1e3, "mm", "N")
+    limits = ("-" if end is None else f"{scale * end:.0f} {unit}" for end in (joint.lower, joint.upper))
+    return (
+        joint.name,
+        joint.kind,
+        *limits,
+        f"{scale * joint.velocity:.0f} {unit}/s",
+        f"{joint.effort:.3g} {force}",
+    )
+
+
+def _reach(reach: Reach) -> Group:
+    from rich.console import Group
+
+    from handcart.evaluation.robot_report.reach import BEFORE_SHELF
+
+    (near, far), (low, high) = reach.radii, reach.heights
+    words = (
+        f"reach: the hand gets {near:.2f} to {far:.2f} m from the base's axis, {low:.2f} to {high:.2f} m up"
+    )
+    if not reach.grasps:
+        return Group(words)
+    rows = [
+        (f"{row.board_m:.2f} m", f"{_span(row.ahead_m)}, y = {row.line_m:.2f}", _span(row.aside_m))
+        for row in reach.grasps
+    ]
+    return Group(
+        f"{words};",
+        "upright, pointing ahead and holding a book on a board, its finger tips get to",
+        table_of("board at", "x, straight ahead", f"y, {BEFORE_SHELF} m ahead", rows=rows),
+    )
+
+
+def _span(span: tuple[float, float] | None) -> str:
+    return "nowhere" if span is None else f"{span[0]:.2f} to {span[1]:.2f} m"

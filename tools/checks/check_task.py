@@ -1,0 +1,114 @@
+"""What `handcart check` tells of a task's network."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from handcart.networks.analysis.figures import Figures, Influence
+    from handcart.networks.analysis.forecast import Forecast
+    from handcart.networks.task.task_file import Task
+
+Watch = Callable[[float], None]
+"""Hears now and then how much is done, 0 to 1."""
+MOST = 30
+"""Lines of one kind that are printed."""
+SHORT = (
+    "where a run may end short of the goal, with the fewest Fails (another way or more attempts would help):"
+)
+
+
+def task_facts(task: Task, watch: Watch = lambda share: None) -> dict[str, Any]:
+    """Its size, what is doubtful (`warnings`), where runs may end short of the goal (`short`), and how runs
+    end (`figures`, for people in `lines`)."""
+    from handcart.networks.analysis.task_findings import short_findings, task_findings, unused_findings
+    from handcart.networks.analysis.worst_cases import worst_cases
+    from handcart.networks.chains.effort import Effort
+    from handcart.networks.chains.policy import WORK
+
+    network = task.network
+    told: dict[str, Any] = {
+        "title": task.file.title,
+        "situations": len(network.situations),
+        "actions": len(network.actions),
+    }
+    warnings = task_findings(task)
+    cases = worst_cases(network, Effort(WORK, lambda share: watch(share / 3.0)))
+    if cases.too_large:
+        told["worst cases"] = f"not known: {'; '.join(sorted({str(each) for each in cases.too_large}))}"
+    warnings += unused_findings(task, cases)
+    short = list(map(str, short_findings(task, cases)))
+    figures, lines = _figures(task, watch)
+    return {
+        **told,
+        "longest run": f"at most {cases.longest} actions",
+        "warnings": list(map(str, warnings)),
+        "short": short,
+        **figures,
+        "lines": [*([SHORT] if short else []), *_first([f"  {each}" for each in short]), *lines],
+    }
+
+
+def _first(lines: list[str]) -> list[str]:
+    """As many as a person reads."""
+    left = len(lines) - MOST
+    return [*lines[:MOST], f"  and {left} more (`--json` has them all)"] if left > 0 else lines
+
+
+def _figures(task: Task, watch: Watch) -> tuple[dict[str, Any], list[str]]:
+    """How runs end, where the file gives all probabilities: for programs, and in lines for people."""
+    from handcart.networks.analysis.figures import figures, missing_chances
+    from handcart.networks.chains.effort import Effort
+    from handcart.networks.chains.policy import WORK, TooLarge
+
+    missing = missing_chances(task)
+    if len(missing) == len(task.file.actions):
+        return {}, []
+    if missing:
+        places = [task.document.position(("actions", number))[0] for number in missing]
+        which = ", ".join(
+            f"{task.file.actions[number].do} (line {line})"
+            for number, line in zip(missing, places, strict=True)
+        )
+        return {"how runs end": f"not known: `p` is missing in {which}"}, []
+    try:
+        found = figures(
+            task,
+            Effort(WORK, lambda share: watch((1.0 + share) / 3.0)),
+            Effort(WORK, lambda share: watch((2.0 + share) / 3.0)),
+        )
+    except TooLarge as large:
+        return {"how runs end": f"not known: {large}"}, []
+    return {"figures": found.for_programs()}, _lines(found)
+
+
+def _lines(found: Figures) -> list[str]:
+    from handcart.networks.analysis.figures import ASSUMPTION
+
+    now = found.forecast
+    undone = f", elements left undone {now.left_undone:.5f}" if now.left_undone else ""
+    ends = (
+        f"P(goal) {now.goal:.5f}{undone}, no way left {now.no_way:.5f}, a person is needed {now.give_up:.5f}"
+    )
+    head = f"  {'action':<48}{'line':>5}{'p':>7}{'starts':>9}{'slope':>9}"
+    return [
+        f"how runs end, if {ASSUMPTION}:",
+        f"  {ends}",
+        f"  expected cost {now.cost_s:.1f} s, standard deviation {now.cost_sigma_s:.1f} s",
+        "what P(goal) depends on (slope by p), and what more tries would change in P(goal) and cost:",
+        f"{head}{'one more attempt':>22}{'an alternative':>22}",
+        *_first([_row(each, now) for each in found.influences]),
+    ]
+
+
+def _row(each: Influence, now: Forecast) -> str:
+    figures = f"{each.line:>5}{each.chance.success:>7.3g}{each.starts:>9.3f}{each.slope:>9.4f}"
+    changes = "".join(f"{_change(then, now):>22}" for then in (each.one_more, each.alternative))
+    return f"  {each.words:<48}{figures}{changes}"
+
+
+def _change(then: Forecast | None, now: Forecast) -> str:
+    if then is None:
+        return "not known"
+    return f"{then.goal - now.goal:+.5f} {then.cost_s - now.cost_s:+.1f} s"

@@ -1,0 +1,51 @@
+"""`handcart run --dry-run` and `--script`: what a run would do, without a robot."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+STATUS = {"Success": 0, "Fail": 3, "GiveUp": 4}
+
+
+def dry_run(
+    task: Path,
+    backend: str | None,
+    settings: Sequence[str],
+    seed: int,
+    situation: str | None,
+    script: Path | None,
+    as_json: bool,
+) -> int:
+    """Check a task with all its files, print what would be done; the exit status that a run would have."""
+    import orjson
+
+    from handcart.backends.description.robot_loading import load_robot
+    from handcart.evaluation.robot_report.posture_findings import posture_findings
+    from handcart.files.errors import FileError
+    from handcart.files.models.settings import split_setting
+    from handcart.networks.coordination.script import follow, load_script
+    from handcart.networks.task.preparing import check
+
+    outcomes = None if script is None else load_script(script)
+    chosen = dict(split_setting(each) for each in settings)
+    checked = check(task, backend, chosen, seed, situation)
+    network, robot = checked.task.network, checked.task.robot
+    places = [place.words() for place in checked.places]
+    if checked.errors:
+        print("\n".join([] if as_json else places), end="" if as_json else "\n")
+        raise FileError(checked.errors)
+    doubts = [*checked.warnings, *map(str, posture_findings(robot, load_robot(robot)))]
+    told = follow(network, outcomes.outcomes if outcomes else ())
+    if as_json:
+        rooms = [each.for_programs() for each in checked.places]
+        print(orjson.dumps({**told.summary(), "places": rooms, "warnings": doubts}).decode())
+    else:
+        for line in told.lines:
+            print(line)
+        print(f"{told.outcome} in situation {told.situation}{told.reason and ': '}{told.reason}")
+        print(f"imagined: nothing has moved; a real run takes at most {network.bound()} actions")
+        print("\n".join(places), end="\n" if places else "")
+        for doubt in doubts:
+            print(f"warning: {doubt}")
+    return STATUS[told.outcome]

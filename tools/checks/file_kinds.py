@@ -1,0 +1,56 @@
+"""The kinds of files that users write."""
+
+from __future__ import annotations
+
+from inspect import isfunction
+from pathlib import Path
+from typing import Any
+
+from handcart.tasks.domain import domains, imported
+
+MOST = 20  # files beside a URDF that are looked at
+
+_GENERAL = {
+    "task": "handcart.networks.task.task_model:TaskFile",
+    "robot": "handcart.backends.description.robot_file:RobotFile",
+    "world": "handcart.backends.simulation.world.world_model:world_model",
+    "table": "handcart.networks.analysis.action_table:ActionTable",
+    "places": "handcart.primitives.knowledge.place:Places",
+}
+
+
+def kinds() -> dict[str, str]:
+    """What may stand behind `handcart-` under the key `format`, and the model that reads it."""
+    found = dict(_GENERAL)
+    for domain in domains():
+        found |= domain.files
+    return found
+
+
+def is_urdf(path: Path) -> bool:
+    """Whether a file is a URDF, by its ending."""
+    return path.suffix.lower() in (".urdf", ".xacro")
+
+
+def robots_beside(urdf: Path) -> list[Path]:
+    """The robots' files in a URDF's folder that name it."""
+    from ruamel.yaml.error import YAMLError
+
+    from handcart.files.errors import InputError
+    from handcart.files.yaml.yaml_document import read_document
+
+    found = []
+    for path in sorted((*urdf.parent.glob("*.yaml"), *urdf.parent.glob("*.yml")))[:MOST]:
+        try:
+            data = read_document(path).data
+        except (InputError, OSError, YAMLError):
+            continue
+        if isinstance(data, dict) and data.get("urdf") == urdf.name:
+            found.append(path)
+    return found
+
+
+def model_of(kind: str) -> Any:
+    """The class of a kind of file, or what a function gives for it; raises KeyError for an unknown one."""
+    found = imported(kinds()[kind])
+    return found() if isfunction(found) else found

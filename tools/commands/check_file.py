@@ -1,0 +1,244 @@
+"""`handcart check`: everything that can be known about a file without moving."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
+
+import typer
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from handcart.files.errors import FileError, Finding, InputError
+
+MOST = 12  # lines of faults beyond which those that are alike are told in one
+
+
+class Asked(NamedTuple):
+    """What is wanted to be told beside what is wrong."""
+
+    picture: Path | None = None
+    every: bool = False
+    """Each joint, link and mesh of a robot."""
+    allow: bool = False
+    """Whether pairs that always touch are written into the robot's file."""
+    draft: Path | None = None
+    """A robot's file to be written for a URDF."""
+    quick: bool = False
+    """Whether what takes seconds is left out."""
+
+
+def check(
+    file: Annotated[
+        Path, typer.Argument(help="a task, robot, world, map, places or catalogue file, or a URDF")
+    ],
+    as_json: Annotated[bool, typer.Option("--json", help="one JSON object on stdout")] = False,
+    settings: Annotated[
+        list[str] | None, typer.Option("--set", help="KEY=VALUE: a parameter that the task declares")
+    ] = None,
+    picture: Annotated[
+        Path | None, typer.Option(help="draw a robot, from the side and from above, into this file")
+    ] = None,
+    every: Annotated[bool, typer.Option("--all", help="of a robot: each joint, link and mesh")] = False,
+    allow: Annotated[
+        bool, typer.Option("--allow", help="write pairs of links that always touch into the robot's file")
+    ] = False,
+    draft: Annotated[
+        Path | None, typer.Option(help="write a first robot's file for a URDF, beside it or above")
+    ] = None,
+) -> None:
+    """Read a file with all that it names, and tell what is wrong with it: each finding with its place."""
+    import orjson
+
+    from handcart.files.errors import FileError, InputError
+    from handcart.files.models.settings import split_setting
+
+    try:
+        given = dict(split_setting(each) for each in settings or [])
+        told = file_facts(file, given, Asked(picture, every, allow, draft))
+    except InputError as error:
+        if not as_json:
+            if isinstance(error, FileError) and not every:
+                _tell_grouped(error)
+            raise
+        print(orjson.dumps({"ok": False, "findings": _findings(error)}).decode())
+        sys.exit(error.exit_status)
+    errors = told.pop("errors", [])
+    if as_json:
+        told.pop("lines", None)
+        told.pop("grouped", None)
+        found = {"findings": _places(errors)} if errors else {}
+        print(orjson.dumps({"ok": not errors, **found, **told}).decode())
+        sys.exit(InputError.exit_status if errors else 0)
+    warnings = told.pop("warnings", ())
+    for each in errors:
+        print(each, file=sys.stderr)
+    faults = f"{len(errors)} faults" if errors else "no fault found"
+    print(f"{file}: {faults}{f', {len(warnings)} warnings' if warnings else ''}")
+    grouped = told.pop("grouped", warnings)
+    for warning in warnings if every else grouped:
+        print(f"  warning: {warning}")
+    for line in told.pop("lines", ()):
+        print(f"  {line}")
+    for key in ("figures", "robot", "short", "places"):
+        told.pop(key, None)
+    for name, value in told.items():
+        print(f"  {name}: {value}")
+    sys.exit(InputError.exit_status if errors else 0)
+
+
+def check_quietly(file: Path) -> dict[str, Any]:
+    """What `check` would print about a file; raises what it would tell."""
+    return file_facts(file, {}, Asked(quick=True))
+
+
+def _tell_grouped(error: FileError) -> None:
+    """End here with a line for each kind of fault, where many are alike."""
+    from handcart.evaluation.robot_report.remark import grouped_findings
+
+    lines = grouped_findings(error.findings)
+    if len(error.findings) <= MOST:
+        return
+    for line in lines[:MOST]:
+        print(line, file=sys.stderr)
+    if len(lines) > MOST:
+        print(f"and {len(lines) - MOST} kinds of faults more; --all tells them", file=sys.stderr)
+    sys.exit(error.exit_status)
+
+
+def _findings(error: InputError) -> list[dict[str, Any]]:
+    from handcart.files.errors import FileError
+
+    if not isinstance(error, FileError):  # a name that no file's line is known for
+        return [{"file": None, "line": 0, "column": 0, "message": str(error)}]
+    return _places(error.findings)
+
+
+def _places(findings: Iterable[Finding]) -> list[dict[str, Any]]:
+    return [
+        {"file": each.file, "line": each.line, "column": each.column, "message": each.message}
+        for each in findings
+    ]
+
+
+def file_facts(file: Path, settings: dict[str, str], asked: Asked = Asked()) -> dict[str, Any]:
+    """What is known of a file: for programs, for people (`lines`, `warnings`), and what is wrong with its
+    places (`errors`).
+
+    Raises:
+        FileError: with all that is wrong with it.
+        InputError: it names something that there isn't.
+    """
+    from handcart.files.errors import FileError
+    from handcart.files.maps.map_file import is_map_file
+    from handcart.files.models.loading import load
+    from handcart.files.suggest import suggest
+    from handcart.files.yaml.yaml_document import read_document
+    from handcart.primitives.knowledge.ros_goals import is_goals
+    from handcart.tools.checks.file_kinds import is_urdf, kinds, model_of
+
+    if is_urdf(file):
+        from handcart.tools.checks.check_urdf import urdf_facts
+
+        return urdf_facts(file, asked.every, asked.draft)
+    if is_map_file(file):
+        return _map_facts(file)
+    document = read_document(file)
+    if is_goals(document):
+        return _goals_facts(file)
+    data = document.data if isinstance(document.data, dict) else {}
+    kind = str(data.get("format", "")).removeprefix("handcart-").split("/")[0]
+    if kind not in kinds():
+        allowed = [f"handcart-{each}/1" for each in kinds()]
+        wrong = f"the key 'format' doesn't tell what this is{suggest(str(data.get('format', '')), allowed)}"
+        raise FileError([document.finding(("format",) if "format" in data else (), wrong)])
+    if kind == "task":
+        return _task_facts(file, settings, asked.quick)
+    if kind == "table":
+        return _table_facts(file)
+    if kind == "robot":
+        from handcart.tools.checks.check_robot import robot_facts
+
+        if asked.allow:
+            from handcart.tools.checks.allowing import allow_contacts
+
+            allow_contacts(file)
+        return robot_facts(file, asked.picture, asked.quick, asked.every)
+    if kind == "world":
+        from handcart.backends.simulation.world.load_world import load_world
+
+        load_world(file)
+    else:
+        load(file, model_of(kind))
+    return {"format": data["format"]}
+
+
+def _map_facts(file: Path) -> dict[str, Any]:
+    from handcart.files.maps.map_file import load_map
+    from handcart.files.maps.movingai_map import SUFFIX
+
+    grid, warning = load_map(file)
+    height, width = grid.occupied.shape
+    counts = {"occupied": int(grid.occupied.sum()), "unknown": int(grid.unknown.sum())}
+    size = f"{width} x {height} of {grid.resolution:g} m"
+    kind = "MovingAI map" if file.suffix == SUFFIX else "ROS map"
+    return {"format": kind, "cells": size, **counts, "warnings": [warning] if warning else []}
+
+
+def _goals_facts(file: Path) -> dict[str, Any]:
+    from handcart.primitives.knowledge.place_file import load_places
+
+    return {"format": "goals for nav2", "places": list(load_places(file).value.places)}
+
+
+def _task_facts(file: Path, settings: dict[str, str], quick: bool) -> dict[str, Any]:
+    from handcart.backends.description.robot_loading import load_robot
+    from handcart.evaluation.robot_report.posture_findings import posture_findings
+    from handcart.networks.task.preparing import check as check_task
+    from handcart.tools.checks.check_task import task_facts
+    from handcart.tools.terminal.share_shown import share_shown
+
+    checked = check_task(file, settings=settings)
+    with share_shown(f"{file}: how runs end") as watch:
+        told = task_facts(checked.task, watch)
+    if not quick and checked.task.path("knowledge", "seam"):
+        from handcart.evaluation.seam.seam_check import seam_facts  # what it needs takes a second to import
+
+        told |= seam_facts(checked.task)
+    robot = checked.task.robot
+    postures = map(str, posture_findings(robot, load_robot(robot)))
+    lines = [*(each.words() for each in checked.places), *told.get("lines", ())]
+    places = {"places": [each.for_programs() for each in checked.places]} if checked.places else {}
+    told |= {"lines": lines, "warnings": [*checked.warnings, *postures, *told["warnings"]]}
+    return {**told, **places, "errors": list(checked.errors)}
+
+
+def _table_facts(file: Path) -> dict[str, Any]:
+    from handcart.files.models.loading import load_document
+    from handcart.files.yaml.yaml_document import read_document
+    from handcart.networks.analysis.action_table import (
+        ActionTable,
+        table_absorption,
+        table_errors,
+        table_warnings,
+    )
+    from handcart.networks.chains.absorbing_chain import NeverEnds
+
+    loaded = load_document(read_document(file), ActionTable)
+    lines, figures = [], {}
+    for p in (0.8, 0.9, 0.99):
+        try:
+            ends, steps, sigma = table_absorption(loaded.value, p)
+        except NeverEnds:
+            lines = ["how runs end: some never do"]
+            break
+        shares = ", ".join(f"{name} {share:.5f}" for name, share in sorted(ends.items()))
+        lines.append(
+            f"if each succeeds with {p}, independently: {shares}; {steps:.4f} ± {sigma:.4f} primitives"
+        )
+        figures[str(p)] = {"ends": ends, "steps": steps, "steps_sigma": sigma}
+    warnings = [str(each) for each in table_warnings(loaded)]
+    told = {"title": loaded.value.title, "warnings": warnings, "errors": table_errors(loaded)}
+    return {**told, "lines": lines, "figures": figures}

@@ -1,0 +1,43 @@
+"""`handcart describe`: what a primitive takes, needs and does, or what a backend simulates."""
+
+from __future__ import annotations
+
+import inspect
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+if TYPE_CHECKING:
+    from handcart.primitives.contract.action_primitive import ActionPrimitive
+
+
+def describe(name: Annotated[str, typer.Argument(help="a primitive, such as MOVE_TO, or a backend")]) -> None:
+    """Tell what a primitive does, takes, needs, reads and writes, or how a backend differs from metal."""
+    from handcart.backends.registry import backend_class, backend_names
+    from handcart.primitives.registry import primitive_class
+
+    if name in backend_names():
+        print(f"{name}\n\n{inspect.getdoc(backend_class(name))}")
+        return
+    try:
+        kind = primitive_class(name)
+    except KeyError as unknown:
+        raise typer.BadParameter(str(unknown.args[0])) from None
+    print(f"{name}\n\n{inspect.getdoc(kind)}\n")
+    print("\n".join(_parameters(kind)) or "  no parameters")
+    print(f"\nneeds:  {', '.join(each.__name__ for each in kind.needs) or 'nothing'}")
+    print(f"reads:  {', '.join(kind.reads) or 'nothing'}")
+    print(f"writes: {', '.join(kind.writes) or 'nothing'}")
+
+
+def _parameters(kind: type[ActionPrimitive]) -> list[str]:
+    from handcart.files.models.schema_walk import SchemaWalk
+    from handcart.files.models.schema_words import described, shown
+
+    walk = SchemaWalk(kind.__pydantic_core_schema__)
+    lines = []
+    for key, field in kind.model_fields.items():
+        default = "required" if field.is_required() else f"default {shown(field.default)}"
+        told = f": {field.description}" if field.description else ""
+        lines.append(f"  {key} ({described(walk, walk.place((key,)).schema, key)}; {default}){told}")
+    return lines

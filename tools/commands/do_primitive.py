@@ -1,0 +1,108 @@
+"""`handcart do`: one primitive alone."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+if TYPE_CHECKING:
+    from handcart.networks.task.task_knowledge import TaskKnowledge
+    from handcart.primitives.contract.action_primitive import ActionPrimitive
+
+DEFAULT = "librarian"
+STATUS = {"Success": 0, "Fail": 3, "GiveUp": 4}
+
+
+def do(
+    primitive: Annotated[str, typer.Argument(help="its name, such as MOVE_TO")],
+    parameters: Annotated[list[str] | None, typer.Argument(help="KEY=VALUE ...")] = None,
+    knowledge: Annotated[
+        Path | None, typer.Option(help="a task file: its robot, world, map and what else it tells")
+    ] = None,
+    robot: Annotated[str | None, typer.Option(help="a shipped robot, or the path of a robot's file")] = None,
+    backend: Annotated[str, typer.Option(help="what stands for the robot")] = "kinematic",
+    world: Annotated[Path | None, typer.Option(help="default: the library of return_book")] = None,
+    map: Annotated[Path | None, typer.Option(help="a map in ROS format")] = None,
+    places: Annotated[Path | None, typer.Option(help="the map's named places")] = None,
+    start: Annotated[str | None, typer.Option(help="the place at which the world starts the robot")] = None,
+    seed: Annotated[int, typer.Option(help="of the simulated errors")] = 0,
+) -> None:
+    """Run one primitive alone, and tell its outcome; by itself in the library of return_book."""
+    from dataclasses import replace
+
+    from handcart.evaluation.trials.stage import StageFiles, set_stage
+    from handcart.networks.runs.robot_claim import claimed
+    from handcart.networks.task.task_file import load_task
+    from handcart.primitives.contract.outcome import Success
+
+    made = _made(primitive, parameters or [])
+    task = load_task(knowledge) if knowledge else None
+    own = StageFiles() if task is None else StageFiles.of(task)
+    given = {"world": world, "map": map, "places": places, "start": start}
+    files = replace(own, **{name: value for name, value in given.items() if value is not None})  # type: ignore[arg-type]
+    whose = robot or (DEFAULT if task is None else task.robot)
+    with set_stage(files, whose, backend, seed) as stage, claimed(stage.backend):
+        _check_names(made, stage.knowledge)
+        outcome = stage.do(made)
+    word = type(outcome).__name__
+    print(word if isinstance(outcome, Success) else f"{word}: {outcome.reason}")
+    told = outcome.evidence if isinstance(outcome, Success) else {**made.facts, **outcome.residuals}
+    for name, value in told.items():
+        print(f"  {name}: {value:.4g}" if isinstance(value, float) else f"  {name}: {value}")
+    sys.exit(STATUS[word])
+
+
+def _made(name: str, parameters: list[str]) -> ActionPrimitive:
+    """The primitive with its parameters, checked as in a task file."""
+    from handcart.files.errors import FileError
+    from handcart.primitives.registry import primitive_class
+
+    try:
+        kind = primitive_class(name)
+    except KeyError as unknown:
+        raise typer.BadParameter(str(unknown.args[0])) from None
+    try:
+        return _read(name, kind, parameters)
+    except FileError as error:
+        raise FileError(_as_typed(error)) from None
+
+
+def _read(name: str, kind: type[ActionPrimitive], parameters: list[str]) -> ActionPrimitive:
+    from handcart.files.models.loading import load_part
+    from handcart.files.models.settings import setting_value, split_setting
+    from handcart.files.yaml.yaml_document import Document
+    from handcart.files.yaml.yaml_node import Node
+
+    content = {}
+    for key, value in map(split_setting, parameters):
+        field = kind.model_fields.get(key)
+        is_text = field is not None and field.annotation is str and value[:1] not in ("'", '"')
+        content[key] = (
+            Node(value, f"--set {key}={value}", 0, 0, 0, 0) if is_text else setting_value(key, value)
+        )
+    command = f"handcart do {name}"
+    return load_part(Document(command, b"", Node(content, command, 0, 0, 0, 0)), (), kind)
+
+
+def _as_typed(error: Any) -> list[Any]:
+    """Findings without the `--set` that a task's parameters have."""
+    from dataclasses import replace
+
+    return [replace(each, file=each.file.removeprefix("--set ")) for each in error.findings]
+
+
+def _check_names(made: ActionPrimitive, knowledge: TaskKnowledge) -> None:
+    from handcart.files.suggest import suggest
+    from handcart.networks.task.primitive_parameters import named_entry
+
+    known = knowledge.names()
+    for key, field in type(made).model_fields.items():
+        name, entry = getattr(made, key), named_entry(field)
+        if entry and name is not None and name not in (there := known.get(entry, ())):
+            allowed = (
+                suggest(str(name), [str(each) for each in there]) if there else f"; no {entry} are known"
+            )
+            raise typer.BadParameter(f"{key}={name}: unknown {entry[:-1]} {name!r}{allowed}")

@@ -1,0 +1,24 @@
+"""`handcart draw`: a task's action network as a picture."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+
+def draw(
+    task: Annotated[Path, typer.Argument(help="the task's file")],
+    output: Annotated[Path, typer.Option("-o", "--output", help="FILE.svg, FILE.mmd or FILE.dot")],
+) -> None:
+    """Draw a task's action network: as SVG, Mermaid or dot, by the file's ending."""
+    from handcart.files.suggest import suggest
+    from handcart.networks.drawing.drawing import FORMATS
+    from handcart.networks.task.task_file import load_task
+    from handcart.tools.terminal.writing import write_text
+
+    if output.suffix not in FORMATS:
+        raise typer.BadParameter(f"no drawing for {output.suffix!r}{suggest(output.suffix, FORMATS)}")
+    write_text(output, FORMATS[output.suffix](load_task(task).network))
+    print(f"drawn into {output}")

@@ -1,0 +1,90 @@
+"""`handcart explain`: why a run went as it did."""
+
+from __future__ import annotations
+
+import math
+import sys
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+if TYPE_CHECKING:
+    from handcart.evaluation.explanation.explanation import Explanation
+
+
+def explain(
+    run: Annotated[Path, typer.Argument(help="the run's folder")],
+    action: Annotated[
+        int | None, typer.Option(help="number of the action; left out: the last that failed, else the run")
+    ] = None,
+    picture: Annotated[
+        Path | None, typer.Option(help="where the chart is drawn; left out: in the run's folder")
+    ] = None,
+    frames: Annotated[
+        Path | None,
+        typer.Option(
+            help="a log that another recorder wrote meanwhile (.asc, .blf, .csv, .db, .log, .trc); "
+            "left out: the run's own frames"
+        ),
+    ] = None,
+    at: Annotated[
+        float | None, typer.Option(help="where to look in that log, in s of its stamps; left out: at its end")
+    ] = None,
+    as_json: Annotated[bool, typer.Option("--json", help="one JSON object on stdout")] = False,
+) -> None:
+    """Tell why an action was chosen, why it failed and how well it was restored, from the run's folder."""
+    import orjson
+
+    from handcart.evaluation.explanation.explanation import as_json as json_of
+    from handcart.evaluation.explanation.explanation import explain as explained
+    from handcart.evaluation.explanation.explanation_chart import UnreadableEvidence
+    from handcart.evaluation.explanation.explanation_words import in_words
+    from handcart.files.printable import printable
+    from handcart.networks.journal.past_run import read_run
+
+    past = read_run(run)
+    if past.torn_at is not None:
+        _warn(f"the journal's tail is torn at byte {past.torn_at}: what came after isn't known")
+    told = explained(past, action)
+    if frames is not None:
+        told = replace(told, frames=frames, frames_at=math.inf if at is None else at)
+    chart, damaged = None, None
+    try:
+        chart = _drawn(told, picture)
+    except UnreadableEvidence as error:
+        damaged = error
+    if as_json:
+        print(orjson.dumps(json_of(told, chart), option=orjson.OPT_INDENT_2).decode())
+    else:
+        print("\n".join(printable(line) for line in in_words(told, chart).splitlines()))
+    if damaged is not None:
+        raise damaged
+
+
+def _drawn(told: Explanation, picture: Path | None) -> Path | None:
+    """Where the chart was drawn; None where there is nothing to draw, or no room beside the run's files."""
+    from handcart.evaluation.explanation.explanation_chart import draw_chart
+    from handcart.tools.terminal.writing import NotWritable
+
+    if not (told.readings or told.picture or told.points):
+        if picture is not None:
+            _warn("no readings or pictures were kept of this: nothing is drawn")
+        return None
+    name = f"explained_{told.action.number:03d}.svg" if told.action else "explained.svg"
+    path = picture or told.run.folder / name
+    if path.suffix not in (".svg", ".png", ".pdf"):
+        raise NotWritable(path, f"no picture has the suffix {path.suffix!r}", "*.svg, *.png or *.pdf")
+    try:
+        draw_chart(told, path)
+    except OSError as error:
+        if picture is not None:
+            raise NotWritable(path, error.strerror) from None
+        _warn(f"{path} can't be written: {error.strerror}; allowed: another place, --picture FILE.svg")
+        return None
+    return path
+
+
+def _warn(words: str) -> None:
+    print(f"warning: {words}", file=sys.stderr)

@@ -1,0 +1,70 @@
+"""`handcart resume` and `handcart ack`: go on with a run that broke off."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import Annotated, Literal
+
+import typer
+
+Permit = Literal["ask", "always", "never"]
+RunFolder = Annotated[Path, typer.Argument(help="the run's folder")]
+
+
+def resume(
+    run: RunFolder,
+    confirm: Annotated[
+        int | None,
+        typer.Option(help="RECORD: the last one that you have seen; needed where a real robot moves"),
+    ] = None,
+    permit: Annotated[Permit, typer.Option(help="actions with `permit: operator`")] = "ask",
+    sync: Annotated[
+        bool | None,
+        typer.Option(
+            "--sync/--no-sync", help="whether the journal waits for the disk; a real robot's does by default"
+        ),
+    ] = None,
+    as_json: Annotated[bool, typer.Option("--json", help="end with one JSON object on stdout")] = False,
+) -> None:
+    """Tell what is known, expected and unknown of a run that broke off, then go on with it."""
+    import orjson
+
+    from handcart.evaluation.trials.running import resume_task
+    from handcart.files.printable import printable
+    from handcart.networks.coordination.interrupts import Interrupts
+    from handcart.networks.operator.permits import Permits
+    from handcart.networks.run_options import RunOptions
+    from handcart.tools.terminal.progress import Progress
+
+    permits = Permits(permit)
+    with Interrupts() as interrupts, Progress() as progress:
+        permits.asking, permits.typed = progress.ask, progress.typed
+        summary, status = resume_task(
+            run,
+            confirm,
+            RunOptions(sync=sync, permits=permits, interrupts=interrupts, observers=(progress,)),
+        )
+        progress.end()
+        if as_json:
+            print(orjson.dumps(summary).decode(), flush=True)
+        else:
+            reason = f": {summary['reason']}" if summary["reason"] else ""
+            words = f"{summary['outcome']} in situation {summary['situation']}{reason}; see {run}"
+            print(printable(words), flush=True)
+    sys.exit(status)
+
+
+def ack(
+    run: RunFolder,
+    record: Annotated[int, typer.Argument(help="what waits, as `run` or `resume` tells it")],
+) -> None:
+    """Acknowledge a GiveUp, or a real robot's action that was broken off: all is as it was before it.
+
+    Then the run may go on, and the robot into another one.
+    """
+    from handcart.files.printable import printable
+    from handcart.networks.operator.acknowledging import acknowledge
+
+    reason = acknowledge(run, record)
+    print(printable(f"acknowledged: {reason}; handcart resume {run} goes on with it"))

@@ -1,0 +1,1 @@
+"""The subcommands for real drives, one a module."""

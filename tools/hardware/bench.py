@@ -1,0 +1,155 @@
+"""`handcart bench`: simulated drives as a process of their own."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, TextIO
+
+import typer
+
+if TYPE_CHECKING:
+    from handcart.backends.can.bench.bench import Bench
+    from handcart.backends.can.sensors.range_server import RangeServer
+
+BETWEEN_PROCESSES, MULTICAST = "udp_multicast", "239.74.163.2"
+AT_THE_PROGRAM = ("bus-down", "error-passive", "error-warning", "bus-off", "queue-full", "cable-off")
+"""Faults of the program's own interface, which no other process can have for it."""
+
+
+def bench(
+    robot: Annotated[str, typer.Argument(help="a shipped robot, or the path of a robot's file")] = "cart",
+    interface: Annotated[
+        str | None, typer.Option(help="of python-can  [default: udp_multicast]", show_default=False)
+    ] = None,
+    channel: Annotated[
+        str | None,
+        typer.Option(
+            help="of the interface  [default: the file's, where it has that interface, else 239.74.163.2]",
+            show_default=False,
+        ),
+    ] = None,
+    backend: Annotated[
+        str | None, typer.Option(help="the simulated robot behind the drives; left out: motors alone")
+    ] = None,
+    world: Annotated[Path | None, typer.Option(help="that the simulated robot stands in")] = None,
+    seed: Annotated[int, typer.Option(help="of the simulated errors")] = 0,
+    faults: Annotated[
+        list[str] | None, typer.Option("--fault", help="NAME@SECONDS or NAME@SECONDS@NODE: what goes wrong")
+    ] = None,
+    range_port: Annotated[
+        int | None, typer.Option(help="send the simulated robot's scans to who connects to this port")
+    ] = None,
+    list_faults: Annotated[bool, typer.Option("--list-faults", help="tell what can go wrong")] = False,
+    log: Annotated[
+        Path | None, typer.Option(help="write time, positions, speeds and states of the drives into it")
+    ] = None,
+    seconds: Annotated[float | None, typer.Option(help="end after that; left out: with Ctrl-C")] = None,
+) -> None:
+    """Simulate a robot's drives on a CAN interface, in real time, until Ctrl-C."""
+    if list_faults:
+        _list_faults()
+        return
+    import signal
+    import time
+
+    from handcart.backends.can.bench.bench import Bench
+    from handcart.backends.can.bench.bench_server import BenchServer
+    from handcart.backends.can.bench.misbehaviours import misbehave
+    from handcart.backends.can.bus.open_bus import open_interface
+    from handcart.backends.can.errors import NoDrives
+    from handcart.backends.description.robot_loading import load_robot
+    from handcart.backends.registry import make_backend
+
+    spec = load_robot(robot)
+    if spec.can is None:
+        raise NoDrives()
+    planned = [_planned(each) for each in faults or ()]
+    inner = None if backend is None else make_backend(backend, spec, world or _library(), seed)
+    interface = interface or BETWEEN_PROCESSES
+    channel = channel or (spec.can.channel if spec.can.interface == interface else MULTICAST)
+    bus = open_interface(interface, channel, 1000 * spec.can.bitrate_kbit_s)
+    made = Bench(spec, spec.can, inner, bus)
+    over: list[int] = []
+    for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+        signal.signal(number, lambda kind, _: over.append(kind))
+    end = None if seconds is None else time.monotonic() + seconds
+    file = None if log is None else log.open("w", encoding="utf-8", buffering=1)
+    looks: list[Callable[[Bench], None]] = [] if file is None else [_Log(file)]
+    scans = None
+    try:
+        if range_port is not None:
+            scans = _scans(made, range_port)
+            looks.append(lambda each: scans.send(each.time))
+        for name, at, node in planned:
+            misbehave(made, name, at, node)
+        nodes = ", ".join(f"{name} {axis.node}" for name, axis in spec.can.axes())
+        print(f"drives of {robot} on {interface} {channel}: {nodes}; Ctrl-C ends", flush=True)
+        server = BenchServer(made, spec.period_s, look=lambda each: [look(each) for look in looks])
+        server.serve(lambda: bool(over) or (end is not None and time.monotonic() >= end))
+    finally:
+        made.close()
+        if scans is not None:
+            scans.close()
+        if file is not None:
+            file.close()
+
+
+def _scans(bench: Bench, port: int) -> RangeServer:
+    from handcart.backends.can.sensors.range_server import RangeServer
+    from handcart.backends.capabilities.range_sensor import RangeSensor
+    from handcart.files.errors import InputError
+
+    sensor = None if bench.inner is None else bench.inner.get(RangeSensor)  # type: ignore[type-abstract]
+    if sensor is None:
+        raise InputError("nothing has a range sensor; needed: --backend kinematic, and a robot that has one")
+    try:
+        return RangeServer(sensor, port)
+    except OSError as error:
+        raise InputError(f"port {port} can't be listened on: {error.strerror}; allowed: a free one") from None
+
+
+def _library() -> Path:
+    from handcart.evaluation.trials.stage import LIBRARY
+
+    return LIBRARY / "world.yaml"
+
+
+def _planned(told: str) -> tuple[str, float, int | None]:
+    from handcart.backends.can.bench.misbehaviours import misbehaviour
+
+    name, _, rest = told.partition("@")
+    misbehaviour(name)
+    if name in AT_THE_PROGRAM:
+        raise typer.BadParameter(f"{name!r} happens at the program's own interface; allowed: any other fault")
+    at, _, node = rest.partition("@")
+    try:
+        return name, float(at or 0.0), int(node) if node else None
+    except ValueError:
+        raise typer.BadParameter(
+            f"{told!r} is no fault; allowed: NAME@SECONDS or NAME@SECONDS@NODE"
+        ) from None
+
+
+def _list_faults() -> None:
+    from handcart.backends.can.bench.misbehaviours import MISBEHAVIOURS
+
+    for name, each in MISBEHAVIOURS.items():
+        here = " (not in a process of its own)" if name in AT_THE_PROGRAM else ""
+        print(f"{name:<18} {each.rows:<9} {each.what}{here}")
+
+
+class _Log:
+    """A line a period: monotonic time, the bench's time, then position, velocity and state of each drive."""
+
+    def __init__(self, file: TextIO) -> None:
+        self._file = file
+
+    def __call__(self, bench: Bench) -> None:
+        """A period has passed."""
+        import time
+
+        told = [f"{time.monotonic():.6f}", f"{bench.time:.4f}"]
+        for node, drive in bench.drives.items():
+            told.append(f"{node}:{drive.position:.1f}:{drive.velocity:.1f}:{drive.life.state}")
+        print(",".join(told), file=self._file)

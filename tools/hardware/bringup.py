@@ -1,0 +1,118 @@
+"""`handcart bringup`: a real robot, rung by rung."""
+
+from __future__ import annotations
+
+import re
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+if TYPE_CHECKING:
+    from handcart.evaluation.bringup.ladder import Ladder
+    from handcart.evaluation.bringup.operator import Operator
+    from handcart.evaluation.bringup.record import RungRecord
+
+
+def bringup(
+    robot: Annotated[str, typer.Argument(help="the robot's YAML file, or a shipped robot")],
+    bench: Annotated[
+        str | None, typer.Option(help="rehearse on simulated drives, before this simulated backend")
+    ] = None,
+    everything: Annotated[bool, typer.Option("--all", help="go on until a rung isn't climbed")] = False,
+    status: Annotated[bool, typer.Option("--status", help="tell how far it is, and do nothing")] = False,
+    again: Annotated[
+        str | None, typer.Option(help="set this rung and all above it aside, and climb it anew")
+    ] = None,
+    task: Annotated[Path | None, typer.Option(help="what the robot is for; it is the last rung")] = None,
+    answers: Annotated[
+        Path | None, typer.Option(help="a YAML file with answers by key, instead of a person's")
+    ] = None,
+    camera: Annotated[
+        bool, typer.Option("--camera", help="calibrate the camera on the bench, too; takes minutes")
+    ] = False,
+    folder: Annotated[Path, typer.Option(help="the records' folder is made in there")] = Path("bringup"),
+    as_json: Annotated[bool, typer.Option("--json", help="one JSON object on stdout")] = False,
+) -> None:
+    """Climb the next rung of the ladder from first power to the task; each is recorded, none left out."""
+    from handcart.backends.can.can_backend import CanBackend
+    from handcart.backends.description.robot_loading import load_robot
+    from handcart.backends.registry import bench_class
+    from handcart.evaluation.bringup.ladder import RUNGS, Ladder
+    from handcart.evaluation.bringup.site import Site
+    from handcart.evaluation.trials.stage import LIBRARY
+    from handcart.tools.terminal.writing import check_folder
+
+    spec = load_robot(robot)
+    check_folder(folder)
+    if bench is not None:
+        bench_class(bench, CanBackend.name)  # a wrong name is told before the first rung
+    for_what = task or LIBRARY.parent / ("return_book" if spec.arm else "drive_map") / "task.yaml"
+    name = re.sub(r"[^\w.-]", "_", robot.removesuffix(".yaml").strip("./"))
+    own, rehearsed = folder / name, folder / f"{name}-bench"
+    site = Site(
+        robot,
+        spec,
+        _operator(bench, answers),
+        rehearsed if bench else own,
+        for_what,
+        bench or "",
+        LIBRARY / "world.yaml" if bench else None,
+        camera,
+    )
+    ladder = Ladder(site, None if bench else rehearsed)
+    if again is not None:
+        ladder.again(again)
+    climbed = _climb(ladder, everything) if not status else []
+    done = ladder.records()
+    failed = [each for each in climbed if not each.passed]
+    if as_json:
+        _print_json(ladder, done, climbed)
+    else:
+        for each in RUNGS[len(done) :]:
+            print(f"  {each.name}: {each.told}" + ("  <- next" if each is ladder.next else ""))
+        print(f"{len(done)} of {len(RUNGS)} rungs climbed; records in {site.folder}")
+    sys.exit(4 if failed else 0)
+
+
+def _climb(ladder: Ladder, everything: bool) -> list[RungRecord]:
+    climbed: list[RungRecord] = []
+    while ladder.next is not None and (everything or not climbed):
+        record = ladder.climb(ladder.site.operator.tell)
+        climbed.append(record)
+        told = record.facts.get("left_out") or "climbed"
+        ladder.site.operator.tell(f"   {told}" if record.passed else f"   not climbed: {record.reason}")
+        if not record.passed:
+            break
+    return climbed
+
+
+def _operator(bench: str | None, answers: Path | None) -> Operator:
+    from handcart.evaluation.bringup.operator import BenchOperator, ScriptedOperator
+    from handcart.files.yaml.yaml_document import read_document
+    from handcart.tools.terminal.terminal_operator import TerminalOperator
+
+    def say(words: str) -> None:
+        print(words, file=sys.stderr, flush=True)
+
+    if answers is not None:
+        if bench is None:
+            raise typer.BadParameter(
+                "answers from a file are for the bench; a robot needs a person beside it"
+            )
+        data: Any = read_document(answers).data
+        return ScriptedOperator(data if isinstance(data, dict) else {}, say)
+    return TerminalOperator() if bench is None else BenchOperator(say)
+
+
+def _print_json(ladder: Ladder, done: list[RungRecord], climbed: list[RungRecord]) -> None:
+    import orjson
+
+    told = {
+        "folder": str(ladder.site.folder),
+        "climbed": [each.rung for each in done],
+        "next": ladder.next.name if ladder.next else None,
+        "tried": [each.model_dump(mode="json") for each in climbed],
+    }
+    print(orjson.dumps(told).decode())

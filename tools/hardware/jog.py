@@ -1,0 +1,50 @@
+"""`handcart jog`: one axis, while a key is held."""
+
+from __future__ import annotations
+
+import math
+from typing import Annotated
+
+import typer
+
+
+def jog(
+    robot: Annotated[str, typer.Argument(help="the robot's YAML file, or a shipped robot")],
+    axis: Annotated[str, typer.Argument(help="such as 'left wheel', 'joint 2', gripper")],
+    way: Annotated[
+        float,
+        typer.Argument(
+            help="at most: [mm], of joints that turn [deg]; below 0 the other way, after a --: -- -5"
+        ),
+    ],
+    bench: Annotated[
+        str | None, typer.Option(help="simulated drives before this simulated backend: kinematic, pybullet")
+    ] = None,
+    slower: Annotated[float, typer.Option(min=0.01, max=1.0, help="share of the hand's 250 mm/s")] = 1.0,
+) -> None:
+    """Move one axis while the space bar is held, the hand at 250 mm/s at most; letting go stops it."""
+    from pathlib import Path
+
+    from handcart.backends.description.robot_loading import load_robot
+    from handcart.evaluation.bringup.jog import HAND_SPEED, Jogger, UnknownAxis, slides
+    from handcart.evaluation.bringup.operator import BenchOperator, Operator
+    from handcart.evaluation.bringup.site import Site
+    from handcart.evaluation.trials.stage import LIBRARY
+    from handcart.tools.terminal.terminal_operator import TerminalOperator
+
+    if not math.isfinite(way):
+        raise typer.BadParameter(f"way is {way:g}; allowed: a finite number")
+    operator: Operator = TerminalOperator() if bench is None else BenchOperator()
+    spec = load_robot(robot)
+    site = Site(robot, spec, operator, Path(), LIBRARY / "task.yaml", bench or "", LIBRARY / "world.yaml")
+    turns = axis.startswith("joint") and not slides(spec, axis)
+    wanted = math.radians(way) if turns else way / 1e3
+    with site.backend() as backend:
+        jogger = Jogger(backend, spec)
+        if axis not in jogger.axes:
+            raise UnknownAxis(axis, jogger.axes)  # before somebody is asked to hold a key
+        words = f"{axis}: hold the space bar; the hand runs at {1e3 * slower * HAND_SPEED:.0f} mm/s at most"
+        with operator.hold(words) as held:
+            done = jogger.jog(axis, wanted, held, slower)
+    told = math.degrees(done.way) if turns else 1e3 * done.way
+    print(f"{axis}: moved by {told:.2f} {'deg' if turns else 'mm'}, {done.ended}")

@@ -1,0 +1,50 @@
+"""The person at the terminal."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable
+from contextlib import AbstractContextManager
+
+from handcart.evaluation.bringup.operator import Held, NoAnswer, Operator
+from handcart.tools.hardware.key_holding import held_key
+
+
+class TerminalOperator(Operator):
+    """Asks on stderr, and reads what is typed."""
+
+    def tell(self, words: str) -> None:
+        """See `Operator`."""
+        print(words, file=sys.stderr, flush=True)
+
+    def confirm(self, key: str, question: str) -> bool:
+        """See `Operator`."""
+        while True:
+            said = self._line(key, f"{question} [y/n] ").lower()
+            if said in ("y", "yes", "n", "no"):
+                return said.startswith("y")
+
+    def number(self, key: str, question: str, truth: Callable[[], float]) -> float:
+        """See `Operator`."""
+        while True:
+            try:
+                return float(self._line(key, f"{question} ").replace(",", "."))
+            except ValueError:
+                self.tell("a number, please, such as 0.103")
+
+    def act(self, key: str, words: str, on_bench: Callable[[], None]) -> None:
+        """See `Operator`."""
+        self.tell(words)
+        on_bench()
+
+    def hold(self, words: str) -> AbstractContextManager[Held]:
+        """See `Operator`."""
+        self.tell(words)
+        return held_key()
+
+    def _line(self, key: str, prompt: str) -> str:
+        print(prompt, end="", file=sys.stderr, flush=True)
+        line = sys.stdin.readline()
+        if not line:
+            raise NoAnswer(f"no answer to {key!r}: standard input has ended")
+        return line.strip()
