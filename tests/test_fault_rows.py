@@ -11,7 +11,7 @@ LAST = {"T": 18, "N": 14, "D": 12, "S": 12, "C": 22, "K": 14}
 NAMED = [f"{kind}{number}" for kind, last in LAST.items() for number in range(1, last + 1)]
 
 
-def test_every_row_is_named_by_a_test():
+def test_every_row_is_named_by_a_test() -> None:
     spec = spec_from_file_location("fault_rows", ROOT / "scripts" / "fault_rows.py")
     script = module_from_spec(spec)
     sys.modules[spec.name] = script

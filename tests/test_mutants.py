@@ -20,7 +20,7 @@ TABLE = """\
 
 
 @pytest.fixture
-def mutants(monkeypatch):
+def mutants(monkeypatch: pytest.MonkeyPatch):
     monkeypatch.syspath_prepend(str(MUTANTS))
     sys.modules.pop("mutant", None)
     import mutant
@@ -29,7 +29,7 @@ def mutants(monkeypatch):
     sys.modules.pop("mutant", None)
 
 
-def test_each_bug_can_be_planted_and_has_its_tests(mutants):
+def test_each_bug_can_be_planted_and_has_its_tests(mutants) -> None:
     table = mutants.read_table()
     assert len(table) >= 290
     assert len({(each.file, each.name) for each in table}) == len(table)
@@ -40,14 +40,14 @@ def test_each_bug_can_be_planted_and_has_its_tests(mutants):
         assert all((ROOT / test.split("::")[0]).is_file() for test in each.tests), each.tests
 
 
-def test_a_text_that_is_not_there_once_is_told(mutants):
+def test_a_text_that_is_not_there_once_is_told(mutants) -> None:
     bug = mutants.Mutant("twice", "a.py", "x", "y", ("test_a.py",))
     with pytest.raises(ValueError, match=r"a\.py: twice: the text is there 2 times; needed: once"):
         bug.planted("x x")
 
 
 @pytest.mark.slow
-def test_what_is_noticed_and_what_is_missed(tmp_path):
+def test_what_is_noticed_and_what_is_missed(tmp_path: Path) -> None:
     project = tmp_path / "project"
     project.mkdir()
     (project / "adder.py").write_text('"""The sum."""\n\n\ndef add(a, b):\n    return a + b\n')

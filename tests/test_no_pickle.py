@@ -45,7 +45,7 @@ def wrong(source: str) -> Iterator[str]:
 
 
 @pytest.mark.parametrize("room", [*ROOMS, "tools", "tests"])
-def test_no_room_imports_what_unpickles(room):
+def test_no_room_imports_what_unpickles(room) -> None:
     found = {
         str(path.relative_to(ROOT)): names
         for path in (ROOT / room).rglob("*.py")
@@ -64,5 +64,5 @@ def test_no_room_imports_what_unpickles(room):
         "from importlib import import_module\nimport_module('dill')",
     ],
 )
-def test_the_test_sees_it(source):
+def test_the_test_sees_it(source: str) -> None:
     assert list(wrong(source))

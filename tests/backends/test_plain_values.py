@@ -80,7 +80,7 @@ def full() -> Part:
     return part
 
 
-def test_an_object_gets_back_what_it_had():
+def test_an_object_gets_back_what_it_had() -> None:
     part, again = full(), Part()
     set_attributes(again, Part.STATE, unpack(pack(attributes(part, Part.STATE))))
     assert pack(attributes(again, Part.STATE)) == pack(attributes(part, Part.STATE))
@@ -122,20 +122,20 @@ def test_an_object_gets_back_what_it_had():
         ("last", 0, "no list"),
     ],
 )
-def test_anything_else_is_refused_with_its_name(name, value, words):
+def test_anything_else_is_refused_with_its_name(name: str, value, words: str) -> None:
     data = {**attributes(full(), Part.STATE), name: value}
     with pytest.raises(NotAState, match=words):
         set_attributes(Part(), Part.STATE, data)
 
 
-def test_missing_and_unknown_attributes():
+def test_missing_and_unknown_attributes() -> None:
     data = attributes(full(), Part.STATE)
     for wrong in ({**data, "more": 1}, {k: v for k, v in data.items() if k != "made"}, [], None):
         with pytest.raises(NotAState, match="no state of a Part"):
             set_attributes(Part(), Part.STATE, wrong)
 
 
-def test_beyond_all_sense():
+def test_beyond_all_sense() -> None:
     assert from_plain(to_plain(1e15, float), float, "x") == 1e15
     for value in (1e16, -1e300, float("inf")):
         with pytest.raises(NotAState, match="beyond"):
@@ -143,7 +143,7 @@ def test_beyond_all_sense():
 
 
 @pytest.mark.parametrize("kind", [ParticleFilter, GpsFilter])
-def test_a_filter_goes_on_as_the_one_that_was_kept(kind):
+def test_a_filter_goes_on_as_the_one_that_was_kept(kind) -> None:
     """Its random numbers, what it doubts and what it looks back on included."""
     rng = np.random.default_rng(3)
 

@@ -12,7 +12,7 @@ from handcart.backends.simulation.world.load_world import load_world
 from handcart.robotics.geometry.pose2 import Pose2
 
 
-def test_the_kinematic_backend_is_made_by_its_name(tmp_path):
+def test_the_kinematic_backend_is_made_by_its_name(tmp_path: Path) -> None:
     path = tmp_path / "world.yaml"
     path.write_text("format: handcart-world/1\nstart: {x_m: 0, y_m: 0}\n", encoding="utf-8")
     with make_backend("kinematic", load_robot("librarian"), path, seed=1) as backend:
@@ -22,13 +22,13 @@ def test_the_kinematic_backend_is_made_by_its_name(tmp_path):
     backend.close()
 
 
-def test_an_unknown_name_is_told_with_the_nearest(tmp_path):
+def test_an_unknown_name_is_told_with_the_nearest(tmp_path: Path) -> None:
     assert "kinematic" in backend_names()
     with pytest.raises(UnknownBackend, match="did you mean 'kinematic'"):
         make_backend("kinematik", load_robot("librarian"), tmp_path, seed=0)
 
 
-def test_a_backend_that_reads_files_itself_gets_one_for_a_map(monkeypatch):
+def test_a_backend_that_reads_files_itself_gets_one_for_a_map(monkeypatch: pytest.MonkeyPatch) -> None:
     """Others are handed the world; see `Backend.read_world`."""
 
     class Reads(KinematicBackend):

@@ -72,7 +72,7 @@ def test_a_robot_without_errors_stands_where_its_world_puts_it_and_reads_the_tru
         ("uncalibrated", {"errors.camera_mount_mm", "errors.camera_mount_mrad", "errors.focal_percent"}),
     ],
 )
-def test_variants_of_a_robot_differ_in_what_they_say_alone(variant, differs):
+def test_variants_of_a_robot_differ_in_what_they_say_alone(variant: str, differs) -> None:
     """`toyama/uncalibrated` doesn't know how its base gives, either."""
     plain, other = (load_robot(name).model_dump() for name in ("toyama", f"toyama/{variant}"))
     found = {

@@ -22,7 +22,7 @@ PICKLES = (
 )
 
 
-def test_what_was_kept_comes_back():
+def test_what_was_kept_comes_back() -> None:
     again = unpack(pack(STATE))
     assert {key: again[key] for key in ("numbers", "words", "bytes")} == {
         key: STATE[key] for key in ("numbers", "words", "bytes")
@@ -33,11 +33,11 @@ def test_what_was_kept_comes_back():
         assert again["arrays"][name].flags.writeable
 
 
-def test_same_state_same_bytes():
+def test_same_state_same_bytes() -> None:
     assert pack(STATE) == pack(unpack(pack(STATE)))
 
 
-def test_any_flipped_bit_is_found():
+def test_any_flipped_bit_is_found() -> None:
     whole = pack(STATE)
     for place in range(len(whole)):
         for bit in range(8):
@@ -47,7 +47,7 @@ def test_any_flipped_bit_is_found():
                 unpack(bytes(damaged))
 
 
-def test_truncated_anywhere():
+def test_truncated_anywhere() -> None:
     whole = pack(STATE)
     for length in range(len(whole)):
         with pytest.raises(NotAState):
@@ -57,7 +57,7 @@ def test_truncated_anywhere():
 @pytest.mark.parametrize(
     "content", [*PICKLES, b"", b"nonsense", b"handcart-state/2 " + b"0" * 64 + b"\n2\n{}"]
 )
-def test_what_is_no_state_is_refused_and_runs_nothing(content, capsys):
+def test_what_is_no_state_is_refused_and_runs_nothing(content, capsys: pytest.CaptureFixture[str]) -> None:
     with pytest.raises(NotAState, match="no saved state"):
         unpack(content)
     assert capsys.readouterr().out == ""
@@ -67,7 +67,7 @@ def test_what_is_no_state_is_refused_and_runs_nothing(content, capsys):
     "value",
     [object(), print, {1: 2}, {"$array": 1}, np.array([object()]), np.array(["x"]), 1j, {"a": {2}}],
 )
-def test_what_is_no_plain_data_is_not_kept(value):
+def test_what_is_no_plain_data_is_not_kept(value) -> None:
     with pytest.raises(TypeError):
         pack({"value": value})
 
@@ -99,6 +99,6 @@ def sealed(text: bytes, blobs: bytes = b"") -> bytes:
         (b"1", b"left over"),
     ],
 )
-def test_right_checksums_about_nonsense(text, blobs):
+def test_right_checksums_about_nonsense(text, blobs) -> None:
     with pytest.raises(NotAState, match="no saved state"):
         unpack(sealed(text, blobs))

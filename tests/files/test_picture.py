@@ -35,7 +35,7 @@ def told(path: Path) -> str:
 
 
 @pytest.mark.parametrize("name", ["a.png", "a.pgm", "a.bmp"])
-def test_grey_is_read_as_it_is(tmp_path: Path, name: str):
+def test_grey_is_read_as_it_is(tmp_path: Path, name: str) -> None:
     level = np.arange(256, dtype=np.uint8).reshape(8, 32)
     Image.fromarray(level).save(tmp_path / name)
     read = read_grey(tmp_path / name)
@@ -43,7 +43,7 @@ def test_grey_is_read_as_it_is(tmp_path: Path, name: str):
     assert read.opaque is None
 
 
-def test_colour_is_greyed_16_bits_are_cut_and_what_is_clear_is_told(tmp_path: Path):
+def test_colour_is_greyed_16_bits_are_cut_and_what_is_clear_is_told(tmp_path: Path) -> None:
     colours = np.array([[[255, 255, 255, 255], [0, 0, 0, 255], [255, 0, 0, 0]]], dtype=np.uint8)
     Image.fromarray(colours).save(tmp_path / "a.png")
     read = read_grey(tmp_path / "a.png")
@@ -57,7 +57,7 @@ def test_colour_is_greyed_16_bits_are_cut_and_what_is_clear_is_told(tmp_path: Pa
 
 
 @pytest.mark.parametrize("side", [5001, 30_000, 60_000, 2_000_000_000])
-def test_a_picture_that_unpacks_to_gigabytes_is_refused(tmp_path: Path, side: int):
+def test_a_picture_that_unpacks_to_gigabytes_is_refused(tmp_path: Path, side: int) -> None:
     """T2"""
     words = told(bomb(tmp_path / "a.png", side, side, 0 if side > 9999 else 100))
     assert f"a.png:1:1: the picture has {side} x {side} pixels" in words or "far too many pixels" in words
@@ -77,12 +77,12 @@ def test_a_picture_that_unpacks_to_gigabytes_is_refused(tmp_path: Path, side: in
         (b"BM" + bytes(52), "the picture"),
     ],
 )
-def test_a_broken_picture_is_told(tmp_path: Path, content: bytes, words: str):
+def test_a_broken_picture_is_told(tmp_path: Path, content: bytes, words: str) -> None:
     (tmp_path / "a.pgm").write_bytes(content)
     assert words in told(tmp_path / "a.pgm")
 
 
-def test_a_pipe_and_a_huge_file_are_not_read(tmp_path: Path):
+def test_a_pipe_and_a_huge_file_are_not_read(tmp_path: Path) -> None:
     os.mkfifo(tmp_path / "pipe.png")
     (tmp_path / "huge.png").touch()
     os.truncate(tmp_path / "huge.png", 10**11)

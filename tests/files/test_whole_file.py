@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import os
 import stat
+from pathlib import Path
 
 import pytest
 
 from handcart.files.whole_file import write_whole
 
 
-def test_a_file_is_replaced_and_keeps_its_mode(tmp_path):
+def test_a_file_is_replaced_and_keeps_its_mode(tmp_path: Path) -> None:
     path = tmp_path / "note.txt"
     write_whole(path, "one")
     path.chmod(0o640)
@@ -21,11 +22,13 @@ def test_a_file_is_replaced_and_keeps_its_mode(tmp_path):
 
 
 @pytest.mark.parametrize("error", [OSError(28, "full"), KeyboardInterrupt()])
-def test_what_breaks_off_leaves_the_old_content_and_nothing_else(tmp_path, monkeypatch, error):
+def test_what_breaks_off_leaves_the_old_content_and_nothing_else(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, error
+) -> None:
     path = tmp_path / "note.txt"
     path.write_text("old")
 
-    def fails(_file):
+    def fails(_file) -> None:
         raise error
 
     monkeypatch.setattr(os, "fsync", fails)
@@ -35,7 +38,7 @@ def test_what_breaks_off_leaves_the_old_content_and_nothing_else(tmp_path, monke
     assert os.listdir(tmp_path) == ["note.txt"]
 
 
-def test_a_link_is_replaced_and_never_followed(tmp_path):
+def test_a_link_is_replaced_and_never_followed(tmp_path: Path) -> None:
     """D14: also where what is written first would be."""
     outside, path = tmp_path / "outside", tmp_path / "run" / "summary.json"
     path.parent.mkdir()
@@ -47,7 +50,7 @@ def test_a_link_is_replaced_and_never_followed(tmp_path):
 
 
 @pytest.mark.parametrize("make", [os.mkfifo, os.mkdir])
-def test_what_is_no_file_stays(tmp_path, make):
+def test_what_is_no_file_stays(tmp_path: Path, make) -> None:
     path = tmp_path / "thing"
     make(path)
     with pytest.raises(OSError, match="no regular file"):

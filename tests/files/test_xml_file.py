@@ -17,14 +17,14 @@ def told(content: bytes | str, check=None) -> str:
     return str(error.value)
 
 
-def test_what_is_sound_is_read_as_it_is():
+def test_what_is_sound_is_read_as_it_is() -> None:
     text = "<?xml version='1.0' encoding='utf-8'?>\r\n<robot name='é'><link name='a'/></robot>\n"
     assert checked_xml(text.encode(), "f.urdf") == text
     assert checked_xml(b"\xef\xbb\xbf" + text.encode(), "f.urdf") == text
     assert checked_xml(b"<r>" + b"<a b='c'/>" * 5000 + b"</r>", "f.urdf")  # in one line
 
 
-def test_the_largest_that_is_read():
+def test_the_largest_that_is_read() -> None:
     deepest = b"<a>" * MAX_DEPTH + b"</a>" * MAX_DEPTH
     assert checked_xml(deepest, "f.urdf")
     assert checked_xml(b"<r>" + b"<a/>" * (MAX_NODES - 1) + b"</r>", "f.urdf")
@@ -47,11 +47,11 @@ def test_the_largest_that_is_read():
         ("<r/>".encode("utf-16"), "UTF-16"),
     ],
 )
-def test_what_is_not_is_refused(content, words):
+def test_what_is_not_is_refused(content, words) -> None:
     assert words in told(content)
 
 
-def test_a_check_is_asked_of_each_element():
+def test_a_check_is_asked_of_each_element() -> None:
     def no_b(tag):
         if tag.name == "b":
             yield f"<b> in <{tag.parents[-1].name}>; allowed: <c>"
@@ -62,7 +62,7 @@ def test_a_check_is_asked_of_each_element():
     ]
 
 
-def test_a_pipe_a_folder_and_a_huge_file_are_not_read(tmp_path: Path):
+def test_a_pipe_a_folder_and_a_huge_file_are_not_read(tmp_path: Path) -> None:
     """A pipe that nobody writes to doesn't block."""
     os.mkfifo(tmp_path / "pipe")
     (tmp_path / "huge").touch()

@@ -25,7 +25,7 @@ def findings(folder: str) -> Calibration:
     return load(Path(folder) / "calibration.yaml", Calibration)
 
 
-def test_the_camera_of_a_new_robot(tmp_path):
+def test_the_camera_of_a_new_robot(tmp_path: Path) -> None:
     """Its mount and focal length are off, as the seed draws them; how its base leans isn't known yet."""
     settings = {"robot": "toyama/uncalibrated", "views": "24"}
     summary, status = run_task(
@@ -44,7 +44,7 @@ def test_the_camera_of_a_new_robot(tmp_path):
 
 
 @pytest.mark.slow
-def test_how_the_base_gives(tmp_path):
+def test_how_the_base_gives(tmp_path: Path) -> None:
     settings = {"robot": "toyama/h1", "rounds": "3", "swings": "8"}
     summary, status = run_task(
         TASKS / "calibrate_suspension" / "task.yaml", tmp_path, RunOptions(settings=settings, seed=2)
@@ -65,7 +65,7 @@ def test_how_the_base_gives(tmp_path):
 
 
 @pytest.mark.slow
-def test_a_sheet_too_small_is_no_calibration(tmp_path):
+def test_a_sheet_too_small_is_no_calibration(tmp_path: Path) -> None:
     """Landmarks in a row don't tell how the base leans: a Fail, the robot as it was, and no file."""
     settings = {"rounds": "1", "swings": "4", "landmarks": "[near_left, middle, near_right]"}
     task = TASKS / "calibrate_suspension" / "task.yaml"
@@ -76,7 +76,7 @@ def test_a_sheet_too_small_is_no_calibration(tmp_path):
     assert not (Path(summary["run_dir"]) / "calibration.yaml").exists()
 
 
-def test_spots_are_read_with_a_ruler():
+def test_spots_are_read_with_a_ruler() -> None:
     first = transform((2.0, 1.3, 0.0), (0.0, 0.0, 0.3))
     turned = first @ transform(rpy=(0.0, 0.0, 4e-3))
     assert read_spot(turned, first, 0.0, 0.001) == pytest.approx([0.008, 0.0], abs=1e-12)
@@ -88,7 +88,7 @@ def test_spots_are_read_with_a_ruler():
         read_spot(first @ transform(rpy=(0.0, 0.0, 3.0)), first, 0.0, 0.001)
 
 
-def test_coefficients_of_the_lens_are_named_in_opencvs_order():
+def test_coefficients_of_the_lens_are_named_in_opencvs_order() -> None:
     """k1, k2, p1, p2, k3; those that the pictures don't bear are not told."""
     camera = SimpleNamespace(distortion=np.array([0.1, 0.2, 0.3, 0.4, 0.5]))
     sigmas = np.array([1.0, 1.0, 1.0, 1.0, 0.01, 0.02, 0.03, 0.04, 0.0])

@@ -22,7 +22,9 @@ TASKS = Path(__file__).parents[2] / "tasks"
     ],
     ids=["book", "blocks", "seam"],
 )
-def test_its_metrics_are_those_of_a_run_that_was_not_killed(tmp_path, copier, task, after, settings):
+def test_its_metrics_are_those_of_a_run_that_was_not_killed(
+    tmp_path: Path, copier, task: str, after: int, settings
+) -> None:
     left = tmp_path / "left"
     told = copier(after, left)
     whole, _ = run_task(

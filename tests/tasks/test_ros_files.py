@@ -64,7 +64,7 @@ def task(tmp_path: Path) -> Path:
     return folder / "task.yaml"
 
 
-def test_the_files_are_read(task: Path):
+def test_the_files_are_read(task: Path) -> None:
     with prepare(task) as prepared:
         model = prepared.model
         assert list(model.places) == ["home", "far"]
@@ -74,7 +74,7 @@ def test_the_files_are_read(task: Path):
         assert model.speed_limits.at(np.array([[3.0, 1.0], [1.0, 1.0]]), 1.0) == pytest.approx([0.2, 1.0])
 
 
-def test_a_place_in_a_barred_zone_is_told(task: Path):
+def test_a_place_in_a_barred_zone_is_told(task: Path) -> None:
     goals = task.parent / "goals.yaml"
     goals.write_text(GOALS.replace("[5.0, 1.0", "[3.0, 1.0"), encoding="utf-8")
     with pytest.raises(
@@ -94,7 +94,7 @@ def test_a_place_in_a_barred_zone_is_told(task: Path):
         ("  map: {parameter: map}\n", "", "keepout is a mask over a map; needed: the key `map`"),
     ],
 )
-def test_a_wrong_mask_is_told(task: Path, old: str, new: str, words: str):
+def test_a_wrong_mask_is_told(task: Path, old: str, new: str, words: str) -> None:
     """T12, T13"""
     text = task.read_text(encoding="utf-8")
     assert old in text
@@ -104,7 +104,7 @@ def test_a_wrong_mask_is_told(task: Path, old: str, new: str, words: str):
     assert words in str(error.value)
 
 
-def test_the_base_goes_around_the_zone_and_slowly_where_it_has_to(task: Path):
+def test_the_base_goes_around_the_zone_and_slowly_where_it_has_to(task: Path) -> None:
     """By ground truth, with the simulated errors."""
     with prepare(task) as prepared:
         backend, robot = prepared.backend, prepared.robot

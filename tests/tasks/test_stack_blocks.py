@@ -27,7 +27,7 @@ BESIDE = {
     ],
     ids=["better arm", "the paper's arm", "a landmark beside each goal"],
 )
-def test_five_blocks_stand_in_a_row(tmp_path, settings, most):
+def test_five_blocks_stand_in_a_row(tmp_path: Path, settings, most: float) -> None:
     summary, status = run_task(UNLOAD, tmp_path, RunOptions(settings=settings, seed=4))
     metrics = summary["metrics"]
     assert status == 0
@@ -40,7 +40,7 @@ def test_five_blocks_stand_in_a_row(tmp_path, settings, most):
 
 
 @pytest.mark.slow
-def test_of_five_landmarks_beside_each_other_the_right_one_is_taken(tmp_path):
+def test_of_five_landmarks_beside_each_other_the_right_one_is_taken(tmp_path: Path) -> None:
     """The base stops so far off that the next block's landmark is nearer to the middle of the picture."""
     settings = {"robot": "toyama/h1", "method": "servo", **BESIDE}
     summary, status = run_task(UNLOAD, tmp_path, RunOptions(settings=settings, seed=153))
@@ -50,7 +50,7 @@ def test_of_five_landmarks_beside_each_other_the_right_one_is_taken(tmp_path):
 
 
 @pytest.mark.slow
-def test_the_papers_method_errs_by_turn_and_lean(tmp_path):
+def test_the_papers_method_errs_by_turn_and_lean(tmp_path: Path) -> None:
     settings = {"method": "fix_once", "rule": "paper"}
     metrics = run_task(UNLOAD, tmp_path, RunOptions(settings=settings))[0]["metrics"]
     along = [abs(block["x"]) for block in metrics["blocks"]]
@@ -60,7 +60,7 @@ def test_the_papers_method_errs_by_turn_and_lean(tmp_path):
 
 
 @pytest.mark.slow
-def test_carry_transport_and_stack(tmp_path):
+def test_carry_transport_and_stack(tmp_path: Path) -> None:
     summary, status = run_task(
         TASKS / "stack_blocks" / "task.yaml", tmp_path, RunOptions(settings={"robot": "toyama/h1"}, seed=1)
     )
@@ -70,7 +70,7 @@ def test_carry_transport_and_stack(tmp_path):
 
 
 @pytest.mark.slow
-def test_a_fence_of_three_rows(tmp_path):
+def test_a_fence_of_three_rows(tmp_path: Path) -> None:
     summary, status = run_task(
         TASKS / "build_fence" / "task.yaml", tmp_path, RunOptions(settings={"robot": "toyama/h1"}, seed=1)
     )

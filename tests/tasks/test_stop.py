@@ -32,14 +32,14 @@ class Impatient(RunObserver):
     def __init__(self, after: float, number: int) -> None:
         self.due, self.after, self.number = None, after, number
 
-    def begin(self, prepared, run_dir):
+    def begin(self, prepared, run_dir) -> None:
         self.robot = prepared.robot
 
-    def event(self, event):
+    def event(self, event) -> None:
         if isinstance(event, Started) and event.number >= 2 * self.number - 1 and self.due is None:
             self.due = event.time + self.after
 
-    def period(self, robot):
+    def period(self, robot) -> None:
         if self.due is not None and robot.time >= self.due:
             signal.raise_signal(signal.SIGINT)
 
@@ -55,7 +55,7 @@ def last_motion(folder: Path, since: float) -> float:
 
 
 @pytest.mark.slow
-def test_stopped_in_every_primitive_of_return_book(tmp_path):
+def test_stopped_in_every_primitive_of_return_book(tmp_path: Path) -> None:
     """K3: each run is stopped in its next action, and resumed."""
     rng, period = random.Random(5), load_robot("librarian").period_s
     folder, stopped, waits = tmp_path / "return_book-0", set(), []

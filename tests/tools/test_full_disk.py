@@ -16,7 +16,7 @@ ROOT = Path(__file__).resolve().parents[2]
 
 
 @pytest.fixture
-def run_with(handcart, tour, tmp_path):
+def run_with(handcart, tour, tmp_path: Path):
     """Runs the tour where no file grows beyond the journal's records up to a kind, and a little more."""
     handcart("run", tour, "--runs", tmp_path / "whole")
     whole = tmp_path / "whole" / f"{tour.parent.name}-0" / "journal.jsonl"
@@ -38,7 +38,7 @@ def run_with(handcart, tour, tmp_path):
 
 
 @pytest.mark.slow
-def test_full_before_the_start_nothing_moves(run_with, tour, tmp_path):
+def test_full_before_the_start_nothing_moves(run_with, tour, tmp_path: Path) -> None:
     """D5: what was written is whole, status 5."""
     said = run_with("START")
     assert said.returncode == 5
@@ -51,7 +51,7 @@ def test_full_before_the_start_nothing_moves(run_with, tour, tmp_path):
 
 
 @pytest.mark.slow
-def test_full_at_a_result_the_run_ends_and_tells_it(run_with, tour, tmp_path):
+def test_full_at_a_result_the_run_ends_and_tells_it(run_with, tour, tmp_path: Path) -> None:
     """D6: that the outcome is not in the journal for good."""
     said = run_with("RESULT")
     assert said.returncode == 5
@@ -60,7 +60,7 @@ def test_full_at_a_result_the_run_ends_and_tells_it(run_with, tour, tmp_path):
     assert [each["kind"] for each in contents.records] == ["RUN", "PLAN", "START"]
 
 
-def test_a_folder_that_takes_no_file_is_refused_before_anything_moves(handcart, tour):
+def test_a_folder_that_takes_no_file_is_refused_before_anything_moves(handcart, tour) -> None:
     """D10"""
     said = handcart("run", tour, "--runs", "/proc/runs", "--json")
     assert said.status == 5

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from importlib.util import find_spec
+from pathlib import Path
 
 import cv2
 import numpy as np
@@ -22,7 +23,7 @@ BACKENDS = [
 
 @pytest.mark.slow
 @pytest.mark.parametrize("backend", BACKENDS)
-def test_a_run_is_recorded(handcart, tour, tmp_path, backend):
+def test_a_run_is_recorded(handcart, tour, tmp_path: Path, backend) -> None:
     film, places = tmp_path / "tour.mp4", tour.with_name("places.yaml")
     places.write_text(places.read_text() + "  near: {x_m: 1.2, y_m: 2.0, heading_deg: 90.0}\n")
     tour.write_text(tour.read_text().replace("shelf_3", "near").replace("base: shelf", "base: near"))
@@ -47,14 +48,16 @@ def test_a_run_is_recorded(handcart, tour, tmp_path, backend):
         (["--gui"], "the backend 'kinematic' has no window"),
     ],
 )
-def test_what_cannot_be_shown_is_told_before_anything_moves(handcart, tour, tmp_path, options, words):
+def test_what_cannot_be_shown_is_told_before_anything_moves(
+    handcart, tour, tmp_path: Path, options, words: str
+) -> None:
     said = handcart("run", tour, *options, "--runs", tmp_path / "runs")
     assert said.status == 2
     assert words in said.err
     assert not (tmp_path / "runs").exists() or not any((tmp_path / "runs").iterdir())
 
 
-def test_a_window_needs_a_display(handcart, tour, tmp_path, monkeypatch):
+def test_a_window_needs_a_display(handcart, tour, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     pytest.importorskip("pybullet", reason="PyBullet has no wheel for this Python")
     monkeypatch.delenv("DISPLAY", raising=False)
     said = handcart("run", tour, "--backend", "pybullet", "--gui", "--runs", tmp_path / "runs")

@@ -18,7 +18,7 @@ BEFORE = 10  # periods driven before something goes wrong
 HOLDING, LOOSE = ("QUICK STOP ACTIVE",), ("SWITCH ON DISABLED", "FAULT")
 
 
-def move(backend, periods):
+def move(backend, periods) -> None:
     """Drive, and turn the arm."""
     for _ in range(periods):
         backend.get(Base).drive(0.4, 0.3)
@@ -37,7 +37,7 @@ def fault_of(backend, name, node=None, within=20):
     return told.value
 
 
-def assert_stopped(backend, fault, gone=()):
+def assert_stopped(backend, fault, gone=()) -> None:
     """All axes, each in its own way, for good; drives that are `gone` are not asked for."""
     drives = {node: drive for node, drive in backend.bench.drives.items() if node not in gone}
     assert [drive.velocity for drive in drives.values()] == [0.0] * len(drives)
@@ -58,11 +58,11 @@ def assert_stopped(backend, fault, gone=()):
     backend.close()
 
 
-def assert_told(pattern, fault):
+def assert_told(pattern, fault) -> None:
     assert re.search(pattern, str(fault)), str(fault)
 
 
-def assert_drives_stop_alone(backend, within=0.15):
+def assert_drives_stop_alone(backend, within=0.15) -> None:
     moving = [drive.velocity for drive in backend.bench.drives.values()]
     assert any(moving)
     braking = backend.axes["left wheel"].limits

@@ -19,7 +19,7 @@ from .conftest import COUNTS_PER_M, LEFT, RIGHT
 RAMPS = 12  # periods within which the wheels come to rest from any speed of these tests
 
 
-def run(backend, periods, speed=0.0, turn_rate=0.0):
+def run(backend, periods, speed=0.0, turn_rate=0.0) -> None:
     for _ in range(periods):
         backend.get(Base).drive(speed, turn_rate)
         backend.step()
@@ -30,7 +30,7 @@ def targets(backend):
     return [drive.rpdo[1][0x60FF].raw for drive in backend.bench.drives.values()]
 
 
-def test_speeds_are_metres_and_radians_and_left_is_left(make):
+def test_speeds_are_metres_and_radians_and_left_is_left(make) -> None:
     for speed, turn_rate in ((0.3, 0.0), (-0.3, 0.0), (0.0, 0.8), (0.2, -0.5)):
         backend = make()
         start = backend.ground_truth().base
@@ -47,7 +47,7 @@ def test_speeds_are_metres_and_radians_and_left_is_left(make):
             assert moved.x != pytest.approx(speed, rel=1e-5)  # radii and slip
 
 
-def test_counts_have_the_sign_of_the_file(make):
+def test_counts_have_the_sign_of_the_file(make) -> None:
     backend = make(room=False)
     run(backend, 20, 0.3)
     run(backend, RAMPS)
@@ -57,7 +57,7 @@ def test_counts_have_the_sign_of_the_file(make):
     assert backend.get(Base).wheel_travel() == pytest.approx((0.3, 0.3), rel=1e-4)
 
 
-def test_travel_goes_on_where_32_bits_go_over(make):
+def test_travel_goes_on_where_32_bits_go_over(make) -> None:
     backend = make(room=False)
     for node in (LEFT, RIGHT):
         backend.bench.drives[node].stand_at(2.0**31 - 1000.0)
@@ -73,7 +73,7 @@ def test_travel_goes_on_where_32_bits_go_over(make):
     "command",
     [(math.nan, 0.0), (0.0, math.nan), (math.inf, 0.0), (0.0, -math.inf), (0.61, 0.0), (0.0, 1.58)],
 )
-def test_what_no_robot_may_do_is_refused(make, command):
+def test_what_no_robot_may_do_is_refused(make, command) -> None:
     backend = make()
     with pytest.raises(CommandError, match="allowed"):
         backend.get(Base).drive(*command)
@@ -81,7 +81,7 @@ def test_what_no_robot_may_do_is_refused(make, command):
     assert backend.get(Base).wheel_travel() == (0.0, 0.0)
 
 
-def test_a_command_that_is_not_renewed_lives_one_period(make):
+def test_a_command_that_is_not_renewed_lives_one_period(make) -> None:
     backend = make()
     backend.get(Base).drive(0.6, 0.0)
     backend.step()
@@ -93,7 +93,7 @@ def test_a_command_that_is_not_renewed_lives_one_period(make):
     assert backend.ground_truth().base == there
 
 
-def test_a_command_does_nothing_before_its_step(make):
+def test_a_command_does_nothing_before_its_step(make) -> None:
     backend = make()
     there = backend.ground_truth().base
     backend.get(Base).drive(0.3, 0.0)
@@ -101,7 +101,7 @@ def test_a_command_does_nothing_before_its_step(make):
     assert backend.ground_truth().base == there
 
 
-def test_after_stop_nothing_is_queued(make):
+def test_after_stop_nothing_is_queued(make) -> None:
     backend = make()
     backend.get(Base).drive(0.3, 0.0)
     backend.stop()
@@ -123,7 +123,7 @@ def test_after_stop_nothing_is_queued(make):
     assert backend.ground_truth().base != there
 
 
-def test_the_same_seed_gives_the_same_readings(make):
+def test_the_same_seed_gives_the_same_readings(make) -> None:
     def readings(seed):
         backend = make(seed)
         run(backend, 15, 0.2, 0.4)
@@ -135,14 +135,14 @@ def test_the_same_seed_gives_the_same_readings(make):
     assert one[0] != other[0] and not np.array_equal(one[1], other[1])
 
 
-def test_a_wall_stops_the_base_and_is_noted(make):
+def test_a_wall_stops_the_base_and_is_noted(make) -> None:
     backend = make()
     run(backend, 100, 0.4)
     assert backend.ground_truth().base.y == pytest.approx(3.0 - 0.34, abs=0.06)
     assert [(each.body, each.time > 0.0) for each in backend.inner.scene.contacts] == [("base", True)]
 
 
-def test_without_a_world_there_are_wheels_alone(make):
+def test_without_a_world_there_are_wheels_alone(make) -> None:
     backend = make(room=False)
     assert backend.ground_truth() is None
     assert backend.get(RangeSensor) is None
@@ -150,7 +150,7 @@ def test_without_a_world_there_are_wheels_alone(make):
     assert backend.get(Base).wheel_travel().left > 0.0
 
 
-def test_closing_takes_the_torque_away_at_rest(make):
+def test_closing_takes_the_torque_away_at_rest(make) -> None:
     backend = make()
     run(backend, 20, 0.5)
     backend.close()
@@ -159,19 +159,19 @@ def test_closing_takes_the_torque_away_at_rest(make):
         assert (drive.velocity, drive.life.state) == (0.0, "SWITCH ON DISABLED")
 
 
-def test_a_robot_needs_a_section_can():
+def test_a_robot_needs_a_section_can() -> None:
     with pytest.raises(NoDrives, match="no section 'can'"):
         make_backend("can", load_robot("toyama"), None, 0)
 
 
-def test_counts_that_do_not_fit_are_told(make, cart):
+def test_counts_that_do_not_fit_are_told(make, cart) -> None:
     fine = cart.can.left.model_copy(update={"counts_per_rev": 2**24, "gear_ratio": 100.0})
     robot = cart.model_copy(update={"can": cart.can.model_copy(update={"left": fine})})
     with pytest.raises(TooManyCounts, match=r"the left wheel drive .* would be told .* counts_per_rev"):
         make(robot=robot)
 
 
-def test_a_world_that_is_put_back_goes_on_as_it_would_have(make):
+def test_a_world_that_is_put_back_goes_on_as_it_would_have(make) -> None:
     robot = load_robot("librarian")
 
     def on(backend, periods):
@@ -197,7 +197,7 @@ def test_a_world_that_is_put_back_goes_on_as_it_would_have(make):
     assert resumed.bench.time == pytest.approx(backend.bench.time)
 
 
-def test_the_force_on_the_hand_follows_from_the_joints_torques(make):
+def test_the_force_on_the_hand_follows_from_the_joints_torques(make) -> None:
     robot = load_robot("librarian").without_errors()
     backend = make(robot=robot)
     arm, inner = backend.get(Arm), backend.bench.inner

@@ -18,7 +18,7 @@ from handcart.primitives.driving.move_to import MoveTo
 
 
 @pytest.mark.slow
-def test_move_to_ends_at_the_right_place():
+def test_move_to_ends_at_the_right_place() -> None:
     with set_stage(robot="cart", backend="can", seed=1) as stage:
         outcome = stage.do(MoveTo(place="shelf_3"))
         place, scene = stage.model.places["shelf_3"].pose, stage.backend.inner.scene
@@ -35,7 +35,7 @@ LONG = ("drift",)
 @pytest.mark.parametrize(
     "name", [pytest.param(each, marks=pytest.mark.slow) if each in LONG else each for each in CHECKS]
 )
-def test_the_kit_finds_nothing_wrong(name):
+def test_the_kit_finds_nothing_wrong(name) -> None:
     assert CHECKS[name](Bench("can", "cart")).wrong == []
 
 
@@ -49,7 +49,9 @@ def test_the_kit_finds_nothing_wrong(name):
         ("bitrate_kbit_s: 500", "bitrate_kbit_s: 300", "bitrate_kbit_s"),
     ],
 )
-def test_what_is_wrong_in_the_section_can_is_told_with_its_place(tmp_path, before, after, told):
+def test_what_is_wrong_in_the_section_can_is_told_with_its_place(
+    tmp_path: Path, before: str, after: str, told: str
+) -> None:
     path = Path(shutil.copytree(ROBOTS / "cart", tmp_path / "cart")) / "robot.yaml"
     text = path.read_text(encoding="utf-8")
     assert before in text
@@ -59,7 +61,7 @@ def test_what_is_wrong_in_the_section_can_is_told_with_its_place(tmp_path, befor
     assert f"{path}:" in str(error.value)
 
 
-def test_counts_for_a_metre():
+def test_counts_for_a_metre() -> None:
     wheel = {"node": 3, "counts_per_rev": 1000, "gear_ratio": 10.0, "sign": -1}
     spec = CanSpec.model_validate(
         {

@@ -23,14 +23,14 @@ def robot():
     return robot.model_copy(update={"can": robot.can.model_copy(update={"joints": joints, **wheels})})
 
 
-def turn(backend, periods):
+def turn(backend, periods) -> None:
     arm = backend.get(Arm)
     for _ in range(periods):
         arm.move(arm.command() + TURN)
         backend.step()
 
 
-def test_a_set_point_is_reached_one_period_after_its_sync(make, robot):
+def test_a_set_point_is_reached_one_period_after_its_sync(make, robot) -> None:
     backend = make(robot=robot, room=False)
     arm, seen = backend.get(Arm), []
     for _ in range(4):
@@ -47,7 +47,7 @@ def test_a_set_point_is_reached_one_period_after_its_sync(make, robot):
     assert backend.bench.drives[JOINT_1].velocity == 0.0
 
 
-def test_the_interpolation_period_is_the_control_period_and_read_back(make, robot):
+def test_the_interpolation_period_is_the_control_period_and_read_back(make, robot) -> None:
     backend = make(robot=robot, room=False)
     sdo = backend.axes["joint 1"].sdo
     assert (sdo[0x60C2][1].raw, sdo[0x60C2][2].raw) == (50, -3)
@@ -61,7 +61,7 @@ def test_the_interpolation_period_is_the_control_period_and_read_back(make, robo
         interpolation_time(0.0501234)
 
 
-def test_another_interpolation_period_is_refused(make, robot, monkeypatch):
+def test_another_interpolation_period_is_refused(make, robot, monkeypatch: pytest.MonkeyPatch) -> None:
     from handcart.backends.can.bench.bench import Bench
 
     plain = Bench.open
@@ -75,13 +75,13 @@ def test_another_interpolation_period_is_refused(make, robot, monkeypatch):
         make(robot=robot, room=False)
 
 
-def test_where_a_set_point_is_missed_the_drive_reaches_the_last_and_holds(make, robot):
+def test_where_a_set_point_is_missed_the_drive_reaches_the_last_and_holds(make, robot) -> None:
     backend = make(robot=robot, room=False)
     turn(backend, 5)
     drive, send = backend.bench.drives[JOINT_1], backend.bench.master.send
     lost = []
 
-    def loses(frame, timeout=None):
+    def loses(frame, timeout=None) -> None:
         if frame.arbitration_id == 0x200 + JOINT_1 and len(lost) < 1:
             lost.append(frame)
         else:
@@ -99,7 +99,7 @@ def test_where_a_set_point_is_missed_the_drive_reaches_the_last_and_holds(make, 
     assert drive.position == pytest.approx(0.10 * scale, abs=1)
 
 
-def test_where_set_points_stay_away_the_drive_stops_by_itself(make, robot):
+def test_where_set_points_stay_away_the_drive_stops_by_itself(make, robot) -> None:
     """C5 C7: the time of its RPDO (1400h:5) runs out, and it does as without our heartbeat."""
     backend = make(robot=robot, room=False)
     turn(backend, 5)
@@ -113,7 +113,7 @@ def test_where_set_points_stay_away_the_drive_stops_by_itself(make, robot):
     assert drive.velocity == 0.0
 
 
-def test_wheels_run_at_the_speed_of_the_last_sync(make, robot):
+def test_wheels_run_at_the_speed_of_the_last_sync(make, robot) -> None:
     backend = make(robot=robot, room=False)
     for k in range(12):
         backend.get(Base).drive(0.02 * k, 0.0)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import can
 import pytest
 
@@ -25,13 +27,13 @@ from handcart.backends.registry import make_backend
 from .conftest import LEFT, RIGHT
 
 
-def drive(backend, periods):
+def drive(backend, periods) -> None:
     for _ in range(periods):
         backend.get(Base).drive(0.5, 0.0)
         backend.step()
 
 
-def test_a_drive_that_has_a_fault_is_not_reset(make):
+def test_a_drive_that_has_a_fault_is_not_reset(make) -> None:
     backend = make()
     backend.bench.drives[LEFT].fail(0x8611)
     backend.bench.tick(0.05)
@@ -42,7 +44,7 @@ def test_a_drive_that_has_a_fault_is_not_reset(make):
     assert backend.bench.drives[LEFT].life.state == "FAULT"
 
 
-def test_if_one_drive_is_not_ready_none_stays_enabled(make):
+def test_if_one_drive_is_not_ready_none_stays_enabled(make) -> None:
     robot = load_robot("librarian")
     backend = make(robot=robot, room=False)
     drives = backend.bench.drives
@@ -54,7 +56,7 @@ def test_if_one_drive_is_not_ready_none_stays_enabled(make):
     assert drives[11].life.state == "QUICK STOP ACTIVE"  # it would fall
 
 
-def test_a_drive_in_another_mode_ends_the_step(make):
+def test_a_drive_in_another_mode_ends_the_step(make) -> None:
     backend = make()
     drive(backend, 20)
     backend.axes["left wheel"].sdo[0x6060].raw = 1
@@ -62,11 +64,11 @@ def test_a_drive_in_another_mode_ends_the_step(make):
         drive(backend, 1)
 
 
-def test_a_bus_that_fails_is_told(make, monkeypatch):
+def test_a_bus_that_fails_is_told(make, monkeypatch: pytest.MonkeyPatch) -> None:
     backend = make()
     drive(backend, 1)
 
-    def fail(*_, **__):
+    def fail(*_, **__) -> None:
         raise can.CanOperationError("bus off")
 
     monkeypatch.setattr(backend.bench.master, "send", fail)
@@ -75,14 +77,16 @@ def test_a_bus_that_fails_is_told(make, monkeypatch):
 
 
 @pytest.mark.parametrize("command", ["run", "do"])
-def test_a_fault_ends_a_command_with_status_4_and_without_a_traceback(command, monkeypatch, capsys, tmp_path):
+def test_a_fault_ends_a_command_with_status_4_and_without_a_traceback(
+    command: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
     """A person has to look: GiveUp, with the reason in words."""
     from handcart.backends.can.can_backend import CanBackend
     from handcart.tools.main import main
 
     step, count = CanBackend.step, iter(range(10**6))
 
-    def fails(self):
+    def fails(self) -> None:
         if next(count) == 30:
             misbehave(self.bench, "silent")
         step(self)
@@ -106,17 +110,19 @@ def test_a_fault_ends_a_command_with_status_4_and_without_a_traceback(command, m
         (0x6502, 0x01, WrongDrive, r"drive modes \(6502h\) is 0x1; allowed: profiled velocity"),
     ],
 )
-def test_a_drive_that_is_none_is_told(make, monkeypatch, index, value, error, told):
+def test_a_drive_that_is_none_is_told(
+    make, monkeypatch: pytest.MonkeyPatch, index: int, value: int, error, told: str
+) -> None:
     plain = DriveNode._value
     monkeypatch.setattr(DriveNode, "_value", lambda self, i: value if i == index else plain(self, i))
     with pytest.raises(error, match=told):
         make()
 
 
-def test_settings_that_differ_are_told_all_at_once(make, monkeypatch):
+def test_settings_that_differ_are_told_all_at_once(make, monkeypatch: pytest.MonkeyPatch) -> None:
     plain = DriveNode._power_on
 
-    def stubborn(self):
+    def stubborn(self) -> None:
         plain(self)
         self.wrong.keeps = {(0x6083, 0): 7, (0x1017, 0): 0}
 
@@ -134,21 +140,21 @@ def _early(init):
     """What a drive does wrong has to be there before it boots."""
     from handcart.backends.can.simulated.misconduct import Misconduct
 
-    def made(self, *given):
+    def made(self, *given) -> None:
         self.wrong = Misconduct()
         init(self, *given)
 
     return made
 
 
-def test_an_identity_that_is_not_the_files_is_told(make, cart):
+def test_an_identity_that_is_not_the_files_is_told(make, cart) -> None:
     left = cart.can.left.model_copy(update={"vendor_id": 0x2E})
     robot = cart.model_copy(update={"can": cart.can.model_copy(update={"left": left})})
     with pytest.raises(WrongDrive, match=r"vendor-ID \(1018h:1\) is 0x0; allowed: 0x2e"):
         make(robot=robot)
 
 
-def test_a_missing_drive_is_told(make, monkeypatch):
+def test_a_missing_drive_is_told(make, monkeypatch: pytest.MonkeyPatch) -> None:
     """C14: no answer to an SDO, tried twice."""
     from handcart.backends.can.bench import bench
 
@@ -158,22 +164,24 @@ def test_a_missing_drive_is_told(make, monkeypatch):
         make(room=False)
 
 
-def test_two_drives_with_one_node_id_are_told_before_anything_moves(make, monkeypatch):
+def test_two_drives_with_one_node_id_are_told_before_anything_moves(
+    make, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """C15: both answer."""
     from handcart.backends.can.bench import bench
     from handcart.backends.can.simulated.simulated_drives import SimulatedDrives
 
     class Twice(SimulatedDrives):
-        def __init__(self, nodes, *rest):
+        def __init__(self, nodes, *rest) -> None:
             super().__init__(nodes, *rest)
             self._double = CanLine(self.open())
             self._double[RIGHT] = DriveNode(RIGHT)
 
-        def serve(self):
+        def serve(self) -> None:
             super().serve()
             self._double.drain()
 
-        def close(self):
+        def close(self) -> None:
             super().close()
             self._double.close()
 
@@ -182,14 +190,14 @@ def test_two_drives_with_one_node_id_are_told_before_anything_moves(make, monkey
         make(room=False)
 
 
-def test_an_interface_that_cannot_be_opened_is_told(cart):
+def test_an_interface_that_cannot_be_opened_is_told(cart) -> None:
     """C1: with the line that brings it up."""
     spec = cart.can.model_copy(update={"interface": "socketcan", "channel": "no_such0"})
     with pytest.raises(NoInterface, match=r"no CAN on socketcan no_such0: .*ip link set no_such0"):
         make_backend("can", cart.model_copy(update={"can": spec}), None, 0)
 
 
-def test_a_line_waits_no_longer_than_told():
+def test_a_line_waits_no_longer_than_told() -> None:
     with can.interfaces.virtual.VirtualBus("quiet") as bus, can.interfaces.virtual.VirtualBus("quiet") as far:
         line, seen = CanLine(bus), []
         line.subscribe(0x181, lambda *frame: seen.append(frame[1]))
@@ -213,7 +221,9 @@ def test_a_line_waits_no_longer_than_told():
         ),
     ],
 )
-def test_a_bench_that_cannot_be_is_refused_with_status_2(backend, bench, told, capsys):
+def test_a_bench_that_cannot_be_is_refused_with_status_2(
+    backend: str, bench: str, told: str, capsys: pytest.CaptureFixture[str]
+) -> None:
     from handcart.tools.main import main
 
     with pytest.raises(SystemExit) as end:
@@ -222,12 +232,12 @@ def test_a_bench_that_cannot_be_is_refused_with_status_2(backend, bench, told, c
     assert told in capsys.readouterr().err
 
 
-def test_a_fault_that_nobody_knows_is_refused(make):
+def test_a_fault_that_nobody_knows_is_refused(make) -> None:
     with pytest.raises(UnknownMisbehaviour, match="did you mean 'reversed'"):
         misbehave(make().bench, "reverse")
 
 
-def test_without_a_bench_the_capabilities_are_known_unbuilt():
+def test_without_a_bench_the_capabilities_are_known_unbuilt() -> None:
     from handcart.backends.can.can_backend import CanBackend
 
     kinds = CanBackend.kinds(load_robot("librarian"))

@@ -12,7 +12,7 @@ from handcart.backends.capabilities.base import Base
 from .faulty import BEFORE, assert_drives_stop_alone, assert_stopped, move
 
 
-def test_a_loop_that_hangs_is_silent_and_the_drives_stop(make, robot):
+def test_a_loop_that_hangs_is_silent_and_the_drives_stop(make, robot) -> None:
     """C8 K4 K14: the heartbeat is sent by the loop; when it hangs, or is killed, the drives stop alone."""
     backend = make(robot=robot, room=False)
     move(backend, 20)
@@ -21,7 +21,7 @@ def test_a_loop_that_hangs_is_silent_and_the_drives_stop(make, robot):
         move(backend, 1)
 
 
-def test_without_our_heartbeat_the_drives_stop_in_its_time_though_commands_come(make, robot):
+def test_without_our_heartbeat_the_drives_stop_in_its_time_though_commands_come(make, robot) -> None:
     """C8: 1016h is a watch of its own."""
     backend = make(robot=robot, room=False)
     move(backend, 20)
@@ -34,16 +34,16 @@ def test_without_our_heartbeat_the_drives_stop_in_its_time_though_commands_come(
     assert "OPERATION ENABLED" not in {drive.life.state for drive in backend.bench.drives.values()}
 
 
-def test_a_late_loop_ramps_to_a_stop(make, robot):
+def test_a_late_loop_ramps_to_a_stop(make, robot) -> None:
     """K6 K7 K9: three periods missed in a row, or one gap of 50 ms."""
 
     class Late:
         trouble = ""
 
-        def wait(self):
+        def wait(self) -> None:
             return
 
-        def begin(self):
+        def begin(self) -> None:
             return
 
     backend = make(robot=robot, room=False)
@@ -56,7 +56,7 @@ def test_a_late_loop_ramps_to_a_stop(make, robot):
     assert_stopped(backend, told.value)
 
 
-def test_wall_clocks_are_not_asked(make, robot, monkeypatch):
+def test_wall_clocks_are_not_asked(make, robot, monkeypatch: pytest.MonkeyPatch) -> None:
     """K8 B9: a clock that jumps by an hour changes nothing; on a bench no clock is read."""
     moments = iter(range(0, 10**9, 3600))
     for name in ("time", "monotonic"):

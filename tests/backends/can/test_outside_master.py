@@ -19,7 +19,7 @@ def drives():
     """A drive that is served, and gets a SYNC each period, in a thread of its own."""
     made, end = SimulatedDrives([NODE], PERIOD), threading.Event()
 
-    def serve():
+    def serve() -> None:
         while not end.is_set():
             made.serve()
             made._on_sync()
@@ -58,14 +58,14 @@ def master(drives):
     network.disconnect()
 
 
-def wait_for(done, seconds=10.0):
+def wait_for(done, seconds=10.0) -> None:
     end = time.monotonic() + seconds
     while not done():
         assert time.monotonic() < end
         time.sleep(0.002)
 
 
-def test_it_is_brought_to_operation_enabled_and_stopped_quickly(drives, master):
+def test_it_is_brought_to_operation_enabled_and_stopped_quickly(drives, master) -> None:
     master.op_mode = "PROFILED VELOCITY"
     master.state = "OPERATION ENABLED"
     master.sdo[0x60FF].raw = 10_000
@@ -83,7 +83,7 @@ def test_it_is_brought_to_operation_enabled_and_stopped_quickly(drives, master):
 
 
 @pytest.mark.parametrize("method", [35, 37])
-def test_it_is_homed_where_it_stands(drives, master, method):
+def test_it_is_homed_where_it_stands(drives, master, method: int) -> None:
     drives.nodes[NODE].stand_at(1234.0)
     master.sdo[0x6098].raw = method
     master.sdo[0x607C].raw = 50
@@ -91,7 +91,7 @@ def test_it_is_homed_where_it_stands(drives, master, method):
     assert master.sdo[0x6064].raw == 50
 
 
-def test_it_is_homed_at_the_negative_limit_switch(drives, master):
+def test_it_is_homed_at_the_negative_limit_switch(drives, master) -> None:
     drive = drives.nodes[NODE]
     drive.demand.switch = -3000.0
     master.sdo[0x6098].raw = 17
@@ -102,12 +102,12 @@ def test_it_is_homed_at_the_negative_limit_switch(drives, master):
     assert not master.sdo[0x60FD].raw & 1
 
 
-def test_a_method_that_it_does_not_know_fails(drives, master):
+def test_a_method_that_it_does_not_know_fails(drives, master) -> None:
     master.sdo[0x6098].raw = 1
     assert not master.homing(timeout=5)
 
 
-def test_it_moves_in_profile_position_with_the_handshake(drives, master):
+def test_it_moves_in_profile_position_with_the_handshake(drives, master) -> None:
     drive = drives.nodes[NODE]
     master.op_mode = "PROFILED POSITION"
     master.state = "OPERATION ENABLED"
@@ -132,7 +132,7 @@ def test_it_moves_in_profile_position_with_the_handshake(drives, master):
     wait_for(lambda: drive.position == -300.0)
 
 
-def test_a_fault_is_reset(drives, master):
+def test_a_fault_is_reset(drives, master) -> None:
     drive = drives.nodes[NODE]
     master.op_mode = "PROFILED VELOCITY"
     master.state = "OPERATION ENABLED"

@@ -20,7 +20,7 @@ BUS = {"interface": "virtual", "channel": "by themselves", "heartbeat_timeout_ms
 
 
 @pytest.fixture
-def robot(cart, monkeypatch):
+def robot(cart, monkeypatch: pytest.MonkeyPatch):
     """Machines that tests run on may be busy."""
     monkeypatch.setattr("handcart.backends.can.pace.GAP", 30.0)
     monkeypatch.setattr("handcart.backends.can.pace.MISSED", 10_000)
@@ -39,7 +39,7 @@ def served(robot):
     """Drives in a thread of their own, on the bus that the robot's file names."""
     made, end = Bench(robot, robot.can, None, VirtualBus("by themselves")), threading.Event()
 
-    def serve():
+    def serve() -> None:
         while not end.is_set():
             made.serve()
             time.sleep(0.0005)
@@ -54,7 +54,7 @@ def served(robot):
         made.close()
 
 
-def test_a_step_lasts_a_period_and_the_wheels_roll(robot, bench):
+def test_a_step_lasts_a_period_and_the_wheels_roll(robot, bench) -> None:
     with CanBackend(robot, None) as backend:
         assert backend.bench is None and backend.ground_truth() is None
         assert not backend.simulated
@@ -71,13 +71,13 @@ def test_a_step_lasts_a_period_and_the_wheels_roll(robot, bench):
     assert [drive.life.state for drive in bench.drives.values()] == ["SWITCH ON DISABLED"] * 2
 
 
-def test_nothing_has_torque_before_the_first_step(robot, bench):
+def test_nothing_has_torque_before_the_first_step(robot, bench) -> None:
     with CanBackend(robot, None):
         time.sleep(2 * PERIOD)
         assert [drive.life.state for drive in bench.drives.values()] == ["SWITCH ON DISABLED"] * 2
 
 
-def test_a_fault_that_a_frame_shows_is_not_waited_out(robot, bench):
+def test_a_fault_that_a_frame_shows_is_not_waited_out(robot, bench) -> None:
     """C11: the stop leaves within the period, not at its end."""
     with CanBackend(robot, None) as backend:
         backend.step()
@@ -88,7 +88,7 @@ def test_a_fault_that_a_frame_shows_is_not_waited_out(robot, bench):
             )
         )
 
-        def show():
+        def show() -> None:
             time.sleep(0.2 * PERIOD)
             shown.append(time.monotonic())
             bench.line.send_message(0x081, b"\x10\x43\x01\x00\x00\x00\x00\x00")
@@ -105,7 +105,7 @@ def test_a_fault_that_a_frame_shows_is_not_waited_out(robot, bench):
             backend.step()
 
 
-def test_joints_that_hold_keep_their_torque_from_one_program_to_the_next(robot):
+def test_joints_that_hold_keep_their_torque_from_one_program_to_the_next(robot) -> None:
     arm = load_robot("librarian")
     robot = arm.model_copy(update={"period_s": PERIOD, "can": arm.can.model_copy(update=BUS)})
     with served(robot) as bench:

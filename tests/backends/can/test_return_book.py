@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import pytest
 
 from handcart.evaluation.trials.running import run_task
@@ -19,7 +21,7 @@ def run(folder, backend, bench=None):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("bench", ["kinematic"])
-def test_without_errors_it_ends_on_the_bench_as_on_the_backend_behind_it(tmp_path, bench):
+def test_without_errors_it_ends_on_the_bench_as_on_the_backend_behind_it(tmp_path: Path, bench: str) -> None:
     ended = run(tmp_path, bench)
     assert run(tmp_path, "can", bench) == ended
     assert ended[:2] == (0, "Success")

@@ -20,7 +20,7 @@ def orders(line):
     """From now on: the controlwords that are sent, by node."""
     sent: dict[int, list[int]] = {}
 
-    def heard(frame, ours):
+    def heard(frame, ours) -> None:
         if ours and 0x200 < frame.arbitration_id < 0x280:
             sent.setdefault(frame.arbitration_id - 0x200, []).append(int.from_bytes(frame.data[:2], "little"))
 
@@ -28,7 +28,7 @@ def orders(line):
     return sent
 
 
-def test_set_points_that_are_not_taken_are_told(make, robot, monkeypatch):
+def test_set_points_that_are_not_taken_are_told(make, robot, monkeypatch: pytest.MonkeyPatch) -> None:
     """C5 B6: the drive goes where it should, but says of three in a row that it didn't take them."""
     backend = make(robot=robot, room=False)
     move(backend, BEFORE)
@@ -38,7 +38,7 @@ def test_set_points_that_are_not_taken_are_told(make, robot, monkeypatch):
         move(backend, 4)
 
 
-def test_set_points_that_are_taken_are_forgiven(make, robot, monkeypatch):
+def test_set_points_that_are_taken_are_forgiven(make, robot, monkeypatch: pytest.MonkeyPatch) -> None:
     """Two that were lost, one that was taken, and again: no three in a row."""
     backend = make(robot=robot, room=False)
     move(backend, BEFORE)
@@ -49,7 +49,7 @@ def test_set_points_that_are_taken_are_forgiven(make, robot, monkeypatch):
         move(backend, 1)
 
 
-def test_a_quick_stop_ends_the_handshake(make, robot):
+def test_a_quick_stop_ends_the_handshake(make, robot) -> None:
     """C12 C22: a set-point that was asked for is not taken back by enabling the drive again."""
     backend = make(robot=robot, room=False)
     move(backend, BEFORE)
@@ -65,7 +65,7 @@ def test_a_quick_stop_ends_the_handshake(make, robot):
     assert backend.bench.drives[JOINT_1].life.state == "QUICK STOP ACTIVE"
 
 
-def test_of_two_set_points_between_two_answers_the_second_counts(make, robot):
+def test_of_two_set_points_between_two_answers_the_second_counts(make, robot) -> None:
     """B6: as a stop in the middle of a period sends them; bit 4 has to rise anew for it."""
     backend = make(robot=robot, room=False)
     move(backend, BEFORE)
@@ -83,7 +83,7 @@ def test_of_two_set_points_between_two_answers_the_second_counts(make, robot):
     assert drive.demand.position == pytest.approx(joint.units.counts(there - 0.005), abs=1)
 
 
-def test_after_a_fault_the_drives_take_no_commands(make, robot):
+def test_after_a_fault_the_drives_take_no_commands(make, robot) -> None:
     """C6 C12: a command that comes late, in the last queue of all, finds nobody who takes it."""
     backend = make(robot=robot, room=False)
     fault_of(backend, "emergency")
@@ -96,7 +96,7 @@ def test_after_a_fault_the_drives_take_no_commands(make, robot):
     assert "OPERATION ENABLED" not in {drive.life.state for drive in drives.values()}
 
 
-def test_at_the_end_wheels_lose_their_torque_even_if_their_quick_stop_keeps_it(make, robot):
+def test_at_the_end_wheels_lose_their_torque_even_if_their_quick_stop_keeps_it(make, robot) -> None:
     """C12: they are told so, whatever their own quick stop ends in."""
     for ends in ("close", "fault"):
         backend = make(robot=robot, room=False)
@@ -113,7 +113,7 @@ def test_at_the_end_wheels_lose_their_torque_even_if_their_quick_stop_keeps_it(m
         assert backend.bench.drives[JOINT_1].life.state == "QUICK STOP ACTIVE"  # it would fall
 
 
-def test_the_torque_goes_when_the_wheels_stand_not_before(make):
+def test_the_torque_goes_when_the_wheels_stand_not_before(make) -> None:
     """C12: without torque they would roll on."""
     backend = make(room=False)
     for _ in range(20):
@@ -143,7 +143,7 @@ def turned(robot, **drives):
     return robot.model_copy(update={"can": spec.model_copy(update={"joints": joints, "gripper": gripper})})
 
 
-def test_torques_have_the_sign_of_the_file(make, robot):
+def test_torques_have_the_sign_of_the_file(make, robot) -> None:
     """A joint that counts down where the file counts up feels the same force."""
     robot = turned(robot.without_errors(), joints=(1, 2, 4))
     backend = make(robot=robot)
@@ -159,7 +159,9 @@ def test_torques_have_the_sign_of_the_file(make, robot):
 
 
 @pytest.mark.parametrize("sign", ["as it is", "turned"])
-def test_fingers_that_press_are_felt_whatever_their_sign(make, robot, monkeypatch, sign):
+def test_fingers_that_press_are_felt_whatever_their_sign(
+    make, robot, monkeypatch: pytest.MonkeyPatch, sign: str
+) -> None:
     robot = robot if sign == "as it is" else turned(robot, gripper=True)
     backend = make(robot=robot)
     gripper = backend.get(Gripper)
@@ -173,7 +175,7 @@ def test_fingers_that_press_are_felt_whatever_their_sign(make, robot, monkeypatc
     assert gripper.closed_on_something()
 
 
-def test_a_fault_in_stopping_is_still_the_first_fault(make):
+def test_a_fault_in_stopping_is_still_the_first_fault(make) -> None:
     backend = make(room=False)
     fault = fault_of(backend, "bus-off")
     with pytest.raises(CanFault) as again:

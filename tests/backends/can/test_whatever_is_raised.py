@@ -24,7 +24,7 @@ def states(backend):
 
 
 @pytest.mark.parametrize("state", [0x77, 0x54, 0x01])
-def test_a_heartbeat_of_an_unknown_state_before_the_first_step_hinders_nobody(make, state):
+def test_a_heartbeat_of_an_unknown_state_before_the_first_step_hinders_nobody(make, state: int) -> None:
     """C16 C20: it says nothing; the drives are enabled, driven, and stopped as ever."""
     backend = make(room=False)
     backend.bench.line.send_message(0x700 + LEFT, bytes([state]))
@@ -34,7 +34,7 @@ def test_a_heartbeat_of_an_unknown_state_before_the_first_step_hinders_nobody(ma
     assert states(backend) == {"SWITCH ON DISABLED"}
 
 
-def test_a_drive_that_boots_between_set_up_and_first_step_gets_no_torque(make):
+def test_a_drive_that_boots_between_set_up_and_first_step_gets_no_torque(make) -> None:
     """C16: it has forgotten what it was set to."""
     backend = make(room=False)
     backend.bench.drives[LEFT].boot()
@@ -43,7 +43,7 @@ def test_a_drive_that_boots_between_set_up_and_first_step_gets_no_torque(make):
     assert states(backend) == {"SWITCH ON DISABLED"}
 
 
-def lies(drive, data):
+def lies(drive, data) -> None:
     """From now on it does what it is asked by SDO, and answers with these bytes."""
     drive.sdo.send_response = lambda _: drive.network.send_message(0x580 + drive.number, data)
 
@@ -62,7 +62,9 @@ def lies(drive, data):
     ],
 )
 @pytest.mark.parametrize("when", ["set-up", "enabling"])
-def test_sdo_answers_that_are_none_are_told(make, monkeypatch, data, told, when):
+def test_sdo_answers_that_are_none_are_told(
+    make, monkeypatch: pytest.MonkeyPatch, data, told: str, when: str
+) -> None:
     """C14 C20: of any length, about something else; nothing stays enabled."""
     if when == "set-up":
         plain = DriveNode.associate_network
@@ -76,7 +78,7 @@ def test_sdo_answers_that_are_none_are_told(make, monkeypatch, data, told, when)
     drive = backend.bench.drives[LEFT + 1]
     plain = drive.life.control
 
-    def control(word):
+    def control(word) -> None:
         plain(word)
         if word == 0x0F:
             lies(drive, data)
@@ -87,11 +89,11 @@ def test_sdo_answers_that_are_none_are_told(make, monkeypatch, data, told, when)
     assert "OPERATION ENABLED" not in states(backend)
 
 
-def test_an_answer_without_end_is_ended(make, monkeypatch):
+def test_an_answer_without_end_is_ended(make, monkeypatch: pytest.MonkeyPatch) -> None:
     """C14: segment after segment."""
     toggle = iter(range(10**6))
 
-    def answer(self, _can_id, data, _stamp):
+    def answer(self, _can_id, data, _stamp) -> None:
         first = data[0] >> 5 == 2
         command = 0x41 if first else next(toggle) % 2 << 4
         said = struct.pack("<BHBI", 0x41, 0x1000, 0, 2**31) if first else bytes([command]) + b"\x01" * 7
@@ -99,7 +101,7 @@ def test_an_answer_without_end_is_ended(make, monkeypatch):
 
     plain = DriveNode.associate_network
 
-    def associate(self, network):
+    def associate(self, network) -> None:
         plain(self, network)
         network.unsubscribe(0x600 + self.number)
         network.subscribe(0x600 + self.number, answer.__get__(self))
@@ -110,13 +112,13 @@ def test_an_answer_without_end_is_ended(make, monkeypatch):
     assert next(toggle) < 100
 
 
-def test_a_mapping_that_is_refused_is_told(make, monkeypatch):
+def test_a_mapping_that_is_refused_is_told(make, monkeypatch: pytest.MonkeyPatch) -> None:
     """C10: as a fault, not as the library's abort."""
     from canopen.sdo.exceptions import SdoAbortedError
 
     plain = DriveNode.set_data
 
-    def set_data(self, index, subindex, data, check_writable=False):
+    def set_data(self, index, subindex, data, check_writable=False) -> None:
         if index == 0x1600:
             raise SdoAbortedError(0x06010002)
         plain(self, index, subindex, data, check_writable)
@@ -127,12 +129,12 @@ def test_a_mapping_that_is_refused_is_told(make, monkeypatch):
 
 
 @pytest.mark.parametrize("error", [MemoryError(), KeyError(119), KeyboardInterrupt()])
-def test_whatever_ends_a_period_ends_the_torque(make, robot, monkeypatch, error):
+def test_whatever_ends_a_period_ends_the_torque(make, robot, monkeypatch: pytest.MonkeyPatch, error) -> None:
     """K4 C12: a person's Ctrl-C, a fault in the program: all axes stop, each in its own way, for good."""
     backend = make(robot=robot, room=False)
     move(backend, 10)
 
-    def raises():
+    def raises() -> None:
         raise error
 
     monkeypatch.setattr(backend.axes, "end_handshakes", raises)
@@ -143,11 +145,11 @@ def test_whatever_ends_a_period_ends_the_torque(make, robot, monkeypatch, error)
     assert_stopped(backend, told.value)
 
 
-def test_whatever_ends_the_enabling_ends_the_torque(make, robot, monkeypatch):
+def test_whatever_ends_the_enabling_ends_the_torque(make, robot, monkeypatch: pytest.MonkeyPatch) -> None:
     """C12: raised behind the last order to a drive."""
     backend = make(robot=robot, room=False)
 
-    def raises():
+    def raises() -> None:
         assert "OPERATION ENABLED" in states(backend)
         raise KeyError(119)
 
@@ -160,13 +162,13 @@ def test_whatever_ends_the_enabling_ends_the_torque(make, robot, monkeypatch):
 
 
 @pytest.mark.parametrize("node", [LEFT, 21])
-def test_one_drive_that_cant_be_told_doesnt_keep_the_others_enabled(make, robot, node):
+def test_one_drive_that_cant_be_told_doesnt_keep_the_others_enabled(make, robot, node) -> None:
     """C12 C22: of a stop, each part is tried, whatever the one before it raised."""
     backend = make(robot=robot, room=False)
     move(backend, 10)
     send = backend.bench.master.send
 
-    def refuses(frame, timeout=None):
+    def refuses(frame, timeout=None) -> None:
         if frame.arbitration_id in (0x200 + node, 0x080, 0x000):
             raise can.CanOperationError("it has no room")
         send(frame, timeout)
@@ -181,13 +183,13 @@ def test_one_drive_that_cant_be_told_doesnt_keep_the_others_enabled(make, robot,
     assert states(backend) == {"SWITCH ON DISABLED", "QUICK STOP ACTIVE"}  # that one by itself
 
 
-def test_a_stop_that_fails_stops_for_good(make):
+def test_a_stop_that_fails_stops_for_good(make) -> None:
     """C2 C12: the interface fails while the robot is stopped."""
     backend = make(room=False)
     move(backend, 10)
     plain, calls = backend.bench.master.send, []
 
-    def fails(frame, timeout=None):
+    def fails(frame, timeout=None) -> None:
         calls.append(frame)
         if len(calls) == 1:
             raise can.CanOperationError("bus off")
@@ -199,11 +201,11 @@ def test_a_stop_that_fails_stops_for_good(make):
     assert_stopped(backend, told.value)
 
 
-def test_sensors_and_bus_are_let_go_of_even_if_the_stop_raises(make, monkeypatch):
+def test_sensors_and_bus_are_let_go_of_even_if_the_stop_raises(make, monkeypatch: pytest.MonkeyPatch) -> None:
     backend = make(room=False)
     move(backend, 2)
 
-    def raises():
+    def raises() -> None:
         raise KeyError(119)
 
     monkeypatch.setattr(backend.axes, "quick_stop", raises)
@@ -212,7 +214,7 @@ def test_sensors_and_bus_are_let_go_of_even_if_the_stop_raises(make, monkeypatch
     assert states(backend) == {"SWITCH ON DISABLED"}  # the next part of the stop was done nevertheless
 
 
-def test_a_silent_drive_costs_the_others_no_torque(make, monkeypatch):
+def test_a_silent_drive_costs_the_others_no_torque(make, monkeypatch: pytest.MonkeyPatch) -> None:
     """C14: it answers no SDO while it is enabled; none of the others stays enabled."""
     backend = make(room=False)
     drive = backend.bench.drives[LEFT + 1]
@@ -222,7 +224,7 @@ def test_a_silent_drive_costs_the_others_no_torque(make, monkeypatch):
     assert states(backend) == {"SWITCH ON DISABLED"}
 
 
-def test_a_noisy_bus_raises_nothing_but_a_can_fault_and_no_drive_keeps_its_torque():
+def test_a_noisy_bus_raises_nothing_but_a_can_fault_and_no_drive_keeps_its_torque() -> None:
     """C12 C20 C21: frames of all kinds in all phases; more: `python -m benchmarks.hostile.can_fuzz`."""
     seen = list(attacks(len(PHASES), 500, seed=3))
     assert [each.wrong for each in seen] == [""] * len(seen)
@@ -231,12 +233,12 @@ def test_a_noisy_bus_raises_nothing_but_a_can_fault_and_no_drive_keeps_its_torqu
     assert {bool(each.fault) for each in seen} == {True, False}
 
 
-def test_the_same_noise_again():
+def test_the_same_noise_again() -> None:
     first, second = (list(attacks(2, 0, seed=5)) for _ in range(2))
     assert first == second
 
 
-def test_noise_finds_what_is_wrong(monkeypatch):
+def test_noise_finds_what_is_wrong(monkeypatch: pytest.MonkeyPatch) -> None:
     """The fuzzer itself: a stop that leaves the torque, an error that is no `CanFault`."""
     for kind, name in ((Axes, "quick_stop"), (Axes, "disable"), (CanBackend, "_brake")):
         monkeypatch.setattr(kind, name, lambda self: None)
@@ -245,7 +247,7 @@ def test_noise_finds_what_is_wrong(monkeypatch):
     assert all("IndexError" in each.wrong for each in attacks(2, 0))
 
 
-def test_a_robot_drives_on_in_a_little_noise(make):
+def test_a_robot_drives_on_in_a_little_noise(make) -> None:
     """C20: what isn't a CANopen frame of ours, below the limit, is dropped and counted."""
     backend = make(room=False)
     for number in range(20):

@@ -18,13 +18,13 @@ from handcart.robotics.geometry.transform import apply, inverse, transform
 from handcart.robotics.perception.landmarks.tag_reader import read_tags
 
 
-def run(backend, periods, speed=0.0, turn_rate=0.0):
+def run(backend, periods, speed=0.0, turn_rate=0.0) -> None:
     for _ in range(periods):
         backend.get(Base).drive(speed, turn_rate)
         backend.step()
 
 
-def test_a_drive_is_nearly_what_the_encoders_say(make):
+def test_a_drive_is_nearly_what_the_encoders_say(make) -> None:
     backend = make()
     start = backend.scene.base
     run(backend, 20, speed=-0.3)
@@ -35,7 +35,7 @@ def test_a_drive_is_nearly_what_the_encoders_say(make):
     assert moved != pytest.approx(0.3, rel=1e-5)
 
 
-def test_a_command_that_is_not_renewed_lives_one_period(make):
+def test_a_command_that_is_not_renewed_lives_one_period(make) -> None:
     backend = make()
     backend.get(Base).drive(0.3, 0.0)
     backend.step()
@@ -44,7 +44,7 @@ def test_a_command_that_is_not_renewed_lives_one_period(make):
     assert backend.scene.base == there
 
 
-def test_a_base_that_stands_too_near_to_a_wall_can_leave_and_comes_no_nearer(make):
+def test_a_base_that_stands_too_near_to_a_wall_can_leave_and_comes_no_nearer(make) -> None:
     backend = make()
     scene = backend.scene
     near = scene.robot.footprint_radius_m - 0.02
@@ -55,7 +55,7 @@ def test_a_base_that_stands_too_near_to_a_wall_can_leave_and_comes_no_nearer(mak
     assert scene.base.y == pytest.approx(near + 0.2, abs=0.01)
 
 
-def test_after_stop_nothing_moves(make):
+def test_after_stop_nothing_moves(make) -> None:
     backend = make()
     arm, gripper = backend.get(Arm), backend.get(Gripper)
     gripper.move(0.0)
@@ -72,25 +72,25 @@ def test_after_stop_nothing_moves(make):
 
 
 @pytest.mark.parametrize("command", [(math.nan, 0.0), (0.0, math.inf), (0.7, 0.0), (0.0, -1.7)])
-def test_the_base_refuses(make, command):
+def test_the_base_refuses(make, command) -> None:
     with pytest.raises(CommandError):
         make().get(Base).drive(*command)
 
 
 @pytest.mark.parametrize("offset", [math.nan, math.inf, 0.2, -4.0])
-def test_the_arm_refuses(make, offset):
+def test_the_arm_refuses(make, offset) -> None:
     arm = make().get(Arm)
     with pytest.raises(CommandError):
         arm.move(arm.command() + offset)
 
 
 @pytest.mark.parametrize("width", [math.nan, -0.01, 0.08])
-def test_the_gripper_refuses(make, width):
+def test_the_gripper_refuses(make, width) -> None:
     with pytest.raises(CommandError):
         make().get(Gripper).move(width)
 
 
-def test_the_base_stops_at_a_wall_while_its_wheels_go_on(make):
+def test_the_base_stops_at_a_wall_while_its_wheels_go_on(make) -> None:
     backend = make()
     run(backend, 100, speed=-0.5)
     assert backend.scene.base.y == pytest.approx(0.05 + 0.34, abs=3e-3)
@@ -100,7 +100,7 @@ def test_the_base_stops_at_a_wall_while_its_wheels_go_on(make):
     assert backend.scene.base.y > 0.5
 
 
-def test_a_scan_fits_the_room_and_sees_who_comes_and_goes(make):
+def test_a_scan_fits_the_room_and_sees_who_comes_and_goes(make) -> None:
     backend = make()
     sensor = backend.get(RangeSensor)
 
@@ -119,7 +119,7 @@ def test_a_scan_fits_the_room_and_sees_who_comes_and_goes(make):
     assert beam(0.0) == pytest.approx(3.95 - backend.scene.base.x, abs=0.05)
 
 
-def test_range_noise_has_the_stated_sigma(make):
+def test_range_noise_has_the_stated_sigma(make) -> None:
     backend = make()
     scans = []
     for _ in range(15):
@@ -148,15 +148,15 @@ def drive_about(backend, look):
     return backend.scene.base, *(reading.tobytes() for reading in readings)
 
 
-def test_the_same_seed_is_the_same_run_and_further_readings_change_nothing(make):
+def test_the_same_seed_is_the_same_run_and_further_readings_change_nothing(make) -> None:
     assert drive_about(make(3), look=False) == drive_about(make(3), look=True)
 
 
-def test_another_seed_is_another_run(make):
+def test_another_seed_is_another_run(make) -> None:
     assert drive_about(make(3), look=False)[0] != drive_about(make(4), look=False)[0]
 
 
-def test_a_reading_is_taken_once_a_period(make):
+def test_a_reading_is_taken_once_a_period(make) -> None:
     backend = make()
     arm, camera = backend.get(Arm), backend.get(Camera)
     assert np.array_equal(arm.joints(), arm.joints())
@@ -168,7 +168,7 @@ def test_a_reading_is_taken_once_a_period(make):
     assert noise.std() == pytest.approx(3.0 * math.sqrt(2), rel=0.1)
 
 
-def test_joints_repeat_within_what_the_file_states(make):
+def test_joints_repeat_within_what_the_file_states(make) -> None:
     backend = make()
     arm = backend.get(Arm)
     home, rests = arm.command(), []
@@ -194,7 +194,7 @@ def tag_corners(scene, accession):
     return apply(book.pose, np.array(corners))
 
 
-def test_the_picture_shows_a_tag_where_the_camera_model_puts_it(make):
+def test_the_picture_shows_a_tag_where_the_camera_model_puts_it(make) -> None:
     """Sub-pixel corners in pictures from several places, less their noise, have no common offset."""
     backend = make()
     camera, scene = backend.get(Camera), backend.scene
@@ -217,7 +217,7 @@ def test_the_picture_shows_a_tag_where_the_camera_model_puts_it(make):
     assert np.abs(np.mean(errors, axis=1)).max() < 0.2
 
 
-def test_the_tray_book_is_set_down_near_its_place_and_rides_along(make):
+def test_the_tray_book_is_set_down_near_its_place_and_rides_along(make) -> None:
     backend = make()
     before = inverse(backend.scene.world_T_base) @ backend.scene.of(BookProps).book_pose(117)
     assert before[:3, 3] == pytest.approx((0.10, 0.0, 0.62), abs=0.01)
@@ -226,7 +226,7 @@ def test_the_tray_book_is_set_down_near_its_place_and_rides_along(make):
     assert np.allclose(before, after)
 
 
-def test_the_start_is_near_what_the_file_states(make):
+def test_the_start_is_near_what_the_file_states(make) -> None:
     places = [make(seed).scene.base for seed in range(5)]
     assert all(place.distance(Pose2(2.0, 1.2, 0.0)) < 0.08 for place in places)
     assert len(set(places)) == 5

@@ -27,7 +27,7 @@ def readings(puppet):
 
 
 @pytest.mark.parametrize("stage", ["at first", "in the hand", "in the slot"])
-def test_a_restored_world_goes_on_like_the_one_that_was_kept(puppet, make, stage):
+def test_a_restored_world_goes_on_like_the_one_that_was_kept(puppet, make, stage: str) -> None:
     if stage == "in the hand":
         puppet.take_book()
     if stage == "in the slot":
@@ -47,7 +47,7 @@ def test_a_restored_world_goes_on_like_the_one_that_was_kept(puppet, make, stage
     assert puppet.scene.contacts == again.scene.contacts
 
 
-def test_a_world_that_went_on_is_put_back_too(puppet):
+def test_a_world_that_went_on_is_put_back_too(puppet) -> None:
     """Nothing of where it stood meanwhile is left in what was worked out of it."""
     puppet.take_book()
     backend, kept = puppet.backend, pack(puppet.backend.state())

@@ -63,12 +63,12 @@ def part(backend, name):
     return next(each for each in backend.capabilities() if type(each).__name__ == f"Bullet{name}")
 
 
-def steps(backend, count):
+def steps(backend, count) -> None:
     for _ in range(count):
         backend.step()
 
 
-def go(backend, x, y, z, speed=0.1):
+def go(backend, x, y, z, speed=0.1) -> None:
     """Move the hand straight, pointing down, its fingers closing along x."""
     arm, model = part(backend, "Arm"), backend.scene.arm
     turn = transform(rpy=(0.0, np.pi / 2, 0.0)) @ transform(rpy=(-np.pi / 2, 0.0, 0.0))
@@ -84,7 +84,7 @@ def go(backend, x, y, z, speed=0.1):
     steps(backend, 5)
 
 
-def grip(backend, width):
+def grip(backend, width) -> None:
     part(backend, "Gripper").move(width)
     steps(backend, 24)
 
@@ -93,7 +93,7 @@ def turn_of(block):
     return float(np.arctan2(block.pose[1, 0], block.pose[0, 0]))
 
 
-def test_blocks_stand_on_tables_on_each_other_and_on_the_robot(build):
+def test_blocks_stand_on_tables_on_each_other_and_on_the_robot(build: Build) -> None:
     backend = build(ON_TRAY + PILE)
     steps(backend, 40)
     blocks = backend.scene.of(BlockProps).blocks
@@ -106,7 +106,7 @@ def test_blocks_stand_on_tables_on_each_other_and_on_the_robot(build):
     assert backend.scene.contacts == []
 
 
-def test_a_block_whose_middle_nothing_carries_falls_and_is_lost(build):
+def test_a_block_whose_middle_nothing_carries_falls_and_is_lost(build: Build) -> None:
     backend = build(PILE + SHIFTED)
     steps(backend, 40)
     assert backend.scene.of(BlockProps).blocks["5"].rest is Rest.FLOOR
@@ -114,7 +114,7 @@ def test_a_block_whose_middle_nothing_carries_falls_and_is_lost(build):
 
 
 @pytest.mark.slow
-def test_a_block_is_taken_carried_and_put_on_others_that_stay_where_they_are(build):
+def test_a_block_is_taken_carried_and_put_on_others_that_stay_where_they_are(build: Build) -> None:
     backend = build(ON_TRAY + PILE)
     blocks = backend.scene.of(BlockProps).blocks
     before = {name: block.pose.copy() for name, block in blocks.items()}
@@ -140,7 +140,7 @@ def test_a_block_is_taken_carried_and_put_on_others_that_stay_where_they_are(bui
         assert abs(turn_of(blocks[name])) < 3e-3
 
 
-def test_fingers_that_press_let_go_at_once(build):
+def test_fingers_that_press_let_go_at_once(build: Build) -> None:
     backend = build(ON_TRAY)
     go(backend, -0.26, 0.0, 0.45 + OVER)
     grip(backend, 0.0)
@@ -151,7 +151,7 @@ def test_fingers_that_press_let_go_at_once(build):
 
 
 @pytest.mark.slow
-def test_the_camera_sees_a_mark_where_it_is(build):
+def test_the_camera_sees_a_mark_where_it_is(build: Build) -> None:
     backend = build(ON_TRAY)
     go(backend, 0.08, 0.5, 0.73)
     camera = part(backend, "Camera")
@@ -163,7 +163,7 @@ def test_the_camera_sees_a_mark_where_it_is(build):
 
 
 @pytest.mark.slow
-def test_a_world_put_back_has_its_blocks(build):
+def test_a_world_put_back_has_its_blocks(build: Build) -> None:
     backend = build(ON_TRAY + PILE)
     go(backend, -0.26, 0.0, 0.45 + OVER)
     grip(backend, 0.0)

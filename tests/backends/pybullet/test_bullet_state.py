@@ -40,7 +40,7 @@ def _falling(physics: Physics, number: int) -> None:
     assert Box(transform(), (0.2, 0.2, 0.2), "box").size[0] == 2 * half[0]
 
 
-def test_a_later_state_of_the_same_world_is_taken(states):
+def test_a_later_state_of_the_same_world_is_taken(states: tuple[bytes, bytes, bytes]) -> None:
     before, after, _ = states
     assert any(each.code == CONTACTS for each in _chunks(after))
     check_state(after, before)
@@ -75,13 +75,13 @@ def changed(content: bytes, code: bytes, offset: int, value: bytes) -> bytes:
         (lambda c: changed(c, CONTACTS, -8, struct.pack("<q", 0x41414141)), "isn't there"),
     ],
 )
-def test_anything_else_is_refused(states, damage, words):
+def test_anything_else_is_refused(states: tuple[bytes, bytes, bytes], damage, words: str) -> None:
     before, after, _ = states
     with pytest.raises(NotAState, match=words):
         check_state(damage(after), before)
 
 
-def test_a_contact_of_more_points_than_bullet_has_room_for(states):
+def test_a_contact_of_more_points_than_bullet_has_room_for(states: tuple[bytes, bytes, bytes]) -> None:
     before, after, _ = states
     chunk = next(each for each in _chunks(after) if each.code == CONTACTS)
     counts = [at for at in range(0, len(chunk.data) - 4, 4) if chunk.data[at : at + 4] != b"\0" * 4]
@@ -94,7 +94,7 @@ def test_a_contact_of_more_points_than_bullet_has_room_for(states):
     assert refused == 1
 
 
-def test_a_world_of_other_bodies(states):
+def test_a_world_of_other_bodies(states: tuple[bytes, bytes, bytes]) -> None:
     before, _, two = states
     for kept, now in ((two, before), (before, two)):
         with pytest.raises(NotAState, match="other bodies"):

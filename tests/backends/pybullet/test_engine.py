@@ -13,7 +13,9 @@ from handcart.backends.pybullet import engine
         ((3, 13), "PyBullet has no wheel for Python 3.13"),
     ],
 )
-def test_where_pybullet_is_missing_the_error_says_how_to_get_it(monkeypatch, python, how):
+def test_where_pybullet_is_missing_the_error_says_how_to_get_it(
+    monkeypatch: pytest.MonkeyPatch, python, how: str
+) -> None:
     monkeypatch.setattr(engine, "find_spec", lambda name: None)
     monkeypatch.setattr(engine.sys, "version_info", (*python, 0))
     engine.bullet.cache_clear()

@@ -17,7 +17,7 @@ TASK = Path(__file__).parents[3] / "tasks" / "deploy_straight" / "task.yaml"
 
 
 @pytest.mark.slow
-def test_a_sensor_is_laid_and_a_killed_run_goes_on(tmp_path, copier):
+def test_a_sensor_is_laid_and_a_killed_run_goes_on(tmp_path: Path, copier) -> None:
     (tmp_path / "one.csv").write_text("name,x_m,y_m\nonly,4,-0.75\n", encoding="utf-8")
     settings = {"targets": str(tmp_path / "one.csv"), "wait_s": "5", "together": "true"}
     left = tmp_path / "left"
@@ -40,7 +40,7 @@ def test_a_sensor_is_laid_and_a_killed_run_goes_on(tmp_path, copier):
     assert abs(first["true_y_mm"] - second["true_y_mm"]) < 30.0
 
 
-def test_the_ground_is_as_rough_as_the_world_says():
+def test_the_ground_is_as_rough_as_the_world_says() -> None:
     from handcart.backends.pybullet.physics import Physics
     from handcart.backends.pybullet.world.terrain import Terrain
 

@@ -24,12 +24,12 @@ def parts(backend):
     return backend.capabilities()
 
 
-def steps(backend, count):
+def steps(backend, count) -> None:
     for _ in range(count):
         backend.step()
 
 
-def test_all_books_stand_where_the_world_file_puts_them(make, world, spec):
+def test_all_books_stand_where_the_world_file_puts_them(make, world, spec) -> None:
     backend = make()
     planned = KinematicBackend(spec, world, 0).scene
     steps(backend, 20)
@@ -43,7 +43,7 @@ def test_all_books_stand_where_the_world_file_puts_them(make, world, spec):
     assert backend.scene.contacts == []
 
 
-def test_wheels_drive_the_base_and_tell_how_far(make):
+def test_wheels_drive_the_base_and_tell_how_far(make) -> None:
     backend = make()
     base, start = parts(backend)[0], backend.scene.base
     for _ in range(40):
@@ -56,7 +56,7 @@ def test_wheels_drive_the_base_and_tell_how_far(make):
     assert (travel.left + travel.right) / 2 == pytest.approx(0.2, abs=0.002)
 
 
-def test_a_base_that_is_stopped_stands(make):
+def test_a_base_that_is_stopped_stands(make) -> None:
     backend = make()
     for _ in range(10):
         parts(backend)[0].drive(0.1, 0.1)
@@ -69,7 +69,7 @@ def test_a_base_that_is_stopped_stands(make):
     assert there.turn(backend.scene.base) < 2e-4
 
 
-def test_fingers_that_were_stopped_can_be_told_to_stay(make):
+def test_fingers_that_were_stopped_can_be_told_to_stay(make) -> None:
     backend = make()
     gripper = parts(backend)[2]
     steps(backend, 3)
@@ -79,7 +79,7 @@ def test_fingers_that_were_stopped_can_be_told_to_stay(make):
 
 
 @pytest.mark.slow
-def test_a_picture_shows_the_same_whoever_looked_before(make):
+def test_a_picture_shows_the_same_whoever_looked_before(make) -> None:
     idle, busy = make(), make()
     for number in range(30):
         for backend in (idle, busy):
@@ -91,14 +91,14 @@ def test_a_picture_shows_the_same_whoever_looked_before(make):
     assert np.array_equal(parts(idle)[3].image(), parts(busy)[3].image())
 
 
-def test_the_hand_is_where_the_urdf_puts_it_also_on_a_base_that_gives(hand):
+def test_the_hand_is_where_the_urdf_puts_it_also_on_a_base_that_gives(hand) -> None:
     scene = hand.backend.scene
     assert np.abs(scene.world_T("hand") - hand.backend.link_pose("hand")).max() < 1e-6
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("held", [False, True])
-def test_a_world_put_back_goes_on_as_the_one_that_was_kept(make, spec, hand_of, held):
+def test_a_world_put_back_goes_on_as_the_one_that_was_kept(make, spec, hand_of, held: bool) -> None:
     first = hand_of(make())
     if held:
         first.take_book()
@@ -118,7 +118,7 @@ def test_a_world_put_back_goes_on_as_the_one_that_was_kept(make, spec, hand_of, 
         assert book.rest == now[number].rest
 
 
-def test_positive_turn_rate_turns_left(make):
+def test_positive_turn_rate_turns_left(make) -> None:
     backend = make()
     base, start = parts(backend)[0], backend.scene.base
     for _ in range(20):
@@ -127,7 +127,7 @@ def test_positive_turn_rate_turns_left(make):
     assert start.inverse().compose(backend.scene.base).theta == pytest.approx(0.3, abs=0.03)
 
 
-def test_a_command_that_is_not_renewed_ends_with_its_period_and_the_base_comes_to_rest(make):
+def test_a_command_that_is_not_renewed_ends_with_its_period_and_the_base_comes_to_rest(make) -> None:
     backend = make()
     base = parts(backend)[0]
     for _ in range(20):
@@ -140,7 +140,7 @@ def test_a_command_that_is_not_renewed_ends_with_its_period_and_the_base_comes_t
 
 
 @pytest.mark.slow
-def test_a_wall_stops_the_base_and_is_told_as_contact(make):
+def test_a_wall_stops_the_base_and_is_told_as_contact(make) -> None:
     backend = make()
     base = parts(backend)[0]
     for _ in range(150):
@@ -150,14 +150,14 @@ def test_a_wall_stops_the_base_and_is_told_as_contact(make):
     assert any("shelf_1" in other for _, other in backend.scene.touching)
 
 
-def test_the_hand_is_where_kinematics_say(hand):
+def test_the_hand_is_where_kinematics_say(hand) -> None:
     hand.joints(hand.arm.command() + np.array([0.2, -0.1, 0.1, 0.0, 0.1, 0.2]))
     told = hand.model.forward(hand.backend.scene.joints)
     body = hand.backend._body
     assert np.abs(told - np.linalg.solve(body.base_pose(), body.link_pose("hand"))).max() < 1e-6
 
 
-def test_the_arm_goes_where_it_is_told_as_exactly_as_its_repeatability(hand, spec):
+def test_the_arm_goes_where_it_is_told_as_exactly_as_its_repeatability(hand, spec) -> None:
     goal = hand.arm.command() + np.array([0.3, -0.2, 0.1, 0.2, 0.1, -0.2])
     hand.joints(goal)
     steps(hand.backend, 20)
@@ -165,7 +165,7 @@ def test_the_arm_goes_where_it_is_told_as_exactly_as_its_repeatability(hand, spe
     assert off < 6e-3 * spec.errors.joint_repeatability_mrad + 1e-3
 
 
-def test_fingers_hold_a_book_by_friction_and_let_it_fall(hand):
+def test_fingers_hold_a_book_by_friction_and_let_it_fall(hand) -> None:
     book = hand.backend.scene.of(BookProps).books[117]
     hand.take_book()
     assert hand.gripper.closed_on_something()
@@ -181,7 +181,7 @@ def test_fingers_hold_a_book_by_friction_and_let_it_fall(hand):
     assert book.pose[2, 3] - before < 0.02
 
 
-def test_closed_fingers_that_push_a_book_do_not_hold_it(hand):
+def test_closed_fingers_that_push_a_book_do_not_hold_it(hand) -> None:
     spine = hand.backend.scene.of(BookProps).tray_book().base_T_thing[:3, 3]
     hand.line(-0.10, spine[1], 0.80)
     hand.grip(0.0)
@@ -191,7 +191,7 @@ def test_closed_fingers_that_push_a_book_do_not_hold_it(hand):
     assert hand.backend.scene.held is None
 
 
-def test_weak_fingers_let_the_book_slip(make, spec, hand_of):
+def test_weak_fingers_let_the_book_slip(make, spec, hand_of) -> None:
     gripper = spec.gripper.model_copy(update={"force_n": 1.0})
     hand = hand_of(make(robot=spec.model_copy(update={"gripper": gripper})))
     book = hand.backend.scene.of(BookProps).books[117]
@@ -202,13 +202,13 @@ def test_weak_fingers_let_the_book_slip(make, spec, hand_of):
     assert book.pose[2, 3] - before < 0.04
 
 
-def test_fingers_that_close_on_nothing_meet(hand):
+def test_fingers_that_close_on_nothing_meet(hand) -> None:
     hand.grip(0.0)
     assert hand.backend.scene.held is None
     assert hand.gripper.width() < 1e-3
 
 
-def test_a_constraint_grasp_holds_and_a_restored_state_has_it_as_it_was(make, spec, hand_of):
+def test_a_constraint_grasp_holds_and_a_restored_state_has_it_as_it_was(make, spec, hand_of) -> None:
     gripper = spec.gripper.model_copy(update={"grasp": "constraint"})
     hand = hand_of(make(robot=spec.model_copy(update={"gripper": gripper})))
     physics, book = hand.backend._physics, hand.backend.scene.of(BookProps).books[117]
@@ -227,7 +227,7 @@ def test_a_constraint_grasp_holds_and_a_restored_state_has_it_as_it_was(make, sp
     assert physics.pinned is None
 
 
-def test_a_constraint_grasp_opens(make, spec, hand_of):
+def test_a_constraint_grasp_opens(make, spec, hand_of) -> None:
     gripper = spec.gripper.model_copy(update={"grasp": "constraint"})
     hand = hand_of(make(robot=spec.model_copy(update={"gripper": gripper})))
     hand.take_book()
@@ -236,7 +236,7 @@ def test_a_constraint_grasp_opens(make, spec, hand_of):
     assert hand.backend._physics.pinned is None
 
 
-def test_ranges_are_those_of_the_kinematic_backend(make, world, spec):
+def test_ranges_are_those_of_the_kinematic_backend(make, world, spec) -> None:
     scans = []
     for backend in (make(), KinematicBackend(spec, world, 0)):
         backend.step()
@@ -247,7 +247,7 @@ def test_ranges_are_those_of_the_kinematic_backend(make, world, spec):
 
 
 @pytest.mark.slow
-def test_the_same_seed_gives_the_same_run(make):
+def test_the_same_seed_gives_the_same_run(make) -> None:
     readings = []
     for backend in (make(7), make(7), make(8)):
         base, arm, *_, camera, ranges = backend.capabilities()
@@ -263,7 +263,7 @@ def test_the_same_seed_gives_the_same_run(make):
 
 
 @pytest.mark.slow
-def test_the_engine_writes_nothing_to_our_streams():
+def test_the_engine_writes_nothing_to_our_streams() -> None:
     code = (
         "from pathlib import Path; from handcart.backends.registry import make_backend;"
         "from handcart.backends.description.robot_loading import load_robot;"
@@ -274,7 +274,7 @@ def test_the_engine_writes_nothing_to_our_streams():
     assert (done.stdout, done.stderr) == ("", "")
 
 
-def test_what_stands_there_weighs_what_it_weighs(make):
+def test_what_stands_there_weighs_what_it_weighs(make) -> None:
     """The engine tells forces of a part of its step: what carries a book has to add up to its weight."""
     backend = make()
     for _ in range(20):

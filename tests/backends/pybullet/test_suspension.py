@@ -43,7 +43,7 @@ def part(backend, name):
     return next(each for each in backend.capabilities() if type(each).__name__ == f"Bullet{name}")
 
 
-def go(backend, joints, seconds=2.0):
+def go(backend, joints, seconds=2.0) -> None:
     """Move the joints and wait until all is at rest."""
     arm = part(backend, "Arm")
     start = arm.command()
@@ -59,7 +59,7 @@ def masses(urdf):
     return sum(float(each.get("value", "nan")) for each in found)
 
 
-def test_a_chassis_takes_its_mass_and_wheels_from_the_base():
+def test_a_chassis_takes_its_mass_and_wheels_from_the_base() -> None:
     urdf = toyama().urdf_text()
     changed = sprung(urdf, 0.15, ("left_wheel",))
     assert masses(changed) == pytest.approx(masses(urdf))
@@ -70,7 +70,7 @@ def test_a_chassis_takes_its_mass_and_wheels_from_the_base():
 
 
 @pytest.mark.slow
-def test_the_body_leans_to_where_the_arm_is_about_as_the_file_says(build):
+def test_the_body_leans_to_where_the_arm_is_about_as_the_file_says(build: Build) -> None:
     backend = build(lean_mrad_per_m=8.0, lean_pivot_m=0.15)
     home = part(backend, "Arm").command()
     reaches, leans = [], []
@@ -88,13 +88,13 @@ def test_the_body_leans_to_where_the_arm_is_about_as_the_file_says(build):
     assert backend.scene.tilted_base[2, 0] == pytest.approx(-leans[-1][1], abs=3e-4)
 
 
-def test_a_base_without_springs_doesnt_lean(build):
+def test_a_base_without_springs_doesnt_lean(build: Build) -> None:
     backend = build()
     assert not backend._body.sprung
     assert backend.scene.lean == (0.0, 0.0)
 
 
-def test_a_swing_turns_the_base_and_no_encoder_sees_it_but_the_gyro(build):
+def test_a_swing_turns_the_base_and_no_encoder_sees_it_but_the_gyro(build: Build) -> None:
     backend = build(swing_yaw_mrad=-2.0)
     go(backend, part(backend, "Arm").command())
     before, wheels = backend.scene.base, part(backend, "Base").wheel_travel()
@@ -112,7 +112,7 @@ def test_a_swing_turns_the_base_and_no_encoder_sees_it_but_the_gyro(build):
     assert np.abs(np.array(after) - np.array(wheels)).max() < 5e-5
 
 
-def test_the_accelerometers_feel_gravity_and_how_the_base_speeds_up(build):
+def test_the_accelerometers_feel_gravity_and_how_the_base_speeds_up(build: Build) -> None:
     backend = build()
     base, imu = part(backend, "Base"), part(backend, "Imu")
     backend.step()

@@ -25,12 +25,14 @@ def enter(lateral, yaw=0.0, seed=0, thickness=0.025):
     ("error_mm", "clearance_mm", "chance"),
     [(0, 8, 1.0), (6, 8, 1.0), (8, 8, 0.5), (10, 8, 0.0), (4, 4, 1.0), (8, 4, 0.0), (0, 0, 0.0)],
 )
-def test_the_chance_falls_from_certain_to_nothing_within_4_mm(error_mm, clearance_mm, chance):
+def test_the_chance_falls_from_certain_to_nothing_within_4_mm(
+    error_mm: int, clearance_mm: int, chance: float
+) -> None:
     assert entry_chance(error_mm / 1e3, clearance_mm / 1e3) == pytest.approx(chance)
 
 
 @pytest.mark.parametrize("seed", range(5))
-def test_lateral_error_and_yaw_work_together(seed):
+def test_lateral_error_and_yaw_work_together(seed: int) -> None:
     yaw = math.radians(5.0)
     assert enter(0.0, seed=seed).admitted
     assert enter(0.0065, yaw, seed).admitted
@@ -38,17 +40,17 @@ def test_lateral_error_and_yaw_work_together(seed):
     assert not enter(0.011, seed=seed).admitted
 
 
-def test_on_the_border_it_is_luck_that_the_seed_draws():
+def test_on_the_border_it_is_luck_that_the_seed_draws() -> None:
     lucky = [enter(0.008, seed=seed).admitted for seed in range(200)]
     assert 70 < sum(lucky) < 130
     assert lucky == [enter(0.008, seed=seed).admitted for seed in range(200)]
 
 
-def test_a_book_thicker_than_the_slot_jams():
+def test_a_book_thicker_than_the_slot_jams() -> None:
     assert not enter(0.0, thickness=0.034).admitted
 
 
-def test_luck_is_drawn_once_an_entry_and_anew_after_withdrawing():
+def test_luck_is_drawn_once_an_entry_and_anew_after_withdrawing() -> None:
     entrance, edge = Entrance(0), (0.001, 0.008, 0.0)
     first = entrance.follow(None, SHELF, ROW, edge, 0.025)
     assert entrance.follow(first, SHELF, ROW, (0.05, 0.008, 0.0), 0.025) is first
@@ -59,5 +61,5 @@ def test_luck_is_drawn_once_an_entry_and_anew_after_withdrawing():
     assert entrance.count == 2
 
 
-def test_before_the_row_there_is_no_entry():
+def test_before_the_row_there_is_no_entry() -> None:
     assert Entrance(0).follow(None, SHELF, ROW, (-0.001, 0.0, 0.0), 0.025) is None

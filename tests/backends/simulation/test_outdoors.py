@@ -28,13 +28,13 @@ def backend(robot, seed=0, **world):
     return KinematicBackend(robot, world_model().model_validate({**GROUND, **world}), seed)
 
 
-def drive(made, seconds, speed, turn=0.0):
+def drive(made, seconds, speed, turn=0.0) -> None:
     for _ in range(round(seconds / made.period)):
         made._base.drive(speed, turn)
         made.step()
 
 
-def test_a_car_turns_no_tighter_than_it_steers(robot):
+def test_a_car_turns_no_tighter_than_it_steers(robot) -> None:
     made = backend(robot)
     made._base.drive(0.4, 0.2)
     for speed, turn in ((0.0, 0.1), (0.4, 0.21), (0.4, math.nan)):
@@ -43,7 +43,7 @@ def test_a_car_turns_no_tighter_than_it_steers(robot):
 
 
 @pytest.mark.slow
-def test_the_ground_is_as_rough_and_slippery_as_the_file_says(robot):
+def test_the_ground_is_as_rough_and_slippery_as_the_file_says(robot) -> None:
     tilts, scales = [], []
     for seed in range(12):
         made = backend(robot, seed)
@@ -57,7 +57,7 @@ def test_the_ground_is_as_rough_and_slippery_as_the_file_says(robot):
     assert 0.001 < np.std(scales) < 0.006
 
 
-def test_fixes_come_once_a_second_and_not_in_an_outage(robot):
+def test_fixes_come_once_a_second_and_not_in_an_outage(robot) -> None:
     made = backend(robot, sky={"outages": [{"from_s": 20.0, "to_s": 40.0}]})
     times, off = [], []
     for _ in range(round(60.0 / made.period)):
@@ -71,7 +71,7 @@ def test_fixes_come_once_a_second_and_not_in_an_outage(robot):
     assert np.std(off) == pytest.approx(1.0, rel=0.25)
 
 
-def test_a_standing_imu_reads_its_bias_and_gravity(robot):
+def test_a_standing_imu_reads_its_bias_and_gravity(robot) -> None:
     made = backend(robot, seed=2)
     rates, forces = [], []
     for _ in range(2000):
@@ -83,7 +83,7 @@ def test_a_standing_imu_reads_its_bias_and_gravity(robot):
     assert np.linalg.norm(np.mean(forces, axis=0)) == pytest.approx(9.81, abs=0.1)
 
 
-def test_a_world_put_back_goes_on_as_it_was(robot):
+def test_a_world_put_back_goes_on_as_it_was(robot) -> None:
     made = backend(robot, seed=4, sensors={"count": 2})
     drive(made, 5.0, 0.4, 0.1)
     state = made.state()
@@ -95,7 +95,7 @@ def test_a_world_put_back_goes_on_as_it_was(robot):
     assert np.array_equal(made.get(Imu).rates(), again.get(Imu).rates())
 
 
-def test_the_arm_of_the_file_is_that_of_the_paper(robot):
+def test_the_arm_of_the_file_is_that_of_the_paper(robot) -> None:
     class _Robot:
         spec = robot
         arm_model = robot.arm_model()

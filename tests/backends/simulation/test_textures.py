@@ -6,7 +6,7 @@ from handcart.backends.simulation.books.textures import draw_label, draw_spine, 
 from handcart.robotics.perception.landmarks.tag_reader import read_tags
 
 
-def test_spines_are_the_same_for_the_same_seed():
+def test_spines_are_the_same_for_the_same_seed() -> None:
     first, again = (draw_spine(22, 200, 120, 7, "512.7 NAG", seed=3) for _ in range(2))
     assert first.shape == (1600, 176) and first.dtype == np.uint8
     assert np.array_equal(first, again)
@@ -14,13 +14,13 @@ def test_spines_are_the_same_for_the_same_seed():
 
 
 @pytest.mark.parametrize("font", label_fonts())
-def test_labels_fit_the_thinnest_spine_in_every_face(font):
+def test_labels_fit_the_thinnest_spine_in_every_face(font) -> None:
     spine = draw_spine(15, 180, 60, 249, "512.7 NAG", font)
     foot = spine[-round((textures.LABEL_FROM_FOOT_MM + 20) * textures.PX_PER_MM), :]
     assert (foot > 200).sum() >= 0.5 * textures.LABEL_WIDTH_MM * textures.PX_PER_MM
 
 
-def test_tags_are_where_they_should_be_and_smeared_ones_are_unreadable():
+def test_tags_are_where_they_should_be_and_smeared_ones_are_unreadable() -> None:
     for seed in range(8):
         clean, smeared = (
             draw_spine(20, 200, 100, 31 * seed, "512.7 NAG", seed=seed, smear=s) for s in (0, 1)
@@ -32,7 +32,7 @@ def test_tags_are_where_they_should_be_and_smeared_ones_are_unreadable():
         assert read_tags(np.ascontiguousarray(smeared[::3, ::3])) == []
 
 
-def test_what_does_not_fit_is_an_error():
+def test_what_does_not_fit_is_an_error() -> None:
     with pytest.raises(ValueError, match="no room"):
         draw_spine(12, 200, 100)
     with pytest.raises(ValueError, match="longest"):

@@ -42,7 +42,9 @@ def told(robot: Path) -> str:
         ("<mass value='1e200'/>", "mass value is '1e200'"),
     ],
 )
-def test_what_should_be_a_number_is_told_with_its_line_and_link(tmp_path: Path, part: str, words: str):
+def test_what_should_be_a_number_is_told_with_its_line_and_link(
+    tmp_path: Path, part: str, words: str
+) -> None:
     """T9"""
     (tmp_path / "r.urdf").write_text(LINK.format(part), encoding="utf-8")
     with pytest.raises(FileError) as error:
@@ -50,13 +52,13 @@ def test_what_should_be_a_number_is_told_with_its_line_and_link(tmp_path: Path, 
     assert f"{tmp_path}/r.urdf:3:11: link 'a': {words}" in str(error.value)
 
 
-def test_another_root_is_told(tmp_path: Path):
+def test_another_root_is_told(tmp_path: Path) -> None:
     (tmp_path / "r.sdf").write_text("<sdf/>", encoding="utf-8")
     with pytest.raises(FileError, match=r"r.sdf:1:1: the URDF's root is <sdf>; allowed: <robot>"):
         read_urdf_file(tmp_path / "r.sdf")
 
 
-def test_a_robot_whose_urdf_is_a_pipe_is_refused(robot: Path):
+def test_a_robot_whose_urdf_is_a_pipe_is_refused(robot: Path) -> None:
     """T1: it doesn't wait for a writer."""
     (robot.parent / "librarian.urdf").unlink()
     os.mkfifo(robot.parent / "librarian.urdf")
@@ -64,13 +66,13 @@ def test_a_robot_whose_urdf_is_a_pipe_is_refused(robot: Path):
     assert "there is no text file 'librarian.urdf'" in told(robot)
 
 
-def test_a_huge_urdf_is_not_read(robot: Path):
+def test_a_huge_urdf_is_not_read(robot: Path) -> None:
     """T2"""
     os.truncate(robot.parent / "librarian.urdf", 10**9)
     assert "librarian.urdf:1:1: the file has 1000000000 bytes; allowed: at most" in told(robot)
 
 
-def test_entities_are_refused(robot: Path):
+def test_entities_are_refused(robot: Path) -> None:
     """T3"""
     urdf = robot.parent / "librarian.urdf"
     text = urdf.read_text(encoding="utf-8")
@@ -99,12 +101,12 @@ def shop(tmp_path: Path) -> Path:
         ("package://robot/urdf/../meshes/m.stl", "robot/meshes/m.stl"),
     ],
 )
-def test_meshes_are_found(shop: Path, name: str, found: str):
+def test_meshes_are_found(shop: Path, name: str, found: str) -> None:
     base = shop.parents[2]
     assert mesh_path(name, shop, base / "robot").resolve() == base / found
 
 
-def test_an_absolute_path_is_taken_as_it_stands(shop: Path):
+def test_an_absolute_path_is_taken_as_it_stands(shop: Path) -> None:
     mesh = shop.parents[2] / "secret.stl"
     assert mesh_path(str(mesh), shop, shop.parent) == mesh
     assert mesh_path(f"file://{mesh}", shop, shop.parent) == mesh
@@ -127,13 +129,13 @@ def test_an_absolute_path_is_taken_as_it_stands(shop: Path):
         "m\0.stl",
     ],
 )
-def test_meshes_elsewhere_are_refused(shop: Path, name: str):
+def test_meshes_elsewhere_are_refused(shop: Path, name: str) -> None:
     """T13"""
     with pytest.raises(UnsafePath):
         mesh_path(name, shop, shop.parent.parent)
 
 
-def test_a_ros_package_holds_its_meshes(shop: Path):
+def test_a_ros_package_holds_its_meshes(shop: Path) -> None:
     """Also where the robot's file lies deeper in it."""
     with pytest.raises(UnsafePath):
         mesh_path("../meshes/m.stl", shop, shop.parent)
@@ -141,7 +143,7 @@ def test_a_ros_package_holds_its_meshes(shop: Path):
     assert mesh_path("../meshes/m.stl", shop, shop.parent).is_file()
 
 
-def test_a_mesh_that_leads_out_is_told_at_its_link(robot: Path):
+def test_a_mesh_that_leads_out_is_told_at_its_link(robot: Path) -> None:
     """T13"""
     urdf = robot.parent / "librarian.urdf"
     text = urdf.read_text(encoding="utf-8")
@@ -153,7 +155,7 @@ def test_a_mesh_that_leads_out_is_told_at_its_link(robot: Path):
     assert "link 'x': mesh '../../x.stl': the path '../../x.stl' leads out of" in told(robot)
 
 
-def test_only_regular_files_are_meshes(tmp_path: Path):
+def test_only_regular_files_are_meshes(tmp_path: Path) -> None:
     os.mkfifo(tmp_path / "pipe.stl")
     (tmp_path / "huge.stl").touch()
     os.truncate(tmp_path / "huge.stl", 10**12)

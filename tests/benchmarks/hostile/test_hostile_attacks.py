@@ -22,7 +22,7 @@ def watch(tmp_path: Path) -> Watch:
     return Watch([tmp_path / "run"], tmp_path / "outside", on=True)
 
 
-def test_what_runs_or_touches_is_noted(watch, tmp_path):
+def test_what_runs_or_touches_is_noted(watch: Watch, tmp_path: Path) -> None:
     (tmp_path / "run" / "link").symlink_to(tmp_path / "outside")
     writes = os.O_WRONLY | os.O_CREAT
     watch("open", (str(tmp_path / "run" / "mine"), "w", writes))
@@ -43,7 +43,7 @@ def test_what_runs_or_touches_is_noted(watch, tmp_path):
     ]
 
 
-def test_python_tells_of_what_is_watched():
+def test_python_tells_of_what_is_watched() -> None:
     """The names of the audit events are Python's own."""
     script = (
         "import sys, os, subprocess\n"
@@ -55,7 +55,7 @@ def test_python_tells_of_what_is_watched():
     assert said.stdout.strip() == "['open', 'os.system', 'subprocess.Popen']"
 
 
-def test_a_forged_journal_is_whole(tmp_path):
+def test_a_forged_journal_is_whole(tmp_path: Path) -> None:
     with Journal(tmp_path / "journal.jsonl") as journal:
         for number in range(3):
             journal.append("RUN", 0.0, {"n": number})

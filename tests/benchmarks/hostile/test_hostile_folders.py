@@ -12,7 +12,7 @@ ROOT = Path(__file__).resolve().parents[3]
 
 
 @pytest.mark.slow
-def test_attacked_folders_run_nothing_touch_nothing_and_end_in_words():
+def test_attacked_folders_run_nothing_touch_nothing_and_end_in_words() -> None:
     attack = ["benchmarks.hostile.hostile_folders", "--folders", "60", "--of", "first block"]
     said = subprocess.run(
         [sys.executable, "-m", *attack],

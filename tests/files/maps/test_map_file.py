@@ -46,7 +46,7 @@ def told(chart: Path, *changes: tuple[str, str]) -> str:
     return str(error.value)
 
 
-def test_trinary_scale_and_raw_are_read_as_nav2_reads_them(chart: Path):
+def test_trinary_scale_and_raw_are_read_as_nav2_reads_them(chart: Path) -> None:
     """By nav2_map_server/src/map_io.cpp: occupied from the one threshold on, free up to the other."""
     assert read_occupancy(chart).values.tolist() == [[100, 100, -1, -1, -1, 0, 0]]
     negated = changed(chart, ("negate: 0", "negate: 1"))
@@ -66,13 +66,13 @@ def test_trinary_scale_and_raw_are_read_as_nav2_reads_them(chart: Path):
     assert read_occupancy(raw).values.tolist() == [[0, 89, 90, 100, -1, -1, -1]]
 
 
-def test_where_a_picture_is_clear_nothing_is_known(chart: Path):
+def test_where_a_picture_is_clear_nothing_is_known(chart: Path) -> None:
     pixels = np.array([[[0, 0, 0, 255], [0, 0, 0, 254], [255, 255, 255, 255]]], dtype=np.uint8)
     Image.fromarray(pixels).save(chart.parent / "map.png")
     assert read_occupancy(changed(chart, ("map.pgm", "map.png"))).values.tolist() == [[100, -1, 0]]
 
 
-def test_a_picture_is_read_by_its_absolute_path(chart: Path, tmp_path: Path):
+def test_a_picture_is_read_by_its_absolute_path(chart: Path, tmp_path: Path) -> None:
     """As ROS's map_saver writes it."""
     elsewhere = tmp_path / "pictures"
     elsewhere.mkdir()
@@ -81,7 +81,7 @@ def test_a_picture_is_read_by_its_absolute_path(chart: Path, tmp_path: Path):
     assert grid.occupied.shape == (1, 7)
 
 
-def test_a_map_that_is_linked_is_read(chart: Path, tmp_path: Path):
+def test_a_map_that_is_linked_is_read(chart: Path, tmp_path: Path) -> None:
     """As colcon installs packages: each file is a link."""
     installed = tmp_path / "share"
     installed.mkdir()
@@ -94,7 +94,7 @@ def test_a_map_that_is_linked_is_read(chart: Path, tmp_path: Path):
     "image",
     ["../secret.pgm", "below/../../secret.pgm", "link.pgm", "~/secret.pgm", "..\\secret.pgm", "", "."],
 )
-def test_a_picture_that_leads_out_of_the_maps_folder_is_refused(chart: Path, image: str):
+def test_a_picture_that_leads_out_of_the_maps_folder_is_refused(chart: Path, image: str) -> None:
     """T13"""
     (chart.parent / "map.pgm").rename(chart.parent.parent / "secret.pgm")
     (chart.parent / "link.pgm").symlink_to("../secret.pgm")
@@ -121,11 +121,11 @@ def test_a_picture_that_leads_out_of_the_maps_folder_is_refused(chart: Path, ima
         ("map.pgm", "map.yaml", "map.yaml:1:1: the picture is no picture"),
     ],
 )
-def test_what_is_beyond_sense_is_refused(chart: Path, old: str, new: str, words: str):
+def test_what_is_beyond_sense_is_refused(chart: Path, old: str, new: str, words: str) -> None:
     assert words in told(chart, (old, new))
 
 
-def test_a_picture_that_is_a_pipe_is_not_opened(chart: Path):
+def test_a_picture_that_is_a_pipe_is_not_opened(chart: Path) -> None:
     """T1"""
     (chart.parent / "map.pgm").unlink()
     os.mkfifo(chart.parent / "map.pgm")
@@ -135,7 +135,7 @@ def test_a_picture_that_is_a_pipe_is_not_opened(chart: Path):
 OCTILE = "type octile\nheight 3\nwidth 5\nmap\n.GS@O\nTW...\n.....\n"
 
 
-def test_a_movingai_map(tmp_path: Path):
+def test_a_movingai_map(tmp_path: Path) -> None:
     path = tmp_path / "arena.map"
     path.write_text(OCTILE, encoding="utf-8")
     assert is_map_file(path)
@@ -147,7 +147,7 @@ def test_a_movingai_map(tmp_path: Path):
     assert "1 m is taken" in warning
 
 
-def test_a_movingai_map_in_a_maps_file_has_its_resolution(chart: Path):
+def test_a_movingai_map_in_a_maps_file_has_its_resolution(chart: Path) -> None:
     (chart.parent / "arena.map").write_text(OCTILE.replace("\n", "\r\n"), encoding="utf-8")
     grid, warning = load_map(changed(chart, ("map.pgm", "arena.map")))
     assert (grid.resolution, grid.origin_y, warning) == (0.05, 2.0, None)
@@ -175,7 +175,7 @@ def test_a_movingai_map_in_a_maps_file_has_its_resolution(chart: Path):
         ("TW...", "TW.é.", "arena.map:6:4: no terrain"),
     ],
 )
-def test_a_wrong_movingai_map_is_told_with_its_line(tmp_path: Path, old: str, new: str, words: str):
+def test_a_wrong_movingai_map_is_told_with_its_line(tmp_path: Path, old: str, new: str, words: str) -> None:
     path = tmp_path / "arena.map"
     path.write_text(OCTILE.replace(old, new), encoding="utf-8")
     with pytest.raises(FileError) as error:
@@ -183,7 +183,7 @@ def test_a_wrong_movingai_map_is_told_with_its_line(tmp_path: Path, old: str, ne
     assert words in str(error.value)
 
 
-def test_unknown_cells_that_are_read_as_free_are_told_where_they_can_be_helped(chart: Path):
+def test_unknown_cells_that_are_read_as_free_are_told_where_they_can_be_helped(chart: Path) -> None:
     """map_saver's own default makes grey 205 free."""
     _, warning = load_map(changed(chart, ("free_thresh: 0.196", "free_thresh: 0.25")))
     assert warning is not None

@@ -245,7 +245,9 @@ def test_bounds_around_validators_and_errors_of_ones_own() -> None:
         load_document(parse_document(b"a: 3", "f"), TypeAdapter(dict[str, Even]))
 
 
-def test_a_file_that_grows_while_it_is_read_is_not_read_on(tmp_path, monkeypatch):
+def test_a_file_that_grows_while_it_is_read_is_not_read_on(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """It was small when it was asked how large it is."""
     path, asked = tmp_path / "log.yaml", os.fstat
     path.write_bytes(b"x" * 2000)

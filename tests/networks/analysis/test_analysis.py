@@ -42,7 +42,9 @@ def network(*rows, start="a", goal="z"):
     ("p", "goal", "give_up", "row_13"),
     [(0.9, 0.78053, 0.19000, 0.02947), (0.8, 0.53110, 0.36000, 0.10890), (0.99, 0.97980, 0.01990, 0.00030)],
 )
-def test_table_1_of_the_paper_has_its_known_answers(p, goal, give_up, row_13):
+def test_table_1_of_the_paper_has_its_known_answers(
+    p: float, goal: float, give_up: float, row_13: float
+) -> None:
     table = load_document(read_document(TABLE), ActionTable).value
     found = table_absorption(table, p)
     assert found.ends == pytest.approx({"GOAL": goal, "GIVEUP": give_up, "row 13": row_13}, abs=5e-6)
@@ -50,7 +52,7 @@ def test_table_1_of_the_paper_has_its_known_answers(p, goal, give_up, row_13):
         assert (found.steps, found.steps_sigma) == pytest.approx((7.0224, 3.3231), abs=5e-5)
 
 
-def test_all_defects_of_table_1_are_named_with_their_places():
+def test_all_defects_of_table_1_are_named_with_their_places() -> None:
     loaded = load_document(read_document(TABLE), ActionTable)
     findings = [*table_errors(loaded), *table_warnings(loaded)]
     found = {(each.line, each.message.split(";")[0]) for each in findings}
@@ -75,26 +77,26 @@ def test_all_defects_of_table_1_are_named_with_their_places():
     assert missing == []
 
 
-def test_a_coin_until_heads():
+def test_a_coin_until_heads() -> None:
     found = absorption({"toss": {"toss": 0.5, "heads": 0.5}}, "toss")
     assert found.ends == {"heads": 1.0}
     assert (found.steps, found.steps_sigma) == pytest.approx((2.0, np.sqrt(2.0)))
 
 
-def test_attempts_are_limited():
+def test_attempts_are_limited() -> None:
     found = forecast(network(("a", "z", 10.0, 3, None)), [Chance(0.9)])
     assert found.goal == pytest.approx(0.999)
     assert found.no_way == pytest.approx(0.001)
     assert found.cost_s == pytest.approx(10.0 * (1 + 0.1 + 0.01))
 
 
-def test_giving_up_absorbs():
+def test_giving_up_absorbs() -> None:
     found = forecast(network(("a", "z", 10.0, 3, None)), [Chance(0.8, 0.1)])
     assert found.give_up == pytest.approx(0.1 * (1 + 0.1 + 0.01))
     assert found.goal + found.give_up + found.no_way == pytest.approx(1.0)
 
 
-def test_a_repeat_over_200_elements_is_exact_too():
+def test_a_repeat_over_200_elements_is_exact_too() -> None:
     rows = []
     for i in range(200):
         rows += [
@@ -137,7 +139,7 @@ def imagined(net, chances, rng):
 @pytest.mark.slow
 @given(NETWORKS)
 @settings(max_examples=25, suppress_health_check=[HealthCheck.too_slow], deadline=None)
-def test_exact_figures_are_those_of_many_runs(rows):
+def test_exact_figures_are_those_of_many_runs(rows) -> None:
     """And every run ends within the bound that `check` states."""
     names = "abcdz"
     made = [

@@ -133,7 +133,7 @@ def chances_of(net, chances):
 
 @given(NETWORKS, CHANCES)
 @LOOSE
-def test_figures_are_those_of_every_run_that_there_can_be(rows, chances):
+def test_figures_are_those_of_every_run_that_there_can_be(rows, chances) -> None:
     net = network(*rows)
     known = chances_of(net, chances)
     true = every(net, known)
@@ -147,7 +147,7 @@ def test_figures_are_those_of_every_run_that_there_can_be(rows, chances):
 
 @given(NETWORKS)
 @LOOSE
-def test_worst_cases_are_those_of_every_run_that_there_can_be(rows):
+def test_worst_cases_are_those_of_every_run_that_there_can_be(rows) -> None:
     net = network(*rows)
     true = every(net)
     assume(true is not None)
@@ -161,7 +161,7 @@ def test_worst_cases_are_those_of_every_run_that_there_can_be(rows):
 @pytest.mark.slow
 @given(NETWORKS, CHANCES)
 @LOOSE
-def test_slopes_are_derivatives(rows, chances):
+def test_slopes_are_derivatives(rows, chances) -> None:
     net = network(*rows)
     known = chances_of(net, chances)
     slopes = Forecaster(net, known).slopes()
@@ -179,7 +179,7 @@ def test_slopes_are_derivatives(rows, chances):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", range(3))
-def test_figures_are_those_of_the_coordinators_runs(new_stand, seed):
+def test_figures_are_those_of_the_coordinators_runs(new_stand, seed: int) -> None:
     """Whole runs, robot and all: a detour, an alternative, a loop."""
     stand, rng, count = new_stand(), random.Random(seed), 400
     names = ["drive", "modify", "around", "pick", "other", "place"]
@@ -206,13 +206,13 @@ def test_figures_are_those_of_the_coordinators_runs(new_stand, seed):
     assert np.mean(costs) == pytest.approx(exact.cost_s, abs=4.0 * exact.cost_sigma_s / math.sqrt(count))
 
 
-def test_a_certain_action_has_no_slope_where_attempts_remain():
+def test_a_certain_action_has_no_slope_where_attempts_remain() -> None:
     net = network(("a", "z", 10.0, 3, None))
     assert Forecaster(net, [Chance(1.0)]).slopes() == [0.0]
     assert Forecaster(net, [Chance(0.9)]).slopes() == [pytest.approx(3 * 0.1**2)]
 
 
-def test_one_more_attempt_and_an_alternative():
+def test_one_more_attempt_and_an_alternative() -> None:
     forecaster = Forecaster(network(("a", "z", 10.0, 2, None)), [Chance(0.9)])
     assert forecaster.forecast(Stage.with_one_more, {0}).goal == pytest.approx(1 - 0.1**3)
     assert forecaster.forecast(Stage.with_alternatives, {0}).goal == pytest.approx(1 - 0.1**4)
@@ -234,7 +234,7 @@ def repeated(elements):
     return network(*rows, start="s000", goal=f"s{elements:03}")
 
 
-def test_two_hundred_elements_are_as_many_times_one():
+def test_two_hundred_elements_are_as_many_times_one() -> None:
     chances = [Chance(0.9), Chance(0.95), Chance(0.8), None, None]
     one = Forecaster(repeated(1), chances)
     begun = time.process_time()
@@ -251,14 +251,14 @@ def test_two_hundred_elements_are_as_many_times_one():
     assert worst_cases(net).longest == 200 * worst_cases(repeated(1)).longest
 
 
-def test_too_many_states_are_refused_in_words():
+def test_too_many_states_are_refused_in_words() -> None:
     rows = [(f"s{i:02}", f"s{i + 1:02}", 1.0, 3, None) for i in range(20)]
     net = network(*rows, ("s19", "s00", 1.0, 3, None), start="s00", goal="s20")
     with pytest.raises(TooLarge, match=r"between s00 and s20 has more than \d+ states"):
         forecast(net, [Chance(0.9)] * 21)
 
 
-def test_the_path_to_where_nothing_is_left():
+def test_the_path_to_where_nothing_is_left() -> None:
     net = network(("a", "b", 5.0, 2, None), ("b", "z", 5.0, 1, "c"), ("c", "z", 9.0, 2, None))
     assert [(each.situation, each.words()) for each in worst_cases(net).short] == [
         ("a", "MODIFY from a fails 2 times"),
@@ -266,7 +266,7 @@ def test_the_path_to_where_nothing_is_left():
     ]
 
 
-def test_what_follows_a_skip_does_not_help_to_the_goal():
+def test_what_follows_a_skip_does_not_help_to_the_goal() -> None:
     net = network(("a", "b", 5.0, 1, None), ("a", "b", None, 1, None), ("b", "z", 5.0, 2, "a"))
     chances = [Chance(0.5), None, Chance(0.8)]
     forecaster = Forecaster(net, chances)
@@ -277,7 +277,7 @@ def test_what_follows_a_skip_does_not_help_to_the_goal():
     assert forecaster.slopes()[2] == pytest.approx(0.5 * (1 + 0.5 * (0.2 - 0.8)))
 
 
-def test_what_cannot_come_up_again_is_forgotten():
+def test_what_cannot_come_up_again_is_forgotten() -> None:
     """One detour and nine actions in a row, as in the paper's task: not 3 states for each, multiplied."""
     names = "abcdefghi"
     rows = [(s, t, 5.0, 3, None) for s, t in pairwise(names)]

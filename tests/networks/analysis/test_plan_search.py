@@ -18,7 +18,7 @@ from handcart.networks.graph.planner import Plan, Planner
 
 
 @pytest.mark.parametrize("seed", range(40))
-def test_it_plans_what_the_planner_plans(seed):
+def test_it_plans_what_the_planner_plans(seed: int) -> None:
     """Ways of the same weight and skips included."""
     rng = random.Random(seed)
     names = [f"s{i}" for i in range(8)]
@@ -40,7 +40,7 @@ def test_it_plans_what_the_planner_plans(seed):
             assert search.plan(name, fails) == (plan.actions if isinstance(plan, Plan) else None)
 
 
-def test_what_is_too_much_is_told_and_is_the_same_each_time():
+def test_what_is_too_much_is_told_and_is_the_same_each_time() -> None:
     """By steps, not by a clock."""
     net, told = network("grid", 100), set()
     for _ in range(2):
@@ -51,7 +51,7 @@ def test_what_is_too_much_is_told_and_is_the_same_each_time():
     assert "the part between g0,0 and g9,9 has more than" in told.pop()
 
 
-def test_who_watches_hears_how_much_is_spent():
+def test_who_watches_hears_how_much_is_spent() -> None:
     shares = []
     with pytest.raises(TooLarge):
         policy(network("grid", 100), effort=Effort(20_000, shares.append))
@@ -60,7 +60,7 @@ def test_who_watches_hears_how_much_is_spent():
     assert shares[-1] <= 1.0
 
 
-def test_a_part_that_is_too_large_leaves_the_rest_known():
+def test_a_part_that_is_too_large_leaves_the_rest_known() -> None:
     easy, hard = network("chain", 20), network("grid", 49)
     joined = [*easy.situations.values(), *hard.situations.values()]
     bridge = Action(easy.goal, hard.start, easy.actions[0].binding, 1.0, 1)
@@ -72,7 +72,7 @@ def test_a_part_that_is_too_large_leaves_the_rest_known():
 
 
 @pytest.mark.slow
-def test_a_thousand_situations_in_a_row():
+def test_a_thousand_situations_in_a_row() -> None:
     net = network("chain", 1000)
     found = forecast(net, [Chance(0.99)] * len(net.actions))
     assert found.goal == pytest.approx((1.0 - 0.01**3) ** len(net.actions))

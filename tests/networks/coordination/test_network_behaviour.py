@@ -33,7 +33,7 @@ def tree_of(stand, network):
     return py_trees.trees.BehaviourTree(root), behaviour, alarm, events
 
 
-def tick(tree, stand, times):
+def tick(tree, stand, times) -> None:
     for _ in range(times):
         tree.tick()
         stand.robot.step()
@@ -47,7 +47,7 @@ def drive(stand, attempts=3):
     return ActionNetwork.build([Situation("a"), Situation("z")], [action], "a", "z")
 
 
-def test_reaches_the_goal(stand):
+def test_reaches_the_goal(stand) -> None:
     tree, behaviour, _, _ = tree_of(stand, drive(stand))
     tick(tree, stand, 200)
     assert tree.root.status is Status.SUCCESS
@@ -55,7 +55,7 @@ def test_reaches_the_goal(stand):
     assert stand.robot.pose.x == pytest.approx(0.4, abs=0.02)
 
 
-def test_interrupted_it_stops_and_then_restores_first(stand):
+def test_interrupted_it_stops_and_then_restores_first(stand) -> None:
     tree, behaviour, alarm, events = tree_of(stand, drive(stand))
     tick(tree, stand, 30)
     alarm.rings = True
@@ -78,7 +78,7 @@ def test_interrupted_it_stops_and_then_restores_first(stand):
     assert [type(event).__name__ for event in events][:4] == ["Planned", "Started", "Restoring", "Ended"]
 
 
-def test_no_way_left_is_failure(stand):
+def test_no_way_left_is_failure(stand) -> None:
     stand.script["x"] = deque("P")
     tree, behaviour, _, _ = tree_of(stand, stand.network("a z x 1"))
     tick(tree, stand, 5)
@@ -86,7 +86,7 @@ def test_no_way_left_is_failure(stand):
     assert behaviour.end.exit_status == 3
 
 
-def test_give_up_stays_until_a_person_acknowledges(stand):
+def test_give_up_stays_until_a_person_acknowledges(stand) -> None:
     stand.script["x"] = deque("G")
     tree, behaviour, _, events = tree_of(stand, stand.network("a z x 1"))
     tick(tree, stand, 1)
@@ -101,7 +101,7 @@ def test_give_up_stays_until_a_person_acknowledges(stand):
     assert tree.root.status is Status.SUCCESS
 
 
-def test_shutdown_while_it_runs(stand):
+def test_shutdown_while_it_runs(stand) -> None:
     tree, _, _, _ = tree_of(stand, drive(stand))
     tick(tree, stand, 10)
     tree.shutdown()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 from typing import ClassVar
 
 import pytest
@@ -52,7 +53,7 @@ class Go(ActionPrimitive):
 
 
 @pytest.fixture
-def go(monkeypatch):
+def go(monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr(Go, "hindrances", [])
     return Go
 
@@ -65,13 +66,13 @@ def line(go, facts=(HOME, FAR, FAR), permit=False):
     return ActionNetwork.build(names, actions, "a", "c")
 
 
-def push(stand, metres):
+def push(stand, metres) -> None:
     """Somebody rolls the robot, and its wheels turn."""
     travel = stand.backend.wheels.travel
     stand.backend.wheels.travel = type(travel)(travel.left + metres, travel.right + metres)
 
 
-def test_a_precondition_that_is_false_is_not_dispatched(stand, go, tmp_path):
+def test_a_precondition_that_is_false_is_not_dispatched(stand, go, tmp_path: Path) -> None:
     """N7: not started, counted, planned again."""
     go.hindrances[:] = ["the hand is empty"]
     network, events = line(go), []
@@ -87,7 +88,7 @@ def test_a_precondition_that_is_false_is_not_dispatched(stand, go, tmp_path):
     assert kinds[:4] == ["PLAN", "NOT_STARTED", "PLAN", "START"]
 
 
-def test_a_success_that_is_not_seen_is_none(stand, go, monkeypatch):
+def test_a_success_that_is_not_seen_is_none(stand, go, monkeypatch: pytest.MonkeyPatch) -> None:
     """N8: restored and measured it is a Fail."""
     monkeypatch.setattr(go, "seen", False)
     events = []
@@ -98,7 +99,9 @@ def test_a_success_that_is_not_seen_is_none(stand, go, monkeypatch):
     assert abs(stand.robot.pose.x) < 0.02
 
 
-def test_a_success_that_is_not_seen_and_cannot_be_undone_is_for_a_person(stand, go, monkeypatch):
+def test_a_success_that_is_not_seen_and_cannot_be_undone_is_for_a_person(
+    stand, go, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """N8: after a point of no return it is a GiveUp."""
     monkeypatch.setattr(go, "seen", False)
     monkeypatch.setattr(go, "no_return", True)
@@ -107,7 +110,7 @@ def test_a_success_that_is_not_seen_and_cannot_be_undone_is_for_a_person(stand, 
     assert "success is not confirmed" in end.reason
 
 
-def pushed_while_asked(stand, network, metres, tmp_path):
+def pushed_while_asked(stand, network, metres, tmp_path: Path):
     """A run in which somebody pushes the robot while its second action waits for permission."""
     asked = []
 
@@ -132,7 +135,7 @@ def pushed_while_asked(stand, network, metres, tmp_path):
     return end, events, read_journal(tmp_path / "j").records
 
 
-def test_pushed_back_to_where_it_was_before_it_goes_on_from_there(stand, go, tmp_path):
+def test_pushed_back_to_where_it_was_before_it_goes_on_from_there(stand, go, tmp_path: Path) -> None:
     """N9: RECON, and a plan from the situation that is observed."""
     network = line(go)
     end, events, records = pushed_while_asked(stand, network, -1.0, tmp_path)
@@ -147,7 +150,7 @@ def test_pushed_back_to_where_it_was_before_it_goes_on_from_there(stand, go, tmp
     assert left_out.startswith("somebody changed the world: base_mm 1e+03")
 
 
-def test_the_journal_tells_the_same_way(stand, go, tmp_path):
+def test_the_journal_tells_the_same_way(stand, go, tmp_path: Path) -> None:
     """N9: a resume follows the RECON too."""
     network = line(go)
     _, _, records = pushed_while_asked(stand, network, -1.0, tmp_path)
@@ -158,7 +161,7 @@ def test_the_journal_tells_the_same_way(stand, go, tmp_path):
     assert standing(network, [header, *records]).route.arrived
 
 
-def test_pushed_to_where_it_never_was_it_asks_for_a_person(stand, go, tmp_path):
+def test_pushed_to_where_it_never_was_it_asks_for_a_person(stand, go, tmp_path: Path) -> None:
     """N9: no situation that the run was in fits."""
     end, _, records = pushed_while_asked(stand, line(go), 0.5, tmp_path)
     assert end.outcome == "GiveUp"
@@ -167,11 +170,11 @@ def test_pushed_to_where_it_never_was_it_asks_for_a_person(stand, go, tmp_path):
     assert records[-2]["situation"] is None
 
 
-def test_a_changed_world_stops_the_robot(stand, go, tmp_path):
+def test_a_changed_world_stops_the_robot(stand, go, tmp_path: Path) -> None:
     """N9: before a person is asked for."""
     stops = []
 
-    def note(event):
+    def note(event) -> None:
         if isinstance(event, LeftOut):
             stops.append(stand.backend.stops)
 
@@ -190,7 +193,7 @@ def test_a_changed_world_stops_the_robot(stand, go, tmp_path):
     assert stand.backend.stops > stops[-1]
 
 
-def test_pushed_back_to_where_an_action_had_ended(stand, go):
+def test_pushed_back_to_where_an_action_had_ended(stand, go) -> None:
     """N9: a situation holds again that the run was in between two actions."""
     names = [Situation(name, facts) for name, facts in zip("abcd", (HOME, FAR, FAR, FAR), strict=True)]
     bound = Binding.of(go())
@@ -212,7 +215,7 @@ def test_pushed_back_to_where_an_action_had_ended(stand, go):
 
 
 @pytest.mark.parametrize(("sigma", "found"), [(0.05, "a"), (0.15, None)])
-def test_an_unsure_pose_tells_no_situation(stand, go, sigma, found):
+def test_an_unsure_pose_tells_no_situation(stand, go, sigma: float, found: str | None) -> None:
     """N9: three sigmas of the measurement have to stay within the tolerance."""
     here = take_snapshot(stand.robot, {})
     far = replace(here, pose=type(here.pose)(1.0, 0.0, 0.0))
@@ -221,7 +224,7 @@ def test_an_unsure_pose_tells_no_situation(stand, go, sigma, found):
     assert watch.situation("b", far, now) == found
 
 
-def test_a_pose_that_is_not_surely_known_has_not_moved(stand):
+def test_a_pose_that_is_not_surely_known_has_not_moved(stand) -> None:
     """N9: what is measured elsewhere has, however sure that is."""
     here = take_snapshot(stand.robot, {})
     unsure = replace(here, dead_reckoned=False, pose_sigma=(0.5, 0.3))
@@ -230,7 +233,7 @@ def test_a_pose_that_is_not_surely_known_has_not_moved(stand):
     assert moved(stand.robot, here, far) == {"base_mm": 500.0}
 
 
-def test_who_found_more_changed_than_the_base_tells_no_situation(stand, go):
+def test_who_found_more_changed_than_the_base_tells_no_situation(stand, go) -> None:
     """N9: base and fingers stand as they once did, but no sensor tells what else was changed meanwhile."""
     here = replace(take_snapshot(stand.robot, {}), gripper_width=0.05)
     far = replace(here, pose=type(here.pose)(1.0, 0.0, 0.0), gripper_width=0.0)
@@ -239,7 +242,7 @@ def test_who_found_more_changed_than_the_base_tells_no_situation(stand, go):
     assert watch.situation("b", replace(far, gripper_width=0.05), here) == "a"
 
 
-def test_a_hindrance_that_breaks_hinders(stand, go, monkeypatch):
+def test_a_hindrance_that_breaks_hinders(stand, go, monkeypatch: pytest.MonkeyPatch) -> None:
     """N7: who can't tell whether it may start doesn't start it."""
     asked, events = [], []
 
@@ -270,7 +273,7 @@ class Short(ActionPrimitive):
 
 
 @pytest.mark.parametrize(("drives_s", "why"), [(9.0, "it took longer than 2 s"), (1.7, "nobody is there")])
-def test_a_time_out_never_calls_back_from_restoring(stand, drives_s, why):
+def test_a_time_out_never_calls_back_from_restoring(stand, drives_s: float, why: str) -> None:
     """A4: the way back takes the time that it takes."""
     action = Action("a", "b", Binding.of(Short(drives_s=drives_s)), 1.0, attempts=1, time_out_s=2.0)
     network = ActionNetwork.build([Situation("a"), Situation("b")], [action], "a", "b")
@@ -282,17 +285,19 @@ def test_a_time_out_never_calls_back_from_restoring(stand, drives_s, why):
     assert stand.robot.time > 3.0
 
 
-def test_what_else_may_have_changed_nobody_knows(stand, go, tmp_path):
+def test_what_else_may_have_changed_nobody_knows(stand, go, tmp_path: Path) -> None:
     """N9: where the book is in other hands by then, being back at the start doesn't bring it back."""
     facts = (HOME, {"base": "far", "book": "on the shelf"}, {"base": "far", "book": "on the shelf"})
     end, _, _ = pushed_while_asked(stand, line(go, facts), -1.0, tmp_path)
     assert end.outcome == "GiveUp"
 
 
-def test_a_fault_in_planning_stops_and_asks_for_a_person(stand, go, tmp_path, monkeypatch):
+def test_a_fault_in_planning_stops_and_asks_for_a_person(
+    stand, go, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """N10: with its traceback in the journal."""
 
-    def broken(planner, situation):
+    def broken(planner, situation) -> None:
         raise ZeroDivisionError("oh")
 
     monkeypatch.setattr(Planner, "plan", broken)
@@ -303,7 +308,7 @@ def test_a_fault_in_planning_stops_and_asks_for_a_person(stand, go, tmp_path, mo
     assert "in broken" in read_journal(tmp_path / "j").records[0]["error"]
 
 
-def test_two_primitives_at_a_time_both_stop_and_give_up(stand, go):
+def test_two_primitives_at_a_time_both_stop_and_give_up(stand, go) -> None:
     """N12"""
     ends: list[object] = []
     running = [attempt(go(), stand.robot, stand.model) for _ in range(2)]

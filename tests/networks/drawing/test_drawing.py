@@ -37,7 +37,7 @@ def network(stand):
 
 
 @pytest.mark.parametrize("suffix", FORMATS)
-def test_everything_is_drawn(network, suffix):
+def test_everything_is_drawn(network, suffix) -> None:
     text = FORMATS[suffix](network)
     for situation in network.situations:
         assert situation in text
@@ -47,14 +47,14 @@ def test_everything_is_drawn(network, suffix):
     assert FORMATS[suffix](network) == text
 
 
-def test_svg_is_xml(network):
+def test_svg_is_xml(network) -> None:
     root = ElementTree.fromstring(FORMATS[".svg"](network))
     kinds = [element.get("class", "") for element in root.iter()]
     assert kinds.count("box") + kinds.count("box start") + kinds.count("box goal") == 5
     assert sum(kind.startswith("way") for kind in kinds) == 9
 
 
-def test_no_way_passes_through_a_box(network):
+def test_no_way_passes_through_a_box(network) -> None:
     layout = lay_out(network, lines_of(network))
     middles = list(layout.boxes.values())
     assert len(set(middles)) == len(middles)

@@ -2,6 +2,7 @@
 
 import shutil
 from collections import deque
+from pathlib import Path
 
 import pytest
 
@@ -43,7 +44,7 @@ repeat: {over: [x, y, w], as: one, start: a, goal: b, unfinished: skip}
 
 
 @pytest.fixture
-def run(tmp_path, new_stand, primitives):
+def run(tmp_path: Path, new_stand, primitives):
     """Runs a task with scripted ends; the folder is then all that is left."""
 
     def done(text, **script):
@@ -63,7 +64,7 @@ def run(tmp_path, new_stand, primitives):
     return done
 
 
-def test_the_other_ways_cost_what_they_cost_then(run):
+def test_the_other_ways_cost_what_they_cost_then(run) -> None:
     past, _ = run(TASK, near="F")
     first, _, second, third = past.actions
     choice = choice_of(past, first)
@@ -77,7 +78,7 @@ def test_the_other_ways_cost_what_they_cost_then(run):
     assert third.index == 1
 
 
-def test_what_was_used_up_is_told(run):
+def test_what_was_used_up_is_told(run) -> None:
     past, _ = run(TASK, near="FF")
     choice = choice_of(past, past.actions[-1])
     assert choice.chosen.index == 2
@@ -85,12 +86,12 @@ def test_what_was_used_up_is_told(run):
     assert choice.next_best is None
 
 
-def test_what_failed_for_good_is_told(run):
+def test_what_failed_for_good_is_told(run) -> None:
     past, _ = run(TASK, near="P")
     assert choice_of(past, past.actions[-1]).options[1].out == "used up: failed for good"
 
 
-def test_plans_are_those_of_the_run(run):
+def test_plans_are_those_of_the_run(run) -> None:
     for script in ({"near": "F"}, {"near": "FF", "far": "FF"}, {"ahead": "FF"}):
         past, _ = run(TASK, **script)
         costs = [record["cost"] for record in past.records if record["kind"] == "PLAN" and "cost" in record]
@@ -107,7 +108,7 @@ def test_plans_are_those_of_the_run(run):
         shutil.rmtree(past.folder)
 
 
-def test_leaving_an_element_undone_is_an_option(run):
+def test_leaving_an_element_undone_is_an_option(run) -> None:
     past, network = run(REPEAT, x="F")
     choice = choice_of(past, past.actions[0])
     skip = next(each for each in choice.options if each.action.binding is None)
@@ -116,7 +117,7 @@ def test_leaving_an_element_undone_is_an_option(run):
     assert [str(each) for each in kept.network.actions] == [str(each) for each in network.actions]
 
 
-def test_a_person_is_needed(run):
+def test_a_person_is_needed(run) -> None:
     past, _ = run(TASK, ahead="G")
     assert past.end["outcome"] == "GiveUp"
     assert past.last_fail.result["cause"] == [
@@ -124,7 +125,7 @@ def test_a_person_is_needed(run):
     ]
 
 
-def test_the_last_fail_is_the_last_one_and_a_run_that_went_on_has_not_ended(run, tmp_path):
+def test_the_last_fail_is_the_last_one_and_a_run_that_went_on_has_not_ended(run, tmp_path: Path) -> None:
     past, _ = run(TASK, near="FF", far="F")
     assert [each.outcome for each in past.actions].count("Fail") == 3
     assert (past.last_fail.number, past.last_fail.do) == (len(past.actions) - 1, "THINK")

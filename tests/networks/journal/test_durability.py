@@ -6,6 +6,7 @@ import os
 import threading
 import time
 from collections.abc import Iterator
+from pathlib import Path
 from typing import ClassVar
 
 import pytest
@@ -54,7 +55,7 @@ class Disk:
 
 
 @pytest.fixture
-def disk(monkeypatch) -> Iterator[Disk]:
+def disk(monkeypatch: pytest.MonkeyPatch) -> Iterator[Disk]:
     held = Disk()
     monkeypatch.setattr(os, "fdatasync", held.fdatasync)
     monkeypatch.setattr(Lamp, "put_out", [])
@@ -63,7 +64,7 @@ def disk(monkeypatch) -> Iterator[Disk]:
 
 
 @pytest.fixture
-def begin(stand, disk, tmp_path):
+def begin(stand, disk: Disk, tmp_path: Path):
     """A run with one action, its journal brought to the disk beside the loop."""
 
     def make():
@@ -79,7 +80,7 @@ def begin(stand, disk, tmp_path):
     return make
 
 
-def go_on(stand, periods, count):
+def go_on(stand, periods, count) -> None:
     for _ in range(count):
         next(periods)
         stand.robot.step()
@@ -99,7 +100,7 @@ def soon(disk, stand, periods, ready) -> None:
         time.sleep(0.001)
 
 
-def test_nothing_moves_before_the_start_is_on_the_disk(stand, disk, begin):
+def test_nothing_moves_before_the_start_is_on_the_disk(stand, disk: Disk, begin) -> None:
     """D9: the loop goes on, the robot holds; a slow disk only delays."""
     run, journal, events = begin()
     with journal:
@@ -111,7 +112,7 @@ def test_nothing_moves_before_the_start_is_on_the_disk(stand, disk, begin):
         soon(disk, stand, periods, lambda: stand.backend.wheels.travel.left > 0.0)
 
 
-def test_an_effect_waits_for_its_intent_and_the_result_for_the_disk(stand, disk, begin):
+def test_an_effect_waits_for_its_intent_and_the_result_for_the_disk(stand, disk: Disk, begin) -> None:
     """D9: nobody hears of an outcome that isn't on the disk."""
     run, journal, events = begin()
     with journal:
@@ -135,7 +136,7 @@ def test_an_effect_waits_for_its_intent_and_the_result_for_the_disk(stand, disk,
         assert has(events, Ended)
 
 
-def test_a_stop_does_not_wait_for_the_disk(stand, disk, begin):
+def test_a_stop_does_not_wait_for_the_disk(stand, disk: Disk, begin) -> None:
     """D9: neither before the start nor while a result waits."""
     run, journal, _ = begin()
     disk.free.clear()
@@ -149,7 +150,7 @@ def test_a_stop_does_not_wait_for_the_disk(stand, disk, begin):
     journal.close()
 
 
-def test_a_disk_that_fails_ends_the_run_and_is_never_asked_again(stand, disk, begin):
+def test_a_disk_that_fails_ends_the_run_and_is_never_asked_again(stand, disk: Disk, begin) -> None:
     """D8: the journal is poisoned; nothing was commanded."""
     run, journal, _ = begin()
     with journal:
@@ -166,7 +167,9 @@ def test_a_disk_that_fails_ends_the_run_and_is_never_asked_again(stand, disk, be
         assert disk.calls == 1
 
 
-def test_what_was_intended_stands_in_the_journal(stand, tmp_path, monkeypatch):
+def test_what_was_intended_stands_in_the_journal(
+    stand, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """INTENT and PNR name the action and what it does."""
     monkeypatch.setattr(Lamp, "put_out", [])
     bound = Binding.of(Lamp())
@@ -182,7 +185,7 @@ def test_what_was_intended_stands_in_the_journal(stand, tmp_path, monkeypatch):
     assert told["END"]["at"] == told["RESULT"]["at"]
 
 
-def test_a_run_is_over_when_its_end_is_on_the_disk(stand, disk, begin):
+def test_a_run_is_over_when_its_end_is_on_the_disk(stand, disk: Disk, begin) -> None:
     """D9: who asks how it ended hears nothing that a crash could still take back."""
     run, journal, events = begin()
     with journal:

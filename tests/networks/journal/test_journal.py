@@ -18,7 +18,7 @@ def written(path: Path, count: int = 4) -> bytes:
     return path.read_bytes()
 
 
-def test_read_back(tmp_path):
+def test_read_back(tmp_path: Path) -> None:
     path = tmp_path / "j.jsonl"
     written(path)
     contents = read_journal(path)
@@ -28,7 +28,7 @@ def test_read_back(tmp_path):
     assert stat.S_IMODE(path.stat().st_mode) == 0o600
 
 
-def test_truncated_at_any_byte(tmp_path):
+def test_truncated_at_any_byte(tmp_path: Path) -> None:
     """D1: what was written whole is there, the tail is told."""
     whole = written(tmp_path / "j.jsonl", 3)
     ends = [number for number, byte in enumerate(whole) if byte == 10]
@@ -41,7 +41,7 @@ def test_truncated_at_any_byte(tmp_path):
         assert (contents.torn_at is None) == complete
 
 
-def test_a_journal_larger_than_any_run_makes_it_is_refused(tmp_path):
+def test_a_journal_larger_than_any_run_makes_it_is_refused(tmp_path: Path) -> None:
     """D2: the memory for it isn't there; asking a run that is over reads it as well."""
     path = tmp_path / "journal.jsonl"
     written(path, 3)
@@ -53,7 +53,7 @@ def test_a_journal_larger_than_any_run_makes_it_is_refused(tmp_path):
 
 
 @pytest.mark.slow
-def test_any_flipped_bit(tmp_path):
+def test_any_flipped_bit(tmp_path: Path) -> None:
     """D2, D3: refused in the middle, the newline before the last record too; torn in the last record."""
     whole = written(tmp_path / "j.jsonl", 3)
     last = whole[:-1].rindex(b"\n") + 1
@@ -71,7 +71,7 @@ def test_any_flipped_bit(tmp_path):
 
 
 @pytest.mark.parametrize("byte", [0, 0x0B, 0x8A, 0x20])
-def test_a_newline_before_the_last_record_is_damage(tmp_path, byte):
+def test_a_newline_before_the_last_record_is_damage(tmp_path: Path, byte: int) -> None:
     """D2: it hides two records, of which one was whole."""
     whole = bytearray(written(tmp_path / "j.jsonl", 3))
     whole[whole[:-1].rindex(b"\n")] = byte
@@ -81,7 +81,7 @@ def test_a_newline_before_the_last_record_is_damage(tmp_path, byte):
 
 
 @pytest.mark.parametrize("tail", [b"\0" * 4096, b"garbage\nmore\n", b"{}\n", b"[]\n", b"1\n", None])
-def test_tails(tmp_path, tail):
+def test_tails(tmp_path: Path, tail) -> None:
     """D4: None stands for the last record once more."""
     path = tmp_path / "j.jsonl"
     whole = written(path)
@@ -90,7 +90,7 @@ def test_tails(tmp_path, tail):
     assert (len(contents.records), contents.torn_at) == (4, len(whole))
 
 
-def test_edited_or_removed_record(tmp_path):
+def test_edited_or_removed_record(tmp_path: Path) -> None:
     path = tmp_path / "j.jsonl"
     lines = written(path).splitlines(keepends=True)
     path.write_bytes(b"".join([lines[0], *lines[2:]]))
@@ -101,7 +101,7 @@ def test_edited_or_removed_record(tmp_path):
         read_journal(path)
 
 
-def test_never_written_over(tmp_path):
+def test_never_written_over(tmp_path: Path) -> None:
     path = tmp_path / "j.jsonl"
     written(path)
     with pytest.raises(JournalError) as error:
@@ -109,7 +109,7 @@ def test_never_written_over(tmp_path):
     assert error.value.exit_status == 5
 
 
-def test_links_are_not_followed(tmp_path):
+def test_links_are_not_followed(tmp_path: Path) -> None:
     """D14."""
     (tmp_path / "link").symlink_to(tmp_path / "target")
     with pytest.raises(JournalError):
@@ -117,13 +117,13 @@ def test_links_are_not_followed(tmp_path):
     assert not (tmp_path / "target").exists()
 
 
-def test_no_folder(tmp_path):
+def test_no_folder(tmp_path: Path) -> None:
     """D10."""
     with pytest.raises(JournalError, match="can't be created"):
         Journal(tmp_path / "none" / "j.jsonl")
 
 
-def test_disk_full_poisons(tmp_path, monkeypatch):
+def test_disk_full_poisons(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """D5, D7: one more try, then nothing more."""
     path = tmp_path / "j.jsonl"
     journal = Journal(path)
@@ -148,7 +148,7 @@ def test_disk_full_poisons(tmp_path, monkeypatch):
     journal.close()
 
 
-def test_short_write_is_tried_again(tmp_path, monkeypatch):
+def test_short_write_is_tried_again(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     path = tmp_path / "j.jsonl"
     real, calls = os.write, []
 
@@ -162,11 +162,11 @@ def test_short_write_is_tried_again(tmp_path, monkeypatch):
     assert len(read_journal(path).records) == 1
 
 
-def test_failed_sync_poisons(tmp_path, monkeypatch):
+def test_failed_sync_poisons(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """D8: never tried again."""
     calls = []
 
-    def failing(file):
+    def failing(file) -> None:
         calls.append(file)
         raise OSError(5, "Input/output error")
 
@@ -178,7 +178,7 @@ def test_failed_sync_poisons(tmp_path, monkeypatch):
     assert len(calls) == 1
 
 
-def test_replaced_file(tmp_path):
+def test_replaced_file(tmp_path: Path) -> None:
     """D11."""
     path = tmp_path / "j.jsonl"
     with Journal(path) as journal:
@@ -189,12 +189,12 @@ def test_replaced_file(tmp_path):
             journal.append("TWO", 0.0, {})
 
 
-def test_what_is_no_json(tmp_path):
+def test_what_is_no_json(tmp_path: Path) -> None:
     with Journal(tmp_path / "j.jsonl") as journal, pytest.raises(JournalError, match="no JSON"):
         journal.append("ONE", 0.0, {"thing": object()})
 
 
-def test_going_on_holds_the_lock(tmp_path):
+def test_going_on_holds_the_lock(tmp_path: Path) -> None:
     """K11: two processes never write one journal."""
     path = tmp_path / "j.jsonl"
     written(path)
@@ -208,7 +208,7 @@ def test_going_on_holds_the_lock(tmp_path):
     Journal.go_on(path, contents).close()
 
 
-def test_going_on_with_what_has_changed_since(tmp_path):
+def test_going_on_with_what_has_changed_since(tmp_path: Path) -> None:
     path = tmp_path / "j.jsonl"
     written(path)
     before = read_journal(path)
@@ -218,7 +218,7 @@ def test_going_on_with_what_has_changed_since(tmp_path):
         Journal.go_on(path, before)
 
 
-def test_going_on_follows_no_link(tmp_path):
+def test_going_on_follows_no_link(tmp_path: Path) -> None:
     """D14."""
     path = tmp_path / "j.jsonl"
     written(path)
@@ -229,7 +229,7 @@ def test_going_on_follows_no_link(tmp_path):
         Journal.go_on(path, contents)
 
 
-def test_a_torn_tail_is_kept_beside_and_nothing_is_written_through_a_link(tmp_path):
+def test_a_torn_tail_is_kept_beside_and_nothing_is_written_through_a_link(tmp_path: Path) -> None:
     """D1, D14: not even where the tail's copy goes."""
     path = tmp_path / "j.jsonl"
     whole = written(path)
@@ -243,7 +243,9 @@ def test_a_torn_tail_is_kept_beside_and_nothing_is_written_through_a_link(tmp_pa
     assert (torn.read_bytes(), path.read_bytes()) == (b'{"q":9', whole)
 
 
-def test_what_is_cut_off_and_the_folder_are_brought_to_the_disk(tmp_path, monkeypatch):
+def test_what_is_cut_off_and_the_folder_are_brought_to_the_disk(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """D13: a journal that is new, or shorter, is so after a power cut too."""
     synced, real = [], os.fsync
     monkeypatch.setattr(os, "fsync", lambda file: (synced.append(os.fstat(file).st_ino), real(file)))
@@ -256,7 +258,9 @@ def test_what_is_cut_off_and_the_folder_are_brought_to_the_disk(tmp_path, monkey
     assert path.stat().st_ino in synced
 
 
-def test_a_short_write_after_going_on_is_cut_back_to_what_was_there(tmp_path, monkeypatch):
+def test_a_short_write_after_going_on_is_cut_back_to_what_was_there(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """D7"""
     path, real = tmp_path / "j.jsonl", os.write
     whole = written(path)
@@ -268,7 +272,7 @@ def test_a_short_write_after_going_on_is_cut_back_to_what_was_there(tmp_path, mo
     assert path.read_bytes() == whole
 
 
-def test_a_sound_record_of_another_journal_breaks_the_chain(tmp_path):
+def test_a_sound_record_of_another_journal_breaks_the_chain(tmp_path: Path) -> None:
     """D2: its own checksum is right, and so is its number."""
     lines = written(tmp_path / "j.jsonl").splitlines(keepends=True)
     with Journal(tmp_path / "other.jsonl", clock=lambda: 0.0) as other:

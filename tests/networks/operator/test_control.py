@@ -65,13 +65,13 @@ class Line:
 
 
 @pytest.fixture
-def folder(tmp_path, monkeypatch) -> Path:
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     monkeypatch.chdir(tmp_path)
     return Path()
 
 
 @pytest.fixture
-def lines(folder) -> Iterator:
+def lines(folder: Path) -> Iterator:
     """Opens lines; all are closed in the end."""
     opened: list[Line] = []
 
@@ -86,7 +86,7 @@ def lines(folder) -> Iterator:
 
 
 @pytest.fixture
-def run(stand, folder) -> Iterator:
+def run(stand, folder: Path) -> Iterator:
     """A run before its first period, that listens."""
     coordinator = Coordinator(stand.network("a z go 1"), stand.robot, stand.model)
     with Operation(folder, coordinator, Permits(), stand.robot) as operation:
@@ -95,7 +95,7 @@ def run(stand, folder) -> Iterator:
 
 
 @pytest.fixture
-def control(folder, clock) -> Iterator:
+def control(folder: Path, clock) -> Iterator:
     """Answers each message with itself."""
     stops: list[None] = []
     with Control(folder, dict, lambda: stops.append(None), clock) as listening:
@@ -103,7 +103,7 @@ def control(folder, clock) -> Iterator:
         yield listening
 
 
-def test_every_message_that_is_none_is_answered_in_words(run, lines):
+def test_every_message_that_is_none_is_answered_in_words(run: Iterator, lines: Iterator) -> None:
     """U11: of all JSON types, huge, deep, binary, half; more: `python -m benchmarks.hostile.control`."""
     for message in fuzzed_messages(400, seed=1):
         line, rest, answers = lines(), message + b"\n", []
@@ -132,13 +132,13 @@ def test_every_message_that_is_none_is_answered_in_words(run, lines):
         ({"do": "x\x1b[2J"}, "unknown word 'x\\x1b[2J'"),
     ],
 )
-def test_what_is_wrong_with_a_message(run, message, words):
+def test_what_is_wrong_with_a_message(run: Iterator, message, words: str) -> None:
     answer = run.answer(message)
     assert not answer["ok"]
     assert words in answer["error"]
 
 
-def test_a_stop_waits_behind_nothing(run, lines, folder):
+def test_a_stop_waits_behind_nothing(run: Iterator, lines: Iterator, folder: Path) -> None:
     """U9: more idle lines than there may be, half messages, floods, and a queue full of other wishes."""
     idle = [lines() for _ in range(MOST)]
     run.look()
@@ -154,7 +154,7 @@ def test_a_stop_waits_behind_nothing(run, lines, folder):
     assert (end.outcome, end.actions) == ("Cancelled", 0)
 
 
-def test_a_stop_on_the_line_is_heard_beside_idle_ones(run, lines):
+def test_a_stop_on_the_line_is_heard_beside_idle_ones(run: Iterator, lines: Iterator) -> None:
     """U8, U11: eight that say nothing made `handcart stop` say that no run is alive."""
     for _ in range(3 * MOST):
         lines()
@@ -166,7 +166,7 @@ def test_a_stop_on_the_line_is_heard_beside_idle_ones(run, lines):
     assert run.stand.finish(run.coordinator).outcome == "Cancelled"
 
 
-def test_a_stop_of_somebody_who_has_hung_up_is_heard(run, lines):
+def test_a_stop_of_somebody_who_has_hung_up_is_heard(run: Iterator, lines: Iterator) -> None:
     line = lines()
     line.send(b'{"do":"status"}\n{"do":"status"}\n{"do":"stop"}')
     line.socket.close()
@@ -175,14 +175,14 @@ def test_a_stop_of_somebody_who_has_hung_up_is_heard(run, lines):
     assert run.stand.finish(run.coordinator).outcome == "Cancelled"
 
 
-def test_requests_that_may_wait_are_limited_and_a_stop_is_none_of_them(run):
+def test_requests_that_may_wait_are_limited_and_a_stop_is_none_of_them(run: Iterator) -> None:
     told = [run.answer({"do": word})["ok"] for _ in range(50) for word in ("pause", "continue")]
     assert not all(told)
     assert run.answer({"do": "stop"})["ok"]
     assert run.stand.finish(run.coordinator).outcome == "Cancelled"
 
 
-def test_each_line_gets_one_answer_a_period_in_order(control, lines):
+def test_each_line_gets_one_answer_a_period_in_order(control: Iterator, lines: Iterator) -> None:
     flood, calm = lines(), lines()
     flood.send(b"".join(b'{"n":%d}\n' % number for number in range(100)))
     calm.send(b'{"n":-1}\n')
@@ -193,7 +193,7 @@ def test_each_line_gets_one_answer_a_period_in_order(control, lines):
     assert [each["n"] for each in flood.answers()] == list(range(1, 100))
 
 
-def test_who_does_not_read_makes_nobody_else_wait(control, lines):
+def test_who_does_not_read_makes_nobody_else_wait(control: Iterator, lines: Iterator) -> None:
     deaf, calm = lines(), lines()
     told = orjson.dumps({"n": "x" * 4000}) + b"\n"
     sent = 0
@@ -209,7 +209,7 @@ def test_who_does_not_read_makes_nobody_else_wait(control, lines):
     assert calm.answers() == [{"n": 1}]
 
 
-def test_a_message_that_is_too_long_is_told_and_its_line_closed(control, lines):
+def test_a_message_that_is_too_long_is_told_and_its_line_closed(control: Iterator, lines: Iterator) -> None:
     line = lines()
     line.send(b"x" * 5000)
     for _ in range(3):
@@ -218,7 +218,7 @@ def test_a_message_that_is_too_long_is_told_and_its_line_closed(control, lines):
     assert line.hung_up
 
 
-def test_a_line_on_which_nothing_comes_is_closed(control, lines, clock):
+def test_a_line_on_which_nothing_comes_is_closed(control: Iterator, lines: Iterator, clock) -> None:
     """U11: half a message is nothing whole."""
     idle, half, busy = lines(), lines(), lines()
     half.send(b'{"n"')
@@ -233,7 +233,9 @@ def test_a_line_on_which_nothing_comes_is_closed(control, lines, clock):
     assert len(busy.answers()) == 4
 
 
-def test_of_too_many_lines_the_one_that_was_silent_longest_is_closed(control, lines, clock):
+def test_of_too_many_lines_the_one_that_was_silent_longest_is_closed(
+    control: Iterator, lines: Iterator, clock
+) -> None:
     """U11: who talks keeps their line."""
     many = []
     for _ in range(MOST):
@@ -253,13 +255,15 @@ def test_of_too_many_lines_the_one_that_was_silent_longest_is_closed(control, li
     assert last.answers() == [{}]
 
 
-def test_only_its_owner_may_operate_a_run(folder, control):
+def test_only_its_owner_may_operate_a_run(folder: Path, control: Iterator) -> None:
     """U11: by either socket."""
     for name in ("control", "control.stop"):
         assert stat.S_IMODE(os.stat(folder / name).st_mode) & 0o077 == 0
 
 
-def test_who_asked_more_than_once_is_not_waited_with(control, lines, monkeypatch):
+def test_who_asked_more_than_once_is_not_waited_with(
+    control: Iterator, lines: Iterator, monkeypatch: pytest.MonkeyPatch
+) -> None:
     waited, plain = [], selectors.DefaultSelector.select
 
     def select(self, timeout=None):
@@ -276,7 +280,7 @@ def test_who_asked_more_than_once_is_not_waited_with(control, lines, monkeypatch
     assert [each["n"] for each in line.answers()] == [1, 2]
 
 
-def test_an_answer_holds_for_one_start_of_one_action(stand):
+def test_an_answer_holds_for_one_start_of_one_action(stand) -> None:
     (action,) = stand.network("a z go 1").actions
     permits, asked = Permits(step=True), []
     permits.asking = asked.append
@@ -288,8 +292,8 @@ def test_an_answer_holds_for_one_start_of_one_action(stand):
     assert asked == [action] * 3
 
 
-def test_a_fault_in_answering_is_told_and_nothing_more(folder, lines):
-    def fails(message):
+def test_a_fault_in_answering_is_told_and_nothing_more(folder: Path, lines: Iterator) -> None:
+    def fails(message) -> None:
         raise KeyError("x")
 
     with Control(folder, fails, lambda: None) as listening:
@@ -300,7 +304,7 @@ def test_a_fault_in_answering_is_told_and_nothing_more(folder, lines):
 
 
 @pytest.mark.parametrize("what", ["nothing", "a folder", "a file", "a broken journal"])
-def test_where_no_run_is_alive_is_said_as_far_as_it_is_known(tmp_path, what):
+def test_where_no_run_is_alive_is_said_as_far_as_it_is_known(tmp_path: Path, what: str) -> None:
     folder = tmp_path / "run"
     words = {"nothing": "there is no folder", "a file": "is no folder"}.get(what, "no journal can be read")
     if what == "a file":
@@ -315,7 +319,7 @@ def test_where_no_run_is_alive_is_said_as_far_as_it_is_known(tmp_path, what):
         assert words in str(said.value)
 
 
-def test_a_run_that_is_over_broke_off_or_does_not_answer(folder):
+def test_a_run_that_is_over_broke_off_or_does_not_answer(folder: Path) -> None:
     with Journal(folder / "journal.jsonl") as journal:
         journal.append("RUN", 0.0, {})
         assert goes_on(folder)
@@ -334,7 +338,7 @@ def test_a_run_that_is_over_broke_off_or_does_not_answer(folder):
         tell_to_stop(again)
 
 
-def test_a_queue_that_is_full_is_no_run_that_is_over(folder, lines):
+def test_a_queue_that_is_full_is_no_run_that_is_over(folder: Path, lines: Iterator) -> None:
     """Nobody takes what waits: the run computes."""
     with Journal(folder / "journal.jsonl"), Control(folder, dict, lambda: None):
         for _ in range(2 * MOST):
@@ -348,7 +352,7 @@ def test_a_queue_that_is_full_is_no_run_that_is_over(folder, lines):
             tell_to_stop(folder)
 
 
-def test_what_answers_but_is_no_run(folder):
+def test_what_answers_but_is_no_run(folder: Path) -> None:
     listening = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
     listening.bind(str(folder / "control"))
     listening.listen()
@@ -364,7 +368,7 @@ def test_what_answers_but_is_no_run(folder):
 
 
 @pytest.mark.skipif(os.geteuid() != 0, reason="only root can become somebody else")
-def test_a_folder_of_somebody_else(folder, control):
+def test_a_folder_of_somebody_else(folder: Path, control: Iterator) -> None:
     """That a run is alive there or isn't can't be said."""
     child = os.fork()
     if child == 0:  # pragma: no cover

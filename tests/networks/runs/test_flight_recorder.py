@@ -1,5 +1,7 @@
 """The last seconds of readings and commands."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -12,7 +14,7 @@ PERIOD = 0.05
 
 
 @pytest.fixture
-def drive(stand, tmp_path):
+def drive(stand, tmp_path: Path):
     """Drives until `fails` periods have passed, then ends as told; what the recorder wrote, by file name."""
 
     def driven(fails, error=None, seconds=10.0, pauses=0):
@@ -46,7 +48,7 @@ def drive(stand, tmp_path):
     return driven
 
 
-def test_a_fail_keeps_what_came_before_it_and_the_way_back(drive):
+def test_a_fail_keeps_what_came_before_it_and_the_way_back(drive) -> None:
     kept = drive(120, Discrepancy("enough"), seconds=2.0)
     assert list(kept) == ["001_DRIVE_Fail_readings.npz"]  # nothing has happened since
     readings = kept["001_DRIVE_Fail_readings.npz"]
@@ -60,22 +62,22 @@ def test_a_fail_keeps_what_came_before_it_and_the_way_back(drive):
     assert set(readings["action"].tolist()) == {1}
 
 
-def test_a_success_leaves_the_end_of_the_run_alone(drive):
+def test_a_success_leaves_the_end_of_the_run_alone(drive) -> None:
     kept = drive(30)
     assert list(kept) == ["end_readings.npz"]
     assert len(kept["end_readings.npz"]["time_s"]) < 60
 
 
-def test_no_more_than_the_last_seconds_are_held(drive):
+def test_no_more_than_the_last_seconds_are_held(drive) -> None:
     assert len(drive(100, seconds=1.0)["end_readings.npz"]["time_s"]) == 20
 
 
-def test_a_pause_is_not_recorded(drive):
+def test_a_pause_is_not_recorded(drive) -> None:
     times = drive(30, pauses=10)["end_readings.npz"]["time_s"]
     assert np.allclose(np.diff(times), PERIOD)
 
 
-def test_a_full_disk_ends_the_evidence_not_the_run(stand, tmp_path):
+def test_a_full_disk_ends_the_evidence_not_the_run(stand, tmp_path: Path) -> None:
     (tmp_path / "evidence").write_text("a file where a folder is to be")
     recorder = FlightRecorder(tmp_path, stand.robot)
     stand.robot.step()

@@ -37,20 +37,20 @@ actions:
 class Hears(RunObserver):
     """Notes what it hears of, and has figures of its own."""
 
-    def __init__(self, own):
+    def __init__(self, own) -> None:
         self.own, self.words, self.events = own, [], []
 
-    def begin(self, prepared, run_dir):
+    def begin(self, prepared, run_dir) -> None:
         assert (run_dir / "journal.jsonl").exists()
         self.words.append("begin")
 
-    def period(self, robot):
+    def period(self, robot) -> None:
         self.words.append("period")
 
-    def event(self, event):
+    def event(self, event) -> None:
         self.events.append(event)
 
-    def end(self):
+    def end(self) -> None:
         self.words.append("end")
 
     def figures(self, end):
@@ -60,7 +60,7 @@ class Hears(RunObserver):
 
 
 @pytest.fixture
-def prepare(tmp_path, new_stand, primitives):
+def prepare(tmp_path: Path, new_stand, primitives):
     def prepared(**settings):
         stand = new_stand()
         path = tmp_path / "task" / "task.yaml"
@@ -72,7 +72,7 @@ def prepare(tmp_path, new_stand, primitives):
     return prepared
 
 
-def test_run_folder(prepare, tmp_path):
+def test_run_folder(prepare, tmp_path: Path) -> None:
     stand, prepared = prepare(periods="20")
     stand.script["x"] = deque("F")
     folder = tmp_path / "run"
@@ -99,7 +99,7 @@ def test_run_folder(prepare, tmp_path):
     assert heard.words == ["begin", *["period"] * len(track.time), "end", "figures"]
 
 
-def test_the_log_of_actions_says_what_the_journal_does(prepare, tmp_path):
+def test_the_log_of_actions_says_what_the_journal_does(prepare, tmp_path: Path) -> None:
     stand, prepared = prepare(periods="5")
     stand.script["x"] = deque("F")
     log = ActionLog()
@@ -110,7 +110,7 @@ def test_the_log_of_actions_says_what_the_journal_does(prepare, tmp_path):
     assert [each.reason for each in log.actions] == [each.reason for each in kept]
 
 
-def test_same_seed_same_journal(prepare, tmp_path):
+def test_same_seed_same_journal(prepare, tmp_path: Path) -> None:
     journals = []
     for name in ("one", "two"):
         _, prepared = prepare()
@@ -119,11 +119,11 @@ def test_same_seed_same_journal(prepare, tmp_path):
     assert journals[0] == journals[1]
 
 
-def test_interrupt_stops_and_holds(prepare, tmp_path):
+def test_interrupt_stops_and_holds(prepare, tmp_path: Path) -> None:
     stand, prepared = prepare(periods="2000")
     step = stand.backend.step
 
-    def interrupted():
+    def interrupted() -> None:
         step()
         if 1.0 < stand.robot.time < 1.04:
             signal.raise_signal(signal.SIGINT)
@@ -140,7 +140,7 @@ def test_interrupt_stops_and_holds(prepare, tmp_path):
     assert signal.getsignal(signal.SIGINT) is before
 
 
-def test_an_interrupt_after_the_last_action_changes_nothing(prepare, tmp_path):
+def test_an_interrupt_after_the_last_action_changes_nothing(prepare, tmp_path: Path) -> None:
     """K3: the run is over when its END is there; what is still to be written is written."""
     _, prepared = prepare()
 
@@ -155,7 +155,7 @@ def test_an_interrupt_after_the_last_action_changes_nothing(prepare, tmp_path):
     assert (tmp_path / "run" / "telemetry.npz").exists()
 
 
-def test_disk_full_while_it_runs(prepare, tmp_path, monkeypatch):
+def test_disk_full_while_it_runs(prepare, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """D6: the robot is stopped; exit status 5."""
     stand, prepared = prepare()
     append = Journal.append
@@ -172,11 +172,11 @@ def test_disk_full_while_it_runs(prepare, tmp_path, monkeypatch):
     assert stand.backend.stops
 
 
-def test_fault_in_our_own_code(prepare, tmp_path):
+def test_fault_in_our_own_code(prepare, tmp_path: Path) -> None:
     _, prepared = prepare()
 
     class Broken(RunObserver):
-        def event(self, event):
+        def event(self, event) -> None:
             raise ZeroDivisionError("oh")
 
     end = execute(prepared, tmp_path / "run", RunOptions(observers=(Broken(),))).end
@@ -184,15 +184,17 @@ def test_fault_in_our_own_code(prepare, tmp_path):
     assert "ZeroDivisionError" in (tmp_path / "run" / "error.txt").read_text()
 
 
-def test_a_full_disk_takes_no_error_file_either_and_the_run_ends(prepare, tmp_path, monkeypatch):
+def test_a_full_disk_takes_no_error_file_either_and_the_run_ends(
+    prepare, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """D6: whatever broke the run off, its end is told."""
     stand, prepared = prepare()
 
-    def full(path, *_, **__):
+    def full(path, *_, **__) -> None:
         raise OSError(28, "No space left on device", str(path))
 
     class Broken(RunObserver):
-        def event(self, event):
+        def event(self, event) -> None:
             monkeypatch.setattr(Path, "write_text", full)
             raise ZeroDivisionError("oh")
 
@@ -203,14 +205,14 @@ def test_a_full_disk_takes_no_error_file_either_and_the_run_ends(prepare, tmp_pa
     assert read_journal(tmp_path / "run" / "journal.jsonl").records[-1]["kind"] == "END"
 
 
-def test_folder_of_another_run(prepare, tmp_path):
+def test_folder_of_another_run(prepare, tmp_path: Path) -> None:
     _, prepared = prepare()
     execute(prepared, tmp_path / "run")
     with pytest.raises(JournalError):
         execute(prepared, tmp_path / "run")
 
 
-def test_a_task_without_knowledge(prepare):
+def test_a_task_without_knowledge(prepare) -> None:
     _, prepared = prepare()
     model, warnings = load_model(prepared.task)
     assert model.places == {}

@@ -28,7 +28,7 @@ def folder(tmp_path: Path) -> Path:
     return made
 
 
-def test_a_plain_folder_is_read(folder):
+def test_a_plain_folder_is_read(folder: Path) -> None:
     with socket.socket(socket.AF_UNIX) as control, socket.socket(socket.AF_UNIX) as stop:
         control.bind(os.path.relpath(folder / "control"))
         stop.bind(os.path.relpath(folder / "control.stop"))
@@ -40,7 +40,7 @@ def test_a_plain_folder_is_read(folder):
     "name", ["journal.jsonl", "checkpoint", "summary.new", "evidence/more.npz", "evidence"]
 )
 @pytest.mark.parametrize("kind", ["link", "dangling", "pipe", "hard link", "socket"])
-def test_what_is_no_plain_file_is_refused_and_left_alone(folder, name, kind):
+def test_what_is_no_plain_file_is_refused_and_left_alone(folder: Path, name: str, kind: str) -> None:
     """D14: by link, by pipe, by a second name."""
     path, outside = folder / name, folder.parent / "outside"
     if path.is_dir():
@@ -63,7 +63,7 @@ def test_what_is_no_plain_file_is_refused_and_left_alone(folder, name, kind):
     assert outside.read_text(encoding="utf-8") == "keep"
 
 
-def test_no_folder(tmp_path):
+def test_no_folder(tmp_path: Path) -> None:
     (tmp_path / "link").symlink_to(tmp_path / "none")
     for path, words in (("none", "no such folder"), ("link", "link to nothing"), ("file", "no folder")):
         (tmp_path / "file").touch()
@@ -71,19 +71,19 @@ def test_no_folder(tmp_path):
             check_folder(tmp_path / path)
 
 
-def test_folders_in_folders_and_a_folder_for_a_file(folder):
+def test_folders_in_folders_and_a_folder_for_a_file(folder: Path) -> None:
     (folder / "a/b/c/d/e/f").mkdir(parents=True)
     with pytest.raises(NoRun, match="deep"):
         check_folder(folder)
 
 
-def test_a_folder_in_place_of_the_checkpoint(folder):
+def test_a_folder_in_place_of_the_checkpoint(folder: Path) -> None:
     (folder / "checkpoint").mkdir()
     with pytest.raises(NoRun, match="checkpoint in it is a folder"):
         check_folder(folder)
 
 
-def test_more_than_a_run_ever_writes(folder):
+def test_more_than_a_run_ever_writes(folder: Path) -> None:
     with (folder / "checkpoint").open("wb") as file:
         file.truncate(10**12)
     with pytest.raises(NoRun, match="1000000000000 bytes"):
@@ -107,7 +107,9 @@ def test_more_than_a_run_ever_writes(folder):
         ("NEW", {}, "no such kind; allowed: RUN, PLAN"),
     ],
 )
-def test_a_record_that_makes_no_sense_is_told_with_its_place(folder, kind, fields, words):
+def test_a_record_that_makes_no_sense_is_told_with_its_place(
+    folder: Path, kind: str, fields, words: str
+) -> None:
     """D15: whoever chained it anew; D12: a kind that only a later version knows."""
     with Journal.go_on(folder / "journal.jsonl", read_run_journal(folder)) as journal:
         journal.append(kind, 1.0, fields)

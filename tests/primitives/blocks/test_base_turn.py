@@ -15,7 +15,7 @@ def found_at(x, theta, sigma=(0.0003, 0.0004)):
     )
 
 
-def test_each_weighs_by_its_variance():
+def test_each_weighs_by_its_variance() -> None:
     """Half the sigma is four times the weight; the turn since then is taken into account first."""
     before = found_at(0.0, -0.001, (0.0003, 0.0003))
     now = found_at(0.0005, 0.0, (0.0006, 0.001))
@@ -26,6 +26,6 @@ def test_each_weighs_by_its_variance():
 
 
 @pytest.mark.parametrize(("x", "theta"), [(0.01, 0.0), (0.0, 0.01)])
-def test_a_base_that_was_moved_meanwhile_is_where_it_is_found_now(x, theta):
+def test_a_base_that_was_moved_meanwhile_is_where_it_is_found_now(x: float, theta: float) -> None:
     now = found_at(x, theta)
     assert fused(found_at(0.0, 0.0), BaseTurn(0.0, 0.0004), now) == now

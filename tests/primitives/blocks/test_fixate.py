@@ -18,14 +18,14 @@ from handcart.robotics.geometry.pose2 import Pose2
 from .stacking import TASK, at_the_wall, scene_of
 
 
-def moved_base(stage, x, y, turn):
+def moved_base(stage, x, y, turn) -> None:
     """Put the base elsewhere than it believes to be."""
     scene = scene_of(stage)
     scene.move_base(scene.base.compose(Pose2(x, y, turn)))
 
 
 @pytest.mark.parametrize("seed", [0, 1, 2])
-def test_the_travelling_error_is_measured(seed):
+def test_the_travelling_error_is_measured(seed: int) -> None:
     with at_the_wall(seed=seed) as stage:
         outcome = stage.do(Fixate(landmark="stacking"))
         fixed, truth = stage.model.of(Blocks).fixed, scene_of(stage).base
@@ -35,7 +35,7 @@ def test_the_travelling_error_is_measured(seed):
     assert fixed.pose.turn(truth) < 0.001
 
 
-def test_the_robot_then_knows_where_it_is():
+def test_the_robot_then_knows_where_it_is() -> None:
     with at_the_wall(seed=3) as stage:
         before = stage.robot.pose.distance(scene_of(stage).base)
         stage.do(Fixate(landmark="stacking"))
@@ -45,13 +45,13 @@ def test_the_robot_then_knows_where_it_is():
 
 
 @pytest.mark.parametrize("turn", [0.006, -0.006])
-def test_a_base_that_is_turned_once_it_was_found_is_a_fail(turn):
+def test_a_base_that_is_turned_once_it_was_found_is_a_fail(turn: float) -> None:
     """The wheels stand still, the gyros feel it; what was found is no longer so."""
     with at_the_wall(seed=1) as stage:
         found = []
         step = stage.robot.step
 
-        def stepping(paused=False):
+        def stepping(paused=False) -> None:
             if stage.model.of(Blocks).fixed is not None and not found:
                 found.append(True)
                 moved_base(stage, 0.0, 0.0, turn)
@@ -65,7 +65,7 @@ def test_a_base_that_is_turned_once_it_was_found_is_a_fail(turn):
 
 
 @pytest.mark.parametrize(("x", "y"), [(0.11, 0.0), (-0.13, 0.06), (0.02, -0.12), (0.13, 0.09)])
-def test_a_landmark_out_of_view_is_searched_for(x, y):
+def test_a_landmark_out_of_view_is_searched_for(x: float, y: float) -> None:
     with at_the_wall(seed=1) as stage:
         moved_base(stage, x, y, 0.05)
         outcome = stage.do(Fixate(landmark="stacking"))
@@ -85,7 +85,7 @@ def world_without(path: Path, landmark: bool) -> Path:
 
 
 @pytest.mark.parametrize("landmark", [True, False], ids=["nothing there", "another mark there"])
-def test_no_landmark_is_a_fail_and_the_arm_is_back(tmp_path, landmark):
+def test_no_landmark_is_a_fail_and_the_arm_is_back(tmp_path: Path, landmark: bool) -> None:
     with at_the_wall(world_without(tmp_path / "world.yaml", landmark)) as stage:
         joints = scene_of(stage).joints.copy()
         outcome = stage.do(Fixate(landmark="stacking"))
@@ -94,13 +94,13 @@ def test_no_landmark_is_a_fail_and_the_arm_is_back(tmp_path, landmark):
         assert np.abs(scene_of(stage).joints - joints).max() < 0.005
 
 
-def test_without_the_search_a_landmark_out_of_view_is_a_fail():
+def test_without_the_search_a_landmark_out_of_view_is_a_fail() -> None:
     with at_the_wall(seed=1) as stage:
         moved_base(stage, 0.11, 0.0, 0.05)
         assert isinstance(stage.do(Fixate(landmark="stacking", search=False)), Fail)
 
 
-def test_a_landmark_that_the_plan_doesnt_have():
+def test_a_landmark_that_the_plan_doesnt_have() -> None:
     with at_the_wall() as stage:
         outcome = stage.do(Fixate(landmark="stackin"))
     assert isinstance(outcome, Fail)
@@ -109,7 +109,7 @@ def test_a_landmark_that_the_plan_doesnt_have():
 
 
 @pytest.mark.parametrize("aside", [0.0, 0.055, -0.055])
-def test_of_landmarks_beside_each_other_the_right_one_is_taken(aside):
+def test_of_landmarks_beside_each_other_the_right_one_is_taken(aside: float) -> None:
     """They are 9 cm apart; where the hand is to look past the wanted one, another is nearer to its middle."""
     files = StageFiles(
         TASK / "servo_world.yaml",
@@ -153,10 +153,10 @@ def looked_at(stage, looks, at=lambda picture: None, name="stacking", aside=0.0)
         robot.step()
 
 
-def test_what_was_seen_before_the_base_was_moved_is_over():
+def test_what_was_seen_before_the_base_was_moved_is_over() -> None:
     with at_the_wall(seed=1) as stage:
 
-        def shifted(picture):
+        def shifted(picture) -> None:
             if picture == 3:
                 moved_base(stage, 0.006, -0.004, 0.0)
 
@@ -166,7 +166,7 @@ def test_what_was_seen_before_the_base_was_moved_is_over():
         assert planned.compose(found.planned_T_base).distance(scene_of(stage).base) < 0.0025
 
 
-def test_what_is_looked_at_more_often_is_surer():
+def test_what_is_looked_at_more_often_is_surer() -> None:
     with at_the_wall(seed=1) as stage:
         planned, found = looked_at(stage, 4)
         once = fixed_by(stage.robot, "stacking", "stacking", planned, found._replace(looks=1))

@@ -25,7 +25,7 @@ def error_mm(stage, number):
     return 1e3 * float((off[0, 3] ** 2 + off[1, 3] ** 2) ** 0.5)
 
 
-def test_a_block_is_taken_centred_between_the_fingers():
+def test_a_block_is_taken_centred_between_the_fingers() -> None:
     with at_the_wall() as stage:
         stage.do(Fixate(landmark="stacking"))
         outcome = stage.do(PickUpBlock(number=2, at="robot"))
@@ -35,7 +35,7 @@ def test_a_block_is_taken_centred_between_the_fingers():
 
 
 @pytest.mark.parametrize("look", [False, True])
-def test_looking_first_the_block_is_taken_at_its_middle(look):
+def test_looking_first_the_block_is_taken_at_its_middle(look: bool) -> None:
     with at_the_wall() as stage:
         stage.do(Fixate(landmark="stacking"))
         scene = scene_of(stage)
@@ -46,7 +46,7 @@ def test_looking_first_the_block_is_taken_at_its_middle(look):
         assert (along_the_fingers < 0.001) == look
 
 
-def test_looking_first_a_missing_block_is_a_fail_with_the_arm_back():
+def test_looking_first_a_missing_block_is_a_fail_with_the_arm_back() -> None:
     with at_the_wall() as stage:
         stage.do(Fixate(landmark="stacking"))
         del scene_of(stage).of(BlockProps).blocks["3"]
@@ -57,7 +57,7 @@ def test_looking_first_a_missing_block_is_a_fail_with_the_arm_back():
         assert stage.robot.arm.joints() == pytest.approx(before, abs=1e-3)
 
 
-def test_the_gyros_tell_how_far_the_base_turned():
+def test_the_gyros_tell_how_far_the_base_turned() -> None:
     """What the model says of a swing is wrong by its spread; the gyros feel the turn itself."""
     with with_block(at_the_wall(seed=3)) as stage:
         before, stood = stage.model.of(Blocks).fixed, scene_of(stage).base.theta
@@ -69,7 +69,7 @@ def test_the_gyros_tell_how_far_the_base_turned():
         assert felt.sigma < 3e-4
 
 
-def test_where_no_block_is_the_fingers_close_on_nothing():
+def test_where_no_block_is_the_fingers_close_on_nothing() -> None:
     """S10: nothing tells where the block is."""
     with at_the_wall() as stage:
         stage.do(Fixate(landmark="stacking"))
@@ -83,7 +83,7 @@ def test_where_no_block_is_the_fingers_close_on_nothing():
 @pytest.mark.parametrize(
     "method", ["fix_once", "model", "imu", "fix_again", "fix_again_model", "fix_again_imu"]
 )
-def test_each_method_puts_a_block_where_it_goes(method):
+def test_each_method_puts_a_block_where_it_goes(method: str) -> None:
     with with_block(at_the_wall(seed=1)) as stage:
         outcome = stage.do(Stack(number=1, onto="goal", method=method))
         assert isinstance(outcome, Success), outcome
@@ -92,13 +92,13 @@ def test_each_method_puts_a_block_where_it_goes(method):
         assert abs(outcome.evidence["seen_x_mm"]) < 2.0
 
 
-def test_a_seat_on_the_robot_is_taken_too():
+def test_a_seat_on_the_robot_is_taken_too() -> None:
     with with_block(at_the_wall(seed=1)) as stage:
         assert isinstance(stage.do(Stack(number=1, onto="robot")), Success)
         assert scene_of(stage).of(BlockProps).blocks["1"].rest.value == "tray"
 
 
-def test_without_a_landmark_seen_nothing_is_stacked():
+def test_without_a_landmark_seen_nothing_is_stacked() -> None:
     with at_the_wall() as stage:
         assert isinstance(stage.do(PickUpBlock(number=1, at="robot")), Success)
         outcome = stage.do(Stack(number=1, onto="goal", method="fix_once"))
@@ -108,7 +108,7 @@ def test_without_a_landmark_seen_nothing_is_stacked():
 
 
 @pytest.mark.parametrize("method", ["imu", "fix_again_imu"])
-def test_without_inertial_sensors_their_methods_are_refused(method):
+def test_without_inertial_sensors_their_methods_are_refused(method: str) -> None:
     with with_block(at_the_wall()) as stage:
         stage.robot.spec = stage.robot.spec.model_copy(update={"imu": None})
         outcome = stage.do(Stack(number=1, onto="goal", method=method))
@@ -117,7 +117,7 @@ def test_without_inertial_sensors_their_methods_are_refused(method):
         assert scene_of(stage).held is scene_of(stage).of(BlockProps).blocks["1"]
 
 
-def test_no_support_where_one_should_be_is_a_fail_with_the_block_in_hand():
+def test_no_support_where_one_should_be_is_a_fail_with_the_block_in_hand() -> None:
     with with_block(at_the_wall()) as stage:
         goals = stage.model.of(Blocks).building.goals
         raised = goals[0].model_copy(update={"height_m": 0.44})  # there is no row below
@@ -130,7 +130,7 @@ def test_no_support_where_one_should_be_is_a_fail_with_the_block_in_hand():
         assert scene_of(stage).held is scene_of(stage).of(BlockProps).blocks["1"]
 
 
-def test_something_in_the_goals_place_is_a_fail_with_the_block_in_hand():
+def test_something_in_the_goals_place_is_a_fail_with_the_block_in_hand() -> None:
     with with_block(at_the_wall()) as stage:
         scene = scene_of(stage)
         other = scene.of(BlockProps).blocks["5"]
@@ -142,8 +142,8 @@ def test_something_in_the_goals_place_is_a_fail_with_the_block_in_hand():
         assert scene.held is scene.of(BlockProps).blocks["1"]
 
 
-def test_a_block_that_is_taken_away_once_placed_is_no_success():
-    def vanish(scene):
+def test_a_block_that_is_taken_away_once_placed_is_no_success() -> None:
+    def vanish(scene) -> None:
         del scene.of(BlockProps).blocks["1"]
         scene.changes += 1
 
@@ -158,8 +158,8 @@ def test_a_block_that_is_taken_away_once_placed_is_no_success():
     assert "isn't seen where it was put" in outcome.reason
 
 
-def test_a_block_pushed_aside_once_placed_is_seen():
-    def push(scene):
+def test_a_block_pushed_aside_once_placed_is_seen() -> None:
+    def push(scene) -> None:
         scene.of(BlockProps).blocks["1"].pose[1, 3] += 0.011
         scene.changes += 1
 
@@ -174,7 +174,7 @@ def test_a_block_pushed_aside_once_placed_is_seen():
     assert "beside its goal" in outcome.reason
 
 
-def test_a_block_that_was_put_back_and_stands_elsewhere_is_for_a_person():
+def test_a_block_that_was_put_back_and_stands_elsewhere_is_for_a_person() -> None:
     """A picture tells, whatever the hand has felt."""
     with at_the_wall() as stage:
         assert isinstance(stage.do(Fixate(landmark="stacking")), Success)
@@ -199,7 +199,7 @@ def test_a_block_that_was_put_back_and_stands_elsewhere_is_for_a_person():
     assert "block 1 doesn't stand where it stood" in outcome.reason
 
 
-def test_the_base_is_still_to_turn_when_the_block_is_yet_to_swing():
+def test_the_base_is_still_to_turn_when_the_block_is_yet_to_swing() -> None:
     """By the suspension's model, the same for each swing that was and that is to come."""
     with with_block(at_the_wall()) as stage:
         fixed, stack = stage.model.of(Blocks).fixed, Stack(number=1, onto="goal", method="model")

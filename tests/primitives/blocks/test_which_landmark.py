@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import pytest
 
 from benchmarks.blocks.which_landmark import BESIDE, PLANS, trial
@@ -14,7 +16,7 @@ from .stacking import TASK, at_the_wall, scene_of
 
 
 @pytest.mark.parametrize("off", [(0.032, 0.005, -0.051), (0.040, -0.048, -0.033)])
-def test_a_neighbour_nearer_to_the_middle_of_the_picture_is_not_taken(off):
+def test_a_neighbour_nearer_to_the_middle_of_the_picture_is_not_taken(off) -> None:
     """The base stands so far off that the next block's landmark is where this one should be."""
     with at_the_wall(TASK / "servo_world.yaml", building=TASK / "servo_building.yaml", seed=4) as stage:
         scene = scene_of(stage)
@@ -24,15 +26,15 @@ def test_a_neighbour_nearer_to_the_middle_of_the_picture_is_not_taken(off):
         assert stage.model.of(Blocks).fixed.pose.distance(scene.base) < 0.0025
 
 
-def test_a_row_is_looked_at_as_far_as_its_end(tmp_path):
+def test_a_row_is_looked_at_as_far_as_its_end(tmp_path: Path) -> None:
     assert trial(PLANS["a row of 7, 75 mm apart"], "", 2, tmp_path) == "right"
 
 
-def test_a_covered_landmark_is_not_its_neighbour(tmp_path):
+def test_a_covered_landmark_is_not_its_neighbour(tmp_path: Path) -> None:
     reason = trial(BESIDE, "it is covered", 1, tmp_path)
     assert reason == "the landmark is not found where it should be by those around it"
 
 
-def test_what_cant_be_told_is_said(tmp_path):
+def test_what_cant_be_told_is_said(tmp_path: Path) -> None:
     reason = trial(PLANS["a row of 4, 110 mm apart"], "it is covered", 2, tmp_path)
     assert reason == "which landmark is which can't be told"

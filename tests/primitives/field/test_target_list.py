@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 import os
+from pathlib import Path
 
 import pytest
 
@@ -23,19 +24,19 @@ FIELD = Field(
 )
 
 
-def read(tmp_path, text, name="targets.csv", field=FIELD):
+def read(tmp_path: Path, text, name="targets.csv", field=FIELD):
     path = tmp_path / name
     path.write_text(text, encoding="utf-8")
     return load_targets(path, field, START)
 
 
-def faults(tmp_path, text, name="targets.csv", field=FIELD):
+def faults(tmp_path: Path, text, name="targets.csv", field=FIELD):
     with pytest.raises(FileError) as error:
         read(tmp_path, text, name, field)
     return [(each.line, each.column, each.message) for each in error.value.findings]
 
 
-def test_the_base_stands_where_the_course_has_it(tmp_path):
+def test_the_base_stands_where_the_course_has_it(tmp_path: Path) -> None:
     course = zigzag_course()
     rows = "".join(f"{n},{x!r},{y!r}\n" for n, (x, y) in enumerate(course.targets.tolist()))
     targets = read(tmp_path, "name,x_m,y_m\n" + rows)
@@ -44,12 +45,12 @@ def test_the_base_stands_where_the_course_has_it(tmp_path):
         assert math.dist(target.stand[:2], stop) < 1e-6
 
 
-def test_a_heading_is_taken_over(tmp_path):
+def test_a_heading_is_taken_over(tmp_path: Path) -> None:
     target = read(tmp_path, "name,x_m,y_m,heading_deg\na,10,0,90\n")["a"]
     assert target.stand == pytest.approx((9.25, 0.0, math.pi / 2))
 
 
-def test_degrees_in_csv_and_geojson_are_the_same_place(tmp_path):
+def test_degrees_in_csv_and_geojson_are_the_same_place(tmp_path: Path) -> None:
     by_csv = read(tmp_path, "name,latitude_deg,longitude_deg\na,38.2546,140.8503\n")["a"]
     point = {"type": "Point", "coordinates": [140.8503, 38.2546]}
     feature = {"type": "Feature", "geometry": point, "properties": {"name": "a"}}
@@ -60,7 +61,7 @@ def test_degrees_in_csv_and_geojson_are_the_same_place(tmp_path):
     assert by_csv.x == pytest.approx(0.0003 * 111_320 * math.cos(math.radians(38.2545)), abs=0.1)
 
 
-def test_each_bad_line_is_told(tmp_path):
+def test_each_bad_line_is_told(tmp_path: Path) -> None:
     text = "name,x_m,y_m\na,10,0\na,20,0\nb,nan,0\nc,10.1,0\nd,500,0\ne,ten,0\nf,1\n"
     found = faults(tmp_path, text)
     assert [line for line, _, _ in found] == [3, 4, 5, 6, 7, 8]
@@ -81,20 +82,20 @@ def test_each_bad_line_is_told(tmp_path):
         ("39.0,140.8503", "outside"),
     ],
 )
-def test_degrees_elsewhere_are_refused(tmp_path, place, told):
+def test_degrees_elsewhere_are_refused(tmp_path: Path, place: str, told: str) -> None:
     ((line, _, message),) = faults(tmp_path, f"name,latitude_deg,longitude_deg\na,{place}\n")
     assert line == 2
     assert told in message
 
 
-def test_degrees_need_an_origin(tmp_path):
+def test_degrees_need_an_origin(tmp_path: Path) -> None:
     field = FIELD.model_copy(update={"origin": None})
     ((_, _, message),) = faults(tmp_path, "name,latitude_deg,longitude_deg\na,38.2,140.8\n", field=field)
     assert "origin" in message
 
 
 @pytest.mark.parametrize("text", ["", "name,x\n", "name,x_m,y_m\n", "name,x_m,y_m,latitude_deg\na,1,1,1\n"])
-def test_a_list_without_targets_is_refused(tmp_path, text):
+def test_a_list_without_targets_is_refused(tmp_path: Path, text: str) -> None:
     assert faults(tmp_path, text)
 
 
@@ -106,7 +107,7 @@ def test_a_list_without_targets_is_refused(tmp_path, text):
         '{"features": [{"geometry": {"type": "LineString", "coordinates": [[1, 2], [2, 3]]}}]}',
     ],
 )
-def test_geojson_without_points_is_refused(tmp_path, text):
+def test_geojson_without_points_is_refused(tmp_path: Path, text: str) -> None:
     assert faults(tmp_path, text, "targets.geojson")
 
 
@@ -122,7 +123,9 @@ def test_geojson_without_points_is_refused(tmp_path, text):
         ("x" * 19_000 + "\n", 1, "the header is 'xxxx"),
     ],
 )
-def test_a_list_as_strangers_write_it_is_refused_at_its_line(tmp_path, text, line, words):
+def test_a_list_as_strangers_write_it_is_refused_at_its_line(
+    tmp_path: Path, text, line: int, words: str
+) -> None:
     """T2, T14"""
     told = faults(tmp_path, text)
     assert [each for each, _, _ in told] == [line]
@@ -130,7 +133,7 @@ def test_a_list_as_strangers_write_it_is_refused_at_its_line(tmp_path, text, lin
     assert len(told[0][2]) < 300
 
 
-def test_a_list_of_40_mb_is_not_read(tmp_path):
+def test_a_list_of_40_mb_is_not_read(tmp_path: Path) -> None:
     """T2"""
     path = tmp_path / "targets.csv"
     path.touch()
@@ -139,11 +142,11 @@ def test_a_list_of_40_mb_is_not_read(tmp_path):
         load_targets(path, FIELD, START)
 
 
-def test_a_list_from_a_spreadsheet_begins_with_a_byte_order_mark(tmp_path):
+def test_a_list_from_a_spreadsheet_begins_with_a_byte_order_mark(tmp_path: Path) -> None:
     assert read(tmp_path, "\ufeffname, x_m, y_m\na, 10, 0\n")["a"].x == 10.0
 
 
-def test_the_largest_list_is_read_and_one_target_too_near_is_found(tmp_path):
+def test_the_largest_list_is_read_and_one_target_too_near_is_found(tmp_path: Path) -> None:
     apart = [(x, y) for x in range(-19, 81) for y in range(-25, 25)]
     rows = [f"t{number},{x},{y}" for number, (x, y) in enumerate(apart[:-1])]
     last = f"last,{apart[0][0] + 0.2},{apart[0][1] - 0.2}"

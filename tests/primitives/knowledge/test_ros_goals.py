@@ -58,7 +58,7 @@ def read(folder: Path, text: str):
         (FLAT, ["dock", "goal_2"]),
     ],
 )
-def test_each_way_to_write_two_goals(tmp_path: Path, text: str, names: list[str]):
+def test_each_way_to_write_two_goals(tmp_path: Path, text: str, names: list[str]) -> None:
     places = read(tmp_path, text).value.places
     assert list(places) == names
     first, second = places.values()
@@ -68,12 +68,12 @@ def test_each_way_to_write_two_goals(tmp_path: Path, text: str, names: list[str]
     assert abs(second.heading_deg) == pytest.approx(180.0, abs=1e-4)
 
 
-def test_places_are_read_as_before(tmp_path: Path):
+def test_places_are_read_as_before(tmp_path: Path) -> None:
     text = "format: handcart-places/1\nplaces:\n  home: {x_m: 1.0, y_m: 5.2, heading_deg: 0.0}\n"
     assert read(tmp_path, text).value.places["home"].pose == (1.0, 5.2, 0.0)
 
 
-def test_what_is_wrong_with_a_place_is_told_where_the_goal_stands(tmp_path: Path):
+def test_what_is_wrong_with_a_place_is_told_where_the_goal_stands(tmp_path: Path) -> None:
     loaded = read(tmp_path, STAMPED)
     assert str(loaded.finding(("places", "goal_2"), "no")).endswith("goals.yaml:6:3: no")
 
@@ -101,7 +101,7 @@ def test_what_is_wrong_with_a_place_is_told_where_the_goal_stands(tmp_path: Path
         ("name: dock", "name: goal_2", "6:3: the goal 'goal_2' is there twice; allowed: each name once"),
     ],
 )
-def test_what_is_wrong_is_told_with_its_place(tmp_path: Path, old: str, new: str, words: str):
+def test_what_is_wrong_is_told_with_its_place(tmp_path: Path, old: str, new: str, words: str) -> None:
     assert old in STAMPED
     with pytest.raises(FileError) as error:
         read(tmp_path, STAMPED.replace(old, new))
@@ -109,12 +109,12 @@ def test_what_is_wrong_is_told_with_its_place(tmp_path: Path, old: str, new: str
 
 
 @pytest.mark.parametrize("text", ["[]\n", "waypoints: []\n", "poses: 3\n", "goals: {a: {}}\n", "[[1, 2]]\n"])
-def test_a_file_without_goals_is_refused(tmp_path: Path, text: str):
+def test_a_file_without_goals_is_refused(tmp_path: Path, text: str) -> None:
     with pytest.raises(FileError, match=r"allowed|needed"):
         read(tmp_path, text)
 
 
-def test_every_heading_comes_back(tmp_path: Path):
+def test_every_heading_comes_back(tmp_path: Path) -> None:
     for degrees in range(-179, 181, 13):
         half = math.radians(degrees) / 2
         turn = f"{{x: 0, y: 0, z: {math.sin(half)}, w: {math.cos(half)}}}"

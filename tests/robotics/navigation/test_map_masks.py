@@ -18,7 +18,7 @@ def chart(shape, resolution, origin=(0.0, 0.0), occupied=()):
     return GridMap(cells, np.zeros(shape, dtype=bool), resolution, *origin)
 
 
-def test_a_zone_is_unknown_and_no_wall():
+def test_a_zone_is_unknown_and_no_wall() -> None:
     grid = chart((4, 6), 0.5, occupied=[(0, 0)])
     zones = chart((4, 6), 0.5, occupied=[(0, 0), (2, 3)])
     masked = with_keepout(grid, zones)
@@ -27,7 +27,7 @@ def test_a_zone_is_unknown_and_no_wall():
 
 
 @pytest.mark.parametrize("resolution", [0.1, 0.25, 0.5, 0.8, 2.0])
-def test_zones_have_cells_of_any_size_from_any_origin(resolution):
+def test_zones_have_cells_of_any_size_from_any_origin(resolution: float) -> None:
     """Every cell whose centre a zone covers, and every cell that holds a zone's centre, and no others."""
     grid = chart((20, 30), 0.5, (-3.0, 1.0))
     rng = np.random.default_rng(7)
@@ -46,7 +46,7 @@ def limits(values, percent=True, base=100.0, multiplier=-1.0):
     return SpeedLimits(np.array([values], dtype=np.int8), 1.0, (0.0, 0.0), percent, base, multiplier)
 
 
-def test_limits_are_those_of_nav2():
+def test_limits_are_those_of_nav2() -> None:
     """speed_filter.cpp: 0, unknown, beyond the mask and what can't be are no limit."""
     cells = np.array([[x + 0.5, 0.5] for x in range(6)])
     assert limits([0, -1, 20, 50, 100]).at(cells, 2.0).tolist() == pytest.approx(
@@ -60,7 +60,7 @@ def test_limits_are_those_of_nav2():
     assert limits([10], percent=False, base=-1.0).at(cells[:1], 0.5).tolist() == [0.5]
 
 
-def test_a_robot_is_never_faster_in_a_zone_than_allowed():
+def test_a_robot_is_never_faster_in_a_zone_than_allowed() -> None:
     """It brakes before, and is as fast as ever elsewhere."""
     drive = DriveLimits(speed=1.0, acceleration=0.5)
     slow = limits([0, 0, 0, 80, 80, 0, 0, 0])

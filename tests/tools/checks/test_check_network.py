@@ -12,7 +12,7 @@ from handcart.networks.analysis.figures import ASSUMPTION
 ROOT = Path(__file__).resolve().parents[3]
 
 
-def test_probabilities_give_figures_with_their_assumption(handcart, tour):
+def test_probabilities_give_figures_with_their_assumption(handcart, tour) -> None:
     tour.write_text(tour.read_text().replace("cost_s: 30,", "cost_s: 30, p: 0.9,"))
     said = handcart("check", tour)
     assert said.status == 0
@@ -25,7 +25,7 @@ def test_probabilities_give_figures_with_their_assumption(handcart, tour):
     assert figures["actions"][0]["slope"] == pytest.approx(3 * 0.1**2, rel=1e-3)
 
 
-def test_a_situation_that_no_run_comes_to_and_one_that_leads_nowhere(handcart, tour):
+def test_a_situation_that_no_run_comes_to_and_one_that_leads_nowhere(handcart, tour) -> None:
     text = tour.read_text().replace(
         "at_shelf: {base: shelf}}", "at_shelf: {base: shelf}, lost: {}, stuck: {}}"
     )
@@ -40,7 +40,7 @@ def test_a_situation_that_no_run_comes_to_and_one_that_leads_nowhere(handcart, t
 
 
 @pytest.mark.slow
-def test_of_many_lines_of_a_kind_the_first_are_printed(handcart, tour):
+def test_of_many_lines_of_a_kind_the_first_are_printed(handcart, tour) -> None:
     text = tour.read_text().replace("cost_s: 30,", "cost_s: 30, p: 0.9,")
     action = next(line for line in text.splitlines(keepends=True) if "do: MOVE_TO" in line)
     tour.write_text(text + 99 * action)
@@ -50,7 +50,7 @@ def test_of_many_lines_of_a_kind_the_first_are_printed(handcart, tour):
     assert len(json.loads(handcart("check", tour, "--json").out)["figures"]["actions"]) == 100
 
 
-def test_a_goal_that_nothing_leads_to_is_an_error(handcart, tour):
+def test_a_goal_that_nothing_leads_to_is_an_error(handcart, tour) -> None:
     """N1"""
     tour.write_text(tour.read_text().replace("to: at_shelf", "to: at_home"))
     said = handcart("check", tour)
@@ -59,13 +59,13 @@ def test_a_goal_that_nothing_leads_to_is_an_error(handcart, tour):
     assert "no actions lead from at_home to at_shelf" in said.err
 
 
-def test_facts_that_a_primitive_cannot_change(handcart, tour):
+def test_facts_that_a_primitive_cannot_change(handcart, tour) -> None:
     tour.write_text(tour.read_text().replace("do: MOVE_TO", "do: MODIFY"))
     said = handcart("check", tour)
     assert "MODIFY moves no Base, but 'base' goes from home to shelf" in said.out
 
 
-def test_the_papers_table(handcart):
+def test_the_papers_table(handcart) -> None:
     from pathlib import Path
 
     said = handcart(
@@ -95,7 +95,7 @@ def two_ways(tour):
     return tour
 
 
-def test_what_more_tries_would_buy(handcart, two_ways):
+def test_what_more_tries_would_buy(handcart, two_ways) -> None:
     said = handcart("check", two_ways, "--json")
     told = json.loads(said.out)
     figures = told["figures"]
@@ -122,7 +122,7 @@ def test_what_more_tries_would_buy(handcart, two_ways):
     assert "one more attempt        an alternative" in said.out
 
 
-def test_probabilities_that_are_more_than_one_together(handcart, two_ways):
+def test_probabilities_that_are_more_than_one_together(handcart, two_ways) -> None:
     two_ways.write_text(two_ways.read_text().replace("p_give_up: 0.02", "p_give_up: 0.2"))
     said = handcart("check", two_ways)
     assert said.status == 2
@@ -130,14 +130,14 @@ def test_probabilities_that_are_more_than_one_together(handcart, two_ways):
     assert "p_give_up is 0.2; allowed: at most 0.1, what p leaves of 1" in said.err
 
 
-def test_probabilities_that_are_missing_are_named(handcart, two_ways):
+def test_probabilities_that_are_missing_are_named(handcart, two_ways) -> None:
     two_ways.write_text(two_ways.read_text().replace(" p: 0.8,", ""))
     said = handcart("check", two_ways)
     assert said.status == 0
     assert "how runs end: not known: `p` is missing in MOVE_TO (line 12)" in said.out
 
 
-def test_an_action_that_no_run_does(handcart, two_ways):
+def test_an_action_that_no_run_does(handcart, two_ways) -> None:
     text = two_ways.read_text().replace(
         "{base: shelf, book: on the tray}", "{base: shelf, book: on the tray}, b: {}"
     )
@@ -160,7 +160,7 @@ actions:
 """
 
 
-def test_a_dead_end_that_a_fail_leads_to_is_told_with_its_path(handcart, tour):
+def test_a_dead_end_that_a_fail_leads_to_is_told_with_its_path(handcart, tour) -> None:
     tour.write_text(tour.read_text().partition("situations:")[0] + DEAD_END)
     said = handcart("check", tour)
     assert said.status == 0
@@ -171,7 +171,7 @@ def test_a_dead_end_that_a_fail_leads_to_is_told_with_its_path(handcart, tour):
     assert f"{tour}:13:5: in 'lost' no way may be left: MOVE_TO from at_home fails" in said.out
 
 
-def test_a_primitive_that_changes_more_than_elsewhere(handcart, tour):
+def test_a_primitive_that_changes_more_than_elsewhere(handcart, tour) -> None:
     """RELEASE has no row in the paper's table: there the last MOVE_TO also puts the book in its place."""
     head = tour.read_text().partition("situations:")[0].replace("goal: at_shelf", "goal: home_again")
     tour.write_text(

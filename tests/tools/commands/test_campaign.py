@@ -38,7 +38,7 @@ repeat: {over: [shelf_1, shelf_5], as: shelf, start: here, goal: done}
 class Trials:
     """Stands for trials that end as it is told: by their summaries, a signal before the third's end."""
 
-    def __init__(self, reason, signals=()):
+    def __init__(self, reason, signals=()) -> None:
         self.reason, self.signals, self.seeds = reason, signals, []
         self.untrue = {}
 
@@ -55,7 +55,7 @@ class Trials:
 
 
 @pytest.fixture
-def trials(monkeypatch):
+def trials(monkeypatch: pytest.MonkeyPatch):
     def made(*args):
         told = Trials(*args)
         monkeypatch.setattr("handcart.evaluation.trials.campaign.run_trial", told)
@@ -65,7 +65,7 @@ def trials(monkeypatch):
 
 
 @pytest.mark.parametrize("kind", [None, signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
-def test_an_interrupt_ends_a_campaign_at_once(trials, kind, tmp_path):
+def test_an_interrupt_ends_a_campaign_at_once(trials, kind, tmp_path: Path) -> None:
     """K3: in a trial, which stops by itself then, and between two."""
     told, done = trials("interrupted", () if kind is None else (kind,)), []
     with pytest.raises(KeyboardInterrupt):
@@ -74,13 +74,15 @@ def test_an_interrupt_ends_a_campaign_at_once(trials, kind, tmp_path):
     assert told.seeds == [0, 1, 2]
 
 
-def test_a_trial_that_somebody_stopped_is_left_out(trials, tmp_path):
+def test_a_trial_that_somebody_stopped_is_left_out(trials, tmp_path: Path) -> None:
     trials("stopped by request")
     done = list(run_campaign(Setting(tmp_path / "task.yaml"), range(5), 1))
     assert [each.seed for each in done] == [0, 1, 3, 4]
 
 
-def test_what_ended_before_an_interrupt_is_told(trials, handcart, tmp_path, monkeypatch):
+def test_what_ended_before_an_interrupt_is_told(
+    trials, handcart, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     trials("interrupted")
     monkeypatch.setattr("handcart.tools.commands.campaign._shares", lambda report: [])
     said = handcart("campaign", tmp_path / "task.yaml", "--trials", "5", "--jobs", "1", "--json")
@@ -90,7 +92,9 @@ def test_what_ended_before_an_interrupt_is_told(trials, handcart, tmp_path, monk
 
 
 @pytest.mark.parametrize("as_json", [True, False])
-def test_outcomes_that_are_not_so_are_a_fault(trials, handcart, tmp_path, monkeypatch, as_json):
+def test_outcomes_that_are_not_so_are_a_fault(
+    trials, handcart, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, as_json: bool
+) -> None:
     """The campaign ends with status 5, and tells which trial to look at first."""
     told = trials("stopped by request")
     monkeypatch.setattr("handcart.tools.commands.campaign._shares", lambda report: [])
@@ -106,7 +110,9 @@ def test_outcomes_that_are_not_so_are_a_fault(trials, handcart, tmp_path, monkey
         assert "\nseed 4: 4. RELEASE Success: it stands beside its place\n" in said.out
 
 
-def test_a_signal_after_a_trials_last_action_ends_the_campaign_too(monkeypatch, tmp_path):
+def test_a_signal_after_a_trials_last_action_ends_the_campaign_too(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
     """K3: the trial was whole, so it counts."""
 
     def run(task, runs, options):
@@ -130,7 +136,7 @@ while True:
 """
 
 
-def test_a_process_that_was_told_to_end_as_its_trial_was_over_is_told_again(tmp_path):
+def test_a_process_that_was_told_to_end_as_its_trial_was_over_is_told_again(tmp_path: Path) -> None:
     """K3: else it waits for ever for a lock of the queue that another one took along."""
     ready = tmp_path / "ready"
     process = get_context("spawn").Process(target=exec, args=(DEAF_ONCE, {"path": str(ready)}), daemon=True)
@@ -157,7 +163,7 @@ def living(group: int) -> list[str]:
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("jobs", "kind"), [(1, signal.SIGTERM), (2, signal.SIGTERM), (2, signal.SIGINT)])
-def test_a_campaign_of_processes_is_ended_by_a_signal(tour, tmp_path, jobs, kind):
+def test_a_campaign_of_processes_is_ended_by_a_signal(tour, tmp_path: Path, jobs: int, kind) -> None:
     """K3: none of its processes is left."""
     words = ["campaign", tour, "--trials", "500", "--jobs", str(jobs), "--runs", tmp_path / "runs", "--json"]
     process = subprocess.Popen(
@@ -189,7 +195,7 @@ def test_a_campaign_of_processes_is_ended_by_a_signal(tour, tmp_path, jobs, kind
 
 @pytest.mark.slow
 @pytest.mark.parametrize("as_json", [False, True])
-def test_shares_of_each_action(handcart, tour, tmp_path, as_json):
+def test_shares_of_each_action(handcart, tour, tmp_path: Path, as_json: bool) -> None:
     words = ("campaign", tour, "--trials", "2", "--jobs", "1", "--runs", tmp_path / "runs")
     said = handcart(*words, *(["--json"] if as_json else []))
     assert said.status == 0
@@ -204,7 +210,7 @@ def test_shares_of_each_action(handcart, tour, tmp_path, as_json):
 
 
 @pytest.mark.slow
-def test_a_repeated_action_is_one_row_named_as_in_the_file(handcart, tour, tmp_path):
+def test_a_repeated_action_is_one_row_named_as_in_the_file(handcart, tour, tmp_path: Path) -> None:
     """Of the last element it leads out of the repeat, of the others back to its start."""
     tour.write_text(ROUNDS, encoding="utf-8")
     said = handcart("campaign", tour, "--trials", "1", "--jobs", "1", "--runs", tmp_path / "runs", "--json")

@@ -56,7 +56,7 @@ class Alive:
 
 
 @pytest.fixture
-def alive(tour, tmp_path) -> Iterator:
+def alive(tour, tmp_path: Path) -> Iterator:
     """Starts a run whose only action waits for permission."""
     tour.write_text(tour.read_text().replace("cost_s: 30,", "cost_s: 30, permit: operator,"))
     started: list[Alive] = []
@@ -72,7 +72,7 @@ def alive(tour, tmp_path) -> Iterator:
 
 
 @pytest.mark.slow
-def test_an_action_waits_for_the_operator_and_says_what_it_wants(alive):
+def test_an_action_waits_for_the_operator_and_says_what_it_wants(alive: Iterator) -> None:
     run = alive()
     run.wait_for(lambda: run.state() == "waiting for permission")
     assert run.say("status")["asks"] == {"index": 0, "do": "MOVE_TO", "from": "at_home", "to": "at_shelf"}
@@ -84,7 +84,7 @@ def test_an_action_waits_for_the_operator_and_says_what_it_wants(alive):
 
 
 @pytest.mark.slow
-def test_refused_it_counts_as_a_fail(alive):
+def test_refused_it_counts_as_a_fail(alive: Iterator) -> None:
     run = alive()
     for _ in range(3):
         run.wait_for(lambda: run.say("status")["asks"] is not None)
@@ -94,7 +94,7 @@ def test_refused_it_counts_as_a_fail(alive):
 
 
 @pytest.mark.slow
-def test_a_line_that_drops_changes_nothing(alive):
+def test_a_line_that_drops_changes_nothing(alive: Iterator) -> None:
     run = alive()
     run.wait_for(lambda: run.state() == "waiting for permission")
     for _ in range(20):
@@ -103,7 +103,7 @@ def test_a_line_that_drops_changes_nothing(alive):
 
 
 @pytest.mark.slow
-def test_pause_holds_and_continue_goes_on(alive, handcart):
+def test_pause_holds_and_continue_goes_on(alive: Iterator, handcart) -> None:
     run = alive()
     run.wait_for(lambda: run.state() == "waiting for permission")
     run.say("pause")
@@ -118,7 +118,7 @@ def test_pause_holds_and_continue_goes_on(alive, handcart):
 
 
 @pytest.mark.slow
-def test_stop_ends_the_run_where_it_is(alive, handcart):
+def test_stop_ends_the_run_where_it_is(alive: Iterator, handcart) -> None:
     run = alive()
     run.wait_for(lambda: run.state() == "waiting for permission")
     assert handcart("stop", run.folder).status == 0
@@ -127,7 +127,7 @@ def test_stop_ends_the_run_where_it_is(alive, handcart):
 
 
 @pytest.mark.slow
-def test_interrupts_stop_and_never_start_a_motion(alive):
+def test_interrupts_stop_and_never_start_a_motion(alive: Iterator) -> None:
     """K3: the second one doesn't cut the stop short."""
     run = alive()
     run.wait_for(lambda: run.state() == "waiting for permission")
@@ -141,13 +141,13 @@ def test_interrupts_stop_and_never_start_a_motion(alive):
     assert run.kinds()[-1] == "END"
 
 
-def test_nobody_is_told_where_no_run_is_alive(handcart, tmp_path):
+def test_nobody_is_told_where_no_run_is_alive(handcart, tmp_path: Path) -> None:
     said = handcart("stop", tmp_path)
     assert said.status == 2
     assert "no run is alive" in said.err
 
 
 @pytest.mark.slow
-def test_words_that_nobody_knows_are_answered(alive):
+def test_words_that_nobody_knows_are_answered(alive: Iterator) -> None:
     run = alive()
     assert "allowed: pause, continue" in run.say("dance")["error"]

@@ -71,7 +71,7 @@ def finished(folder: Path) -> Counter[int]:
 
 
 @pytest.fixture(scope="module")
-def once(tmp_path_factory):
+def once(tmp_path_factory: pytest.TempPathFactory):
     """A run that came to its end, and what it said."""
     runs = tmp_path_factory.mktemp("runs")
     end, _ = run_task(TASK, runs, RunOptions(checkpoints=True))
@@ -79,7 +79,7 @@ def once(tmp_path_factory):
 
 
 @pytest.fixture
-def whole(once, tmp_path):
+def whole(once, tmp_path: Path):
     """A copy of it."""
     folder = tmp_path / "whole" / "return_book-0"
     shutil.copytree(once[0], folder, ignore=shutil.ignore_patterns("control*"))
@@ -95,7 +95,7 @@ def cut(folder: Path, kind: str, number: int) -> None:
 
 
 @pytest.mark.slow
-def test_killed_at_any_instant_it_ends_as_it_would_have(handcart, tmp_path):
+def test_killed_at_any_instant_it_ends_as_it_would_have(handcart, tmp_path: Path) -> None:
     """K1, K2: no finished action is repeated; killed again while it resumes, too."""
     rng = random.Random(3)
     for trial in range(2):
@@ -112,7 +112,7 @@ def test_killed_at_any_instant_it_ends_as_it_would_have(handcart, tmp_path):
 
 
 @pytest.mark.slow
-def test_killed_before_its_end_was_noted_nothing_is_done_again(handcart, whole):
+def test_killed_before_its_end_was_noted_nothing_is_done_again(handcart, whole) -> None:
     folder, end = whole
     cut(folder, "END", 0)
     said = handcart("resume", folder, "--json")
@@ -123,7 +123,7 @@ def test_killed_before_its_end_was_noted_nothing_is_done_again(handcart, whole):
 
 
 @pytest.mark.slow
-def test_a_result_that_only_the_checkpoint_has_is_recovered(handcart, whole):
+def test_a_result_that_only_the_checkpoint_has_is_recovered(handcart, whole) -> None:
     folder, _ = whole
     cut(folder, "RESULT", -1)
     said = handcart("resume", folder, "--json")
@@ -133,7 +133,7 @@ def test_a_result_that_only_the_checkpoint_has_is_recovered(handcart, whole):
 
 
 @pytest.mark.slow
-def test_a_torn_tail_is_set_aside_and_told(handcart, whole):
+def test_a_torn_tail_is_set_aside_and_told(handcart, whole) -> None:
     """D1"""
     folder, _ = whole
     path = folder / "journal.jsonl"
@@ -146,7 +146,7 @@ def test_a_torn_tail_is_set_aside_and_told(handcart, whole):
     assert read_journal(path).torn_at is None
 
 
-def test_damage_inside_is_refused_with_its_place(handcart, whole):
+def test_damage_inside_is_refused_with_its_place(handcart, whole) -> None:
     """D2"""
     folder, _ = whole
     path = folder / "journal.jsonl"
@@ -159,14 +159,16 @@ def test_damage_inside_is_refused_with_its_place(handcart, whole):
     assert path.read_bytes() == bytes(content)
 
 
-def test_a_run_that_came_to_its_end_is_not_resumed(handcart, whole):
+def test_a_run_that_came_to_its_end_is_not_resumed(handcart, whole) -> None:
     folder, _ = whole
     said = handcart("resume", folder)
     assert said.status == 2
     assert "is over: Success" in said.err
 
 
-def test_a_real_robot_moves_only_when_a_person_has_looked(handcart, whole, monkeypatch):
+def test_a_real_robot_moves_only_when_a_person_has_looked(
+    handcart, whole, monkeypatch: pytest.MonkeyPatch
+) -> None:
     from handcart.backends.kinematic.kinematic_backend import KinematicBackend
 
     folder, _ = whole
@@ -180,7 +182,7 @@ def test_a_real_robot_moves_only_when_a_person_has_looked(handcart, whole, monke
     assert handcart("resume", folder, "--confirm", last).status == 0
 
 
-def test_another_task_is_not_gone_on_with(handcart, tour, tmp_path):
+def test_another_task_is_not_gone_on_with(handcart, tour, tmp_path: Path) -> None:
     """D12"""
     handcart("run", tour, "--runs", tmp_path / "runs")
     folder = tmp_path / "runs" / f"{tour.parent.name}-0"
@@ -191,7 +193,7 @@ def test_another_task_is_not_gone_on_with(handcart, tour, tmp_path):
     assert "its network is another one" in said.err
 
 
-def test_a_give_up_is_latched_until_a_person_acknowledges_that_record(handcart, whole):
+def test_a_give_up_is_latched_until_a_person_acknowledges_that_record(handcart, whole) -> None:
     """N13, U12"""
     folder, _ = whole
     cut(folder, "RESULT", 6)
@@ -211,7 +213,7 @@ def test_a_give_up_is_latched_until_a_person_acknowledges_that_record(handcart, 
     assert "holds no checkpoint" in handcart("resume", folder).err
 
 
-def test_a_run_begun_elsewhere_is_gone_on_with(handcart, tour, tmp_path):
+def test_a_run_begun_elsewhere_is_gone_on_with(handcart, tour, tmp_path: Path) -> None:
     """A run begun with `--from`; and one that is over says so."""
     tour.write_text(THERE_AND_BACK, encoding="utf-8")
     handcart("run", tour, "--from", "there", "--runs", tmp_path / "runs")
@@ -224,14 +226,14 @@ def test_a_run_begun_elsewhere_is_gone_on_with(handcart, tour, tmp_path):
     assert json.loads(said.out.splitlines()[-1])["situation"] == "back"
 
 
-def test_a_run_that_is_over_says_so_though_its_task_and_checkpoint_are_gone(handcart, whole):
+def test_a_run_that_is_over_says_so_though_its_task_and_checkpoint_are_gone(handcart, whole) -> None:
     """Nothing but the journal is read of it."""
     folder, _ = whole
     (folder / "checkpoint").write_bytes(b"cposix\nsystem\n(Vtrue\ntR.")
     assert "is over: Success" in handcart("resume", folder).err
 
 
-def test_a_checkpoint_that_is_not_the_journals_is_refused(handcart, whole):
+def test_a_checkpoint_that_is_not_the_journals_is_refused(handcart, whole) -> None:
     """That of action 8 beside a journal that ends before action 4: nothing begins again."""
     folder, _ = whole
     cut(folder, "START", 3)
@@ -242,7 +244,7 @@ def test_a_checkpoint_that_is_not_the_journals_is_refused(handcart, whole):
     assert (folder / "journal.jsonl").read_bytes() == before
 
 
-def test_a_checkpoint_one_ahead_of_another_journal_is_refused(handcart, whole):
+def test_a_checkpoint_one_ahead_of_another_journal_is_refused(handcart, whole) -> None:
     """Only the one that was kept right after the journal's last record is taken."""
     folder, _ = whole
     cut(folder, "RESULT", -1)
@@ -251,7 +253,7 @@ def test_a_checkpoint_one_ahead_of_another_journal_is_refused(handcart, whole):
     assert (said.status, "is not the one that its journal names" in said.err) == (6, True)
 
 
-def test_what_a_journal_says_does_nothing_to_a_terminal(handcart, whole):
+def test_what_a_journal_says_does_nothing_to_a_terminal(handcart, whole) -> None:
     """T18, D15: told with what a terminal would act on written out."""
     folder, _ = whole
     cut(folder, "END", 0)
@@ -265,7 +267,7 @@ def test_what_a_journal_says_does_nothing_to_a_terminal(handcart, whole):
         assert "\x1b" not in said.out + said.err
 
 
-def test_a_damaged_checkpoint_is_refused(handcart, whole):
+def test_a_damaged_checkpoint_is_refused(handcart, whole) -> None:
     """300 flipped bits, none of them taken; one of them through the command."""
     folder, _ = whole
     cut(folder, "END", 0)
@@ -284,7 +286,7 @@ def test_a_damaged_checkpoint_is_refused(handcart, whole):
     assert "holds no checkpoint" in handcart("resume", folder).err
 
 
-def test_a_damaged_last_start_leaves_that_action_in_doubt(handcart, whole):
+def test_a_damaged_last_start_leaves_that_action_in_doubt(handcart, whole) -> None:
     """D3: never "not done"."""
     folder, _ = whole
     cut(folder, "START", 4)
@@ -296,7 +298,7 @@ def test_a_damaged_last_start_leaves_that_action_in_doubt(handcart, whole):
     assert "which is damaged, told of it" in said.err
 
 
-def test_a_real_robots_damaged_last_start_waits_for_a_person(whole):
+def test_a_real_robots_damaged_last_start_waits_for_a_person(whole) -> None:
     """D3, N13: until somebody has said that all is as it was before it."""
     folder, _ = whole
     cut(folder, "START", 4)
@@ -312,7 +314,7 @@ def test_a_real_robots_damaged_last_start_waits_for_a_person(whole):
 
 
 @pytest.mark.parametrize("word", ["resume", "ack"])
-def test_a_run_that_is_alive_is_left_alone(handcart, whole, word):
+def test_a_run_that_is_alive_is_left_alone(handcart, whole, word: str) -> None:
     folder, _ = whole
     cut(folder, "END", 0)
     with (folder / "journal.jsonl").open("ab") as held:
@@ -322,7 +324,7 @@ def test_a_run_that_is_alive_is_left_alone(handcart, whole, word):
     assert word == "ack" or f"the run in {folder} is alive" in said.err
 
 
-def test_a_journal_of_another_version_is_told(handcart, whole):
+def test_a_journal_of_another_version_is_told(handcart, whole) -> None:
     """D12"""
     folder, _ = whole
     cut(folder, "END", 0)
@@ -334,7 +336,7 @@ def test_a_journal_of_another_version_is_told(handcart, whole):
     assert (said.status, "'handcart-journal/7'" in said.err) == (6, True)
 
 
-def test_a_path_that_is_no_folder_of_a_run(handcart, tour, tmp_path):
+def test_a_path_that_is_no_folder_of_a_run(handcart, tour, tmp_path: Path) -> None:
     """A link to nothing where the run's folder would be, and a path that is no UTF-8."""
     (tmp_path / "runs").mkdir()
     link = tmp_path / "runs" / f"{tour.parent.name}-0"

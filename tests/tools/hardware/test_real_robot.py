@@ -81,7 +81,7 @@ def broke_off(folder: Path, kind: str, number: int) -> None:
 
 
 @pytest.mark.slow
-def test_runs_follow_each_other_where_nothing_waits(run):
+def test_runs_follow_each_other_where_nothing_waits(run: Callable[..., Any]) -> None:
     for _ in range(2):
         assert run().status == 0
     assert (state_folder() / "can-virtual_cart").read_text() == ""
@@ -100,7 +100,9 @@ def give_up(folder: Path) -> int:
 
 
 @pytest.mark.slow
-def test_after_a_give_up_no_run_starts_until_a_person_acknowledges_it(run, handcart, tmp_path):
+def test_after_a_give_up_no_run_starts_until_a_person_acknowledges_it(
+    run: Callable[..., Any], handcart, tmp_path: Path
+) -> None:
     """N13, U12: a service that starts again and again moves nothing and fills no disk."""
     folder = folder_of(run())
     number = give_up(folder)
@@ -114,7 +116,9 @@ def test_after_a_give_up_no_run_starts_until_a_person_acknowledges_it(run, handc
     assert run().status == 0
 
 
-def test_what_waits_for_a_person_is_told_before_a_robot_is_woken(run, handcart, monkeypatch):
+def test_what_waits_for_a_person_is_told_before_a_robot_is_woken(
+    run: Callable[..., Any], handcart, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """N13: the drives may be off, and the bus with them."""
     folder = folder_of(run())
     give_up(folder)
@@ -126,7 +130,7 @@ def test_what_waits_for_a_person_is_told_before_a_robot_is_woken(run, handcart, 
     assert "handcart ack" in said.err
 
 
-def test_one_primitive_alone_is_refused_too(run, handcart, task):
+def test_one_primitive_alone_is_refused_too(run: Callable[..., Any], handcart, task: Path) -> None:
     """N13"""
     give_up(folder_of(run()))
     said = handcart("do", "MOVE_TO", "place=shelf_3", "--robot", "cart", "--backend", "can")
@@ -135,7 +139,9 @@ def test_one_primitive_alone_is_refused_too(run, handcart, task):
 
 
 @pytest.mark.slow
-def test_a_give_up_of_a_simulated_run_latches_nothing_but_itself(handcart, tour, tmp_path, monkeypatch):
+def test_a_give_up_of_a_simulated_run_latches_nothing_but_itself(
+    handcart, tour, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """N13: a new run is a new world."""
     monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path / "state"))
     for _ in range(2):
@@ -144,7 +150,7 @@ def test_a_give_up_of_a_simulated_run_latches_nothing_but_itself(handcart, tour,
 
 
 @pytest.mark.slow
-def test_an_action_that_was_broken_off_waits_too(run, handcart):
+def test_an_action_that_was_broken_off_waits_too(run: Callable[..., Any], handcart) -> None:
     """N13: nobody knows where the robot is."""
     folder = folder_of(run())
     broke_off(folder, "START", 1)
@@ -157,13 +163,13 @@ def test_an_action_that_was_broken_off_waits_too(run, handcart):
 
 
 @pytest.mark.slow
-def test_broken_off_between_two_actions_nothing_waits(run):
+def test_broken_off_between_two_actions_nothing_waits(run: Callable[..., Any]) -> None:
     broke_off(folder_of(run()), "RESULT", 0)
     assert run().status == 0
 
 
 @pytest.mark.slow
-def test_a_journal_that_is_gone_needs_a_person(run, tmp_path):
+def test_a_journal_that_is_gone_needs_a_person(run: Callable[..., Any], tmp_path: Path) -> None:
     folder = folder_of(run())
     broke_off(folder, "START", 1)
     (folder / "journal.jsonl").unlink()
@@ -172,7 +178,7 @@ def test_a_journal_that_is_gone_needs_a_person(run, tmp_path):
     assert f"rm {state_folder() / 'can-virtual_cart'}" in said.err
 
 
-def test_two_runs_on_one_robot(run, task):
+def test_two_runs_on_one_robot(run: Callable[..., Any], task: Path) -> None:
     """K11"""
 
     class Real:
@@ -186,7 +192,9 @@ def test_two_runs_on_one_robot(run, task):
 
 
 @pytest.mark.slow
-def test_resume_shows_all_and_moves_only_with_a_persons_word(run, handcart, task):
+def test_resume_shows_all_and_moves_only_with_a_persons_word(
+    run: Callable[..., Any], handcart, task: Path
+) -> None:
     """Known, expected, measured, unknown, next; then `--confirm` with the last record."""
     folder = folder_of(run())
     broke_off(folder, "RESULT", 0)
@@ -208,7 +216,7 @@ def test_resume_shows_all_and_moves_only_with_a_persons_word(run, handcart, task
 
 
 @pytest.mark.slow
-def test_moved_by_hand_while_nobody_watched(run, handcart, task):
+def test_moved_by_hand_while_nobody_watched(run: Callable[..., Any], handcart, task: Path) -> None:
     """U13: nothing moves, whatever is confirmed."""
     folder = folder_of(run())
     broke_off(folder, "RESULT", 0)
@@ -220,7 +228,9 @@ def test_moved_by_hand_while_nobody_watched(run, handcart, task):
 
 
 @pytest.mark.slow
-def test_in_doubt_and_measured_where_it_began_the_action_counts_as_failed(run, handcart, task):
+def test_in_doubt_and_measured_where_it_began_the_action_counts_as_failed(
+    run: Callable[..., Any], handcart, task: Path
+) -> None:
     folder = folder_of(run())
     broke_off(folder, "START", 1)
     at = records(folder)[-1]["at"]["base"]
@@ -235,7 +245,7 @@ def test_in_doubt_and_measured_where_it_began_the_action_counts_as_failed(run, h
 
 
 @pytest.mark.slow
-def test_what_no_sensor_can_tell_needs_a_yes(run, handcart, task):
+def test_what_no_sensor_can_tell_needs_a_yes(run: Callable[..., Any], handcart, task: Path) -> None:
     """An INTENT is open: whether it happened only a person knows."""
     folder = folder_of(run())
     broke_off(folder, "START", 1)
@@ -254,7 +264,7 @@ def test_what_no_sensor_can_tell_needs_a_yes(run, handcart, task):
 
 
 @pytest.mark.slow
-def test_another_file_of_the_robot_is_another_robot(run, handcart, task):
+def test_another_file_of_the_robot_is_another_robot(run: Callable[..., Any], handcart, task: Path) -> None:
     """D12"""
     from handcart.backends.description.robot_loading import ROBOTS
 
@@ -271,7 +281,9 @@ def test_another_file_of_the_robot_is_another_robot(run, handcart, task):
 
 
 @pytest.mark.slow
-def test_a_real_robots_journal_waits_for_the_disk_and_a_simulated_ones_does_not(run, monkeypatch):
+def test_a_real_robots_journal_waits_for_the_disk_and_a_simulated_ones_does_not(
+    run: Callable[..., Any], monkeypatch: pytest.MonkeyPatch
+) -> None:
     import os
 
     calls = []

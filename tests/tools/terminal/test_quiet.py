@@ -30,13 +30,13 @@ def say(*words: object, strict: bool = True) -> subprocess.CompletedProcess[str]
     ],
 )
 @pytest.mark.slow
-def test_commands_with_warnings_as_errors(words):
+def test_commands_with_warnings_as_errors(words) -> None:
     said = say(*words)
     assert (said.returncode, said.stderr) == (0, "")
 
 
 @pytest.mark.slow
-def test_a_damaged_picture_is_told_by_us_alone(tour):
+def test_a_damaged_picture_is_told_by_us_alone(tour) -> None:
     picture = tour.parent / "map.png"
     picture.write_bytes(picture.read_bytes()[:200])
     said = say("check", tour, strict=False)
@@ -46,7 +46,7 @@ def test_a_damaged_picture_is_told_by_us_alone(tour):
     assert "libpng" not in said.stderr
 
 
-def test_a_diagram_without_names_has_no_legend():
+def test_a_diagram_without_names_has_no_legend() -> None:
     from matplotlib.figure import Figure
 
     from handcart.evaluation.drawing.legend import add_legend

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from pathlib import Path
 
 import pytest
 
@@ -33,7 +34,7 @@ JOINT_6 = "    - {node: 16, counts_per_rev: 65536, gear_ratio: 50, rated_torque_
         ("{node: 21,", "{node: 21, mode: csp,", "profile"),
     ],
 )
-def test_it_is_told_with_line_and_column(tmp_path, before, after, told):
+def test_it_is_told_with_line_and_column(tmp_path: Path, before, after: str, told: str) -> None:
     text = (ROBOTS / "librarian" / "robot.yaml").read_text(encoding="utf-8")
     assert before in text
     if before.startswith("period_s"):
@@ -47,7 +48,7 @@ def test_it_is_told_with_line_and_column(tmp_path, before, after, told):
     assert f"{path}:" in str(error.value)
 
 
-def test_a_sliding_joint_is_told_in_mm():
+def test_a_sliding_joint_is_told_in_mm() -> None:
     """A lift: 40 turns of its motor for one of a spindle that takes it 5 mm on."""
     lift = JointDriveSpec(node=3, counts_per_rev=1000, gear_ratio=40, lead_mm=5.0, rated_force_n=900.0)
     assert lift.counts_per_unit == pytest.approx(1000 * 40 / 0.005)
@@ -59,7 +60,7 @@ def test_a_sliding_joint_is_told_in_mm():
     assert turning.rated_effort == 30.0
 
 
-def test_a_brake_lets_an_axis_under_gravity_be_disabled(tmp_path):
+def test_a_brake_lets_an_axis_under_gravity_be_disabled(tmp_path: Path) -> None:
     text = (ROBOTS / "librarian" / "robot.yaml").read_text(encoding="utf-8")
     path = tmp_path / "robot.yaml"
     path.write_text(

@@ -65,7 +65,7 @@ LEFT_OUT = {word: lack.objects for word, lack in LACKS.items()}
 
 
 @pytest.mark.parametrize("word", LACKS)
-def test_what_a_drive_lacks_is_told_until_it_is_accepted(tmp_path, word):
+def test_what_a_drive_lacks_is_told_until_it_is_accepted(tmp_path: Path, word) -> None:
     """C9 C10: at the drive's place in the robot's file, with what follows, and how that is accepted."""
     eds, brake = maker_eds(*LEFT_OUT[word]), "brake: true, "
     with pytest.raises(FileError) as error:
@@ -81,7 +81,7 @@ def test_what_a_drive_lacks_is_told_until_it_is_accepted(tmp_path, word):
     assert not_watched(accepted.can.joints[0]) == [f"without {lack.what}: {lack.then}"]
 
 
-def test_accepting_one_thing_accepts_no_other(tmp_path):
+def test_accepting_one_thing_accepts_no_other(tmp_path: Path) -> None:
     """C9 C10: each by its name."""
     eds = maker_eds(0x1016, 0x603F, 0x6077)
     with pytest.raises(FileError) as error:
@@ -90,7 +90,7 @@ def test_accepting_one_thing_accepts_no_other(tmp_path):
     assert sorted(told) == ["[consumer_heartbeat]", "[torque]"]
 
 
-def test_what_nobody_can_do_without_is_told_in_the_eds_file(tmp_path):
+def test_what_nobody_can_do_without_is_told_in_the_eds_file(tmp_path: Path) -> None:
     """C10: a mode that it can't be commanded in, no producer heartbeat."""
     with pytest.raises(FileError) as error:
         load_robot(written(tmp_path, maker_eds(0x60FF, 0x1017), (LEFT,)))
@@ -99,7 +99,7 @@ def test_what_nobody_can_do_without_is_told_in_the_eds_file(tmp_path):
     assert "no 1017h (producer heartbeat time), no 60FFh (for a PDO); needed" in finding.message
 
 
-def test_an_axis_that_may_fall_at_a_stop_is_refused(tmp_path):
+def test_an_axis_that_may_fall_at_a_stop_is_refused(tmp_path: Path) -> None:
     """C10: gravity, no brake, and nobody knows whether a quick stop keeps its torque."""
     with pytest.raises(FileError, match=r"may fall at a stop without: .quick_stop_option.; allowed"):
         load_robot(written(tmp_path, maker_eds(0x605A), (JOINT_1,), without("quick_stop_option")))
@@ -111,7 +111,7 @@ SILENT = (0x1006, 0x1029, "1400sub5", 0x6080, 0x6084)
 
 
 @pytest.fixture
-def bare(tmp_path, make):
+def bare(tmp_path: Path, make):
     """A robot all of whose drives lack all that can be lacked."""
     eds = maker_eds(*ALL, *SILENT)
     accepted = without(*LACKS, brake=True)
@@ -119,7 +119,7 @@ def bare(tmp_path, make):
     return make(robot=robot, room=False)
 
 
-def test_drives_are_used_with_what_they_have(bare):
+def test_drives_are_used_with_what_they_have(bare) -> None:
     """C9 C10: nothing that isn't there is written, read, or mapped; they are driven, and stopped."""
     move(bare, 30)
     assert bare.get(Base).wheel_travel().left > 0.3
@@ -133,7 +133,7 @@ def test_drives_are_used_with_what_they_have(bare):
     assert [drive.velocity for drive in drives] == [0.0] * len(drives)
 
 
-def test_faults_of_such_drives_stop_the_robot(bare):
+def test_faults_of_such_drives_stop_the_robot(bare) -> None:
     """C11 C12: told by their emergency message."""
     fault = fault_of(bare, "fault", JOINT_1)
     assert isinstance(fault, Emergency)
@@ -141,7 +141,7 @@ def test_faults_of_such_drives_stop_the_robot(bare):
     assert "OPERATION ENABLED" not in {drive.life.state for drive in bare.bench.drives.values()}
 
 
-def test_what_follows_is_true(bare):
+def test_what_follows_is_true(bare) -> None:
     """C7 C8: without 1016h and 1400h:5 a drive goes on when this program is gone."""
     move(bare, 20)
     drive = bare.bench.drives[LEFT]
@@ -151,7 +151,7 @@ def test_what_follows_is_true(bare):
     assert drive.velocity != 0.0
 
 
-def test_a_force_is_felt_by_the_joints_that_tell_their_torque(make, robot):
+def test_a_force_is_felt_by_the_joints_that_tell_their_torque(make, robot) -> None:
     joints = [joint.model_copy(update={"without": ("torque",)}) for joint in robot.can.joints]
     some = (*joints[:1], *robot.can.joints[1:])
     for drives, felt in ((some, True), (tuple(joints), False)):
@@ -166,13 +166,15 @@ def test_a_force_is_felt_by_the_joints_that_tell_their_torque(make, robot):
         assert bool(np.linalg.norm(force) > 5.0) is felt
 
 
-def test_fingers_without_torque_press_when_they_stand_away_from_where_they_should(make, robot, monkeypatch):
+def test_fingers_without_torque_press_when_they_stand_away_from_where_they_should(
+    make, robot, monkeypatch: pytest.MonkeyPatch
+) -> None:
     gripper_spec = robot.can.gripper.model_copy(update={"without": ("torque",)})
     spec = robot.can.model_copy(update={"gripper": gripper_spec})
     backend = make(robot=robot.model_copy(update={"can": spec}))
     gripper, seen = backend.get(Gripper), []
 
-    def close(width):
+    def close(width) -> None:
         gripper.move(width)
         for _ in range(40):
             backend.step()
@@ -189,7 +191,9 @@ def test_fingers_without_torque_press_when_they_stand_away_from_where_they_shoul
     assert gripper.command() == 0.0  # fingers that press go on pressing
 
 
-def test_a_real_drive_that_lacks_what_its_file_describes_is_told_how_to_accept_that(make, monkeypatch):
+def test_a_real_drive_that_lacks_what_its_file_describes_is_told_how_to_accept_that(
+    make, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """C9 C10: at the read-back, before anything has torque."""
     plain = Bench.open
 
@@ -209,7 +213,7 @@ def test_a_real_drive_that_lacks_what_its_file_describes_is_told_how_to_accept_t
     assert "without: [quick_stop_option]" in second
 
 
-def test_check_and_bring_up_say_what_is_not_watched(tmp_path):
+def test_check_and_bring_up_say_what_is_not_watched(tmp_path: Path) -> None:
     robot = load_robot(written(tmp_path, maker_eds(0x1016), (LEFT,), without("consumer_heartbeat")))
     words = f"left wheel: without consumer heartbeat time: {LACKS['consumer_heartbeat'].then}"
     assert words in report_of(robot, tried=False).warnings
@@ -249,7 +253,7 @@ def lone():
         (0x5FFF, 3, 0x06020000),
     ],
 )
-def test_a_simulated_drive_aborts_what_it_does_not_have(lone, index, subindex, code):
+def test_a_simulated_drive_aborts_what_it_does_not_have(lone, index: int, subindex: int, code: int) -> None:
     """C14: variables have no sub-index but 0."""
     for ask in (
         lambda: lone.get_data(index, subindex),
@@ -261,7 +265,7 @@ def test_a_simulated_drive_aborts_what_it_does_not_have(lone, index, subindex, c
     assert lone.life.state == "SWITCH ON DISABLED"
 
 
-def test_a_simulated_drive_refuses_modes_that_it_lacks(lone):
+def test_a_simulated_drive_refuses_modes_that_it_lacks(lone) -> None:
     """C10: by 6502h; it stays in the mode that it has."""
     lone.set_data(0x6060, 0, b"\x03")
     for mode in (2, 4, 7, 10, -1):
@@ -272,7 +276,7 @@ def test_a_simulated_drive_refuses_modes_that_it_lacks(lone):
     assert lone.get_data(0x6060, 0) == b"\x03"
 
 
-def test_a_maker_whose_drive_has_no_cyclic_mode(tmp_path):
+def test_a_maker_whose_drive_has_no_cyclic_mode(tmp_path: Path) -> None:
     """C10: its 6502h says so, on the bench too."""
     eds = maker_eds()
     assert "DefaultValue=0x1A5" in eds
@@ -284,7 +288,7 @@ def test_a_maker_whose_drive_has_no_cyclic_mode(tmp_path):
     bench.close()
 
 
-def test_a_cob_id_that_is_the_drives_own_is_left_as_it_is(tmp_path, make):
+def test_a_cob_id_that_is_the_drives_own_is_left_as_it_is(tmp_path: Path, make) -> None:
     """Some drives have theirs read-only: only what is in the PDO is written."""
     text = maker_eds()
     for record in ("1400", "1800", "1801"):

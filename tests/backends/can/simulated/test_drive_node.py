@@ -14,7 +14,7 @@ from handcart.backends.can.simulated.drive_objects import DriveObjects
 from handcart.backends.can.simulated.profile_position import ProfilePosition
 
 
-def test_the_states_follow_the_controlword():
+def test_the_states_follow_the_controlword() -> None:
     life, seen = DriveLife(), []
     for word in (0x06, 0x07, 0x0F, 0x07, 0x0F, 0x02, 0x0F, 0x00, 0x06, 0x00, 0x0F):
         life.control(word)
@@ -24,7 +24,7 @@ def test_the_states_follow_the_controlword():
     assert seen == [ready, on, enabled, on, enabled, quick, quick, off, ready, off, off]
 
 
-def test_a_fault_is_reset_by_a_rising_edge_alone():
+def test_a_fault_is_reset_by_a_rising_edge_alone() -> None:
     life = DriveLife()
     life.control(0x80)
     life.fail()
@@ -38,21 +38,21 @@ def test_a_fault_is_reset_by_a_rising_edge_alone():
 
 
 @pytest.mark.parametrize("state", ["SWITCH ON DISABLED", "READY TO SWITCH ON", "OPERATION ENABLED", "FAULT"])
-def test_statuswords_are_those_that_the_library_knows(state):
+def test_statuswords_are_those_that_the_library_knows(state: str) -> None:
     life = DriveLife()
     life._state = state
     matches = [name for name, (mask, bits) in State402.SW_MASK.items() if life.statusword & mask == bits]
     assert matches == [state]
 
 
-def test_a_velocity_ramps():
+def test_a_velocity_ramps() -> None:
     assert ramp(0.0, 1.0, 2.0, 0.25) == (0.0625, 0.5)
     assert ramp(0.0, 1.0, 2.0, 1.0) == (0.75, 1.0)
     assert ramp(1.0, -1.0, 4.0, 0.5) == (0.0, -1.0)
     assert ramp(1.0, 1.0, 0.0, 2.0) == (2.0, 1.0)
 
 
-def test_fault_codes_are_told_in_words():
+def test_fault_codes_are_told_in_words() -> None:
     assert fault_words(0) == ""
     assert fault_words(0x8611) == "error 8611h, following error"
     assert fault_words(0x4321) == "error 4321h, temperature"
@@ -77,7 +77,7 @@ def asks(mode: ProfilePosition, target: int, *words: int) -> None:
         before = word
 
 
-def test_a_set_point_counts_when_bit_4_rises_and_once():
+def test_a_set_point_counts_when_bit_4_rises_and_once() -> None:
     """B6: CiA 402-2; one that is asked for while another one waits is not taken."""
     mode = positioning()
     asks(mode, 300, 0x1F, 0x0F)
@@ -94,7 +94,7 @@ def test_a_set_point_counts_when_bit_4_rises_and_once():
     assert mode.status & 0x1000 == 0
 
 
-def test_a_bit_4_that_was_set_before_is_no_new_set_point():
+def test_a_bit_4_that_was_set_before_is_no_new_set_point() -> None:
     mode = positioning()
     mode.objects[0x607A] = 500
     mode.control(0x1F, 0x08)  # enabled with it: it hasn't risen
@@ -102,7 +102,7 @@ def test_a_bit_4_that_was_set_before_is_no_new_set_point():
     assert (mode.demand.position, mode.status & 0x1000) == (0.0, 0)
 
 
-def test_a_cyclic_set_point_is_come_to_evenly_within_the_interpolation_time():
+def test_a_cyclic_set_point_is_come_to_evenly_within_the_interpolation_time() -> None:
     """60C2h: 50 * 10^-3 s; where the next one is late the drive stands on the last."""
     objects, demand = DriveObjects(11), Demand()
     objects[0x60C2, 1], objects[0x60C2, 2] = 50, -3

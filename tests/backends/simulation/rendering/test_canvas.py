@@ -14,7 +14,7 @@ def canvas():
     return Canvas(K, (201, 161), np.eye(4), background=0)
 
 
-def test_a_printed_face_stands_to_a_fraction_of_a_pixel():
+def test_a_printed_face_stands_to_a_fraction_of_a_pixel() -> None:
     picture = np.full((80, 80), 200, dtype=np.uint8)
     face = np.eye(4)
     for shift in (0.0, 0.25, 0.5):
@@ -27,7 +27,7 @@ def test_a_printed_face_stands_to_a_fraction_of_a_pixel():
         assert (row * np.arange(201)).sum() / row.sum() == pytest.approx(100.0 + shift, abs=0.02)
 
 
-def test_a_flat_face_behind_the_camera_is_not_shown_and_one_across_it_is_cut():
+def test_a_flat_face_behind_the_camera_is_not_shown_and_one_across_it_is_cut() -> None:
     painted = canvas()
     painted.polygon(SQUARE * [1, 1, -1], 255)
     assert painted.picture.max() == 0

@@ -37,7 +37,7 @@ def before_shelf(world, y=0.14, x=-0.3, z=0.1):
     return world.of(BookProps).shelves["s"].pose @ transform((x, y, z)) @ OPTICAL
 
 
-def test_a_gap_is_darker_than_any_spine_and_stands_where_it_is():
+def test_a_gap_is_darker_than_any_spine_and_stands_where_it_is() -> None:
     world = scene()
     image = picture(world, before_shelf(world)).astype(float)
     # The gap lies from y = 0.16 to 0.129, the camera before 0.14: 2.67 px a mm.
@@ -47,14 +47,14 @@ def test_a_gap_is_darker_than_any_spine_and_stands_where_it_is():
 
 
 @pytest.mark.parametrize(("tag", "read"), [("readable", [3]), ("smeared", []), ("none", [])])
-def test_the_tag_of_the_tray_book_is_read_unless_it_is_smeared_or_missing(tag, read):
+def test_the_tag_of_the_tray_book_is_read_unless_it_is_smeared_or_missing(tag: str, read) -> None:
     world = scene(tag)
     pose = world.of(BookProps).book_pose(3) @ transform((-0.25, 0.0, 0.17)) @ OPTICAL
     near = read_tags(picture(world, pose))
     assert [found.id for found in near if found.id == 3] == read
 
 
-def test_the_picture_depends_on_seed_and_period_alone():
+def test_the_picture_depends_on_seed_and_period_alone() -> None:
     world = scene()
     pose = before_shelf(world)
     first = picture(world, pose)
@@ -63,7 +63,7 @@ def test_the_picture_depends_on_seed_and_period_alone():
     assert not np.array_equal(first, picture(world, pose, seed=1))
 
 
-def test_from_behind_a_shelf_no_spine_is_seen():
+def test_from_behind_a_shelf_no_spine_is_seen() -> None:
     world = scene()
     behind = world.of(BookProps).shelves["s"].pose @ transform((1.0, 0.0, 0.1), (0.0, 0.0, np.pi)) @ OPTICAL
     assert read_tags(picture(world, behind)) == []

@@ -19,7 +19,7 @@ def box(x, y, heading=0.0, size=(1.0, 0.6, 1.0), **times):
     return of_furniture(kind(name="box", x_m=x, y_m=y, heading_deg=heading, size_m=size, **times))
 
 
-def test_ranges_equal_those_of_one_box_at_a_time():
+def test_ranges_equal_those_of_one_box_at_a_time() -> None:
     rng = np.random.default_rng(1)
     places = [(x, y, h) for x, y, h in rng.uniform(-9, 9, (60, 3)) if math.hypot(x, y) > 1.0]
     plan = FloorPlan([box(x, y, 20 * h) for x, y, h in places], 0.25, 0.25)
@@ -32,7 +32,7 @@ def test_ranges_equal_those_of_one_box_at_a_time():
     assert found[seen] == pytest.approx(expected[seen], abs=1e-6)
 
 
-def test_beams_may_come_in_any_order_and_from_any_turn():
+def test_beams_may_come_in_any_order_and_from_any_turn() -> None:
     rng = np.random.default_rng(2)
     plan = FloorPlan([box(x, y, 20 * x) for x, y in rng.uniform(2, 6, (20, 2))], 0.25, 0.25)
     angles = rng.permutation(ANGLES)
@@ -42,21 +42,21 @@ def test_beams_may_come_in_any_order_and_from_any_turn():
     assert np.isfinite(found).sum() > 30
 
 
-def test_only_what_crosses_the_scan_plane_is_seen():
+def test_only_what_crosses_the_scan_plane_is_seen() -> None:
     low = box(2.0, 0.0, size=(1.0, 1.0, 0.2))
     plan = FloorPlan([low], 0.25, 0.25)
     assert np.isinf(cast_rays(plan, Pose2(0, 0, 0), ANGLES, 0.0, 12.0)).all()
 
 
 @pytest.mark.parametrize(("time", "there"), [(0.9, False), (1.0, True), (2.9, True), (3.0, False)])
-def test_a_surprise_is_seen_while_it_is_there(time, there):
+def test_a_surprise_is_seen_while_it_is_there(time: float, there: bool) -> None:
     plan = FloorPlan([box(2.0, 0.0, appears_s=1.0, leaves_s=3.0)], 0.25, 0.25)
     found = cast_rays(plan, Pose2(0, 0, 0), np.zeros(1), time, 12.0)
     assert found[0] == pytest.approx(1.5 if there else math.inf)
     assert (plan.clearance(0.0, 0.0, time)[0] < 2.0) is there
 
 
-def test_clearance_is_the_distance_to_the_outline_and_negative_inside():
+def test_clearance_is_the_distance_to_the_outline_and_negative_inside() -> None:
     plan = FloorPlan([box(2.0, 0.0), box(0.0, 5.0, heading=90.0)], 0.0, 1.0)
     assert plan.clearance(0.0, 0.0, 0.0) == (pytest.approx(1.5), "box")
     assert plan.clearance(2.0, 0.2, 0.0)[0] == pytest.approx(-0.1)

@@ -26,7 +26,7 @@ FOUND = CalibratedCamera(
 WORLD = {"format": "handcart-world/1", "start": {"x_m": 0.0, "y_m": 0.0}}
 
 
-def test_without_errors_the_camera_is_as_stated():
+def test_without_errors_the_camera_is_as_stated() -> None:
     robot = load_robot("toyama")
     arm = robot.arm_model()
     stated, true = stated_camera(robot.camera, arm), true_camera(robot.camera, arm, robot.errors, 3)
@@ -35,7 +35,7 @@ def test_without_errors_the_camera_is_as_stated():
     assert np.array_equal(known_camera(robot.camera, arm).hand_T_camera, stated.hand_T_camera)
 
 
-def test_the_seed_draws_how_the_camera_is_off():
+def test_the_seed_draws_how_the_camera_is_off() -> None:
     robot = load_robot("toyama/uncalibrated")
     arm, spec = robot.arm_model(), robot.camera
     stated = stated_camera(spec, arm)
@@ -50,7 +50,7 @@ def test_the_seed_draws_how_the_camera_is_off():
     assert np.array_equal(true_camera(spec, arm, ideal.errors, 7).hand_T_camera, stated.hand_T_camera)
 
 
-def test_a_calibration_changes_what_is_known_and_not_what_is():
+def test_a_calibration_changes_what_is_known_and_not_what_is() -> None:
     robot = load_robot("toyama/uncalibrated")
     arm, before = robot.arm_model(), robot.camera
     after = before.model_copy(update={"calibrated": FOUND})
@@ -74,7 +74,7 @@ def test_a_calibration_changes_what_is_known_and_not_what_is():
 
 
 @pytest.mark.parametrize("square", [20.0, 15.0])
-def test_a_board_is_seen_where_it_lies(square):
+def test_a_board_is_seen_where_it_lies(square: float) -> None:
     robot = load_robot("toyama")
     mark = {
         "x_m": 0.1,

@@ -1,5 +1,7 @@
 from __future__ import annotations
 
+from pathlib import Path
+
 import cv2
 import numpy as np
 import pytest
@@ -14,7 +16,7 @@ MAP = "image: map.png\nresolution: 0.1\norigin: [-1.0, 2.0, 0.0]\n"
 
 
 @pytest.fixture
-def read(tmp_path):
+def read(tmp_path: Path):
     def written(world, chart=MAP):
         picture = np.full((6, 8), 254, dtype=np.uint8)
         picture[0, 2:5] = 0  # the top row in the picture has the highest y
@@ -26,7 +28,7 @@ def read(tmp_path):
     return written
 
 
-def test_what_is_occupied_on_the_map_stands_among_the_furniture(read):
+def test_what_is_occupied_on_the_map_stands_among_the_furniture(read) -> None:
     world = read("map: map.yaml\nfurniture: [{name: box, x_m: 0, y_m: 0, size_m: [1, 1, 1]}]\n")
     box, wall = world.furniture
     assert box.name == "box"
@@ -44,12 +46,12 @@ def test_what_is_occupied_on_the_map_stands_among_the_furniture(read):
         ("map: map.yaml\n", MAP.replace("0.0]", "0.5]"), r"map\.yaml:3:21: the map is turned by 0.5 rad"),
     ],
 )
-def test_a_map_that_cannot_be_read_is_told_with_its_place(read, world, chart, message):
+def test_a_map_that_cannot_be_read_is_told_with_its_place(read, world: str, chart, message: str) -> None:
     with pytest.raises(FileError, match=message):
         read(world, chart)
 
 
-def test_a_map_in_place_of_a_world_is_the_same_read_and_as_a_file(read, tmp_path):
+def test_a_map_in_place_of_a_world_is_the_same_read_and_as_a_file(read, tmp_path: Path) -> None:
     read("")
     start = Pose2(0.25, 2.5, 0.1)
     world = load_world_or_map(tmp_path / "map.yaml", start)

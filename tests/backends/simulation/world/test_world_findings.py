@@ -45,7 +45,7 @@ def told(
     return ""
 
 
-def test_a_world_as_it_is_told_is_good(tmp_path: Path):
+def test_a_world_as_it_is_told_is_good(tmp_path: Path) -> None:
     assert told(tmp_path) == ""
     assert told(tmp_path, start=None) == ""
 
@@ -58,7 +58,7 @@ def test_a_world_as_it_is_told_is_good(tmp_path: Path):
         "tables: [{name: box, x_m: 1.0, y_m: 0.8, size_m: [0.9, 0.9, 0.3], foot_m: [0.1, 0.1]}]\nfurniture:",
     ],
 )
-def test_what_stands_where_the_robot_starts_is_told(tmp_path: Path, thing: str):
+def test_what_stands_where_the_robot_starts_is_told(tmp_path: Path, thing: str) -> None:
     found = told(tmp_path, ("furniture:", thing))
     assert "world.yaml:2:8: " in found
     assert "box stands where the robot starts" in found
@@ -72,11 +72,11 @@ def test_what_stands_where_the_robot_starts_is_told(tmp_path: Path, thing: str):
         "surprises: [{name: box, x_m: 1.0, y_m: 1.0, size_m: [0.2, 0.2, 0.2], appears_s: 5.0}]\nfurniture:",
     ],
 )
-def test_what_hangs_above_or_comes_later_is_none(tmp_path: Path, thing: str):
+def test_what_hangs_above_or_comes_later_is_none(tmp_path: Path, thing: str) -> None:
     assert told(tmp_path, ("furniture:", thing)) == ""
 
 
-def test_a_robot_that_is_put_elsewhere_than_it_is_told_is_told(tmp_path: Path):
+def test_a_robot_that_is_put_elsewhere_than_it_is_told_is_told(tmp_path: Path) -> None:
     found = told(tmp_path, start=Pose2(2.0, 1.0, np.pi / 2))
     assert (
         "world.yaml:2:8: the robot is put 1.00 m and 0 deg from where it is told to start, (2.00, 1.00)"
@@ -86,7 +86,7 @@ def test_a_robot_that_is_put_elsewhere_than_it_is_told_is_told(tmp_path: Path):
     assert told(tmp_path, ("heading_deg: 90.0", "heading_deg: -270.0")) == ""
 
 
-def test_a_world_off_its_map_is_told(tmp_path: Path):
+def test_a_world_off_its_map_is_told(tmp_path: Path) -> None:
     assert "the robot starts off the map" in told(tmp_path, ("x_m: 1.0", "x_m: -3.0"), start=None)
     found = told(tmp_path, grid=room(-2.0))
     assert "world.yaml:1:1: of what the robot's map shows only" in found

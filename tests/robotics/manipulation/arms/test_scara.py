@@ -62,13 +62,13 @@ def worst_jacobian(jacobian: Jacobian) -> float:
     return max(np.abs(jacobian(q) - differences(q)).max() for q in rng.uniform(-math.pi, math.pi, (500, 2)))
 
 
-def test_the_jacobian_is_the_derivative_and_the_printed_one_is_not():
+def test_the_jacobian_is_the_derivative_and_the_printed_one_is_not() -> None:
     assert worst_jacobian(ARM.jacobian) < 1e-8
     assert worst_jacobian(printed) > 0.3
 
 
 @pytest.mark.slow
-def test_every_target_in_reach_is_reached_on_a_straight_line():
+def test_every_target_in_reach_is_reached_on_a_straight_line() -> None:
     for target in targets(100):
         q, astray = lead(MIDDLE, target)
         assert np.hypot(*(ARM.tip(q) - target)) < 1e-3
@@ -77,7 +77,7 @@ def test_every_target_in_reach_is_reached_on_a_straight_line():
 
 
 @pytest.mark.slow
-def test_the_printed_jacobian_fails_the_same():
+def test_the_printed_jacobian_fails_the_same() -> None:
     good = 0
     for target in targets(30):
         q, astray = lead(MIDDLE, target, printed)
@@ -85,7 +85,7 @@ def test_the_printed_jacobian_fails_the_same():
     assert good < 15
 
 
-def test_inverse_returns_the_posture_and_refuses_what_is_out_of_limits():
+def test_inverse_returns_the_posture_and_refuses_what_is_out_of_limits() -> None:
     rng = np.random.default_rng(2)
     low, high = zip(ARM.theta1_working, ARM.theta2, strict=True)
     for q in rng.uniform(low, high, (200, 2)):
@@ -97,12 +97,12 @@ def test_inverse_returns_the_posture_and_refuses_what_is_out_of_limits():
     assert line_postures(ARM, MIDDLE, np.array([-0.5, 0.0])) is None
 
 
-def test_from_stowed_to_the_middle_state_keeps_the_limits():
+def test_from_stowed_to_the_middle_state_keeps_the_limits() -> None:
     for share in np.linspace(0.0, 1.0, 50):
         assert ARM.within(STOWED + share * (MIDDLE - STOWED))
 
 
-def test_tilt_is_in_the_kinematics():
+def test_tilt_is_in_the_kinematics() -> None:
     rng = np.random.default_rng(3)
     placed = 0
     for _ in range(100):
@@ -118,7 +118,7 @@ def test_tilt_is_in_the_kinematics():
     assert placed > 40
 
 
-def test_a_tilt_that_is_not_known_is_what_is_missed():
+def test_a_tilt_that_is_not_known_is_what_is_missed() -> None:
     pose, tilt = Pose2(0.0, 0.0, 0.0), (math.radians(2.5), 0.0)
     target = np.array([0.0, -0.75, 0.0])
     blind = ARM.joints_for(world_to_base(pose, (0.0, 0.0), target))
@@ -129,6 +129,6 @@ def test_a_tilt_that_is_not_known_is_what_is_missed():
     assert np.hypot(*(low - high)[:2]) == pytest.approx(0.4 * math.sin(tilt[0]), rel=1e-6)
 
 
-def test_a_slide_too_short_is_out_of_reach():
+def test_a_slide_too_short_is_out_of_reach() -> None:
     assert ARM.joints_for(np.array([0.0, -0.8, -0.1])) is None
     assert ARM.joints_for(np.array([0.0, -0.8, 0.7])) is None

@@ -48,21 +48,21 @@ def stage(request: pytest.FixtureRequest) -> Stage:
     return Stage(request.param)
 
 
-def test_equation_2_needs_the_actual_view(stage):
+def test_equation_2_needs_the_actual_view(stage: Stage) -> None:
     M0T60, X, C0TP0 = stage.view
     chain = stage.world_T_base @ M0T60 @ X
     assert apart(stage.world_T_landmark, chain @ stage.seen(M0T60)) < 1e-12
     assert apart(stage.world_T_landmark, chain @ C0TP0) > 1e-3  # as printed
 
 
-def test_equation_4_is_a_left_product(stage):
+def test_equation_4_is_a_left_product(stage: Stage) -> None:
     seen = stage.seen(stage.view.base_T_hand)
     dT_C = stage.view.camera_error(seen)
     assert apart(stage.view.camera_T_landmark, dT_C @ seen) < 1e-12
     assert apart(stage.view.camera_T_landmark, seen @ dT_C) > 1e-3
 
 
-def test_equation_5_at_the_planned_posture(stage):
+def test_equation_5_at_the_planned_posture(stage: Stage) -> None:
     M0T60, X, _ = stage.view
     seen = stage.seen(M0T60)
     by_eq_5 = M0T60 @ X @ stage.view.camera_error(seen) @ inverse(X) @ inverse(M0T60)
@@ -70,7 +70,7 @@ def test_equation_5_at_the_planned_posture(stage):
     assert apart(stage.view.travelling_error(M0T60, seen), stage.planned_T_base) < 1e-12
 
 
-def test_equations_6_to_8_put_the_block_where_it_belongs(stage):
+def test_equations_6_to_8_put_the_block_where_it_belongs(stage: Stage) -> None:
     M0T60 = stage.view.base_T_hand
     base_T_hand = placing_posture(stage.planned_T_base, M0T60)
     assert apart(stage.seen(base_T_hand), stage.view.camera_T_landmark) < 1e-12  # eq. 6
@@ -79,7 +79,7 @@ def test_equations_6_to_8_put_the_block_where_it_belongs(stage):
     assert apart(stage.world_T_base @ base_T_goal, stage.world_T_goal) < 1e-12  # eq. 8
 
 
-def test_equation_9_at_any_posture(stage):
+def test_equation_9_at_any_posture(stage: Stage) -> None:
     M0T60, X, C0TP0 = stage.view
     seen = stage.seen(stage.base_T_hand)
     dT_C = stage.view.camera_error(seen)
@@ -89,7 +89,7 @@ def test_equation_9_at_any_posture(stage):
     assert apart(printed, stage.world_T_base @ stage.base_T_hand @ seen) > 1e-3
 
 
-def test_one_move_does_it_and_equations_10_and_11_follow(stage):
+def test_one_move_does_it_and_equations_10_and_11_follow(stage: Stage) -> None:
     final = stage.view.next_hand(stage.base_T_hand, stage.seen(stage.base_T_hand))
     assert apart(stage.seen(final), stage.view.camera_T_landmark) < 1e-12
     hand = stage.world_T_planned @ stage.view.base_T_hand
@@ -98,7 +98,7 @@ def test_one_move_does_it_and_equations_10_and_11_follow(stage):
     assert apart(stage.view.travelling_error_by_posture(final), stage.planned_T_base) < 1e-12  # eq. 11
 
 
-def test_the_stop_residual_is_taken_in(stage):
+def test_the_stop_residual_is_taken_in(stage: Stage) -> None:
     seen = stage.seen(stage.base_T_hand)
     assert apart(stage.view.travelling_error(stage.base_T_hand, seen), stage.planned_T_base) < 1e-12
     assert apart(stage.view.travelling_error_by_posture(stage.base_T_hand), stage.planned_T_base) > 1e-3
@@ -139,7 +139,7 @@ def block_error(base: Pose2, planned_T_base: Transform) -> float:
 
 @pytest.mark.parametrize("turn", [0.02, 0.05, 0.10, 0.15, -0.02, -0.15])
 @pytest.mark.parametrize("seed", range(5))
-def test_a_turn_that_the_papers_rule_lets_pass(turn, seed):
+def test_a_turn_that_the_papers_rule_lets_pass(turn: float, seed: int) -> None:
     base = Pose2(0.012, -0.03, turn)
     planned, hand, seen = fixate(base, PAPER_RULE, seed)
     assert block_error(base, planned.travelling_error(hand, seen)) < 0.0005
@@ -149,14 +149,14 @@ def test_a_turn_that_the_papers_rule_lets_pass(turn, seed):
 
 
 @pytest.mark.parametrize("turn", [0.02, 0.15])
-def test_our_rule_leaves_little_even_without_the_residual(turn):
+def test_our_rule_leaves_little_even_without_the_residual(turn: float) -> None:
     base = Pose2(0.012, -0.03, turn)
     planned, hand, seen = fixate(base, StopRule(), 1)
     assert block_error(base, planned.travelling_error(hand, seen)) < 0.0005
     assert block_error(base, planned.travelling_error_by_posture(hand)) < 0.0015
 
 
-def test_stop_rule_at_its_limits():
+def test_stop_rule_at_its_limits() -> None:
     planned, rule = transform((0.0, 0.0, 0.3)), StopRule(0.0005, 0.01)
     assert rule.met(planned, transform((0.00049, -0.00049, 0.31), (0.0, 0.0, -0.0099)))
     assert not rule.met(planned, transform((0.00051, 0.0, 0.3)))
@@ -164,7 +164,7 @@ def test_stop_rule_at_its_limits():
     assert not rule.met(planned, transform((0.0, 0.0, 0.3), (0.0, 0.0, 0.0101)))
 
 
-def test_on_floor_drops_tilt_and_height():
+def test_on_floor_drops_tilt_and_height() -> None:
     pose = (
         transform((0.1, -0.2, 0.003)) @ transform(rpy=(0.0, 0.0, 0.4)) @ transform(rpy=(0.004, -0.003, 0.0))
     )
@@ -173,7 +173,7 @@ def test_on_floor_drops_tilt_and_height():
 
 @pytest.mark.parametrize(("off_mm", "met"), [(0.45, True), (-0.45, True), (0.55, False), (-0.55, False)])
 @pytest.mark.parametrize("axis", [0, 1])
-def test_half_a_millimetre_is_where_the_rule_ends(axis, off_mm, met):
+def test_half_a_millimetre_is_where_the_rule_ends(axis: int, off_mm: float, met: bool) -> None:
     planned = transform((0.1, 0.2, 0.3))
     seen = planned.copy()
     seen[axis, 3] += 1e-3 * off_mm

@@ -32,7 +32,7 @@ def spread(rng: np.random.Generator, count: int) -> list[Swing]:
     return [Swing(hand(*place.tolist()), REFERENCE, n + 1.0) for n, place in enumerate(places)]
 
 
-def test_small_turns_are_the_papers_first_order():
+def test_small_turns_are_the_papers_first_order() -> None:
     x, y, z, psi, phi = 0.15, 0.69, 0.25, -8e-4, -3e-3
     moved = base_motion(psi, roll=phi) @ hand(x, y, z)
     first_order = (-psi * y, psi * x - phi * z, phi * y)  # eq. 12
@@ -43,17 +43,17 @@ def test_small_turns_are_the_papers_first_order():
     assert errors == pytest.approx((psi * y, -psi * x + phi * z), abs=1e-5)  # eq. 14
 
 
-def test_the_pivots_height_matters():
+def test_the_pivots_height_matters() -> None:
     lower, higher = (base_motion(0.0, roll=4e-3, pivot=h) @ hand(0.15, 0.5, 0.25) for h in (0.0, 0.2))
     assert difference(lower, higher)[0] == pytest.approx(0.0008, rel=1e-3)
 
 
-def test_nothing_moves_at_the_reference():
+def test_nothing_moves_at_the_reference() -> None:
     assert TRUE.motion(REFERENCE, REFERENCE, 0) == pytest.approx(np.eye(4), abs=1e-15)
 
 
 @pytest.mark.parametrize("y", [0.33, 0.42, 0.51, 0.60, 0.69])
-def test_a_corrected_posture_arrives(y):
+def test_a_corrected_posture_arrives(y: float) -> None:
     goal = hand(0.15, y, 0.3)
     assert difference(TRUE.displaced(goal, REFERENCE, 3), goal)[0] > 5e-4
     command = TRUE.corrected(goal, REFERENCE, 3)
@@ -62,7 +62,7 @@ def test_a_corrected_posture_arrives(y):
     assert turn < 1e-8
 
 
-def test_processed_error_is_what_the_motion_does_not_explain():
+def test_processed_error_is_what_the_motion_does_not_explain() -> None:
     world_T_base = transform((1.0, 2.0, 0.0), (0.0, 0.0, 0.7))
     goal = world_T_base @ transform((0.15, 0.6, 0.25))
     motion = base_motion(-2e-3, -3e-3, 1e-3, 0.1)
@@ -73,7 +73,7 @@ def test_processed_error_is_what_the_motion_does_not_explain():
 
 
 @pytest.mark.parametrize("seed", range(5))
-def test_identified_from_displacements(seed):
+def test_identified_from_displacements(seed: int) -> None:
     rng = np.random.default_rng(seed)
     swings = spread(rng, 40)
     moved = np.array([TRUE.displaced(*swing)[:3, 3] - swing.base_T_hand[:3, 3] for swing in swings])
@@ -84,13 +84,13 @@ def test_identified_from_displacements(seed):
     assert fit.rms == pytest.approx(1e-4, rel=0.25)
 
 
-def test_exact_displacements_give_the_exact_model():
+def test_exact_displacements_give_the_exact_model() -> None:
     swings = spread(np.random.default_rng(1), 8)
     moved = np.array([TRUE.displaced(*swing)[:3, 3] - swing.base_T_hand[:3, 3] for swing in swings])
     assert fit_displacements(swings, moved).model == pytest.approx(TRUE, rel=1e-6)
 
 
-def test_a_parameter_that_was_not_measured_is_named():
+def test_a_parameter_that_was_not_measured_is_named() -> None:
     swings = [Swing(hand(0.25, y, 0.55), REFERENCE, n) for n, y in enumerate(np.linspace(0.35, 0.7, 8))]
     moved = np.array([TRUE.displaced(*swing)[:3, 3] - swing.base_T_hand[:3, 3] for swing in swings])
     with pytest.raises(ValueError, match=r"can't tell pitch_per_m"):
@@ -121,7 +121,7 @@ def sightings_of(rng: np.random.Generator, arm_error: float) -> tuple[list[Sight
 
 
 @pytest.mark.parametrize("seed", range(5))
-def test_identified_from_landmarks(seed):
+def test_identified_from_landmarks(seed: int) -> None:
     rng = np.random.default_rng(seed)
     sightings, guess = sightings_of(rng, 6e-5)
     fit = fit_sightings(sightings, HAND_T_CAMERA, guess, arm_error=6e-5)
@@ -135,7 +135,7 @@ def test_identified_from_landmarks(seed):
     assert difference(TRUE.displaced(corrected, REFERENCE, 5), goal)[0] < 3e-4
 
 
-def test_one_landmark_is_not_enough():
+def test_one_landmark_is_not_enough() -> None:
     sightings, guess = sightings_of(np.random.default_rng(1), 0.0)
     with pytest.raises(ValueError, match="can't tell"):
         fit_sightings(sightings[:1], HAND_T_CAMERA, guess)
@@ -158,7 +158,7 @@ def shifts(rng: np.random.Generator, heading: float, distance: float, world_T_ba
 
 
 @pytest.mark.parametrize("seed", range(5))
-def test_identified_from_laser_spots(seed):
+def test_identified_from_laser_spots(seed: int) -> None:
     rng = np.random.default_rng(seed)
     world_T_base = transform((3.0, -1.0, 0.0), (0.0, 0.0, 0.6))
     ahead, left = (shifts(rng, heading, 2.0, world_T_base) for heading in (0.0, np.pi / 2))
@@ -170,7 +170,7 @@ def test_identified_from_laser_spots(seed):
     assert only.pitch_per_m == 0.0 and only.roll_per_m == rates.roll_per_m
 
 
-def test_spots_that_tell_nothing():
+def test_spots_that_tell_nothing() -> None:
     with pytest.raises(ValueError, match="roll_per_m"):
         fit_spots([], [SpotShift((0.1, 0.0), 3.0, 0.01, 0.0)], 2.0)
     with pytest.raises(ValueError, match="meet the wall"):

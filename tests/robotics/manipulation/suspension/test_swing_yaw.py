@@ -13,7 +13,7 @@ def headings(seed: int, stops: int = 21, looks: int = 2, swings: int = 2) -> np.
     return at_stops[:, None] + rng.normal(0.0, NOISE, (stops, looks))
 
 
-def test_mean_and_spread_are_as_sure_as_they_say():
+def test_mean_and_spread_are_as_sure_as_they_say() -> None:
     found = [fit_swing_yaw(headings(seed), 2) for seed in range(200)]
     off = np.array([each.yaw_per_swing for each in found]) - YAW
     assert off.std() == pytest.approx(np.mean([each.sigma for each in found]), rel=0.15)
@@ -23,7 +23,7 @@ def test_mean_and_spread_are_as_sure_as_they_say():
     assert np.mean([each.noise for each in found]) == pytest.approx(NOISE, rel=0.05)
 
 
-def test_a_base_that_stands_firm():
+def test_a_base_that_stands_firm() -> None:
     still = np.random.default_rng(1).normal(0.0, NOISE, (21, 2))
     found = fit_swing_yaw(still, 2)
     assert abs(found.yaw_per_swing) < 4 * found.sigma
@@ -31,6 +31,6 @@ def test_a_base_that_stands_firm():
 
 
 @pytest.mark.parametrize(("stops", "looks", "swings"), [(3, 2, 2), (9, 1, 2), (9, 2, 0)])
-def test_too_little_to_tell(stops, looks, swings):
+def test_too_little_to_tell(stops: int, looks: int, swings: int) -> None:
     with pytest.raises(ValueError, match=r"can't tell the yaw; needed: more than 3 stops, 2 looks"):
         fit_swing_yaw(np.zeros((stops, looks)), swings)

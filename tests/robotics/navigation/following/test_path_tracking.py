@@ -48,7 +48,7 @@ def away_from(points: np.ndarray, poses: list[Pose2]) -> float:
 
 @pytest.mark.parametrize("reverse", [False, True])
 @pytest.mark.parametrize("heading", [None, -2.0])
-def test_follows_a_curve_to_its_end(reverse, heading):
+def test_follows_a_curve_to_its_end(reverse: bool, heading: float | None) -> None:
     points = curve()
     poses, commands = run(PathTracker(points, heading, reverse=reverse), Pose2(0.0, 0.0, 2.5))
     assert math.hypot(poses[-1].x - points[-1, 0], poses[-1].y - points[-1, 1]) < 0.01
@@ -59,7 +59,7 @@ def test_follows_a_curve_to_its_end(reverse, heading):
 
 
 @pytest.mark.parametrize("reverse", [False, True])
-def test_stays_within_limits(reverse):
+def test_stays_within_limits(reverse: bool) -> None:
     limits = DriveLimits(0.4, 0.9, 0.5, 2.0)
     square = np.array([[0, 0], [2, 0], [2, 2], [0, 2], [0, 0.5]], dtype=float)
     _, commands = run(PathTracker(square, 0.0, limits, reverse), Pose2(0.1, -0.1, 1.0))
@@ -73,7 +73,7 @@ def test_stays_within_limits(reverse):
     st.floats(-math.pi, math.pi),
     st.booleans(),
 )
-def test_converges_from_any_start_beside_the_route(start, heading, reverse):
+def test_converges_from_any_start_beside_the_route(start, heading, reverse) -> None:
     points = np.array([[0.0, 0.0], [1.5, 0.0], [2.0, 1.0]])
     tracker = PathTracker(points, heading, reverse=reverse)
     poses, _ = run(tracker, Pose2(*start), seconds=60.0)
@@ -82,7 +82,7 @@ def test_converges_from_any_start_beside_the_route(start, heading, reverse):
     assert poses[-1].turn(goal) <= 0.01
 
 
-def test_progress_never_goes_back_and_the_rest_is_what_lies_ahead():
+def test_progress_never_goes_back_and_the_rest_is_what_lies_ahead() -> None:
     tracker = PathTracker(curve(), None)
     pose, before = Pose2(0.0, 0.0, 0.6), 0.0
     for _ in range(100):
@@ -92,13 +92,13 @@ def test_progress_never_goes_back_and_the_rest_is_what_lies_ahead():
     assert np.hypot(*np.diff(tracker.ahead, axis=0).T).sum() == pytest.approx(tracker.remaining)
 
 
-def test_a_route_of_one_point_only_turns():
+def test_a_route_of_one_point_only_turns() -> None:
     poses, commands = run(PathTracker(np.array([[1.0, 2.0]]), 1.0), Pose2(1.0, 2.0, 0.0))
     assert np.all(commands[:, 0] == 0.0)
     assert abs(poses[-1].theta - 1.0) < 0.01
 
 
-def test_arrives_with_a_noisy_estimate():
+def test_arrives_with_a_noisy_estimate() -> None:
     rng = np.random.default_rng(0)
     poses, _ = run(PathTracker(curve(), 0.0), Pose2(0.0, 0.0, 0.6), rng=rng, noise=0.002)
     assert poses[-1].distance(Pose2(6.0, float(curve()[-1, 1]), 0.0)) < 0.015
@@ -106,14 +106,14 @@ def test_arrives_with_a_noisy_estimate():
 
 @settings(max_examples=100, deadline=None)
 @given(st.floats(-0.4, 0.4), st.floats(-0.4, 0.4), st.floats(-math.pi, math.pi), st.floats(-math.pi, math.pi))
-def test_regulator_reaches_any_pose_near_by(x, y, theta, goal_heading):
+def test_regulator_reaches_any_pose_near_by(x, y, theta, goal_heading) -> None:
     goal = Pose2(1.0, -1.0, goal_heading)
     poses, _ = run(PoseRegulator(goal), Pose2(1.0 + x, -1.0 + y, theta), seconds=40.0)
     assert poses[-1].distance(goal) <= 0.008
     assert poses[-1].turn(goal) <= 0.005
 
 
-def test_regulator_mends_a_sideways_error_in_front_of_a_shelf():
+def test_regulator_mends_a_sideways_error_in_front_of_a_shelf() -> None:
     tolerance = PoseTolerance(0.004, 0.003)
     poses, _ = run(PoseRegulator(Pose2(0, 0, 0), tolerance=tolerance), Pose2(0.0, 0.03, 0.0), seconds=20.0)
     assert abs(poses[-1].y) <= 0.004
@@ -121,7 +121,7 @@ def test_regulator_mends_a_sideways_error_in_front_of_a_shelf():
     assert max(abs(pose.x) for pose in poses) < 0.01
 
 
-def test_regulator_does_not_wait_for_itself_at_the_edge_of_its_tolerance():
+def test_regulator_does_not_wait_for_itself_at_the_edge_of_its_tolerance() -> None:
     goal = Pose2(1.0, -1.0, 0.008)
     poses, _ = run(PoseRegulator(goal), Pose2(1.008, -1.0, 0.008), seconds=40.0)
     assert poses[-1].distance(goal) <= 0.008

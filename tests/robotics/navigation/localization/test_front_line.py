@@ -27,7 +27,7 @@ def expected(pose: Pose2) -> np.ndarray:
     return pose.inverse().apply(SHELF)
 
 
-def test_accuracy_at_one_centimetre_of_noise():
+def test_accuracy_at_one_centimetre_of_noise() -> None:
     """A second and a half of scans at rest: 0.7 mm and 0.04 degrees, and deviations that say so."""
     rng = np.random.default_rng(0)
     distance, angle, ratios = [], [], []
@@ -43,7 +43,7 @@ def test_accuracy_at_one_centimetre_of_noise():
     assert np.all(np.abs(np.std(ratios, axis=0) - 1.0) < 0.25)
 
 
-def test_a_pose_is_corrected_across_the_front_and_in_heading_only():
+def test_a_pose_is_corrected_across_the_front_and_in_heading_only() -> None:
     rng = np.random.default_rng(1)
     truth = Pose2(0.05, -0.6, math.pi / 2 + 0.02)
     guess = Pose2(0.08, -0.57, math.pi / 2 - 0.03)
@@ -57,7 +57,7 @@ def test_a_pose_is_corrected_across_the_front_and_in_heading_only():
 
 @settings(max_examples=50)
 @given(st.floats(-math.pi, math.pi), st.floats(-3, 3), st.floats(-3, 3))
-def test_exact_points_give_the_exact_pose_wherever_the_shelf_stands(turn, x, y):
+def test_exact_points_give_the_exact_pose_wherever_the_shelf_stands(turn, x, y) -> None:
     world_T_shelf = Pose2(x, y, turn)
     local = Pose2(0.1, -0.7, 1.7)
     truth, segment = world_T_shelf.compose(local), world_T_shelf.apply(SHELF)
@@ -68,7 +68,7 @@ def test_exact_points_give_the_exact_pose_wherever_the_shelf_stands(turn, x, y):
     assert abs(world_T_shelf.inverse().compose(mended).y + 0.7) < 1e-6
 
 
-def test_a_box_in_front_is_left_out():
+def test_a_box_in_front_is_left_out() -> None:
     rng = np.random.default_rng(2)
     truth = Pose2(0.0, -0.6, math.pi / 2)
     points = beams(truth, rng, scans=4)
@@ -80,13 +80,13 @@ def test_a_box_in_front_is_left_out():
     assert abs(front.angle) < math.radians(0.5)
 
 
-def test_too_few_points_make_no_line():
+def test_too_few_points_make_no_line() -> None:
     truth = Pose2(0.0, -0.6, math.pi / 2)
     assert fit_front(np.empty((0, 2)), expected(truth)) is None
     assert fit_front(beams(truth, np.random.default_rng(0))[:8], expected(truth)) is None
 
 
-def test_a_front_that_is_not_where_it_should_be_is_not_found():
+def test_a_front_that_is_not_where_it_should_be_is_not_found() -> None:
     truth = Pose2(0.0, -0.6, math.pi / 2)
     points = beams(truth, np.random.default_rng(0))
     assert fit_front(points, expected(Pose2(0.0, -1.0, math.pi / 2))) is None

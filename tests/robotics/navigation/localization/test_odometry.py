@@ -23,7 +23,7 @@ def travel(steps: int) -> np.ndarray:
 
 
 @given(st.floats(0.05, 3.0), st.floats(-math.pi, math.pi), st.integers(1, 40))
-def test_a_circle_is_integrated_exactly(radius, theta, pieces):
+def test_a_circle_is_integrated_exactly(radius, theta, pieces) -> None:
     odometry = Odometry(Pose2(1.0, 2.0, theta), TREAD, EXACT)
     for _ in range(pieces):
         turn = 1.5 / pieces
@@ -33,7 +33,7 @@ def test_a_circle_is_integrated_exactly(radius, theta, pieces):
     assert np.allclose(odometry.covariance, 0.0, atol=1e-15)
 
 
-def test_turning_in_place_stays_in_place():
+def test_turning_in_place_stays_in_place() -> None:
     odometry = Odometry(Pose2(0, 0, 0), TREAD)
     odometry.predict(-0.1, 0.1)
     assert odometry.pose == pytest.approx((0.0, 0.0, 0.4))
@@ -54,7 +54,7 @@ def worn_wheels(
 
 
 @pytest.mark.slow
-def test_the_covariance_is_what_the_errors_are():
+def test_the_covariance_is_what_the_errors_are() -> None:
     rng = np.random.default_rng(0)
     squares = []
     for _ in range(200):
@@ -64,7 +64,7 @@ def test_the_covariance_is_what_the_errors_are():
     assert 2.5 < np.mean(squares) < 3.5
 
 
-def test_measured_poses_also_calibrate_the_wheels():
+def test_measured_poses_also_calibrate_the_wheels() -> None:
     """After a corrected drive, the next one is dead reckoned far better than by wheels that nobody knows."""
     rng = np.random.default_rng(1)
     errors = OdometryErrors(0.005, 0.01, 0.0005)
@@ -83,7 +83,7 @@ def test_measured_poses_also_calibrate_the_wheels():
     assert np.std(off) < 0.3 * unknown
 
 
-def test_reset_forgets_the_pose():
+def test_reset_forgets_the_pose() -> None:
     odometry = Odometry(Pose2(0, 0, 0), TREAD)
     odometry.predict(1.0, 1.1)
     odometry.reset(Pose2(3, 4, 0.5), np.diag([0.1, 0.2, 0.3]))

@@ -35,7 +35,7 @@ def shifted(pose: Pose2, by: np.ndarray) -> Pose2:
 
 
 @pytest.mark.parametrize("boxes", [0, 12])
-def test_poses_on_a_5_cm_grid(boxes, library, library_boxes, library_field, scan):
+def test_poses_on_a_5_cm_grid(boxes: int, library, library_boxes, library_field, scan) -> None:
     rng = np.random.default_rng(1)
     spread = np.array([0.05, 0.05, 0.03])
     errors, squares = [], []
@@ -54,7 +54,7 @@ def test_poses_on_a_5_cm_grid(boxes, library, library_boxes, library_field, scan
     assert 0.7 < np.mean(squares) < 4.0
 
 
-def test_from_far_off_by_annealing(library, library_boxes, library_field, scan):
+def test_from_far_off_by_annealing(library, library_boxes, library_field, scan) -> None:
     rng = np.random.default_rng(3)
     spread = np.array([0.2, 0.2, 0.12])
     away = []
@@ -67,7 +67,7 @@ def test_from_far_off_by_annealing(library, library_boxes, library_field, scan):
     assert max(away) < 0.04
 
 
-def test_a_corridor_says_nothing_about_the_way_along_it(scan):
+def test_a_corridor_says_nothing_about_the_way_along_it(scan) -> None:
     walls = [(25.0, 0.1, 0.0, 50.0, 0.2), (25.0, 2.9, 0.0, 50.0, 0.2)]
     field = LikelihoodField(from_boxes(walls, 0.05, (0.0, 0.0), (50.0, 3.0)))
     pose, prior = Pose2(25.0, 1.5, 0.0), np.diag([0.2, 0.2, 0.1]) ** 2
@@ -78,7 +78,7 @@ def test_a_corridor_says_nothing_about_the_way_along_it(scan):
     assert abs(match.pose.x - 25.15) < 0.05
 
 
-def test_a_thin_walls_back_is_not_taken_for_its_front(scan):
+def test_a_thin_walls_back_is_not_taken_for_its_front(scan) -> None:
     """Points 80 mm deep in a wall of 130 mm are nearer to its far side."""
     walls = [(3.0, y, 0.0, 6.0, 0.13) for y in (0.513, 4.487)] + [
         (x, 2.5, 0.0, 0.13, 4.0) for x in (0.513, 5.487)
@@ -91,7 +91,7 @@ def test_a_thin_walls_back_is_not_taken_for_its_front(scan):
         assert match.pose.distance(truth) < 0.03
 
 
-def test_no_points_leave_the_prior(library_field):
+def test_no_points_leave_the_prior(library_field) -> None:
     prior = np.diag([0.04, 0.09, 0.01])
     match = match_scan(library_field, np.empty((0, 2)), Pose2(5, 3, 1), prior)
     assert match.pose == pytest.approx(Pose2(5, 3, 1))
@@ -99,13 +99,13 @@ def test_no_points_leave_the_prior(library_field):
     assert np.allclose(match.covariance, prior, rtol=0.05)
 
 
-def test_a_foreign_place_is_not_taken_for_a_match(library_field):
+def test_a_foreign_place_is_not_taken_for_a_match(library_field) -> None:
     rng = np.random.default_rng(0)
     match = match_scan(library_field, rng.uniform(-3, 3, (300, 2)), Pose2(6, 3, 0), np.eye(3) * 0.01)
     assert match.inliers < 0.4
 
 
-def test_residuals_are_distances_to_surfaces():
+def test_residuals_are_distances_to_surfaces() -> None:
     field = LikelihoodField(from_boxes([(1.0, 1.0, 0.0, 0.5, 0.5)], 0.05, (0.0, 0.0), (2.0, 2.0)))
     read = field.read(np.array([[1.725, 1.0], [1.0, 1.0], [5.0, 5.0]]))
     assert read[0] == pytest.approx(0.5, abs=0.03)
@@ -113,14 +113,14 @@ def test_residuals_are_distances_to_surfaces():
     assert read[2] == np.inf
 
 
-def test_a_map_without_walls_explains_nothing():
+def test_a_map_without_walls_explains_nothing() -> None:
     field = LikelihoodField(from_boxes([], 0.05, (0.0, 0.0), (2.0, 2.0)))
     match = match_scan(field, np.ones((50, 2)) * 0.1, Pose2(1, 1, 0), np.eye(3) * 0.01)
     assert match.pose == pytest.approx(Pose2(1, 1, 0))
     assert match.inliers == 0.0
 
 
-def test_a_sure_prior_holds_a_scan_that_says_otherwise(library_boxes, library_field, scan):
+def test_a_sure_prior_holds_a_scan_that_says_otherwise(library_boxes, library_field, scan) -> None:
     """The prior pulls in every step, not only at the first."""
     pose = Pose2(6.0, 3.5, 0.3)
     points = scan(library_boxes, pose, np.random.default_rng(0))
@@ -129,7 +129,7 @@ def test_a_sure_prior_holds_a_scan_that_says_otherwise(library_boxes, library_fi
     assert match.pose.distance(prior) < 0.004
 
 
-def test_what_lies_ten_centimetres_off_is_not_explained():
+def test_what_lies_ten_centimetres_off_is_not_explained() -> None:
     field = LikelihoodField(from_boxes([(2.0, 3.05, 0.0, 4.0, 0.1)], 0.05, (0.0, 0.0), (4.0, 4.0)))
     on_wall = np.column_stack([np.linspace(-1.5, 1.5, 60), np.full(60, 1.525)])
     before_it = on_wall - (0.0, 0.1)

@@ -31,7 +31,7 @@ def ends(blocked: np.ndarray, shares: tuple[float, ...]) -> tuple[np.ndarray, np
 
 @settings(deadline=None, max_examples=80)
 @given(GRIDS)
-def test_distances_of_centres_are_exact(blocked):
+def test_distances_of_centres_are_exact(blocked) -> None:
     cells = np.argwhere(np.ones_like(blocked)).astype(float)
     exact = distance_to_squares(blocked, cells).reshape(blocked.shape)
     assert np.allclose(blocked_squares(blocked).distance[1:-1, 1:-1], exact, atol=1e-6)
@@ -39,7 +39,7 @@ def test_distances_of_centres_are_exact(blocked):
 
 @settings(deadline=None, max_examples=150)
 @given(GRIDS, SHARES)
-def test_no_spot_of_a_line_is_nearer_than_its_clearance_and_one_is_as_near(blocked, shares):
+def test_no_spot_of_a_line_is_nearer_than_its_clearance_and_one_is_as_near(blocked, shares) -> None:
     start, end = ends(blocked, shares)
     clearance = line_clearance(blocked_squares(blocked), start, end, FAR, 0.0)
     line = start + np.linspace(0.0, 1.0, 300)[:, None] * (end - start)
@@ -50,7 +50,7 @@ def test_no_spot_of_a_line_is_nearer_than_its_clearance_and_one_is_as_near(block
 
 @settings(deadline=None, max_examples=100)
 @given(GRIDS, SHARES, st.floats(TOUCHING, 3.0))
-def test_a_line_is_clear_exactly_when_its_clearance_suffices(blocked, shares, need):
+def test_a_line_is_clear_exactly_when_its_clearance_suffices(blocked, shares, need) -> None:
     squares, (start, end) = blocked_squares(blocked), ends(blocked, shares)
     clearance = line_clearance(squares, start, end, FAR, 0.0)
     if abs(clearance - need) > 1e-9:
@@ -58,7 +58,7 @@ def test_a_line_is_clear_exactly_when_its_clearance_suffices(blocked, shares, ne
         assert is_clear(squares, end, start, need) == is_clear(squares, start, end, need)
 
 
-def test_between_two_blocked_cells_that_share_a_corner_there_is_no_room():
+def test_between_two_blocked_cells_that_share_a_corner_there_is_no_room() -> None:
     squares = blocked_squares(np.array([[False, True], [True, False]]))
     line = np.array([0.0, 0.0]), np.array([1.0, 1.0])
     assert line_clearance(squares, *line, FAR, 0.0) == 0.0
@@ -66,7 +66,7 @@ def test_between_two_blocked_cells_that_share_a_corner_there_is_no_room():
     assert not is_clear(squares, *line, 1e-6)
 
 
-def test_along_a_wall_there_is_room_to_its_face_not_to_its_cells_centres():
+def test_along_a_wall_there_is_room_to_its_face_not_to_its_cells_centres() -> None:
     blocked = np.zeros((5, 40), dtype=bool)
     blocked[4] = True
     squares = blocked_squares(blocked)
@@ -76,7 +76,7 @@ def test_along_a_wall_there_is_room_to_its_face_not_to_its_cells_centres():
     assert path_clearance(squares, path[::-1] - [0.25, 0.0]).tolist() == pytest.approx([1.25, 1.25, 1.75])
 
 
-def test_a_line_through_a_wall_one_cell_thick_is_seen_however_short_its_way_through_is():
+def test_a_line_through_a_wall_one_cell_thick_is_seen_however_short_its_way_through_is() -> None:
     blocked = np.zeros((30, 30), dtype=bool)
     blocked[np.arange(30), np.arange(30)] = True
     squares = blocked_squares(blocked)

@@ -24,7 +24,7 @@ def cells(found: np.ndarray) -> list[list[float]]:
     return np.column_stack([middle, np.degrees(found[:, 2]), found[:, 3:] / CELL]).round(6).tolist()
 
 
-def test_a_block_reaches_from_centre_to_centre_of_its_outermost_cells():
+def test_a_block_reaches_from_centre_to_centre_of_its_outermost_cells() -> None:
     assert cells(map_walls(grid(".....", ".####", ".####", ".####"))) == [[2.5, 2.0, 0.0, 3.0, 2.0]]
 
 
@@ -37,18 +37,18 @@ def test_a_block_reaches_from_centre_to_centre_of_its_outermost_cells():
         (("..#", ".#.", "#.."), [1.0, 1.0], 135.0, 2 * np.sqrt(2)),
     ],
 )
-def test_a_wall_of_one_cell_is_thin_and_solid(rows, middle, yaw, length):
+def test_a_wall_of_one_cell_is_thin_and_solid(rows, middle, yaw: float, length) -> None:
     assert cells(map_walls(grid(*rows))) == [pytest.approx([*middle, yaw, length + THIN, THIN], abs=1e-5)]
 
 
-def test_a_lone_cell_is_a_post_and_an_empty_map_has_nothing():
+def test_a_lone_cell_is_a_post_and_an_empty_map_has_nothing() -> None:
     assert cells(map_walls(grid("...", "..#"))) == [[2.0, 1.0, 0.0, LONE, LONE]]
     assert map_walls(grid("...", "...")).shape == (0, 5)
     assert cells(map_walls(grid("#"))) == [[0.0, 0.0, 0.0, LONE, LONE]]
 
 
 @pytest.mark.parametrize("seed", range(12))
-def test_what_the_cells_divide_the_walls_divide_and_nothing_else(seed):
+def test_what_the_cells_divide_the_walls_divide_and_nothing_else(seed: int) -> None:
     rng = np.random.default_rng(seed)
     occupied = np.pad(rng.random((22, 25)) < rng.uniform(0.2, 0.7), 1)
     chart = GridMap(occupied, np.zeros_like(occupied), CELL, 0.0, 0.0)
@@ -64,7 +64,9 @@ def test_what_the_cells_divide_the_walls_divide_and_nothing_else(seed):
 
 
 @pytest.mark.parametrize(("name", "pose"), [("turtlebot3", (-2.0, 0.0)), ("depot", (16.9, 4.4))])
-def test_rays_end_where_scan_matching_reads_the_surfaces(name, pose, request):
+def test_rays_end_where_scan_matching_reads_the_surfaces(
+    name: str, pose, request: pytest.FixtureRequest
+) -> None:
     chart = request.getfixturevalue(name)
     ranges = box_ranges([tuple(row) for row in map_walls(chart)], Pose2(*pose, 0.3), ANGLES)
     seen = np.isfinite(ranges)

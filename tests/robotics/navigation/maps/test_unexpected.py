@@ -9,13 +9,13 @@ from handcart.robotics.navigation.maps.unexpected import path_blocked, unexpecte
 ROUTE = np.array([[0.0, 0.0], [3.0, 0.0], [3.0, 3.0]])
 
 
-def test_a_scan_of_what_the_map_shows_is_expected(library_field, library_boxes, scan):
+def test_a_scan_of_what_the_map_shows_is_expected(library_field, library_boxes, scan) -> None:
     pose = Pose2(3.0, 3.5, 1.0)
     points = pose.apply(scan(library_boxes, pose, np.random.default_rng(0)))
     assert len(unexpected_points(points, library_field, 0.1)) == 0
 
 
-def test_a_box_that_the_map_does_not_show_is_unexpected(library_field, library_boxes, scan):
+def test_a_box_that_the_map_does_not_show_is_unexpected(library_field, library_boxes, scan) -> None:
     pose = Pose2(3.0, 3.5, 1.0)
     points = pose.apply(scan([*library_boxes, (4.4, 3.5, 0.2, 0.4, 0.4)], pose, np.random.default_rng(0)))
     found = unexpected_points(points, library_field, 0.1)
@@ -23,7 +23,7 @@ def test_a_box_that_the_map_does_not_show_is_unexpected(library_field, library_b
     assert np.hypot(*(found - (4.4, 3.5)).T).max() < 0.35
 
 
-def test_where_the_map_knows_nothing_anything_may_stand():
+def test_where_the_map_knows_nothing_anything_may_stand() -> None:
     unknown = np.zeros((40, 40), dtype=bool)
     unknown[20:] = True
     occupied = np.zeros((40, 40), dtype=bool)
@@ -33,11 +33,11 @@ def test_where_the_map_knows_nothing_anything_may_stand():
     assert found.tolist() == [[1.0, 0.5]]
 
 
-def test_no_points_are_no_surprise(library_field):
+def test_no_points_are_no_surprise(library_field) -> None:
     assert unexpected_points(np.empty((0, 2)), library_field, 0.1).shape == (0, 2)
 
 
-def test_a_route_is_blocked_where_the_robot_would_touch():
+def test_a_route_is_blocked_where_the_robot_would_touch() -> None:
     found = path_blocked(ROUTE, np.array([[2.0, 0.1], [2.02, 0.12]]), 0.4, 5.0)
     assert found is not None
     distance, point = found
@@ -45,7 +45,7 @@ def test_a_route_is_blocked_where_the_robot_would_touch():
     assert point.tolist() == [2.0, 0.1]
 
 
-def test_distance_is_along_the_route():
+def test_distance_is_along_the_route() -> None:
     found = path_blocked(ROUTE, np.array([[3.0, 2.0], [3.05, 2.0]]), 0.4, 10.0)
     assert found is not None
     assert found[0] == pytest.approx(4.6, abs=0.05)
@@ -62,9 +62,9 @@ def test_distance_is_along_the_route():
     ],
     ids=["beside", "beyond the horizon", "a lone point", "a lone point among others", "nothing"],
 )
-def test_a_route_is_not_blocked_by(points, horizon):
+def test_a_route_is_not_blocked_by(points, horizon: float) -> None:
     assert path_blocked(ROUTE, points, 0.4, horizon) is None
 
 
-def test_no_route_is_never_blocked():
+def test_no_route_is_never_blocked() -> None:
     assert path_blocked(np.empty((0, 2)), np.zeros((5, 2)), 0.4, 1.0) is None

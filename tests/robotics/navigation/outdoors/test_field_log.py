@@ -8,7 +8,7 @@ from handcart.robotics.navigation.outdoors.field_noise import REFERENCE
 
 
 @pytest.mark.parametrize("course", [straight_course(5), zigzag_course()])
-def test_the_base_stops_with_each_target_on_its_right(course):
+def test_the_base_stops_with_each_target_on_its_right(course) -> None:
     drive = record_course(course, REFERENCE, 3).drive
     x, y, heading = drive.poses[drive.placings].T
     tip = np.column_stack([x + ASIDE * np.sin(heading), y - ASIDE * np.cos(heading)])
@@ -16,7 +16,7 @@ def test_the_base_stops_with_each_target_on_its_right(course):
     assert (drive.driven[drive.placings, 0] == 0.0).all()
 
 
-def test_errors_are_as_large_as_stated():
+def test_errors_are_as_large_as_stated() -> None:
     logs = [record_course(zigzag_course(), REFERENCE, seed) for seed in range(12)]
     tilts = np.degrees([log.drive.tilts[log.drive.driven[:, 0] > 0.0].std() for log in logs])
     assert 2.0 < np.mean(tilts) < 3.0
@@ -30,14 +30,14 @@ def test_errors_are_as_large_as_stated():
     assert 0.3 < np.std(missed) < 0.5  # 12 % of a turn, and of swinging back onto the line
 
 
-def test_the_same_seed_gives_the_same_log():
+def test_the_same_seed_gives_the_same_log() -> None:
     first, again, other = (record_course(straight_course(2), REFERENCE, seed) for seed in (5, 5, 6))
     assert np.array_equal(first.rates, again.rates)
     assert np.array_equal(first.fixes, again.fixes)
     assert not np.array_equal(first.fixes, other.fixes)
 
 
-def test_outages_and_reflections_come_in_spells():
+def test_outages_and_reflections_come_in_spells() -> None:
     times = FieldTimes(wait=3600.0)
     silent = REFERENCE._replace(outage_every=120.0, outage_time=60.0)
     log = record_course(straight_course(1), silent, 0, times)
@@ -50,7 +50,7 @@ def test_outages_and_reflections_come_in_spells():
     assert 0.05 < off.mean() < 0.3
 
 
-def test_drift_of_fixes_has_its_size_and_its_time():
+def test_drift_of_fixes_has_its_size_and_its_time() -> None:
     noise = REFERENCE._replace(gps_white=1e-6, gps_drift=0.5, gps_drift_time=50.0, antenna=(0.0, 0.0, 0.0))
     log = record_course(straight_course(1), noise, 1, FieldTimes(wait=20000.0))
     off = (log.fixes - log.drive.poses[log.fix_rows, :2])[:, 0]

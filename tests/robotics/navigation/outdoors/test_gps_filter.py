@@ -38,7 +38,7 @@ def final_error(log: FieldLog, localizer: GpsFilter) -> float:
 
 
 @pytest.mark.slow
-def test_it_reaches_the_limit_and_knows_how_wrong_it_is():
+def test_it_reaches_the_limit_and_knows_how_wrong_it_is() -> None:
     """Its errors, its own covariance, and the report afterwards; the benchmark has more runs."""
     live, later, bounds = [], [], []
     for seed in RUNS:
@@ -58,7 +58,7 @@ def test_it_reaches_the_limit_and_knows_how_wrong_it_is():
         assert (squares < 5.991).mean() > 0.87
 
 
-def test_rtk_lays_within_three_centimetres():
+def test_rtk_lays_within_three_centimetres() -> None:
     errors = []
     for seed in range(6):
         log = record_course(zigzag_course(), RTK, seed)
@@ -68,7 +68,7 @@ def test_rtk_lays_within_three_centimetres():
 
 @pytest.mark.parametrize("noise", [REFERENCE, RTK])
 @pytest.mark.parametrize("turn", [math.pi, -2.0, math.radians(40.0)])
-def test_a_wrong_start_heading_is_found_out(noise, turn):
+def test_a_wrong_start_heading_is_found_out(noise, turn) -> None:
     log = record_course(straight_course(3), noise, 2)
     localizer = GpsFilter(Pose2(0.0, 0.0, log.start_heading + turn), noise)
     assert final_error(log, localizer) < 1.0
@@ -77,7 +77,7 @@ def test_a_wrong_start_heading_is_found_out(noise, turn):
 
 
 @pytest.mark.parametrize("shift", [2.5, 5.0, 30.0])
-def test_a_reflection_is_refused_and_what_was_believed_of_it_taken_back(shift):
+def test_a_reflection_is_refused_and_what_was_believed_of_it_taken_back(shift: float) -> None:
     log = record_course(straight_course(4), REFERENCE, 3)
     rows = (log.fix_rows > 4000) & (log.fix_rows < 5600)  # 40 s
     log.fixes[rows] += shift
@@ -90,7 +90,7 @@ def test_a_reflection_is_refused_and_what_was_believed_of_it_taken_back(shift):
     assert np.hypot(*as_laid(log, record.smoothed()).errors.T).max() < 0.5
 
 
-def test_good_fixes_are_believed():
+def test_good_fixes_are_believed() -> None:
     for seed in range(4):
         log = record_course(zigzag_course(), REFERENCE, seed)
         localizer = GpsFilter(start_pose(log))
@@ -98,7 +98,7 @@ def test_good_fixes_are_believed():
         assert localizer.refused == 0
 
 
-def test_an_outage_is_bridged_and_the_covariance_says_so():
+def test_an_outage_is_bridged_and_the_covariance_says_so() -> None:
     log = record_course(straight_course(3), REFERENCE, 4)
     heard = (log.fix_rows < 2400) | (log.fix_rows > 4800)
     quiet = log._replace(fix_rows=log.fix_rows[heard], fixes=log.fixes[heard])
@@ -107,7 +107,7 @@ def test_an_outage_is_bridged_and_the_covariance_says_so():
     assert final_error(quiet, GpsFilter(start_pose(quiet))) < 1.0
 
 
-def test_a_filter_that_is_beside_the_truth_believes_patient_fixes():
+def test_a_filter_that_is_beside_the_truth_believes_patient_fixes() -> None:
     log = record_course(straight_course(6), REFERENCE, 5)
     log.fixes[:] += (30.0, -20.0)  # as from a start held for 36 m away from where it was
     localizer = GpsFilter(start_pose(log))
@@ -117,7 +117,7 @@ def test_a_filter_that_is_beside_the_truth_believes_patient_fixes():
     assert localizer.pose.distance(shifted) < 1.5
 
 
-def test_broken_readings_never_spread():
+def test_broken_readings_never_spread() -> None:
     log = record_course(straight_course(2), REFERENCE, 6)
     rng = np.random.default_rng(0)
     for readings in (log.rates, log.accelerations, log.wheels, log.fixes):
@@ -127,14 +127,14 @@ def test_broken_readings_never_spread():
     assert np.isfinite(localizer.covariance).all()
 
 
-def test_antenna_away_from_the_middle_is_known():
+def test_antenna_away_from_the_middle_is_known() -> None:
     noise = RTK._replace(antenna=(0.4, -0.3, 1.2))
     log = record_course(straight_course(2), noise, 7)
     assert final_error(log, GpsFilter(start_pose(log), noise)) < 0.05
 
 
 @pytest.mark.parametrize("sigma", [0.5, 4.0])
-def test_one_fix_leaves_the_position_as_unsure_as_it_is(sigma):
+def test_one_fix_leaves_the_position_as_unsure_as_it_is(sigma: float) -> None:
     noise = REFERENCE._replace(antenna=(0.0, 0.0, 0.0))
     localizer = GpsFilter(Pose2(0.0, 0.0, 0.0), noise, start_position=1000.0)
     assert localizer.fix(np.array([3.0, -2.0]), sigma)
@@ -143,7 +143,7 @@ def test_one_fix_leaves_the_position_as_unsure_as_it_is(sigma):
 
 
 @pytest.mark.parametrize("heading", [0.0, math.pi / 2, -2.5])
-def test_an_antenna_far_ahead_tells_the_heading_at_rest(heading):
+def test_an_antenna_far_ahead_tells_the_heading_at_rest(heading) -> None:
     noise = RTK._replace(antenna=(3.0, 0.0, 0.0))
     localizer = GpsFilter(Pose2(0.0, 0.0, heading), noise, start_position=0.001)
     truth = heading + noise.start_heading
@@ -152,13 +152,13 @@ def test_an_antenna_far_ahead_tells_the_heading_at_rest(heading):
     assert localizer.pose.theta == pytest.approx(truth, abs=0.2 * noise.start_heading)
 
 
-def test_no_marks_no_report():
+def test_no_marks_no_report() -> None:
     record = TrackRecord()
     GpsFilter(Pose2(0.0, 0.0, 0.0), record=record)
     assert record.smoothed() == []
 
 
-def test_a_record_grows_with_the_moments_that_are_wanted_not_with_the_time():
+def test_a_record_grows_with_the_moments_that_are_wanted_not_with_the_time() -> None:
     sizes = []
     for noise in (REFERENCE, REFERENCE._replace(gps_period=0.2)):
         log, record = record_course(straight_course(5), noise, 1), TrackRecord()

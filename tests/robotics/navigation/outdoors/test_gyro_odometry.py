@@ -26,13 +26,13 @@ def reckon(log: FieldLog, euler: bool) -> tuple[Pose2, Pose2]:
     return Pose2(*log.drive.poses[-1].tolist()), odometry.pose
 
 
-def test_without_errors_rough_ground_costs_nothing():
+def test_without_errors_rough_ground_costs_nothing() -> None:
     true, reckoned = reckon(record_course(straight_course(4), QUIET, 1), euler=True)
     assert true.distance(reckoned) < 2e-3
     assert true.turn(reckoned) < 1e-4
 
 
-def test_body_rates_taken_for_rates_of_angles_lose_the_heading():
+def test_body_rates_taken_for_rates_of_angles_lose_the_heading() -> None:
     """What the paper's equations do on ground with 2.5 degrees of roughness, and what they should."""
     off = {euler: [] for euler in (True, False)}
     for seed in range(4):
@@ -44,7 +44,7 @@ def test_body_rates_taken_for_rates_of_angles_lose_the_heading():
     assert np.std(off[False]) > 0.2
 
 
-def test_bias_is_learned_in_a_stop_and_does_not_turn_the_heading():
+def test_bias_is_learned_in_a_stop_and_does_not_turn_the_heading() -> None:
     odometry = GyroOdometry(Pose2(1.0, 2.0, 0.5))
     bias = np.array([0.004, -0.003, 0.005])
     for _ in range(400):
@@ -59,7 +59,7 @@ def test_bias_is_learned_in_a_stop_and_does_not_turn_the_heading():
     assert math.dist(odometry.pose[:2], (1.0, 2.0)) == pytest.approx(5.0, abs=0.01)
 
 
-def test_rest_needs_quiet_accelerometers_too():
+def test_rest_needs_quiet_accelerometers_too() -> None:
     odometry = GyroOdometry()
     rng = np.random.default_rng(0)
     for _ in range(200):
@@ -67,7 +67,7 @@ def test_rest_needs_quiet_accelerometers_too():
     assert not odometry.at_rest
 
 
-def test_gravity_levels_and_a_slope_is_climbed():
+def test_gravity_levels_and_a_slope_is_climbed() -> None:
     pitch = -0.1  # nose up
     odometry = GyroOdometry()
     felt = 9.81 * np.array([-math.sin(pitch), 0.0, math.cos(pitch)])
@@ -80,7 +80,7 @@ def test_gravity_levels_and_a_slope_is_climbed():
     assert odometry.height == pytest.approx(math.sin(0.1))
 
 
-def test_what_is_not_finite_counts_as_the_reading_before():
+def test_what_is_not_finite_counts_as_the_reading_before() -> None:
     odometry, whole = GyroOdometry(), GyroOdometry()
     rates, wheels = np.array([0.0, 0.0, 0.2]), np.full(2, 0.01)
     for k in range(100):
@@ -92,7 +92,7 @@ def test_what_is_not_finite_counts_as_the_reading_before():
     assert odometry.pose == pytest.approx(whole.pose)
 
 
-def test_advance_is_handed_over_once():
+def test_advance_is_handed_over_once() -> None:
     odometry = GyroOdometry()
     for _ in range(8):
         odometry.update(np.array([0.0, 0.0, 0.4]), LEVEL, np.full(2, 0.01), DT)

@@ -20,7 +20,7 @@ def drive(localizer: ParticleFilter, seconds: float, speed: float = 0.5, rate: f
         localizer.predict(np.array([0.0, 0.0, rate]), LEVEL, np.full(2, speed * DT), DT)
 
 
-def test_it_spreads_like_the_papers_field_test():
+def test_it_spreads_like_the_papers_field_test() -> None:
     """A few runs only: the benchmark has them all."""
     course = zigzag_course()
     spreads = []
@@ -33,7 +33,7 @@ def test_it_spreads_like_the_papers_field_test():
     assert (high > [0.283, 0.123]).all()
 
 
-def test_particles_spread_with_the_way():
+def test_particles_spread_with_the_way() -> None:
     localizer = ParticleFilter(Pose2(0.0, 0.0, 0.0))
     before = localizer.covariance
     drive(localizer, 20.0)
@@ -43,7 +43,7 @@ def test_particles_spread_with_the_way():
     assert after[1, 1] > 10 * before[1, 1]
 
 
-def test_fixes_pull_and_jumps_do_not():
+def test_fixes_pull_and_jumps_do_not() -> None:
     localizer = ParticleFilter(Pose2(0.0, 0.0, 0.0), ParticleErrors(start_position=2.0))
     before = localizer.covariance[0, 0]
     assert localizer.fix(np.array([1.0, 0.0]))
@@ -56,14 +56,14 @@ def test_fixes_pull_and_jumps_do_not():
     assert localizer.pose == pytest.approx(there)
 
 
-def test_the_mean_heading_is_taken_on_the_circle():
+def test_the_mean_heading_is_taken_on_the_circle() -> None:
     localizer = ParticleFilter(Pose2(0.0, 0.0, math.pi), ParticleErrors(start_heading=0.2))
     drive(localizer, 1.0, rate=0.5)
     assert abs(abs(localizer.pose.theta) - (math.pi - 0.5)) < 0.05
     assert math.sqrt(localizer.covariance[2, 2]) == pytest.approx(0.2, rel=0.1)
 
 
-def test_there_is_a_new_pose_each_period():
+def test_there_is_a_new_pose_each_period() -> None:
     localizer = ParticleFilter(Pose2(0.0, 0.0, 0.0))
     seen = []
     for _ in range(8):
@@ -72,7 +72,7 @@ def test_there_is_a_new_pose_each_period():
     assert np.diff(seen) == pytest.approx(0.0125, abs=0.005)
 
 
-def test_the_same_seed_and_a_restored_one_give_the_same_run():
+def test_the_same_seed_and_a_restored_one_give_the_same_run() -> None:
     first, again = (ParticleFilter(Pose2(0.0, 0.0, 0.0), seed=4) for _ in range(2))
     drive(first, 2.0)
     again.dice = first.dice
@@ -90,7 +90,7 @@ def test_the_same_seed_and_a_restored_one_give_the_same_run():
 EXACT = ParticleErrors(forward=0.0, turn=0.0, start_position=0.0, start_heading=0.0)
 
 
-def test_an_arc_ends_where_an_arc_ends():
+def test_an_arc_ends_where_an_arc_ends() -> None:
     """Each step turns by its half before it goes."""
     localizer = ParticleFilter(Pose2(0.0, 0.0, 0.0), EXACT, count=4)
     drive(localizer, 4.0, speed=0.5, rate=0.5)
@@ -101,7 +101,7 @@ def test_an_arc_ends_where_an_arc_ends():
 @pytest.mark.parametrize(
     ("sigma", "mean", "variance"), [(1.0, 0.8, 0.8), (0.5, 0.941, 0.235), (4.0, 0.2, 3.2)]
 )
-def test_a_fix_leaves_what_bayes_says(sigma, mean, variance):
+def test_a_fix_leaves_what_bayes_says(sigma: float, mean: float, variance: float) -> None:
     """Of a normal spread and a normal fix: weights, draws and the fix's own sigma all count in it."""
     localizer = ParticleFilter(Pose2(0.0, 0.0, 0.0), ParticleErrors(start_position=2.0), count=20_000, seed=3)
     assert localizer.fix(np.array([1.0, 0.0]), sigma)
@@ -111,12 +111,12 @@ def test_a_fix_leaves_what_bayes_says(sigma, mean, variance):
 
 
 @pytest.mark.parametrize(("away", "believed"), [(4.5, True), (5.5, False)])
-def test_a_fix_is_a_jump_beyond_five_of_its_sigmas(away, believed):
+def test_a_fix_is_a_jump_beyond_five_of_its_sigmas(away: float, believed: bool) -> None:
     localizer = ParticleFilter(Pose2(0.0, 0.0, 0.0), ParticleErrors(start_position=0.5))
     assert localizer.fix(np.array([away, 0.0])) == believed
     assert localizer.fix(np.array([4.5 + 0.5 * away, 0.0]), sigma=2.0)
 
 
-def test_headings_that_are_anyhow_vary_no_more_than_on_a_circle():
+def test_headings_that_are_anyhow_vary_no_more_than_on_a_circle() -> None:
     localizer = ParticleFilter(Pose2(0.0, 0.0, 1.0), ParticleErrors(start_heading=6.0))
     assert localizer.covariance[2, 2] == pytest.approx(math.pi**2 / 3, rel=0.1)

@@ -34,14 +34,14 @@ def driven(tracker, start):
 
 
 @pytest.mark.parametrize("goal", [GOAL, Pose2(3.0, 4.0, math.pi), Pose2(-6.0, 0.5, 0.0)])
-def test_it_comes_to_stand_at_the_goal(goal):
+def test_it_comes_to_stand_at_the_goal(goal) -> None:
     path = plan_car_route(START, goal, np.empty((0, 3)), 1.0, 1.05 / SHARPEST)
     end = driven(CarTracker.along(path, START, goal, SHARPEST, LIMITS), START)[-1]
     assert end.distance(goal) < 0.06
     assert end.turn(goal) < 0.1
 
 
-def test_it_keeps_away_from_what_stands_there():
+def test_it_keeps_away_from_what_stands_there() -> None:
     rng = np.random.default_rng(3)
     discs = np.column_stack(
         [rng.uniform(3.0, 27.0, 12), rng.uniform(-6.0, 6.0, 12), rng.uniform(0.3, 1.0, 12)]
@@ -52,13 +52,13 @@ def test_it_keeps_away_from_what_stands_there():
         assert (np.hypot(*(discs[:, :2] - pose[:2]).T) - discs[:, 2]).min() > 0.7
 
 
-def test_where_no_way_leads_there_is_none():
+def test_where_no_way_leads_there_is_none() -> None:
     angle = np.linspace(0.0, 2.0 * math.pi, 8, endpoint=False)
     ring = np.column_stack([20.0 + 2.0 * np.cos(angle), 2.0 * np.sin(angle), np.full(8, 0.5)])
     assert plan_car_route(START, Pose2(20.0, 0.0, 0.0), ring, 0.8, 2.1) is None
 
 
-def test_points_of_two_things_make_two_discs():
+def test_points_of_two_things_make_two_discs() -> None:
     rng = np.random.default_rng(1)
     things = [rng.uniform(-0.4, 0.4, (40, 2)) + middle for middle in ((3.0, 0.0), (6.0, 2.0))]
     discs = point_discs(np.vstack(things))

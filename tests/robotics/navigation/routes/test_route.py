@@ -43,7 +43,9 @@ def centre(graph: VoronoiGraph, cell: np.ndarray) -> tuple[float, float]:
 @pytest.mark.parametrize(
     ("name", "radius", "gain"), [("library", 0.25, 1.35), ("turtlebot3", 0.105, 1.25), ("depot", 0.25, 1.28)]
 )
-def test_routes_are_short_and_keep_away(name, radius, gain, request):
+def test_routes_are_short_and_keep_away(
+    name: str, radius: float, gain: float, request: pytest.FixtureRequest
+) -> None:
     graph = voronoi_graph(request.getfixturevalue(name), radius)
     lengths, rooms = [], []
     for start, goal in random_cells(graph, 50, 1):
@@ -61,7 +63,7 @@ def test_routes_are_short_and_keep_away(name, radius, gain, request):
     assert np.mean(rooms) >= gain
 
 
-def test_a_route_begins_at_the_start_and_ends_at_the_goal(depot):
+def test_a_route_begins_at_the_start_and_ends_at_the_goal(depot) -> None:
     graph = voronoi_graph(depot, 0.25)
     route = plan_route(graph, Pose2(3.011, 4.022, 1.0), (25.033, 12.044))
     assert route is not None
@@ -71,7 +73,7 @@ def test_a_route_begins_at_the_start_and_ends_at_the_goal(depot):
     assert steps.max() < 0.08
 
 
-def test_routes_are_smooth(depot):
+def test_routes_are_smooth(depot) -> None:
     """Away from its ends no route turns by more than 30 degrees within 0.2 m."""
     graph = voronoi_graph(depot, 0.25)
     for start, goal in random_cells(graph, 30, 5):
@@ -83,7 +85,7 @@ def test_routes_are_smooth(depot):
         assert np.quantile(turns, 0.99, method="lower") < np.radians(60) if len(turns) else True
 
 
-def test_a_start_pushed_into_the_grown_obstacles_still_works(library):
+def test_a_start_pushed_into_the_grown_obstacles_still_works(library) -> None:
     graph = voronoi_graph(library, 0.34)
     shelf_side = 1.93 + 0.26
     route = plan_route(graph, (shelf_side + 0.30, 6.0), (shelf_side + 0.28, 5.0))
@@ -91,7 +93,7 @@ def test_a_start_pushed_into_the_grown_obstacles_still_works(library):
     assert route.length < 1.6
 
 
-def test_a_start_beyond_reach_gives_none(library):
+def test_a_start_beyond_reach_gives_none(library) -> None:
     graph = voronoi_graph(library, 0.34)
     assert plan_route(graph, (1.93, 6.0), (6.0, 3.0), reach=0.2) is None
     assert plan_route(graph, (6.0, 3.0), (-40.0, 3.0)) is None
@@ -103,12 +105,12 @@ def two_rooms(door: float) -> GridMap:
     return from_boxes(boxes, 0.05, (0.0, 0.0), (6.0, 3.0))
 
 
-def test_without_a_way_there_is_no_route():
+def test_without_a_way_there_is_no_route() -> None:
     graph = voronoi_graph(two_rooms(0.4), 0.34)
     assert plan_route(graph, (1.0, 1.5), (5.0, 1.5)) is None
 
 
-def test_through_a_door_the_middle_is_taken():
+def test_through_a_door_the_middle_is_taken() -> None:
     graph = voronoi_graph(two_rooms(1.2), 0.34)
     route = plan_route(graph, (1.0, 0.6), (5.0, 0.6))
     assert route is not None
@@ -116,7 +118,7 @@ def test_through_a_door_the_middle_is_taken():
     assert abs(at_door[1] - 1.5) < 0.15
 
 
-def test_an_obstacle_that_was_sensed_is_gone_around(library):
+def test_an_obstacle_that_was_sensed_is_gone_around(library) -> None:
     first = plan_route(voronoi_graph(library, 0.34), (1.0, 3.6), (11.0, 7.9))
     assert first is not None
     middle = first.points[len(first.points) // 2]
@@ -128,7 +130,7 @@ def test_an_obstacle_that_was_sensed_is_gone_around(library):
     assert_drivable(graph, second)
 
 
-def test_a_place_out_of_sight_of_the_graph_is_reached():
+def test_a_place_out_of_sight_of_the_graph_is_reached() -> None:
     """A narrow blind alley with a bend: its edge touches obstacles all along and was pruned."""
     occupied = np.ones((80, 80), dtype=bool)
     occupied[5:40, 5:75] = False
@@ -140,27 +142,27 @@ def test_a_place_out_of_sight_of_the_graph_is_reached():
     assert_drivable(graph, route)
 
 
-def test_start_and_goal_in_one_bare_room():
+def test_start_and_goal_in_one_bare_room() -> None:
     graph = voronoi_graph(from_boxes([], 0.05, (0.0, 0.0), (2.0, 2.0)), 0.2)
     route = plan_route(graph, (0.5, 0.5), (1.5, 0.6))
     assert route is not None
     assert route.length < 1.4
 
 
-def test_start_at_the_goal(library):
+def test_start_at_the_goal(library) -> None:
     route = plan_route(voronoi_graph(library, 0.34), (6.0, 3.0), (6.0, 3.0))
     assert route is not None
     assert route.length < 0.15
 
 
-def test_the_same_query_gives_the_same_route(depot):
+def test_the_same_query_gives_the_same_route(depot) -> None:
     one, two = (plan_route(voronoi_graph(depot, 0.25), (3.0, 4.0), (25.0, 12.0)) for _ in range(2))
     assert one is not None and two is not None
     assert np.array_equal(one.points, two.points)
 
 
 @pytest.mark.parametrize("kind", range(len(KINDS)))
-def test_what_a_route_says_of_its_clearance_is_true_on_cells_of_any_size(kind):
+def test_what_a_route_says_of_its_clearance_is_true_on_cells_of_any_size(kind: int) -> None:
     """Walls one cell thick, diagonal ones, cells larger than the robot; starts anywhere in their cells."""
     planned = 0
     for seed in range(kind, 25 * len(KINDS), len(KINDS)):
@@ -184,7 +186,7 @@ def test_what_a_route_says_of_its_clearance_is_true_on_cells_of_any_size(kind):
 
 
 @pytest.mark.parametrize(("resolution", "radius"), [(0.2, 0.1), (0.2, 0.25), (0.25, 0.25), (0.4, 0.19)])
-def test_no_route_cuts_a_wall_one_cell_thick(resolution, radius):
+def test_no_route_cuts_a_wall_one_cell_thick(resolution: float, radius: float) -> None:
     occupied = rooms(np.random.default_rng(1), (45, 45), room=8, door=3)
     graph = voronoi_graph(GridMap(occupied, np.zeros_like(occupied), resolution, -3.0, 2.0), radius)
     for start, goal in random_cells(graph, 30, 2):
@@ -200,7 +202,7 @@ def diagonal_wall(size: int) -> GridMap:
 
 
 @pytest.mark.parametrize("radius", [0.0, 0.05, 0.1])
-def test_nothing_slips_through_a_diagonal_wall(radius):
+def test_nothing_slips_through_a_diagonal_wall(radius: float) -> None:
     graph = voronoi_graph(diagonal_wall(20), radius)
     assert plan_route(graph, (3.5, 0.5), (0.5, 3.5)) is None
     route = plan_route(graph, (3.5, 0.5), (1.1, 0.5))
@@ -208,7 +210,7 @@ def test_nothing_slips_through_a_diagonal_wall(radius):
     assert_drivable(graph, route)
 
 
-def test_a_diagonal_wall_is_gone_around():
+def test_a_diagonal_wall_is_gone_around() -> None:
     grid = diagonal_wall(20)
     grid.occupied[19, 19] = False
     graph = voronoi_graph(grid, 0.1)
@@ -218,7 +220,7 @@ def test_a_diagonal_wall_is_gone_around():
     assert route.points.max() > 3.75
 
 
-def test_a_start_beside_a_thin_wall_does_not_leave_through_it():
+def test_a_start_beside_a_thin_wall_does_not_leave_through_it() -> None:
     """On its own side nothing is free; on the other, 0.2 m away, all is."""
     occupied = np.zeros((60, 60), dtype=bool)
     occupied[:, 4] = True
@@ -227,7 +229,7 @@ def test_a_start_beside_a_thin_wall_does_not_leave_through_it():
     assert plan_route(graph, (0.16, 1.5), (2.0, 1.5)) is None
 
 
-def test_leaving_a_narrow_spot_leads_to_where_there_is_room_and_no_nearer(library):
+def test_leaving_a_narrow_spot_leads_to_where_there_is_room_and_no_nearer(library) -> None:
     graph = voronoi_graph(library, 0.34)
     start = (1.93 + 0.26 + 0.24, 6.0)
     route = plan_route(graph, start, (2.9, 4.0))
@@ -238,7 +240,7 @@ def test_leaving_a_narrow_spot_leads_to_where_there_is_room_and_no_nearer(librar
     assert route.clearance.min() == pytest.approx(0.05 * distance_to_squares(library.blocked, cells)[0])
 
 
-def test_a_route_into_a_narrow_spot_is_as_evenly_spaced_as_any(library):
+def test_a_route_into_a_narrow_spot_is_as_evenly_spaced_as_any(library) -> None:
     graph = voronoi_graph(library, 0.34)
     route = plan_route(graph, (2.9, 4.0), (1.93 + 0.26 + 0.24, 6.0))
     assert route is not None
@@ -247,7 +249,7 @@ def test_a_route_into_a_narrow_spot_is_as_evenly_spaced_as_any(library):
 
 
 @pytest.mark.parametrize("goal", [(5.0, 5.0), (5.0, 1.0)])
-def test_around_a_block_the_shorter_way_is_taken(goal):
+def test_around_a_block_the_shorter_way_is_taken(goal) -> None:
     """An alley leads to a ring, which is one edge of the graph with both ends at one node."""
     occupied = np.ones((120, 160), dtype=bool)
     occupied[5:115, 45:155] = False
@@ -259,7 +261,7 @@ def test_around_a_block_the_shorter_way_is_taken(goal):
     assert route.length < 6.0
 
 
-def test_a_route_with_less_clearance_than_asked_is_refused(library):
+def test_a_route_with_less_clearance_than_asked_is_refused(library) -> None:
     graph = voronoi_graph(library, 0.34)
     start, goal = (1.93 + 0.26 + 0.24, 6.0), (2.9, 4.0)
     route = plan_route(graph, start, goal)
@@ -269,7 +271,7 @@ def test_a_route_with_less_clearance_than_asked_is_refused(library):
     assert plan_route(graph, start, goal, least=least + 1e-6) is None
 
 
-def test_a_start_in_a_blocked_cell_or_off_the_map_has_no_route(library):
+def test_a_start_in_a_blocked_cell_or_off_the_map_has_no_route(library) -> None:
     graph = voronoi_graph(library, 0.1)
     assert plan_route(graph, (1.93, 6.0), (6.0, 3.0), reach=5.0) is None
     assert plan_route(graph, (-0.1, 3.0), (6.0, 3.0), reach=5.0) is None
@@ -284,7 +286,7 @@ def grid_optimum(graph: VoronoiGraph, start: np.ndarray, goal: np.ndarray) -> fl
 
 @pytest.mark.parametrize("made", ["streets", "rooms"])
 @pytest.mark.parametrize("radius", [0.0, 0.5])
-def test_routes_are_hardly_longer_than_the_grids_optimum(made, radius):
+def test_routes_are_hardly_longer_than_the_grids_optimum(made: str, radius: float) -> None:
     rng = np.random.default_rng(3)
     occupied = streets(rng, (128, 128)) if made == "streets" else rooms(rng, (128, 128), room=16)
     graph = voronoi_graph(GridMap(occupied, np.zeros_like(occupied), 1.0, 0.0, 0.0), radius)
@@ -297,7 +299,7 @@ def test_routes_are_hardly_longer_than_the_grids_optimum(made, radius):
     assert np.quantile(ratios, 0.95) <= 1.25
 
 
-def test_where_more_room_costs_little_it_is_taken():
+def test_where_more_room_costs_little_it_is_taken() -> None:
     """Down a hall, with furniture along one side."""
     boxes = [(2.0 + 2.0 * k, 0.5, 0.0, 0.8, 1.0) for k in range(8)]
     graph = voronoi_graph(from_boxes(boxes, 0.05, (0.0, 0.0), (18.0, 4.0)), 0.3)
@@ -308,7 +310,7 @@ def test_where_more_room_costs_little_it_is_taken():
 
 
 @pytest.mark.slow
-def test_ten_thousand_samples_of_routes_on_random_grids():
+def test_ten_thousand_samples_of_routes_on_random_grids() -> None:
     """As the benchmark does a million: nothing nearer than said, no room given away, no way missed."""
     samples = 0
     for seed in range(1000, 1012):

@@ -31,7 +31,7 @@ def steered(path: CarPath) -> np.ndarray:
     return np.array(out)
 
 
-def test_one_disc_gives_tangent_arc_tangent():
+def test_one_disc_gives_tangent_arc_tangent() -> None:
     """The detour of two tangents and an arc, in closed form."""
     disc = np.array([[5.0, 0.0, 2.5]])
     tangent = math.sqrt(5.0**2 - 2.5**2)
@@ -40,7 +40,7 @@ def test_one_disc_gives_tangent_arc_tangent():
     assert found == pytest.approx(2.0 * tangent + arc)
 
 
-def test_a_free_way_is_straight():
+def test_a_free_way_is_straight() -> None:
     assert shortest_detour(np.zeros(2), np.array([3.0, 4.0]), NOTHING) == pytest.approx(5.0)
     path = car_path(START, GOAL, NOTHING, RADIUS)
     assert path is not None
@@ -48,7 +48,7 @@ def test_a_free_way_is_straight():
 
 
 @pytest.mark.parametrize("heading", [0.0, 1.0, 2.5, -2.0])
-def test_without_obstacles_it_is_dubins(heading):
+def test_without_obstacles_it_is_dubins(heading: float) -> None:
     """Against OMPL's Dubins curves, where they are of arc, line, arc."""
     base = pytest.importorskip("ompl.base")
     space = base.DubinsStateSpace(RADIUS)
@@ -67,7 +67,7 @@ def test_without_obstacles_it_is_dubins(heading):
 
 
 @pytest.mark.parametrize("seed", range(25))
-def test_a_path_can_be_steered_and_keeps_clear(seed):
+def test_a_path_can_be_steered_and_keeps_clear(seed: int) -> None:
     rng = np.random.default_rng(seed)
     obstacles = discs(rng)
     path = car_path(START, GOAL, obstacles, RADIUS)
@@ -83,14 +83,14 @@ def test_a_path_can_be_steered_and_keeps_clear(seed):
     assert abs(wrap(driven[-1, 2] - end.theta)) < 0.01
 
 
-def test_before_a_wall_the_car_backs():
+def test_before_a_wall_the_car_backs() -> None:
     wall = np.array([[2.6, 0.0, 1.6], [2.6, 2.5, 1.0], [2.6, -2.5, 1.0]])
     path = car_path(START, GOAL, wall, RADIUS)
     assert path is not None
     assert path.back_before > 0.0
 
 
-def test_no_way_through_a_ring():
+def test_no_way_through_a_ring() -> None:
     angles = np.linspace(0.0, 2.0 * math.pi, 20, endpoint=False)
     ring = np.column_stack([6.0 * np.cos(angles), 6.0 * np.sin(angles), np.full(20, 1.2)])
     assert math.isinf(shortest_detour(np.zeros(2), np.array([12.0, 0.0]), ring))
@@ -98,7 +98,7 @@ def test_no_way_through_a_ring():
 
 
 @pytest.mark.parametrize("seed", range(5))
-def test_pure_pursuit_stays_on_the_path_and_stops_at_its_end(seed):
+def test_pure_pursuit_stays_on_the_path_and_stops_at_its_end(seed: int) -> None:
     path = car_path(START, GOAL, discs(np.random.default_rng(seed)), 1.05 * RADIUS)
     assert path is not None
     control = PurePursuit(path.poses, path.curvatures)
@@ -126,7 +126,7 @@ LATE_TURN = ((5.63, -1.84, 1.82), (8.52, -2.28, 0.77), (8.4, 1.52, 0.9), (7.44, 
 
 
 @pytest.mark.parametrize("rocks", [SMALL_ROCKS, LATE_TURN])
-def test_where_few_circles_give_a_long_way_more_are_tried(rocks):
+def test_where_few_circles_give_a_long_way_more_are_tried(rocks) -> None:
     """Between small rocks a wide circle has to lie just right; a quarter of a metre of backing may do."""
     grown = np.array(rocks) + np.array([0.0, 0.0, 0.7])
     path = car_path(START, GOAL, grown, 2.1)

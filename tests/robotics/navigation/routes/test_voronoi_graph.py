@@ -34,20 +34,20 @@ def assert_sound(graph: VoronoiGraph) -> None:
         assert graph.free[cells[:, 0], cells[:, 1]].all()
 
 
-def test_depot_has_33_cycles(depot):
+def test_depot_has_33_cycles(depot) -> None:
     graph = voronoi_graph(depot, 0.25)
     assert (graph.components, graph.cycles) == (1, 33)
 
 
 @pytest.mark.parametrize("radius", [0.0, 0.1, 0.22, 0.34, 0.5])
 @pytest.mark.parametrize("name", ["depot", "turtlebot3", "library"])
-def test_topology_is_exact_on_real_maps(name, radius, request):
+def test_topology_is_exact_on_real_maps(name: str, radius: float, request: pytest.FixtureRequest) -> None:
     assert_sound(voronoi_graph(request.getfixturevalue(name), radius))
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("share", [0.02, 0.1, 0.3, 0.5])
-def test_topology_is_exact_on_random_maps(share):
+def test_topology_is_exact_on_random_maps(share: float) -> None:
     rng = np.random.default_rng(int(1000 * share))
     for _ in range(75):
         occupied = rng.random(rng.integers(4, 70, 2)) < share
@@ -61,7 +61,7 @@ def test_topology_is_exact_on_random_maps(share):
 
 @settings(deadline=None, max_examples=150)
 @given(hnp.arrays(bool, st.tuples(st.integers(1, 9), st.integers(1, 9))))
-def test_topology_is_exact_on_the_nastiest_small_maps(occupied):
+def test_topology_is_exact_on_the_nastiest_small_maps(occupied) -> None:
     try:
         graph = voronoi_graph(grid_of(occupied), 0.0)
     except ValueError:
@@ -70,13 +70,13 @@ def test_topology_is_exact_on_the_nastiest_small_maps(occupied):
     assert_sound(graph)
 
 
-def test_a_skeleton_has_the_topology_of_what_was_thinned(library):
+def test_a_skeleton_has_the_topology_of_what_was_thinned(library) -> None:
     free = np.pad(~library.blocked, 1)
     distance = ndimage.distance_transform_edt(free).astype(np.float32)
     assert topology(thin(free, distance)) == topology(free)
 
 
-def test_a_corridors_graph_runs_in_its_middle():
+def test_a_corridors_graph_runs_in_its_middle() -> None:
     occupied = np.zeros((21, 200), dtype=bool)
     graph = voronoi_graph(grid_of(occupied), 0.1)
     (edge,) = [edge["points"] for _, _, edge in graph.graph.edges(data=True)]
@@ -84,7 +84,7 @@ def test_a_corridors_graph_runs_in_its_middle():
     assert np.ptp(edge[:, 0]) > 8.5
 
 
-def test_the_graph_is_centred_on_a_real_map(depot):
+def test_the_graph_is_centred_on_a_real_map(depot) -> None:
     """No step sideways of two cells leads to more room."""
     graph = voronoi_graph(depot, 0.25)
     best = ndimage.maximum_filter(graph.clearance, footprint=np.ones((3, 3)))
@@ -94,7 +94,7 @@ def test_the_graph_is_centred_on_a_real_map(depot):
     assert np.quantile(lost, 0.99) <= 1.5 * 0.05
 
 
-def test_an_edge_into_a_dead_end_room_is_kept_and_spurs_into_corners_are_not():
+def test_an_edge_into_a_dead_end_room_is_kept_and_spurs_into_corners_are_not() -> None:
     occupied = np.zeros((60, 120), dtype=bool)
     occupied[:, 58:62] = True
     occupied[25:35, 58:62] = False
@@ -106,14 +106,14 @@ def test_an_edge_into_a_dead_end_room_is_kept_and_spurs_into_corners_are_not():
     assert min(edge["clearance"] for edge in edges) > 0.1 + 2 * 0.05
 
 
-def test_unknown_cells_are_obstacles():
+def test_unknown_cells_are_obstacles() -> None:
     occupied = np.zeros((40, 40), dtype=bool)
     unknown = occupied.copy()
     unknown[18:22, 18:22] = True
     assert voronoi_graph(GridMap(occupied, unknown, 0.05, 0.0, 0.0), 0.1).cycles == 1
 
 
-def test_the_component_is_the_seeds_or_else_the_largest():
+def test_the_component_is_the_seeds_or_else_the_largest() -> None:
     occupied = np.zeros((30, 90), dtype=bool)
     occupied[:, 29] = True
     grid = grid_of(occupied)
@@ -123,12 +123,12 @@ def test_the_component_is_the_seeds_or_else_the_largest():
     assert np.array_equal(voronoi_graph(grid, 0.1, (1.43, 0.7)).free, seeded.free)
 
 
-def test_no_room_at_all_is_an_error():
+def test_no_room_at_all_is_an_error() -> None:
     with pytest.raises(ValueError, match="no free cell"):
         voronoi_graph(grid_of(np.zeros((8, 8), dtype=bool)), 1.0)
 
 
-def test_a_plain_loop_and_parallel_edges_are_kept():
+def test_a_plain_loop_and_parallel_edges_are_kept() -> None:
     occupied = np.zeros((40, 80), dtype=bool)
     occupied[15:25, 15:65] = True
     assert voronoi_graph(grid_of(occupied), 0.1).cycles == 1
@@ -138,7 +138,7 @@ def test_a_plain_loop_and_parallel_edges_are_kept():
     assert any(graph.graph.number_of_edges(a, b) > 1 for a, b in graph.graph.edges())
 
 
-def test_the_graph_is_the_same_each_time(depot):
+def test_the_graph_is_the_same_each_time(depot) -> None:
     one, two = (voronoi_graph(depot, 0.25) for _ in range(2))
     assert nx.utils.graphs_equal(
         nx.MultiGraph((a, b, k) for a, b, k in one.graph.edges(keys=True)),

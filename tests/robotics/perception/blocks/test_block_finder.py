@@ -161,7 +161,7 @@ def errors(paint: Painter, seen: View, blocks: list[Block], seed: int) -> tuple[
 
 @pytest.mark.parametrize("beside", [0.0, 0.02, 0.04, 0.06])
 @pytest.mark.parametrize("blocks", [alone, among_others])
-def test_middle_and_heading(paint, blocks: Callable[[View], list[Block]], beside: float):
+def test_middle_and_heading(paint: Painter, blocks: Callable[[View], list[Block]], beside: float) -> None:
     measured = []
     for seed in range(8):
         seen = view(seed, beside)
@@ -174,7 +174,7 @@ def test_middle_and_heading(paint, blocks: Callable[[View], list[Block]], beside
 
 @pytest.mark.parametrize("bearing", [0.0, math.pi])
 @pytest.mark.parametrize("seed", range(4))
-def test_from_far_beside(paint, bearing, seed):
+def test_from_far_beside(paint: Painter, bearing, seed: int) -> None:
     seen = view(seed, 0.09, bearing)
     middle, heading = errors(paint, seen, among_others(seen), seed)
     assert middle < 1.5e-4
@@ -182,14 +182,14 @@ def test_from_far_beside(paint, bearing, seed):
 
 
 @pytest.mark.parametrize("seed", range(8))
-def test_in_a_wall_three_edges_are_enough(paint, seed):
+def test_in_a_wall_three_edges_are_enough(paint: Painter, seed: int) -> None:
     seen = view(seed, 0.06, (-1) ** seed * math.pi / 2)
     middle, heading = errors(paint, seen, on_two(seen), seed)
     assert middle < 2e-4
     assert heading < 2e-3
 
 
-def test_in_a_wall_from_straight_above_its_ends_are_not_to_be_seen(paint):
+def test_in_a_wall_from_straight_above_its_ends_are_not_to_be_seen(paint: Painter) -> None:
     for seed in range(4):
         seen = view(seed, 0.0)
         image = paint(on_two(seen), seen.camera_T_plane, seed)
@@ -197,7 +197,7 @@ def test_in_a_wall_from_straight_above_its_ends_are_not_to_be_seen(paint):
 
 
 @pytest.mark.parametrize("seed", range(6))
-def test_with_a_camera_that_is_tilted(paint, seed):
+def test_with_a_camera_that_is_tilted(paint: Painter, seed: int) -> None:
     seen = view(seed, 0.03, tilt=0.12)
     middle, heading = errors(paint, seen, among_others(seen), seed)
     assert middle < 1.5e-4
@@ -205,7 +205,7 @@ def test_with_a_camera_that_is_tilted(paint, seed):
 
 
 @pytest.mark.parametrize(("size", "grey"), [((0.03, 0.06), 190), ((0.08, 0.025), 150), ((0.04, 0.04), 230)])
-def test_of_another_size_and_shade(paint, size, grey):
+def test_of_another_size_and_shade(paint: Painter, size, grey: int) -> None:
     seen = view(2, 0.03)
     image = paint([at(seen, 0.0, 0.0, size=size, grey=grey)], seen.camera_T_plane, 1)
     found = find_block(image, CAMERA, seen.camera_T_plane, size, seen.expected, WITHIN)
@@ -214,7 +214,7 @@ def test_of_another_size_and_shade(paint, size, grey):
     assert find_block(image, CAMERA, seen.camera_T_plane, SIZE, seen.expected, WITHIN) is None
 
 
-def test_the_nearest_of_two_that_are_near(paint):
+def test_the_nearest_of_two_that_are_near(paint: Painter) -> None:
     seen = view(3, 0.02)
     image = paint([at(seen, -0.018, 0.0), at(seen, 0.018, 0.0)], seen.camera_T_plane, 1)
     for x in (-0.018, 0.018):
@@ -256,21 +256,21 @@ OTHERS: dict[str, Callable[[View], list[Block]]] = {
 
 
 @pytest.mark.parametrize("name", OTHERS)
-def test_nothing_else_is_taken_for_it(paint, name):
+def test_nothing_else_is_taken_for_it(paint: Painter, name) -> None:
     for seed in range(6):
         seen = view(seed, 0.012 * seed)
         image = paint(OTHERS[name](seen), seen.camera_T_plane, seed)
         assert find_block(image, CAMERA, seen.camera_T_plane, SIZE, seen.expected, 0.012) is None
 
 
-def test_no_find_in_noise():
+def test_no_find_in_noise() -> None:
     rng = np.random.default_rng(1)
     for image in (np.zeros((480, 640)), rng.integers(0, 256, (480, 640)), np.full((480, 640), 255)):
         pose = looking(0.0, 0.0, 0.3)
         assert find_block(image.astype(np.uint8), CAMERA, pose, SIZE, Pose2(0.0, 0.0, 0.0), WITHIN) is None
 
 
-def test_only_near_the_expected_place_and_heading(paint):
+def test_only_near_the_expected_place_and_heading(paint: Painter) -> None:
     seen = view(4, 0.03)
     image = paint([Block(seen.block)], seen.camera_T_plane, 1)
 
@@ -284,20 +284,20 @@ def test_only_near_the_expected_place_and_heading(paint):
     assert not found(0.2, 0.0, 0.010)
 
 
-def test_half_out_of_view_is_not_found(paint):
+def test_half_out_of_view_is_not_found(paint: Painter) -> None:
     pose = looking(0.0, 0.0, 0.3)
     for x in (0.118, 0.125, 0.14):
         block = Pose2(x, 0.0, 0.1)
         assert find_block(paint([Block(block)], pose, 1), CAMERA, pose, SIZE, block, WITHIN) is None
 
 
-def test_a_plane_behind_the_camera_is_an_error():
+def test_a_plane_behind_the_camera_is_an_error() -> None:
     image = np.zeros((480, 640), dtype=np.uint8)
     with pytest.raises(ValueError, match="before the camera"):
         find_block(image, CAMERA, looking(0.0, 0.0, -0.3), SIZE, Pose2(0.0, 0.0, 0.0), WITHIN)
 
 
-def test_a_face_that_is_too_small_is_an_error():
+def test_a_face_that_is_too_small_is_an_error() -> None:
     image = np.zeros((480, 640), dtype=np.uint8)
     with pytest.raises(ValueError, match=r"0\.01 x 0\.08 m is too small; allowed: 0\.015 m or more"):
         find_block(image, CAMERA, looking(0.0, 0.0, 0.3), (0.01, 0.08), Pose2(0.0, 0.0, 0.0), WITHIN)

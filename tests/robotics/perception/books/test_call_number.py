@@ -3,7 +3,7 @@ import pytest
 from handcart.robotics.perception.books.call_number import CallNumber, edit_distance, parse, snap
 
 
-def test_text_is_parsed_and_written_back():
+def test_text_is_parsed_and_written_back() -> None:
     assert parse("512.7 NAG") == CallNumber("512", "7", "NAG")
     assert str(parse(" 512 . 7nag ")) == "512.7 NAG"
     assert str(parse("031 ABC")) == "031 ABC"
@@ -12,11 +12,11 @@ def test_text_is_parsed_and_written_back():
 @pytest.mark.parametrize(
     "text", ["", "512.7", "51.7 NAG", "512,7 NAG", "512.7 NAGAS", "5l2.7 NAG", "٥١٢ NAG"]
 )
-def test_other_text_is_no_call_number(text):
+def test_other_text_is_no_call_number(text: str) -> None:
     assert parse(text) is None
 
 
-def test_shelf_order_goes_digit_by_digit():
+def test_shelf_order_goes_digit_by_digit() -> None:
     texts = ["031 ABC", "512 ZZZ", "512.15 AAA", "512.15 AAB", "512.7 AAA", "513 AAA"]
     numbers = [parse(text) for text in texts]
     shuffled = [numbers[i] for i in (3, 0, 5, 2, 4, 1)]
@@ -25,7 +25,7 @@ def test_shelf_order_goes_digit_by_digit():
     assert parse("512.70 NAG") <= parse("512.7 NAG")
 
 
-def test_snapping_takes_the_nearest_and_refuses_ties():
+def test_snapping_takes_the_nearest_and_refuses_ties() -> None:
     catalogue = [parse(text) for text in ("512.7 NAG", "512.7 NAB", "633.1 TOL")]
     assert snap("633.1 T0L", catalogue) == catalogue[2]
     assert snap("512.7NAG", catalogue) == catalogue[0]
@@ -34,7 +34,7 @@ def test_snapping_takes_the_nearest_and_refuses_ties():
     assert snap("512.7 NAG", []) is None
 
 
-def test_edit_distance_is_capped():
+def test_edit_distance_is_capped() -> None:
     assert edit_distance("abc", "abd", 2) == 1
     assert edit_distance("abc", "bc", 2) == 1
     assert edit_distance("abc", "xyz", 1) == 2

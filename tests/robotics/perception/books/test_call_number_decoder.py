@@ -14,28 +14,28 @@ def _outputs(text, sure=0.98):
     return rows
 
 
-def test_a_clear_reading_is_taken_as_it_is():
+def test_a_clear_reading_is_taken_as_it_is() -> None:
     decoded = DECODER.decode(_outputs("5_112_..7_ NA_GG"))
     assert decoded.text == "512.7 NAG"
     assert decoded.confidence > 0.9
 
 
-def test_a_blank_tells_two_symbols_from_one():
+def test_a_blank_tells_two_symbols_from_one() -> None:
     assert DECODER.decode(_outputs("5_51 A_AB")).text == "551 AAB"
     assert DECODER.decode(_outputs("555_1_2 A_BBC")).text == "512 ABC"
 
 
-def test_place_decides_between_look_alikes():
+def test_place_decides_between_look_alikes() -> None:
     assert DECODER.decode(_outputs("5O2.l O1o")).text == "502.1 OIO"
 
 
-def test_other_text_is_not_bent_into_a_call_number():
+def test_other_text_is_not_bent_into_a_call_number() -> None:
     assert DECODER.decode(_outputs("RIVERS", 0.999)) is None
     assert DECODER.decode(_outputs("5中2 ABC", 0.999)) is None
     assert DECODER.decode(_outputs("512 AB")) is None
 
 
-def test_doubt_lowers_confidence():
+def test_doubt_lowers_confidence() -> None:
     outputs = _outputs("512 NAG")
     letter = outputs[6]
     letter[CHARACTERS.index("C")] = letter[CHARACTERS.index("G")]

@@ -46,7 +46,7 @@ def _lent_and_misplaced(seed):
     return _shelf([thing for _, thing in mixed]), numbers[wanted], 0.5 - sum(widths[:before])
 
 
-def test_the_right_gap_on_100_shelves_with_a_misplaced_book():
+def test_the_right_gap_on_100_shelves_with_a_misplaced_book() -> None:
     hits = naive = 0
     for seed in range(100):
         reading, wanted, place = _lent_and_misplaced(seed)
@@ -58,7 +58,7 @@ def test_the_right_gap_on_100_shelves_with_a_misplaced_book():
     assert naive < 85
 
 
-def test_a_misplaced_neighbour_beside_the_gap_fools_only_the_naive_search():
+def test_a_misplaced_neighbour_beside_the_gap_fools_only_the_naive_search() -> None:
     reading = _shelf(["510 AAA", "511 AAA", "899 ZZZ", 0.036, "513 AAA", "514 AAA"])
     found = find_gap(reading, parse("512 AAA"), 0.03)
     assert isinstance(found, GapFound)
@@ -68,12 +68,12 @@ def test_a_misplaced_neighbour_beside_the_gap_fools_only_the_naive_search():
     assert isinstance(find_gap(reading, parse("512 AAA"), 0.03, misplacement=False), NoGap)
 
 
-def test_unread_books_are_allowed():
+def test_unread_books_are_allowed() -> None:
     found = find_gap(_shelf(["511 AAA", None, 0.035, None, "513 AAA"]), parse("512 AAA"), 0.03)
     assert isinstance(found, GapFound)
 
 
-def test_of_two_slots_the_one_that_fits_best_is_taken():
+def test_of_two_slots_the_one_that_fits_best_is_taken() -> None:
     """An unread book stands between them."""
     for row in (["511 AAA", 0.039, None, 0.033, "513 AAA"], ["511 AAA", 0.033, None, 0.039, "513 AAA"]):
         found = find_gap(_shelf(row), parse("512 AAA"), 0.03)
@@ -93,13 +93,13 @@ def test_of_two_slots_the_one_that_fits_best_is_taken():
         ([], "no call number could be read"),
     ],
 )
-def test_no_gap_says_why(row, reason):
+def test_no_gap_says_why(row, reason: str) -> None:
     found = find_gap(_shelf(row), parse("512 AAA"), 0.03)
     assert isinstance(found, NoGap)
     assert reason in found.reason
 
 
-def test_longest_order_of_a_sequence():
+def test_longest_order_of_a_sequence() -> None:
     numbers = [parse(f"{n} AAA") for n in (3 * 100, 101, 102, 900, 103, 104)]
     assert [int(n.dewey) for n in ordered(numbers)] == [101, 102, 103, 104]
     assert ordered([]) == []

@@ -29,7 +29,7 @@ def _look(bookshelf, reader, books, y, seed, pose_error=0.0, mask=None):
     return find_spines(image, bookshelf.camera, believed, labels, mask), image, labels, believed
 
 
-def test_sides_of_spines_and_gaps_to_less_than_a_millimetre(bookshelf, reader):
+def test_sides_of_spines_and_gaps_to_less_than_a_millimetre(bookshelf, reader) -> None:
     books = bookshelf.row_of_books(TEXTS, 11, gaps={3: 0.032}, left=0.11)
     books = [book._replace(proud=0.0) for book in books]
     camera_T_shelf = bookshelf.looking_from(0.0, rpy=(0.02, 0.0, 0.0))
@@ -45,7 +45,7 @@ def test_sides_of_spines_and_gaps_to_less_than_a_millimetre(bookshelf, reader):
     assert tuple(view.gaps[0]) == pytest.approx((books[2].right, books[3].left), abs=0.0008)
 
 
-def test_a_held_book_hides_spines_but_makes_no_gap(bookshelf, reader):
+def test_a_held_book_hides_spines_but_makes_no_gap(bookshelf, reader) -> None:
     books = bookshelf.row_of_books(TEXTS, 12, left=0.11)
     mask = np.ones((480, 640), dtype=bool)
     mask[60:, 430:] = False
@@ -58,7 +58,7 @@ def test_a_held_book_hides_spines_but_makes_no_gap(bookshelf, reader):
     assert view.gaps == ()
 
 
-def test_views_with_wrong_poses_are_aligned_by_their_books(bookshelf, reader):
+def test_views_with_wrong_poses_are_aligned_by_their_books(bookshelf, reader) -> None:
     books = bookshelf.row_of_books(TEXTS, 13, gaps={2: 0.03, 5: 0.036}, left=0.14)
     errors = (0.004, -0.003, 0.002, -0.003)
     places = (0.07, 0.02, -0.03, -0.08)
@@ -79,14 +79,14 @@ def test_views_with_wrong_poses_are_aligned_by_their_books(bookshelf, reader):
     assert (str(found.before), str(found.after)) == (TEXTS[1], TEXTS[2])
 
 
-def test_fusing_outvotes_a_wrong_reading():
+def test_fusing_outvotes_a_wrong_reading() -> None:
     labels = [_label("512.7 NAG"), _label("512.7 NAC", 0.6), _label("512.7 NAG", 0.8)]
     assert fuse_labels(labels)[0] == parse("512.7 NAG")
     assert fuse_labels([_label("512.7 NAG"), _label("512.7 NAC")])[0] is None
     assert fuse_labels([_label("")]) == (None, 0.0)
 
 
-def test_without_fusing_the_first_view_counts():
+def test_without_fusing_the_first_view_counts() -> None:
     first = SpineView((Spine(0.05, 0.02, _label("512.7 NAC", 0.6)),), (), 0.0, 0.1, -0.1)
     more = SpineView((Spine(0.052, 0.022, _label("512.7 NAG")),), (), 0.0, 0.1, -0.1)
     raw = fuse_views([first, more, more], fuse=False)
@@ -95,14 +95,14 @@ def test_without_fusing_the_first_view_counts():
     assert [str(book.call_number) for book in fuse_views([first, more, more]).books] == ["512.7 NAG"]
 
 
-def test_a_labelled_spine_outweighs_a_gap_in_its_place():
+def test_a_labelled_spine_outweighs_a_gap_in_its_place() -> None:
     spine = SpineView((Spine(0.05, 0.02, _label("512.7 NAG")),), (), 0.1, 0.1, -0.1)
     shadow = SpineView((), (Gap(0.048, 0.024),), 0.035, 0.1, -0.1)
     assert fuse_views([spine, shadow]).gaps == ()
     assert fuse_views([]).books == ()
 
 
-def test_overlay_is_a_coloured_copy(bookshelf, reader):
+def test_overlay_is_a_coloured_copy(bookshelf, reader) -> None:
     books = bookshelf.row_of_books(TEXTS, 14, gaps={3: 0.03})
     view, image, labels, camera_T_shelf = _look(bookshelf, reader, books, 0.0, 14)
     before = image.copy()

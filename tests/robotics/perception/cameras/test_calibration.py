@@ -64,7 +64,7 @@ BOARDS = (
 
 
 @pytest.mark.parametrize("board", BOARDS, ids=lambda each: type(each).__name__)
-def test_corners_of_a_board_in_an_image(tabletop, board):
+def test_corners_of_a_board_in_an_image(tabletop, board) -> None:
     rng = np.random.default_rng(1)
     table = tabletop.table()
     tabletop.put(table, board.draw(), 0.0, 0.0)
@@ -80,7 +80,7 @@ def test_corners_of_a_board_in_an_image(tabletop, board):
     assert board.find(tabletop.photograph(tabletop.table(), facing(0.3), 1)) is None
 
 
-def test_a_chessboard_is_told_upside_down(tabletop):
+def test_a_chessboard_is_told_upside_down(tabletop) -> None:
     """Its black corner says which side is up, however the camera is turned."""
     board, table = Chessboard(7, 6, 0.02), tabletop.table()
     tabletop.put(table, board.draw(), 0.0, 0.0)
@@ -92,14 +92,14 @@ def test_a_chessboard_is_told_upside_down(tabletop):
         assert off < 5e-3
 
 
-def test_boards_that_no_tags_fit_are_refused():
+def test_boards_that_no_tags_fit_are_refused() -> None:
     with pytest.raises(ValueError, match="a tag of 25 mm doesn't fit a square of 20 mm"):
         CharucoBoard(tag=0.025)
     with pytest.raises(ValueError, match="needs 100 tags, the family 4x4_50 has 50"):
         CharucoBoard(20, 10, family="4x4_50")
 
 
-def test_camera_from_images(tabletop):
+def test_camera_from_images(tabletop) -> None:
     board, rng = CharucoBoard(), np.random.default_rng(2)
     table = tabletop.table()
     tabletop.put(table, board.draw(), 0.0, 0.0)
@@ -116,7 +116,7 @@ LENSES = ((-0.28, 0.09, 0.0, 0.0, 0.0), (-0.28, 0.09, 0.001, -0.002, 0.0), (-0.2
 
 
 @pytest.mark.parametrize("lens", LENSES)
-def test_camera_from_noisy_corners(tabletop, lens):
+def test_camera_from_noisy_corners(tabletop, lens) -> None:
     """As much of the lens is found as there is."""
     rng, distortion = np.random.default_rng(3), np.array(lens)
     camera = tabletop.camera._replace(distortion=distortion)
@@ -132,7 +132,7 @@ def test_camera_from_noisy_corners(tabletop, lens):
     assert (np.abs(measured - true)[known] / found.sigmas[known]).max() < 4.0
 
 
-def test_views_that_tell_too_little_of_a_camera(tabletop):
+def test_views_that_tell_too_little_of_a_camera(tabletop) -> None:
     camera, rng = tabletop.camera, np.random.default_rng(4)
     views = [view_of(camera, looking(rng, 0.4, 0.06), rng, 0.05) for _ in range(12)]
     with pytest.raises(ValueError, match="7 views of the board; at least 8"):
@@ -151,7 +151,7 @@ def test_views_that_tell_too_little_of_a_camera(tabletop):
 
 
 @pytest.mark.parametrize("method", METHODS)
-def test_each_closed_form_on_exact_poses(method):
+def test_each_closed_form_on_exact_poses(method) -> None:
     rng = np.random.default_rng(5)
     boards = [looking(rng, 0.4) for _ in range(10)]
     hands = [BASE_T_BOARD @ inverse(board) @ inverse(HAND_T_CAMERA) for board in boards]
@@ -166,7 +166,7 @@ def test_each_closed_form_on_exact_poses(method):
 @pytest.mark.parametrize(
     ("arm_error", "position", "angle"), [(0.0, 1e-4, 4e-4), (6e-5, 3e-4, 1e-3), (3e-4, 1e-3, 3e-3)]
 )
-def test_hand_eye_from_noisy_views(tabletop, arm_error, position, angle):
+def test_hand_eye_from_noisy_views(tabletop, arm_error: float, position: float, angle: float) -> None:
     z = []
     for seed in range(6):
         found = calibrate_hand_eye(hand_eye_views(tabletop.camera, seed, 15, arm_error), tabletop.camera)
@@ -181,7 +181,7 @@ def test_hand_eye_from_noisy_views(tabletop, arm_error, position, angle):
 
 
 @pytest.mark.slow
-def test_refined_beats_the_closed_forms_with_a_good_arm(tabletop):
+def test_refined_beats_the_closed_forms_with_a_good_arm(tabletop) -> None:
     refined, closed = [], []
     for seed in range(6):
         views = hand_eye_views(tabletop.camera, seed, 12, 0.0)
@@ -193,7 +193,7 @@ def test_refined_beats_the_closed_forms_with_a_good_arm(tabletop):
     assert np.mean(refined) < 0.6 * np.mean(closed)
 
 
-def test_views_that_tell_too_little_of_the_hand(tabletop):
+def test_views_that_tell_too_little_of_the_hand(tabletop) -> None:
     camera, rng = tabletop.camera, np.random.default_rng(6)
     views = hand_eye_views(camera, 1, 12, 0.0)
     with pytest.raises(ValueError, match="7 views of the board; at least 8"):
@@ -207,7 +207,7 @@ def test_views_that_tell_too_little_of_the_hand(tabletop):
         calibrate_hand_eye(one_axis, camera)
 
 
-def test_a_board_that_was_pushed_is_noticed(tabletop):
+def test_a_board_that_was_pushed_is_noticed(tabletop) -> None:
     views = hand_eye_views(tabletop.camera, 2, 12, 0.0)
     pushed = views[7].base_T_hand.copy()
     pushed[:3, 3] += (0.0, 0.02, 0.0)

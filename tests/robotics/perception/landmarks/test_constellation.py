@@ -42,7 +42,7 @@ def along(count, spacing=0.09, x=0.1):
 
 
 @pytest.mark.parametrize("shift", [-0.09, -0.05, 0.0, 0.05, 0.09])
-def test_a_row_whose_ends_are_seen_is_not_taken_for_one_shifted_by_one(shift):
+def test_a_row_whose_ends_are_seen_is_not_taken_for_one_shifted_by_one(shift: float) -> None:
     marks, base = row(5), Pose2(0.01, shift, 0.03)
     best, *others = rivals(look(marks, marks, base, along(9)))
     assert not others
@@ -50,7 +50,7 @@ def test_a_row_whose_ends_are_seen_is_not_taken_for_one_shifted_by_one(shift):
     assert best.marks == (0, 1, 2, 3, 4)
 
 
-def test_in_the_middle_of_a_long_row_it_is_said_that_it_may_be_shifted_by_one():
+def test_in_the_middle_of_a_long_row_it_is_said_that_it_may_be_shifted_by_one() -> None:
     marks = row(11)
     found = rivals(look(marks, marks, HERE, along(3)))
     shifts = sorted(round(each.planned_T_base.y, 3) for each in found)
@@ -58,13 +58,13 @@ def test_in_the_middle_of_a_long_row_it_is_said_that_it_may_be_shifted_by_one():
     assert {-0.09, 0.0, 0.09} <= set(shifts)
 
 
-def test_where_the_base_is_well_known_one_landmark_is_enough():
+def test_where_the_base_is_well_known_one_landmark_is_enough() -> None:
     marks = row(5)
     (best,) = rivals(look(marks, marks, HERE, [(0.1, 0.5)], SURE))
     assert best.marks == (2,)
 
 
-def test_a_base_that_was_moved_is_found_by_what_is_seen_or_it_is_said():
+def test_a_base_that_was_moved_is_found_by_what_is_seen_or_it_is_said() -> None:
     """One landmark further, one mark too many and one too few stand against what is believed."""
     marks = row(5)
     one, three = Pose2(0.0, 0.09, 0.0), Pose2(0.0, 0.27, 0.0)
@@ -74,7 +74,7 @@ def test_a_base_that_was_moved_is_found_by_what_is_seen_or_it_is_said():
 
 
 @pytest.mark.parametrize("missing", range(5))
-def test_with_a_landmark_missing_none_is_taken_for_another(missing):
+def test_with_a_landmark_missing_none_is_taken_for_another(missing: int) -> None:
     """Where an end of the row is missing, it may as well be the other one: that is said."""
     marks, base = row(5), Pose2(0.0, 0.02, 0.01)
     lying = [mark for i, mark in enumerate(marks) if i != missing]
@@ -84,7 +84,7 @@ def test_with_a_landmark_missing_none_is_taken_for_another(missing):
 
 
 @pytest.mark.parametrize("place", [(0.02, 0.45), (0.15, 0.61), (0.1, 0.815)])
-def test_one_mark_too_many_is_none_of_the_plan(place):
+def test_one_mark_too_many_is_none_of_the_plan(place) -> None:
     marks, base = [*row(5), Mark(KIND, Pose2(0.01, 0.55, 0.0))], Pose2(0.01, -0.03, 0.02)
     lying = [*marks, Mark(KIND, Pose2(*place, 0.0))]
     best, *others = rivals(look(marks, lying, base, [*along(9), *along(9, x=0.0)]))
@@ -93,14 +93,14 @@ def test_one_mark_too_many_is_none_of_the_plan(place):
     assert best.planned_T_base == pytest.approx(base, abs=1e-9)
 
 
-def test_one_mark_too_many_where_the_row_goes_on_is_said():
+def test_one_mark_too_many_where_the_row_goes_on_is_said() -> None:
     marks = row(4)
     lying = [*marks, Mark(KIND, Pose2(0.1, marks[-1].place.y + 0.09, 0.0))]
     assert len(rivals(look(marks, lying, HERE, along(9)))) > 1
     assert len(rivals(look(marks, lying, HERE, along(9), SURE))) == 1
 
 
-def test_landmarks_of_another_height_and_heading_tell():
+def test_landmarks_of_another_height_and_heading_tell() -> None:
     plain = row(3)
     low_and_high = [plain[0], plain[1]._replace(kind=HIGHER), plain[2]]
     turned = [mark._replace(place=mark.place._replace(theta=0.5 * i)) for i, mark in enumerate(plain)]
@@ -111,12 +111,12 @@ def test_landmarks_of_another_height_and_heading_tell():
         assert best.marks == (1,)
 
 
-def test_nothing_seen_explains_nothing():
+def test_nothing_seen_explains_nothing() -> None:
     marks = row(3)
     assert look(marks, marks, HERE, [(1.0, 1.0)]) == []
 
 
-def test_what_is_believed_is_true_on_plans_of_any_kind():
+def test_what_is_believed_is_true_on_plans_of_any_kind() -> None:
     """Rows and grids, exact or not; one covered, one too many, looked at in parts. A mark too many that is
     seen alone is taken for a landmark: nothing speaks against it."""
     rng, sure = np.random.default_rng(1), 0

@@ -43,7 +43,7 @@ def random_poses(offset: float, count: int, seed: int) -> list[Pose2]:
 
 
 @pytest.mark.parametrize(("offset", "limit"), [(0.0007, 2e-5), (0.03, 5e-5), (0.06, 1.3e-4)])
-def test_centre_and_angle(tabletop, offset, limit):
+def test_centre_and_angle(tabletop, offset: float, limit: float) -> None:
     measured = np.array(
         [errors(tabletop, pose, seed) for seed, pose in enumerate(random_poses(offset, 12, 1))]
     )
@@ -51,7 +51,7 @@ def test_centre_and_angle(tabletop, offset, limit):
     assert measured[:, 1].max() < 3e-4
 
 
-def test_without_the_lens_it_is_off_at_the_rim(tabletop):
+def test_without_the_lens_it_is_off_at_the_rim(tabletop) -> None:
     pose = Pose2(0.06, 0.0, 0.4)
     plain = tabletop.camera._replace(distortion=np.zeros(5))
     (seen,) = find_landmarks(seen_at(tabletop, pose, 1), plain)
@@ -59,7 +59,7 @@ def test_without_the_lens_it_is_off_at_the_rim(tabletop):
 
 
 @pytest.mark.parametrize("turn", np.linspace(-3.1, 3.1, 13))
-def test_direction_is_told_over_the_full_turn(tabletop, turn):
+def test_direction_is_told_over_the_full_turn(tabletop, turn) -> None:
     (seen,) = find_landmarks(seen_at(tabletop, Pose2(0.01, -0.01, turn), 3), tabletop.camera)
     assert planar_pose(seen, facing(HEIGHT)).theta == pytest.approx(turn, abs=1e-3)
     assert wrap(seen.angle + turn) == pytest.approx(0.0, abs=1e-3)
@@ -68,7 +68,7 @@ def test_direction_is_told_over_the_full_turn(tabletop, turn):
 
 @pytest.mark.parametrize("height", [0.17, 0.2, 0.4, 0.6, 0.8])
 @pytest.mark.parametrize("grey", [15, 90, 235])
-def test_found_near_and_far_on_any_table(tabletop, height, grey):
+def test_found_near_and_far_on_any_table(tabletop, height: float, grey: int) -> None:
     pose = Pose2(0.004, 0.002, 0.7)
     (seen,) = find_landmarks(seen_at(tabletop, pose, 4, height, grey), tabletop.camera)
     assert planar_pose(seen, facing(height)).distance(pose) < 1e-4
@@ -76,7 +76,7 @@ def test_found_near_and_far_on_any_table(tabletop, height, grey):
 
 
 @pytest.mark.parametrize("seed", range(6))
-def test_pose_in_space_and_on_a_tilted_plane(tabletop, seed):
+def test_pose_in_space_and_on_a_tilted_plane(tabletop, seed: int) -> None:
     rng = np.random.default_rng(seed)
     tilt = transform(rpy=(*rng.uniform(-0.25, 0.25, 2), 0.0))
     camera_T_plane = facing(HEIGHT) @ tilt
@@ -139,7 +139,7 @@ OTHERS = {
 
 
 @pytest.mark.parametrize("name", OTHERS)
-def test_another_mark_is_not_taken_for_it(tabletop, name):
+def test_another_mark_is_not_taken_for_it(tabletop, name) -> None:
     other = np.pad(OTHERS[name], 80, constant_values=PAPER)
     for seed, turn in enumerate((0.1, 2.0)):
         table = tabletop.table()
@@ -151,7 +151,7 @@ def test_another_mark_is_not_taken_for_it(tabletop, name):
         assert planar_pose(seen, camera_T_table) == pytest.approx((0.05, 0.0, 0.0), abs=1e-3)
 
 
-def test_no_tag_is_taken_for_it(tabletop):
+def test_no_tag_is_taken_for_it(tabletop) -> None:
     dictionary = cv2.aruco.getPredefinedDictionary(cv2.aruco.DICT_5X5_250)
     for first in range(0, 48, 9):
         table = tabletop.table(230)
@@ -161,7 +161,7 @@ def test_no_tag_is_taken_for_it(tabletop):
         assert find_landmarks(tabletop.photograph(table, facing(HEIGHT), first), tabletop.camera) == []
 
 
-def test_a_square_of_another_size_is_told_by_its_distance(tabletop):
+def test_a_square_of_another_size_is_told_by_its_distance(tabletop) -> None:
     table = tabletop.table()
     tabletop.put(table, draw_landmark(0.048), 0.0, 0.0)
     image = tabletop.photograph(table, facing(HEIGHT), 1)
@@ -170,7 +170,7 @@ def test_a_square_of_another_size_is_told_by_its_distance(tabletop):
     assert len(find_landmarks(image, tabletop.camera, 0.048, (0.27, 0.33))) == 1
 
 
-def test_two_of_them_come_in_order(tabletop):
+def test_two_of_them_come_in_order(tabletop) -> None:
     table = tabletop.table(seed=5)
     for x in (-0.06, 0.04):
         tabletop.put(table, draw_landmark(), x, 0.0)
@@ -178,7 +178,7 @@ def test_two_of_them_come_in_order(tabletop):
     assert [planar_pose(each, facing(HEIGHT)).x for each in seen] == pytest.approx([0.04, -0.06], abs=1e-4)
 
 
-def test_half_out_of_view_or_covered_is_not_seen(tabletop):
+def test_half_out_of_view_or_covered_is_not_seen(tabletop) -> None:
     assert find_landmarks(seen_at(tabletop, Pose2(0.1, 0.0, 0.2), 1), tabletop.camera) == []
     table = tabletop.table()
     tabletop.put(table, draw_landmark(), 0.0, 0.0)
@@ -187,7 +187,7 @@ def test_half_out_of_view_or_covered_is_not_seen(tabletop):
 
 
 @pytest.mark.parametrize("seed", range(4))
-def test_found_among_blocks(tabletop, seed):
+def test_found_among_blocks(tabletop, seed: int) -> None:
     rng = np.random.default_rng(seed)
     table = tabletop.table(seed=seed)
     for _ in range(14):
@@ -198,13 +198,13 @@ def test_found_among_blocks(tabletop, seed):
     assert planar_pose(seen, facing(HEIGHT)) == pytest.approx((0.02, 0.01, 0.0), abs=2e-4)
 
 
-def test_nothing_in_an_empty_or_noisy_image(tabletop):
+def test_nothing_in_an_empty_or_noisy_image(tabletop) -> None:
     rng = np.random.default_rng(1)
     for image in (np.zeros((480, 640)), rng.integers(0, 256, (480, 640)), np.full((480, 640), 255)):
         assert find_landmarks(image.astype(np.uint8), tabletop.camera) == []
 
 
-def test_any_image_size(tabletop):
+def test_any_image_size(tabletop) -> None:
     image = seen_at(tabletop, Pose2(0.0, 0.0, 0.3), 1)
     cut = tabletop.camera._replace(width=637, height=471)
     (whole,), (part,) = find_landmarks(image, tabletop.camera), find_landmarks(image[:471, :637].copy(), cut)
@@ -212,13 +212,13 @@ def test_any_image_size(tabletop):
     assert find_landmarks(image[:20, :20].copy(), cut) == []
 
 
-def test_a_plane_behind_the_camera_is_an_error(tabletop):
+def test_a_plane_behind_the_camera_is_an_error(tabletop) -> None:
     (seen,) = find_landmarks(seen_at(tabletop, Pose2(0.0, 0.0, 0.0), 1), tabletop.camera)
     with pytest.raises(ValueError, match="before the camera"):
         planar_pose(seen, facing(-0.3))
 
 
-def test_a_sheet_that_pixels_do_not_fit_is_an_error():
+def test_a_sheet_that_pixels_do_not_fit_is_an_error() -> None:
     with pytest.raises(ValueError, match="whole numbers of pixels"):
         draw_landmark(0.0601)
     sheet = draw_landmark()

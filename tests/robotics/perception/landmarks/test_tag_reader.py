@@ -23,13 +23,13 @@ def _scene(bookshelf, distance, seed, smear=False):
 
 
 @pytest.mark.parametrize("distance", [0.2, 0.25, 0.3, 0.34])
-def test_all_small_tags_in_view_are_read(bookshelf, distance):
+def test_all_small_tags_in_view_are_read(bookshelf, distance: float) -> None:
     image, _, visible = _scene(bookshelf, distance, seed=3)
     assert len(visible) >= 3
     assert sorted(tag.id for tag in read_tags(image)) == sorted(number for number, _ in visible)
 
 
-def test_smeared_and_half_covered_tags_are_no_tags(bookshelf):
+def test_smeared_and_half_covered_tags_are_no_tags(bookshelf) -> None:
     image, _, _ = _scene(bookshelf, 0.25, seed=4, smear=True)
     assert read_tags(image) == []
     image, _, _ = _scene(bookshelf, 0.25, seed=4)
@@ -39,7 +39,7 @@ def test_smeared_and_half_covered_tags_are_no_tags(bookshelf):
     assert read_tags(image) == []
 
 
-def test_a_region_gives_the_same_corners(bookshelf):
+def test_a_region_gives_the_same_corners(bookshelf) -> None:
     image, _, _ = _scene(bookshelf, 0.25, seed=5)
     tag = read_tags(image)[1]
     left, top = (tag.corners.min(axis=0) - 25).astype(int)
@@ -48,11 +48,11 @@ def test_a_region_gives_the_same_corners(bookshelf):
     assert inside[0].corners == pytest.approx(tag.corners, abs=0.2)
 
 
-def test_a_region_outside_the_image_is_empty(bookshelf):
+def test_a_region_outside_the_image_is_empty(bookshelf) -> None:
     assert read_tags(np.zeros((480, 640), dtype=np.uint8), Region(700, 10, 800, 90)) == []
 
 
-def test_pose_of_a_tag(bookshelf):
+def test_pose_of_a_tag(bookshelf) -> None:
     image, camera_T_shelf, visible = _scene(bookshelf, 0.22, seed=6)
     places = dict(visible)
     tags = read_tags(image)
@@ -65,7 +65,7 @@ def test_pose_of_a_tag(bookshelf):
 
 
 @pytest.mark.parametrize("region", [None, Region(40, 30, 220, 200)])
-def test_corners_are_where_black_ends_by_the_centres_of_pixels(region):
+def test_corners_are_where_black_ends_by_the_centres_of_pixels(region) -> None:
     """A whole number is a pixel's centre: a square from pixel 60 to 129 reaches from 59.5 to 129.5."""
     image = np.full((240, 320), 255, dtype=np.uint8)
     image[50:120, 60:130] = dictionary("5x5_250").generateImageMarker(7, 70)
