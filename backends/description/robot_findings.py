@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from importlib import import_module
 from typing import TYPE_CHECKING
 
 from handcart.backends.urdf.robot_parts import UrdfError
@@ -11,8 +10,8 @@ from handcart.files.suggest import listed, suggest
 from handcart.robotics.kinematics.urdf_assembly import link_names
 from handcart.robotics.kinematics.urdf_contents import joints_of
 from handcart.robotics.kinematics.urdf_tree import joint_leaders
+from handcart.tasks.domain import imported
 
-from .can_findings import can_findings, placed_axes
 from .ground_spec import OUTDOORS
 
 if TYPE_CHECKING:
@@ -25,6 +24,8 @@ if TYPE_CHECKING:
     from .joint_units import JointUnits
     from .robot_file import ArmSpec, RobotFile
 
+SECTIONS = {"can": "handcart.backends.can.devices.can_findings:can_findings"}
+"""Of a robot's file: what finds what is wrong in them, given the robot and the document, by import path."""
 FINGERS = ("left_finger", "right_finger")
 
 
@@ -45,38 +46,14 @@ def robot_findings(robot: RobotFile, document: Document) -> list[Finding]:
         *frames,
         *([] if frames else _box_findings(robot, document)),
         *_positioning_findings(robot, document),
-        *_bus_findings(robot, document),
-        *can_findings(robot, document),
-        *_eds_findings(robot, document),
+        *_section_findings(robot, document),
     ]
 
 
-def _eds_findings(robot: RobotFile, document: Document) -> list[Finding]:
-    """What is wrong in the EDS files of its drives, and what those drives lack."""
-    axes = () if robot.can is None else placed_axes(robot.can)
-    named = [(place, axis, robot.folder / axis.eds) for place, axis in axes if axis.eds is not None]
-    there = [each for each in named if each[2].is_file()]
-    if not there:
-        return []
-    look = import_module("handcart.backends.can.devices.eds_needs").eds_findings
-    wrong: set[Finding] = set()
-    for place, axis, path in there:
-        in_the_file, lacks = look(path, axis)
-        wrong.update(in_the_file)
-        wrong.update(document.finding(("can", *place), words) for words in lacks)
-    return sorted(wrong)
-
-
-def _bus_findings(robot: RobotFile, document: Document) -> list[Finding]:
-    """Whether the bus carries what goes over it each period."""
-    if robot.can is None:
-        return []
-    # By name: who reads a robot's file needn't know its buses.
-    load = import_module("handcart.backends.can.bus.cyclic_frames").bus_load(robot.can, robot.period_s)
-    if not load.too_much:
-        return []
-    wrong = f"cyclic frames take {load.share:.0%} of the bus at this bit rate and {robot.period_s} s a period"
-    return [document.finding(("can", "bitrate_kbit_s"), f"{wrong}; allowed: at most {load.ALLOWED:.0%}")]
+def _section_findings(robot: RobotFile, document: Document) -> list[Finding]:
+    """What is wrong in sections that single backends are for."""
+    there = [path for key, path in SECTIONS.items() if getattr(robot, key) is not None]
+    return [each for path in there for each in imported(path)(robot, document)]
 
 
 def _positioning_findings(robot: RobotFile, document: Document) -> list[Finding]:

@@ -15,14 +15,15 @@ from .scene import Scene
 
 
 def build_scene(robot: RobotFile, world: WorldFile, seed: int) -> Scene:
-    """The world at first: a person has put the robot there, and set up what domains have in it."""
+    """The world at first: a person has put the robot there, and set up what the file has of domains."""
     assert world.map is None, "load_world puts what the map shows among the furniture"
-    kinds = kinds_of_props()
-    specs = {
-        name: world if isinstance(world, kind.section) else kind.section() for name, kind in kinds.items()
+    kinds = {
+        name: kind
+        for name, kind in kinds_of_props().items()
+        if world.model_fields_set & kind.section.model_fields.keys()
     }
     room = [*room_of(world), *([THE_GROUND] if world.ground is not None else [])]
-    solids = {name: kind.solids(specs[name]) for name, kind in kinds.items()}
+    solids = {name: kind.solids(world) for name, kind in kinds.items()}
     boxes = (each for name, kind in kinds.items() if not kind.PAINTS_SOLIDS for each in solids[name])
     arm = None if robot.arm is None else robot.arm_model()
     joints = np.zeros(0) if robot.arm is None else np.array(robot.posture("home"))
@@ -31,7 +32,7 @@ def build_scene(robot: RobotFile, world: WorldFile, seed: int) -> Scene:
     scene = Scene(robot, arm, every, _start(robot, world, seed), joints, width, (*room, *boxes))
     scene.open_ground = world.ground is not None
     for name, kind in kinds.items():
-        props = scene.props[name] = kind(scene, specs[name], seed)
+        props = scene.props[name] = kind(scene, world, seed)
         props.set_up()
     return scene
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from typing import TYPE_CHECKING, ClassVar, Generic, TypeVar
+from typing import TYPE_CHECKING, ClassVar, Generic, Self, TypeVar, cast
 
 from handcart.backends.simulation.world.solids import Solid
 from handcart.backends.simulation.world.support import put_down, rest_of
@@ -37,6 +37,13 @@ class Props(SceneProps, Generic[S]):
     def __init__(self, scene: Scene, spec: S, seed: int) -> None:
         """In a scene whose robot stands at its start; `spec` has what the world's file says."""
         self.scene, self.spec, self.seed = scene, spec, seed
+
+    @classmethod
+    def none_in(cls, scene: Scene) -> Self:
+        """See `SceneProps`."""
+        props = cls(scene, cast(S, cls.section()), 0)
+        props.set_up()
+        return props
 
     @classmethod
     def solids(cls, spec: S) -> Sequence[Solid]:

@@ -125,11 +125,9 @@ class Scene:
         return self.world_T_base @ self.arm.forward(self.joints, frame)
 
     def of(self, kind: type[P]) -> P:
-        """What a domain has in it, by the class of its props; raises KeyError where it has none."""
-        for each in self.props.values():
-            if isinstance(each, kind):
-                return each
-        raise KeyError(f"no domain has {kind.__name__} in this world")
+        """What a domain has in it, by the class of its props; nothing where the world's file has none."""
+        found = next((each for each in self.props.values() if isinstance(each, kind)), None)
+        return kind.none_in(self) if found is None else found
 
     def things(self) -> list[Thing]:
         """All that hands can carry."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Iterable, Sequence
-from typing import ClassVar
+from typing import Any, ClassVar, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,6 +24,11 @@ class SceneProps(ABC):
 
     STATE: ClassVar[Kinds] = {}
     """Attributes that a checkpoint keeps, with their types: its things, and what else changes."""
+
+    @classmethod
+    @abstractmethod
+    def none_in(cls, scene: Any) -> Self:
+        """Of a `Scene` whose world's file has nothing of the domain."""
 
     def things(self) -> Iterable[Thing]:
         """What hands can carry, in an order that stays."""

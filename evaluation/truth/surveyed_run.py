@@ -10,6 +10,7 @@ from handcart.backends.description.robot_file import RobotFile
 from handcart.backends.robot.robot import Robot
 from handcart.networks.task.preparing import Prepared
 from handcart.primitives.knowledge.world_model import WorldModel
+from handcart.tasks.domain import Domain
 
 from .simulated_world import simulated_world
 
@@ -33,6 +34,11 @@ class SurveyedRun:
     """Names of the primitives that it may come to."""
     folder: Path | None = None
     """Where a survey may keep notes; None: nowhere."""
+
+    def concerns(self, domain: Domain) -> bool:
+        """Whether it has to do with a domain: does, knows or has in its world anything of it."""
+        there = self.scene is not None and domain.name in self.scene.props
+        return there or domain.name in self.model.sections or bool(self.does & domain.primitives.keys())
 
     @property
     def world(self) -> Scene:

@@ -36,17 +36,21 @@ class NoSurvey(InputError):
     """A domain names a survey that is none; nothing has moved."""
 
 
-@cache
-def survey_kinds() -> tuple[type[Survey], ...]:
-    """The general surveys, then those of all domains.
+def survey_kinds(run: SurveyedRun | None = None) -> tuple[type[Survey], ...]:
+    """The general surveys, then those of all domains; if a run is given, of those that it has to do with.
 
     Raises:
         NoSurvey: one of them can't be imported, or is no survey.
     """
-    named = [(domain.name, domain.survey) for domain in domains() if domain.survey is not None]
+    named = [
+        (domain.name, domain.survey)
+        for domain in domains()
+        if domain.survey is not None and (run is None or run.concerns(domain))
+    ]
     return (*GENERAL, *(_kind(name, path) for name, path in named))
 
 
+@cache
 def _kind(domain: str, path: str) -> type[Survey]:
     try:
         kind = imported(path)
@@ -68,7 +72,7 @@ class Surveys:
         """Those that raised, in words."""
         self._every: list[Survey] = []
         self._before: GroundTruth | None = None
-        for kind in survey_kinds():
+        for kind in survey_kinds(run):
             self._add(kind)
 
     def _add(self, kind: type[Survey]) -> None:

@@ -85,7 +85,7 @@ def also(monkeypatch: pytest.MonkeyPatch) -> Callable[[type[Survey]], None]:
     """Makes a survey one of those that are asked."""
 
     def add(kind: type[Survey]) -> None:
-        monkeypatch.setattr(surveys, "survey_kinds", lambda: (*surveys.GENERAL, kind))
+        monkeypatch.setattr(surveys, "survey_kinds", lambda run: (*surveys.GENERAL, kind))
 
     return add
 
@@ -131,7 +131,7 @@ def test_a_survey_that_is_none_is_named_before_anything_moves(monkeypatch: pytes
     ):
         monkeypatch.setattr(surveys, "domains", lambda path=path: (Domain("pond", survey=path),))
         with pytest.raises(surveys.NoSurvey, match=words):
-            surveys.survey_kinds.__wrapped__()
+            surveys.survey_kinds()
 
 
 def test_a_run_that_goes_on_takes_up_what_was_noted(prepared: Prepared, also: Any, tmp_path: Path) -> None:

@@ -91,7 +91,7 @@ def test_a_makers_file_is_read(
     handcart: Callable[..., Any], cart: Callable[..., Path], tmp_path: Path
 ) -> None:
     """What is wrong in it is told at its place there, with what is wrong in the robot's file."""
-    own = (CART.parents[1] / "can" / "drive.eds").read_text(encoding="utf-8")
+    own = (CART.parents[1] / "can" / "drives" / "drive.eds").read_text(encoding="utf-8")
     wheel = "{node: 1, counts_per_rev: 16384, gear_ratio: 20, sign: 1, eds: maker.eds}"
     robot = cart(left=wheel)
     assert "there is no file 'maker.eds'" in handcart("check", robot).err

@@ -1,28 +1,58 @@
-"""What is wrong between a robot's file and its section `can`."""
+"""What is wrong between a robot's file, its section `can`, and the files of its drives."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
+from handcart.backends.can.bus.cyclic_frames import bus_load
+
 if TYPE_CHECKING:
+    from handcart.backends.description.can_spec import AxisSpec, CanSpec, JointDriveSpec
+    from handcart.backends.description.robot_file import RobotFile
     from handcart.files.errors import Finding
     from handcart.files.yaml.yaml_document import Document
-
-    from .can_spec import AxisSpec, CanSpec, JointDriveSpec
-    from .robot_file import RobotFile
 
 Place = tuple[str | int, ...]
 _CYCLIC = ("csp", "csv")
 
 
 def can_findings(robot: RobotFile, document: Document) -> list[Finding]:
-    """Everything wrong, each at its place in the file."""
+    """Everything wrong, each at its place: in the robot's file, or in a drive's EDS file."""
     spec = robot.can
     if spec is None:
         return []
-    wrong = [*_nodes(spec), *_counts(robot, spec), *_periods(robot, spec), *_files(robot, spec)]
-    return [document.finding(("can", *place), words) for place, words in wrong]
+    own = (_load(robot, spec), _nodes(spec), _counts(robot, spec), _periods(robot, spec), _files(robot, spec))
+    found = [document.finding(("can", *place), words) for each in own for place, words in each]
+    return [*found, *_eds_findings(robot, spec, document)]
+
+
+def _load(robot: RobotFile, spec: CanSpec) -> Iterator[tuple[Place, str]]:
+    """Whether the bus carries what goes over it each period."""
+    load = bus_load(spec, robot.period_s)
+    if load.too_much:
+        words = (
+            f"cyclic frames take {load.share:.0%} of the bus at this bit rate and {robot.period_s} s a period"
+        )
+        yield ("bitrate_kbit_s",), f"{words}; allowed: at most {load.ALLOWED:.0%}"
+
+
+def _eds_findings(robot: RobotFile, spec: CanSpec, document: Document) -> list[Finding]:
+    """What is wrong in the EDS files of its drives, and what those drives lack."""
+    named = [
+        (place, axis, robot.folder / axis.eds) for place, axis in placed_axes(spec) if axis.eds is not None
+    ]
+    there = [each for each in named if each[2].is_file()]
+    if not there:
+        return []
+    from .eds_needs import eds_findings  # it reads with canopen, which takes a while to import
+
+    wrong: set[Finding] = set()
+    for place, axis, path in there:
+        in_the_file, lacks = eds_findings(path, axis)
+        wrong.update(in_the_file)
+        wrong.update(document.finding(("can", *place), words) for words in lacks)
+    return sorted(wrong)
 
 
 def _nodes(spec: CanSpec) -> Iterator[tuple[Place, str]]:
