@@ -20,7 +20,6 @@ from handcart.primitives.field.field_work import FieldWork
 from handcart.primitives.field.target import Laid
 from handcart.primitives.knowledge.world_model import WorldModel
 from handcart.robotics.geometry.pose2 import Pose2
-from handcart.robotics.navigation.outdoors.gps_filter import GpsFilter
 
 SHARE = 0.95
 CORNERS = 36  # of an ellipse
@@ -56,10 +55,9 @@ class AsLaid(NamedTuple):
 
 
 def as_laid(robot: Robot, model: WorldModel) -> list[AsLaid]:
-    """All sensors that were let go; smoothed where the robot's localiser can be, else as believed then."""
+    """All sensors that were let go; smoothed where its localization can be, else as believed then."""
     work = model.of(FieldWork)
-    outdoors = robot.outdoors
-    beliefs = outdoors.smoothed() if isinstance(outdoors, GpsFilter) else []
+    beliefs = robot.localization.smoothed()
     if len(beliefs) != len(work.laid):
         return [AsLaid(laid.name, np.array([laid.x, laid.y]), laid.spread) for laid in work.laid]
     return [

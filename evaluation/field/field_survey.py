@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from handcart.backends.capabilities.gps import Gps
+from handcart.backends.description.ground_spec import OUTDOORS
 from handcart.backends.robot.robot import Robot
 from handcart.backends.simulation.field.field_props import FieldProps
 from handcart.evaluation.truth.survey import Survey
@@ -198,7 +199,7 @@ class FieldSurvey(Survey):
         return x, y
 
     def _follow(self, robot: Robot) -> None:
-        if robot.outdoors is None:
+        if robot.spec.localiser not in OUTDOORS:
             return
         gps = robot.backend.get(Gps)  # type: ignore[type-abstract]
         fix = gps.fix() if gps is not None else None
@@ -207,7 +208,7 @@ class FieldSurvey(Survey):
         if self._scene.time >= self._next:
             self._next = self._scene.time + EVERY
             poses = {
-                "odometry": robot.outdoors.odometry.pose,
+                "odometry": robot.localization.odometry_pose,
                 "estimate": robot.pose,
                 "truth": self._scene.base,
             }

@@ -29,7 +29,7 @@ def _moved_to(survey: Survey, claim: Claim) -> list[str]:
     """What was claimed is within a tolerance by what measured it."""
     robot, place, model = survey.run.robot, claim.primitive.place, survey.run.model
     off, turned = arrival(survey.run, place)
-    sigma, heading_sigma = robot.pose_sigma
+    sigma, heading_sigma = robot.localization.sigma
     if not math.isfinite(sigma):
         return ["it isn't known where the base is"]
     claimed = _claimed(robot, place, model)

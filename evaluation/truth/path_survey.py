@@ -19,7 +19,7 @@ class PathSurvey(Survey):
     def __init__(self, run: SurveyedRun) -> None:
         """See `Survey`."""
         super().__init__(run)
-        self._at, self._driven = run.robot.reckoned, 0.0
+        self._at, self._driven = run.robot.localization.odometry_pose, 0.0
 
     @classmethod
     def applies(cls, run: SurveyedRun) -> bool:
@@ -28,8 +28,8 @@ class PathSurvey(Survey):
 
     def look(self, robot: Robot) -> None:
         """See `Survey`."""
-        self._driven += robot.reckoned.distance(self._at)
-        self._at = robot.reckoned
+        self._driven += robot.localization.odometry_pose.distance(self._at)
+        self._at = robot.localization.odometry_pose
 
     def notes(self) -> float:
         """See `Survey`."""

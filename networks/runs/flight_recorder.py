@@ -71,7 +71,7 @@ class FlightRecorder(RunObserver):
             self._rows.append(self._read(robot))
 
     def _read(self, robot: Robot) -> Row:
-        pose, sigma = robot.pose, robot.pose_sigma
+        pose, sigma = robot.pose, robot.localization.sigma
         row: Row = {
             "time_s": robot.time,
             "action": self._action,
@@ -81,7 +81,7 @@ class FlightRecorder(RunObserver):
             "heading_rad": pose.theta,
             "position_sigma_m": sigma[0],
             "heading_sigma_rad": sigma[1],
-            "scan_explained": robot.explained,
+            "scan_explained": robot.localization.explained,
         }
         if self._base is not None:
             row["wheel_left_m"], row["wheel_right_m"] = self._base.wheel_travel()

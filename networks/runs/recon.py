@@ -81,13 +81,13 @@ def reconnoitre(robot: Robot, past: Past) -> Recon:
         unknown.append("how the robot stood: the journal doesn't tell")
         return Recon(None, now, {}, {}, tuple(unknown), False, robot.spec.joint_units)
     found = residuals(expected, now, robot.spec.joint_units.slides)
-    if robot.dead_reckoned:
+    if robot.localization.dead_reckoned:
         found = {name: size for name, size in found.items() if name not in _BY_SCANS}
         unknown.append("where the base stands: only its wheels tell, and they were not heard meanwhile")
-    elif robot.lost:
+    elif robot.localization.lost:
         unknown.append("where the base stands: what it scans doesn't fit the map near where it was left")
     unknown.append("what stands around it that no sensor reads now")
-    allowed, sure = limits(robot, found), not robot.dead_reckoned
+    allowed, sure = limits(robot, found), not robot.localization.dead_reckoned
     return Recon(expected, now, found, allowed, tuple(unknown), sure, robot.spec.joint_units)
 
 

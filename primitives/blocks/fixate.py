@@ -59,7 +59,7 @@ class Fixate(ActionPrimitive):
         view = planned_view(robot, mark, planned)
         around = surroundings(robot, model)
         marks = building(model).landmarks
-        wanted = sought(self.landmark, marks, planned, robot.pose, robot.pose_covariance)
+        wanted = sought(self.landmark, marks, planned, robot.pose, robot.localization.covariance)
         found = yield from fixate(
             robot, view, wanted, self.rule, self.evidence, None, around, self.search, self.looks
         )
@@ -72,7 +72,7 @@ class Fixate(ActionPrimitive):
             moves=found.moves,
         )
         blocks.fixed = fixed_by(robot, self.landmark, place, planned, found)
-        robot.found_at(blocks.fixed.pose, blocks.fixed.sigma)
+        robot.localization.found_at(blocks.fixed.pose, blocks.fixed.sigma)
 
     def effect(self, robot: Robot, model: ModelView) -> Generator[None, None, bool]:
         """The base stands as it was found: its gyros, where it has some, have felt no turn since."""

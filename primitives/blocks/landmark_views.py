@@ -76,7 +76,7 @@ class LandmarkViews:
         self._last: list[_Seen] = []
         self._cameras: list[Transform] = []
         self._explained: list[Explanation] = []
-        self._pushes = robot.pushes
+        self._displaced = robot.localization.displacements
         self.frames = 0
 
     def look(self) -> Generator[None, None, None]:
@@ -85,8 +85,8 @@ class LandmarkViews:
         yield from settle(robot)
         yield
         image = robot.picture()
-        if robot.pushes != self._pushes:
-            self._seen, self._cameras, self._pushes = [], [], robot.pushes
+        if robot.localization.displacements != self._displaced:
+            self._seen, self._cameras, self._displaced = [], [], robot.localization.displacements
         camera = robot.base_T("hand") @ robot.camera.hand_T_camera
         self._last = self._found(image, camera)
         self._evidence.pictures["landmark"] = draw_overlay(

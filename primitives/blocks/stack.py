@@ -216,7 +216,11 @@ class Stack(ActionPrimitive):
         before = blocks.fixed
         known = None if before is None else before.pose.relative_to(planned)
         swing = _is_swing(robot, view.base_T_hand)
-        stands = (robot.pose, robot.pose_covariance) if before is None else (before.pose, before.covariance)
+        stands = (
+            (robot.pose, robot.localization.covariance)
+            if before is None
+            else (before.pose, before.covariance)
+        )
         wanted, looks = (
             sought(name, plan.landmarks, planned, *stands),
             SERVO_LOOKS if self.method == "servo" else 1,

@@ -53,7 +53,7 @@ def attempt(
     if primitive.only_knowledge:
         return (yield from _think(primitive, robot, view))
     primitive._intents = intents
-    pushes = robot.pushes
+    displaced = robot.localization.displacements
     try:
         while not intents.kept:
             yield
@@ -68,7 +68,7 @@ def attempt(
         robot.stop()
         primitive.evidence.causes.append(Cause("the robot doesn't come to rest before the start", "rest"))
         return GiveUp("the robot doesn't come to rest before the start")
-    if robot.pushes > pushes:
+    if robot.localization.displacements > displaced:
         robot.stop()
         primitive.evidence.causes.append(Cause(PUSHED, "push"))
         return GiveUp(PUSHED)
@@ -80,8 +80,8 @@ def attempt(
             raise Discrepancy("the robot doesn't come to rest", check="rest")
         if not (yield from _recorded(primitive.effect(robot, view), trace)):
             raise Discrepancy("success is not confirmed: what was to be achieved is not seen", check="effect")
-        robot.look_again()
-        if robot.pushes > pushes:
+        robot.localization.look_again()
+        if robot.localization.displacements > displaced:
             raise NeedsPerson(PUSHED, check="push")
         return Success(dict(primitive.facts))
     except NeedsPerson as need:
@@ -144,14 +144,14 @@ def _watched(
 ) -> Periods:
     """The motion, watched every period; taken down for the way back up to the point of no return."""
     trace.record()
-    following, pushes = Following(robot), robot.pushes
+    following, displaced = Following(robot), robot.localization.displacements
     for _ in periods:
         _alone(robot, primitive)
         yield
         if primitive._no_return is None:
             trace.record()
         following.check()
-        if robot.pushes > pushes:
+        if robot.localization.displacements > displaced:
             raise NeedsPerson(PUSHED, check="push")
         primitive.watch(robot, view)
 
@@ -212,12 +212,16 @@ def _look_again(
 
 
 def _within_time(way_back: Periods, robot: Robot, primitive: ActionPrimitive, view: ModelView) -> Periods:
-    end, following, pushes = robot.time + LONGEST_RESTORE, Following(robot), robot.pushes
+    end, following, displaced = (
+        robot.time + LONGEST_RESTORE,
+        Following(robot),
+        robot.localization.displacements,
+    )
     for _ in way_back:
         _alone(robot, primitive)
         yield
         following.check()
-        if robot.pushes > pushes:
+        if robot.localization.displacements > displaced:
             raise NeedsPerson(PUSHED, check="push")
         primitive.watch(robot, view)
         if robot.time > end:

@@ -101,7 +101,7 @@ class MoveTo(ActionPrimitive):
 
     def _follow(self, robot: Robot, model: ModelView, tracker: PathTracker | CarTracker) -> Periods:
         arm = self._arm(robot, model, lambda: tracker.remaining)
-        progress, since, rolled, driven, last = 0.0, robot.time, 0.0, 0.0, robot.reckoned
+        progress, since, rolled, driven, last = 0.0, robot.time, 0.0, 0.0, robot.localization.odometry_pose
         anew = 0
         while not tracker.finished(robot.pose):
             self._ahead = tracker.ahead
@@ -119,8 +119,8 @@ class MoveTo(ActionPrimitive):
             next(arm, None)
             yield
             rolled += abs(robot.driven[0]) * robot.period
-            driven += robot.reckoned.distance(last)
-            last = robot.reckoned
+            driven += robot.localization.odometry_pose.distance(last)
+            last = robot.localization.odometry_pose
             self.found(path_length_m=round(driven, 3))
         yield from arm
 
@@ -151,11 +151,14 @@ class MoveTo(ActionPrimitive):
 
     def watch(self, robot: Robot, model: ModelView) -> None:
         """Something unexpected in the way: hold, and after `wait_s` it is a Discrepancy."""
-        if robot.lost:
+        if robot.localization.lost:
             raise NeedsPerson(
                 "the robot doesn't know where it is: its scans fit the map nowhere near",
                 Measured(
-                    "RangeSensor", "share of the scan that the map explains", robot.explained, LEAST_INLIERS
+                    "RangeSensor",
+                    "share of the scan that the map explains",
+                    robot.localization.explained,
+                    LEAST_INLIERS,
                 ),
             )
         if self._lookout is None or len(self._ahead) < 2:

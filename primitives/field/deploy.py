@@ -89,7 +89,7 @@ class Deploy(ActionPrimitive):
         yield from self._lower(robot, arm, target)
         yield from self.intend("the fingers let the sensor go")
         self.point_of_no_return("the sensor is let go")
-        robot.note_place()
+        robot.localization.mark()
         work.laid = (*work.laid, self._laid(robot, arm))
         yield from open_to(robot, field.sensor_mm[1] / 1e3 + ROOM)
         if self.together and len(work.laid) < len(work.targets):
@@ -133,7 +133,7 @@ class Deploy(ActionPrimitive):
 
     def _lower(self, robot: Robot, arm: SensorArm, target: Target) -> Periods:
         """Down until the sensor stands on the ground."""
-        point = world_to_base(robot.pose, robot.tilt, np.array([target.x, target.y, 0.0]))
+        point = world_to_base(robot.pose, robot.localization.tilt, np.array([target.x, target.y, 0.0]))
         down = arm.scara.mount[2] - arm.below - float(point[2])
         if not 0.0 < down + UNEVEN / 2 <= arm.scara.slide[1]:
             low = Measured(
@@ -179,7 +179,7 @@ class Deploy(ActionPrimitive):
     def _laid(self, robot: Robot, arm: SensorArm) -> Laid:
         """What is believed of the sensor that is about to be let go."""
         foot = arm.scara.base_tip(robot.arm.joints()) - (0.0, 0.0, arm.below)
-        x, y, _ = base_to_world(robot.pose, robot.tilt, foot).tolist()
+        x, y, _ = base_to_world(robot.pose, robot.localization.tilt, foot).tolist()
         spread = _spread(robot, np.array([x - robot.pose.x, y - robot.pose.y]))
         covariance = (float(spread[0, 0]), float(spread[0, 1]), float(spread[1, 1]))
         self.found(laid_x_m=round(x, 3), laid_y_m=round(y, 3))
@@ -190,4 +190,4 @@ class Deploy(ActionPrimitive):
 def _spread(robot: Robot, away: Vector) -> Vector:
     """(2, 2) covariance in [m²] of a point that is `away` (2,) from the base in the field's axes, in [m]."""
     by_pose = np.array([[1.0, 0.0, -away[1]], [0.0, 1.0, away[0]]])
-    return np.asarray(by_pose @ robot.pose_covariance @ by_pose.T)
+    return np.asarray(by_pose @ robot.localization.covariance @ by_pose.T)

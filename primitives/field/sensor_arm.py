@@ -67,7 +67,9 @@ class SensorArm:
     def place_of(self, point: Vector) -> Vector:
         """Of a point (2,) of the ground in the field, in [m], by what is known now."""
         robot = self._robot
-        return self.place_beside(world_to_base(robot.pose, robot.tilt, np.array([*point, 0.0]))[:2])
+        return self.place_beside(
+            world_to_base(robot.pose, robot.localization.tilt, np.array([*point, 0.0]))[:2]
+        )
 
     def place_beside(self, point: Vector) -> Vector:
         """Of a point (2,) in the base frame, in [m]."""

@@ -25,8 +25,8 @@ SHORT = 0.10  # [m]: a way that is not worth driving back
 def car_retrace(robot: Robot, start: Snapshot, trace: Trace) -> Generator[None, None, None]:
     """Bring a car back to the snapshot the way it came, arm and gripper on the same time line.
 
-    It is steered by what doesn't jump (`Robot.reckoned`): over the length of an action that is the best that
-    is known, and whether it came back is measured afterwards.
+    It is steered by what doesn't jump (`Localization.odometry_pose`): over the length of an action that is
+    the best that is known, and whether it came back is measured afterwards.
     """
     for stretch in reversed(_stretches(trace.moments)):
         forward = _forward(stretch[0], stretch[-1])
@@ -47,7 +47,7 @@ def check_stands(robot: Robot, goal: Pose2) -> None:
 
 
 def _reckoned(moment: Moment) -> Pose2:
-    return moment.reckoned if moment.reckoned is not None else moment.pose
+    return moment.odometry_pose if moment.odometry_pose is not None else moment.pose
 
 
 def _forward(before: Moment, after: Moment) -> float:
@@ -80,8 +80,8 @@ def _drive_back(robot: Robot, stretch: Sequence[Moment], forwards: bool) -> Gene
             poses.append(_reckoned(now))
     sharpest = robot.spec.drive.sharpest_per_m
     tracker = CarTracker([(np.array(poses), forwards)], sharpest, robot.drive_limits)
-    while not tracker.finished(robot.reckoned):
-        robot.base.drive(*tracker.command(robot.reckoned, robot.period))
+    while not tracker.finished(robot.localization.odometry_pose):
+        robot.base.drive(*tracker.command(robot.localization.odometry_pose, robot.period))
         if left and along[-len(left)] <= tracker.progress and not moves_fingers(robot, left[-1]):
             renew_arm(robot, left.pop())
         yield

@@ -49,7 +49,7 @@ class Snapshot:
 
 def settle(robot: Robot) -> Generator[None, None, bool]:
     """Wait until nothing moves, and where the base stands is known; whether it came to rest in time."""
-    still, end, pushes = 0, robot.time + PATIENCE, robot.pushes
+    still, end, displaced = 0, robot.time + PATIENCE, robot.localization.displacements
     before = _readings(robot)
     while still < STILL and robot.time < end:
         yield
@@ -57,9 +57,9 @@ def settle(robot: Robot) -> Generator[None, None, bool]:
         still = still + 1 if np.all(np.abs(now - before) <= JOINT_NOISE) else 0
         before = now
         if still == STILL:
-            robot.look_again()
-        if robot.pushes > pushes:
-            pushes, still = robot.pushes, -KNOWN_AGAIN
+            robot.localization.look_again()
+        if robot.localization.displacements > displaced:
+            displaced, still = robot.localization.displacements, -KNOWN_AGAIN
     return still >= STILL
 
 
@@ -69,14 +69,14 @@ def take_snapshot(robot: Robot, seen: Seen) -> Snapshot:
     width = gripper.width() if gripper else 0.0
     return Snapshot(
         pose=robot.pose,
-        pose_sigma=robot.pose_sigma,
+        pose_sigma=robot.localization.sigma,
         joints=arm.joints().copy() if arm else np.empty(0),
         joint_command=arm.command().copy() if arm else np.empty(0),
         gripper_command=gripper.command() if gripper else 0.0,
         gripper_width=width,
         holding=bool(gripper and gripper.closed_on_something() and width > 0.002),
         seen=dict(seen),
-        dead_reckoned=robot.dead_reckoned,
+        dead_reckoned=robot.localization.dead_reckoned,
     )
 
 

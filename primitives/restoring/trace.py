@@ -22,8 +22,8 @@ class Moment(NamedTuple):
     """(n,) commanded, in [rad]; (0,) without an arm."""
     grip: float
     """Commanded opening, in [m]; 0 without a gripper."""
-    reckoned: Pose2 | None = None
-    """The base by what doesn't jump (`Robot.reckoned`)."""
+    odometry_pose: Pose2 | None = None
+    """The base by what doesn't jump (`Localization.odometry_pose`)."""
 
 
 class Trace:
@@ -39,4 +39,4 @@ class Trace:
         gripper = self._robot.backend.get(Gripper)  # type: ignore[type-abstract]
         joints = arm.command().copy() if arm else np.empty(0)
         grip = gripper.command() if gripper else 0.0
-        self.moments.append(Moment(self._robot.pose, joints, grip, self._robot.reckoned))
+        self.moments.append(Moment(self._robot.pose, joints, grip, self._robot.localization.odometry_pose))

@@ -125,7 +125,7 @@ class Track(ActionPrimitive):
 
 def _check_known(robot: Robot) -> None:
     """Raise `Discrepancy` where the positioning didn't tell well enough where the base stands."""
-    x, y, turn = np.sqrt(np.diag(robot.pose_covariance)).tolist()
+    x, y, turn = np.sqrt(np.diag(robot.localization.covariance)).tolist()
     off = SURE * math.hypot(x, y, REACH * turn)
     if off > MOST_OFF:
         told = Measured("Positioning", f"{SURE:g} sigma of the tool", 1e3 * off, 1e3 * MOST_OFF, "mm")

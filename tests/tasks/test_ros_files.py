@@ -69,7 +69,7 @@ def test_the_files_are_read(task: Path) -> None:
         model = prepared.model
         assert list(model.places) == ["home", "far"]
         assert model.map.unknown.sum() == 8 * 39  # the last row is wall
-        assert not prepared.robot.lost
+        assert not prepared.robot.localization.lost
         assert model.speed_limits is not None
         assert model.speed_limits.at(np.array([[3.0, 1.0], [1.0, 1.0]]), 1.0) == pytest.approx([0.2, 1.0])
 

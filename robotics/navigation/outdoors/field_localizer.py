@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.outdoors.gyro_odometry import Advance, GyroOdometry
+from handcart.robotics.navigation.outdoors.smoothing import Belief
 
 PERIOD = 0.1  # [s] of a filter's step; gyros and wheels are integrated with each reading
 Array = NDArray[np.float64]
@@ -25,6 +26,8 @@ class FieldLocalizer(ABC):
 
     STATE: ClassVar[Mapping[str, Any]] = {"_since": Pose2}
     """Attributes that change, besides the odometry's, with their types."""
+    TAKES_FIXES: ClassVar[bool] = True
+    """Whether satellites tell it anything."""
 
     def __init__(self, start: Pose2, euler: bool = True) -> None:
         """Start at a pose; for `euler` see `GyroOdometry`."""
@@ -67,6 +70,14 @@ class FieldLocalizer(ABC):
             return False
         self._flush()
         return self._fix(np.asarray(position, dtype=np.float64), sigma)
+
+    def mark(self) -> Belief | None:
+        """This moment is one of those that `smoothed` tells of."""
+        return None
+
+    def smoothed(self) -> list[Belief]:
+        """Where the robot was at the marked moments, by all readings so far; else nothing."""
+        return []
 
     def _flush(self) -> None:
         if self._odometry.pending > 0.0:

@@ -93,7 +93,7 @@ def test_a_base_that_was_shifted_while_it_drove_was_not_pushed_while_it_stood(
             robot.base.drive(speed, 0.0)
             robot.step()
         assert robot.pose.distance(scene.base) < 0.01
-        return robot.pushes
+        return robot.localization.displacements
 
     assert [shifted(0.1), shifted(0.0)] == [0, 1]
 

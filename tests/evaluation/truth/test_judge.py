@@ -144,7 +144,7 @@ def test_arrival_is_held_against_the_truth(claims: Claims) -> None:
     place = claims.prepared.model.places[claims.place].pose
     claims.start()
     claims.scene.move_base(place)
-    claims.robot.found_at(place, (0.001, 0.001))
+    claims.robot.localization.found_at(place, (0.001, 0.001))
     assert claims.end() == []
     claims.scene.move_base(place.compose(Pose2(0.0, 0.06, 0.03)))
     claims.judge.period(claims.robot)

@@ -134,7 +134,7 @@ def looked_at(stage, looks, at=lambda picture: None, name="stacking", aside=0.0)
     hand[1, 3] += aside
     view = planned_view(robot, mark, planned, hand)
     wanted = sought(
-        name, stage.model.of(Blocks).building.landmarks, planned, robot.pose, robot.pose_covariance
+        name, stage.model.of(Blocks).building.landmarks, planned, robot.pose, robot.localization.covariance
     )
     looking = fixate(robot, view, wanted, "residual", Evidence(), looks=looks)
     take, taken = robot.picture, []

@@ -201,7 +201,7 @@ def test_by_wheels_alone_a_long_way_is_no_sure_return(make_rig: Callable[..., An
     rig = make_rig()
     rig.robot = Robot(rig.robot.backend, rig.robot.spec, rig.robot.pose, None)
     outcome = rig.run(Wanders(far_mm=moved_mm))
-    assert rig.robot.dead_reckoned
+    assert rig.robot.localization.dead_reckoned
     unsure = outcome.residuals["base_unsure_mm"]
     assert unsure == pytest.approx(0.0, abs=1e-6) if moved_mm == 0.0 else unsure > 0.3
 

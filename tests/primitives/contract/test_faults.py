@@ -57,7 +57,7 @@ def test_a_base_whose_wheels_roll_as_it_is_pushed_is_noticed_too(aside_m: float,
         for _ in range(10):
             robot.base.drive(0.1, 0.0)
             robot.step()
-        assert robot.pushes == pushes
+        assert robot.localization.displacements == pushes
 
 
 @pytest.mark.parametrize("periods", [5, 60, FOR_GOOD])
@@ -70,8 +70,8 @@ def test_an_old_scan_is_not_taken_for_a_new_one(periods: int) -> None:
 def test_a_lost_robot_knows_nothing_of_its_pose() -> None:
     """S12: scans no longer fit."""
     _, underway = ended(Reach(ahead_m=0.4), 10, Fault(FaultKind.STALE, "range", FOR_GOOD))
-    assert underway.robot.lost
-    assert underway.robot.pose_sigma == (math.inf, math.inf)
+    assert underway.robot.localization.lost
+    assert underway.robot.localization.sigma == (math.inf, math.inf)
 
 
 @pytest.mark.parametrize("kind", [FaultKind.STUCK, FaultKind.STALE, FaultKind.NAN])

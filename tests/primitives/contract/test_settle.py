@@ -16,14 +16,15 @@ class Wheels:
     """A robot with nothing but wheels, that rolls, or is found elsewhere, as the test says."""
 
     def __init__(self, rolls: tuple[int, ...] = (), pushed: int = 0) -> None:
-        self.time, self.pushes, self.looks = 0.0, 0, 0
+        self.time, self.displacements, self.looks = 0.0, 0, 0
+        self.localization = self
         self._rolls, self._pushed, self._travel = rolls, pushed, 0.0
         self.base = SimpleNamespace(wheel_travel=lambda: (self._travel, self._travel))
         self.backend = SimpleNamespace(get=lambda _: None)
 
     def look_again(self) -> None:
         self.looks += 1
-        self.pushes += self.looks <= self._pushed
+        self.displacements += self.looks <= self._pushed
 
     def settled(self) -> tuple[bool, int]:
         """Whether it came to rest, and after how many periods."""

@@ -44,7 +44,8 @@ def lying(stage: Stage) -> Any:
 def test_a_sensor_is_laid_where_it_is_believed_to_be(stage: Stage, monkeypatch: pytest.MonkeyPatch) -> None:
     """Its ellipse is what the pose's errors make of it; where it lies no other is laid."""
     robot, noted, deploy = stage.robot, [], Deploy(target="here")
-    monkeypatch.setattr(robot, "note_place", lambda: noted.append((robot.pose, robot.pose_covariance)))
+    where = robot.localization
+    monkeypatch.setattr(where, "mark", lambda: noted.append((where.pose, where.covariance)))
     assert deploy.hindrance(robot, stage.model) == ""
     assert isinstance(stage.do(deploy), Success)
     assert deploy.hindrance(robot, stage.model) == "the sensor of target 'here' is laid already"

@@ -1,0 +1,1 @@
+"""Where a robot's base is, by whichever of its sensors tell."""

@@ -1,0 +1,183 @@
+"""Where the base is, by whichever of a robot's sensors tell: the face that `Robot` asks."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from typing import Any, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from handcart.backends.backend import Backend
+from handcart.backends.capabilities.base import Base, WheelTravel
+from handcart.backends.capabilities.range_sensor import RangeSensor
+from handcart.backends.plain_values import Kinds, attributes, set_attributes
+from handcart.backends.saved_state import NotAState
+from handcart.robotics.far import FarArray
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.navigation.localization.localizer import Localizer
+from handcart.robotics.navigation.outdoors.smoothing import Belief
+
+STILL_SCANS = 20  # periods at rest after which further scans tell nothing new
+LOOK_AGAIN = 10  # periods at rest between scans that tell whether somebody moved the base
+STALE = 1e-3  # [m], [rad] of motion in which a scan can't stay the same to the last bit
+
+
+class Localization(ABC):
+    """Estimates map_T_base once a period; it also finds out that somebody moved a base that stood."""
+
+    STATE: ClassVar[Kinds] = {
+        "displacements": int,
+        "travel": WheelTravel,
+        "still": int,
+        "_ranges": FarArray,
+        "_seen_at": WheelTravel,
+    }
+    """Attributes that a checkpoint keeps, with their types."""
+
+    def __init__(self, backend: Backend, wheels: Localizer) -> None:
+        """Of a robot that stands; `wheels` carries the pose on."""
+        self._wheels = wheels
+        self._range_sensor = backend.get(RangeSensor)  # type: ignore[type-abstract]
+        base = backend.get(Base)  # type: ignore[type-abstract]
+        assert base is not None, "a robot has wheels"
+        self._base = base
+        self.displacements = 0
+        """How often the base was found elsewhere than it stood."""
+        self.travel = base.wheel_travel()
+        """What the wheels have travelled."""
+        self.still = 0
+        """Periods for which the wheels haven't turned."""
+        self._ranges, self._seen_at = np.empty(0), self.travel
+
+    # What is estimated
+
+    @property
+    def pose(self) -> Pose2:
+        """map_T_base."""
+        return self._wheels.pose
+
+    @property
+    def odometry_pose(self) -> Pose2:
+        """The base by what doesn't jump, where anything does: then in a frame of its own; else `pose`."""
+        return self.pose
+
+    @property
+    def covariance(self) -> NDArray[np.float64]:
+        """(3, 3) of x, y in [m] and heading in [rad]."""
+        return self._wheels.covariance
+
+    @property
+    def sigma(self) -> tuple[float, float]:
+        """How well two poses that are both measured like this one can be compared, in [m] and [rad]."""
+        sigma = np.sqrt(np.diag(self.covariance))
+        return float(np.hypot(sigma[0], sigma[1])), float(sigma[2])
+
+    @property
+    def tilt(self) -> tuple[float, float]:
+        """Roll and pitch of the base in [rad]; zero where nothing tells."""
+        return 0.0, 0.0
+
+    @property
+    def lost(self) -> bool:
+        """Whether what is sensed no longer fits the map anywhere near."""
+        return False
+
+    @property
+    def explained(self) -> float:
+        """Share of the last scan's points that the map explains; NaN where no scan is compared with it."""
+        return float("nan")
+
+    @property
+    @abstractmethod
+    def dead_reckoned(self) -> bool:
+        """Whether nothing but the wheels, or gyros, tells how the base moves."""
+
+    # What happens
+
+    def update(self) -> None:
+        """A period has passed: take in what was sensed in it."""
+        travel = self._base.wheel_travel()
+        if not np.isfinite(travel).all():
+            travel = self.travel  # the next sound reading has it all
+        left, right = travel.left - self.travel.left, travel.right - self.travel.right
+        self.travel = travel
+        self._predict(left, right)
+        if left == right == 0.0:
+            self.still += 1
+        else:
+            self.look_again()  # a roll must not hide that the base no longer stood where it stood
+            self.still = 0
+        self._correct()
+
+    def look_again(self) -> None:
+        """At rest, see whether the base still stands where it stood; if not, find where."""
+        if self.still <= STILL_SCANS or self._range_sensor is None:
+            return
+        if self._wheels.find_again(self._fresh_points()):
+            self._displaced()
+
+    def found_at(self, pose: Pose2, sigma: tuple[float, float]) -> None:
+        """The base was measured to stand at map_T_base, with that sigma in [m] and in [rad]."""
+        variance = np.diag([sigma[0], sigma[0], sigma[1]]) ** 2
+        self._wheels.odometry.correct(pose, variance)
+
+    def mark(self) -> None:
+        """This moment is wanted when it is told, after the run, where the robot was."""
+
+    def smoothed(self) -> list[Belief]:
+        """Where the robot was at the marked moments, by all that was sensed before and after; empty if no
+        more is known now than it was then."""
+        return []
+
+    def _predict(self, left: float, right: float) -> None:
+        """The wheels travelled this far, in [m]."""
+        self._wheels.predict(left, right)
+
+    def _correct(self) -> None:
+        """Take in what else tells: scans, as long as they tell something new."""
+        if self._range_sensor is None:
+            return
+        if self.still <= STILL_SCANS:
+            self._wheels.correct(self._fresh_points())
+        elif self.still % LOOK_AGAIN == 0:
+            self.look_again()
+
+    def _displaced(self) -> None:
+        self.displacements += 1
+        self.still = 0
+
+    def _fresh_points(self) -> NDArray[np.float64]:
+        """(n, 2) in [m] of this period's scan; none if it is stale: the same although the wheels rolled."""
+        assert self._range_sensor is not None
+        scan = self._range_sensor.scan()
+        if not np.array_equal(scan.ranges, self._ranges):
+            self._ranges, self._seen_at = scan.ranges.copy(), self.travel
+        rolled = np.abs(np.subtract(self.travel, self._seen_at)).max()
+        return np.empty((0, 2)) if rolled > STALE else scan.points()
+
+    # For a checkpoint
+
+    def state(self) -> dict[str, Any]:
+        """What was estimated so far, as plain data."""
+        return {name: attributes(part, kinds) for name, (part, kinds) in self._parts().items()}
+
+    def set_state(self, state: object) -> None:
+        """Take over what `state` gave.
+
+        Raises:
+            NotAState: it is of something else.
+        """
+        parts = self._parts()
+        if not isinstance(state, dict) or state.keys() != parts.keys():
+            raise NotAState(f"no state of this localization; needed: {', '.join(parts)}")
+        for name, (part, kinds) in parts.items():
+            set_attributes(part, kinds, state[name])
+
+    def _parts(self) -> dict[str, tuple[object, Kinds]]:
+        """What changes in a run."""
+        return {
+            "localization": (self, self.STATE),
+            "wheels": (self._wheels, self._wheels.STATE),
+            "odometry": (self._wheels.odometry, self._wheels.odometry.STATE),
+        }

@@ -1,0 +1,50 @@
+"""Which localization a robot has, by what its file names and what its backend can do."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from handcart.backends.backend import Backend
+from handcart.backends.capabilities.positioning import Positioning
+from handcart.backends.capabilities.range_sensor import RangeSensor
+from handcart.backends.description.ground_spec import OUTDOORS
+from handcart.backends.description.robot_file import RobotFile
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.navigation.localization.localizer import OdometryLocalizer, ScanLocalizer
+from handcart.robotics.navigation.localization.positioning_localizer import PositioningLocalizer
+from handcart.robotics.navigation.localization.scan_matching import LikelihoodField
+from handcart.robotics.navigation.maps.grid_map import GridMap
+
+from .field_belief import field_localizer
+from .localization import Localization
+from .outdoor_localization import OutdoorLocalization
+from .positioning_localization import PositioningLocalization
+from .scan_localization import ScanLocalization
+from .wheel_localization import WheelLocalization
+
+START_SIGMA = np.diag([0.05**2, 0.05**2, 0.035**2])  # [m², rad²] of where a task says the robot starts
+
+
+def localization_of(backend: Backend, spec: RobotFile, start: Pose2, grid: GridMap | None) -> Localization:
+    """The one that the robot's file names; wheels alone where what that needs isn't there.
+
+    Args:
+        backend: of the robot, which stands.
+        spec: its file.
+        start: map_T_base as the task states it.
+        grid: what scans are compared with.
+    """
+    tread, positioning = spec.drive.tread_m, spec.positioning
+    if spec.localiser == "positioning" and positioning and backend.get(Positioning):  # type: ignore[type-abstract]
+        sigma = positioning.sigma_mm / 1e3, positioning.heading_sigma_mrad / 1e3
+        return PositioningLocalization(
+            backend, PositioningLocalizer(start, tread, sigma, covariance=START_SIGMA)
+        )
+    scans = grid is not None and backend.get(RangeSensor) is not None  # type: ignore[type-abstract]
+    field = LikelihoodField(grid) if grid is not None and scans else None
+    wheels = OdometryLocalizer(start, tread, covariance=START_SIGMA, field=field)
+    if spec.localiser in OUTDOORS:
+        return OutdoorLocalization(backend, wheels, field_localizer(spec, start, spec.antenna))
+    if spec.localiser == "odometry" or field is None:
+        return WheelLocalization(backend, wheels)
+    return ScanLocalization(backend, ScanLocalizer(field, start, tread, covariance=START_SIGMA))

@@ -1,0 +1,36 @@
+"""Where the base is, by its wheels and an indoor positioning system."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from handcart.backends.backend import Backend
+from handcart.backends.capabilities.positioning import Positioning
+from handcart.robotics.navigation.localization.positioning_localizer import PositioningLocalizer
+
+from .localization import Localization
+
+
+class PositioningLocalization(Localization):
+    """Wheels carry the pose on, readings correct it; a base that they find elsewhere at rest was moved."""
+
+    def __init__(self, backend: Backend, filtering: PositioningLocalizer) -> None:
+        """Of a robot that stands."""
+        super().__init__(backend, filtering)
+        self._filter, self._period = filtering, backend.period
+        positioning = backend.get(Positioning)  # type: ignore[type-abstract]
+        assert positioning is not None, "readings come from a positioning system"
+        self._positioning = positioning
+
+    @property
+    def dead_reckoned(self) -> bool:
+        """See `Localization`."""
+        return False
+
+    def _correct(self) -> None:
+        reading = self._positioning.reading()
+        if reading is None or not np.isfinite((*reading.pose, reading.age)).all():
+            return  # a broken one is no reading
+        periods = round(reading.age / self._period)
+        if self._filter.take(reading.number, reading.pose, periods) and self.still > periods:
+            self._displaced()
