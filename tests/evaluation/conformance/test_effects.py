@@ -108,7 +108,7 @@ def test_arrival_is_held_against_what_is_claimed(
     goal = Pose2(1.0, 2.0, 0.0)
     scene = SimpleNamespace(base=Pose2(1.0 + off, 2.0, 0.0))
     robot: Any = SimpleNamespace(
-        pose_sigma=(sigma, 0.001),
+        localization=SimpleNamespace(sigma=(sigma, 0.001)),
         spec=SimpleNamespace(drive=SimpleNamespace(kind=kind)),
     )
     model: Any = SimpleNamespace(places={"there": SimpleNamespace(pose=goal, docks=docks)})

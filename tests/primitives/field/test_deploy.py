@@ -78,7 +78,7 @@ def test_without_ground_below_it_the_sensor_is_not_let_go(
 def test_a_point_is_as_unsure_as_place_and_heading_of_the_base_make_it(away: tuple[float, float]) -> None:
     """Where the heading errs to the left, what lies ahead errs to the left, and what lies left backwards."""
     covariance = np.array([[4e-4, 1e-4, 2e-4], [1e-4, 9e-4, -3e-4], [2e-4, -3e-4, 4e-4]])
-    robot: Any = SimpleNamespace(pose_covariance=covariance)
+    robot: Any = SimpleNamespace(localization=SimpleNamespace(covariance=covariance))
     draws = np.random.default_rng(0).multivariate_normal(np.zeros(3), covariance, 40_000)
     places = np.array([Pose2(*each).apply(np.array([away]))[0] for each in draws.tolist()])
     expected = np.cov(places.T)
