@@ -6,7 +6,6 @@ from collections.abc import Callable, Collection
 from typing import NamedTuple
 
 import numpy as np
-import pinocchio as pin
 from numpy.typing import NDArray
 
 from handcart.backends.simulation.scene import Scene
@@ -14,8 +13,9 @@ from handcart.backends.simulation.world.thing import Rest
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import Transform, inverse
 from handcart.robotics.kinematics.arm_model import ArmModel
-from handcart.robotics.kinematics.coal_bodies import coal_body
 from handcart.robotics.kinematics.shapes import Box, Shape, radius_about, top
+
+from .rigid_body import RigidBody, overlap
 
 HELD = "load"
 FINGERS = ("left_finger", "right_finger")
@@ -23,8 +23,8 @@ _HANDS = (HELD, *FINGERS, "hand", "camera_body")
 _GIVE = 0.0005  # bodies that only touch count as free [m]
 
 Skip = Callable[[str, str], bool]
-Body = tuple[str, object, Transform, float]
-"""Name, coal's geometry, pose in the world, radius of the sphere about it."""
+Body = tuple[str, RigidBody, Transform, float]
+"""Name, geometry, pose in the world, radius of the sphere about it."""
 
 
 class Touch(NamedTuple):
@@ -45,7 +45,7 @@ class ArmContact:
     Where the base is moved, those of what is mounted above its body (tray, column) and of what stands on it
     as well. The arm against itself and its own base is not checked (a planner's task), the hand and what
     it holds against all that the arm doesn't move (base, tray, column) are. Spheres about the bodies sort out
-    what is far; coal measures the rest.
+    what is far.
     """
 
     def __init__(self, scene: Scene, arm: ArmModel) -> None:
@@ -57,7 +57,7 @@ class ArmContact:
         above = scene.robot.body_height + _GIVE
         self._mounted = [i for i in self._own if top(shapes[i]) > above and shapes[i].name != "base"]
         self._names = [shape.name for shape in shapes]
-        self._geometry = [coal_body(shape) for shape in shapes]
+        self._geometry = [RigidBody.of(shape) for shape in shapes]
         self._radius = np.array([radius_about(shape) for shape in shapes])
         out = [float(np.hypot(*shapes[i].pose[:2, 3]) + self._radius[i]) for i in self._mounted]
         self._mounted_reach = max(out, default=0.0)
@@ -112,7 +112,7 @@ class ArmContact:
         return [
             (
                 thing.name,
-                pin.coal.Box(*(np.array(thing.size) - _GIVE)),
+                RigidBody.box(np.array(thing.size) - _GIVE),
                 back @ thing.pose @ thing.thing_T_middle,
                 float(np.linalg.norm(thing.size)) / 2,
             )
@@ -174,7 +174,7 @@ class ArmContact:
             return None
         pose = world_T_base @ self._arm.forward(joints) @ self._scene.hand_T_held @ thing.thing_T_middle
         size = np.array(thing.size) - 2 * _GIVE
-        return HELD, pin.coal.Box(*size), pose, float(np.linalg.norm(size)) / 2
+        return HELD, RigidBody.box(size), pose, float(np.linalg.norm(size)) / 2
 
     def _against_world(self, bodies: list[Body], skip: Skip | None) -> Touch:
         centres = np.array([body[2][:3, 3] for body in bodies])
@@ -188,14 +188,14 @@ class ArmContact:
             name, geometry, pose, _ = bodies[g]
             if skip is not None and skip(name, self._boxes[n].name):
                 continue
-            depth = _overlap(geometry, pose, self._solids[n], self._boxes[n].pose)
+            depth = overlap(geometry, pose, self._solids[n], self._boxes[n].pose)
             if depth > worst.depth:
                 worst = Touch(depth, name, self._boxes[n].name)
         return worst
 
     def _against_robot(self, bodies: list[Body], poses: NDArray[np.float64]) -> Touch:
         hits = [
-            Touch(_overlap(geometry, pose, self._geometry[i], poses[i]), name, self._names[i])
+            Touch(overlap(geometry, pose, self._geometry[i], poses[i]), name, self._names[i])
             for name, geometry, pose, radius in bodies
             for i in self._own
             if np.linalg.norm(pose[:3, 3] - poses[i][:3, 3]) < radius + self._radius[i]
@@ -221,7 +221,7 @@ class ArmContact:
             thing.box() for thing in self._scene.things() if thing.rest not in (Rest.HAND, Rest.FLOOR)
         ]
         self._boxes = [*self._fixed, *standing]
-        self._solids = [pin.coal.Box(*(np.array(box.size) - _GIVE)) for box in self._boxes]
+        self._solids = [RigidBody.box(np.array(box.size) - _GIVE) for box in self._boxes]
         poses = np.array([box.pose for box in self._boxes]).reshape(-1, 4, 4)
         self._middle, self._turn = poses[:, :3, 3], poses[:, :3, :3]
         self._half = np.array([box.size for box in self._boxes]).reshape(-1, 3) / 2
@@ -236,15 +236,3 @@ def _still(arm: ArmModel, shapes: Collection[Shape]) -> set[str]:
     here = {s.name: s.pose for s in arm.link_shapes(0.5 * (arm.lower + arm.upper))}
     there = {s.name: s.pose for s in arm.link_shapes(0.5 * (arm.lower + arm.upper) + 0.1)}
     return {name for name, pose in here.items() if np.allclose(pose, there[name])}
-
-
-def _overlap(one: object, pose: Transform, other: object, other_pose: Transform) -> float:
-    request, result = pin.coal.CollisionRequest(), pin.coal.CollisionResult()
-    placed, placed_other = _placed(pose), _placed(other_pose)
-    if not pin.coal.collide(one, placed, other, placed_other, request, result):
-        return 0.0
-    return max(0.0, -float(result.getContact(0).penetration_depth))
-
-
-def _placed(pose: Transform) -> object:
-    return pin.coal.Transform3s(pose[:3, :3], pose[:3, 3])
