@@ -114,7 +114,7 @@ def distance_to_squares(blocked: Cells, points: NDArray[np.float64]) -> NDArray[
     most. Where too many centres are about as near, all squares are tried.
     """
     padded = np.pad(blocked, 1, constant_values=True)
-    cells = np.argwhere(padded & ~ndimage.binary_erosion(padded, border_value=1)) - 1.0
+    cells: NDArray[np.float64] = np.argwhere(padded & ~ndimage.binary_erosion(padded, border_value=1)) - 1.0
     if len(cells) == 0:
         return np.zeros(len(points))
     count = min(NEAREST, len(cells))
@@ -128,4 +128,5 @@ def distance_to_squares(blocked: Cells, points: NDArray[np.float64]) -> NDArray[
 
 
 def _to_squares(points: NDArray[np.float64], cells: NDArray[np.float64]) -> NDArray[np.float64]:
-    return np.asarray(np.hypot(*np.moveaxis(np.maximum(np.abs(points - cells) - 0.5, 0.0), -1, 0)))
+    away: NDArray[np.float64] = np.hypot(*np.moveaxis(np.maximum(np.abs(points - cells) - 0.5, 0.0), -1, 0))
+    return away

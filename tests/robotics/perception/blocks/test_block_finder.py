@@ -12,7 +12,7 @@ import pytest
 from numpy.typing import NDArray
 
 from handcart.robotics.geometry.pose2 import Pose2
-from handcart.robotics.geometry.transform import inverse, transform
+from handcart.robotics.geometry.transform import Transform, inverse, transform
 from handcart.robotics.perception.blocks.block_finder import TURN, find_block
 from handcart.robotics.perception.cameras.camera_model import CameraModel
 
@@ -90,7 +90,9 @@ def paint() -> Painter:
     return Painter()
 
 
-def looking(x: float, y: float, height: float, turn: float = 0.0, tilt: tuple[float, float] = (0.0, 0.0)):
+def looking(
+    x: float, y: float, height: float, turn: float = 0.0, tilt: tuple[float, float] = (0.0, 0.0)
+) -> Transform:
     """camera_T_plane of a camera at (x, y, height) of the plane that looks down."""
     return inverse(transform((x, y, height), (math.pi, 0.0, turn)) @ transform(rpy=(*tilt, 0.0)))
 
@@ -117,7 +119,13 @@ def view(seed: int, beside: float, bearing: float | None = None, tilt: float = 0
 
 
 def at(
-    seen: View, x: float, y: float, theta: float = 0.0, top: float = 0.0, size=SIZE, grey: int = GREY
+    seen: View,
+    x: float,
+    y: float,
+    theta: float = 0.0,
+    top: float = 0.0,
+    size: tuple[float, float] = SIZE,
+    grey: int = GREY,
 ) -> Block:
     """A block in the frame of the one that is looked for."""
     return Block(seen.block.compose(Pose2(x, y, theta)), top, size, grey)
@@ -174,7 +182,7 @@ def test_middle_and_heading(paint: Painter, blocks: Callable[[View], list[Block]
 
 @pytest.mark.parametrize("bearing", [0.0, math.pi])
 @pytest.mark.parametrize("seed", range(4))
-def test_from_far_beside(paint: Painter, bearing, seed: int) -> None:
+def test_from_far_beside(paint: Painter, bearing: float, seed: int) -> None:
     seen = view(seed, 0.09, bearing)
     middle, heading = errors(paint, seen, among_others(seen), seed)
     assert middle < 1.5e-4
@@ -205,7 +213,7 @@ def test_with_a_camera_that_is_tilted(paint: Painter, seed: int) -> None:
 
 
 @pytest.mark.parametrize(("size", "grey"), [((0.03, 0.06), 190), ((0.08, 0.025), 150), ((0.04, 0.04), 230)])
-def test_of_another_size_and_shade(paint: Painter, size, grey: int) -> None:
+def test_of_another_size_and_shade(paint: Painter, size: tuple[float, float], grey: int) -> None:
     seen = view(2, 0.03)
     image = paint([at(seen, 0.0, 0.0, size=size, grey=grey)], seen.camera_T_plane, 1)
     found = find_block(image, CAMERA, seen.camera_T_plane, size, seen.expected, WITHIN)
@@ -256,7 +264,7 @@ OTHERS: dict[str, Callable[[View], list[Block]]] = {
 
 
 @pytest.mark.parametrize("name", OTHERS)
-def test_nothing_else_is_taken_for_it(paint: Painter, name) -> None:
+def test_nothing_else_is_taken_for_it(paint: Painter, name: str) -> None:
     for seed in range(6):
         seen = view(seed, 0.012 * seed)
         image = paint(OTHERS[name](seen), seen.camera_T_plane, seed)

@@ -1,4 +1,7 @@
+from __future__ import annotations
+
 import numpy as np
+from numpy.typing import NDArray
 
 from handcart.robotics.perception.books.call_number_decoder import SYMBOLS, CallNumberDecoder
 
@@ -6,7 +9,7 @@ CHARACTERS = ["", *SYMBOLS, *"abcdefghijklmnopqrstuvwxyz", "中", " "]
 DECODER = CallNumberDecoder(CHARACTERS)
 
 
-def _outputs(text, sure=0.98):
+def _outputs(text: str, sure: float = 0.98) -> NDArray[np.float32]:
     """What a recogniser says that reads `text` with a blank ("_") between the symbols."""
     rows = np.full((len(text), len(CHARACTERS)), (1 - sure) / len(CHARACTERS), dtype=np.float32)
     for row, character in zip(rows, text, strict=True):

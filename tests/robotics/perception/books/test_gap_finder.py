@@ -1,3 +1,7 @@
+from __future__ import annotations
+
+from collections.abc import Sequence
+
 import numpy as np
 import pytest
 
@@ -7,7 +11,7 @@ from handcart.robotics.perception.books.shelf_views import ShelfBook, ShelfReadi
 from handcart.robotics.perception.books.spines import Gap
 
 
-def _shelf(row):
+def _shelf(row: Sequence[CallNumber | str | float | None]) -> ShelfReading:
     """A reading of a row, from left to right: call numbers, None (unread book), widths of gaps in [m]."""
     y, books, gaps = 0.5, [], []
     for thing in row:
@@ -21,7 +25,7 @@ def _shelf(row):
     return ShelfReading(tuple(books), tuple(gaps), ())
 
 
-def _lent_and_misplaced(seed):
+def _lent_and_misplaced(seed: int) -> tuple[ShelfReading, CallNumber, float]:
     """A shelf of 22 books less the wanted and two other lent ones, one book standing out of order.
 
     In half of the shelves it stands directly beside the wanted book's slot. Gives the reading, the wanted
@@ -93,7 +97,7 @@ def test_of_two_slots_the_one_that_fits_best_is_taken() -> None:
         ([], "no call number could be read"),
     ],
 )
-def test_no_gap_says_why(row, reason: str) -> None:
+def test_no_gap_says_why(row: list[str | float | None], reason: str) -> None:
     found = find_gap(_shelf(row), parse("512 AAA"), 0.03)
     assert isinstance(found, NoGap)
     assert reason in found.reason
