@@ -56,7 +56,11 @@ def test_set_points_that_are_taken_are_forgiven(
     plain = status.fget
     for number in range(12):
         lost = 0x1000 if number % 3 else 0
-        monkeypatch.setattr(ProfilePosition, "status", property(lambda self, bit=lost: plain(self) & ~bit))
+
+        def taken(self: ProfilePosition, bit: int = lost) -> Any:
+            return plain(self) & ~bit
+
+        monkeypatch.setattr(ProfilePosition, "status", property(taken))
         move(backend, 1)
 
 

@@ -23,7 +23,10 @@ def grid(*rows: str) -> GridMap:
 def cells(found: np.ndarray) -> list[list[float]]:
     """Middle column and row, yaw in degrees, length and width in cells."""
     middle = (found[:, :2] - (1.0, 2.0)) / CELL - 0.5
-    return np.column_stack([middle, np.degrees(found[:, 2]), found[:, 3:] / CELL]).round(6).tolist()
+    rows: list[list[float]] = (
+        np.column_stack([middle, np.degrees(found[:, 2]), found[:, 3:] / CELL]).round(6).tolist()
+    )
+    return rows
 
 
 def test_a_block_reaches_from_centre_to_centre_of_its_outermost_cells() -> None:

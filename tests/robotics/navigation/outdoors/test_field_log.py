@@ -3,14 +3,19 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from handcart.robotics.navigation.outdoors.field_course import ASIDE, Course, straight_course, zigzag_course
+from handcart.robotics.navigation.outdoors.field_course import (
+    ASIDE,
+    FieldCourse,
+    straight_course,
+    zigzag_course,
+)
 from handcart.robotics.navigation.outdoors.field_drive import PERIOD, FieldTimes
 from handcart.robotics.navigation.outdoors.field_log import record_course
 from handcart.robotics.navigation.outdoors.field_noise import REFERENCE
 
 
 @pytest.mark.parametrize("course", [straight_course(5), zigzag_course()])
-def test_the_base_stops_with_each_target_on_its_right(course: Course) -> None:
+def test_the_base_stops_with_each_target_on_its_right(course: FieldCourse) -> None:
     drive = record_course(course, REFERENCE, 3).drive
     x, y, heading = drive.poses[drive.placings].T
     tip = np.column_stack([x + ASIDE * np.sin(heading), y - ASIDE * np.cos(heading)])

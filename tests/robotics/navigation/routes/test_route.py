@@ -29,7 +29,8 @@ def shortfall(grid: GridMap, route: Route, rng: np.random.Generator, samples: in
 
 
 def random_cells(graph: VoronoiGraph, count: int, seed: int) -> list[tuple[np.ndarray, np.ndarray]]:
-    rng, cells, pairs = np.random.default_rng(seed), np.argwhere(graph.free), []
+    pairs: list[tuple[np.ndarray, np.ndarray]] = []
+    rng, cells = np.random.default_rng(seed), np.argwhere(graph.free)
     while len(pairs) < count:
         start, goal = cells[rng.integers(len(cells), size=2)]
         if np.hypot(*(goal - start)) * graph.map.resolution > 2.0:

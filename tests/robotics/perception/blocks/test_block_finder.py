@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import cv2
 import numpy as np
@@ -64,13 +64,16 @@ class Painter:
         for block in sorted(blocks, key=lambda b: (b.top, -math.hypot(b.pose.x - x, b.pose.y - y))):
             self._block(canvas, block, camera_T_plane)
         small = cv2.resize(canvas, self.ideal, interpolation=cv2.INTER_AREA)
-        image = cv2.remap(small, self._map, None, cv2.INTER_LINEAR).astype(np.float32)
+        none: Any = None
+        image: Any = cv2.remap(small, self._map, none, cv2.INTER_LINEAR).astype(np.float32)
         image = cv2.GaussianBlur(image, (0, 0), 0.7)
         rng = np.random.default_rng(seed)
         bearing = rng.uniform(-np.pi, np.pi)
         down, across = np.mgrid[-0.5:0.5:480j, -0.5:0.5:640j]
         image = image * (1.0 + 0.25 * (math.sin(bearing) * down + math.cos(bearing) * across))
-        return np.clip(np.rint(image + rng.normal(0.0, 3.0, image.shape)), 0, 255).astype(np.uint8)
+        image = np.rint(image + rng.normal(0.0, 3.0, image.shape))
+        taken: NDArray[np.uint8] = np.clip(image, 0, 255).astype(np.uint8)
+        return taken
 
     def _block(self, canvas: NDArray[np.uint8], block: Block, camera_T_plane: NDArray[np.float64]) -> None:
         camera_T_top = camera_T_plane @ block.pose.lift(block.top)
@@ -108,13 +111,15 @@ class View(NamedTuple):
 def view(seed: int, beside: float, bearing: float | None = None, tilt: float = 0.0) -> View:
     """The camera's axis is `beside` [m] off: in any direction, or at `bearing` [rad] of the block's frame."""
     rng = np.random.default_rng(seed)
-    block = Pose2(*rng.uniform(-0.5, 0.5, 2), rng.uniform(-np.pi, np.pi))
+    x, y = rng.uniform(-0.5, 0.5, 2)
+    block = Pose2(x, y, rng.uniform(-np.pi, np.pi))
     bearing = rng.uniform(-np.pi, np.pi) if bearing is None else bearing
     eye = block.compose(Pose2(beside * math.cos(bearing), beside * math.sin(bearing), 0.0))
     # The block lies towards the image's left or right, where there is most space.
     turn = block.theta + bearing + rng.uniform(-0.3, 0.3) + rng.integers(0, 2) * np.pi
     pose = looking(eye.x, eye.y, rng.uniform(0.27, 0.35), turn, tuple(rng.uniform(-tilt, tilt, 2)))
-    off = Pose2(*rng.uniform(-0.01, 0.01, 2), rng.uniform(-0.3, 0.3))
+    x, y = rng.uniform(-0.01, 0.01, 2)
+    off = Pose2(x, y, rng.uniform(-0.3, 0.3))
     return View(pose, block, block.compose(off))
 
 

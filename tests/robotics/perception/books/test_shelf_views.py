@@ -15,7 +15,7 @@ from handcart.robotics.perception.cameras.overlay import draw_overlay
 
 from ..conftest import Book, Bookshelf
 
-TEXTS = [f"51{i}.{3 * i + 1} {c}AB" for i, c in enumerate("KLMNPRST")]
+TEXTS: list[str] = [f"51{i}.{3 * i + 1} {c}AB" for i, c in enumerate("KLMNPRST")]
 
 
 def _label(text: str, confidence: float = 0.9) -> Label:
@@ -55,6 +55,7 @@ def test_sides_of_spines_and_gaps_to_less_than_a_millimetre(
     assert len(view.spines) >= 4
     for spine in view.spines:
         book = min(books, key=lambda b: abs(b.left + b.right - spine.left - spine.right))
+        assert spine.label is not None
         assert str(spine.label.call_number) == book.text
         assert (spine.left, spine.right) == pytest.approx((book.left, book.right), abs=0.0008)
     assert len(view.gaps) == 1
@@ -92,7 +93,9 @@ def test_views_with_wrong_poses_are_aligned_by_their_books(
     ]
     assert np.ptp(shifts) < 0.0025
     assert [gap.width for gap in reading.gaps] == pytest.approx([0.03, 0.036], abs=0.0015)
-    found = find_gap(reading, parse("511.5 AAA"), 0.024)
+    wanted = parse("511.5 AAA")
+    assert wanted is not None
+    found = find_gap(reading, wanted, 0.024)
     assert isinstance(found, GapFound)
     assert (str(found.before), str(found.after)) == (TEXTS[1], TEXTS[2])
 

@@ -142,12 +142,13 @@ def test_what_is_believed_is_true_on_plans_of_any_kind() -> None:
         step = rng.uniform(0.07, 0.12, 2)
         grid = [(0.1 + i * step[0], 0.5 + j * step[1]) for i in range(rng.integers(1, 3)) for j in range(5)]
         jitter = rng.choice([0.0, 0.015]) * rng.standard_normal((len(grid), 2))
-        marks = [Mark(KIND, Pose2(*at, 0.0)) for at in (np.array(grid) + jitter).tolist()]
+        marks = [Mark(KIND, Pose2(x, y, 0.0)) for x, y in (np.array(grid) + jitter).tolist()]
         lying = list(marks)
         if rng.random() < 0.3:
             del lying[rng.integers(len(lying))]
         if rng.random() < 0.3:
-            lying.append(Mark(KIND, Pose2(*rng.uniform((0.0, 0.4), (0.3, 1.0)), 0.0)))
+            x, y = rng.uniform((0.0, 0.4), (0.3, 1.0))
+            lying.append(Mark(KIND, Pose2(x, y, 0.0)))
         base = Pose2(*rng.normal(0.0, (0.05, 0.05, 0.035)))
         views = rng.uniform((0.05, 0.4), (0.25, 1.0), (rng.integers(1, 6), 2)).tolist()
         found = look(marks, lying, base, views, noise=rng)

@@ -87,7 +87,8 @@ def test_pose_in_space_and_on_a_tilted_plane(tabletop: Tabletop, seed: int) -> N
     rng = np.random.default_rng(seed)
     tilt = transform(rpy=(*rng.uniform(-0.25, 0.25, 2), 0.0))
     camera_T_plane = facing(HEIGHT) @ tilt
-    pose = Pose2(*rng.uniform(-0.01, 0.01, 2), rng.uniform(-3, 3))
+    x, y = rng.uniform(-0.01, 0.01, 2)
+    pose = Pose2(x, y, rng.uniform(-3, 3))
     table = tabletop.table(seed=seed)
     tabletop.put(table, draw_landmark(), 0.0, 0.0)
     image = tabletop.photograph(table, camera_T_plane @ pose.lift(), seed)

@@ -16,7 +16,7 @@ TAG_HEIGHT = HEIGHT - 0.014
 
 def _scene(
     bookshelf: Bookshelf, distance: float, seed: int, smear: bool = False
-) -> tuple[Any, Any, list[tuple[int | None, float]]]:
+) -> tuple[Any, Any, list[tuple[int, float]]]:
     books = bookshelf.row_of_books([None] * 6, seed)
     books = [b._replace(tag=37 * i + 5, height=HEIGHT, smear=smear, proud=0.0) for i, b in enumerate(books)]
     camera_T_shelf = bookshelf.looking_from(0.02, z=0.16, distance=distance, rpy=(0.03, -0.02, 0.03))
@@ -26,6 +26,7 @@ def _scene(
         ends = np.array([[y + 0.009, TAG_HEIGHT], [y - 0.009, TAG_HEIGHT]])
         columns = bookshelf.camera.plane_in_image(ends, camera_T_shelf)[:, 0]
         if columns.min() > 2 and columns.max() < 637:
+            assert book.tag is not None
             visible.append((book.tag, y))
     return bookshelf.render(books, camera_T_shelf, seed), camera_T_shelf, visible
 
