@@ -129,5 +129,4 @@ def distance_to_squares(blocked: Cells, points: NDArray[np.float64]) -> NDArray[
 
 
 def _to_squares(points: NDArray[np.float64], cells: NDArray[np.float64]) -> NDArray[np.float64]:
-    away: NDArray[np.float64] = np.hypot(*np.moveaxis(np.maximum(np.abs(points - cells) - 0.5, 0.0), -1, 0))
-    return away
+    return np.asarray(np.hypot(*np.moveaxis(np.maximum(np.abs(points - cells) - 0.5, 0.0), -1, 0)))

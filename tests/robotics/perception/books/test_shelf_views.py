@@ -15,7 +15,7 @@ from handcart.robotics.perception.cameras.overlay import draw_overlay
 
 from ..conftest import Book, Bookshelf
 
-TEXTS: list[str] = [f"51{i}.{3 * i + 1} {c}AB" for i, c in enumerate("KLMNPRST")]
+TEXTS = [f"51{i}.{3 * i + 1} {c}AB" for i, c in enumerate("KLMNPRST")]
 
 
 def _label(text: str, confidence: float = 0.9) -> Label:
