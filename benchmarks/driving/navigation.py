@@ -118,8 +118,8 @@ def route_rows(name: str, grid: GridMap, radius: float) -> list[Row]:
         ideal.append(np.array(length_and_room(graph, ideal_path(graph, pair))) / shortest)
     expected = topology(graph.free)
     build = median_ms(lambda: voronoi_graph(grid, radius), 7)
-    other = median_ms(lambda: skeletonize(graph.free), 3)
-    query = [median_ms(partial(plan_route, graph, *e), 1) for e in ends]
+    other = median_ms(lambda: skeletonize(graph.free), 3)  # type: ignore[no-untyped-call]
+    query = [median_ms(partial(plan_route, graph, start, goal), 1) for start, goal in ends]
     theta = [median_ms(partial(shortest_path, graph.free, *p), 1) for p in pairs[:20]]
     shape = f"{name} {grid.occupied.shape[1]}x{grid.occupied.shape[0]}, r {radius} m"
     a, b = np.mean(ours, axis=0), np.mean(ideal, axis=0)
@@ -158,7 +158,7 @@ def large_rows() -> list[Row]:
     graph = voronoi_graph(grid, 0.25)
     build = median_ms(lambda: voronoi_graph(grid, 0.25), 2) / 1e3
     ends = [[tuple(p) for p in grid.to_point(pair).tolist()] for pair in free_pairs(graph, 30, 1)]
-    query = [median_ms(partial(plan_route, graph, *e), 1) for e in ends]
+    query = [median_ms(partial(plan_route, graph, start, goal), 1) for start, goal in ends]
     equal = (graph.components, graph.cycles) == topology(graph.free)
     return [
         Row(

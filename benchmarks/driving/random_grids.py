@@ -114,12 +114,13 @@ def distance_to_squares(blocked: Cells, points: NDArray[np.float64]) -> NDArray[
     most. Where too many centres are about as near, all squares are tried.
     """
     padded = np.pad(blocked, 1, constant_values=True)
-    cells = np.argwhere(padded & ~ndimage.binary_erosion(padded, border_value=1)) - 1.0
+    rim = np.argwhere(padded & ~ndimage.binary_erosion(padded, border_value=1))
+    cells: NDArray[np.float64] = rim.astype(np.float64) - 1.0
     if len(cells) == 0:
         return np.zeros(len(points))
     count = min(NEAREST, len(cells))
     away, index = cKDTree(cells).query(points, k=np.arange(1, count + 1))
-    found = _to_squares(points[:, None], cells[index]).min(axis=1)
+    found: NDArray[np.float64] = _to_squares(points[:, None], cells[index]).min(axis=1)
     for i in np.flatnonzero((away[:, -1] < away[:, 0] + DIAGONAL) & (count < len(cells))):
         found[i] = _to_squares(points[i], cells).min()
     own = np.floor(points + 1.5).astype(np.int64)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import Enum
-from typing import Annotated, ClassVar, NamedTuple, TypeVar
+from typing import Annotated, Any, ClassVar, NamedTuple, TypeVar
 
 import numpy as np
 import pytest
@@ -122,7 +122,7 @@ def test_an_object_gets_back_what_it_had() -> None:
         ("last", 0, "no list"),
     ],
 )
-def test_anything_else_is_refused_with_its_name(name: str, value, words: str) -> None:
+def test_anything_else_is_refused_with_its_name(name: str, value: Any, words: str) -> None:
     data = {**attributes(full(), Part.STATE), name: value}
     with pytest.raises(NotAState, match=words):
         set_attributes(Part(), Part.STATE, data)
@@ -130,6 +130,7 @@ def test_anything_else_is_refused_with_its_name(name: str, value, words: str) ->
 
 def test_missing_and_unknown_attributes() -> None:
     data = attributes(full(), Part.STATE)
+    wrong: Any
     for wrong in ({**data, "more": 1}, {k: v for k, v in data.items() if k != "made"}, [], None):
         with pytest.raises(NotAState, match="no state of a Part"):
             set_attributes(Part(), Part.STATE, wrong)
@@ -143,11 +144,11 @@ def test_beyond_all_sense() -> None:
 
 
 @pytest.mark.parametrize("kind", [ParticleFilter, GpsFilter])
-def test_a_filter_goes_on_as_the_one_that_was_kept(kind) -> None:
+def test_a_filter_goes_on_as_the_one_that_was_kept(kind: type[ParticleFilter] | type[GpsFilter]) -> None:
     """Its random numbers, what it doubts and what it looks back on included."""
     rng = np.random.default_rng(3)
 
-    def drive(localizer, seed):
+    def drive(localizer: ParticleFilter | GpsFilter, seed: int) -> Pose2:
         noise = np.random.default_rng(seed)
         for period in range(60):
             rates, felt = np.array([0.0, 0.0, 0.1]), np.array([0.0, 0.0, 9.81])

@@ -1,10 +1,12 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 from handcart.backends.backend import Backend
+from handcart.backends.description.robot_file import RobotFile
 from handcart.backends.description.robot_loading import load_robot
 from handcart.backends.kinematic.kinematic_backend import KinematicBackend
 from handcart.backends.registry import UnknownBackend, backend_names, make_backend
@@ -33,15 +35,16 @@ def test_a_backend_that_reads_files_itself_gets_one_for_a_map(monkeypatch: pytes
 
     class Reads(KinematicBackend):
         @classmethod
-        def read_world(cls, path, start):
+        def read_world(cls, path: Path, start: Pose2) -> Any:
             return None
 
         @classmethod
-        def build(cls, robot, world, seed):
+        def build(cls, robot: RobotFile, world: Any, seed: int) -> Any:
             assert load_world(world).start.x_m == 1.5
             return super().build(robot, world, seed)
 
     monkeypatch.setattr("handcart.backends.registry.backend_class", lambda name: Reads)
     chart = Path(__file__).parents[2] / "tasks" / "drive_map" / "map.yaml"
+    backend: Any
     with make_backend("reads", load_robot("librarian"), chart, 0, Pose2(1.5, 1.0, 0.0)) as backend:
         assert len(backend.scene.solids) > 3

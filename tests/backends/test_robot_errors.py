@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import shutil
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -44,6 +45,8 @@ def test_errors_that_stand_beside_none_count_as_zero() -> None:
 @pytest.mark.slow
 def test_a_robot_without_errors_stands_where_its_world_puts_it_and_reads_the_truth(ideal: RobotFile) -> None:
     for robot in (ideal, load_robot("librarian").without_errors()):
+        backend: Any
+        other: Any
         with make_backend("kinematic", robot, WORLD, 7) as backend:
             backend.step()
             _, arm, gripper, *_, ranges = backend.capabilities()
@@ -72,7 +75,7 @@ def test_a_robot_without_errors_stands_where_its_world_puts_it_and_reads_the_tru
         ("uncalibrated", {"errors.camera_mount_mm", "errors.camera_mount_mrad", "errors.focal_percent"}),
     ],
 )
-def test_variants_of_a_robot_differ_in_what_they_say_alone(variant: str, differs) -> None:
+def test_variants_of_a_robot_differ_in_what_they_say_alone(variant: str, differs: set[str]) -> None:
     """`toyama/uncalibrated` doesn't know how its base gives, either."""
     plain, other = (load_robot(name).model_dump() for name in ("toyama", f"toyama/{variant}"))
     found = {

@@ -3,17 +3,22 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 import pytest
 
 from handcart.backends.saved_state import NotAState, pack, unpack
 
-STATE = {
+STATE: dict[str, Any] = {
     "numbers": [1, -2.5, True, None, 2**100, math.inf],
     "words": "naïve",
     "bytes": b"\0\xff",
-    "arrays": {"poses": np.arange(6.0).reshape(2, 3), "none": np.empty((0, 2)), "grey": np.uint8([[7]])},
+    "arrays": {
+        "poses": np.arange(6.0).reshape(2, 3),
+        "none": np.empty((0, 2)),
+        "grey": np.array([[7]], np.uint8),
+    },
 }
 PICKLES = (
     b"cposix\nsystem\n(Vtrue\ntR.",
@@ -57,7 +62,9 @@ def test_truncated_anywhere() -> None:
 @pytest.mark.parametrize(
     "content", [*PICKLES, b"", b"nonsense", b"handcart-state/2 " + b"0" * 64 + b"\n2\n{}"]
 )
-def test_what_is_no_state_is_refused_and_runs_nothing(content, capsys: pytest.CaptureFixture[str]) -> None:
+def test_what_is_no_state_is_refused_and_runs_nothing(
+    content: bytes, capsys: pytest.CaptureFixture[str]
+) -> None:
     with pytest.raises(NotAState, match="no saved state"):
         unpack(content)
     assert capsys.readouterr().out == ""
@@ -67,7 +74,7 @@ def test_what_is_no_state_is_refused_and_runs_nothing(content, capsys: pytest.Ca
     "value",
     [object(), print, {1: 2}, {"$array": 1}, np.array([object()]), np.array(["x"]), 1j, {"a": {2}}],
 )
-def test_what_is_no_plain_data_is_not_kept(value) -> None:
+def test_what_is_no_plain_data_is_not_kept(value: object) -> None:
     with pytest.raises(TypeError):
         pack({"value": value})
 
@@ -99,6 +106,6 @@ def sealed(text: bytes, blobs: bytes = b"") -> bytes:
         (b"1", b"left over"),
     ],
 )
-def test_right_checksums_about_nonsense(text, blobs) -> None:
+def test_right_checksums_about_nonsense(text: bytes, blobs: bytes) -> None:
     with pytest.raises(NotAState, match="no saved state"):
         unpack(sealed(text, blobs))

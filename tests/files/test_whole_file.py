@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import stat
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -23,12 +24,12 @@ def test_a_file_is_replaced_and_keeps_its_mode(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("error", [OSError(28, "full"), KeyboardInterrupt()])
 def test_what_breaks_off_leaves_the_old_content_and_nothing_else(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, error
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, error: BaseException
 ) -> None:
     path = tmp_path / "note.txt"
     path.write_text("old")
 
-    def fails(_file) -> None:
+    def fails(_file: int) -> None:
         raise error
 
     monkeypatch.setattr(os, "fsync", fails)
@@ -50,7 +51,7 @@ def test_a_link_is_replaced_and_never_followed(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("make", [os.mkfifo, os.mkdir])
-def test_what_is_no_file_stays(tmp_path: Path, make) -> None:
+def test_what_is_no_file_stays(tmp_path: Path, make: Callable[[Path], None]) -> None:
     path = tmp_path / "thing"
     make(path)
     with pytest.raises(OSError, match="no regular file"):

@@ -1,7 +1,11 @@
 """XML as strangers write it: refused in words, at its line (rows T1, T2, T3, T4, T14)."""
 
+from __future__ import annotations
+
 import os
+from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -11,7 +15,7 @@ from handcart.files.xml_file import MAX_DEPTH, MAX_NODES, checked_xml, read_xml_
 ENTITIES = '<!DOCTYPE r [<!ENTITY a "ha"><!ENTITY b "&a;&a;&a;">]>\n<r>&b;</r>'
 
 
-def told(content: bytes | str, check=None) -> str:
+def told(content: bytes | str, check: Any = None) -> str:
     with pytest.raises(FileError) as error:
         checked_xml(content if isinstance(content, bytes) else content.encode(), "f.urdf", check)
     return str(error.value)
@@ -47,12 +51,12 @@ def test_the_largest_that_is_read() -> None:
         ("<r/>".encode("utf-16"), "UTF-16"),
     ],
 )
-def test_what_is_not_is_refused(content, words) -> None:
+def test_what_is_not_is_refused(content: bytes | str, words: str) -> None:
     assert words in told(content)
 
 
 def test_a_check_is_asked_of_each_element() -> None:
-    def no_b(tag):
+    def no_b(tag: Any) -> Iterator[str]:
         if tag.name == "b":
             yield f"<b> in <{tag.parents[-1].name}>; allowed: <c>"
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import threading
 from collections.abc import Callable, Iterator
+from typing import Any
 
 import pytest
 from can.interfaces import virtual
@@ -16,7 +17,7 @@ from handcart.backends.description.robot_loading import load_robot
 from handcart.backends.kinematic.kinematic_backend import KinematicBackend
 from handcart.backends.simulation.world.world_model import world_model
 
-ROOM = {
+ROOM: dict[str, Any] = {
     "format": "handcart-world/1",
     "start": {"x_m": 2.0, "y_m": 1.5, "heading_deg": 90.0},
     "walls": [
@@ -30,6 +31,8 @@ COUNTS_PER_M = 16384 * 20 / (2 * math.pi * 0.1)
 """Of the cart's wheels."""
 LEFT, RIGHT = 1, 2
 """Nodes of the cart's drives."""
+Make = Callable[..., Any]
+"""Makes a `CanBackend`; tests look behind it, and know what the robot has."""
 
 
 @pytest.fixture(scope="session")
@@ -43,7 +46,7 @@ def robot() -> RobotFile:
 
 
 @pytest.fixture
-def make(cart: RobotFile) -> Iterator[Callable[..., CanBackend]]:
+def make(cart: RobotFile) -> Iterator[Make]:
     """Makes backends in a room (`room=False`: in none) and sees to it that nothing of them is left."""
     made, threads = [], threading.active_count()
 

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Collection
+from typing import Any
 
 import numpy as np
 import pytest
@@ -18,7 +20,7 @@ BEFORE = 10  # periods driven before something goes wrong
 HOLDING, LOOSE = ("QUICK STOP ACTIVE",), ("SWITCH ON DISABLED", "FAULT")
 
 
-def move(backend, periods) -> None:
+def move(backend: Any, periods: int) -> None:
     """Drive, and turn the arm."""
     for _ in range(periods):
         backend.get(Base).drive(0.4, 0.3)
@@ -28,7 +30,7 @@ def move(backend, periods) -> None:
         backend.step()
 
 
-def fault_of(backend, name, node=None, within=20):
+def fault_of(backend: Any, name: str, node: int | None = None, within: int = 20) -> CanFault:
     """What a misbehaviour under way ends in."""
     move(backend, BEFORE)
     misbehave(backend.bench, name, backend.bench.time, node)
@@ -37,7 +39,7 @@ def fault_of(backend, name, node=None, within=20):
     return told.value
 
 
-def assert_stopped(backend, fault, gone=()) -> None:
+def assert_stopped(backend: Any, fault: CanFault, gone: Collection[int] = ()) -> None:
     """All axes, each in its own way, for good; drives that are `gone` are not asked for."""
     drives = {node: drive for node, drive in backend.bench.drives.items() if node not in gone}
     assert [drive.velocity for drive in drives.values()] == [0.0] * len(drives)
@@ -58,11 +60,11 @@ def assert_stopped(backend, fault, gone=()) -> None:
     backend.close()
 
 
-def assert_told(pattern, fault) -> None:
+def assert_told(pattern: str, fault: CanFault) -> None:
     assert re.search(pattern, str(fault)), str(fault)
 
 
-def assert_drives_stop_alone(backend, within=0.15) -> None:
+def assert_drives_stop_alone(backend: Any, within: float = 0.15) -> None:
     moving = [drive.velocity for drive in backend.bench.drives.values()]
     assert any(moving)
     braking = backend.axes["left wheel"].limits

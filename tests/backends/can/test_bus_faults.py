@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import can
 import numpy as np
 import pytest
@@ -14,11 +16,15 @@ from handcart.backends.can.errors import (
     QueueFull,
     SilentDrive,
 )
+from handcart.backends.description.robot_file import RobotFile
 
+from .conftest import Make
 from .faulty import BEFORE, assert_drives_stop_alone, assert_told, fault_of, move
 
 
-def test_an_interface_that_goes_down_leaves_the_drives_to_stop_by_themselves(make, robot) -> None:
+def test_an_interface_that_goes_down_leaves_the_drives_to_stop_by_themselves(
+    make: Make, robot: RobotFile
+) -> None:
     """C2: our heartbeat is missing, so they stop by 6007h within 150 ms and their ramp."""
     backend = make(robot=robot, room=False)
     fault = fault_of(backend, "bus-down")
@@ -27,7 +33,7 @@ def test_an_interface_that_goes_down_leaves_the_drives_to_stop_by_themselves(mak
     assert_drives_stop_alone(backend)
 
 
-def test_a_warning_of_the_controller_is_waited_out_for_a_second(make, robot) -> None:
+def test_a_warning_of_the_controller_is_waited_out_for_a_second(make: Make, robot: RobotFile) -> None:
     """C3: at warning for 1 s."""
     backend = make(robot=robot, room=False)
     start = backend.bench.time
@@ -36,7 +42,7 @@ def test_a_warning_of_the_controller_is_waited_out_for_a_second(make, robot) -> 
     assert backend.bench.time - start > 1.0
 
 
-def test_what_the_interface_says_of_itself_is_heard(make, robot) -> None:
+def test_what_the_interface_says_of_itself_is_heard(make: Make, robot: RobotFile) -> None:
     """C3 C4: interfaces without error frames."""
     for state, told in ((can.BusState.PASSIVE, "error-passive"), (can.BusState.ERROR, "bus-off")):
         backend = make(robot=robot, room=False)
@@ -46,13 +52,13 @@ def test_what_the_interface_says_of_itself_is_heard(make, robot) -> None:
             move(backend, 1)
 
 
-def test_one_frame_that_finds_no_room_is_lost_and_three_stop_the_robot(make, robot) -> None:
+def test_one_frame_that_finds_no_room_is_lost_and_three_stop_the_robot(make: Make, robot: RobotFile) -> None:
     """C5: as lost set-points."""
     backend = make(robot=robot, room=False)
     move(backend, BEFORE)
-    send, refused = backend.bench.master.send, []
+    send, refused = backend.bench.master.send, list[can.Message]()
 
-    def once(frame, timeout=None) -> None:
+    def once(frame: can.Message, timeout: float | None = None) -> None:
         if frame.arbitration_id == 0x201 and not refused:
             refused.append(frame)
             raise can.CanOperationError("Transmit buffer full")
@@ -66,7 +72,7 @@ def test_one_frame_that_finds_no_room_is_lost_and_three_stop_the_robot(make, rob
     assert "3 frames in a row" in str(fault)
 
 
-def commands(bus):
+def commands(bus: Any) -> list[can.Message]:
     """Set-points that wait in the interface's queue: for wheels those of a speed."""
     return [
         frame
@@ -76,7 +82,9 @@ def commands(bus):
 
 
 @pytest.mark.parametrize("flushes", [True, False])
-def test_what_was_queued_moves_nothing_when_the_cable_is_back(make, robot, flushes: bool) -> None:
+def test_what_was_queued_moves_nothing_when_the_cable_is_back(
+    make: Make, robot: RobotFile, flushes: bool
+) -> None:
     """C6: what the interface still holds is thrown away; where it can't, the drives don't take it."""
     backend = make(robot=robot, room=False)
     move(backend, BEFORE)
@@ -103,7 +111,7 @@ def test_what_was_queued_moves_nothing_when_the_cable_is_back(make, robot, flush
     assert again.value is told.value
 
 
-def test_a_stop_throws_away_what_is_queued(make, robot) -> None:
+def test_a_stop_throws_away_what_is_queued(make: Make, robot: RobotFile) -> None:
     """C6: on any stop, not at the end alone."""
     backend = make(robot=robot, room=False)
     move(backend, BEFORE)
@@ -117,7 +125,7 @@ def test_a_stop_throws_away_what_is_queued(make, robot) -> None:
     assert [frame for frame in bus.held if frame.arbitration_id in (0x201, 0x202)]  # to stand
 
 
-def test_what_is_queued_stays_what_it_was(make) -> None:
+def test_what_is_queued_stays_what_it_was(make: Make) -> None:
     """C6: each set-point is a frame of its own, though they are made in one buffer."""
     backend = make(room=False)
     backend.step()
@@ -130,7 +138,7 @@ def test_what_is_queued_stays_what_it_was(make) -> None:
     assert len(told) == len(set(told)) == 2
 
 
-def test_random_frames_raise_nothing_but_a_count(make, robot) -> None:
+def test_random_frames_raise_nothing_but_a_count(make: Make, robot: RobotFile) -> None:
     """C20 C21: the decoder takes anything; what a listener raises doesn't deafen the robot."""
     backend = make(robot=robot, room=False)
     move(backend, 1)
@@ -159,12 +167,12 @@ def test_random_frames_raise_nothing_but_a_count(make, robot) -> None:
         move(backend, 1)
 
 
-def test_a_listener_that_raises_is_counted_and_the_next_frame_is_heard(make, robot) -> None:
+def test_a_listener_that_raises_is_counted_and_the_next_frame_is_heard(make: Make, robot: RobotFile) -> None:
     """C21: there is no receive thread that could die."""
     backend = make(robot=robot, room=False)
     move(backend, 1)
 
-    def raises(*_) -> None:
+    def raises(*_: object) -> None:
         raise RuntimeError("a listener")
 
     backend._line.subscribe(0x181, raises)

@@ -1,36 +1,39 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 from handcart.backends.backend import CommandError
 from handcart.backends.can.errors import NoDrives, TooManyCounts
 from handcart.backends.capabilities.arm import Arm
 from handcart.backends.capabilities.base import Base
 from handcart.backends.capabilities.range_sensor import RangeSensor
+from handcart.backends.description.robot_file import RobotFile
 from handcart.backends.description.robot_loading import load_robot
 from handcart.backends.registry import make_backend
 from handcart.backends.saved_state import pack, unpack
 
-from .conftest import COUNTS_PER_M, LEFT, RIGHT
+from .conftest import COUNTS_PER_M, LEFT, RIGHT, Make
 
 RAMPS = 12  # periods within which the wheels come to rest from any speed of these tests
 
 
-def run(backend, periods, speed=0.0, turn_rate=0.0) -> None:
+def run(backend: Any, periods: int, speed: float = 0.0, turn_rate: float = 0.0) -> None:
     for _ in range(periods):
         backend.get(Base).drive(speed, turn_rate)
         backend.step()
 
 
-def targets(backend):
+def targets(backend: Any) -> list[int]:
     """Velocities that the drives were told last, in counts/s."""
     return [drive.rpdo[1][0x60FF].raw for drive in backend.bench.drives.values()]
 
 
-def test_speeds_are_metres_and_radians_and_left_is_left(make) -> None:
+def test_speeds_are_metres_and_radians_and_left_is_left(make: Make) -> None:
     for speed, turn_rate in ((0.3, 0.0), (-0.3, 0.0), (0.0, 0.8), (0.2, -0.5)):
         backend = make()
         start = backend.ground_truth().base
@@ -47,7 +50,7 @@ def test_speeds_are_metres_and_radians_and_left_is_left(make) -> None:
             assert moved.x != pytest.approx(speed, rel=1e-5)  # radii and slip
 
 
-def test_counts_have_the_sign_of_the_file(make) -> None:
+def test_counts_have_the_sign_of_the_file(make: Make) -> None:
     backend = make(room=False)
     run(backend, 20, 0.3)
     run(backend, RAMPS)
@@ -57,7 +60,7 @@ def test_counts_have_the_sign_of_the_file(make) -> None:
     assert backend.get(Base).wheel_travel() == pytest.approx((0.3, 0.3), rel=1e-4)
 
 
-def test_travel_goes_on_where_32_bits_go_over(make) -> None:
+def test_travel_goes_on_where_32_bits_go_over(make: Make) -> None:
     backend = make(room=False)
     for node in (LEFT, RIGHT):
         backend.bench.drives[node].stand_at(2.0**31 - 1000.0)
@@ -73,7 +76,7 @@ def test_travel_goes_on_where_32_bits_go_over(make) -> None:
     "command",
     [(math.nan, 0.0), (0.0, math.nan), (math.inf, 0.0), (0.0, -math.inf), (0.61, 0.0), (0.0, 1.58)],
 )
-def test_what_no_robot_may_do_is_refused(make, command) -> None:
+def test_what_no_robot_may_do_is_refused(make: Make, command: tuple[float, float]) -> None:
     backend = make()
     with pytest.raises(CommandError, match="allowed"):
         backend.get(Base).drive(*command)
@@ -81,7 +84,7 @@ def test_what_no_robot_may_do_is_refused(make, command) -> None:
     assert backend.get(Base).wheel_travel() == (0.0, 0.0)
 
 
-def test_a_command_that_is_not_renewed_lives_one_period(make) -> None:
+def test_a_command_that_is_not_renewed_lives_one_period(make: Make) -> None:
     backend = make()
     backend.get(Base).drive(0.6, 0.0)
     backend.step()
@@ -93,7 +96,7 @@ def test_a_command_that_is_not_renewed_lives_one_period(make) -> None:
     assert backend.ground_truth().base == there
 
 
-def test_a_command_does_nothing_before_its_step(make) -> None:
+def test_a_command_does_nothing_before_its_step(make: Make) -> None:
     backend = make()
     there = backend.ground_truth().base
     backend.get(Base).drive(0.3, 0.0)
@@ -101,7 +104,7 @@ def test_a_command_does_nothing_before_its_step(make) -> None:
     assert backend.ground_truth().base == there
 
 
-def test_after_stop_nothing_is_queued(make) -> None:
+def test_after_stop_nothing_is_queued(make: Make) -> None:
     backend = make()
     backend.get(Base).drive(0.3, 0.0)
     backend.stop()
@@ -123,8 +126,8 @@ def test_after_stop_nothing_is_queued(make) -> None:
     assert backend.ground_truth().base != there
 
 
-def test_the_same_seed_gives_the_same_readings(make) -> None:
-    def readings(seed):
+def test_the_same_seed_gives_the_same_readings(make: Make) -> None:
+    def readings(seed: int) -> tuple[tuple[float, ...], NDArray[np.float64]]:
         backend = make(seed)
         run(backend, 15, 0.2, 0.4)
         rolled = (*backend.get(Base).wheel_travel(), *backend.ground_truth().base)
@@ -135,14 +138,14 @@ def test_the_same_seed_gives_the_same_readings(make) -> None:
     assert one[0] != other[0] and not np.array_equal(one[1], other[1])
 
 
-def test_a_wall_stops_the_base_and_is_noted(make) -> None:
+def test_a_wall_stops_the_base_and_is_noted(make: Make) -> None:
     backend = make()
     run(backend, 100, 0.4)
     assert backend.ground_truth().base.y == pytest.approx(3.0 - 0.34, abs=0.06)
     assert [(each.body, each.time > 0.0) for each in backend.inner.scene.contacts] == [("base", True)]
 
 
-def test_without_a_world_there_are_wheels_alone(make) -> None:
+def test_without_a_world_there_are_wheels_alone(make: Make) -> None:
     backend = make(room=False)
     assert backend.ground_truth() is None
     assert backend.get(RangeSensor) is None
@@ -150,7 +153,7 @@ def test_without_a_world_there_are_wheels_alone(make) -> None:
     assert backend.get(Base).wheel_travel().left > 0.0
 
 
-def test_closing_takes_the_torque_away_at_rest(make) -> None:
+def test_closing_takes_the_torque_away_at_rest(make: Make) -> None:
     backend = make()
     run(backend, 20, 0.5)
     backend.close()
@@ -164,17 +167,18 @@ def test_a_robot_needs_a_section_can() -> None:
         make_backend("can", load_robot("toyama"), None, 0)
 
 
-def test_counts_that_do_not_fit_are_told(make, cart) -> None:
+def test_counts_that_do_not_fit_are_told(make: Make, cart: RobotFile) -> None:
+    assert cart.can is not None
     fine = cart.can.left.model_copy(update={"counts_per_rev": 2**24, "gear_ratio": 100.0})
     robot = cart.model_copy(update={"can": cart.can.model_copy(update={"left": fine})})
     with pytest.raises(TooManyCounts, match=r"the left wheel drive .* would be told .* counts_per_rev"):
         make(robot=robot)
 
 
-def test_a_world_that_is_put_back_goes_on_as_it_would_have(make) -> None:
+def test_a_world_that_is_put_back_goes_on_as_it_would_have(make: Make) -> None:
     robot = load_robot("librarian")
 
-    def on(backend, periods):
+    def on(backend: Any, periods: int) -> tuple[tuple[float, ...], NDArray[np.float64], NDArray[np.float64]]:
         arm = backend.get(Arm)
         for _ in range(periods):
             backend.get(Base).drive(0.2, 0.1)
@@ -197,7 +201,7 @@ def test_a_world_that_is_put_back_goes_on_as_it_would_have(make) -> None:
     assert resumed.bench.time == pytest.approx(backend.bench.time)
 
 
-def test_the_force_on_the_hand_follows_from_the_joints_torques(make) -> None:
+def test_the_force_on_the_hand_follows_from_the_joints_torques(make: Make) -> None:
     robot = load_robot("librarian").without_errors()
     backend = make(robot=robot)
     arm, inner = backend.get(Arm), backend.bench.inner

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import shutil
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -21,7 +22,8 @@ from handcart.primitives.driving.move_to import MoveTo
 def test_move_to_ends_at_the_right_place() -> None:
     with set_stage(robot="cart", backend="can", seed=1) as stage:
         outcome = stage.do(MoveTo(place="shelf_3"))
-        place, scene = stage.model.places["shelf_3"].pose, stage.backend.inner.scene
+        inner: Any = stage.backend.inner
+        place, scene = stage.model.places["shelf_3"].pose, inner.scene
         assert isinstance(outcome, Success)
         assert scene.base.distance(place) < 0.01
         assert scene.base.turn(place) < 0.005
@@ -35,7 +37,7 @@ LONG = ("drift",)
 @pytest.mark.parametrize(
     "name", [pytest.param(each, marks=pytest.mark.slow) if each in LONG else each for each in CHECKS]
 )
-def test_the_kit_finds_nothing_wrong(name) -> None:
+def test_the_kit_finds_nothing_wrong(name: str) -> None:
     assert CHECKS[name](Bench("can", "cart")).wrong == []
 
 

@@ -2,35 +2,43 @@
 
 from __future__ import annotations
 
+from typing import Any
+
+import can
 import numpy as np
 import pytest
 
+from handcart.backends.can.bench.bench_bus import BenchBus
 from handcart.backends.can.drives.axis_settings import interpolation_time
 from handcart.backends.can.errors import CanFault, ReadBackDiffers
 from handcart.backends.capabilities.arm import Arm
 from handcart.backends.capabilities.base import Base
+from handcart.backends.description.robot_file import RobotFile
 from handcart.backends.description.robot_loading import load_robot
+
+from .conftest import Make
 
 JOINT_1 = 11
 TURN = np.array([0.01, 0.0, 0.0, 0.0, 0.0, 0.0])
 
 
 @pytest.fixture
-def robot():
+def robot() -> RobotFile:
     robot = load_robot("librarian")
+    assert robot.can is not None
     joints = tuple(each.model_copy(update={"mode": "csp"}) for each in robot.can.joints)
     wheels = {side: getattr(robot.can, side).model_copy(update={"mode": "csv"}) for side in ("left", "right")}
     return robot.model_copy(update={"can": robot.can.model_copy(update={"joints": joints, **wheels})})
 
 
-def turn(backend, periods) -> None:
+def turn(backend: Any, periods: int) -> None:
     arm = backend.get(Arm)
     for _ in range(periods):
         arm.move(arm.command() + TURN)
         backend.step()
 
 
-def test_a_set_point_is_reached_one_period_after_its_sync(make, robot) -> None:
+def test_a_set_point_is_reached_one_period_after_its_sync(make: Make, robot: RobotFile) -> None:
     backend = make(robot=robot, room=False)
     arm, seen = backend.get(Arm), []
     for _ in range(4):
@@ -47,7 +55,7 @@ def test_a_set_point_is_reached_one_period_after_its_sync(make, robot) -> None:
     assert backend.bench.drives[JOINT_1].velocity == 0.0
 
 
-def test_the_interpolation_period_is_the_control_period_and_read_back(make, robot) -> None:
+def test_the_interpolation_period_is_the_control_period_and_read_back(make: Make, robot: RobotFile) -> None:
     backend = make(robot=robot, room=False)
     sdo = backend.axes["joint 1"].sdo
     assert (sdo[0x60C2][1].raw, sdo[0x60C2][2].raw) == (50, -3)
@@ -61,12 +69,14 @@ def test_the_interpolation_period_is_the_control_period_and_read_back(make, robo
         interpolation_time(0.0501234)
 
 
-def test_another_interpolation_period_is_refused(make, robot, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_another_interpolation_period_is_refused(
+    make: Make, robot: RobotFile, monkeypatch: pytest.MonkeyPatch
+) -> None:
     from handcart.backends.can.bench.bench import Bench
 
     plain = Bench.open
 
-    def opened(self):
+    def opened(self: Bench) -> BenchBus:
         self.drives[JOINT_1].wrong.keeps = {(0x60C2, 1): 10}
         return plain(self)
 
@@ -75,13 +85,15 @@ def test_another_interpolation_period_is_refused(make, robot, monkeypatch: pytes
         make(robot=robot, room=False)
 
 
-def test_where_a_set_point_is_missed_the_drive_reaches_the_last_and_holds(make, robot) -> None:
+def test_where_a_set_point_is_missed_the_drive_reaches_the_last_and_holds(
+    make: Make, robot: RobotFile
+) -> None:
     backend = make(robot=robot, room=False)
     turn(backend, 5)
     drive, send = backend.bench.drives[JOINT_1], backend.bench.master.send
-    lost = []
+    lost: list[can.Message] = []
 
-    def loses(frame, timeout=None) -> None:
+    def loses(frame: can.Message, timeout: float | None = None) -> None:
         if frame.arbitration_id == 0x200 + JOINT_1 and len(lost) < 1:
             lost.append(frame)
         else:
@@ -99,7 +111,7 @@ def test_where_a_set_point_is_missed_the_drive_reaches_the_last_and_holds(make, 
     assert drive.position == pytest.approx(0.10 * scale, abs=1)
 
 
-def test_where_set_points_stay_away_the_drive_stops_by_itself(make, robot) -> None:
+def test_where_set_points_stay_away_the_drive_stops_by_itself(make: Make, robot: RobotFile) -> None:
     """C5 C7: the time of its RPDO (1400h:5) runs out, and it does as without our heartbeat."""
     backend = make(robot=robot, room=False)
     turn(backend, 5)
@@ -113,7 +125,7 @@ def test_where_set_points_stay_away_the_drive_stops_by_itself(make, robot) -> No
     assert drive.velocity == 0.0
 
 
-def test_wheels_run_at_the_speed_of_the_last_sync(make, robot) -> None:
+def test_wheels_run_at_the_speed_of_the_last_sync(make: Make, robot: RobotFile) -> None:
     backend = make(robot=robot, room=False)
     for k in range(12):
         backend.get(Base).drive(0.02 * k, 0.0)

@@ -5,8 +5,10 @@ from __future__ import annotations
 import pytest
 
 from handcart.backends.can.bench.bench import Bench
+from handcart.backends.can.bench.bench_bus import BenchBus
 from handcart.backends.can.bench.misbehaviours import MISBEHAVIOURS, misbehave
 from handcart.backends.can.errors import (
+    CanFault,
     ControllerFault,
     DriveNotReady,
     Emergency,
@@ -21,7 +23,9 @@ from handcart.backends.can.errors import (
     WrongDrive,
 )
 from handcart.backends.capabilities.base import Base
+from handcart.backends.description.robot_file import RobotFile
 
+from .conftest import Make
 from .faulty import BEFORE, JOINT_1, assert_stopped, assert_told, fault_of, move
 
 
@@ -52,7 +56,9 @@ from .faulty import BEFORE, JOINT_1, assert_stopped, assert_told, fault_of, move
         ("e-stop", DriveNotReady, "SWITCH ON DISABLED"),
     ],
 )
-def test_a_fault_on_the_bus_stops_all_axes_in_words(make, robot, name: str, kind, told: str) -> None:
+def test_a_fault_on_the_bus_stops_all_axes_in_words(
+    make: Make, robot: RobotFile, name: str, kind: type[CanFault] | tuple[type[CanFault], ...], told: str
+) -> None:
     """B6 B7 C3 C4 C7 C11 C12 C13 C15 C16 C17 C18 C19 C20 C22 S1 S2 S4 S6 S9: one fault, all axes stop."""
     backend = make(robot=robot, room=False)
     fault = fault_of(backend, name)
@@ -64,14 +70,14 @@ def test_a_fault_on_the_bus_stops_all_axes_in_words(make, robot, name: str, kind
 
 
 @pytest.mark.parametrize("name", MISBEHAVIOURS)
-def test_every_misbehaviour_says_what_it_is(name) -> None:
+def test_every_misbehaviour_says_what_it_is(name: str) -> None:
     each = MISBEHAVIOURS[name]
     assert each.what
     assert each.rows
 
 
 @pytest.mark.parametrize("name", ["stuck", "reversed", "doubled", "late", "silent", "no-heartbeat", "jump"])
-def test_the_same_with_a_joint(make, robot, name: str) -> None:
+def test_the_same_with_a_joint(make: Make, robot: RobotFile, name: str) -> None:
     """B6 B7 B8 C7 C13 S4 C22: an arm's drive stops the wheels, too."""
     backend = make(robot=robot, room=False)
     fault = fault_of(backend, name, JOINT_1, within=30)
@@ -79,7 +85,7 @@ def test_the_same_with_a_joint(make, robot, name: str) -> None:
     assert_stopped(backend, fault, {JOINT_1} if name == "silent" else ())
 
 
-def test_two_periods_of_lateness_are_tolerated_and_more_are_not(make, robot) -> None:
+def test_two_periods_of_lateness_are_tolerated_and_more_are_not(make: Make, robot: RobotFile) -> None:
     """B8: commands that act one or two periods late."""
     for late in (1, 2):
         backend = make(robot=robot, room=False)
@@ -105,13 +111,17 @@ def test_two_periods_of_lateness_are_tolerated_and_more_are_not(make, robot) -> 
     ],
 )
 def test_a_drive_that_is_not_set_as_it_should_be_gets_no_torque(
-    make, robot, monkeypatch: pytest.MonkeyPatch, keeps, told: str
+    make: Make,
+    robot: RobotFile,
+    monkeypatch: pytest.MonkeyPatch,
+    keeps: dict[tuple[int, int], int],
+    told: str,
 ) -> None:
     """C9 C10: object, wanted, got; read back before anything is enabled."""
-    made = []
+    made: list[Bench] = []
     plain = Bench.open
 
-    def opened(self):
+    def opened(self: Bench) -> BenchBus:
         made.append(self)
         for drive in self.drives.values():
             drive.wrong.keeps = keeps
@@ -123,8 +133,9 @@ def test_a_drive_that_is_not_set_as_it_should_be_gets_no_torque(
     assert {drive.life.state for drive in made[0].drives.values()} == {"SWITCH ON DISABLED"}
 
 
-def test_emergencies_that_the_file_allows_stop_nothing(make, robot) -> None:
+def test_emergencies_that_the_file_allows_stop_nothing(make: Make, robot: RobotFile) -> None:
     """C11: an allow-list."""
+    assert robot.can is not None
     spec = robot.can.model_copy(update={"allowed_emergencies": (0x4310,)})
     backend = make(robot=robot.model_copy(update={"can": spec}), room=False)
     move(backend, BEFORE)
@@ -135,7 +146,7 @@ def test_emergencies_that_the_file_allows_stop_nothing(make, robot) -> None:
     assert {drive.life.state for drive in backend.bench.drives.values()} == {"OPERATION ENABLED"}
 
 
-def test_a_drive_is_asked_once_more_and_not_under_way(make, robot) -> None:
+def test_a_drive_is_asked_once_more_and_not_under_way(make: Make, robot: RobotFile) -> None:
     """C14: one retry at rest; in motion there are no SDOs that could time out."""
     backend = make(robot=robot, room=False)
     line, sent = backend._line, []
@@ -149,7 +160,7 @@ def test_a_drive_is_asked_once_more_and_not_under_way(make, robot) -> None:
     assert not [each for each in sent if 0x600 < each < 0x680]
 
 
-def test_a_joint_beyond_its_limits_at_the_start_is_refused(make, robot) -> None:
+def test_a_joint_beyond_its_limits_at_the_start_is_refused(make: Make, robot: RobotFile) -> None:
     """S3 S9: an encoder that has lost its reference."""
     backend = make(robot=robot, room=False)
     drive = backend.bench.drives[13]
@@ -159,7 +170,7 @@ def test_a_joint_beyond_its_limits_at_the_start_is_refused(make, robot) -> None:
     assert drive.life.state == "SWITCH ON DISABLED"
 
 
-def test_a_single_jump_is_not_taken_over(make, robot) -> None:
+def test_a_single_jump_is_not_taken_over(make: Make, robot: RobotFile) -> None:
     """S3 S4: a position that can't be is rejected once; the next sound one has it all."""
     backend = make(robot=robot, room=False)
     move(backend, BEFORE)
@@ -173,7 +184,7 @@ def test_a_single_jump_is_not_taken_over(make, robot) -> None:
     assert before + 0.02 < backend.get(Base).wheel_travel().left < before + 0.06
 
 
-def test_a_lost_answer_is_tolerated(make, robot) -> None:
+def test_a_lost_answer_is_tolerated(make: Make, robot: RobotFile) -> None:
     """S5 S6: up to 5 of 100; what comes late belongs to an earlier SYNC."""
     backend = make(robot=robot, room=False)
     backend.bench.drives[JOINT_1].wrong.drops = 0.04

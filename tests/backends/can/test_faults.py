@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from pathlib import Path
+from typing import Any
 
 import can
 import pytest
@@ -21,19 +23,20 @@ from handcart.backends.can.errors import (
 )
 from handcart.backends.can.simulated.drive_node import DriveNode
 from handcart.backends.capabilities.base import Base
+from handcart.backends.description.robot_file import RobotFile
 from handcart.backends.description.robot_loading import load_robot
 from handcart.backends.registry import make_backend
 
-from .conftest import LEFT, RIGHT
+from .conftest import LEFT, RIGHT, Make
 
 
-def drive(backend, periods) -> None:
+def drive(backend: Any, periods: int) -> None:
     for _ in range(periods):
         backend.get(Base).drive(0.5, 0.0)
         backend.step()
 
 
-def test_a_drive_that_has_a_fault_is_not_reset(make) -> None:
+def test_a_drive_that_has_a_fault_is_not_reset(make: Make) -> None:
     backend = make()
     backend.bench.drives[LEFT].fail(0x8611)
     backend.bench.tick(0.05)
@@ -44,7 +47,7 @@ def test_a_drive_that_has_a_fault_is_not_reset(make) -> None:
     assert backend.bench.drives[LEFT].life.state == "FAULT"
 
 
-def test_if_one_drive_is_not_ready_none_stays_enabled(make) -> None:
+def test_if_one_drive_is_not_ready_none_stays_enabled(make: Make) -> None:
     robot = load_robot("librarian")
     backend = make(robot=robot, room=False)
     drives = backend.bench.drives
@@ -56,7 +59,7 @@ def test_if_one_drive_is_not_ready_none_stays_enabled(make) -> None:
     assert drives[11].life.state == "QUICK STOP ACTIVE"  # it would fall
 
 
-def test_a_drive_in_another_mode_ends_the_step(make) -> None:
+def test_a_drive_in_another_mode_ends_the_step(make: Make) -> None:
     backend = make()
     drive(backend, 20)
     backend.axes["left wheel"].sdo[0x6060].raw = 1
@@ -64,11 +67,11 @@ def test_a_drive_in_another_mode_ends_the_step(make) -> None:
         drive(backend, 1)
 
 
-def test_a_bus_that_fails_is_told(make, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_bus_that_fails_is_told(make: Make, monkeypatch: pytest.MonkeyPatch) -> None:
     backend = make()
     drive(backend, 1)
 
-    def fail(*_, **__) -> None:
+    def fail(*_: object, **__: object) -> None:
         raise can.CanOperationError("bus off")
 
     monkeypatch.setattr(backend.bench.master, "send", fail)
@@ -86,7 +89,7 @@ def test_a_fault_ends_a_command_with_status_4_and_without_a_traceback(
 
     step, count = CanBackend.step, iter(range(10**6))
 
-    def fails(self) -> None:
+    def fails(self: Any) -> None:
         if next(count) == 30:
             misbehave(self.bench, "silent")
         step(self)
@@ -111,7 +114,7 @@ def test_a_fault_ends_a_command_with_status_4_and_without_a_traceback(
     ],
 )
 def test_a_drive_that_is_none_is_told(
-    make, monkeypatch: pytest.MonkeyPatch, index: int, value: int, error, told: str
+    make: Make, monkeypatch: pytest.MonkeyPatch, index: int, value: int, error: type[WrongDrive], told: str
 ) -> None:
     plain = DriveNode._value
     monkeypatch.setattr(DriveNode, "_value", lambda self, i: value if i == index else plain(self, i))
@@ -119,10 +122,10 @@ def test_a_drive_that_is_none_is_told(
         make()
 
 
-def test_settings_that_differ_are_told_all_at_once(make, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_settings_that_differ_are_told_all_at_once(make: Make, monkeypatch: pytest.MonkeyPatch) -> None:
     plain = DriveNode._power_on
 
-    def stubborn(self) -> None:
+    def stubborn(self: DriveNode) -> None:
         plain(self)
         self.wrong.keeps = {(0x6083, 0): 7, (0x1017, 0): 0}
 
@@ -136,43 +139,45 @@ def test_settings_that_differ_are_told_all_at_once(make, monkeypatch: pytest.Mon
     assert lines[3].startswith("the right wheel drive (node 2): profile acceleration (6083h) is 7; wanted: ")
 
 
-def _early(init):
+def _early(init: Callable[..., None]) -> Callable[..., None]:
     """What a drive does wrong has to be there before it boots."""
     from handcart.backends.can.simulated.misconduct import Misconduct
 
-    def made(self, *given) -> None:
+    def made(self: DriveNode, *given: Any) -> None:
         self.wrong = Misconduct()
         init(self, *given)
 
     return made
 
 
-def test_an_identity_that_is_not_the_files_is_told(make, cart) -> None:
+def test_an_identity_that_is_not_the_files_is_told(make: Make, cart: RobotFile) -> None:
+    assert cart.can is not None
     left = cart.can.left.model_copy(update={"vendor_id": 0x2E})
     robot = cart.model_copy(update={"can": cart.can.model_copy(update={"left": left})})
     with pytest.raises(WrongDrive, match=r"vendor-ID \(1018h:1\) is 0x0; allowed: 0x2e"):
         make(robot=robot)
 
 
-def test_a_missing_drive_is_told(make, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_missing_drive_is_told(make: Make, monkeypatch: pytest.MonkeyPatch) -> None:
     """C14: no answer to an SDO, tried twice."""
     from handcart.backends.can.bench import bench
+    from handcart.backends.can.simulated.simulated_drives import SimulatedDrives
 
-    plain = bench.SimulatedDrives
+    plain = SimulatedDrives
     monkeypatch.setattr(bench, "SimulatedDrives", lambda nodes, *rest: plain(nodes[:1], *rest))
     with pytest.raises(SilentDrive, match=r"the right wheel drive \(node 2\) is silent: no answer to an SDO"):
         make(room=False)
 
 
 def test_two_drives_with_one_node_id_are_told_before_anything_moves(
-    make, monkeypatch: pytest.MonkeyPatch
+    make: Make, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """C15: both answer."""
     from handcart.backends.can.bench import bench
     from handcart.backends.can.simulated.simulated_drives import SimulatedDrives
 
     class Twice(SimulatedDrives):
-        def __init__(self, nodes, *rest) -> None:
+        def __init__(self, nodes: Sequence[int], *rest: Any) -> None:
             super().__init__(nodes, *rest)
             self._double = CanLine(self.open())
             self._double[RIGHT] = DriveNode(RIGHT)
@@ -190,8 +195,9 @@ def test_two_drives_with_one_node_id_are_told_before_anything_moves(
         make(room=False)
 
 
-def test_an_interface_that_cannot_be_opened_is_told(cart) -> None:
+def test_an_interface_that_cannot_be_opened_is_told(cart: RobotFile) -> None:
     """C1: with the line that brings it up."""
+    assert cart.can is not None
     spec = cart.can.model_copy(update={"interface": "socketcan", "channel": "no_such0"})
     with pytest.raises(NoInterface, match=r"no CAN on socketcan no_such0: .*ip link set no_such0"):
         make_backend("can", cart.model_copy(update={"can": spec}), None, 0)
@@ -232,7 +238,7 @@ def test_a_bench_that_cannot_be_is_refused_with_status_2(
     assert told in capsys.readouterr().err
 
 
-def test_a_fault_that_nobody_knows_is_refused(make) -> None:
+def test_a_fault_that_nobody_knows_is_refused(make: Make) -> None:
     with pytest.raises(UnknownMisbehaviour, match="did you mean 'reversed'"):
         misbehave(make().bench, "reverse")
 
@@ -241,5 +247,6 @@ def test_without_a_bench_the_capabilities_are_known_unbuilt() -> None:
     from handcart.backends.can.can_backend import CanBackend
 
     kinds = CanBackend.kinds(load_robot("librarian"))
+    assert kinds is not None
     assert [kind.__name__ for kind in kinds] == ["Base", "Arm", "Gripper"]
     assert NoBench.exit_status == 2

@@ -8,11 +8,13 @@ import pytest
 
 from handcart.backends.can.errors import CanFault, LateLoop
 from handcart.backends.capabilities.base import Base
+from handcart.backends.description.robot_file import RobotFile
 
+from .conftest import Make
 from .faulty import BEFORE, assert_drives_stop_alone, assert_stopped, move
 
 
-def test_a_loop_that_hangs_is_silent_and_the_drives_stop(make, robot) -> None:
+def test_a_loop_that_hangs_is_silent_and_the_drives_stop(make: Make, robot: RobotFile) -> None:
     """C8 K4 K14: the heartbeat is sent by the loop; when it hangs, or is killed, the drives stop alone."""
     backend = make(robot=robot, room=False)
     move(backend, 20)
@@ -21,10 +23,13 @@ def test_a_loop_that_hangs_is_silent_and_the_drives_stop(make, robot) -> None:
         move(backend, 1)
 
 
-def test_without_our_heartbeat_the_drives_stop_in_its_time_though_commands_come(make, robot) -> None:
+def test_without_our_heartbeat_the_drives_stop_in_its_time_though_commands_come(
+    make: Make, robot: RobotFile
+) -> None:
     """C8: 1016h is a watch of its own."""
     backend = make(robot=robot, room=False)
     move(backend, 20)
+    assert robot.can is not None
     send, ours = backend.bench.master.send, 0x700 + robot.can.our_node
     backend.bench.master.send = lambda frame, timeout=None: (
         None if frame.arbitration_id == ours else send(frame, timeout)
@@ -34,7 +39,7 @@ def test_without_our_heartbeat_the_drives_stop_in_its_time_though_commands_come(
     assert "OPERATION ENABLED" not in {drive.life.state for drive in backend.bench.drives.values()}
 
 
-def test_a_late_loop_ramps_to_a_stop(make, robot) -> None:
+def test_a_late_loop_ramps_to_a_stop(make: Make, robot: RobotFile) -> None:
     """K6 K7 K9: three periods missed in a row, or one gap of 50 ms."""
 
     class Late:
@@ -56,7 +61,7 @@ def test_a_late_loop_ramps_to_a_stop(make, robot) -> None:
     assert_stopped(backend, told.value)
 
 
-def test_wall_clocks_are_not_asked(make, robot, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_wall_clocks_are_not_asked(make: Make, robot: RobotFile, monkeypatch: pytest.MonkeyPatch) -> None:
     """K8 B9: a clock that jumps by an hour changes nothing; on a bench no clock is read."""
     moments = iter(range(0, 10**9, 3600))
     for name in ("time", "monotonic"):

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import threading
 import time
+from collections.abc import Callable, Iterator
+from typing import Any
 
 import canopen
 import pytest
@@ -15,7 +17,7 @@ NODE, PERIOD = 5, 0.01
 
 
 @pytest.fixture
-def drives():
+def drives() -> Iterator[SimulatedDrives]:
     """A drive that is served, and gets a SYNC each period, in a thread of its own."""
     made, end = SimulatedDrives([NODE], PERIOD), threading.Event()
 
@@ -34,11 +36,11 @@ def drives():
 
 
 @pytest.fixture
-def master(drives):
+def master(drives: SimulatedDrives) -> Iterator[Any]:
     network = canopen.Network(drives.open())
     network.notifier = None
     network.connect()
-    node = canopen.BaseNode402(NODE, drive_dictionary(NODE))
+    node: Any = canopen.BaseNode402(NODE, drive_dictionary(NODE))  # type: ignore[no-untyped-call]
     network.add_node(node)
     node.nmt.state = "PRE-OPERATIONAL"
     for index, value in (
@@ -58,14 +60,14 @@ def master(drives):
     network.disconnect()
 
 
-def wait_for(done, seconds=10.0) -> None:
+def wait_for(done: Callable[[], Any], seconds: float = 10.0) -> None:
     end = time.monotonic() + seconds
     while not done():
         assert time.monotonic() < end
         time.sleep(0.002)
 
 
-def test_it_is_brought_to_operation_enabled_and_stopped_quickly(drives, master) -> None:
+def test_it_is_brought_to_operation_enabled_and_stopped_quickly(drives: SimulatedDrives, master: Any) -> None:
     master.op_mode = "PROFILED VELOCITY"
     master.state = "OPERATION ENABLED"
     master.sdo[0x60FF].raw = 10_000
@@ -83,7 +85,7 @@ def test_it_is_brought_to_operation_enabled_and_stopped_quickly(drives, master) 
 
 
 @pytest.mark.parametrize("method", [35, 37])
-def test_it_is_homed_where_it_stands(drives, master, method: int) -> None:
+def test_it_is_homed_where_it_stands(drives: SimulatedDrives, master: Any, method: int) -> None:
     drives.nodes[NODE].stand_at(1234.0)
     master.sdo[0x6098].raw = method
     master.sdo[0x607C].raw = 50
@@ -91,7 +93,7 @@ def test_it_is_homed_where_it_stands(drives, master, method: int) -> None:
     assert master.sdo[0x6064].raw == 50
 
 
-def test_it_is_homed_at_the_negative_limit_switch(drives, master) -> None:
+def test_it_is_homed_at_the_negative_limit_switch(drives: SimulatedDrives, master: Any) -> None:
     drive = drives.nodes[NODE]
     drive.demand.switch = -3000.0
     master.sdo[0x6098].raw = 17
@@ -102,12 +104,12 @@ def test_it_is_homed_at_the_negative_limit_switch(drives, master) -> None:
     assert not master.sdo[0x60FD].raw & 1
 
 
-def test_a_method_that_it_does_not_know_fails(drives, master) -> None:
+def test_a_method_that_it_does_not_know_fails(drives: SimulatedDrives, master: Any) -> None:
     master.sdo[0x6098].raw = 1
     assert not master.homing(timeout=5)
 
 
-def test_it_moves_in_profile_position_with_the_handshake(drives, master) -> None:
+def test_it_moves_in_profile_position_with_the_handshake(drives: SimulatedDrives, master: Any) -> None:
     drive = drives.nodes[NODE]
     master.op_mode = "PROFILED POSITION"
     master.state = "OPERATION ENABLED"
@@ -132,7 +134,7 @@ def test_it_moves_in_profile_position_with_the_handshake(drives, master) -> None
     wait_for(lambda: drive.position == -300.0)
 
 
-def test_a_fault_is_reset(drives, master) -> None:
+def test_a_fault_is_reset(drives: SimulatedDrives, master: Any) -> None:
     drive = drives.nodes[NODE]
     master.op_mode = "PROFILED VELOCITY"
     master.state = "OPERATION ENABLED"

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import threading
 import time
+from collections.abc import Iterator
 from contextlib import contextmanager
+from typing import Any
 
 import pytest
 from can.interfaces.virtual import VirtualBus
@@ -13,6 +15,7 @@ from handcart.backends.can.bench.bench import Bench
 from handcart.backends.can.can_backend import CanBackend
 from handcart.backends.can.errors import CanFault, Emergency
 from handcart.backends.capabilities.base import Base
+from handcart.backends.description.robot_file import RobotFile
 from handcart.backends.description.robot_loading import load_robot
 
 PERIOD = 0.1
@@ -20,23 +23,25 @@ BUS = {"interface": "virtual", "channel": "by themselves", "heartbeat_timeout_ms
 
 
 @pytest.fixture
-def robot(cart, monkeypatch: pytest.MonkeyPatch):
+def robot(cart: RobotFile, monkeypatch: pytest.MonkeyPatch) -> RobotFile:
     """Machines that tests run on may be busy."""
     monkeypatch.setattr("handcart.backends.can.pace.GAP", 30.0)
     monkeypatch.setattr("handcart.backends.can.pace.MISSED", 10_000)
+    assert cart.can is not None
     spec = cart.can.model_copy(update=BUS)
     return cart.model_copy(update={"can": spec, "period_s": PERIOD})
 
 
 @pytest.fixture
-def bench(robot):
+def bench(robot: RobotFile) -> Iterator[Bench]:
     with served(robot) as made:
         yield made
 
 
 @contextmanager
-def served(robot):
+def served(robot: RobotFile) -> Iterator[Bench]:
     """Drives in a thread of their own, on the bus that the robot's file names."""
+    assert robot.can is not None
     made, end = Bench(robot, robot.can, None, VirtualBus("by themselves")), threading.Event()
 
     def serve() -> None:
@@ -54,7 +59,8 @@ def served(robot):
         made.close()
 
 
-def test_a_step_lasts_a_period_and_the_wheels_roll(robot, bench) -> None:
+def test_a_step_lasts_a_period_and_the_wheels_roll(robot: RobotFile, bench: Bench) -> None:
+    backend: Any
     with CanBackend(robot, None) as backend:
         assert backend.bench is None and backend.ground_truth() is None
         assert not backend.simulated
@@ -71,17 +77,18 @@ def test_a_step_lasts_a_period_and_the_wheels_roll(robot, bench) -> None:
     assert [drive.life.state for drive in bench.drives.values()] == ["SWITCH ON DISABLED"] * 2
 
 
-def test_nothing_has_torque_before_the_first_step(robot, bench) -> None:
+def test_nothing_has_torque_before_the_first_step(robot: RobotFile, bench: Bench) -> None:
     with CanBackend(robot, None):
         time.sleep(2 * PERIOD)
         assert [drive.life.state for drive in bench.drives.values()] == ["SWITCH ON DISABLED"] * 2
 
 
-def test_a_fault_that_a_frame_shows_is_not_waited_out(robot, bench) -> None:
+def test_a_fault_that_a_frame_shows_is_not_waited_out(robot: RobotFile, bench: Bench) -> None:
     """C11: the stop leaves within the period, not at its end."""
+    backend: Any
     with CanBackend(robot, None) as backend:
         backend.step()
-        stopped, shown = [], []
+        stopped, shown = list[float](), list[float]()
         backend._line.listen(
             lambda frame, ours: (
                 stopped.append(time.monotonic()) if ours and frame.data[:1] == b"\x02" else None
@@ -105,11 +112,14 @@ def test_a_fault_that_a_frame_shows_is_not_waited_out(robot, bench) -> None:
             backend.step()
 
 
-def test_joints_that_hold_keep_their_torque_from_one_program_to_the_next(robot) -> None:
+def test_joints_that_hold_keep_their_torque_from_one_program_to_the_next(robot: RobotFile) -> None:
     arm = load_robot("librarian")
-    robot = arm.model_copy(update={"period_s": PERIOD, "can": arm.can.model_copy(update=BUS)})
+    assert arm.can is not None
+    spec = arm.can.model_copy(update=BUS)
+    robot = arm.model_copy(update={"period_s": PERIOD, "can": spec})
     with served(robot) as bench:
-        joints = [bench.drives[each.node] for each in robot.can.joints]
+        joints: list[Any] = [bench.drives[each.node] for each in spec.joints]
+        backend: Any
         with CanBackend(robot, None) as backend:
             backend.step()
         assert {drive.life.state for drive in joints} == {"QUICK STOP ACTIVE"}

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -11,7 +12,7 @@ from handcart.evaluation.trials.stage import LIBRARY
 from handcart.networks.run_options import RunOptions
 
 
-def run(folder, backend, bench=None):
+def run(folder: Path, backend: str, bench: str | None = None) -> tuple[Any, ...]:
     summary, status = run_task(
         LIBRARY / "task.yaml", folder, RunOptions(backend=backend, errors=False, bench=bench)
     )

@@ -2,25 +2,30 @@
 
 from __future__ import annotations
 
+from typing import Any
+
+import can
 import numpy as np
 import pytest
 
+from handcart.backends.can.bus.can_line import CanLine
 from handcart.backends.can.errors import CanFault, OffDemand
 from handcart.backends.can.simulated.profile_position import ProfilePosition
 from handcart.backends.capabilities.arm import Arm
 from handcart.backends.capabilities.base import Base
 from handcart.backends.capabilities.gripper import Gripper
+from handcart.backends.description.robot_file import RobotFile
 from handcart.backends.kinematic.kinematic_gripper import KinematicGripper
 
-from .conftest import LEFT, RIGHT
+from .conftest import LEFT, RIGHT, Make
 from .faulty import BEFORE, JOINT_1, fault_of, move
 
 
-def orders(line):
+def orders(line: CanLine) -> dict[int, list[int]]:
     """From now on: the controlwords that are sent, by node."""
     sent: dict[int, list[int]] = {}
 
-    def heard(frame, ours) -> None:
+    def heard(frame: can.Message, ours: bool) -> None:
         if ours and 0x200 < frame.arbitration_id < 0x280:
             sent.setdefault(frame.arbitration_id - 0x200, []).append(int.from_bytes(frame.data[:2], "little"))
 
@@ -28,28 +33,38 @@ def orders(line):
     return sent
 
 
-def test_set_points_that_are_not_taken_are_told(make, robot, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_set_points_that_are_not_taken_are_told(
+    make: Make, robot: RobotFile, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """C5 B6: the drive goes where it should, but says of three in a row that it didn't take them."""
     backend = make(robot=robot, room=False)
     move(backend, BEFORE)
-    plain = ProfilePosition.status.fget
+    status: Any = ProfilePosition.status
+    plain = status.fget
     monkeypatch.setattr(ProfilePosition, "status", property(lambda self: plain(self) & ~0x1000))
     with pytest.raises(OffDemand, match=r"the joint 1 drive .* 3 set-points in a row were not taken"):
         move(backend, 4)
 
 
-def test_set_points_that_are_taken_are_forgiven(make, robot, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_set_points_that_are_taken_are_forgiven(
+    make: Make, robot: RobotFile, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """Two that were lost, one that was taken, and again: no three in a row."""
     backend = make(robot=robot, room=False)
     move(backend, BEFORE)
-    plain = ProfilePosition.status.fget
+    status: Any = ProfilePosition.status
+    plain = status.fget
     for number in range(12):
         lost = 0x1000 if number % 3 else 0
-        monkeypatch.setattr(ProfilePosition, "status", property(lambda self, bit=lost: plain(self) & ~bit))
+
+        def taken(self: ProfilePosition, bit: int = lost) -> Any:
+            return plain(self) & ~bit
+
+        monkeypatch.setattr(ProfilePosition, "status", property(taken))
         move(backend, 1)
 
 
-def test_a_quick_stop_ends_the_handshake(make, robot) -> None:
+def test_a_quick_stop_ends_the_handshake(make: Make, robot: RobotFile) -> None:
     """C12 C22: a set-point that was asked for is not taken back by enabling the drive again."""
     backend = make(robot=robot, room=False)
     move(backend, BEFORE)
@@ -65,7 +80,7 @@ def test_a_quick_stop_ends_the_handshake(make, robot) -> None:
     assert backend.bench.drives[JOINT_1].life.state == "QUICK STOP ACTIVE"
 
 
-def test_of_two_set_points_between_two_answers_the_second_counts(make, robot) -> None:
+def test_of_two_set_points_between_two_answers_the_second_counts(make: Make, robot: RobotFile) -> None:
     """B6: as a stop in the middle of a period sends them; bit 4 has to rise anew for it."""
     backend = make(robot=robot, room=False)
     move(backend, BEFORE)
@@ -83,7 +98,7 @@ def test_of_two_set_points_between_two_answers_the_second_counts(make, robot) ->
     assert drive.demand.position == pytest.approx(joint.units.counts(there - 0.005), abs=1)
 
 
-def test_after_a_fault_the_drives_take_no_commands(make, robot) -> None:
+def test_after_a_fault_the_drives_take_no_commands(make: Make, robot: RobotFile) -> None:
     """C6 C12: a command that comes late, in the last queue of all, finds nobody who takes it."""
     backend = make(robot=robot, room=False)
     fault_of(backend, "emergency")
@@ -96,7 +111,9 @@ def test_after_a_fault_the_drives_take_no_commands(make, robot) -> None:
     assert "OPERATION ENABLED" not in {drive.life.state for drive in drives.values()}
 
 
-def test_at_the_end_wheels_lose_their_torque_even_if_their_quick_stop_keeps_it(make, robot) -> None:
+def test_at_the_end_wheels_lose_their_torque_even_if_their_quick_stop_keeps_it(
+    make: Make, robot: RobotFile
+) -> None:
     """C12: they are told so, whatever their own quick stop ends in."""
     for ends in ("close", "fault"):
         backend = make(robot=robot, room=False)
@@ -113,7 +130,7 @@ def test_at_the_end_wheels_lose_their_torque_even_if_their_quick_stop_keeps_it(m
         assert backend.bench.drives[JOINT_1].life.state == "QUICK STOP ACTIVE"  # it would fall
 
 
-def test_the_torque_goes_when_the_wheels_stand_not_before(make) -> None:
+def test_the_torque_goes_when_the_wheels_stand_not_before(make: Make) -> None:
     """C12: without torque they would roll on."""
     backend = make(room=False)
     for _ in range(20):
@@ -122,7 +139,12 @@ def test_the_torque_goes_when_the_wheels_stand_not_before(make) -> None:
     sent = orders(backend._line)
     drive, speeds = backend.bench.drives[LEFT], []
     plain = drive.life.control
-    drive.life.control = lambda word: (speeds.append((word, drive.velocity)), plain(word))
+
+    def control(word: int) -> None:
+        speeds.append((word, drive.velocity))
+        plain(word)
+
+    drive.life.control = control
     backend.close()
     assert set(sent[LEFT][:-1]) == {0x02}
     assert sent[LEFT][-1] == 0x00
@@ -132,9 +154,10 @@ def test_the_torque_goes_when_the_wheels_stand_not_before(make) -> None:
     assert standing == 0.0
 
 
-def turned(robot, **drives):
+def turned(robot: RobotFile, **drives: Any) -> RobotFile:
     """The robot with some drives' sign turned."""
     spec = robot.can
+    assert spec is not None and spec.gripper is not None
     joints = tuple(
         joint.model_copy(update={"sign": -joint.sign}) if number in drives.get("joints", ()) else joint
         for number, joint in enumerate(spec.joints)
@@ -143,7 +166,7 @@ def turned(robot, **drives):
     return robot.model_copy(update={"can": spec.model_copy(update={"joints": joints, "gripper": gripper})})
 
 
-def test_torques_have_the_sign_of_the_file(make, robot) -> None:
+def test_torques_have_the_sign_of_the_file(make: Make, robot: RobotFile) -> None:
     """A joint that counts down where the file counts up feels the same force."""
     robot = turned(robot.without_errors(), joints=(1, 2, 4))
     backend = make(robot=robot)
@@ -160,7 +183,7 @@ def test_torques_have_the_sign_of_the_file(make, robot) -> None:
 
 @pytest.mark.parametrize("sign", ["as it is", "turned"])
 def test_fingers_that_press_are_felt_whatever_their_sign(
-    make, robot, monkeypatch: pytest.MonkeyPatch, sign: str
+    make: Make, robot: RobotFile, monkeypatch: pytest.MonkeyPatch, sign: str
 ) -> None:
     robot = robot if sign == "as it is" else turned(robot, gripper=True)
     backend = make(robot=robot)
@@ -175,7 +198,7 @@ def test_fingers_that_press_are_felt_whatever_their_sign(
     assert gripper.closed_on_something()
 
 
-def test_a_fault_in_stopping_is_still_the_first_fault(make) -> None:
+def test_a_fault_in_stopping_is_still_the_first_fault(make: Make) -> None:
     backend = make(room=False)
     fault = fault_of(backend, "bus-off")
     with pytest.raises(CanFault) as again:

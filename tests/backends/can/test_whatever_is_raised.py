@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import struct
+from typing import Any
 
 import can
 import pytest
@@ -14,17 +15,18 @@ from handcart.backends.can.drives.axes import Axes
 from handcart.backends.can.errors import BrokenOff, CanFault, NodeRestarted, SilentDrive, WrongDrive
 from handcart.backends.can.simulated.drive_node import DriveNode
 from handcart.backends.capabilities.base import Base
+from handcart.backends.description.robot_file import RobotFile
 
-from .conftest import LEFT
+from .conftest import LEFT, Make
 from .faulty import assert_stopped, move
 
 
-def states(backend):
+def states(backend: Any) -> set[str]:
     return {drive.life.state for drive in backend.bench.drives.values()}
 
 
 @pytest.mark.parametrize("state", [0x77, 0x54, 0x01])
-def test_a_heartbeat_of_an_unknown_state_before_the_first_step_hinders_nobody(make, state: int) -> None:
+def test_a_heartbeat_of_an_unknown_state_before_the_first_step_hinders_nobody(make: Make, state: int) -> None:
     """C16 C20: it says nothing; the drives are enabled, driven, and stopped as ever."""
     backend = make(room=False)
     backend.bench.line.send_message(0x700 + LEFT, bytes([state]))
@@ -34,7 +36,7 @@ def test_a_heartbeat_of_an_unknown_state_before_the_first_step_hinders_nobody(ma
     assert states(backend) == {"SWITCH ON DISABLED"}
 
 
-def test_a_drive_that_boots_between_set_up_and_first_step_gets_no_torque(make) -> None:
+def test_a_drive_that_boots_between_set_up_and_first_step_gets_no_torque(make: Make) -> None:
     """C16: it has forgotten what it was set to."""
     backend = make(room=False)
     backend.bench.drives[LEFT].boot()
@@ -43,7 +45,7 @@ def test_a_drive_that_boots_between_set_up_and_first_step_gets_no_torque(make) -
     assert states(backend) == {"SWITCH ON DISABLED"}
 
 
-def lies(drive, data) -> None:
+def lies(drive: Any, data: bytes) -> None:
     """From now on it does what it is asked by SDO, and answers with these bytes."""
     drive.sdo.send_response = lambda _: drive.network.send_message(0x580 + drive.number, data)
 
@@ -63,14 +65,17 @@ def lies(drive, data) -> None:
 )
 @pytest.mark.parametrize("when", ["set-up", "enabling"])
 def test_sdo_answers_that_are_none_are_told(
-    make, monkeypatch: pytest.MonkeyPatch, data, told: str, when: str
+    make: Make, monkeypatch: pytest.MonkeyPatch, data: bytes, told: str, when: str
 ) -> None:
     """C14 C20: of any length, about something else; nothing stays enabled."""
     if when == "set-up":
         plain = DriveNode.associate_network
-        monkeypatch.setattr(
-            DriveNode, "associate_network", lambda self, net: (plain(self, net), lies(self, data))
-        )
+
+        def associate(self: DriveNode, network: Any) -> None:
+            plain(self, network)
+            lies(self, data)
+
+        monkeypatch.setattr(DriveNode, "associate_network", associate)
         with pytest.raises(WrongDrive, match=told):
             make(room=False)
         return
@@ -78,7 +83,7 @@ def test_sdo_answers_that_are_none_are_told(
     drive = backend.bench.drives[LEFT + 1]
     plain = drive.life.control
 
-    def control(word) -> None:
+    def control(word: int) -> None:
         plain(word)
         if word == 0x0F:
             lies(drive, data)
@@ -89,11 +94,11 @@ def test_sdo_answers_that_are_none_are_told(
     assert "OPERATION ENABLED" not in states(backend)
 
 
-def test_an_answer_without_end_is_ended(make, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_an_answer_without_end_is_ended(make: Make, monkeypatch: pytest.MonkeyPatch) -> None:
     """C14: segment after segment."""
     toggle = iter(range(10**6))
 
-    def answer(self, _can_id, data, _stamp) -> None:
+    def answer(self: Any, _can_id: int, data: bytearray, _stamp: float) -> None:
         first = data[0] >> 5 == 2
         command = 0x41 if first else next(toggle) % 2 << 4
         said = struct.pack("<BHBI", 0x41, 0x1000, 0, 2**31) if first else bytes([command]) + b"\x01" * 7
@@ -101,7 +106,7 @@ def test_an_answer_without_end_is_ended(make, monkeypatch: pytest.MonkeyPatch) -
 
     plain = DriveNode.associate_network
 
-    def associate(self, network) -> None:
+    def associate(self: DriveNode, network: Any) -> None:
         plain(self, network)
         network.unsubscribe(0x600 + self.number)
         network.subscribe(0x600 + self.number, answer.__get__(self))
@@ -112,13 +117,15 @@ def test_an_answer_without_end_is_ended(make, monkeypatch: pytest.MonkeyPatch) -
     assert next(toggle) < 100
 
 
-def test_a_mapping_that_is_refused_is_told(make, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_mapping_that_is_refused_is_told(make: Make, monkeypatch: pytest.MonkeyPatch) -> None:
     """C10: as a fault, not as the library's abort."""
     from canopen.sdo.exceptions import SdoAbortedError
 
     plain = DriveNode.set_data
 
-    def set_data(self, index, subindex, data, check_writable=False) -> None:
+    def set_data(
+        self: DriveNode, index: int, subindex: int, data: bytes, check_writable: bool = False
+    ) -> None:
         if index == 0x1600:
             raise SdoAbortedError(0x06010002)
         plain(self, index, subindex, data, check_writable)
@@ -129,7 +136,9 @@ def test_a_mapping_that_is_refused_is_told(make, monkeypatch: pytest.MonkeyPatch
 
 
 @pytest.mark.parametrize("error", [MemoryError(), KeyError(119), KeyboardInterrupt()])
-def test_whatever_ends_a_period_ends_the_torque(make, robot, monkeypatch: pytest.MonkeyPatch, error) -> None:
+def test_whatever_ends_a_period_ends_the_torque(
+    make: Make, robot: RobotFile, monkeypatch: pytest.MonkeyPatch, error: BaseException
+) -> None:
     """K4 C12: a person's Ctrl-C, a fault in the program: all axes stop, each in its own way, for good."""
     backend = make(robot=robot, room=False)
     move(backend, 10)
@@ -145,7 +154,9 @@ def test_whatever_ends_a_period_ends_the_torque(make, robot, monkeypatch: pytest
     assert_stopped(backend, told.value)
 
 
-def test_whatever_ends_the_enabling_ends_the_torque(make, robot, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_whatever_ends_the_enabling_ends_the_torque(
+    make: Make, robot: RobotFile, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """C12: raised behind the last order to a drive."""
     backend = make(robot=robot, room=False)
 
@@ -162,13 +173,15 @@ def test_whatever_ends_the_enabling_ends_the_torque(make, robot, monkeypatch: py
 
 
 @pytest.mark.parametrize("node", [LEFT, 21])
-def test_one_drive_that_cant_be_told_doesnt_keep_the_others_enabled(make, robot, node) -> None:
+def test_one_drive_that_cant_be_told_doesnt_keep_the_others_enabled(
+    make: Make, robot: RobotFile, node: int
+) -> None:
     """C12 C22: of a stop, each part is tried, whatever the one before it raised."""
     backend = make(robot=robot, room=False)
     move(backend, 10)
     send = backend.bench.master.send
 
-    def refuses(frame, timeout=None) -> None:
+    def refuses(frame: can.Message, timeout: float | None = None) -> None:
         if frame.arbitration_id in (0x200 + node, 0x080, 0x000):
             raise can.CanOperationError("it has no room")
         send(frame, timeout)
@@ -183,13 +196,13 @@ def test_one_drive_that_cant_be_told_doesnt_keep_the_others_enabled(make, robot,
     assert states(backend) == {"SWITCH ON DISABLED", "QUICK STOP ACTIVE"}  # that one by itself
 
 
-def test_a_stop_that_fails_stops_for_good(make) -> None:
+def test_a_stop_that_fails_stops_for_good(make: Make) -> None:
     """C2 C12: the interface fails while the robot is stopped."""
     backend = make(room=False)
     move(backend, 10)
     plain, calls = backend.bench.master.send, []
 
-    def fails(frame, timeout=None) -> None:
+    def fails(frame: can.Message, timeout: float | None = None) -> None:
         calls.append(frame)
         if len(calls) == 1:
             raise can.CanOperationError("bus off")
@@ -201,7 +214,9 @@ def test_a_stop_that_fails_stops_for_good(make) -> None:
     assert_stopped(backend, told.value)
 
 
-def test_sensors_and_bus_are_let_go_of_even_if_the_stop_raises(make, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_sensors_and_bus_are_let_go_of_even_if_the_stop_raises(
+    make: Make, monkeypatch: pytest.MonkeyPatch
+) -> None:
     backend = make(room=False)
     move(backend, 2)
 
@@ -214,7 +229,7 @@ def test_sensors_and_bus_are_let_go_of_even_if_the_stop_raises(make, monkeypatch
     assert states(backend) == {"SWITCH ON DISABLED"}  # the next part of the stop was done nevertheless
 
 
-def test_a_silent_drive_costs_the_others_no_torque(make, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_silent_drive_costs_the_others_no_torque(make: Make, monkeypatch: pytest.MonkeyPatch) -> None:
     """C14: it answers no SDO while it is enabled; none of the others stays enabled."""
     backend = make(room=False)
     drive = backend.bench.drives[LEFT + 1]
@@ -247,7 +262,7 @@ def test_noise_finds_what_is_wrong(monkeypatch: pytest.MonkeyPatch) -> None:
     assert all("IndexError" in each.wrong for each in attacks(2, 0))
 
 
-def test_a_robot_drives_on_in_a_little_noise(make) -> None:
+def test_a_robot_drives_on_in_a_little_noise(make: Make) -> None:
     """C20: what isn't a CANopen frame of ours, below the limit, is dropped and counted."""
     backend = make(room=False)
     for number in range(20):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -46,6 +47,9 @@ shelves:
 tray: {accession: 117, call: 512.7 NAG, thickness_mm: 25, height_mm: 210, depth_mm: 150, grey: 115}
 """
 
+Make = Callable[..., Any]
+"""Makes a `KinematicBackend`; tests look behind it, and know what the robot has."""
+
 
 @pytest.fixture
 def world(tmp_path: Path) -> WorldFile:
@@ -55,7 +59,7 @@ def world(tmp_path: Path) -> WorldFile:
 
 
 @pytest.fixture
-def make(world: WorldFile) -> Callable[..., KinematicBackend]:
+def make(world: WorldFile) -> Make:
     return lambda seed=0: KinematicBackend(load_robot("librarian"), world, seed)
 
 
@@ -66,7 +70,9 @@ class Puppet:
     TIP = 0.15
 
     def __init__(self, backend: KinematicBackend) -> None:
-        self.backend, self.scene = backend, backend.scene
+        assert backend._arm is not None and backend._gripper is not None
+        self.backend = backend
+        self.scene: Any = backend.scene
         self.arm, self.gripper = backend._arm, backend._gripper
         self.scene.move_base(Pose2(2.0, 2.0 - self.DOCK, np.pi / 2))
 
@@ -118,5 +124,5 @@ class Puppet:
 
 
 @pytest.fixture
-def puppet(make: Callable[..., KinematicBackend]) -> Puppet:
+def puppet(make: Make) -> Puppet:
     return Puppet(make())

@@ -1,5 +1,7 @@
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 
@@ -7,13 +9,15 @@ from handcart.backends.simulation.books.book_props import BookProps
 from handcart.backends.simulation.world.thing import Rest
 from handcart.robotics.geometry.pose2 import Pose2
 
+from .conftest import Puppet
 
-def front(puppet, accession):
+
+def front(puppet: Puppet, accession: int) -> Any:
     standing = puppet.scene.of(BookProps).shelf_books("shelf_1")
     return next(each for each in standing if each.book.accession == accession)
 
 
-def test_the_gripper_takes_the_book_from_the_tray_and_carries_it(puppet) -> None:
+def test_the_gripper_takes_the_book_from_the_tray_and_carries_it(puppet: Puppet) -> None:
     puppet.take_book()
     assert puppet.scene.held is puppet.scene.of(BookProps).books[117]
     assert puppet.gripper.closed_on_something()
@@ -24,7 +28,7 @@ def test_the_gripper_takes_the_book_from_the_tray_and_carries_it(puppet) -> None
     assert puppet.scene.contacts == []
 
 
-def test_a_stop_holds_what_is_held_and_where_the_fingers_are(puppet) -> None:
+def test_a_stop_holds_what_is_held_and_where_the_fingers_are(puppet: Puppet) -> None:
     puppet.take_book()
     puppet.backend.stop()
     for _ in range(5):
@@ -42,14 +46,14 @@ def test_a_stop_holds_what_is_held_and_where_the_fingers_are(puppet) -> None:
     assert puppet.scene.width == width
 
 
-def test_closing_on_nothing_the_fingers_meet(puppet) -> None:
+def test_closing_on_nothing_the_fingers_meet(puppet: Puppet) -> None:
     puppet.fingers(0.0)
     assert puppet.scene.held is None
     assert puppet.gripper.width() == pytest.approx(0.0, abs=3e-4)
     assert puppet.gripper.closed_on_something()
 
 
-def test_a_book_set_back_onto_the_tray_stands_there_and_rides_along(puppet) -> None:
+def test_a_book_set_back_onto_the_tray_stands_there_and_rides_along(puppet: Puppet) -> None:
     puppet.take_book()
     here = puppet.scene.arm.forward(puppet.arm.command())[:3, 3]
     puppet.to(here[0], here[1], here[2] + 0.05)
@@ -60,7 +64,7 @@ def test_a_book_set_back_onto_the_tray_stands_there_and_rides_along(puppet) -> N
     assert book.pose[2, 3] == pytest.approx(0.62)
 
 
-def test_a_book_let_go_in_the_air_falls_to_the_floor(puppet) -> None:
+def test_a_book_let_go_in_the_air_falls_to_the_floor(puppet: Puppet) -> None:
     puppet.take_book()
     puppet.to(-0.02, 0.0, 0.80)
     puppet.fingers(0.06)
@@ -69,7 +73,7 @@ def test_a_book_let_go_in_the_air_falls_to_the_floor(puppet) -> None:
     assert puppet.scene.of(BookProps).books[117].tilt() == pytest.approx(np.pi / 2)
 
 
-def test_a_book_straight_before_its_slot_goes_in_and_stands_after_release(puppet) -> None:
+def test_a_book_straight_before_its_slot_goes_in_and_stands_after_release(puppet: Puppet) -> None:
     neighbours = {number: front(puppet, number).front for number in (103, 104)}
     puppet.insert()
     assert puppet.scene.contacts == []
@@ -82,7 +86,7 @@ def test_a_book_straight_before_its_slot_goes_in_and_stands_after_release(puppet
     assert {number: front(puppet, number).front for number in (103, 104)} == neighbours
 
 
-def test_a_small_error_is_taken_up_by_the_slot_and_felt(puppet) -> None:
+def test_a_small_error_is_taken_up_by_the_slot_and_felt(puppet: Puppet) -> None:
     puppet.insert(error=0.004)
     # 4 mm of error less 3 mm of play.
     assert puppet.arm.hand_force()[1] == pytest.approx(-2.0, abs=1.5)
@@ -90,7 +94,7 @@ def test_a_small_error_is_taken_up_by_the_slot_and_felt(puppet) -> None:
     assert abs(front(puppet, 117).lateral - puppet.slot) < 0.0031
 
 
-def test_a_large_error_jams_with_rising_force_and_pushes_the_neighbour_back(puppet) -> None:
+def test_a_large_error_jams_with_rising_force_and_pushes_the_neighbour_back(puppet: Puppet) -> None:
     before = front(puppet, 103).front
     puppet.before_slot(error=0.012)
     contact = puppet.DOCK - 0.12 - 0.15 + before
@@ -103,7 +107,7 @@ def test_a_large_error_jams_with_rising_force_and_pushes_the_neighbour_back(pupp
     assert front(puppet, 103).front - before == pytest.approx(0.020, abs=2e-3)
 
 
-def test_closed_fingers_push_a_proud_book_home(puppet) -> None:
+def test_closed_fingers_push_a_proud_book_home(puppet: Puppet) -> None:
     puppet.insert()
     puppet.fingers(0.07)
     puppet.to(puppet.DOCK - 0.22, puppet.slot, puppet.height)
@@ -116,7 +120,7 @@ def test_closed_fingers_push_a_proud_book_home(puppet) -> None:
     assert puppet.arm.hand_force()[0] == pytest.approx(0.0, abs=1.5)
 
 
-def test_an_inserted_book_can_be_gripped_again_and_drawn_out(puppet) -> None:
+def test_an_inserted_book_can_be_gripped_again_and_drawn_out(puppet: Puppet) -> None:
     puppet.insert()
     puppet.fingers(0.07)
     puppet.fingers(0.0)
@@ -126,7 +130,7 @@ def test_an_inserted_book_can_be_gripped_again_and_drawn_out(puppet) -> None:
     assert 117 not in [each.book.accession for each in puppet.scene.of(BookProps).shelf_books("shelf_1")]
 
 
-def test_the_arm_stops_at_what_is_solid_and_feels_it(puppet) -> None:
+def test_the_arm_stops_at_what_is_solid_and_feels_it(puppet: Puppet) -> None:
     puppet.to(0.10, 0.0, 0.80)
     puppet.to(0.10, 0.0, 0.75)
     puppet.fingers(0.0)
@@ -143,7 +147,7 @@ def test_the_arm_stops_at_what_is_solid_and_feels_it(puppet) -> None:
         pytest.fail("the hand went through the board")
 
 
-def test_the_hand_cannot_be_driven_through_its_own_tray(puppet) -> None:
+def test_the_hand_cannot_be_driven_through_its_own_tray(puppet: Puppet) -> None:
     puppet.scene.move_base(Pose2(2.0, 1.0, 0.0))
     puppet.to(-0.10, 0.08, 0.80)
     puppet.to(0.0, 0.08, 0.66)
@@ -153,7 +157,7 @@ def test_the_hand_cannot_be_driven_through_its_own_tray(puppet) -> None:
     assert puppet.arm.hand_force()[2] > 20.0
 
 
-def test_a_book_in_its_slot_holds_a_hand_that_wrenches_sideways(puppet) -> None:
+def test_a_book_in_its_slot_holds_a_hand_that_wrenches_sideways(puppet: Puppet) -> None:
     puppet.insert()
     puppet.to(puppet.DOCK - 0.15, puppet.slot - 0.08, puppet.height)
     hand = puppet.scene.arm.forward(puppet.scene.joints)
@@ -162,9 +166,9 @@ def test_a_book_in_its_slot_holds_a_hand_that_wrenches_sideways(puppet) -> None:
     assert abs(front_of_held(puppet)) < 0.0031
 
 
-def front_of_held(puppet):
+def front_of_held(puppet: Puppet) -> float:
     """y of the held book in S, about the slot's middle."""
     pose = puppet.scene.of(BookProps).shelves["shelf_1"].inverse_pose @ puppet.scene.of(BookProps).book_pose(
         117
     )
-    return pose[1, 3] - puppet.slot
+    return float(pose[1, 3] - puppet.slot)

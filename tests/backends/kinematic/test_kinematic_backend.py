@@ -1,10 +1,12 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import cv2
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 from handcart.backends.backend import CommandError
 from handcart.backends.capabilities.arm import Arm
@@ -13,18 +15,21 @@ from handcart.backends.capabilities.camera import Camera
 from handcart.backends.capabilities.gripper import Gripper
 from handcart.backends.capabilities.range_sensor import RangeSensor
 from handcart.backends.simulation.books.book_props import BookProps
+from handcart.backends.simulation.scene import Scene
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import apply, inverse, transform
 from handcart.robotics.perception.landmarks.tag_reader import read_tags
 
+from .conftest import Make
 
-def run(backend, periods, speed=0.0, turn_rate=0.0) -> None:
+
+def run(backend: Any, periods: int, speed: float = 0.0, turn_rate: float = 0.0) -> None:
     for _ in range(periods):
         backend.get(Base).drive(speed, turn_rate)
         backend.step()
 
 
-def test_a_drive_is_nearly_what_the_encoders_say(make) -> None:
+def test_a_drive_is_nearly_what_the_encoders_say(make: Make) -> None:
     backend = make()
     start = backend.scene.base
     run(backend, 20, speed=-0.3)
@@ -35,7 +40,7 @@ def test_a_drive_is_nearly_what_the_encoders_say(make) -> None:
     assert moved != pytest.approx(0.3, rel=1e-5)
 
 
-def test_a_command_that_is_not_renewed_lives_one_period(make) -> None:
+def test_a_command_that_is_not_renewed_lives_one_period(make: Make) -> None:
     backend = make()
     backend.get(Base).drive(0.3, 0.0)
     backend.step()
@@ -44,7 +49,7 @@ def test_a_command_that_is_not_renewed_lives_one_period(make) -> None:
     assert backend.scene.base == there
 
 
-def test_a_base_that_stands_too_near_to_a_wall_can_leave_and_comes_no_nearer(make) -> None:
+def test_a_base_that_stands_too_near_to_a_wall_can_leave_and_comes_no_nearer(make: Make) -> None:
     backend = make()
     scene = backend.scene
     near = scene.robot.footprint_radius_m - 0.02
@@ -55,7 +60,7 @@ def test_a_base_that_stands_too_near_to_a_wall_can_leave_and_comes_no_nearer(mak
     assert scene.base.y == pytest.approx(near + 0.2, abs=0.01)
 
 
-def test_after_stop_nothing_moves(make) -> None:
+def test_after_stop_nothing_moves(make: Make) -> None:
     backend = make()
     arm, gripper = backend.get(Arm), backend.get(Gripper)
     gripper.move(0.0)
@@ -72,25 +77,25 @@ def test_after_stop_nothing_moves(make) -> None:
 
 
 @pytest.mark.parametrize("command", [(math.nan, 0.0), (0.0, math.inf), (0.7, 0.0), (0.0, -1.7)])
-def test_the_base_refuses(make, command) -> None:
+def test_the_base_refuses(make: Make, command: tuple[float, float]) -> None:
     with pytest.raises(CommandError):
         make().get(Base).drive(*command)
 
 
 @pytest.mark.parametrize("offset", [math.nan, math.inf, 0.2, -4.0])
-def test_the_arm_refuses(make, offset) -> None:
+def test_the_arm_refuses(make: Make, offset: float) -> None:
     arm = make().get(Arm)
     with pytest.raises(CommandError):
         arm.move(arm.command() + offset)
 
 
 @pytest.mark.parametrize("width", [math.nan, -0.01, 0.08])
-def test_the_gripper_refuses(make, width) -> None:
+def test_the_gripper_refuses(make: Make, width: float) -> None:
     with pytest.raises(CommandError):
         make().get(Gripper).move(width)
 
 
-def test_the_base_stops_at_a_wall_while_its_wheels_go_on(make) -> None:
+def test_the_base_stops_at_a_wall_while_its_wheels_go_on(make: Make) -> None:
     backend = make()
     run(backend, 100, speed=-0.5)
     assert backend.scene.base.y == pytest.approx(0.05 + 0.34, abs=3e-3)
@@ -100,11 +105,11 @@ def test_the_base_stops_at_a_wall_while_its_wheels_go_on(make) -> None:
     assert backend.scene.base.y > 0.5
 
 
-def test_a_scan_fits_the_room_and_sees_who_comes_and_goes(make) -> None:
+def test_a_scan_fits_the_room_and_sees_who_comes_and_goes(make: Make) -> None:
     backend = make()
     sensor = backend.get(RangeSensor)
 
-    def beam(bearing):
+    def beam(bearing: float) -> Any:
         scan = sensor.scan()
         world = scan.angles + backend.scene.base.theta
         nearest = np.argmin(np.abs(np.angle(np.exp(1j * (world - bearing)))))
@@ -119,7 +124,7 @@ def test_a_scan_fits_the_room_and_sees_who_comes_and_goes(make) -> None:
     assert beam(0.0) == pytest.approx(3.95 - backend.scene.base.x, abs=0.05)
 
 
-def test_range_noise_has_the_stated_sigma(make) -> None:
+def test_range_noise_has_the_stated_sigma(make: Make) -> None:
     backend = make()
     scans = []
     for _ in range(15):
@@ -128,7 +133,7 @@ def test_range_noise_has_the_stated_sigma(make) -> None:
     assert np.std(scans, axis=0)[np.isfinite(scans[0])].mean() == pytest.approx(0.010, rel=0.1)
 
 
-def drive_about(backend, look):
+def drive_about(backend: Any, look: bool) -> tuple[Any, ...]:
     base, arm, gripper = backend.get(Base), backend.get(Arm), backend.get(Gripper)
     for i in range(25):
         base.drive(0.1, 0.2)
@@ -148,15 +153,15 @@ def drive_about(backend, look):
     return backend.scene.base, *(reading.tobytes() for reading in readings)
 
 
-def test_the_same_seed_is_the_same_run_and_further_readings_change_nothing(make) -> None:
+def test_the_same_seed_is_the_same_run_and_further_readings_change_nothing(make: Make) -> None:
     assert drive_about(make(3), look=False) == drive_about(make(3), look=True)
 
 
-def test_another_seed_is_another_run(make) -> None:
+def test_another_seed_is_another_run(make: Make) -> None:
     assert drive_about(make(3), look=False)[0] != drive_about(make(4), look=False)[0]
 
 
-def test_a_reading_is_taken_once_a_period(make) -> None:
+def test_a_reading_is_taken_once_a_period(make: Make) -> None:
     backend = make()
     arm, camera = backend.get(Arm), backend.get(Camera)
     assert np.array_equal(arm.joints(), arm.joints())
@@ -168,7 +173,7 @@ def test_a_reading_is_taken_once_a_period(make) -> None:
     assert noise.std() == pytest.approx(3.0 * math.sqrt(2), rel=0.1)
 
 
-def test_joints_repeat_within_what_the_file_states(make) -> None:
+def test_joints_repeat_within_what_the_file_states(make: Make) -> None:
     backend = make()
     arm = backend.get(Arm)
     home, rests = arm.command(), []
@@ -182,7 +187,7 @@ def test_joints_repeat_within_what_the_file_states(make) -> None:
     assert np.std(rests) == pytest.approx(1.5e-4, rel=0.2)
 
 
-def tag_corners(scene, accession):
+def tag_corners(scene: Scene, accession: int) -> NDArray[np.float64]:
     book = scene.of(BookProps).books[accession]
     middle, half = book.height - 0.014, 0.005
     corners = [
@@ -194,7 +199,7 @@ def tag_corners(scene, accession):
     return apply(book.pose, np.array(corners))
 
 
-def test_the_picture_shows_a_tag_where_the_camera_model_puts_it(make) -> None:
+def test_the_picture_shows_a_tag_where_the_camera_model_puts_it(make: Make) -> None:
     """Sub-pixel corners in pictures from several places, less their noise, have no common offset."""
     backend = make()
     camera, scene = backend.get(Camera), backend.scene
@@ -217,7 +222,7 @@ def test_the_picture_shows_a_tag_where_the_camera_model_puts_it(make) -> None:
     assert np.abs(np.mean(errors, axis=1)).max() < 0.2
 
 
-def test_the_tray_book_is_set_down_near_its_place_and_rides_along(make) -> None:
+def test_the_tray_book_is_set_down_near_its_place_and_rides_along(make: Make) -> None:
     backend = make()
     before = inverse(backend.scene.world_T_base) @ backend.scene.of(BookProps).book_pose(117)
     assert before[:3, 3] == pytest.approx((0.10, 0.0, 0.62), abs=0.01)
@@ -226,7 +231,7 @@ def test_the_tray_book_is_set_down_near_its_place_and_rides_along(make) -> None:
     assert np.allclose(before, after)
 
 
-def test_the_start_is_near_what_the_file_states(make) -> None:
+def test_the_start_is_near_what_the_file_states(make: Make) -> None:
     places = [make(seed).scene.base for seed in range(5)]
     assert all(place.distance(Pose2(2.0, 1.2, 0.0)) < 0.08 for place in places)
     assert len(set(places)) == 5

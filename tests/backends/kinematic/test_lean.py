@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 import pytest
@@ -16,8 +17,11 @@ from handcart.backends.simulation.books.putting_down import put_down
 from handcart.backends.simulation.books.row import Member
 from handcart.backends.simulation.books.spec import BookSpec
 from handcart.backends.simulation.world.thing import Rest
+from handcart.backends.simulation.world.world_file import WorldFile
 from handcart.evaluation.books.shelving import shelving
 from handcart.robotics.geometry.transform import transform
+
+from .conftest import Puppet
 
 SPEC = BookSpec(accession=1, call="512.7 NAG", thickness_mm=25, height_mm=210, depth_mm=150)
 BOOK = Book(np.eye(4), Rest.HAND, SPEC)
@@ -55,7 +59,7 @@ def test_its_edge_stays_on_the_board_and_its_top_touches_the_neighbour() -> None
     assert max(corner[1] for corner in corners) == pytest.approx(0.1 + 0.0125 + 0.03, abs=1e-9)
 
 
-def test_a_book_left_leaning_in_a_wide_gap_is_not_right(world) -> None:
+def test_a_book_left_leaning_in_a_wide_gap_is_not_right(world: Any) -> None:
     """`tilt_deg` can fail: the same book stands in a gap that is too wide, and in one that isn't."""
     shelf = world.shelves[0]
     stood = {}
@@ -66,6 +70,7 @@ def test_a_book_left_leaning_in_a_wide_gap_is_not_right(world) -> None:
         ]
         wider = shelf.model_copy(update={"width_m": 0.5, "books": tuple(books)})
         robot = load_robot("librarian")
+        backend: Any
         with KinematicBackend(robot, world.model_copy(update={"shelves": (wider,)}), 0) as backend:
             scene = backend.scene
             book, frame = scene.of(BookProps).books[117], scene.of(BookProps).shelves["shelf_1"]
@@ -81,7 +86,7 @@ def test_a_book_left_leaning_in_a_wide_gap_is_not_right(world) -> None:
     assert not stood[90].right
 
 
-def test_released_by_the_hand_it_leans_by_the_robots_errors(puppet) -> None:
+def test_released_by_the_hand_it_leans_by_the_robots_errors(puppet: Puppet) -> None:
     puppet.insert()
     puppet.fingers(0.07)
     (book,) = [
@@ -92,7 +97,8 @@ def test_released_by_the_hand_it_leans_by_the_robots_errors(puppet) -> None:
     assert left - right > 0.025
 
 
-def test_without_errors_it_stands_upright(world) -> None:
+def test_without_errors_it_stands_upright(world: WorldFile) -> None:
+    backend: Any
     with KinematicBackend(load_robot("librarian").without_errors(), world, 0) as backend:
         scene = backend.scene
         book = scene.of(BookProps).books[117]

@@ -2,17 +2,23 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 from handcart.backends.saved_state import pack, unpack
 from handcart.backends.simulation.books.book_props import BookProps
 from handcart.robotics.geometry.pose2 import Pose2
 
+from .conftest import Make, Puppet
 
-def readings(puppet):
+
+def readings(puppet: Puppet) -> NDArray[np.float64]:
     backend = puppet.backend
-    base, arm, gripper, camera, ranges = backend.capabilities()
+    capabilities: Any = backend.capabilities()
+    base, arm, gripper, camera, ranges = capabilities
     return np.concatenate(
         [
             base.wheel_travel(),
@@ -27,7 +33,7 @@ def readings(puppet):
 
 
 @pytest.mark.parametrize("stage", ["at first", "in the hand", "in the slot"])
-def test_a_restored_world_goes_on_like_the_one_that_was_kept(puppet, make, stage: str) -> None:
+def test_a_restored_world_goes_on_like_the_one_that_was_kept(puppet: Puppet, make: Make, stage: str) -> None:
     if stage == "in the hand":
         puppet.take_book()
     if stage == "in the slot":
@@ -47,13 +53,13 @@ def test_a_restored_world_goes_on_like_the_one_that_was_kept(puppet, make, stage
     assert puppet.scene.contacts == again.scene.contacts
 
 
-def test_a_world_that_went_on_is_put_back_too(puppet) -> None:
+def test_a_world_that_went_on_is_put_back_too(puppet: Puppet) -> None:
     """Nothing of where it stood meanwhile is left in what was worked out of it."""
     puppet.take_book()
     backend, kept = puppet.backend, pack(puppet.backend.state())
     here = puppet.scene.arm.forward(puppet.arm.command())[:3, 3]
 
-    def on():
+    def on() -> NDArray[np.float64]:
         puppet.to(here[0], here[1], here[2] + 0.05)
         puppet.to(here[0], here[1], here[2] - 0.03)
         return readings(puppet)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -78,11 +79,14 @@ class Hand:
         assert spec.arm is not None
         self.backend = backend
         self.model = ArmModel(spec.urdf_text(), spec.arm.joints)
-        _, self.arm, self.gripper, *_ = backend.capabilities()
+        capabilities: Any = backend.capabilities()
+        _, self.arm, self.gripper, *_ = capabilities
 
     def go(self, goal: Transform, seconds: float = 2.0) -> None:
         """Move the hand to a pose of `base`, in a straight line of the joints."""
-        self.joints(self.model.inverse(goal, self.arm.command()), seconds)
+        joints = self.model.inverse(goal, self.arm.command())
+        assert joints is not None
+        self.joints(joints, seconds)
 
     def joints(self, end: np.ndarray, seconds: float = 2.0) -> None:
         start = np.array(self.arm.command())
@@ -93,7 +97,9 @@ class Hand:
 
     def take_book(self) -> None:
         """Grip the book on the tray by its spine."""
-        spine = self.backend.scene.of(BookProps).tray_book().base_T_thing[:3, 3]
+        book = self.backend.scene.of(BookProps).tray_book()
+        assert book is not None
+        spine = book.base_T_thing[:3, 3]
         for x, z in ((-0.10, 0.80), (-0.10, 0.70), (spine[0] - 0.12, 0.70)):
             self.line(x, spine[1], z)
         self.grip(0.0)
@@ -105,6 +111,7 @@ class Hand:
         for share in np.linspace(0.0, 1.0, max(2, int(np.linalg.norm(goal - start) / 0.004)) + 1)[1:]:
             joints = self.arm.command()
             near = self.model.inverse(transform(tuple(start + share * (goal - start))), joints, restarts=0)
+            assert near is not None
             while not np.allclose(joints, near):
                 joints = joints + np.clip(near - joints, -0.07, 0.07)
                 self.arm.move(joints)

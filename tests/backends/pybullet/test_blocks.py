@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -14,7 +15,7 @@ from handcart.backends.pybullet.pybullet_backend import PyBulletBackend
 from handcart.backends.saved_state import pack, unpack
 from handcart.backends.simulation.blocks.block_props import BlockProps
 from handcart.backends.simulation.calibration.mark_props import MarkProps
-from handcart.backends.simulation.world.thing import Rest
+from handcart.backends.simulation.world.thing import Rest, Thing
 from handcart.backends.simulation.world.world_model import world_model
 from handcart.files.models.loading import load
 from handcart.robotics.geometry.transform import inverse, transform
@@ -59,24 +60,26 @@ def build(tmp_path: Path) -> Iterator[Build]:
         backend.close()
 
 
-def part(backend, name):
+def part(backend: PyBulletBackend, name: str) -> Any:
     return next(each for each in backend.capabilities() if type(each).__name__ == f"Bullet{name}")
 
 
-def steps(backend, count) -> None:
+def steps(backend: PyBulletBackend, count: int) -> None:
     for _ in range(count):
         backend.step()
 
 
-def go(backend, x, y, z, speed=0.1) -> None:
+def go(backend: PyBulletBackend, x: float, y: float, z: float, speed: float = 0.1) -> None:
     """Move the hand straight, pointing down, its fingers closing along x."""
     arm, model = part(backend, "Arm"), backend.scene.arm
+    assert model is not None
     turn = transform(rpy=(0.0, np.pi / 2, 0.0)) @ transform(rpy=(-np.pi / 2, 0.0, 0.0))
     start, goal = model.forward(arm.command())[:3, 3], np.array([x, y, z])
     count = max(2, int(np.linalg.norm(goal - start) / speed / backend.period))
     for share in np.linspace(0.0, 1.0, count + 1)[1:]:
         joints = arm.command()
         near = model.inverse(transform(tuple(start + share * (goal - start))) @ turn, joints)
+        assert near is not None
         while not np.allclose(joints, near):
             joints = joints + np.clip(near - joints, -0.09, 0.09)
             arm.move(joints)
@@ -84,12 +87,12 @@ def go(backend, x, y, z, speed=0.1) -> None:
     steps(backend, 5)
 
 
-def grip(backend, width) -> None:
+def grip(backend: PyBulletBackend, width: float) -> None:
     part(backend, "Gripper").move(width)
     steps(backend, 24)
 
 
-def turn_of(block):
+def turn_of(block: Thing) -> float:
     return float(np.arctan2(block.pose[1, 0], block.pose[0, 0]))
 
 
@@ -126,6 +129,7 @@ def test_a_block_is_taken_carried_and_put_on_others_that_stay_where_they_are(bui
     go(backend, 0.15, 0.45, 0.75, 0.3)
     go(backend, 0.15, 0.45, 0.52 + OVER + 0.01)
     while np.linalg.norm(part(backend, "Arm").hand_force()) < 4.0:
+        assert backend.scene.arm is not None
         hand = backend.scene.arm.forward(part(backend, "Arm").command())[:3, 3]
         go(backend, 0.15, 0.45, hand[2] - 0.001)
     there = blocks["1"].pose.copy()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import struct
+from collections.abc import Callable
 
 import pytest
 
@@ -75,7 +76,9 @@ def changed(content: bytes, code: bytes, offset: int, value: bytes) -> bytes:
         (lambda c: changed(c, CONTACTS, -8, struct.pack("<q", 0x41414141)), "isn't there"),
     ],
 )
-def test_anything_else_is_refused(states: tuple[bytes, bytes, bytes], damage, words: str) -> None:
+def test_anything_else_is_refused(
+    states: tuple[bytes, bytes, bytes], damage: Callable[[bytes], bytes], words: str
+) -> None:
     before, after, _ = states
     with pytest.raises(NotAState, match=words):
         check_state(damage(after), before)

@@ -1,5 +1,7 @@
 from __future__ import annotations
 
+import sys
+
 import pytest
 
 from handcart.backends.pybullet import engine
@@ -14,10 +16,10 @@ from handcart.backends.pybullet import engine
     ],
 )
 def test_where_pybullet_is_missing_the_error_says_how_to_get_it(
-    monkeypatch: pytest.MonkeyPatch, python, how: str
+    monkeypatch: pytest.MonkeyPatch, python: tuple[int, int], how: str
 ) -> None:
     monkeypatch.setattr(engine, "find_spec", lambda name: None)
-    monkeypatch.setattr(engine.sys, "version_info", (*python, 0))
+    monkeypatch.setattr(sys, "version_info", (*python, 0))
     engine.bullet.cache_clear()
     with pytest.raises(engine.MissingPyBullet, match="not installed") as missing:
         engine.bullet()

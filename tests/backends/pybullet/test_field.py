@@ -11,13 +11,15 @@ from handcart.backends.description.ground_spec import GroundSpec
 from handcart.evaluation.trials.running import resume_task, run_task
 from handcart.networks.run_options import RunOptions
 
+from ...conftest import Copier
+
 pytest.importorskip("pybullet")
 
 TASK = Path(__file__).parents[3] / "tasks" / "deploy_straight" / "task.yaml"
 
 
 @pytest.mark.slow
-def test_a_sensor_is_laid_and_a_killed_run_goes_on(tmp_path: Path, copier) -> None:
+def test_a_sensor_is_laid_and_a_killed_run_goes_on(tmp_path: Path, copier: type[Copier]) -> None:
     (tmp_path / "one.csv").write_text("name,x_m,y_m\nonly,4,-0.75\n", encoding="utf-8")
     settings = {"targets": str(tmp_path / "one.csv"), "wait_s": "5", "together": "true"}
     left = tmp_path / "left"

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -82,7 +83,7 @@ def backend(tmp_path: Path) -> Iterator[PyBulletBackend]:
     made.close()
 
 
-def test_what_mimics_follows_what_is_held_stays_and_what_may_touch_does(backend: PyBulletBackend) -> None:
+def test_what_mimics_follows_what_is_held_stays_and_what_may_touch_does(backend: Any) -> None:
     """The engine has the hand where kinematics has it, after the lift went up by 0.2 m."""
     arm = backend.get(Arm)
     for height in np.linspace(0.1, 0.3, 40):

@@ -4,32 +4,41 @@ from __future__ import annotations
 
 import subprocess
 import sys
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
+from handcart.backends.description.robot_file import RobotFile
 from handcart.backends.kinematic.kinematic_backend import KinematicBackend
 from handcart.backends.plain_values import to_plain
 from handcart.backends.pybullet.physics import Pinned
+from handcart.backends.pybullet.pybullet_backend import PyBulletBackend
 from handcart.backends.saved_state import pack, unpack
 from handcart.backends.simulation.books.book_props import BookProps
 from handcart.backends.simulation.world.thing import Rest
+from handcart.backends.simulation.world.world_file import WorldFile
+
+from .conftest import Hand, Make
 
 pytest.importorskip("pybullet", reason="PyBullet has no wheel for this Python")
 ROOT = Path(__file__).resolve().parents[3]
 
 
-def parts(backend):
+def parts(backend: PyBulletBackend | KinematicBackend) -> Any:
     return backend.capabilities()
 
 
-def steps(backend, count) -> None:
+def steps(backend: PyBulletBackend, count: int) -> None:
     for _ in range(count):
         backend.step()
 
 
-def test_all_books_stand_where_the_world_file_puts_them(make, world, spec) -> None:
+def test_all_books_stand_where_the_world_file_puts_them(
+    make: Make, world: WorldFile, spec: RobotFile
+) -> None:
     backend = make()
     planned = KinematicBackend(spec, world, 0).scene
     steps(backend, 20)
@@ -43,7 +52,7 @@ def test_all_books_stand_where_the_world_file_puts_them(make, world, spec) -> No
     assert backend.scene.contacts == []
 
 
-def test_wheels_drive_the_base_and_tell_how_far(make) -> None:
+def test_wheels_drive_the_base_and_tell_how_far(make: Make) -> None:
     backend = make()
     base, start = parts(backend)[0], backend.scene.base
     for _ in range(40):
@@ -56,7 +65,7 @@ def test_wheels_drive_the_base_and_tell_how_far(make) -> None:
     assert (travel.left + travel.right) / 2 == pytest.approx(0.2, abs=0.002)
 
 
-def test_a_base_that_is_stopped_stands(make) -> None:
+def test_a_base_that_is_stopped_stands(make: Make) -> None:
     backend = make()
     for _ in range(10):
         parts(backend)[0].drive(0.1, 0.1)
@@ -69,7 +78,7 @@ def test_a_base_that_is_stopped_stands(make) -> None:
     assert there.turn(backend.scene.base) < 2e-4
 
 
-def test_fingers_that_were_stopped_can_be_told_to_stay(make) -> None:
+def test_fingers_that_were_stopped_can_be_told_to_stay(make: Make) -> None:
     backend = make()
     gripper = parts(backend)[2]
     steps(backend, 3)
@@ -79,7 +88,7 @@ def test_fingers_that_were_stopped_can_be_told_to_stay(make) -> None:
 
 
 @pytest.mark.slow
-def test_a_picture_shows_the_same_whoever_looked_before(make) -> None:
+def test_a_picture_shows_the_same_whoever_looked_before(make: Make) -> None:
     idle, busy = make(), make()
     for number in range(30):
         for backend in (idle, busy):
@@ -91,14 +100,16 @@ def test_a_picture_shows_the_same_whoever_looked_before(make) -> None:
     assert np.array_equal(parts(idle)[3].image(), parts(busy)[3].image())
 
 
-def test_the_hand_is_where_the_urdf_puts_it_also_on_a_base_that_gives(hand) -> None:
+def test_the_hand_is_where_the_urdf_puts_it_also_on_a_base_that_gives(hand: Hand) -> None:
     scene = hand.backend.scene
     assert np.abs(scene.world_T("hand") - hand.backend.link_pose("hand")).max() < 1e-6
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("held", [False, True])
-def test_a_world_put_back_goes_on_as_the_one_that_was_kept(make, spec, hand_of, held: bool) -> None:
+def test_a_world_put_back_goes_on_as_the_one_that_was_kept(
+    make: Make, spec: RobotFile, hand_of: Callable[[PyBulletBackend], Hand], held: bool
+) -> None:
     first = hand_of(make())
     if held:
         first.take_book()
@@ -112,13 +123,13 @@ def test_a_world_put_back_goes_on_as_the_one_that_was_kept(make, spec, hand_of, 
     one, other = first.backend.scene, again.backend.scene
     assert np.abs(one.joints - other.joints).max() < 1e-5
     assert one.base.distance(other.base) < 1e-5
-    kept, now = one.of(BookProps).books, other.of(BookProps).books
-    for number, book in kept.items():
+    then, now = one.of(BookProps).books, other.of(BookProps).books
+    for number, book in then.items():
         assert np.abs(book.pose - now[number].pose).max() < 1e-4
         assert book.rest == now[number].rest
 
 
-def test_positive_turn_rate_turns_left(make) -> None:
+def test_positive_turn_rate_turns_left(make: Make) -> None:
     backend = make()
     base, start = parts(backend)[0], backend.scene.base
     for _ in range(20):
@@ -127,7 +138,7 @@ def test_positive_turn_rate_turns_left(make) -> None:
     assert start.inverse().compose(backend.scene.base).theta == pytest.approx(0.3, abs=0.03)
 
 
-def test_a_command_that_is_not_renewed_ends_with_its_period_and_the_base_comes_to_rest(make) -> None:
+def test_a_command_that_is_not_renewed_ends_with_its_period_and_the_base_comes_to_rest(make: Make) -> None:
     backend = make()
     base = parts(backend)[0]
     for _ in range(20):
@@ -140,7 +151,7 @@ def test_a_command_that_is_not_renewed_ends_with_its_period_and_the_base_comes_t
 
 
 @pytest.mark.slow
-def test_a_wall_stops_the_base_and_is_told_as_contact(make) -> None:
+def test_a_wall_stops_the_base_and_is_told_as_contact(make: Make) -> None:
     backend = make()
     base = parts(backend)[0]
     for _ in range(150):
@@ -150,14 +161,14 @@ def test_a_wall_stops_the_base_and_is_told_as_contact(make) -> None:
     assert any("shelf_1" in other for _, other in backend.scene.touching)
 
 
-def test_the_hand_is_where_kinematics_say(hand) -> None:
+def test_the_hand_is_where_kinematics_say(hand: Hand) -> None:
     hand.joints(hand.arm.command() + np.array([0.2, -0.1, 0.1, 0.0, 0.1, 0.2]))
     told = hand.model.forward(hand.backend.scene.joints)
     body = hand.backend._body
     assert np.abs(told - np.linalg.solve(body.base_pose(), body.link_pose("hand"))).max() < 1e-6
 
 
-def test_the_arm_goes_where_it_is_told_as_exactly_as_its_repeatability(hand, spec) -> None:
+def test_the_arm_goes_where_it_is_told_as_exactly_as_its_repeatability(hand: Hand, spec: RobotFile) -> None:
     goal = hand.arm.command() + np.array([0.3, -0.2, 0.1, 0.2, 0.1, -0.2])
     hand.joints(goal)
     steps(hand.backend, 20)
@@ -165,7 +176,7 @@ def test_the_arm_goes_where_it_is_told_as_exactly_as_its_repeatability(hand, spe
     assert off < 6e-3 * spec.errors.joint_repeatability_mrad + 1e-3
 
 
-def test_fingers_hold_a_book_by_friction_and_let_it_fall(hand) -> None:
+def test_fingers_hold_a_book_by_friction_and_let_it_fall(hand: Hand) -> None:
     book = hand.backend.scene.of(BookProps).books[117]
     hand.take_book()
     assert hand.gripper.closed_on_something()
@@ -181,8 +192,10 @@ def test_fingers_hold_a_book_by_friction_and_let_it_fall(hand) -> None:
     assert book.pose[2, 3] - before < 0.02
 
 
-def test_closed_fingers_that_push_a_book_do_not_hold_it(hand) -> None:
-    spine = hand.backend.scene.of(BookProps).tray_book().base_T_thing[:3, 3]
+def test_closed_fingers_that_push_a_book_do_not_hold_it(hand: Hand) -> None:
+    book = hand.backend.scene.of(BookProps).tray_book()
+    assert book is not None
+    spine = book.base_T_thing[:3, 3]
     hand.line(-0.10, spine[1], 0.80)
     hand.grip(0.0)
     hand.line(-0.10, spine[1], 0.70)
@@ -191,7 +204,10 @@ def test_closed_fingers_that_push_a_book_do_not_hold_it(hand) -> None:
     assert hand.backend.scene.held is None
 
 
-def test_weak_fingers_let_the_book_slip(make, spec, hand_of) -> None:
+def test_weak_fingers_let_the_book_slip(
+    make: Make, spec: RobotFile, hand_of: Callable[[PyBulletBackend], Hand]
+) -> None:
+    assert spec.gripper is not None
     gripper = spec.gripper.model_copy(update={"force_n": 1.0})
     hand = hand_of(make(robot=spec.model_copy(update={"gripper": gripper})))
     book = hand.backend.scene.of(BookProps).books[117]
@@ -202,13 +218,16 @@ def test_weak_fingers_let_the_book_slip(make, spec, hand_of) -> None:
     assert book.pose[2, 3] - before < 0.04
 
 
-def test_fingers_that_close_on_nothing_meet(hand) -> None:
+def test_fingers_that_close_on_nothing_meet(hand: Hand) -> None:
     hand.grip(0.0)
     assert hand.backend.scene.held is None
     assert hand.gripper.width() < 1e-3
 
 
-def test_a_constraint_grasp_holds_and_a_restored_state_has_it_as_it_was(make, spec, hand_of) -> None:
+def test_a_constraint_grasp_holds_and_a_restored_state_has_it_as_it_was(
+    make: Make, spec: RobotFile, hand_of: Callable[[PyBulletBackend], Hand]
+) -> None:
+    assert spec.gripper is not None
     gripper = spec.gripper.model_copy(update={"grasp": "constraint"})
     hand = hand_of(make(robot=spec.model_copy(update={"gripper": gripper})))
     physics, book = hand.backend._physics, hand.backend.scene.of(BookProps).books[117]
@@ -227,7 +246,10 @@ def test_a_constraint_grasp_holds_and_a_restored_state_has_it_as_it_was(make, sp
     assert physics.pinned is None
 
 
-def test_a_constraint_grasp_opens(make, spec, hand_of) -> None:
+def test_a_constraint_grasp_opens(
+    make: Make, spec: RobotFile, hand_of: Callable[[PyBulletBackend], Hand]
+) -> None:
+    assert spec.gripper is not None
     gripper = spec.gripper.model_copy(update={"grasp": "constraint"})
     hand = hand_of(make(robot=spec.model_copy(update={"gripper": gripper})))
     hand.take_book()
@@ -236,21 +258,21 @@ def test_a_constraint_grasp_opens(make, spec, hand_of) -> None:
     assert hand.backend._physics.pinned is None
 
 
-def test_ranges_are_those_of_the_kinematic_backend(make, world, spec) -> None:
+def test_ranges_are_those_of_the_kinematic_backend(make: Make, world: WorldFile, spec: RobotFile) -> None:
     scans = []
     for backend in (make(), KinematicBackend(spec, world, 0)):
         backend.step()
-        scans.append(backend.capabilities()[-1].scan().ranges)
+        scans.append(parts(backend)[-1].scan().ranges)
     met = np.isfinite(scans[0]) & np.isfinite(scans[1])
     assert met.mean() > 0.9
     assert np.median(np.abs(scans[0] - scans[1])[met]) < 0.01
 
 
 @pytest.mark.slow
-def test_the_same_seed_gives_the_same_run(make) -> None:
+def test_the_same_seed_gives_the_same_run(make: Make) -> None:
     readings = []
     for backend in (make(7), make(7), make(8)):
-        base, arm, *_, camera, ranges = backend.capabilities()
+        base, arm, *_, camera, ranges = parts(backend)
         for _ in range(10):
             base.drive(0.1, 0.2)
             arm.move(arm.command() + 0.01)
@@ -274,12 +296,14 @@ def test_the_engine_writes_nothing_to_our_streams() -> None:
     assert (done.stdout, done.stderr) == ("", "")
 
 
-def test_what_stands_there_weighs_what_it_weighs(make) -> None:
+def test_what_stands_there_weighs_what_it_weighs(make: Make) -> None:
     """The engine tells forces of a part of its step: what carries a book has to add up to its weight."""
     backend = make()
     for _ in range(20):
         backend.step()
-    book = backend._world.bodies[backend.scene.of(BookProps).tray_book().name]
+    on_tray = backend.scene.of(BookProps).tray_book()
+    assert on_tray is not None
+    book = backend._world.bodies[on_tray.name]
     mass = backend._physics.p.getDynamicsInfo(book, -1, physicsClientId=backend._physics.client)[0]
     felt = []
     for _ in range(10):

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from typing import Any
 from xml.etree import ElementTree
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 from handcart.backends.description.robot_file import RobotFile
 from handcart.backends.description.robot_loading import load_robot
@@ -39,11 +41,11 @@ def toyama(**errors: float) -> RobotFile:
     return robot.model_copy(update={"errors": robot.errors.model_copy(update=errors)})
 
 
-def part(backend, name):
+def part(backend: PyBulletBackend, name: str) -> Any:
     return next(each for each in backend.capabilities() if type(each).__name__ == f"Bullet{name}")
 
 
-def go(backend, joints, seconds=2.0) -> None:
+def go(backend: PyBulletBackend, joints: NDArray[np.float64], seconds: float = 2.0) -> None:
     """Move the joints and wait until all is at rest."""
     arm = part(backend, "Arm")
     start = arm.command()
@@ -54,7 +56,7 @@ def go(backend, joints, seconds=2.0) -> None:
         backend.step()
 
 
-def masses(urdf):
+def masses(urdf: str) -> float:
     found = ElementTree.fromstring(urdf).iterfind("link/inertial/mass")
     return sum(float(each.get("value", "nan")) for each in found)
 
@@ -64,14 +66,18 @@ def test_a_chassis_takes_its_mass_and_wheels_from_the_base() -> None:
     changed = sprung(urdf, 0.15, ("left_wheel",))
     assert masses(changed) == pytest.approx(masses(urdf))
     joints = ElementTree.fromstring(changed).iterfind("joint")
-    parents = {joint.get("name"): joint.find("parent").get("link") for joint in joints}
+    parents = {}
+    for joint in joints:
+        parent = joint.find("parent")
+        assert parent is not None
+        parents[joint.get("name")] = parent.get("link")
     assert parents["left_wheel"] == CHASSIS
     assert parents["right_wheel"] == parents["column_mount"] == "base"
 
 
 @pytest.mark.slow
 def test_the_body_leans_to_where_the_arm_is_about_as_the_file_says(build: Build) -> None:
-    backend = build(lean_mrad_per_m=8.0, lean_pivot_m=0.15)
+    backend: Any = build(lean_mrad_per_m=8.0, lean_pivot_m=0.15)
     home = part(backend, "Arm").command()
     reaches, leans = [], []
     for joint_1 in (0.0, 0.8, 1.57):

@@ -38,6 +38,7 @@ def robot(make_stage: Callable[..., Stage]) -> Robot:
 
 def test_in_a_pause_its_time_stands_still_and_its_readings_go_on(robot: Robot) -> None:
     backend, before = simulated_world(robot.backend), robot.time
+    assert backend is not None
     for _ in range(5):
         robot.step(paused=True)
     assert robot.time == before
@@ -85,6 +86,7 @@ def test_a_base_that_was_shifted_while_it_drove_was_not_pushed_while_it_stood(
     """By an indoor positioning; it takes the place over in either case."""
     robot = make_stage("atrv", HALL).robot
     scene = simulated_world(robot.backend)
+    assert scene is not None
 
     def shifted(speed: float) -> int:
         for period in range(50):
@@ -102,6 +104,7 @@ def test_an_old_scan_holds_no_base_back_that_drives(robot: Robot, monkeypatch: p
     """S1: it fits the map very well, where the base no longer is."""
     robot.step()
     scene, old = simulated_world(robot.backend), robot.range_sensor.scan()
+    assert scene is not None
     monkeypatch.setattr(robot.range_sensor, "scan", lambda: old)
     for _ in range(60):
         robot.base.drive(0.15, 0.0)

@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from handcart.backends.simulation.books.insertion import Entrance, entry_chance
+from handcart.backends.simulation.books.insertion import Entrance, Entry, entry_chance
 from handcart.backends.simulation.books.row import Member
 from handcart.backends.simulation.books.shelf import Shelf
 from handcart.backends.simulation.books.spec import ShelfSpec
@@ -14,11 +14,13 @@ SHELF = Shelf(ShelfSpec(name="s", x_m=0, y_m=0))
 ROW = [Member(-0.1, -0.0165, 0.0, 0.2, None), Member(0.0165, 0.1, 0.0, 0.2, None)]
 
 
-def enter(lateral, yaw=0.0, seed=0, thickness=0.025):
+def enter(lateral: float, yaw: float = 0.0, seed: int = 0, thickness: float = 0.025) -> Entry:
     entrance = Entrance(seed)
     # The book's middle is 75 mm behind its leading edge.
     edge = (0.001, lateral - 0.075 * math.sin(yaw), yaw)
-    return entrance.follow(None, SHELF, ROW, edge, thickness)
+    entry = entrance.follow(None, SHELF, ROW, edge, thickness)
+    assert entry is not None
+    return entry
 
 
 @pytest.mark.parametrize(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 import pytest
@@ -10,6 +11,7 @@ import pytest
 from handcart.backends.backend import CommandError
 from handcart.backends.capabilities.gps import Gps
 from handcart.backends.capabilities.imu import Imu
+from handcart.backends.description.robot_file import RobotFile
 from handcart.backends.description.robot_loading import load_robot
 from handcart.backends.kinematic.kinematic_backend import KinematicBackend
 from handcart.backends.simulation.world.world_model import world_model
@@ -20,21 +22,21 @@ GROUND = {"format": "handcart-world/1", "start": {"x_m": 0.0, "y_m": 0.0}, "grou
 
 
 @pytest.fixture(scope="module")
-def robot():
+def robot() -> RobotFile:
     return load_robot("el_verde")
 
 
-def backend(robot, seed=0, **world):
+def backend(robot: RobotFile, seed: int = 0, **world: Any) -> Any:
     return KinematicBackend(robot, world_model().model_validate({**GROUND, **world}), seed)
 
 
-def drive(made, seconds, speed, turn=0.0) -> None:
+def drive(made: Any, seconds: float, speed: float, turn: float = 0.0) -> None:
     for _ in range(round(seconds / made.period)):
         made._base.drive(speed, turn)
         made.step()
 
 
-def test_a_car_turns_no_tighter_than_it_steers(robot) -> None:
+def test_a_car_turns_no_tighter_than_it_steers(robot: RobotFile) -> None:
     made = backend(robot)
     made._base.drive(0.4, 0.2)
     for speed, turn in ((0.0, 0.1), (0.4, 0.21), (0.4, math.nan)):
@@ -43,7 +45,7 @@ def test_a_car_turns_no_tighter_than_it_steers(robot) -> None:
 
 
 @pytest.mark.slow
-def test_the_ground_is_as_rough_and_slippery_as_the_file_says(robot) -> None:
+def test_the_ground_is_as_rough_and_slippery_as_the_file_says(robot: RobotFile) -> None:
     tilts, scales = [], []
     for seed in range(12):
         made = backend(robot, seed)
@@ -57,7 +59,7 @@ def test_the_ground_is_as_rough_and_slippery_as_the_file_says(robot) -> None:
     assert 0.001 < np.std(scales) < 0.006
 
 
-def test_fixes_come_once_a_second_and_not_in_an_outage(robot) -> None:
+def test_fixes_come_once_a_second_and_not_in_an_outage(robot: RobotFile) -> None:
     made = backend(robot, sky={"outages": [{"from_s": 20.0, "to_s": 40.0}]})
     times, off = [], []
     for _ in range(round(60.0 / made.period)):
@@ -71,7 +73,7 @@ def test_fixes_come_once_a_second_and_not_in_an_outage(robot) -> None:
     assert np.std(off) == pytest.approx(1.0, rel=0.25)
 
 
-def test_a_standing_imu_reads_its_bias_and_gravity(robot) -> None:
+def test_a_standing_imu_reads_its_bias_and_gravity(robot: RobotFile) -> None:
     made = backend(robot, seed=2)
     rates, forces = [], []
     for _ in range(2000):
@@ -83,7 +85,7 @@ def test_a_standing_imu_reads_its_bias_and_gravity(robot) -> None:
     assert np.linalg.norm(np.mean(forces, axis=0)) == pytest.approx(9.81, abs=0.1)
 
 
-def test_a_world_put_back_goes_on_as_it_was(robot) -> None:
+def test_a_world_put_back_goes_on_as_it_was(robot: RobotFile) -> None:
     made = backend(robot, seed=4, sensors={"count": 2})
     drive(made, 5.0, 0.4, 0.1)
     state = made.state()
@@ -95,12 +97,13 @@ def test_a_world_put_back_goes_on_as_it_was(robot) -> None:
     assert np.array_equal(made.get(Imu).rates(), again.get(Imu).rates())
 
 
-def test_the_arm_of_the_file_is_that_of_the_paper(robot) -> None:
+def test_the_arm_of_the_file_is_that_of_the_paper(robot: RobotFile) -> None:
     class _Robot:
         spec = robot
         arm_model = robot.arm_model()
 
-    arm = scara_of(_Robot())
+    stand_in: Any = _Robot()
+    arm = scara_of(stand_in)
     assert arm.upper == pytest.approx(0.395)
     assert arm.fore == pytest.approx(0.610)
     assert arm.theta1_working == pytest.approx(Scara().theta1_working)

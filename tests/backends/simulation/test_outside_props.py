@@ -119,7 +119,7 @@ def test_it_is_gripped_weighed_and_let_go(make: Callable[[], Any], plants: Any) 
     empty = weight(backend)
     grip(backend, 0.0)
     assert backend.scene.held is pot
-    assert pot.rest is Rest.HAND
+    assert pot.rest is Rest.HAND  # type: ignore[comparison-overlap]
     go(backend, -0.26, 0.0, 0.45 + OVER + 0.05)
     assert pot.pose[2, 3] == pytest.approx(0.5, abs=2e-3)
     full = weight(backend)

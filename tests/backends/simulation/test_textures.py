@@ -1,3 +1,5 @@
+from __future__ import annotations
+
 import numpy as np
 import pytest
 
@@ -14,7 +16,7 @@ def test_spines_are_the_same_for_the_same_seed() -> None:
 
 
 @pytest.mark.parametrize("font", label_fonts())
-def test_labels_fit_the_thinnest_spine_in_every_face(font) -> None:
+def test_labels_fit_the_thinnest_spine_in_every_face(font: str) -> None:
     spine = draw_spine(15, 180, 60, 249, "512.7 NAG", font)
     foot = spine[-round((textures.LABEL_FROM_FOOT_MM + 20) * textures.PX_PER_MM), :]
     assert (foot > 200).sum() >= 0.5 * textures.LABEL_WIDTH_MM * textures.PX_PER_MM
@@ -23,7 +25,7 @@ def test_labels_fit_the_thinnest_spine_in_every_face(font) -> None:
 def test_tags_are_where_they_should_be_and_smeared_ones_are_unreadable() -> None:
     for seed in range(8):
         clean, smeared = (
-            draw_spine(20, 200, 100, 31 * seed, "512.7 NAG", seed=seed, smear=s) for s in (0, 1)
+            draw_spine(20, 200, 100, 31 * seed, "512.7 NAG", seed=seed, smear=s) for s in (False, True)
         )
         small = np.ascontiguousarray(clean[::3, ::3])
         (tag,) = read_tags(small)

@@ -47,7 +47,7 @@ def _turn(axis: str, angle: float) -> np.ndarray:
 
 def _by_hand(q: np.ndarray) -> np.ndarray:
     """base_T_hand, one joint after the other, from the drawing of the arm."""
-    return (
+    pose: np.ndarray = (
         transform((-0.155, 0.215, 0.80))
         @ _turn("z", q[0])
         @ transform((0.0, 0.10, 0.08))
@@ -61,6 +61,7 @@ def _by_hand(q: np.ndarray) -> np.ndarray:
         @ _turn("x", q[5])
         @ transform((0.08, 0.0, 0.0))
     )
+    return pose
 
 
 def _random(arm: ArmModel, count: int, seed: int) -> np.ndarray:
@@ -149,6 +150,7 @@ def test_foreign_arm_in_any_order_of_joints() -> None:
     expected = transform((0.0, 0.0, 0.5)) @ _turn("z", 0.5) @ transform((0.5, 0.0, 0.0)) @ _turn("y", 0.2)
     np.testing.assert_allclose(arm.forward(np.array([0.2, 0.3, 0.5])), expected, atol=1e-9)
     q = arm.inverse(expected, near=np.array([0.0, 0.1, 0.0]))
+    assert q is not None
     np.testing.assert_allclose(q, [0.2, 0.3, 0.5], atol=1e-6)
     tool = arm.link_shapes(np.array([0.2, 0.3, 0.5]))[-1]
     np.testing.assert_allclose(tool.pose, expected @ transform((0.0, 0.0, 0.1)), atol=1e-9)

@@ -10,7 +10,7 @@ from handcart.robotics.kinematics.arm_model import ArmModel
 
 READY = np.array([-0.941, -0.9967, 2.3301, -0.9545, -1.4318, 0.1931])
 SPINES = 0.47  # base x of the spines' plane where the robot works at a shelf
-WORK = {
+WORK: dict[str, list[tuple[float, float, float]]] = {
     "look at the tag of a tall book": [(0.07 - d, -0.08, 0.84) for d in (0.18, 0.21, 0.25)],
     "look at the tag of a short book": [(0.07 - d, -0.08, 0.78) for d in (0.18, 0.21, 0.25)],
     "grip and lift": [(-0.07, 0, 0.74), (-0.02, 0, 0.71), (-0.02, 0, 0.74), (-0.02, 0, 0.86)],

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import cv2
 import numpy as np
@@ -21,7 +22,7 @@ LIBRARY_SIZE = (12.03, 9.02)
 
 
 def real_map(picture: str, origin: float, free_thresh: float) -> GridMap:
-    image = cv2.imread(str(MAPS / picture), cv2.IMREAD_UNCHANGED)
+    image: Any = cv2.imread(str(MAPS / picture), cv2.IMREAD_UNCHANGED)
     if image is None:
         pytest.skip(f"the map {picture} is not there: it lies outside the repository")
     return from_ros(image, 0.05, (origin, origin), 0.65, free_thresh)
@@ -64,7 +65,8 @@ def scan_points(boxes: Boxes, pose: Pose2, rng: np.random.Generator, sigma: floa
     seen = box_ranges(boxes, pose, ANGLES)
     seen = seen + rng.normal(0.0, sigma, len(seen))
     hit = seen < 12.0
-    return seen[hit, None] * np.column_stack([np.cos(ANGLES[hit]), np.sin(ANGLES[hit])])
+    points: np.ndarray = seen[hit, None] * np.column_stack([np.cos(ANGLES[hit]), np.sin(ANGLES[hit])])
+    return points
 
 
 @pytest.fixture(scope="session")

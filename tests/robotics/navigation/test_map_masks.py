@@ -1,5 +1,9 @@
 """Masks over a map, after nav2's costmap filters."""
 
+from __future__ import annotations
+
+from collections.abc import Sequence
+
 import numpy as np
 import pytest
 
@@ -11,7 +15,12 @@ from handcart.robotics.navigation.maps.keepout import keepout_cells, with_keepou
 from handcart.robotics.navigation.maps.speed_limits import SpeedLimits
 
 
-def chart(shape, resolution, origin=(0.0, 0.0), occupied=()):
+def chart(
+    shape: tuple[int, int],
+    resolution: float,
+    origin: tuple[float, float] = (0.0, 0.0),
+    occupied: Sequence[tuple[int, int]] = (),
+) -> GridMap:
     cells = np.zeros(shape, dtype=bool)
     for each in occupied:
         cells[each] = True
@@ -42,7 +51,9 @@ def test_zones_have_cells_of_any_size_from_any_origin(resolution: float) -> None
         assert barred[cell] == (covered or cell in held)
 
 
-def limits(values, percent=True, base=100.0, multiplier=-1.0):
+def limits(
+    values: list[int], percent: bool = True, base: float = 100.0, multiplier: float = -1.0
+) -> SpeedLimits:
     return SpeedLimits(np.array([values], dtype=np.int8), 1.0, (0.0, 0.0), percent, base, multiplier)
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import cv2
@@ -73,13 +74,14 @@ def _photograph(canvas: Any, ideal_K: Any, rng: Any, noise: float, blur: float) 
     pixels = np.stack(np.meshgrid(np.arange(640.0), np.arange(480.0)), axis=-1).reshape(-1, 2)
     rays = CAMERA.undistort(pixels)
     source = (rays * 800.0 + ideal_K[:2, 2]).astype(np.float32).reshape(480, 640, 2)
-    image = cv2.remap(small, source[..., 0], source[..., 1], cv2.INTER_CUBIC)
+    image: Any = cv2.remap(small, source[..., 0], source[..., 1], cv2.INTER_CUBIC)
     image = cv2.GaussianBlur(image, (0, 0), blur)
     angle, depth = rng.uniform(0, 2 * np.pi), rng.uniform(0.05, 0.2)
     v, u = np.mgrid[-1:1:480j, -1:1:640j]
     image *= (0.92 + depth * (np.cos(angle) * u + np.sin(angle) * v)).astype(np.float32)
     image += rng.normal(0.0, noise, image.shape).astype(np.float32)
-    return np.clip(np.rint(image), 0, 255).astype(np.uint8)
+    taken: NDArray[np.uint8] = np.clip(np.rint(image), 0, 255).astype(np.uint8)
+    return taken
 
 
 def _paint(canvas: Any, homography: Any, texture: Any) -> None:
@@ -90,7 +92,7 @@ def _paint(canvas: Any, homography: Any, texture: Any) -> None:
 
 
 def _spine(canvas: Any, K: Any, camera_T_shelf: Any, book: Book) -> None:
-    texture = draw_spine(
+    texture: Any = draw_spine(
         book.thickness * 1e3,
         book.height * 1e3,
         book.grey,
@@ -132,7 +134,7 @@ def _polygon(canvas: Any, K: Any, camera_T_shelf: Any, corners: Any, grey: float
 
 
 def row_of_books(
-    texts: list[str | None],
+    texts: Sequence[str | None],
     seed: int,
     fonts: tuple[str, ...] = ("DejaVuSans.ttf",),
     gaps: dict[int, float] | None = None,
@@ -209,16 +211,18 @@ class Tabletop:
         to_table = np.array([[m, 0.0, -1199.5 * m], [0.0, -m, 1199.5 * m], [0.0, 0.0, 1.0]])
         at = cv2.perspectiveTransform(self._rays, np.linalg.inv(to_rays @ to_table))
         # What lies between two rays is averaged beforehand.
-        seen = cv2.remap(cv2.blur(table, (3, 3)), at, None, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
+        none: Any = None
+        seen = cv2.remap(cv2.blur(table, (3, 3)), at, none, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
         small = cv2.resize(seen.astype(np.float32), (640, 480), interpolation=cv2.INTER_AREA)
-        image = cv2.GaussianBlur(small, (0, 0), blur)
+        image: Any = cv2.GaussianBlur(small, (0, 0), blur)
         rng = np.random.default_rng(seed)
         angle, depth = rng.uniform(0, 2 * np.pi), rng.uniform(0.05, 0.2)
         across = np.linspace(-1.0, 1.0, 640, dtype=np.float32) * np.float32(depth * np.cos(angle))
         down = np.linspace(-1.0, 1.0, 480, dtype=np.float32)[:, None] * np.float32(depth * np.sin(angle))
         image = image * (np.float32(0.92) + across + down)
         image = image + rng.standard_normal(image.shape, dtype=np.float32) * np.float32(noise)
-        return np.clip(np.rint(image), 0, 255).astype(np.uint8)
+        taken: NDArray[np.uint8] = np.clip(np.rint(image), 0, 255).astype(np.uint8)
+        return taken
 
 
 @pytest.fixture(scope="session")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Any
 
 import pytest
@@ -14,14 +15,14 @@ from handcart.backends.description.robot_file import RobotFile
 
 
 @pytest.fixture
-def bench(cart: RobotFile):
+def bench(cart: RobotFile) -> Iterator[Bench]:
     assert cart.can is not None
     made = Bench(cart, cart.can, None)
     yield made
     made.close()
 
 
-def drive(backend: CanBackend, server: BenchServer, clock: Any, periods: int, speed: float) -> None:
+def drive(backend: Any, server: BenchServer, clock: Any, periods: int, speed: float) -> None:
     base = backend.get(Base)
     for _ in range(periods):
         clock.now += backend.period
@@ -31,6 +32,7 @@ def drive(backend: CanBackend, server: BenchServer, clock: Any, periods: int, sp
 
 
 def test_each_sync_is_a_period(cart: RobotFile, bench: Bench, clock: Any) -> None:
+    backend: Any
     with CanBackend(cart, bench) as backend:
         seen: list[float] = []
         server = BenchServer(bench, cart.period_s, clock, lambda each: seen.append(each.time))
@@ -55,6 +57,7 @@ def test_k1_drives_stop_by_themselves_when_the_program_is_gone(
 ) -> None:
     """K1: heartbeat time and ramp after the last sign of life all drives stand, and stay so."""
     assert cart.can is not None
+    backend: Any
     with CanBackend(cart, bench) as backend:
         server = BenchServer(bench, cart.period_s, clock)
         drive(backend, server, clock, 40, 0.4)

@@ -34,7 +34,7 @@ JOINT_6 = "    - {node: 16, counts_per_rev: 65536, gear_ratio: 50, rated_torque_
         ("{node: 21,", "{node: 21, mode: csp,", "profile"),
     ],
 )
-def test_it_is_told_with_line_and_column(tmp_path: Path, before, after: str, told: str) -> None:
+def test_it_is_told_with_line_and_column(tmp_path: Path, before: str, after: str, told: str) -> None:
     text = (ROBOTS / "librarian" / "robot.yaml").read_text(encoding="utf-8")
     assert before in text
     if before.startswith("period_s"):
@@ -67,4 +67,6 @@ def test_a_brake_lets_an_axis_under_gravity_be_disabled(tmp_path: Path) -> None:
         text.replace("{node: 16,", "{node: 16, stop: brake_then_disable, brake: true,"), encoding="utf-8"
     )
     (tmp_path / "librarian.urdf").write_bytes((ROBOTS / "librarian" / "librarian.urdf").read_bytes())
-    assert load_robot(str(path)).can.joints[5].brake
+    spec = load_robot(str(path)).can
+    assert spec is not None
+    assert spec.joints[5].brake

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import random
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -77,7 +78,7 @@ ParameterValue=
 """
     )
     for encoding in ("utf-8", "utf-8-sig", "cp1252"):
-        read = read_eds(eds(tmp_path, text, encoding), 5)
+        read: Any = read_eds(eds(tmp_path, text, encoding), 5)
         assert read[0x6040].data_type == 6
         assert read[0x1014].default == 0x85
         assert read[0x100B].default is None

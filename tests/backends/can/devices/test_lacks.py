@@ -4,21 +4,27 @@ from __future__ import annotations
 
 import re
 import shutil
+from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 from canopen.sdo.exceptions import SdoAbortedError
 
 from handcart.backends.can.bench.bench import Bench
+from handcart.backends.can.bench.bench_bus import BenchBus
 from handcart.backends.can.bus.cyclic_frames import cyclic_frames
 from handcart.backends.can.can_backend import CanBackend
 from handcart.backends.can.devices.lacks import LACKS, not_watched
 from handcart.backends.can.errors import Emergency, ReadBackDiffers
+from handcart.backends.can.simulated.drive_node import DriveNode
 from handcart.backends.can.simulated.simulated_drives import SimulatedDrives
 from handcart.backends.capabilities.arm import Arm
 from handcart.backends.capabilities.base import Base
 from handcart.backends.capabilities.gripper import Gripper
+from handcart.backends.description.can_spec import Without
+from handcart.backends.description.robot_file import RobotFile
 from handcart.backends.description.robot_loading import ROBOTS, load_robot
 from handcart.backends.kinematic.kinematic_gripper import KinematicGripper
 from handcart.evaluation.bringup.bus_rungs import ReadBackRung
@@ -27,7 +33,7 @@ from handcart.evaluation.bringup.site import Site
 from handcart.evaluation.robot_report.report import report_of
 from handcart.files.errors import FileError
 
-from ..conftest import LEFT, ROOM
+from ..conftest import LEFT, ROOM, Make
 from ..faulty import JOINT_1, fault_of, move
 
 OWN = Path(__file__).resolve().parents[4] / "backends" / "can" / "drives" / "drive.eds"
@@ -65,7 +71,7 @@ LEFT_OUT = {word: lack.objects for word, lack in LACKS.items()}
 
 
 @pytest.mark.parametrize("word", LACKS)
-def test_what_a_drive_lacks_is_told_until_it_is_accepted(tmp_path: Path, word) -> None:
+def test_what_a_drive_lacks_is_told_until_it_is_accepted(tmp_path: Path, word: Without) -> None:
     """C9 C10: at the drive's place in the robot's file, with what follows, and how that is accepted."""
     eds, brake = maker_eds(*LEFT_OUT[word]), "brake: true, "
     with pytest.raises(FileError) as error:
@@ -78,6 +84,7 @@ def test_what_a_drive_lacks_is_told_until_it_is_accepted(tmp_path: Path, word) -
     assert lack.then in finding.message
     assert finding.message.endswith(f"to accept that: without: [{word}]")
     accepted = load_robot(written(tmp_path / "accepted", eds, (JOINT_1,), without(word, brake=True)))
+    assert accepted.can is not None
     assert not_watched(accepted.can.joints[0]) == [f"without {lack.what}: {lack.then}"]
 
 
@@ -111,7 +118,7 @@ SILENT = (0x1006, 0x1029, "1400sub5", 0x6080, 0x6084)
 
 
 @pytest.fixture
-def bare(tmp_path: Path, make):
+def bare(tmp_path: Path, make: Make) -> Any:
     """A robot all of whose drives lack all that can be lacked."""
     eds = maker_eds(*ALL, *SILENT)
     accepted = without(*LACKS, brake=True)
@@ -119,7 +126,7 @@ def bare(tmp_path: Path, make):
     return make(robot=robot, room=False)
 
 
-def test_drives_are_used_with_what_they_have(bare) -> None:
+def test_drives_are_used_with_what_they_have(bare: Any) -> None:
     """C9 C10: nothing that isn't there is written, read, or mapped; they are driven, and stopped."""
     move(bare, 30)
     assert bare.get(Base).wheel_travel().left > 0.3
@@ -133,7 +140,7 @@ def test_drives_are_used_with_what_they_have(bare) -> None:
     assert [drive.velocity for drive in drives] == [0.0] * len(drives)
 
 
-def test_faults_of_such_drives_stop_the_robot(bare) -> None:
+def test_faults_of_such_drives_stop_the_robot(bare: Any) -> None:
     """C11 C12: told by their emergency message."""
     fault = fault_of(bare, "fault", JOINT_1)
     assert isinstance(fault, Emergency)
@@ -141,7 +148,7 @@ def test_faults_of_such_drives_stop_the_robot(bare) -> None:
     assert "OPERATION ENABLED" not in {drive.life.state for drive in bare.bench.drives.values()}
 
 
-def test_what_follows_is_true(bare) -> None:
+def test_what_follows_is_true(bare: Any) -> None:
     """C7 C8: without 1016h and 1400h:5 a drive goes on when this program is gone."""
     move(bare, 20)
     drive = bare.bench.drives[LEFT]
@@ -151,7 +158,8 @@ def test_what_follows_is_true(bare) -> None:
     assert drive.velocity != 0.0
 
 
-def test_a_force_is_felt_by_the_joints_that_tell_their_torque(make, robot) -> None:
+def test_a_force_is_felt_by_the_joints_that_tell_their_torque(make: Make, robot: RobotFile) -> None:
+    assert robot.can is not None
     joints = [joint.model_copy(update={"without": ("torque",)}) for joint in robot.can.joints]
     some = (*joints[:1], *robot.can.joints[1:])
     for drives, felt in ((some, True), (tuple(joints), False)):
@@ -167,14 +175,15 @@ def test_a_force_is_felt_by_the_joints_that_tell_their_torque(make, robot) -> No
 
 
 def test_fingers_without_torque_press_when_they_stand_away_from_where_they_should(
-    make, robot, monkeypatch: pytest.MonkeyPatch
+    make: Make, robot: RobotFile, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    assert robot.can is not None and robot.can.gripper is not None
     gripper_spec = robot.can.gripper.model_copy(update={"without": ("torque",)})
     spec = robot.can.model_copy(update={"gripper": gripper_spec})
     backend = make(robot=robot.model_copy(update={"can": spec}))
     gripper, seen = backend.get(Gripper), []
 
-    def close(width) -> None:
+    def close(width: float) -> None:
         gripper.move(width)
         for _ in range(40):
             backend.step()
@@ -192,13 +201,13 @@ def test_fingers_without_torque_press_when_they_stand_away_from_where_they_shoul
 
 
 def test_a_real_drive_that_lacks_what_its_file_describes_is_told_how_to_accept_that(
-    make, monkeypatch: pytest.MonkeyPatch
+    make: Make, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """C9 C10: at the read-back, before anything has torque."""
     plain = Bench.open
 
-    def opened(self):
-        drive = self.drives[LEFT]
+    def opened(self: Bench) -> BenchBus:
+        drive: Any = self.drives[LEFT]
         described = drive.objects.described
         drive.objects.described = lambda index, sub=0: index not in (0x1016, 0x605A) and described(index, sub)
         return plain(self)
@@ -221,7 +230,7 @@ def test_check_and_bring_up_say_what_is_not_watched(tmp_path: Path) -> None:
     site = Site(
         "librarian", robot, BenchOperator(said.append), tmp_path, tmp_path, "kinematic", world(tmp_path)
     )
-    facts = ReadBackRung().climb(site)
+    facts: Any = ReadBackRung().climb(site)
     assert words in said
     assert list(facts["accepted"]) == ["left wheel"]
     assert "1016h:1" not in facts["supervision"]["left wheel"]
@@ -237,7 +246,7 @@ def world(folder: Path) -> Path:
 
 
 @pytest.fixture
-def lone():
+def lone() -> Iterator[DriveNode]:
     drives = SimulatedDrives([5], 0.01)
     yield drives.nodes[5]
     drives.close()
@@ -253,7 +262,9 @@ def lone():
         (0x5FFF, 3, 0x06020000),
     ],
 )
-def test_a_simulated_drive_aborts_what_it_does_not_have(lone, index: int, subindex: int, code: int) -> None:
+def test_a_simulated_drive_aborts_what_it_does_not_have(
+    lone: DriveNode, index: int, subindex: int, code: int
+) -> None:
     """C14: variables have no sub-index but 0."""
     for ask in (
         lambda: lone.get_data(index, subindex),
@@ -265,7 +276,7 @@ def test_a_simulated_drive_aborts_what_it_does_not_have(lone, index: int, subind
     assert lone.life.state == "SWITCH ON DISABLED"
 
 
-def test_a_simulated_drive_refuses_modes_that_it_lacks(lone) -> None:
+def test_a_simulated_drive_refuses_modes_that_it_lacks(lone: DriveNode) -> None:
     """C10: by 6502h; it stays in the mode that it has."""
     lone.set_data(0x6060, 0, b"\x03")
     for mode in (2, 4, 7, 10, -1):
@@ -282,13 +293,14 @@ def test_a_maker_whose_drive_has_no_cyclic_mode(tmp_path: Path) -> None:
     assert "DefaultValue=0x1A5" in eds
     path = written(tmp_path, eds.replace("DefaultValue=0x1A5", "DefaultValue=0x25"), (LEFT,), "mode: csv, ")
     robot = load_robot(path)
+    assert robot.can is not None
     bench = Bench(robot, robot.can, None)
     with pytest.raises(Exception, match=r"supported drive modes \(6502h\) is 0x25; allowed: cyclic"):
         CanBackend(robot, bench)
     bench.close()
 
 
-def test_a_cob_id_that_is_the_drives_own_is_left_as_it_is(tmp_path: Path, make) -> None:
+def test_a_cob_id_that_is_the_drives_own_is_left_as_it_is(tmp_path: Path, make: Make) -> None:
     """Some drives have theirs read-only: only what is in the PDO is written."""
     text = maker_eds()
     for record in ("1400", "1800", "1801"):

@@ -216,7 +216,7 @@ def test_a_receiver_that_isnt_good_enough(device: Device, clock: Any) -> None:
     receiver.close()
 
 
-ORIGIN = {"origin_lat_deg": 48.0, "origin_lon_deg": 11.0}
+ORIGIN: dict[str, Any] = {"origin_lat_deg": 48.0, "origin_lon_deg": 11.0}
 
 
 @pytest.fixture
@@ -413,7 +413,7 @@ def make_camera(clock: Any) -> Iterator[Callable[..., VideoCamera]]:
         each.close()
 
 
-def picture(grey: int) -> np.ndarray:  # type: ignore[type-arg]
+def picture(grey: int) -> np.ndarray:
     return np.full((48, 64, 3), grey, np.uint8)
 
 
@@ -425,7 +425,9 @@ def test_a_picture_stays(tmp_path: Path, clock: Any, make_camera: Callable[..., 
         clock.now += 1.0
         camera.advance()
         image = camera.image()
-        assert (image.shape, image.dtype, int(image[0, 0])) == ((48, 64), np.uint8, 77)
+        assert image.shape == (48, 64)
+        assert image.dtype == np.uint8
+        assert int(image[0, 0]) == 77
     assert camera.model.width == 64
 
 

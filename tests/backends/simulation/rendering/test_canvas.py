@@ -9,7 +9,7 @@ K = np.array([[800.0, 0.0, 100.0], [0.0, 800.0, 80.0], [0.0, 0.0, 1.0]])
 SQUARE = np.array([[-0.02, -0.02, 0.4], [0.02, -0.02, 0.4], [0.02, 0.02, 0.4], [-0.02, 0.02, 0.4]])
 
 
-def canvas():
+def canvas() -> Canvas:
     """A camera at the world's origin that looks along z."""
     return Canvas(K, (201, 161), np.eye(4), background=0)
 

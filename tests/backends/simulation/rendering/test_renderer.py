@@ -2,20 +2,22 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 from handcart.backends.description.robot_loading import load_robot
 from handcart.backends.robot.mounted_camera import camera_model
 from handcart.backends.simulation.books.book_props import BookProps
 from handcart.backends.simulation.build_scene import build_scene
 from handcart.backends.simulation.rendering.renderer import Renderer
+from handcart.backends.simulation.scene import Scene
 from handcart.backends.simulation.world.world_model import world_model
-from handcart.robotics.geometry.transform import transform
+from handcart.robotics.geometry.transform import Transform, transform
 from handcart.robotics.perception.landmarks.tag_reader import read_tags
 
 OPTICAL = np.array([[0, 0, 1, 0], [-1, 0, 0, 0], [0, -1, 0, 0], [0, 0, 0, 1.0]])
 
 
-def scene(tag="readable", gap=31.0):
+def scene(tag: str = "readable", gap: float = 31.0) -> Scene:
     book = {"call": "512.7 NAG", "thickness_mm": 40.0, "height_mm": 200.0, "depth_mm": 150.0, "grey": 140}
     row = [book | {"accession": 1}, {"gap_mm": gap}, book | {"accession": 2}]
     shelf = {"name": "s", "x_m": 2.0, "y_m": 0.0, "width_m": 0.4, "books": row}
@@ -28,13 +30,15 @@ def scene(tag="readable", gap=31.0):
     return build_scene(load_robot("librarian"), file, seed=0)
 
 
-def picture(world, pose, seed=0, period=1):
+def picture(world: Scene, pose: Transform, seed: int = 0, period: int = 1) -> NDArray[np.uint8]:
     robot = load_robot("librarian")
+    assert robot.camera is not None
     return Renderer(camera_model(robot.camera), robot.errors, seed).render(world, pose, period)
 
 
-def before_shelf(world, y=0.14, x=-0.3, z=0.1):
-    return world.of(BookProps).shelves["s"].pose @ transform((x, y, z)) @ OPTICAL
+def before_shelf(world: Scene, y: float = 0.14, x: float = -0.3, z: float = 0.1) -> Transform:
+    pose: Transform = world.of(BookProps).shelves["s"].pose @ transform((x, y, z)) @ OPTICAL
+    return pose
 
 
 def test_a_gap_is_darker_than_any_spine_and_stands_where_it_is() -> None:
@@ -47,7 +51,7 @@ def test_a_gap_is_darker_than_any_spine_and_stands_where_it_is() -> None:
 
 
 @pytest.mark.parametrize(("tag", "read"), [("readable", [3]), ("smeared", []), ("none", [])])
-def test_the_tag_of_the_tray_book_is_read_unless_it_is_smeared_or_missing(tag: str, read) -> None:
+def test_the_tag_of_the_tray_book_is_read_unless_it_is_smeared_or_missing(tag: str, read: list[int]) -> None:
     world = scene(tag)
     pose = world.of(BookProps).book_pose(3) @ transform((-0.25, 0.0, 0.17)) @ OPTICAL
     near = read_tags(picture(world, pose))

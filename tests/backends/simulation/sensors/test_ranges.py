@@ -1,12 +1,13 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 import pytest
 
 from handcart.backends.simulation.sensors.ranges import cast_rays
-from handcart.backends.simulation.world.solids import FloorPlan, of_furniture
+from handcart.backends.simulation.world.solids import FloorPlan, Solid, of_furniture
 from handcart.backends.simulation.world.world_file import Furniture, Surprise
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.maps.box_ranges import box_ranges
@@ -14,7 +15,9 @@ from handcart.robotics.navigation.maps.box_ranges import box_ranges
 ANGLES = np.linspace(-np.pi, np.pi, 360, endpoint=False)
 
 
-def box(x, y, heading=0.0, size=(1.0, 0.6, 1.0), **times):
+def box(
+    x: float, y: float, heading: float = 0.0, size: tuple[float, float, float] = (1.0, 0.6, 1.0), **times: Any
+) -> Solid:
     kind = Surprise if times else Furniture
     return of_furniture(kind(name="box", x_m=x, y_m=y, heading_deg=heading, size_m=size, **times))
 
@@ -58,6 +61,8 @@ def test_a_surprise_is_seen_while_it_is_there(time: float, there: bool) -> None:
 
 def test_clearance_is_the_distance_to_the_outline_and_negative_inside() -> None:
     plan = FloorPlan([box(2.0, 0.0), box(0.0, 5.0, heading=90.0)], 0.0, 1.0)
-    assert plan.clearance(0.0, 0.0, 0.0) == (pytest.approx(1.5), "box")
+    away, name = plan.clearance(0.0, 0.0, 0.0)
+    assert away == pytest.approx(1.5)
+    assert name == "box"
     assert plan.clearance(2.0, 0.2, 0.0)[0] == pytest.approx(-0.1)
     assert plan.clearance(0.0, 4.0, 0.0)[0] == pytest.approx(0.5)

@@ -1,3 +1,5 @@
+from typing import Any
+
 import numpy as np
 import pytest
 
@@ -29,6 +31,7 @@ WORLD = {"format": "handcart-world/1", "start": {"x_m": 0.0, "y_m": 0.0}}
 def test_without_errors_the_camera_is_as_stated() -> None:
     robot = load_robot("toyama")
     arm = robot.arm_model()
+    assert robot.camera is not None
     stated, true = stated_camera(robot.camera, arm), true_camera(robot.camera, arm, robot.errors, 3)
     assert np.array_equal(true.hand_T_camera, stated.hand_T_camera)
     assert np.array_equal(true.model.K, camera_model(robot.camera).K)
@@ -38,6 +41,7 @@ def test_without_errors_the_camera_is_as_stated() -> None:
 def test_the_seed_draws_how_the_camera_is_off() -> None:
     robot = load_robot("toyama/uncalibrated")
     arm, spec = robot.arm_model(), robot.camera
+    assert spec is not None
     stated = stated_camera(spec, arm)
     drawn = [true_camera(spec, arm, robot.errors, seed) for seed in range(60)]
     far, turned = np.array([difference(stated.hand_T_camera, each.hand_T_camera) for each in drawn]).T
@@ -53,6 +57,7 @@ def test_the_seed_draws_how_the_camera_is_off() -> None:
 def test_a_calibration_changes_what_is_known_and_not_what_is() -> None:
     robot = load_robot("toyama/uncalibrated")
     arm, before = robot.arm_model(), robot.camera
+    assert before is not None
     after = before.model_copy(update={"calibrated": FOUND})
     known = known_camera(after, arm)
     assert pytest.approx(np.array([[812.5, 0, 321], [0, 812.5, 238], [0, 0, 1]])) == known.model.K
@@ -67,7 +72,7 @@ def test_a_calibration_changes_what_is_known_and_not_what_is() -> None:
     pictures = []
     for backend in backends:
         backend.step()
-        camera = next(each for each in backend.capabilities() if hasattr(each, "image"))
+        camera: Any = next(each for each in backend.capabilities() if hasattr(each, "image"))
         pictures.append(camera.image())
     assert np.array_equal(*pictures)
     assert camera.model.K[0, 0] == 812.5
@@ -85,6 +90,7 @@ def test_a_board_is_seen_where_it_lies(square: float) -> None:
         "size_mm": square,
     }
     scene = build_scene(robot, world_model().model_validate(WORLD | {"marks": [mark]}), 0)
+    assert robot.camera is not None
     camera = camera_model(robot.camera)
     camera_T_board = facing(0.3) @ transform(rpy=(0.2, -0.3, 0.1))
     image = Renderer(camera, robot.errors, 0).render(

@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 
 import cv2
@@ -8,6 +9,7 @@ import pytest
 
 from handcart.backends.map_world import as_world_file
 from handcart.backends.simulation.world.load_world import load_world, load_world_or_map
+from handcart.backends.simulation.world.world_file import WorldFile
 from handcart.files.errors import FileError
 from handcart.robotics.geometry.pose2 import Pose2
 
@@ -16,8 +18,8 @@ MAP = "image: map.png\nresolution: 0.1\norigin: [-1.0, 2.0, 0.0]\n"
 
 
 @pytest.fixture
-def read(tmp_path: Path):
-    def written(world, chart=MAP):
+def read(tmp_path: Path) -> Callable[..., WorldFile]:
+    def written(world: str, chart: str = MAP) -> WorldFile:
         picture = np.full((6, 8), 254, dtype=np.uint8)
         picture[0, 2:5] = 0  # the top row in the picture has the highest y
         cv2.imwrite(str(tmp_path / "map.png"), picture)
@@ -28,7 +30,7 @@ def read(tmp_path: Path):
     return written
 
 
-def test_what_is_occupied_on_the_map_stands_among_the_furniture(read) -> None:
+def test_what_is_occupied_on_the_map_stands_among_the_furniture(read: Callable[..., WorldFile]) -> None:
     world = read("map: map.yaml\nfurniture: [{name: box, x_m: 0, y_m: 0, size_m: [1, 1, 1]}]\n")
     box, wall = world.furniture
     assert box.name == "box"
@@ -46,12 +48,16 @@ def test_what_is_occupied_on_the_map_stands_among_the_furniture(read) -> None:
         ("map: map.yaml\n", MAP.replace("0.0]", "0.5]"), r"map\.yaml:3:21: the map is turned by 0.5 rad"),
     ],
 )
-def test_a_map_that_cannot_be_read_is_told_with_its_place(read, world: str, chart, message: str) -> None:
+def test_a_map_that_cannot_be_read_is_told_with_its_place(
+    read: Callable[..., WorldFile], world: str, chart: str, message: str
+) -> None:
     with pytest.raises(FileError, match=message):
         read(world, chart)
 
 
-def test_a_map_in_place_of_a_world_is_the_same_read_and_as_a_file(read, tmp_path: Path) -> None:
+def test_a_map_in_place_of_a_world_is_the_same_read_and_as_a_file(
+    read: Callable[..., WorldFile], tmp_path: Path
+) -> None:
     read("")
     start = Pose2(0.25, 2.5, 0.1)
     world = load_world_or_map(tmp_path / "map.yaml", start)

@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -12,7 +13,7 @@ HEAD = "format: handcart-world/1\nstart: {x_m: 0, y_m: 0}\n"
 BOOK = "{accession: 1, call: 512.7 NAG, thickness_mm: 30, height_mm: 200, depth_mm: 150}"
 
 
-def read(tmp_path: Path, text):
+def read(tmp_path: Path, text: str) -> Any:
     path = tmp_path / "world.yaml"
     path.write_text(HEAD + text, encoding="utf-8")
     return load(path, world_model())
@@ -44,6 +45,6 @@ def test_the_smallest_world_is_an_empty_floor(tmp_path: Path) -> None:
         ("colour: red\n", "colour"),
     ],
 )
-def test_what_cannot_be_is_refused(tmp_path: Path, text, message: str) -> None:
+def test_what_cannot_be_is_refused(tmp_path: Path, text: str, message: str) -> None:
     with pytest.raises(FileError, match=message):
         read(tmp_path, text)

@@ -88,7 +88,9 @@ def test_solids_of_a_domain_stand_in_the_way_and_are_seen(declare: Any) -> None:
     declare(Rack, RackProps)
     robot = load_robot("librarian")
     scene = build_scene(robot, world_model().model_validate(SMALLEST | {"rack_m": 2.0}), 0)
-    assert scene.body_plan.clearance(1.0, 0.0, 0.0) == (pytest.approx(0.9), "rack")
+    away, name = scene.body_plan.clearance(1.0, 0.0, 0.0)
+    assert away == pytest.approx(0.9)
+    assert name == "rack"
     looks = np.array([[0, 0, 1, 0], [-1, 0, 0, 0], [0, -1, 0, 0.5], [0, 0, 0, 1.0]])
     picture = Renderer(_camera(), robot.errors, 0).ideal(scene, looks)
     assert picture[picture.shape[0] // 2, picture.shape[1] // 2] == 250
@@ -97,7 +99,9 @@ def test_solids_of_a_domain_stand_in_the_way_and_are_seen(declare: Any) -> None:
 def _camera() -> Any:
     from handcart.backends.robot.mounted_camera import camera_model
 
-    return camera_model(load_robot("librarian").camera)
+    spec = load_robot("librarian").camera
+    assert spec is not None
+    return camera_model(spec)
 
 
 @pytest.mark.parametrize("room", ["scene", "kinematic", "pybullet"])

@@ -59,7 +59,9 @@ def lead(q: np.ndarray, target: np.ndarray, jacobian: Jacobian | None = None) ->
 
 def worst_jacobian(jacobian: Jacobian) -> float:
     rng = np.random.default_rng(1)
-    return max(np.abs(jacobian(q) - differences(q)).max() for q in rng.uniform(-math.pi, math.pi, (500, 2)))
+    return max(
+        float(np.abs(jacobian(q) - differences(q)).max()) for q in rng.uniform(-math.pi, math.pi, (500, 2))
+    )
 
 
 def test_the_jacobian_is_the_derivative_and_the_printed_one_is_not() -> None:
@@ -106,7 +108,8 @@ def test_tilt_is_in_the_kinematics() -> None:
     rng = np.random.default_rng(3)
     placed = 0
     for _ in range(100):
-        pose = Pose2(*rng.uniform(-5, 5, 2).tolist(), rng.uniform(-3, 3))
+        x, y = rng.uniform(-5, 5, 2).tolist()
+        pose = Pose2(x, y, rng.uniform(-3, 3))
         tilt = tuple(np.radians(rng.normal(0.0, 2.5, 2)).tolist())
         aside = rng.uniform((-0.2, -0.9), (0.2, -0.5))
         target = np.array([*pose.apply(aside[None])[0], 0.05])

@@ -1,3 +1,5 @@
+from __future__ import annotations
+
 import numpy as np
 import pytest
 
@@ -141,7 +143,9 @@ def test_one_landmark_is_not_enough() -> None:
         fit_sightings(sightings[:1], HAND_T_CAMERA, guess)
 
 
-def shifts(rng: np.random.Generator, heading: float, distance: float, world_T_base: Transform):
+def shifts(
+    rng: np.random.Generator, heading: float, distance: float, world_T_base: Transform
+) -> list[SpotShift]:
     """Of a laser that points along `heading` at a wall at right angles to it, after 20 swings."""
     start = transform((0.1, 0.05, 0.4), (0.0, 0.0, heading))
     facing = np.eye(4)  # the wall's x to the left, its y up

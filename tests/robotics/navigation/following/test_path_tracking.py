@@ -1,9 +1,13 @@
+from __future__ import annotations
+
 import math
+from typing import Any
 
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from numpy.typing import NDArray
 
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.following.drive_limits import DriveLimits
@@ -20,9 +24,11 @@ def moved(pose: Pose2, speed: float, turn_rate: float) -> Pose2:
     return pose.compose(Pose2(chord * math.cos(turn / 2), chord * math.sin(turn / 2), turn))
 
 
-def run(law, pose: Pose2, seconds: float = 120.0, rng=None, noise: float = 0.0):
+def run(
+    law: Any, pose: Pose2, seconds: float = 120.0, rng: np.random.Generator | None = None, noise: float = 0.0
+) -> tuple[list[Pose2], NDArray[np.float64]]:
     """Drive until finished; returns all poses and commands."""
-    poses, commands = [pose], []
+    poses, commands = [pose], list[tuple[float, float]]()
     seen = pose
     while not law.finished(seen):
         assert len(commands) < seconds / DT, f"still at {pose} after {seconds} s"
@@ -73,7 +79,9 @@ def test_stays_within_limits(reverse: bool) -> None:
     st.floats(-math.pi, math.pi),
     st.booleans(),
 )
-def test_converges_from_any_start_beside_the_route(start, heading, reverse) -> None:
+def test_converges_from_any_start_beside_the_route(
+    start: tuple[float, float, float], heading: float, reverse: bool
+) -> None:
     points = np.array([[0.0, 0.0], [1.5, 0.0], [2.0, 1.0]])
     tracker = PathTracker(points, heading, reverse=reverse)
     poses, _ = run(tracker, Pose2(*start), seconds=60.0)
@@ -106,7 +114,7 @@ def test_arrives_with_a_noisy_estimate() -> None:
 
 @settings(max_examples=100, deadline=None)
 @given(st.floats(-0.4, 0.4), st.floats(-0.4, 0.4), st.floats(-math.pi, math.pi), st.floats(-math.pi, math.pi))
-def test_regulator_reaches_any_pose_near_by(x, y, theta, goal_heading) -> None:
+def test_regulator_reaches_any_pose_near_by(x: float, y: float, theta: float, goal_heading: float) -> None:
     goal = Pose2(1.0, -1.0, goal_heading)
     poses, _ = run(PoseRegulator(goal), Pose2(1.0 + x, -1.0 + y, theta), seconds=40.0)
     assert poses[-1].distance(goal) <= 0.008

@@ -37,7 +37,8 @@ def test_what_is_called_free_touches_neither_map_nor_scan(cell: float, share: fl
     for _ in range(300):
         solid = rng.random((round(4.0 / cell), round(4.0 / cell))) < share
         grid = GridMap(solid, np.zeros_like(solid), cell, 0.0, 0.0)
-        pose = Pose2(*rng.uniform(1.0, 3.0, 2), rng.uniform(-3.0, 3.0))
+        x, y = rng.uniform(1.0, 3.0, 2)
+        pose = Pose2(x, y, rng.uniform(-3.0, 3.0))
         scan = rng.uniform(-1.5, 1.5, (rng.integers(0, 6), 2))
         curvature, length = rng.uniform(-4.0, 4.0), rng.uniform(-0.8, 0.8)
         free, held = WayGuard(NEEDED, grid).free_way(pose, scan, curvature, length)
@@ -58,7 +59,9 @@ def test_an_arc_ends_before_what_the_map_shows() -> None:
     free, held = WayGuard(NEEDED, WALL).free_way(Pose2(3.0, 2.0, 0.0), NOTHING, 0.0, 2.0)
     assert free == pytest.approx(0.6, abs=0.01)
     assert held is not None
-    assert (held.shown_by, held.x, held.y) == ("map", pytest.approx(3.9), pytest.approx(2.0, abs=1e-3))
+    assert held.shown_by == "map"
+    assert held.x == pytest.approx(3.9)
+    assert held.y == pytest.approx(2.0, abs=1e-3)
 
 
 def test_what_is_too_near_may_be_left_and_not_be_come_nearer_to() -> None:
@@ -84,4 +87,6 @@ def test_a_declared_place_excuses_what_the_map_shows_there_but_not_the_scan() ->
     free, held = guard.free_way(out, np.array([[0.52, 0.0]]), 0.0, 0.25)
     assert free == pytest.approx(0.22, abs=0.01)
     assert held is not None
-    assert (held.shown_by, held.x, held.y) == ("scan", pytest.approx(3.92), pytest.approx(2.0))
+    assert held.shown_by == "scan"
+    assert held.x == pytest.approx(3.92)
+    assert held.y == pytest.approx(2.0)

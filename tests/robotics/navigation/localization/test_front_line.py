@@ -1,3 +1,5 @@
+from __future__ import annotations
+
 import math
 
 import numpy as np
@@ -57,7 +59,7 @@ def test_a_pose_is_corrected_across_the_front_and_in_heading_only() -> None:
 
 @settings(max_examples=50)
 @given(st.floats(-math.pi, math.pi), st.floats(-3, 3), st.floats(-3, 3))
-def test_exact_points_give_the_exact_pose_wherever_the_shelf_stands(turn, x, y) -> None:
+def test_exact_points_give_the_exact_pose_wherever_the_shelf_stands(turn: float, x: float, y: float) -> None:
     world_T_shelf = Pose2(x, y, turn)
     local = Pose2(0.1, -0.7, 1.7)
     truth, segment = world_T_shelf.compose(local), world_T_shelf.apply(SHELF)

@@ -1,4 +1,7 @@
+from __future__ import annotations
+
 import math
+from collections.abc import Callable
 
 import numpy as np
 import pytest
@@ -7,22 +10,28 @@ from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.following.path_tracking import PathTracker
 from handcart.robotics.navigation.localization.localizer import Localizer, OdometryLocalizer, ScanLocalizer
 from handcart.robotics.navigation.localization.odometry import Odometry, OdometryErrors
+from handcart.robotics.navigation.localization.scan_matching import LikelihoodField
+from handcart.robotics.navigation.maps.grid_map import GridMap
 from handcart.robotics.navigation.routes.route import plan_route
 from handcart.robotics.navigation.routes.voronoi_graph import voronoi_graph
+
+from ..conftest import Boxes
 
 TREAD, DT = 0.46, 0.05
 START, GOAL = Pose2(1.0, 3.6, 0.0), Pose2(10.9, 7.9, 1.5)
 UNKNOWN = [(4.6, 3.1, 0.3, 0.3, 0.3), (7.9, 7.2, 0.0, 0.25, 0.3), (9.6, 3.4, 0.8, 0.4, 0.2)]
 
 
-def drive(localizer: Localizer, library, boxes, scan, seed: int = 0) -> tuple[Pose2, list[float]]:
+def drive(
+    localizer: Localizer, library: GridMap, boxes: Boxes, scan: Callable[..., np.ndarray], seed: int = 0
+) -> tuple[Pose2, list[float]]:
     """Drive a route on estimates only; truth at the end and the estimate's errors on the way, in [m]."""
     rng = np.random.default_rng(seed)
     scale, tread = 1.0 + rng.normal(0.0, 0.002, 2), TREAD * (1.0 + rng.normal(0.0, 0.005))
     truth = Odometry(START, tread, OdometryErrors(0.0, 0.0, 0.0))
     route = plan_route(voronoi_graph(library, 0.34), START, GOAL)
     assert route is not None
-    tracker, errors = PathTracker(route.points, GOAL.theta), []
+    tracker, errors = PathTracker(route.points, GOAL.theta), list[float]()
     for _ in range(2000):
         if tracker.finished(localizer.pose):
             return truth.pose, errors
@@ -36,7 +45,9 @@ def drive(localizer: Localizer, library, boxes, scan, seed: int = 0) -> tuple[Po
 
 
 @pytest.mark.slow
-def test_scans_hold_the_pose_among_unknown_boxes(library, library_boxes, library_field, scan) -> None:
+def test_scans_hold_the_pose_among_unknown_boxes(
+    library: GridMap, library_boxes: Boxes, library_field: LikelihoodField, scan: Callable[..., np.ndarray]
+) -> None:
     """S7: wheels that err slowly are corrected by scans."""
     localizer = ScanLocalizer(library_field, START, TREAD)
     end, errors = drive(localizer, library, library_boxes + UNKNOWN, scan)
@@ -47,7 +58,9 @@ def test_scans_hold_the_pose_among_unknown_boxes(library, library_boxes, library
     assert math.sqrt(localizer.covariance[0, 0]) < 0.03
 
 
-def test_wheels_alone_drift_and_say_so(library, library_boxes, scan) -> None:
+def test_wheels_alone_drift_and_say_so(
+    library: GridMap, library_boxes: Boxes, scan: Callable[..., np.ndarray]
+) -> None:
     localizer = OdometryLocalizer(START, TREAD)
     end, _ = drive(localizer, library, library_boxes, scan, seed=3)
     away = end.distance(localizer.pose)
@@ -55,7 +68,7 @@ def test_wheels_alone_drift_and_say_so(library, library_boxes, scan) -> None:
     assert away < 4.0 * math.sqrt(np.trace(localizer.covariance[:2, :2]))
 
 
-def test_poor_scans_are_refused_and_then_the_robot_is_lost(library_field) -> None:
+def test_poor_scans_are_refused_and_then_the_robot_is_lost(library_field: LikelihoodField) -> None:
     rng = np.random.default_rng(0)
     localizer = ScanLocalizer(library_field, START, TREAD, patience=3)
     for _ in range(3):
@@ -65,7 +78,9 @@ def test_poor_scans_are_refused_and_then_the_robot_is_lost(library_field) -> Non
     assert localizer.pose == START
 
 
-def test_a_good_scan_makes_up_for_poor_ones(library_field, library_boxes, scan) -> None:
+def test_a_good_scan_makes_up_for_poor_ones(
+    library_field: LikelihoodField, library_boxes: Boxes, scan: Callable[..., np.ndarray]
+) -> None:
     """Only poor ones in a row tell that the robot is lost."""
     rng = np.random.default_rng(0)
     localizer = ScanLocalizer(library_field, START, TREAD, patience=3)
@@ -78,7 +93,9 @@ def test_a_good_scan_makes_up_for_poor_ones(library_field, library_boxes, scan) 
     assert not localizer.lost
 
 
-def test_by_wheels_alone_what_they_drove_is_no_push(library_field, library_boxes, scan) -> None:
+def test_by_wheels_alone_what_they_drove_is_no_push(
+    library_field: LikelihoodField, library_boxes: Boxes, scan: Callable[..., np.ndarray]
+) -> None:
     """Where it stands is asked again once it has rolled; a push while it stands is added."""
     rng, truth = np.random.default_rng(0), START
     localizer = OdometryLocalizer(START, TREAD, field=library_field)
@@ -93,13 +110,15 @@ def test_by_wheels_alone_what_they_drove_is_no_push(library_field, library_boxes
     assert localizer.pose.distance(pushed) < 0.02
 
 
-def test_too_few_points_correct_nothing(library_field) -> None:
+def test_too_few_points_correct_nothing(library_field: LikelihoodField) -> None:
     localizer = ScanLocalizer(library_field, START, TREAD)
     assert not localizer.correct(np.ones((5, 2)))
     assert localizer.last_match is None
 
 
-def test_a_rough_start_is_found(library_field, library_boxes, scan) -> None:
+def test_a_rough_start_is_found(
+    library_field: LikelihoodField, library_boxes: Boxes, scan: Callable[..., np.ndarray]
+) -> None:
     truth = Pose2(1.0, 3.6, 0.0)
     points = scan(library_boxes, truth, np.random.default_rng(0))
     localizer = ScanLocalizer(library_field, Pose2(0, 0, 0), TREAD)
@@ -108,7 +127,9 @@ def test_a_rough_start_is_found(library_field, library_boxes, scan) -> None:
     assert localizer.pose.turn(truth) < 0.01
 
 
-def test_a_lost_robot_finds_back_when_scans_fit_again(library_field, library_boxes, scan) -> None:
+def test_a_lost_robot_finds_back_when_scans_fit_again(
+    library_field: LikelihoodField, library_boxes: Boxes, scan: Callable[..., np.ndarray]
+) -> None:
     truth, rng = Pose2(3.0, 3.5, 1.0), np.random.default_rng(0)
     rough = np.diag([0.2, 0.2, 0.1]) ** 2
     localizer = ScanLocalizer(library_field, Pose2(3.15, 3.6, 1.1), TREAD, covariance=rough, patience=1)
@@ -119,7 +140,9 @@ def test_a_lost_robot_finds_back_when_scans_fit_again(library_field, library_box
 
 
 @pytest.mark.parametrize("theta", [math.pi - 0.01, -math.pi + 0.01])
-def test_headings_near_half_a_turn_are_no_special_case(theta, library_field, library_boxes, scan) -> None:
+def test_headings_near_half_a_turn_are_no_special_case(
+    theta: float, library_field: LikelihoodField, library_boxes: Boxes, scan: Callable[..., np.ndarray]
+) -> None:
     truth = Pose2(3.0, 3.5, theta)
     start = Pose2(3.02, 3.5, -math.copysign(math.pi - 0.01, theta))
     localizer = ScanLocalizer(library_field, start, TREAD, covariance=np.diag([0.02, 0.02, 0.03]) ** 2)
@@ -128,7 +151,12 @@ def test_headings_near_half_a_turn_are_no_special_case(theta, library_field, lib
 
 
 @pytest.mark.parametrize("moved", [(0.05, 0.0, 0.0), (0.0, -0.05, 0.0), (0.0, 0.0, 0.06), (0.0, 0.0, -0.06)])
-def test_a_push_is_found_and_taken_over(moved, library_field, library_boxes, scan) -> None:
+def test_a_push_is_found_and_taken_over(
+    moved: tuple[float, float, float],
+    library_field: LikelihoodField,
+    library_boxes: Boxes,
+    scan: Callable[..., np.ndarray],
+) -> None:
     truth, rng = Pose2(3.0, 3.5, 1.0), np.random.default_rng(0)
     localizer = ScanLocalizer(library_field, truth, TREAD)
     for _ in range(20):
@@ -141,7 +169,9 @@ def test_a_push_is_found_and_taken_over(moved, library_field, library_boxes, sca
     assert not localizer.find_again(scan(library_boxes, pushed, rng))
 
 
-def test_what_fits_nowhere_is_no_push(library_field, library_boxes, scan) -> None:
+def test_what_fits_nowhere_is_no_push(
+    library_field: LikelihoodField, library_boxes: Boxes, scan: Callable[..., np.ndarray]
+) -> None:
     truth, rng = Pose2(3.0, 3.5, 1.0), np.random.default_rng(0)
     localizer = ScanLocalizer(library_field, truth, TREAD)
     localizer.correct(scan(library_boxes, truth, rng))

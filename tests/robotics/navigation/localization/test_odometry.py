@@ -1,3 +1,5 @@
+from __future__ import annotations
+
 import math
 
 import numpy as np
@@ -23,7 +25,7 @@ def travel(steps: int) -> np.ndarray:
 
 
 @given(st.floats(0.05, 3.0), st.floats(-math.pi, math.pi), st.integers(1, 40))
-def test_a_circle_is_integrated_exactly(radius, theta, pieces) -> None:
+def test_a_circle_is_integrated_exactly(radius: float, theta: float, pieces: int) -> None:
     odometry = Odometry(Pose2(1.0, 2.0, theta), TREAD, EXACT)
     for _ in range(pieces):
         turn = 1.5 / pieces

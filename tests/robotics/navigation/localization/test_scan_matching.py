@@ -1,3 +1,7 @@
+from __future__ import annotations
+
+from collections.abc import Callable
+
 import numpy as np
 import pytest
 
@@ -5,6 +9,8 @@ from handcart.robotics.geometry.pose2 import Pose2, wrap
 from handcart.robotics.navigation.localization.scan_matching import LikelihoodField, match_scan
 from handcart.robotics.navigation.maps.grid_map import GridMap, from_boxes
 from handcart.robotics.navigation.routes.voronoi_graph import voronoi_graph
+
+from ..conftest import Boxes
 
 
 def places(library: GridMap, count: int, seed: int) -> list[Pose2]:
@@ -35,7 +41,13 @@ def shifted(pose: Pose2, by: np.ndarray) -> Pose2:
 
 
 @pytest.mark.parametrize("boxes", [0, 12])
-def test_poses_on_a_5_cm_grid(boxes: int, library, library_boxes, library_field, scan) -> None:
+def test_poses_on_a_5_cm_grid(
+    boxes: int,
+    library: GridMap,
+    library_boxes: Boxes,
+    library_field: LikelihoodField,
+    scan: Callable[..., np.ndarray],
+) -> None:
     rng = np.random.default_rng(1)
     spread = np.array([0.05, 0.05, 0.03])
     errors, squares = [], []
@@ -54,7 +66,9 @@ def test_poses_on_a_5_cm_grid(boxes: int, library, library_boxes, library_field,
     assert 0.7 < np.mean(squares) < 4.0
 
 
-def test_from_far_off_by_annealing(library, library_boxes, library_field, scan) -> None:
+def test_from_far_off_by_annealing(
+    library: GridMap, library_boxes: Boxes, library_field: LikelihoodField, scan: Callable[..., np.ndarray]
+) -> None:
     rng = np.random.default_rng(3)
     spread = np.array([0.2, 0.2, 0.12])
     away = []
@@ -67,7 +81,7 @@ def test_from_far_off_by_annealing(library, library_boxes, library_field, scan) 
     assert max(away) < 0.04
 
 
-def test_a_corridor_says_nothing_about_the_way_along_it(scan) -> None:
+def test_a_corridor_says_nothing_about_the_way_along_it(scan: Callable[..., np.ndarray]) -> None:
     walls = [(25.0, 0.1, 0.0, 50.0, 0.2), (25.0, 2.9, 0.0, 50.0, 0.2)]
     field = LikelihoodField(from_boxes(walls, 0.05, (0.0, 0.0), (50.0, 3.0)))
     pose, prior = Pose2(25.0, 1.5, 0.0), np.diag([0.2, 0.2, 0.1]) ** 2
@@ -78,7 +92,7 @@ def test_a_corridor_says_nothing_about_the_way_along_it(scan) -> None:
     assert abs(match.pose.x - 25.15) < 0.05
 
 
-def test_a_thin_walls_back_is_not_taken_for_its_front(scan) -> None:
+def test_a_thin_walls_back_is_not_taken_for_its_front(scan: Callable[..., np.ndarray]) -> None:
     """Points 80 mm deep in a wall of 130 mm are nearer to its far side."""
     walls = [(3.0, y, 0.0, 6.0, 0.13) for y in (0.513, 4.487)] + [
         (x, 2.5, 0.0, 0.13, 4.0) for x in (0.513, 5.487)
@@ -91,7 +105,7 @@ def test_a_thin_walls_back_is_not_taken_for_its_front(scan) -> None:
         assert match.pose.distance(truth) < 0.03
 
 
-def test_no_points_leave_the_prior(library_field) -> None:
+def test_no_points_leave_the_prior(library_field: LikelihoodField) -> None:
     prior = np.diag([0.04, 0.09, 0.01])
     match = match_scan(library_field, np.empty((0, 2)), Pose2(5, 3, 1), prior)
     assert match.pose == pytest.approx(Pose2(5, 3, 1))
@@ -99,7 +113,7 @@ def test_no_points_leave_the_prior(library_field) -> None:
     assert np.allclose(match.covariance, prior, rtol=0.05)
 
 
-def test_a_foreign_place_is_not_taken_for_a_match(library_field) -> None:
+def test_a_foreign_place_is_not_taken_for_a_match(library_field: LikelihoodField) -> None:
     rng = np.random.default_rng(0)
     match = match_scan(library_field, rng.uniform(-3, 3, (300, 2)), Pose2(6, 3, 0), np.eye(3) * 0.01)
     assert match.inliers < 0.4
@@ -120,7 +134,9 @@ def test_a_map_without_walls_explains_nothing() -> None:
     assert match.inliers == 0.0
 
 
-def test_a_sure_prior_holds_a_scan_that_says_otherwise(library_boxes, library_field, scan) -> None:
+def test_a_sure_prior_holds_a_scan_that_says_otherwise(
+    library_boxes: Boxes, library_field: LikelihoodField, scan: Callable[..., np.ndarray]
+) -> None:
     """The prior pulls in every step, not only at the first."""
     pose = Pose2(6.0, 3.5, 0.3)
     points = scan(library_boxes, pose, np.random.default_rng(0))

@@ -1,3 +1,5 @@
+from __future__ import annotations
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -31,7 +33,7 @@ def ends(blocked: np.ndarray, shares: tuple[float, ...]) -> tuple[np.ndarray, np
 
 @settings(deadline=None, max_examples=80)
 @given(GRIDS)
-def test_distances_of_centres_are_exact(blocked) -> None:
+def test_distances_of_centres_are_exact(blocked: np.ndarray) -> None:
     cells = np.argwhere(np.ones_like(blocked)).astype(float)
     exact = distance_to_squares(blocked, cells).reshape(blocked.shape)
     assert np.allclose(blocked_squares(blocked).distance[1:-1, 1:-1], exact, atol=1e-6)
@@ -39,7 +41,9 @@ def test_distances_of_centres_are_exact(blocked) -> None:
 
 @settings(deadline=None, max_examples=150)
 @given(GRIDS, SHARES)
-def test_no_spot_of_a_line_is_nearer_than_its_clearance_and_one_is_as_near(blocked, shares) -> None:
+def test_no_spot_of_a_line_is_nearer_than_its_clearance_and_one_is_as_near(
+    blocked: np.ndarray, shares: tuple[float, ...]
+) -> None:
     start, end = ends(blocked, shares)
     clearance = line_clearance(blocked_squares(blocked), start, end, FAR, 0.0)
     line = start + np.linspace(0.0, 1.0, 300)[:, None] * (end - start)
@@ -50,7 +54,9 @@ def test_no_spot_of_a_line_is_nearer_than_its_clearance_and_one_is_as_near(block
 
 @settings(deadline=None, max_examples=100)
 @given(GRIDS, SHARES, st.floats(TOUCHING, 3.0))
-def test_a_line_is_clear_exactly_when_its_clearance_suffices(blocked, shares, need) -> None:
+def test_a_line_is_clear_exactly_when_its_clearance_suffices(
+    blocked: np.ndarray, shares: tuple[float, ...], need: float
+) -> None:
     squares, (start, end) = blocked_squares(blocked), ends(blocked, shares)
     clearance = line_clearance(squares, start, end, FAR, 0.0)
     if abs(clearance - need) > 1e-9:

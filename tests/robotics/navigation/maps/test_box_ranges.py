@@ -1,3 +1,5 @@
+from __future__ import annotations
+
 import math
 
 import numpy as np
@@ -16,7 +18,7 @@ def test_ranges_by_hand() -> None:
 
 
 @given(st.floats(-math.pi, math.pi), st.floats(-5, 5), st.floats(-5, 5))
-def test_moving_all_together_changes_nothing(theta, x, y) -> None:
+def test_moving_all_together_changes_nothing(theta: float, x: float, y: float) -> None:
     boxes, sensor, angles = [(2.0, 0.3, 0.4, 1.0, 0.6)], Pose2(0.1, 0.2, 0.05), np.radians([-5.0, 3.0, 9.0])
     move = Pose2(x, y, theta)
     moved = [(*move.compose(Pose2(*box[:3])), *box[3:]) for box in boxes]

@@ -1,3 +1,5 @@
+from __future__ import annotations
+
 import math
 
 import numpy as np
@@ -14,7 +16,7 @@ def empty(height: int, width: int, resolution: float = 0.05, x: float = 0.0, y: 
 
 
 @given(st.integers(0, 40), st.integers(0, 60), st.floats(0.01, 0.5), st.floats(-20, 20), st.floats(-20, 20))
-def test_a_cells_centre_lies_in_it(row, column, resolution, x, y) -> None:
+def test_a_cells_centre_lies_in_it(row: int, column: int, resolution: float, x: float, y: float) -> None:
     grid = empty(41, 61, resolution, x, y)
     cells = np.array([[row, column]])
     assert np.array_equal(grid.to_cell(grid.to_point(cells)), cells)
@@ -48,7 +50,7 @@ def test_thresholds_that_turn_unknown_into_free_are_counted() -> None:
     assert unknown_read_as_free(image, 0.25) == 2
 
 
-def test_real_maps_by_the_trinary_rule(turtlebot3, depot) -> None:
+def test_real_maps_by_the_trinary_rule(turtlebot3: GridMap, depot: GridMap) -> None:
     counts = [
         (int(m.occupied.sum()), int((~m.blocked).sum()), int(m.unknown.sum())) for m in (turtlebot3, depot)
     ]
@@ -80,7 +82,9 @@ def test_no_points_change_nothing() -> None:
     st.floats(0.02, 1.0),
     st.floats(0.02, 1.0),
 )
-def test_a_box_occupies_every_cell_it_overlaps_and_none_far_off(x, y, yaw, length, width) -> None:
+def test_a_box_occupies_every_cell_it_overlaps_and_none_far_off(
+    x: float, y: float, yaw: float, length: float, width: float
+) -> None:
     grid = from_boxes([(x, y, yaw, length, width)], 0.05, (0.0, 0.0), (2.0, 2.0))
     u, v = np.meshgrid(np.linspace(-0.499, 0.499, 40) * length, np.linspace(-0.499, 0.499, 40) * width)
     inner = Pose2(x, y, yaw).apply(np.column_stack([u.ravel(), v.ravel()]))

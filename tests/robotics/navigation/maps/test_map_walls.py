@@ -1,3 +1,5 @@
+from __future__ import annotations
+
 import cv2
 import numpy as np
 import pytest
@@ -21,7 +23,10 @@ def grid(*rows: str) -> GridMap:
 def cells(found: np.ndarray) -> list[list[float]]:
     """Middle column and row, yaw in degrees, length and width in cells."""
     middle = (found[:, :2] - (1.0, 2.0)) / CELL - 0.5
-    return np.column_stack([middle, np.degrees(found[:, 2]), found[:, 3:] / CELL]).round(6).tolist()
+    rows: list[list[float]] = (
+        np.column_stack([middle, np.degrees(found[:, 2]), found[:, 3:] / CELL]).round(6).tolist()
+    )
+    return rows
 
 
 def test_a_block_reaches_from_centre_to_centre_of_its_outermost_cells() -> None:
@@ -37,7 +42,9 @@ def test_a_block_reaches_from_centre_to_centre_of_its_outermost_cells() -> None:
         (("..#", ".#.", "#.."), [1.0, 1.0], 135.0, 2 * np.sqrt(2)),
     ],
 )
-def test_a_wall_of_one_cell_is_thin_and_solid(rows, middle, yaw: float, length) -> None:
+def test_a_wall_of_one_cell_is_thin_and_solid(
+    rows: tuple[str, ...], middle: list[float], yaw: float, length: float
+) -> None:
     assert cells(map_walls(grid(*rows))) == [pytest.approx([*middle, yaw, length + THIN, THIN], abs=1e-5)]
 
 
@@ -65,7 +72,7 @@ def test_what_the_cells_divide_the_walls_divide_and_nothing_else(seed: int) -> N
 
 @pytest.mark.parametrize(("name", "pose"), [("turtlebot3", (-2.0, 0.0)), ("depot", (16.9, 4.4))])
 def test_rays_end_where_scan_matching_reads_the_surfaces(
-    name: str, pose, request: pytest.FixtureRequest
+    name: str, pose: tuple[float, float], request: pytest.FixtureRequest
 ) -> None:
     chart = request.getfixturevalue(name)
     ranges = box_ranges([tuple(row) for row in map_walls(chart)], Pose2(*pose, 0.3), ANGLES)

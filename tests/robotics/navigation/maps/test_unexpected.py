@@ -1,21 +1,33 @@
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.localization.scan_matching import LikelihoodField
 from handcart.robotics.navigation.maps.grid_map import GridMap
 from handcart.robotics.navigation.maps.unexpected import path_blocked, unexpected_points
 
+from ..conftest import Boxes
+
 ROUTE = np.array([[0.0, 0.0], [3.0, 0.0], [3.0, 3.0]])
 
 
-def test_a_scan_of_what_the_map_shows_is_expected(library_field, library_boxes, scan) -> None:
+def test_a_scan_of_what_the_map_shows_is_expected(
+    library_field: LikelihoodField, library_boxes: Boxes, scan: Callable[..., np.ndarray]
+) -> None:
     pose = Pose2(3.0, 3.5, 1.0)
     points = pose.apply(scan(library_boxes, pose, np.random.default_rng(0)))
     assert len(unexpected_points(points, library_field, 0.1)) == 0
 
 
-def test_a_box_that_the_map_does_not_show_is_unexpected(library_field, library_boxes, scan) -> None:
+def test_a_box_that_the_map_does_not_show_is_unexpected(
+    library_field: LikelihoodField, library_boxes: Boxes, scan: Callable[..., np.ndarray]
+) -> None:
     pose = Pose2(3.0, 3.5, 1.0)
     points = pose.apply(scan([*library_boxes, (4.4, 3.5, 0.2, 0.4, 0.4)], pose, np.random.default_rng(0)))
     found = unexpected_points(points, library_field, 0.1)
@@ -33,7 +45,7 @@ def test_where_the_map_knows_nothing_anything_may_stand() -> None:
     assert found.tolist() == [[1.0, 0.5]]
 
 
-def test_no_points_are_no_surprise(library_field) -> None:
+def test_no_points_are_no_surprise(library_field: LikelihoodField) -> None:
     assert unexpected_points(np.empty((0, 2)), library_field, 0.1).shape == (0, 2)
 
 
@@ -62,7 +74,7 @@ def test_distance_is_along_the_route() -> None:
     ],
     ids=["beside", "beyond the horizon", "a lone point", "a lone point among others", "nothing"],
 )
-def test_a_route_is_not_blocked_by(points, horizon: float) -> None:
+def test_a_route_is_not_blocked_by(points: NDArray[Any], horizon: float) -> None:
     assert path_blocked(ROUTE, points, 0.4, horizon) is None
 
 

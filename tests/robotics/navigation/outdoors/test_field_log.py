@@ -1,14 +1,21 @@
+from __future__ import annotations
+
 import numpy as np
 import pytest
 
-from handcart.robotics.navigation.outdoors.field_course import ASIDE, straight_course, zigzag_course
+from handcart.robotics.navigation.outdoors.field_course import (
+    ASIDE,
+    FieldCourse,
+    straight_course,
+    zigzag_course,
+)
 from handcart.robotics.navigation.outdoors.field_drive import PERIOD, FieldTimes
 from handcart.robotics.navigation.outdoors.field_log import record_course
 from handcart.robotics.navigation.outdoors.field_noise import REFERENCE
 
 
 @pytest.mark.parametrize("course", [straight_course(5), zigzag_course()])
-def test_the_base_stops_with_each_target_on_its_right(course) -> None:
+def test_the_base_stops_with_each_target_on_its_right(course: FieldCourse) -> None:
     drive = record_course(course, REFERENCE, 3).drive
     x, y, heading = drive.poses[drive.placings].T
     tip = np.column_stack([x + ASIDE * np.sin(heading), y - ASIDE * np.cos(heading)])
@@ -23,7 +30,7 @@ def test_errors_are_as_large_as_stated() -> None:
     fixes = np.concatenate([log.fixes - log.drive.poses[log.fix_rows, :2] for log in logs])
     assert 0.95 < fixes.std() < 1.05
     assert max(np.abs(log.drive.driven[:, 1]).max() for log in logs) <= 0.5 + 1e-9
-    missed = []  # by wheels, a leg
+    missed: list[float] = []  # by wheels, a leg
     for log in logs:
         wrong = np.cumsum(log.wheels.mean(axis=1) - log.drive.driven[:, 0])
         missed.extend(np.diff(wrong[log.drive.placings]))

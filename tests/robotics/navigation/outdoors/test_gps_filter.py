@@ -1,3 +1,5 @@
+from __future__ import annotations
+
 import math
 
 import numpy as np
@@ -10,7 +12,7 @@ from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.outdoors.field_course import straight_course, zigzag_course
 from handcart.robotics.navigation.outdoors.field_drive import PERIOD
 from handcart.robotics.navigation.outdoors.field_log import FieldLog, record_course
-from handcart.robotics.navigation.outdoors.field_noise import REFERENCE, RTK
+from handcart.robotics.navigation.outdoors.field_noise import REFERENCE, RTK, FieldNoise
 from handcart.robotics.navigation.outdoors.gps_filter import GpsFilter
 from handcart.robotics.navigation.outdoors.information_limit import information_limit
 from handcart.robotics.navigation.outdoors.placement_errors import nees, tip_covariance
@@ -68,7 +70,7 @@ def test_rtk_lays_within_three_centimetres() -> None:
 
 @pytest.mark.parametrize("noise", [REFERENCE, RTK])
 @pytest.mark.parametrize("turn", [math.pi, -2.0, math.radians(40.0)])
-def test_a_wrong_start_heading_is_found_out(noise, turn) -> None:
+def test_a_wrong_start_heading_is_found_out(noise: FieldNoise, turn: float) -> None:
     log = record_course(straight_course(3), noise, 2)
     localizer = GpsFilter(Pose2(0.0, 0.0, log.start_heading + turn), noise)
     assert final_error(log, localizer) < 1.0
@@ -143,7 +145,7 @@ def test_one_fix_leaves_the_position_as_unsure_as_it_is(sigma: float) -> None:
 
 
 @pytest.mark.parametrize("heading", [0.0, math.pi / 2, -2.5])
-def test_an_antenna_far_ahead_tells_the_heading_at_rest(heading) -> None:
+def test_an_antenna_far_ahead_tells_the_heading_at_rest(heading: float) -> None:
     noise = RTK._replace(antenna=(3.0, 0.0, 0.0))
     localizer = GpsFilter(Pose2(0.0, 0.0, heading), noise, start_position=0.001)
     truth = heading + noise.start_heading

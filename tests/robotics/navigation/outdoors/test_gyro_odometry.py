@@ -34,7 +34,7 @@ def test_without_errors_rough_ground_costs_nothing() -> None:
 
 def test_body_rates_taken_for_rates_of_angles_lose_the_heading() -> None:
     """What the paper's equations do on ground with 2.5 degrees of roughness, and what they should."""
-    off = {euler: [] for euler in (True, False)}
+    off: dict[bool, list[float]] = {euler: [] for euler in (True, False)}
     for seed in range(4):
         log = record_course(straight_course(17), QUIET, seed)
         for euler, found in off.items():

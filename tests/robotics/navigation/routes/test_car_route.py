@@ -19,7 +19,7 @@ LIMITS = DriveLimits(0.5, 0.35, 0.3, 1.0)
 DT = 0.025
 
 
-def driven(tracker, start):
+def driven(tracker: CarTracker, start: Pose2) -> list[Pose2]:
     """Poses of an ideal car."""
     pose, poses = start, [start]
     for _ in range(8000):
@@ -34,8 +34,9 @@ def driven(tracker, start):
 
 
 @pytest.mark.parametrize("goal", [GOAL, Pose2(3.0, 4.0, math.pi), Pose2(-6.0, 0.5, 0.0)])
-def test_it_comes_to_stand_at_the_goal(goal) -> None:
+def test_it_comes_to_stand_at_the_goal(goal: Pose2) -> None:
     path = plan_car_route(START, goal, np.empty((0, 3)), 1.0, 1.05 / SHARPEST)
+    assert path is not None
     end = driven(CarTracker.along(path, START, goal, SHARPEST, LIMITS), START)[-1]
     assert end.distance(goal) < 0.06
     assert end.turn(goal) < 0.1
@@ -48,6 +49,7 @@ def test_it_keeps_away_from_what_stands_there() -> None:
     )
     goal = Pose2(34.0, 0.0, 0.0)
     path = plan_car_route(START, goal, discs, 0.8, 1.05 / SHARPEST)
+    assert path is not None
     for pose in driven(CarTracker.along(path, START, goal, SHARPEST, LIMITS), START):
         assert (np.hypot(*(discs[:, :2] - pose[:2]).T) - discs[:, 2]).min() > 0.7
 

@@ -1,3 +1,5 @@
+from __future__ import annotations
+
 import numpy as np
 import pytest
 from skimage.graph import MCP_Geometric
@@ -27,7 +29,8 @@ def shortfall(grid: GridMap, route: Route, rng: np.random.Generator, samples: in
 
 
 def random_cells(graph: VoronoiGraph, count: int, seed: int) -> list[tuple[np.ndarray, np.ndarray]]:
-    rng, cells, pairs = np.random.default_rng(seed), np.argwhere(graph.free), []
+    pairs: list[tuple[np.ndarray, np.ndarray]] = []
+    rng, cells = np.random.default_rng(seed), np.argwhere(graph.free)
     while len(pairs) < count:
         start, goal = cells[rng.integers(len(cells), size=2)]
         if np.hypot(*(goal - start)) * graph.map.resolution > 2.0:
@@ -63,7 +66,7 @@ def test_routes_are_short_and_keep_away(
     assert np.mean(rooms) >= gain
 
 
-def test_a_route_begins_at_the_start_and_ends_at_the_goal(depot) -> None:
+def test_a_route_begins_at_the_start_and_ends_at_the_goal(depot: GridMap) -> None:
     graph = voronoi_graph(depot, 0.25)
     route = plan_route(graph, Pose2(3.011, 4.022, 1.0), (25.033, 12.044))
     assert route is not None
@@ -73,7 +76,7 @@ def test_a_route_begins_at_the_start_and_ends_at_the_goal(depot) -> None:
     assert steps.max() < 0.08
 
 
-def test_routes_are_smooth(depot) -> None:
+def test_routes_are_smooth(depot: GridMap) -> None:
     """Away from its ends no route turns by more than 30 degrees within 0.2 m."""
     graph = voronoi_graph(depot, 0.25)
     for start, goal in random_cells(graph, 30, 5):
@@ -85,7 +88,7 @@ def test_routes_are_smooth(depot) -> None:
         assert np.quantile(turns, 0.99, method="lower") < np.radians(60) if len(turns) else True
 
 
-def test_a_start_pushed_into_the_grown_obstacles_still_works(library) -> None:
+def test_a_start_pushed_into_the_grown_obstacles_still_works(library: GridMap) -> None:
     graph = voronoi_graph(library, 0.34)
     shelf_side = 1.93 + 0.26
     route = plan_route(graph, (shelf_side + 0.30, 6.0), (shelf_side + 0.28, 5.0))
@@ -93,7 +96,7 @@ def test_a_start_pushed_into_the_grown_obstacles_still_works(library) -> None:
     assert route.length < 1.6
 
 
-def test_a_start_beyond_reach_gives_none(library) -> None:
+def test_a_start_beyond_reach_gives_none(library: GridMap) -> None:
     graph = voronoi_graph(library, 0.34)
     assert plan_route(graph, (1.93, 6.0), (6.0, 3.0), reach=0.2) is None
     assert plan_route(graph, (6.0, 3.0), (-40.0, 3.0)) is None
@@ -118,7 +121,7 @@ def test_through_a_door_the_middle_is_taken() -> None:
     assert abs(at_door[1] - 1.5) < 0.15
 
 
-def test_an_obstacle_that_was_sensed_is_gone_around(library) -> None:
+def test_an_obstacle_that_was_sensed_is_gone_around(library: GridMap) -> None:
     first = plan_route(voronoi_graph(library, 0.34), (1.0, 3.6), (11.0, 7.9))
     assert first is not None
     middle = first.points[len(first.points) // 2]
@@ -149,13 +152,13 @@ def test_start_and_goal_in_one_bare_room() -> None:
     assert route.length < 1.4
 
 
-def test_start_at_the_goal(library) -> None:
+def test_start_at_the_goal(library: GridMap) -> None:
     route = plan_route(voronoi_graph(library, 0.34), (6.0, 3.0), (6.0, 3.0))
     assert route is not None
     assert route.length < 0.15
 
 
-def test_the_same_query_gives_the_same_route(depot) -> None:
+def test_the_same_query_gives_the_same_route(depot: GridMap) -> None:
     one, two = (plan_route(voronoi_graph(depot, 0.25), (3.0, 4.0), (25.0, 12.0)) for _ in range(2))
     assert one is not None and two is not None
     assert np.array_equal(one.points, two.points)
@@ -229,7 +232,7 @@ def test_a_start_beside_a_thin_wall_does_not_leave_through_it() -> None:
     assert plan_route(graph, (0.16, 1.5), (2.0, 1.5)) is None
 
 
-def test_leaving_a_narrow_spot_leads_to_where_there_is_room_and_no_nearer(library) -> None:
+def test_leaving_a_narrow_spot_leads_to_where_there_is_room_and_no_nearer(library: GridMap) -> None:
     graph = voronoi_graph(library, 0.34)
     start = (1.93 + 0.26 + 0.24, 6.0)
     route = plan_route(graph, start, (2.9, 4.0))
@@ -240,7 +243,7 @@ def test_leaving_a_narrow_spot_leads_to_where_there_is_room_and_no_nearer(librar
     assert route.clearance.min() == pytest.approx(0.05 * distance_to_squares(library.blocked, cells)[0])
 
 
-def test_a_route_into_a_narrow_spot_is_as_evenly_spaced_as_any(library) -> None:
+def test_a_route_into_a_narrow_spot_is_as_evenly_spaced_as_any(library: GridMap) -> None:
     graph = voronoi_graph(library, 0.34)
     route = plan_route(graph, (2.9, 4.0), (1.93 + 0.26 + 0.24, 6.0))
     assert route is not None
@@ -249,7 +252,7 @@ def test_a_route_into_a_narrow_spot_is_as_evenly_spaced_as_any(library) -> None:
 
 
 @pytest.mark.parametrize("goal", [(5.0, 5.0), (5.0, 1.0)])
-def test_around_a_block_the_shorter_way_is_taken(goal) -> None:
+def test_around_a_block_the_shorter_way_is_taken(goal: tuple[float, float]) -> None:
     """An alley leads to a ring, which is one edge of the graph with both ends at one node."""
     occupied = np.ones((120, 160), dtype=bool)
     occupied[5:115, 45:155] = False
@@ -261,7 +264,7 @@ def test_around_a_block_the_shorter_way_is_taken(goal) -> None:
     assert route.length < 6.0
 
 
-def test_a_route_with_less_clearance_than_asked_is_refused(library) -> None:
+def test_a_route_with_less_clearance_than_asked_is_refused(library: GridMap) -> None:
     graph = voronoi_graph(library, 0.34)
     start, goal = (1.93 + 0.26 + 0.24, 6.0), (2.9, 4.0)
     route = plan_route(graph, start, goal)
@@ -271,7 +274,7 @@ def test_a_route_with_less_clearance_than_asked_is_refused(library) -> None:
     assert plan_route(graph, start, goal, least=least + 1e-6) is None
 
 
-def test_a_start_in_a_blocked_cell_or_off_the_map_has_no_route(library) -> None:
+def test_a_start_in_a_blocked_cell_or_off_the_map_has_no_route(library: GridMap) -> None:
     graph = voronoi_graph(library, 0.1)
     assert plan_route(graph, (1.93, 6.0), (6.0, 3.0), reach=5.0) is None
     assert plan_route(graph, (-0.1, 3.0), (6.0, 3.0), reach=5.0) is None

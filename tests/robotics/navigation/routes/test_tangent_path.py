@@ -1,3 +1,5 @@
+from __future__ import annotations
+
 import math
 
 import numpy as np
@@ -126,7 +128,9 @@ LATE_TURN = ((5.63, -1.84, 1.82), (8.52, -2.28, 0.77), (8.4, 1.52, 0.9), (7.44, 
 
 
 @pytest.mark.parametrize("rocks", [SMALL_ROCKS, LATE_TURN])
-def test_where_few_circles_give_a_long_way_more_are_tried(rocks) -> None:
+def test_where_few_circles_give_a_long_way_more_are_tried(
+    rocks: tuple[tuple[float, float, float], ...],
+) -> None:
     """Between small rocks a wide circle has to lie just right; a quarter of a metre of backing may do."""
     grown = np.array(rocks) + np.array([0.0, 0.0, 0.7])
     path = car_path(START, GOAL, grown, 2.1)

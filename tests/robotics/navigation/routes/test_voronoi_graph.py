@@ -1,9 +1,14 @@
+from __future__ import annotations
+
+from typing import Any
+
 import networkx as nx
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
+from numpy.typing import NDArray
 from scipy import ndimage
 
 from handcart.robotics.navigation.maps.grid_map import GridMap
@@ -34,7 +39,7 @@ def assert_sound(graph: VoronoiGraph) -> None:
         assert graph.free[cells[:, 0], cells[:, 1]].all()
 
 
-def test_depot_has_33_cycles(depot) -> None:
+def test_depot_has_33_cycles(depot: GridMap) -> None:
     graph = voronoi_graph(depot, 0.25)
     assert (graph.components, graph.cycles) == (1, 33)
 
@@ -61,7 +66,7 @@ def test_topology_is_exact_on_random_maps(share: float) -> None:
 
 @settings(deadline=None, max_examples=150)
 @given(hnp.arrays(bool, st.tuples(st.integers(1, 9), st.integers(1, 9))))
-def test_topology_is_exact_on_the_nastiest_small_maps(occupied) -> None:
+def test_topology_is_exact_on_the_nastiest_small_maps(occupied: NDArray[Any]) -> None:
     try:
         graph = voronoi_graph(grid_of(occupied), 0.0)
     except ValueError:
@@ -70,7 +75,7 @@ def test_topology_is_exact_on_the_nastiest_small_maps(occupied) -> None:
     assert_sound(graph)
 
 
-def test_a_skeleton_has_the_topology_of_what_was_thinned(library) -> None:
+def test_a_skeleton_has_the_topology_of_what_was_thinned(library: GridMap) -> None:
     free = np.pad(~library.blocked, 1)
     distance = ndimage.distance_transform_edt(free).astype(np.float32)
     assert topology(thin(free, distance)) == topology(free)
@@ -84,7 +89,7 @@ def test_a_corridors_graph_runs_in_its_middle() -> None:
     assert np.ptp(edge[:, 0]) > 8.5
 
 
-def test_the_graph_is_centred_on_a_real_map(depot) -> None:
+def test_the_graph_is_centred_on_a_real_map(depot: GridMap) -> None:
     """No step sideways of two cells leads to more room."""
     graph = voronoi_graph(depot, 0.25)
     best = ndimage.maximum_filter(graph.clearance, footprint=np.ones((3, 3)))
@@ -138,7 +143,7 @@ def test_a_plain_loop_and_parallel_edges_are_kept() -> None:
     assert any(graph.graph.number_of_edges(a, b) > 1 for a, b in graph.graph.edges())
 
 
-def test_the_graph_is_the_same_each_time(depot) -> None:
+def test_the_graph_is_the_same_each_time(depot: GridMap) -> None:
     one, two = (voronoi_graph(depot, 0.25) for _ in range(2))
     assert nx.utils.graphs_equal(
         nx.MultiGraph((a, b, k) for a, b, k in one.graph.edges(keys=True)),

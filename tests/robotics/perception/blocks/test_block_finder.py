@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import cv2
 import numpy as np
@@ -12,7 +12,7 @@ import pytest
 from numpy.typing import NDArray
 
 from handcart.robotics.geometry.pose2 import Pose2
-from handcart.robotics.geometry.transform import inverse, transform
+from handcart.robotics.geometry.transform import Transform, inverse, transform
 from handcart.robotics.perception.blocks.block_finder import TURN, find_block
 from handcart.robotics.perception.cameras.camera_model import CameraModel
 
@@ -64,13 +64,16 @@ class Painter:
         for block in sorted(blocks, key=lambda b: (b.top, -math.hypot(b.pose.x - x, b.pose.y - y))):
             self._block(canvas, block, camera_T_plane)
         small = cv2.resize(canvas, self.ideal, interpolation=cv2.INTER_AREA)
-        image = cv2.remap(small, self._map, None, cv2.INTER_LINEAR).astype(np.float32)
+        none: Any = None
+        image: Any = cv2.remap(small, self._map, none, cv2.INTER_LINEAR).astype(np.float32)
         image = cv2.GaussianBlur(image, (0, 0), 0.7)
         rng = np.random.default_rng(seed)
         bearing = rng.uniform(-np.pi, np.pi)
         down, across = np.mgrid[-0.5:0.5:480j, -0.5:0.5:640j]
         image = image * (1.0 + 0.25 * (math.sin(bearing) * down + math.cos(bearing) * across))
-        return np.clip(np.rint(image + rng.normal(0.0, 3.0, image.shape)), 0, 255).astype(np.uint8)
+        image = np.rint(image + rng.normal(0.0, 3.0, image.shape))
+        taken: NDArray[np.uint8] = np.clip(image, 0, 255).astype(np.uint8)
+        return taken
 
     def _block(self, canvas: NDArray[np.uint8], block: Block, camera_T_plane: NDArray[np.float64]) -> None:
         camera_T_top = camera_T_plane @ block.pose.lift(block.top)
@@ -90,7 +93,9 @@ def paint() -> Painter:
     return Painter()
 
 
-def looking(x: float, y: float, height: float, turn: float = 0.0, tilt: tuple[float, float] = (0.0, 0.0)):
+def looking(
+    x: float, y: float, height: float, turn: float = 0.0, tilt: tuple[float, float] = (0.0, 0.0)
+) -> Transform:
     """camera_T_plane of a camera at (x, y, height) of the plane that looks down."""
     return inverse(transform((x, y, height), (math.pi, 0.0, turn)) @ transform(rpy=(*tilt, 0.0)))
 
@@ -106,18 +111,26 @@ class View(NamedTuple):
 def view(seed: int, beside: float, bearing: float | None = None, tilt: float = 0.0) -> View:
     """The camera's axis is `beside` [m] off: in any direction, or at `bearing` [rad] of the block's frame."""
     rng = np.random.default_rng(seed)
-    block = Pose2(*rng.uniform(-0.5, 0.5, 2), rng.uniform(-np.pi, np.pi))
+    x, y = rng.uniform(-0.5, 0.5, 2)
+    block = Pose2(x, y, rng.uniform(-np.pi, np.pi))
     bearing = rng.uniform(-np.pi, np.pi) if bearing is None else bearing
     eye = block.compose(Pose2(beside * math.cos(bearing), beside * math.sin(bearing), 0.0))
     # The block lies towards the image's left or right, where there is most space.
     turn = block.theta + bearing + rng.uniform(-0.3, 0.3) + rng.integers(0, 2) * np.pi
     pose = looking(eye.x, eye.y, rng.uniform(0.27, 0.35), turn, tuple(rng.uniform(-tilt, tilt, 2)))
-    off = Pose2(*rng.uniform(-0.01, 0.01, 2), rng.uniform(-0.3, 0.3))
+    x, y = rng.uniform(-0.01, 0.01, 2)
+    off = Pose2(x, y, rng.uniform(-0.3, 0.3))
     return View(pose, block, block.compose(off))
 
 
 def at(
-    seen: View, x: float, y: float, theta: float = 0.0, top: float = 0.0, size=SIZE, grey: int = GREY
+    seen: View,
+    x: float,
+    y: float,
+    theta: float = 0.0,
+    top: float = 0.0,
+    size: tuple[float, float] = SIZE,
+    grey: int = GREY,
 ) -> Block:
     """A block in the frame of the one that is looked for."""
     return Block(seen.block.compose(Pose2(x, y, theta)), top, size, grey)
@@ -174,7 +187,7 @@ def test_middle_and_heading(paint: Painter, blocks: Callable[[View], list[Block]
 
 @pytest.mark.parametrize("bearing", [0.0, math.pi])
 @pytest.mark.parametrize("seed", range(4))
-def test_from_far_beside(paint: Painter, bearing, seed: int) -> None:
+def test_from_far_beside(paint: Painter, bearing: float, seed: int) -> None:
     seen = view(seed, 0.09, bearing)
     middle, heading = errors(paint, seen, among_others(seen), seed)
     assert middle < 1.5e-4
@@ -205,7 +218,7 @@ def test_with_a_camera_that_is_tilted(paint: Painter, seed: int) -> None:
 
 
 @pytest.mark.parametrize(("size", "grey"), [((0.03, 0.06), 190), ((0.08, 0.025), 150), ((0.04, 0.04), 230)])
-def test_of_another_size_and_shade(paint: Painter, size, grey: int) -> None:
+def test_of_another_size_and_shade(paint: Painter, size: tuple[float, float], grey: int) -> None:
     seen = view(2, 0.03)
     image = paint([at(seen, 0.0, 0.0, size=size, grey=grey)], seen.camera_T_plane, 1)
     found = find_block(image, CAMERA, seen.camera_T_plane, size, seen.expected, WITHIN)
@@ -256,7 +269,7 @@ OTHERS: dict[str, Callable[[View], list[Block]]] = {
 
 
 @pytest.mark.parametrize("name", OTHERS)
-def test_nothing_else_is_taken_for_it(paint: Painter, name) -> None:
+def test_nothing_else_is_taken_for_it(paint: Painter, name: str) -> None:
     for seed in range(6):
         seen = view(seed, 0.012 * seed)
         image = paint(OTHERS[name](seen), seen.camera_T_plane, seed)

@@ -1,12 +1,15 @@
-import numpy as np
+from __future__ import annotations
 
-from handcart.robotics.perception.books.call_number_decoder import SYMBOLS, CallNumberDecoder
+import numpy as np
+from numpy.typing import NDArray
+
+from handcart.robotics.perception.books.call_number_decoder import SYMBOLS, CallNumberDecoder, Decoded
 
 CHARACTERS = ["", *SYMBOLS, *"abcdefghijklmnopqrstuvwxyz", "中", " "]
 DECODER = CallNumberDecoder(CHARACTERS)
 
 
-def _outputs(text, sure=0.98):
+def _outputs(text: str, sure: float = 0.98) -> NDArray[np.float32]:
     """What a recogniser says that reads `text` with a blank ("_") between the symbols."""
     rows = np.full((len(text), len(CHARACTERS)), (1 - sure) / len(CHARACTERS), dtype=np.float32)
     for row, character in zip(rows, text, strict=True):
@@ -14,19 +17,25 @@ def _outputs(text, sure=0.98):
     return rows
 
 
+def _decoded(outputs: NDArray[np.float32]) -> Decoded:
+    decoded = DECODER.decode(outputs)
+    assert decoded is not None
+    return decoded
+
+
 def test_a_clear_reading_is_taken_as_it_is() -> None:
-    decoded = DECODER.decode(_outputs("5_112_..7_ NA_GG"))
+    decoded = _decoded(_outputs("5_112_..7_ NA_GG"))
     assert decoded.text == "512.7 NAG"
     assert decoded.confidence > 0.9
 
 
 def test_a_blank_tells_two_symbols_from_one() -> None:
-    assert DECODER.decode(_outputs("5_51 A_AB")).text == "551 AAB"
-    assert DECODER.decode(_outputs("555_1_2 A_BBC")).text == "512 ABC"
+    assert _decoded(_outputs("5_51 A_AB")).text == "551 AAB"
+    assert _decoded(_outputs("555_1_2 A_BBC")).text == "512 ABC"
 
 
 def test_place_decides_between_look_alikes() -> None:
-    assert DECODER.decode(_outputs("5O2.l O1o")).text == "502.1 OIO"
+    assert _decoded(_outputs("5O2.l O1o")).text == "502.1 OIO"
 
 
 def test_other_text_is_not_bent_into_a_call_number() -> None:
@@ -39,4 +48,4 @@ def test_doubt_lowers_confidence() -> None:
     outputs = _outputs("512 NAG")
     letter = outputs[6]
     letter[CHARACTERS.index("C")] = letter[CHARACTERS.index("G")]
-    assert DECODER.decode(outputs).confidence < 0.6
+    assert _decoded(outputs).confidence < 0.6

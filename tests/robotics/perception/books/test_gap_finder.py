@@ -1,3 +1,7 @@
+from __future__ import annotations
+
+from collections.abc import Sequence
+
 import numpy as np
 import pytest
 
@@ -7,7 +11,13 @@ from handcart.robotics.perception.books.shelf_views import ShelfBook, ShelfReadi
 from handcart.robotics.perception.books.spines import Gap
 
 
-def _shelf(row):
+def _number(text: str) -> CallNumber:
+    number = parse(text)
+    assert number is not None
+    return number
+
+
+def _shelf(row: Sequence[CallNumber | str | float | None]) -> ShelfReading:
     """A reading of a row, from left to right: call numbers, None (unread book), widths of gaps in [m]."""
     y, books, gaps = 0.5, [], []
     for thing in row:
@@ -21,7 +31,7 @@ def _shelf(row):
     return ShelfReading(tuple(books), tuple(gaps), ())
 
 
-def _lent_and_misplaced(seed):
+def _lent_and_misplaced(seed: int) -> tuple[ShelfReading, CallNumber, float]:
     """A shelf of 22 books less the wanted and two other lent ones, one book standing out of order.
 
     In half of the shelves it stands directly beside the wanted book's slot. Gives the reading, the wanted
@@ -60,23 +70,27 @@ def test_the_right_gap_on_100_shelves_with_a_misplaced_book() -> None:
 
 def test_a_misplaced_neighbour_beside_the_gap_fools_only_the_naive_search() -> None:
     reading = _shelf(["510 AAA", "511 AAA", "899 ZZZ", 0.036, "513 AAA", "514 AAA"])
-    found = find_gap(reading, parse("512 AAA"), 0.03)
+    found = find_gap(reading, _number("512 AAA"), 0.03)
     assert isinstance(found, GapFound)
     assert (found.before, found.after) == (parse("511 AAA"), parse("513 AAA"))
     assert found.misplaced == (parse("899 ZZZ"),)
     assert found.width == pytest.approx(0.036)
-    assert isinstance(find_gap(reading, parse("512 AAA"), 0.03, misplacement=False), NoGap)
+    assert isinstance(find_gap(reading, _number("512 AAA"), 0.03, misplacement=False), NoGap)
 
 
 def test_unread_books_are_allowed() -> None:
-    found = find_gap(_shelf(["511 AAA", None, 0.035, None, "513 AAA"]), parse("512 AAA"), 0.03)
+    found = find_gap(_shelf(["511 AAA", None, 0.035, None, "513 AAA"]), _number("512 AAA"), 0.03)
     assert isinstance(found, GapFound)
 
 
 def test_of_two_slots_the_one_that_fits_best_is_taken() -> None:
     """An unread book stands between them."""
-    for row in (["511 AAA", 0.039, None, 0.033, "513 AAA"], ["511 AAA", 0.033, None, 0.039, "513 AAA"]):
-        found = find_gap(_shelf(row), parse("512 AAA"), 0.03)
+    rows: tuple[list[str | float | None], ...] = (
+        ["511 AAA", 0.039, None, 0.033, "513 AAA"],
+        ["511 AAA", 0.033, None, 0.039, "513 AAA"],
+    )
+    for row in rows:
+        found = find_gap(_shelf(row), _number("512 AAA"), 0.03)
         assert isinstance(found, GapFound)
         assert found.width == pytest.approx(0.033)
 
@@ -93,13 +107,13 @@ def test_of_two_slots_the_one_that_fits_best_is_taken() -> None:
         ([], "no call number could be read"),
     ],
 )
-def test_no_gap_says_why(row, reason: str) -> None:
-    found = find_gap(_shelf(row), parse("512 AAA"), 0.03)
+def test_no_gap_says_why(row: list[str | float | None], reason: str) -> None:
+    found = find_gap(_shelf(row), _number("512 AAA"), 0.03)
     assert isinstance(found, NoGap)
     assert reason in found.reason
 
 
 def test_longest_order_of_a_sequence() -> None:
-    numbers = [parse(f"{n} AAA") for n in (3 * 100, 101, 102, 900, 103, 104)]
+    numbers = [_number(f"{n} AAA") for n in (3 * 100, 101, 102, 900, 103, 104)]
     assert [int(n.dewey) for n in ordered(numbers)] == [101, 102, 103, 104]
     assert ordered([]) == []

@@ -1,22 +1,36 @@
+from __future__ import annotations
+
+from typing import Any
+
 import numpy as np
 import pytest
 
 from handcart.backends.simulation.books.textures import PX_PER_MM, draw_label
-from handcart.robotics.perception.books.call_number import parse
+from handcart.robotics.perception.books.call_number import CallNumber, parse
 from handcart.robotics.perception.books.label_finder import find_labels
 from handcart.robotics.perception.books.ocr_label_reader import OcrLabelReader
 from handcart.robotics.perception.books.template_label_reader import TemplateLabelReader
+
+from ..conftest import Bookshelf
 
 FONTS = ("DejaVuSans.ttf", "DejaVuSerif.ttf", "DejaVuSansMono-Bold.ttf", "STIXGeneral.ttf", "cmr10.ttf")
 TEXTS = ["512.7 NAG", "513 OQD", "514.15 WIL", "515.082 BSB", "516.9 JIM", "517.61 VUY", "518.4 CGO"]
 
 
 @pytest.fixture(scope="module")
-def ocr():
+def ocr() -> OcrLabelReader:
     return OcrLabelReader()
 
 
-def _view(bookshelf, seed, font, y=-0.01):
+def _number(text: str) -> CallNumber:
+    number = parse(text)
+    assert number is not None
+    return number
+
+
+def _view(
+    bookshelf: Bookshelf, seed: int, font: str, y: float = -0.01
+) -> tuple[Any, Any, list[tuple[CallNumber, float]]]:
     books = bookshelf.row_of_books(TEXTS, seed, (font,), left=0.1)
     camera_T_shelf = bookshelf.looking_from(y, rpy=(0.02, -0.02, 0.03))
     inside = []
@@ -25,12 +39,13 @@ def _view(bookshelf, seed, font, y=-0.01):
         ends = np.array([[middle + 0.007, 0.03], [middle - 0.007, 0.03]])
         columns = bookshelf.camera.plane_in_image(ends, camera_T_shelf, book.proud)[:, 0]
         if columns.min() > 6 and columns.max() < 633:
-            inside.append((parse(book.text), middle))
+            assert book.text is not None
+            inside.append((_number(book.text), middle))
     return bookshelf.render(books, camera_T_shelf, seed), camera_T_shelf, inside
 
 
 @pytest.mark.parametrize("seed, font", list(enumerate(FONTS)))
-def test_every_label_in_view_is_read(bookshelf, ocr, seed, font) -> None:
+def test_every_label_in_view_is_read(bookshelf: Bookshelf, ocr: OcrLabelReader, seed: int, font: str) -> None:
     image, camera_T_shelf, inside = _view(bookshelf, seed, font)
     labels = ocr.read(image, bookshelf.camera, camera_T_shelf)
     read = {label.call_number: label for label in labels}
@@ -40,23 +55,23 @@ def test_every_label_in_view_is_read(bookshelf, ocr, seed, font) -> None:
         assert read[number].confidence > 0.9
 
 
-def test_reading_is_the_same_every_time(bookshelf, ocr) -> None:
+def test_reading_is_the_same_every_time(bookshelf: Bookshelf, ocr: OcrLabelReader) -> None:
     image, camera_T_shelf, _ = _view(bookshelf, 9, FONTS[1])
     first = ocr.read(image, bookshelf.camera, camera_T_shelf)
     again = OcrLabelReader().read(image, bookshelf.camera, camera_T_shelf)
     assert [(a.text, a.confidence) for a in first] == [(b.text, b.confidence) for b in again]
 
 
-def test_a_catalogue_makes_readings_known_ones(bookshelf) -> None:
+def test_a_catalogue_makes_readings_known_ones(bookshelf: Bookshelf) -> None:
     image, camera_T_shelf, inside = _view(bookshelf, 1, FONTS[0])
-    catalogue = [parse(text) for text in TEXTS[1:]]
+    catalogue = [_number(text) for text in TEXTS[1:]]
     labels = OcrLabelReader(catalogue).read(image, bookshelf.camera, camera_T_shelf)
     numbers = [label.call_number for label in labels]
     assert parse(TEXTS[0]) not in numbers
     assert [n for n in numbers if n is not None] == [n for n, _ in inside if n in catalogue]
 
 
-def test_what_a_held_book_covers_is_not_read(bookshelf, ocr) -> None:
+def test_what_a_held_book_covers_is_not_read(bookshelf: Bookshelf, ocr: OcrLabelReader) -> None:
     image, camera_T_shelf, inside = _view(bookshelf, 2, FONTS[0])
     mask = np.ones(image.shape, dtype=bool)
     mask[:, 400:] = False
@@ -65,22 +80,22 @@ def test_what_a_held_book_covers_is_not_read(bookshelf, ocr) -> None:
     assert all(label.corners[:, 0].max() < 402 for label in labels)
 
 
-def test_shelf_without_labels_has_none(bookshelf) -> None:
+def test_shelf_without_labels_has_none(bookshelf: Bookshelf) -> None:
     books = bookshelf.row_of_books([None] * 7, 3)
     camera_T_shelf = bookshelf.looking_from(0.0)
     assert find_labels(bookshelf.render(books, camera_T_shelf, 3), bookshelf.camera, camera_T_shelf) == []
 
 
-def test_a_camera_that_looks_away_is_an_error(bookshelf, ocr) -> None:
+def test_a_camera_that_looks_away_is_an_error(bookshelf: Bookshelf, ocr: OcrLabelReader) -> None:
     image = np.zeros((480, 640), dtype=np.uint8)
     with pytest.raises(ValueError, match="look at the shelf"):
         ocr.read(image, bookshelf.camera, bookshelf.looking_from(0.0, rpy=(0, 0, 1.5)))
 
 
-def test_templates_find_the_known_labels(bookshelf) -> None:
+def test_templates_find_the_known_labels(bookshelf: Bookshelf) -> None:
     font = FONTS[1]
     known = [*TEXTS, *(f"{600 + i}.{i} ABC" for i in range(40))]
-    templates = {parse(t): np.rot90(draw_label(t, font)).astype(np.uint8).copy() for t in known}
+    templates = {_number(t): np.rot90(draw_label(t, font)).astype(np.uint8).copy() for t in known}
     reader = TemplateLabelReader(templates, PX_PER_MM * 1000)
     image, camera_T_shelf, inside = _view(bookshelf, 4, font)
     numbers = [label.call_number for label in reader.read(image, bookshelf.camera, camera_T_shelf)]

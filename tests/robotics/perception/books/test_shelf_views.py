@@ -1,3 +1,7 @@
+from __future__ import annotations
+
+from typing import Any
+
 import numpy as np
 import pytest
 
@@ -9,19 +13,29 @@ from handcart.robotics.perception.books.shelf_views import fuse_labels, fuse_vie
 from handcart.robotics.perception.books.spines import Gap, Spine, SpineView, find_spines
 from handcart.robotics.perception.cameras.overlay import draw_overlay
 
+from ..conftest import Book, Bookshelf
+
 TEXTS = [f"51{i}.{3 * i + 1} {c}AB" for i, c in enumerate("KLMNPRST")]
 
 
-def _label(text, confidence=0.9):
+def _label(text: str, confidence: float = 0.9) -> Label:
     return Label(text, parse(text), confidence, np.zeros((4, 2)), 0.0, 0.035)
 
 
 @pytest.fixture(scope="module")
-def reader():
+def reader() -> OcrLabelReader:
     return OcrLabelReader()
 
 
-def _look(bookshelf, reader, books, y, seed, pose_error=0.0, mask=None):
+def _look(
+    bookshelf: Bookshelf,
+    reader: OcrLabelReader,
+    books: list[Book],
+    y: float,
+    seed: int,
+    pose_error: float = 0.0,
+    mask: Any = None,
+) -> tuple[SpineView, Any, list[Label], Any]:
     true = bookshelf.looking_from(y, rpy=(0.015, -0.01, 0.0))
     image = bookshelf.render(books, true, seed)
     believed = bookshelf.looking_from(y + pose_error, rpy=(0.0, 0.0, 0.0))
@@ -29,7 +43,9 @@ def _look(bookshelf, reader, books, y, seed, pose_error=0.0, mask=None):
     return find_spines(image, bookshelf.camera, believed, labels, mask), image, labels, believed
 
 
-def test_sides_of_spines_and_gaps_to_less_than_a_millimetre(bookshelf, reader) -> None:
+def test_sides_of_spines_and_gaps_to_less_than_a_millimetre(
+    bookshelf: Bookshelf, reader: OcrLabelReader
+) -> None:
     books = bookshelf.row_of_books(TEXTS, 11, gaps={3: 0.032}, left=0.11)
     books = [book._replace(proud=0.0) for book in books]
     camera_T_shelf = bookshelf.looking_from(0.0, rpy=(0.02, 0.0, 0.0))
@@ -39,13 +55,14 @@ def test_sides_of_spines_and_gaps_to_less_than_a_millimetre(bookshelf, reader) -
     assert len(view.spines) >= 4
     for spine in view.spines:
         book = min(books, key=lambda b: abs(b.left + b.right - spine.left - spine.right))
+        assert spine.label is not None
         assert str(spine.label.call_number) == book.text
         assert (spine.left, spine.right) == pytest.approx((book.left, book.right), abs=0.0008)
     assert len(view.gaps) == 1
     assert tuple(view.gaps[0]) == pytest.approx((books[2].right, books[3].left), abs=0.0008)
 
 
-def test_a_held_book_hides_spines_but_makes_no_gap(bookshelf, reader) -> None:
+def test_a_held_book_hides_spines_but_makes_no_gap(bookshelf: Bookshelf, reader: OcrLabelReader) -> None:
     books = bookshelf.row_of_books(TEXTS, 12, left=0.11)
     mask = np.ones((480, 640), dtype=bool)
     mask[60:, 430:] = False
@@ -58,7 +75,9 @@ def test_a_held_book_hides_spines_but_makes_no_gap(bookshelf, reader) -> None:
     assert view.gaps == ()
 
 
-def test_views_with_wrong_poses_are_aligned_by_their_books(bookshelf, reader) -> None:
+def test_views_with_wrong_poses_are_aligned_by_their_books(
+    bookshelf: Bookshelf, reader: OcrLabelReader
+) -> None:
     books = bookshelf.row_of_books(TEXTS, 13, gaps={2: 0.03, 5: 0.036}, left=0.14)
     errors = (0.004, -0.003, 0.002, -0.003)
     places = (0.07, 0.02, -0.03, -0.08)
@@ -74,7 +93,9 @@ def test_views_with_wrong_poses_are_aligned_by_their_books(bookshelf, reader) ->
     ]
     assert np.ptp(shifts) < 0.0025
     assert [gap.width for gap in reading.gaps] == pytest.approx([0.03, 0.036], abs=0.0015)
-    found = find_gap(reading, parse("511.5 AAA"), 0.024)
+    wanted = parse("511.5 AAA")
+    assert wanted is not None
+    found = find_gap(reading, wanted, 0.024)
     assert isinstance(found, GapFound)
     assert (str(found.before), str(found.after)) == (TEXTS[1], TEXTS[2])
 
@@ -102,7 +123,7 @@ def test_a_labelled_spine_outweighs_a_gap_in_its_place() -> None:
     assert fuse_views([]).books == ()
 
 
-def test_overlay_is_a_coloured_copy(bookshelf, reader) -> None:
+def test_overlay_is_a_coloured_copy(bookshelf: Bookshelf, reader: OcrLabelReader) -> None:
     books = bookshelf.row_of_books(TEXTS, 14, gaps={3: 0.03})
     view, image, labels, camera_T_shelf = _look(bookshelf, reader, books, 0.0, 14)
     before = image.copy()

@@ -1,3 +1,5 @@
+from __future__ import annotations
+
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
@@ -6,11 +8,14 @@ from handcart.robotics.geometry.transform import Transform, apply, difference, i
 from handcart.robotics.perception.cameras.board_pose import pose_board
 from handcart.robotics.perception.cameras.calibration_board import BoardView
 from handcart.robotics.perception.cameras.camera_calibration import calibrate_camera
+from handcart.robotics.perception.cameras.camera_model import CameraModel
 from handcart.robotics.perception.cameras.charuco_board import CharucoBoard
 from handcart.robotics.perception.cameras.chessboard import Chessboard
 from handcart.robotics.perception.cameras.hand_eye_calibration import HandEyeView, calibrate_hand_eye
 from handcart.robotics.perception.cameras.hand_eye_closed_form import METHODS, closed_form
 from handcart.robotics.perception.landmarks.landmark_pose import facing
+
+from ..conftest import Tabletop
 
 HAND_T_CAMERA = transform((0.03, 0.06, 0.04), (0.02, -0.03, 1.6))
 BASE_T_BOARD = transform((0.5, 0.1, 0.02), (0.01, -0.02, 0.4))
@@ -23,14 +28,16 @@ def looking(rng: np.random.Generator, tilt: float, shift: float = 0.05, height: 
     return facing(height) @ tilted @ transform([*rng.uniform(-shift, shift, 2), 0.0])
 
 
-def view_of(camera, camera_T_board: Transform, rng: np.random.Generator, noise: float) -> BoardView:
+def view_of(
+    camera: CameraModel, camera_T_board: Transform, rng: np.random.Generator, noise: float
+) -> BoardView:
     """The corners that are in the image, each off by `noise` in [px]."""
     pixels = camera.project(apply(camera_T_board, POINTS))
     inside = ((pixels > 2) & (pixels < (camera.width - 3, camera.height - 3))).all(axis=1)
     return BoardView(POINTS[inside], pixels[inside] + rng.normal(0.0, noise, (inside.sum(), 2)))
 
 
-def worst_ray(camera, other) -> float:
+def worst_ray(camera: CameraModel, other: CameraModel) -> float:
     """How far apart two models see the image's pixels, in [px], after the best turn of the camera."""
     grid = np.stack(np.meshgrid(np.linspace(0, 639, 17), np.linspace(0, 479, 13)), axis=-1).reshape(-1, 2)
     rays = []
@@ -41,7 +48,9 @@ def worst_ray(camera, other) -> float:
     return 800.0 * float(np.linalg.norm(rays[0] - turn.apply(rays[1]), axis=1).max())
 
 
-def hand_eye_views(camera, seed: int, count: int, arm_error: float, noise: float = 0.05) -> list[HandEyeView]:
+def hand_eye_views(
+    camera: CameraModel, seed: int, count: int, arm_error: float, noise: float = 0.05
+) -> list[HandEyeView]:
     rng = np.random.default_rng(seed)
     views = []
     for _ in range(count):
@@ -64,7 +73,7 @@ BOARDS = (
 
 
 @pytest.mark.parametrize("board", BOARDS, ids=lambda each: type(each).__name__)
-def test_corners_of_a_board_in_an_image(tabletop, board) -> None:
+def test_corners_of_a_board_in_an_image(tabletop: Tabletop, board: CharucoBoard | Chessboard) -> None:
     rng = np.random.default_rng(1)
     table = tabletop.table()
     tabletop.put(table, board.draw(), 0.0, 0.0)
@@ -80,7 +89,7 @@ def test_corners_of_a_board_in_an_image(tabletop, board) -> None:
     assert board.find(tabletop.photograph(tabletop.table(), facing(0.3), 1)) is None
 
 
-def test_a_chessboard_is_told_upside_down(tabletop) -> None:
+def test_a_chessboard_is_told_upside_down(tabletop: Tabletop) -> None:
     """Its black corner says which side is up, however the camera is turned."""
     board, table = Chessboard(7, 6, 0.02), tabletop.table()
     tabletop.put(table, board.draw(), 0.0, 0.0)
@@ -99,7 +108,7 @@ def test_boards_that_no_tags_fit_are_refused() -> None:
         CharucoBoard(20, 10, family="4x4_50")
 
 
-def test_camera_from_images(tabletop) -> None:
+def test_camera_from_images(tabletop: Tabletop) -> None:
     board, rng = CharucoBoard(), np.random.default_rng(2)
     table = tabletop.table()
     tabletop.put(table, board.draw(), 0.0, 0.0)
@@ -116,7 +125,7 @@ LENSES = ((-0.28, 0.09, 0.0, 0.0, 0.0), (-0.28, 0.09, 0.001, -0.002, 0.0), (-0.2
 
 
 @pytest.mark.parametrize("lens", LENSES)
-def test_camera_from_noisy_corners(tabletop, lens) -> None:
+def test_camera_from_noisy_corners(tabletop: Tabletop, lens: tuple[float, ...]) -> None:
     """As much of the lens is found as there is."""
     rng, distortion = np.random.default_rng(3), np.array(lens)
     camera = tabletop.camera._replace(distortion=distortion)
@@ -132,7 +141,7 @@ def test_camera_from_noisy_corners(tabletop, lens) -> None:
     assert (np.abs(measured - true)[known] / found.sigmas[known]).max() < 4.0
 
 
-def test_views_that_tell_too_little_of_a_camera(tabletop) -> None:
+def test_views_that_tell_too_little_of_a_camera(tabletop: Tabletop) -> None:
     camera, rng = tabletop.camera, np.random.default_rng(4)
     views = [view_of(camera, looking(rng, 0.4, 0.06), rng, 0.05) for _ in range(12)]
     with pytest.raises(ValueError, match="7 views of the board; at least 8"):
@@ -151,7 +160,7 @@ def test_views_that_tell_too_little_of_a_camera(tabletop) -> None:
 
 
 @pytest.mark.parametrize("method", METHODS)
-def test_each_closed_form_on_exact_poses(method) -> None:
+def test_each_closed_form_on_exact_poses(method: str) -> None:
     rng = np.random.default_rng(5)
     boards = [looking(rng, 0.4) for _ in range(10)]
     hands = [BASE_T_BOARD @ inverse(board) @ inverse(HAND_T_CAMERA) for board in boards]
@@ -166,7 +175,9 @@ def test_each_closed_form_on_exact_poses(method) -> None:
 @pytest.mark.parametrize(
     ("arm_error", "position", "angle"), [(0.0, 1e-4, 4e-4), (6e-5, 3e-4, 1e-3), (3e-4, 1e-3, 3e-3)]
 )
-def test_hand_eye_from_noisy_views(tabletop, arm_error: float, position: float, angle: float) -> None:
+def test_hand_eye_from_noisy_views(
+    tabletop: Tabletop, arm_error: float, position: float, angle: float
+) -> None:
     z = []
     for seed in range(6):
         found = calibrate_hand_eye(hand_eye_views(tabletop.camera, seed, 15, arm_error), tabletop.camera)
@@ -181,7 +192,7 @@ def test_hand_eye_from_noisy_views(tabletop, arm_error: float, position: float, 
 
 
 @pytest.mark.slow
-def test_refined_beats_the_closed_forms_with_a_good_arm(tabletop) -> None:
+def test_refined_beats_the_closed_forms_with_a_good_arm(tabletop: Tabletop) -> None:
     refined, closed = [], []
     for seed in range(6):
         views = hand_eye_views(tabletop.camera, seed, 12, 0.0)
@@ -193,7 +204,7 @@ def test_refined_beats_the_closed_forms_with_a_good_arm(tabletop) -> None:
     assert np.mean(refined) < 0.6 * np.mean(closed)
 
 
-def test_views_that_tell_too_little_of_the_hand(tabletop) -> None:
+def test_views_that_tell_too_little_of_the_hand(tabletop: Tabletop) -> None:
     camera, rng = tabletop.camera, np.random.default_rng(6)
     views = hand_eye_views(camera, 1, 12, 0.0)
     with pytest.raises(ValueError, match="7 views of the board; at least 8"):
@@ -207,7 +218,7 @@ def test_views_that_tell_too_little_of_the_hand(tabletop) -> None:
         calibrate_hand_eye(one_axis, camera)
 
 
-def test_a_board_that_was_pushed_is_noticed(tabletop) -> None:
+def test_a_board_that_was_pushed_is_noticed(tabletop: Tabletop) -> None:
     views = hand_eye_views(tabletop.camera, 2, 12, 0.0)
     pushed = views[7].base_T_hand.copy()
     pushed[:3, 3] += (0.0, 0.02, 0.0)

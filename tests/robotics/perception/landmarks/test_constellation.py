@@ -2,11 +2,21 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 from handcart.robotics.geometry.pose2 import Pose2
-from handcart.robotics.perception.landmarks.constellation import Belief, Kind, Mark, explain, rivals
+from handcart.robotics.perception.landmarks.constellation import (
+    Belief,
+    Explanation,
+    Kind,
+    Mark,
+    explain,
+    rivals,
+)
 
 KIND, HIGHER = Kind(0.4, 0.06), Kind(0.6, 0.06)
 HALF = (0.09, 0.06)  # [m] from the middle of a picture to where a landmark's middle may be
@@ -15,17 +25,25 @@ SURE = np.diag([0.01, 0.01, 0.01]) ** 2
 HERE = Pose2(0.0, 0.0, 0.0)
 
 
-def row(count, spacing=0.09, kind=KIND):
+def row(count: int, spacing: float = 0.09, kind: Kind = KIND) -> list[Mark]:
     """Landmarks side by side along y, the middle one ahead of the base."""
     return [Mark(kind, Pose2(0.1, 0.5 + spacing * (n - (count - 1) / 2), 0.0)) for n in range(count)]
 
 
-def within(views, places):
+def within(views: Sequence[Sequence[float]], places: Sequence[Sequence[float]]) -> NDArray[np.bool_]:
     """Whether places are in one of the pictures, by the pictures' middles."""
     return np.array([any(np.all(np.abs(np.subtract(at[:2], v)) < HALF) for v in views) for at in places])
 
 
-def look(marks, lying, base, views, covariance=ABOUT, believed=HERE, noise=None):
+def look(
+    marks: list[Mark],
+    lying: list[Mark],
+    base: Pose2,
+    views: Sequence[Sequence[float]],
+    covariance: NDArray[np.float64] = ABOUT,
+    believed: Pose2 = HERE,
+    noise: np.random.Generator | None = None,
+) -> list[Explanation]:
     """What is made of pictures about `views`, base frame, from a base that truly stands at `base`."""
     at = [(kind, base.inverse().compose(place)) for kind, place in lying]
     seen = [{kind: place} for kind, place in at if within(views, [place])[0]]
@@ -36,7 +54,7 @@ def look(marks, lying, base, views, covariance=ABOUT, believed=HERE, noise=None)
     return explain(marks, seen, Belief(believed, covariance), lambda _, places: within(views, places))
 
 
-def along(count, spacing=0.09, x=0.1):
+def along(count: int, spacing: float = 0.09, x: float = 0.1) -> list[tuple[float, float]]:
     """Pictures along the row."""
     return [(x, 0.5 + spacing * (n - (count - 1) / 2)) for n in range(count)]
 
@@ -84,7 +102,7 @@ def test_with_a_landmark_missing_none_is_taken_for_another(missing: int) -> None
 
 
 @pytest.mark.parametrize("place", [(0.02, 0.45), (0.15, 0.61), (0.1, 0.815)])
-def test_one_mark_too_many_is_none_of_the_plan(place) -> None:
+def test_one_mark_too_many_is_none_of_the_plan(place: tuple[float, float]) -> None:
     marks, base = [*row(5), Mark(KIND, Pose2(0.01, 0.55, 0.0))], Pose2(0.01, -0.03, 0.02)
     lying = [*marks, Mark(KIND, Pose2(*place, 0.0))]
     best, *others = rivals(look(marks, lying, base, [*along(9), *along(9, x=0.0)]))
@@ -124,12 +142,13 @@ def test_what_is_believed_is_true_on_plans_of_any_kind() -> None:
         step = rng.uniform(0.07, 0.12, 2)
         grid = [(0.1 + i * step[0], 0.5 + j * step[1]) for i in range(rng.integers(1, 3)) for j in range(5)]
         jitter = rng.choice([0.0, 0.015]) * rng.standard_normal((len(grid), 2))
-        marks = [Mark(KIND, Pose2(*at, 0.0)) for at in (np.array(grid) + jitter).tolist()]
+        marks = [Mark(KIND, Pose2(x, y, 0.0)) for x, y in (np.array(grid) + jitter).tolist()]
         lying = list(marks)
         if rng.random() < 0.3:
             del lying[rng.integers(len(lying))]
         if rng.random() < 0.3:
-            lying.append(Mark(KIND, Pose2(*rng.uniform((0.0, 0.4), (0.3, 1.0)), 0.0)))
+            x, y = rng.uniform((0.0, 0.4), (0.3, 1.0))
+            lying.append(Mark(KIND, Pose2(x, y, 0.0)))
         base = Pose2(*rng.normal(0.0, (0.05, 0.05, 0.035)))
         views = rng.uniform((0.05, 0.4), (0.25, 1.0), (rng.integers(1, 6), 2)).tolist()
         found = look(marks, lying, base, views, noise=rng)

@@ -1,8 +1,11 @@
+from __future__ import annotations
+
 import math
 
 import cv2
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 from handcart.robotics.geometry.pose2 import Pose2, wrap
 from handcart.robotics.geometry.transform import difference, transform
@@ -15,17 +18,21 @@ from handcart.robotics.perception.landmarks.landmark_pose import (
     planar_pose,
 )
 
+from ..conftest import Tabletop
+
 HEIGHT = 0.3
 
 
-def seen_at(tabletop, pose: Pose2, seed: int, height: float = HEIGHT, grey: float = 150.0):
+def seen_at(
+    tabletop: Tabletop, pose: Pose2, seed: int, height: float = HEIGHT, grey: float = 150.0
+) -> NDArray[np.uint8]:
     """The image of a landmark that lies at `pose` of a plane that the camera faces."""
     table = tabletop.table(grey)
     tabletop.put(table, draw_landmark(), 0.0, 0.0)
     return tabletop.photograph(table, facing(height) @ pose.lift(), seed)
 
 
-def errors(tabletop, pose: Pose2, seed: int) -> tuple[float, float]:
+def errors(tabletop: Tabletop, pose: Pose2, seed: int) -> tuple[float, float]:
     """Of the centre in [m] and of the angle in [rad]."""
     (seen,) = find_landmarks(seen_at(tabletop, pose, seed), tabletop.camera)
     found = planar_pose(seen, facing(HEIGHT))
@@ -43,7 +50,7 @@ def random_poses(offset: float, count: int, seed: int) -> list[Pose2]:
 
 
 @pytest.mark.parametrize(("offset", "limit"), [(0.0007, 2e-5), (0.03, 5e-5), (0.06, 1.3e-4)])
-def test_centre_and_angle(tabletop, offset: float, limit: float) -> None:
+def test_centre_and_angle(tabletop: Tabletop, offset: float, limit: float) -> None:
     measured = np.array(
         [errors(tabletop, pose, seed) for seed, pose in enumerate(random_poses(offset, 12, 1))]
     )
@@ -51,7 +58,7 @@ def test_centre_and_angle(tabletop, offset: float, limit: float) -> None:
     assert measured[:, 1].max() < 3e-4
 
 
-def test_without_the_lens_it_is_off_at_the_rim(tabletop) -> None:
+def test_without_the_lens_it_is_off_at_the_rim(tabletop: Tabletop) -> None:
     pose = Pose2(0.06, 0.0, 0.4)
     plain = tabletop.camera._replace(distortion=np.zeros(5))
     (seen,) = find_landmarks(seen_at(tabletop, pose, 1), plain)
@@ -59,7 +66,7 @@ def test_without_the_lens_it_is_off_at_the_rim(tabletop) -> None:
 
 
 @pytest.mark.parametrize("turn", np.linspace(-3.1, 3.1, 13))
-def test_direction_is_told_over_the_full_turn(tabletop, turn) -> None:
+def test_direction_is_told_over_the_full_turn(tabletop: Tabletop, turn: float) -> None:
     (seen,) = find_landmarks(seen_at(tabletop, Pose2(0.01, -0.01, turn), 3), tabletop.camera)
     assert planar_pose(seen, facing(HEIGHT)).theta == pytest.approx(turn, abs=1e-3)
     assert wrap(seen.angle + turn) == pytest.approx(0.0, abs=1e-3)
@@ -68,7 +75,7 @@ def test_direction_is_told_over_the_full_turn(tabletop, turn) -> None:
 
 @pytest.mark.parametrize("height", [0.17, 0.2, 0.4, 0.6, 0.8])
 @pytest.mark.parametrize("grey", [15, 90, 235])
-def test_found_near_and_far_on_any_table(tabletop, height: float, grey: int) -> None:
+def test_found_near_and_far_on_any_table(tabletop: Tabletop, height: float, grey: int) -> None:
     pose = Pose2(0.004, 0.002, 0.7)
     (seen,) = find_landmarks(seen_at(tabletop, pose, 4, height, grey), tabletop.camera)
     assert planar_pose(seen, facing(height)).distance(pose) < 1e-4
@@ -76,11 +83,12 @@ def test_found_near_and_far_on_any_table(tabletop, height: float, grey: int) -> 
 
 
 @pytest.mark.parametrize("seed", range(6))
-def test_pose_in_space_and_on_a_tilted_plane(tabletop, seed: int) -> None:
+def test_pose_in_space_and_on_a_tilted_plane(tabletop: Tabletop, seed: int) -> None:
     rng = np.random.default_rng(seed)
     tilt = transform(rpy=(*rng.uniform(-0.25, 0.25, 2), 0.0))
     camera_T_plane = facing(HEIGHT) @ tilt
-    pose = Pose2(*rng.uniform(-0.01, 0.01, 2), rng.uniform(-3, 3))
+    x, y = rng.uniform(-0.01, 0.01, 2)
+    pose = Pose2(x, y, rng.uniform(-3, 3))
     table = tabletop.table(seed=seed)
     tabletop.put(table, draw_landmark(), 0.0, 0.0)
     image = tabletop.photograph(table, camera_T_plane @ pose.lift(), seed)
@@ -139,7 +147,7 @@ OTHERS = {
 
 
 @pytest.mark.parametrize("name", OTHERS)
-def test_another_mark_is_not_taken_for_it(tabletop, name) -> None:
+def test_another_mark_is_not_taken_for_it(tabletop: Tabletop, name: str) -> None:
     other = np.pad(OTHERS[name], 80, constant_values=PAPER)
     for seed, turn in enumerate((0.1, 2.0)):
         table = tabletop.table()
@@ -151,7 +159,7 @@ def test_another_mark_is_not_taken_for_it(tabletop, name) -> None:
         assert planar_pose(seen, camera_T_table) == pytest.approx((0.05, 0.0, 0.0), abs=1e-3)
 
 
-def test_no_tag_is_taken_for_it(tabletop) -> None:
+def test_no_tag_is_taken_for_it(tabletop: Tabletop) -> None:
     dictionary = cv2.aruco.getPredefinedDictionary(cv2.aruco.DICT_5X5_250)
     for first in range(0, 48, 9):
         table = tabletop.table(230)
@@ -161,7 +169,7 @@ def test_no_tag_is_taken_for_it(tabletop) -> None:
         assert find_landmarks(tabletop.photograph(table, facing(HEIGHT), first), tabletop.camera) == []
 
 
-def test_a_square_of_another_size_is_told_by_its_distance(tabletop) -> None:
+def test_a_square_of_another_size_is_told_by_its_distance(tabletop: Tabletop) -> None:
     table = tabletop.table()
     tabletop.put(table, draw_landmark(0.048), 0.0, 0.0)
     image = tabletop.photograph(table, facing(HEIGHT), 1)
@@ -170,7 +178,7 @@ def test_a_square_of_another_size_is_told_by_its_distance(tabletop) -> None:
     assert len(find_landmarks(image, tabletop.camera, 0.048, (0.27, 0.33))) == 1
 
 
-def test_two_of_them_come_in_order(tabletop) -> None:
+def test_two_of_them_come_in_order(tabletop: Tabletop) -> None:
     table = tabletop.table(seed=5)
     for x in (-0.06, 0.04):
         tabletop.put(table, draw_landmark(), x, 0.0)
@@ -178,7 +186,7 @@ def test_two_of_them_come_in_order(tabletop) -> None:
     assert [planar_pose(each, facing(HEIGHT)).x for each in seen] == pytest.approx([0.04, -0.06], abs=1e-4)
 
 
-def test_half_out_of_view_or_covered_is_not_seen(tabletop) -> None:
+def test_half_out_of_view_or_covered_is_not_seen(tabletop: Tabletop) -> None:
     assert find_landmarks(seen_at(tabletop, Pose2(0.1, 0.0, 0.2), 1), tabletop.camera) == []
     table = tabletop.table()
     tabletop.put(table, draw_landmark(), 0.0, 0.0)
@@ -187,7 +195,7 @@ def test_half_out_of_view_or_covered_is_not_seen(tabletop) -> None:
 
 
 @pytest.mark.parametrize("seed", range(4))
-def test_found_among_blocks(tabletop, seed: int) -> None:
+def test_found_among_blocks(tabletop: Tabletop, seed: int) -> None:
     rng = np.random.default_rng(seed)
     table = tabletop.table(seed=seed)
     for _ in range(14):
@@ -198,13 +206,13 @@ def test_found_among_blocks(tabletop, seed: int) -> None:
     assert planar_pose(seen, facing(HEIGHT)) == pytest.approx((0.02, 0.01, 0.0), abs=2e-4)
 
 
-def test_nothing_in_an_empty_or_noisy_image(tabletop) -> None:
+def test_nothing_in_an_empty_or_noisy_image(tabletop: Tabletop) -> None:
     rng = np.random.default_rng(1)
     for image in (np.zeros((480, 640)), rng.integers(0, 256, (480, 640)), np.full((480, 640), 255)):
         assert find_landmarks(image.astype(np.uint8), tabletop.camera) == []
 
 
-def test_any_image_size(tabletop) -> None:
+def test_any_image_size(tabletop: Tabletop) -> None:
     image = seen_at(tabletop, Pose2(0.0, 0.0, 0.3), 1)
     cut = tabletop.camera._replace(width=637, height=471)
     (whole,), (part,) = find_landmarks(image, tabletop.camera), find_landmarks(image[:471, :637].copy(), cut)
@@ -212,7 +220,7 @@ def test_any_image_size(tabletop) -> None:
     assert find_landmarks(image[:20, :20].copy(), cut) == []
 
 
-def test_a_plane_behind_the_camera_is_an_error(tabletop) -> None:
+def test_a_plane_behind_the_camera_is_an_error(tabletop: Tabletop) -> None:
     (seen,) = find_landmarks(seen_at(tabletop, Pose2(0.0, 0.0, 0.0), 1), tabletop.camera)
     with pytest.raises(ValueError, match="before the camera"):
         planar_pose(seen, facing(-0.3))

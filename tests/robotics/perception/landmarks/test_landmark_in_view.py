@@ -13,12 +13,16 @@ from handcart.robotics.perception.landmarks.landmark_finder import find_landmark
 from handcart.robotics.perception.landmarks.landmark_in_view import wholly_in_view
 from handcart.robotics.perception.landmarks.landmark_pose import facing
 
+from ..conftest import Tabletop
+
 HEIGHT = 0.3
 KIND = Kind(0.0, 0.06)
 
 
 @pytest.mark.parametrize("direction", [(1.0, 0.0), (-0.3, 0.95)])
-def test_what_is_well_within_the_picture_is_found_and_what_is_not_in_it_is_not(tabletop, direction) -> None:
+def test_what_is_well_within_the_picture_is_found_and_what_is_not_in_it_is_not(
+    tabletop: Tabletop, direction: tuple[float, float]
+) -> None:
     camera_T_table, shown = facing(HEIGHT), []
     for away in (0.0, 0.055, 0.085, 0.15):
         place = Pose2(away * direction[0], away * direction[1], 0.3)
@@ -32,7 +36,7 @@ def test_what_is_well_within_the_picture_is_found_and_what_is_not_in_it_is_not(t
     assert sorted(shown, reverse=True) == shown
 
 
-def test_far_beside_and_behind_is_out_of_the_picture(tabletop) -> None:
+def test_far_beside_and_behind_is_out_of_the_picture(tabletop: Tabletop) -> None:
     places = [Pose2(x, y, 0.0) for x, y in ((0.6, 0.0), (2.0, 1.0), (0.0, -40.0))]
     assert not wholly_in_view(tabletop.camera, inverse(facing(HEIGHT)), KIND, places).any()
     assert not wholly_in_view(tabletop.camera, inverse(facing(-HEIGHT)), KIND, [Pose2(0.0, 0.0, 0.0)]).any()
