@@ -6,6 +6,7 @@ import math
 import random
 import time
 from collections import Counter, deque
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from itertools import pairwise
 
@@ -27,6 +28,7 @@ from handcart.networks.graph.planner import NoWay
 from handcart.networks.graph.route import Route
 from handcart.primitives.contract.outcome import Success
 from handcart.primitives.driving.modify import Modify
+from tests.networks.conftest import Stand
 
 BOUND = Binding.of(Modify(place="x"))
 
@@ -179,7 +181,7 @@ def test_slopes_are_derivatives(rows, chances) -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", range(3))
-def test_figures_are_those_of_the_coordinators_runs(new_stand, seed: int) -> None:
+def test_figures_are_those_of_the_coordinators_runs(new_stand: Callable[[], Stand], seed: int) -> None:
     """Whole runs, robot and all: a detour, an alternative, a loop."""
     stand, rng, count = new_stand(), random.Random(seed), 400
     names = ["drive", "modify", "around", "pick", "other", "place"]

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
@@ -22,6 +23,7 @@ from handcart.networks.runs.run import execute
 from handcart.networks.runs.run_folder import read_run_journal
 from handcart.networks.task.preparing import Prepared
 from handcart.networks.task.task_file import load_task
+from tests.networks.conftest import Stand
 
 _OWN = ("kind", "q", "t", "wall", "p", "h")
 """What the journal itself writes into each record."""
@@ -74,7 +76,7 @@ class Run:
 
 
 @pytest.fixture
-def run(tmp_path: Path, new_stand: Callable[[], Any], primitives: Any) -> Run:
+def run(tmp_path: Path, new_stand: Callable[[], Stand], primitives: SimpleNamespace) -> Run:
     path = tmp_path / "task" / "task.yaml"
     path.parent.mkdir()
     path.write_text(TASK)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 import pytest
@@ -15,13 +15,14 @@ from handcart.primitives.books.search import Search, _end_of_row
 from handcart.primitives.contract.outcome import Fail, Success
 from handcart.robotics.perception.books.call_number import parse
 from handcart.robotics.perception.books.shelf_views import ShelfBook, ShelfReading
+from tests.primitives.conftest import Rig
 
 
 @pytest.fixture
-def docked(at_slot: Callable[..., Any]) -> Callable[..., Any]:
+def docked(at_slot: Callable[..., Rig]) -> Callable[..., Rig]:
     """Builds a rig before the shelf, the book in the hand, no slot known, all books in the catalogue."""
 
-    def make(seed: int = 0, call: str = "512.7 NAG") -> Any:
+    def make(seed: int = 0, call: str = "512.7 NAG") -> Rig:
         rig = at_slot(seed=seed)
         rig.model.of(Books).slot = None
         rig.model.of(Books).book = rig.model.of(Books).book.model_copy(update={"call": call})
@@ -46,7 +47,7 @@ def docked(at_slot: Callable[..., Any]) -> Callable[..., Any]:
     return make
 
 
-def row(rig: Any) -> list[tuple[float, float]]:
+def row(rig: Rig) -> list[tuple[float, float]]:
     """Left and right of each book in the shelf frame, in [m]."""
     return [
         (each.lateral + each.book.thickness / 2, each.lateral - each.book.thickness / 2)
@@ -57,7 +58,7 @@ def row(rig: Any) -> list[tuple[float, float]]:
 @pytest.mark.slow
 @pytest.mark.parametrize(("seed", "reader"), [(0, "ocr"), (1, "ocr"), (2, "template")])
 def test_it_finds_the_slot_between_the_right_neighbours(
-    docked: Callable[..., Any], seed: int, reader: Literal["ocr", "template"]
+    docked: Callable[..., Rig], seed: int, reader: Literal["ocr", "template"]
 ) -> None:
     rig = docked(seed)
     primitive = Search(shelf="shelf_1", reader=reader)
@@ -72,7 +73,7 @@ def test_it_finds_the_slot_between_the_right_neighbours(
     assert rig.scene.contacts == []
 
 
-def test_at_the_end_of_the_row_it_looks_straight_at_the_book_end(docked: Callable[..., Any]) -> None:
+def test_at_the_end_of_the_row_it_looks_straight_at_the_book_end(docked: Callable[..., Rig]) -> None:
     rig = docked(0, call="512.9 ZUS")
     aside = rig.scene.of(BookProps).shelves["shelf_1"].pose[:3, 1]
     rig.scene.of(BookProps).books[20].pose[:3, 3] -= 0.009 * aside
@@ -85,7 +86,7 @@ def test_at_the_end_of_the_row_it_looks_straight_at_the_book_end(docked: Callabl
 
 
 @pytest.mark.slow
-def test_where_no_slot_is_free_it_is_a_fail_for_good_and_the_arm_back(docked: Callable[..., Any]) -> None:
+def test_where_no_slot_is_free_it_is_a_fail_for_good_and_the_arm_back(docked: Callable[..., Rig]) -> None:
     rig = docked(0, call="510.35 ZUS")
     before = rig.robot.arm.command()
     outcome = rig.run(Search(shelf="shelf_1"))
@@ -96,7 +97,7 @@ def test_where_no_slot_is_free_it_is_a_fail_for_good_and_the_arm_back(docked: Ca
     assert rig.model.of(Books).slot is None
 
 
-def test_without_a_book_there_is_nothing_to_look_for(docked: Callable[..., Any]) -> None:
+def test_without_a_book_there_is_nothing_to_look_for(docked: Callable[..., Rig]) -> None:
     rig = docked()
     rig.model.of(Books).book = None
     outcome = rig.run(Search(shelf="shelf_1"))

@@ -22,6 +22,7 @@ from handcart.primitives.contract.discrepancy import Discrepancy, NeedsPerson
 from handcart.primitives.contract.outcome import Fail, GiveUp, Success
 from handcart.primitives.contract.tree_primitive import GeneratorBehaviour, TreePrimitive, ticked
 from handcart.primitives.knowledge.world_model import ModelView, UndeclaredAccess
+from tests.primitives.conftest import Rig
 
 
 def periods(root: Behaviour) -> int:
@@ -195,7 +196,7 @@ class Careful(TreePrimitive):
         return Selector("in any way", memory=True, children=children)
 
 
-def test_a_person_needed_inside_a_selector_is_a_give_up(make_rig: Callable[..., Any]) -> None:
+def test_a_person_needed_inside_a_selector_is_a_give_up(make_rig: Callable[..., Rig]) -> None:
     rig = make_rig()
     outcome = rig.run(Careful())
     assert isinstance(outcome, GiveUp)
