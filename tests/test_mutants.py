@@ -5,6 +5,7 @@ from __future__ import annotations
 import subprocess
 import sys
 from collections.abc import Iterator
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
@@ -25,9 +26,7 @@ TABLE = """\
 def mutants(monkeypatch: pytest.MonkeyPatch) -> Iterator[Any]:
     monkeypatch.syspath_prepend(str(MUTANTS))
     sys.modules.pop("mutant", None)
-    import mutant
-
-    yield mutant
+    yield import_module("mutant")
     sys.modules.pop("mutant", None)
 
 

@@ -10,6 +10,7 @@ import sys
 import time
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -106,7 +107,7 @@ def test_a_killed_run_goes_on(
     environment: dict[str, str], handcart: Callable[..., subprocess.CompletedProcess[str]], tmp_path: Path
 ) -> None:
     command = [sys.executable, "-m", "handcart", "run", str(TASK)]
-    quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
+    quiet: dict[str, Any] = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
     process = subprocess.Popen(command, env=environment, cwd=tmp_path, **quiet)
     run, end = tmp_path / "runs" / "garden-0", time.monotonic() + 60.0
     while not (run / "checkpoint").exists() and process.poll() is None:

@@ -24,7 +24,7 @@ TASKS = Path(__file__).parents[2] / "tasks"
     ids=["book", "blocks", "seam"],
 )
 def test_its_metrics_are_those_of_a_run_that_was_not_killed(
-    tmp_path: Path, copier: type[Copier], task: str, after: int, settings
+    tmp_path: Path, copier: type[Copier], task: str, after: int, settings: dict[str, str]
 ) -> None:
     left = tmp_path / "left"
     told = copier(after, left)

@@ -32,7 +32,8 @@ class Impatient(RunObserver):
     """
 
     def __init__(self, after: float, number: int) -> None:
-        self.due, self.after, self.number = None, after, number
+        self.due: float | None = None
+        self.after, self.number = after, number
 
     def begin(self, prepared: Prepared, run_dir: Path) -> None:
         self.robot = prepared.robot

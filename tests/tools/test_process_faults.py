@@ -107,7 +107,7 @@ def test_a_library_that_is_missing_is_named(
     assert "pip install" in said.err
 
 
-def say(*words: str, **options: Any) -> subprocess.CompletedProcess[bytes]:
+def say(*words: str, **options: Any) -> subprocess.CompletedProcess[Any]:
     """A command in a process of its own, with pipes and environment as they are given."""
     line = f"from handcart.tools.main import main; main({list(words)!r})"
     given = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE} | options

@@ -26,7 +26,7 @@ BACKENDS = [
 
 @pytest.mark.slow
 @pytest.mark.parametrize("backend", BACKENDS)
-def test_a_run_is_recorded(handcart: Callable[..., Said], tour: Path, tmp_path: Path, backend) -> None:
+def test_a_run_is_recorded(handcart: Callable[..., Said], tour: Path, tmp_path: Path, backend: str) -> None:
     film, places = tmp_path / "tour.mp4", tour.with_name("places.yaml")
     places.write_text(places.read_text() + "  near: {x_m: 1.2, y_m: 2.0, heading_deg: 90.0}\n")
     tour.write_text(tour.read_text().replace("shelf_3", "near").replace("base: shelf", "base: near"))
@@ -52,7 +52,7 @@ def test_a_run_is_recorded(handcart: Callable[..., Said], tour: Path, tmp_path: 
     ],
 )
 def test_what_cannot_be_shown_is_told_before_anything_moves(
-    handcart: Callable[..., Said], tour: Path, tmp_path: Path, options, words: str
+    handcart: Callable[..., Said], tour: Path, tmp_path: Path, options: list[str], words: str
 ) -> None:
     said = handcart("run", tour, *options, "--runs", tmp_path / "runs")
     assert said.status == 2

@@ -3,7 +3,7 @@
 from collections import deque
 from collections.abc import Callable
 from pathlib import Path
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 import pytest
@@ -14,7 +14,7 @@ from handcart.backends.capabilities.base import WheelTravel
 from handcart.backends.robot.robot import Robot
 from handcart.networks.analysis.worst_cases import worst_cases
 from handcart.networks.coordination.coordinator import Coordinator
-from handcart.networks.coordination.events import Ended, LeftOut, Planned, Started
+from handcart.networks.coordination.events import Ended, Event, LeftOut, Planned, Started
 from handcart.networks.coordination.supervision import Request
 from handcart.networks.graph.binding import Binding
 from handcart.networks.graph.network import Action, ActionNetwork, NetworkError, Situation
@@ -22,22 +22,24 @@ from handcart.networks.journal.journal import Journal
 from handcart.networks.journal.journal_record import read_journal, without_wall
 from handcart.primitives.contract.action_primitive import ActionPrimitive, Periods
 from handcart.primitives.contract.discrepancy import Discrepancy
+from handcart.primitives.contract.outcome import Fail
 from handcart.primitives.knowledge.world_model import ModelView
 from tests.networks.conftest import Stand
 
 
-def coordinator(stand: Stand, network, **more):
+def coordinator(stand: Stand, network: ActionNetwork, **more: Any) -> Coordinator:
     return Coordinator(network, stand.robot, stand.model, **more)
 
 
-def names(events):
-    return [event.primitive.name for event in events if isinstance(event, Started)]
+def names(events: list[Event]) -> list[str]:
+    begun: list[Any] = [event.primitive for event in events if isinstance(event, Started)]
+    return [primitive.name for primitive in begun]
 
 
 def test_two_ways_and_the_cheap_one_fails(stand: Stand) -> None:
     network = stand.network("a m cheap 10", "a z dear 30", "m z last 1")
     stand.script["cheap"] = deque("FF")
-    events = []
+    events: list[Event] = []
     end = stand.finish(coordinator(stand, network, observers=[events.append]))
     # 10 + 1 and 20 + 1 are cheaper than 30, 40 + 1 isn't.
     assert names(events) == ["cheap", "cheap", "dear"]
@@ -66,7 +68,7 @@ def test_unreachable_after_fails_names_what_blocks(stand: Stand) -> None:
 
 
 @pytest.mark.parametrize("cost", [0.0, -1.0, float("nan"), float("inf")])
-def test_costs_that_are_none(stand: Stand, cost) -> None:
+def test_costs_that_are_none(stand: Stand, cost: float) -> None:
     """N3."""
     bound = Binding.of(stand.Think(name="x"))
     with pytest.raises(NetworkError, match="cost_s"):
@@ -97,7 +99,7 @@ def test_cycles_and_self_loops_end(stand: Stand) -> None:
 def test_fail_leads_to_the_situation_that_knows_more(stand: Stand) -> None:
     network = stand.network("a z drive 1 3 blocked", "blocked a modify 1", "blocked z around 9")
     stand.script["drive"] = deque("F")
-    events = []
+    events: list[Event] = []
     end = stand.finish(coordinator(stand, network, observers=[events.append]))
     assert names(events) == ["drive", "modify", "drive"]
     assert end.outcome == "Success"
@@ -117,7 +119,7 @@ def test_value_not_known_counts_as_a_fail(stand: Stand) -> None:
     network = ActionNetwork.build(
         [Situation("a"), Situation("z")], [Action("a", "z", late, 1.0, 2)], "a", "z"
     )
-    events = []
+    events: list[Event] = []
     end = stand.finish(coordinator(stand, network, observers=[events.append]))
     assert (end.outcome, end.actions, end.fails) == ("Fail", 0, 2)
     assert "book.shelf is not known yet" in end.reason
@@ -142,7 +144,9 @@ networks = st.lists(
 
 @given(networks, st.lists(st.text("SSFFP", max_size=6), min_size=10, max_size=10))
 @settings(max_examples=150, suppress_health_check=[HealthCheck.function_scoped_fixture], deadline=None)
-def test_every_run_ends_within_its_bound(new_stand: Callable[[], Stand], rows, outcomes) -> None:
+def test_every_run_ends_within_its_bound(
+    new_stand: Callable[[], Stand], rows: Any, outcomes: list[str]
+) -> None:
     """N4, N5, N6: whatever the network and whatever fails."""
     stand = new_stand()
     built = [
@@ -151,7 +155,7 @@ def test_every_run_ends_within_its_bound(new_stand: Callable[[], Stand], rows, o
     ]
     network = stand.network(*built, start="0", goal="5")
     stand.script |= {f"p{number}": deque(pattern) for number, pattern in enumerate(outcomes)}
-    events = []
+    events: list[Event] = []
     end = stand.finish(coordinator(stand, network, observers=[events.append]))
     assert end.actions <= network.bound()
     assert end.actions <= worst_cases(network).longest  # what `handcart check` states
@@ -182,7 +186,7 @@ def test_same_run_same_journal(new_stand: Callable[[], Stand], tmp_path: Path) -
     assert kinds[-1] == "END"
 
 
-def driving(stand: Stand, periods=40):
+def driving(stand: Stand, periods: int = 40) -> ActionNetwork:
     bound = Binding.of(stand.Drive(periods=periods))
     return ActionNetwork.build([Situation("a"), Situation("z")], [Action("a", "z", bound, 1.0)], "a", "z")
 
@@ -224,11 +228,12 @@ def test_moved_during_a_pause_is_a_discrepancy(stand: Stand) -> None:
         travel = stand.backend.wheels.travel
         stand.backend.wheels.travel = type(travel)(travel.left + 0.5, travel.right + 0.5)
 
-    at = {20: lambda: run.request(Request.PAUSE), 40: push, 60: lambda: run.request(Request.RESUME)}
-    events = []
+    events: list[Event] = []
     run = coordinator(stand, driving(stand), observers=[events.append])
+    at = {20: lambda: run.request(Request.PAUSE), 40: push, 60: lambda: run.request(Request.RESUME)}
     end = stand.finish(run, at)
     outcomes = [event.outcome for event in events if isinstance(event, Ended)]
+    assert isinstance(outcomes[0], Fail)
     assert "moved during a pause: base_mm" in outcomes[0].reason
     assert end.fails == 1
 
@@ -242,14 +247,16 @@ def test_cancel_while_paused(stand: Stand) -> None:
 
 def test_a_stop_does_not_wait_until_a_paused_robot_rests(stand: Stand) -> None:
     """A robot that trembles never rests; requests are heard all the same."""
-    run, tremble = coordinator(stand, driving(stand)), []
+    run = coordinator(stand, driving(stand))
+    wheels: Any = stand.backend.wheels
+    tremble: list[float] = []
 
-    def travel():
+    def travel() -> WheelTravel:
         tremble.append(0.01)
         return WheelTravel(sum(tremble), 0.0)
 
     def pause() -> None:
-        stand.backend.wheels.wheel_travel = travel
+        wheels.wheel_travel = travel
         run.request(Request.PAUSE)
 
     stops = []
@@ -267,7 +274,7 @@ def test_called_back_before_it_began(stand: Stand) -> None:
 
 def test_plan_is_kept_while_nothing_fails(stand: Stand) -> None:
     network = stand.network("a b one 1", "b c two 1", "c z three 1")
-    events = []
+    events: list[Event] = []
     stand.finish(coordinator(stand, network, observers=[events.append]))
     assert sum(isinstance(event, Planned) for event in events) == 1
 

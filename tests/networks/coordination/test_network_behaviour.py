@@ -1,12 +1,14 @@
 """A network as a behaviour in a real py_trees tree."""
 
 from collections import deque
+from typing import Any
 
 import py_trees
 import pytest
 from py_trees.common import Status
 
 from handcart.networks.coordination.coordinator import Coordinator
+from handcart.networks.coordination.events import Event
 from handcart.networks.coordination.network_behaviour import NetworkBehaviour
 from handcart.networks.graph.binding import Binding
 from handcart.networks.graph.network import Action, ActionNetwork, Situation
@@ -22,8 +24,8 @@ class Alarm(py_trees.behaviour.Behaviour):
         return Status.RUNNING if self.rings else Status.FAILURE
 
 
-def tree_of(stand: Stand, network):
-    events = []
+def tree_of(stand: Stand, network: ActionNetwork) -> tuple[Any, NetworkBehaviour, Alarm, list[Event]]:
+    events: list[Event] = []
     behaviour = NetworkBehaviour(
         "network",
         stand.robot,
@@ -34,7 +36,7 @@ def tree_of(stand: Stand, network):
     return py_trees.trees.BehaviourTree(root), behaviour, alarm, events
 
 
-def tick(tree, stand: Stand, times) -> None:
+def tick(tree: Any, stand: Stand, times: int) -> None:
     for _ in range(times):
         tree.tick()
         stand.robot.step()
@@ -42,7 +44,12 @@ def tick(tree, stand: Stand, times) -> None:
             return
 
 
-def drive(stand: Stand, attempts=3):
+def status(tree: Any) -> Status:
+    now: Status = tree.root.status
+    return now
+
+
+def drive(stand: Stand, attempts: int = 3) -> ActionNetwork:
     bound = Binding.of(stand.Drive(periods=40))
     action = Action("a", "z", bound, 1.0, attempts)
     return ActionNetwork.build([Situation("a"), Situation("z")], [action], "a", "z")
@@ -52,6 +59,7 @@ def test_reaches_the_goal(stand: Stand) -> None:
     tree, behaviour, _, _ = tree_of(stand, drive(stand))
     tick(tree, stand, 200)
     assert tree.root.status is Status.SUCCESS
+    assert behaviour.end is not None
     assert behaviour.end.outcome == "Success"
     assert stand.robot.pose.x == pytest.approx(0.4, abs=0.02)
 
@@ -75,6 +83,7 @@ def test_interrupted_it_stops_and_then_restores_first(stand: Stand) -> None:
             break
     assert min(nearest) < 0.02
     assert tree.root.status is Status.SUCCESS
+    assert behaviour.end is not None
     assert behaviour.end.fails == 1
     assert [type(event).__name__ for event in events][:4] == ["Planned", "Started", "Restoring", "Ended"]
 
@@ -84,6 +93,7 @@ def test_no_way_left_is_failure(stand: Stand) -> None:
     tree, behaviour, _, _ = tree_of(stand, stand.network("a z x 1"))
     tick(tree, stand, 5)
     assert tree.root.status is Status.FAILURE
+    assert behaviour.end is not None
     assert behaviour.end.exit_status == 3
 
 
@@ -94,12 +104,12 @@ def test_give_up_stays_until_a_person_acknowledges(stand: Stand) -> None:
     told = len(events)
     tick(tree, stand, 1)
     tick(tree, stand, 1)
-    assert tree.root.status is Status.FAILURE
+    assert status(tree) is Status.FAILURE
     assert behaviour.latched
     assert len(events) == told
     behaviour.acknowledge()
     tick(tree, stand, 1)
-    assert tree.root.status is Status.SUCCESS
+    assert status(tree) is Status.SUCCESS
 
 
 def test_shutdown_while_it_runs(stand: Stand) -> None:

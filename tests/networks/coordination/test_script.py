@@ -27,7 +27,7 @@ def test_outcomes_lead_where_they_would_lead_a_robot(
     stand: Stand, outcomes: Any, did: list[str], ended: str, cost_s: float
 ) -> None:
     network = stand.network(*ROWS)
-    cost = {action.cost_s: str(action.binding.fixed["name"]) for action in network.actions}
+    cost = {action.cost_s: str(action.binding.fixed["name"]) for action in network.actions if action.binding}
     imagined = follow(network, outcomes)
     lines = [line.rpartition(": ")[2].split(", ") for line in imagined.lines]
     assert [f"{cost[float(each.split()[0])]} {word}" for word, each in lines] == did

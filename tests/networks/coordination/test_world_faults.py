@@ -5,14 +5,15 @@ from __future__ import annotations
 from collections.abc import Generator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import pytest
 
 from handcart.backends.capabilities.base import Base
 from handcart.backends.robot.robot import Robot
 from handcart.networks.coordination.coordinator import Coordinator
-from handcart.networks.coordination.events import Ended, LeftOut, Started
+from handcart.networks.coordination.events import Ended, Event, LeftOut, Started
+from handcart.networks.coordination.run_end import RunEnd
 from handcart.networks.coordination.world_watch import WorldWatch
 from handcart.networks.graph.binding import Binding
 from handcart.networks.graph.network import Action, ActionNetwork, Situation
@@ -81,7 +82,8 @@ def push(stand: Stand, metres: float) -> None:
 def test_a_precondition_that_is_false_is_not_dispatched(stand: Stand, go: type[Go], tmp_path: Path) -> None:
     """N7: not started, counted, planned again."""
     go.hindrances[:] = ["the hand is empty"]
-    network, events = line(go), []
+    network = line(go)
+    events: list[Event] = []
     with Journal(tmp_path / "j") as journal:
         end = stand.finish(Coordinator(network, stand.robot, stand.model, journal, observers=[events.append]))
     assert (end.outcome, end.actions, end.fails) == ("Success", 2, 1)
@@ -99,7 +101,7 @@ def test_a_success_that_is_not_seen_is_none(
 ) -> None:
     """N8: restored and measured it is a Fail."""
     monkeypatch.setattr(go, "seen", False)
-    events = []
+    events: list[Event] = []
     end = stand.finish(Coordinator(line(go), stand.robot, stand.model, observers=[events.append]))
     outcomes = [each.outcome for each in events if isinstance(each, Ended)]
     assert all(isinstance(each, Fail) and "success is not confirmed" in each.reason for each in outcomes)
@@ -118,11 +120,13 @@ def test_a_success_that_is_not_seen_and_cannot_be_undone_is_for_a_person(
     assert "success is not confirmed" in end.reason
 
 
-def pushed_while_asked(stand: Stand, network, metres, tmp_path: Path):
+def pushed_while_asked(
+    stand: Stand, network: ActionNetwork, metres: float, tmp_path: Path
+) -> tuple[RunEnd, list[Event], Sequence[Mapping[str, Any]]]:
     """A run in which somebody pushes the robot while its second action waits for permission."""
     asked = []
 
-    def permission(action):
+    def permission(action: Action) -> bool | None:
         if action.source == "b":
             asked.append(action)
             if len(asked) == 5:
@@ -130,11 +134,11 @@ def pushed_while_asked(stand: Stand, network, metres, tmp_path: Path):
             return True if len(asked) != 5 else None
         return True
 
-    def answers(action):
+    def answers(action: Action) -> bool | None:
         answer = permission(action)
         return None if action.source == "b" and len(asked) < 10 else answer
 
-    events = []
+    events: list[Event] = []
     with Journal(tmp_path / "j") as journal:
         run = Coordinator(
             network, stand.robot, stand.model, journal, observers=[events.append], permission=answers
@@ -186,13 +190,13 @@ def test_a_changed_world_stops_the_robot(stand: Stand, go: type[Go], tmp_path: P
     """N9: before a person is asked for."""
     stops = []
 
-    def note(event) -> None:
+    def note(event: Event) -> None:
         if isinstance(event, LeftOut):
             stops.append(stand.backend.stops)
 
     asked = []
 
-    def permission(action):
+    def permission(action: Action) -> bool | None:
         if action.source == "a":
             return True
         asked.append(action)
@@ -210,9 +214,10 @@ def test_pushed_back_to_where_an_action_had_ended(stand: Stand, go: type[Go]) ->
     names = [Situation(name, facts) for name, facts in zip("abcd", (HOME, FAR, FAR, FAR), strict=True)]
     bound = Binding.of(go())
     ways = [Action(a, b, bound, 1.0, permit=a == "c") for a, b in ("ab", "bc", "cd")]
-    asked, events = [], []
+    asked = []
+    events: list[Event] = []
 
-    def permission(action):
+    def permission(action: Action) -> bool | None:
         if action.source != "c":
             return True
         asked.append(action)
@@ -258,9 +263,10 @@ def test_who_found_more_changed_than_the_base_tells_no_situation(stand: Stand, g
 
 def test_a_hindrance_that_breaks_hinders(stand: Stand, go: type[Go], monkeypatch: pytest.MonkeyPatch) -> None:
     """N7: who can't tell whether it may start doesn't start it."""
-    asked, events = [], []
+    asked = []
+    events: list[Event] = []
 
-    def broken(self, robot, model):
+    def broken(self: Go, robot: Robot, model: ModelView) -> str:
         asked.append(robot.time)
         if len(asked) == 1:
             raise ZeroDivisionError("oh")
@@ -291,7 +297,7 @@ def test_a_time_out_never_calls_back_from_restoring(stand: Stand, drives_s: floa
     """A4: the way back takes the time that it takes."""
     action = Action("a", "b", Binding.of(Short(drives_s=drives_s)), 1.0, attempts=1, time_out_s=2.0)
     network = ActionNetwork.build([Situation("a"), Situation("b")], [action], "a", "b")
-    events = []
+    events: list[Event] = []
     stand.finish(Coordinator(network, stand.robot, stand.model, observers=[events.append]))
     (ended,) = [each.outcome for each in events if isinstance(each, Ended)]
     assert isinstance(ended, Fail)
@@ -311,7 +317,7 @@ def test_a_fault_in_planning_stops_and_asks_for_a_person(
 ) -> None:
     """N10: with its traceback in the journal."""
 
-    def broken(planner, situation) -> None:
+    def broken(planner: Planner, situation: str) -> None:
         raise ZeroDivisionError("oh")
 
     monkeypatch.setattr(Planner, "plan", broken)
@@ -324,7 +330,7 @@ def test_a_fault_in_planning_stops_and_asks_for_a_person(
 
 def test_two_primitives_at_a_time_both_stop_and_give_up(stand: Stand, go: type[Go]) -> None:
     """N12"""
-    ends: list[object] = []
+    ends: list[Any] = []
     running = [attempt(go(), stand.robot, stand.model) for _ in range(2)]
     for _ in range(200):
         for each in list(running):

@@ -5,6 +5,7 @@ from collections import deque
 from collections.abc import Callable
 from pathlib import Path
 from types import SimpleNamespace
+from typing import TypeVar
 
 import pytest
 
@@ -20,6 +21,7 @@ from handcart.networks.task.preparing import Prepared
 from handcart.networks.task.task_file import load_task
 from tests.networks.conftest import Stand
 
+Known = TypeVar("Known")
 TASK = """\
 format: handcart-task/1
 title: Two ways
@@ -45,6 +47,11 @@ actions:
   - {do: THINK, from: b, to: z, cost_s: 1, with: {name: home}}
 repeat: {over: [x, y, w], as: one, start: a, goal: b, unfinished: skip}
 """
+
+
+def known(what: Known | None) -> Known:
+    assert what is not None
+    return what
 
 
 @pytest.fixture
@@ -73,12 +80,12 @@ def run(
 def test_the_other_ways_cost_what_they_cost_then(run: Callable[..., tuple[PastRun, ActionNetwork]]) -> None:
     past, _ = run(TASK, near="F")
     first, _, second, third = past.actions
-    choice = choice_of(past, first)
+    choice = known(choice_of(past, first))
     assert choice.way.cost == 3.0
-    assert [(each.weight, each.way.cost) for each in choice.options] == [(2.0, 3.0), (6.0, 6.0)]
-    assert choice.next_best.cost == 6.0
-    assert [each.index for each in choice.after_fail.actions] == [3, 0, 1]
-    again = choice_of(past, second)
+    assert [(each.weight, known(each.way).cost) for each in choice.options] == [(2.0, 3.0), (6.0, 6.0)]
+    assert known(choice.next_best).cost == 6.0
+    assert [each.index for each in known(choice.after_fail).actions] == [3, 0, 1]
+    again = known(choice_of(past, second))
     assert (again.chosen.index, again.way.cost) == (0, 5.0)
     assert [(each.weight, each.fails) for each in again.options] == [(4.0, 1), (6.0, 0)]
     assert third.index == 1
@@ -86,7 +93,7 @@ def test_the_other_ways_cost_what_they_cost_then(run: Callable[..., tuple[PastRu
 
 def test_what_was_used_up_is_told(run: Callable[..., tuple[PastRun, ActionNetwork]]) -> None:
     past, _ = run(TASK, near="FF")
-    choice = choice_of(past, past.actions[-1])
+    choice = known(choice_of(past, past.actions[-1]))
     assert choice.chosen.index == 2
     assert choice.options[1].out == "used up: failed 2 of 2 times"
     assert choice.next_best is None
@@ -94,7 +101,7 @@ def test_what_was_used_up_is_told(run: Callable[..., tuple[PastRun, ActionNetwor
 
 def test_what_failed_for_good_is_told(run: Callable[..., tuple[PastRun, ActionNetwork]]) -> None:
     past, _ = run(TASK, near="P")
-    assert choice_of(past, past.actions[-1]).options[1].out == "used up: failed for good"
+    assert known(choice_of(past, past.actions[-1])).options[1].out == "used up: failed for good"
 
 
 def test_plans_are_those_of_the_run(run: Callable[..., tuple[PastRun, ActionNetwork]]) -> None:
@@ -107,7 +114,7 @@ def test_plans_are_those_of_the_run(run: Callable[..., tuple[PastRun, ActionNetw
                 planned["next"] = record
             if record["kind"] == "START" and "next" in planned:
                 plan, action = planned.pop("next"), past.actions[record["n"] - 1]
-                choice = choice_of(past, action)
+                choice = known(choice_of(past, action))
                 assert choice.way.cost == plan["cost"]
                 assert [each.index for each in choice.way.actions] == plan["way"]
         assert costs
@@ -116,7 +123,7 @@ def test_plans_are_those_of_the_run(run: Callable[..., tuple[PastRun, ActionNetw
 
 def test_leaving_an_element_undone_is_an_option(run: Callable[..., tuple[PastRun, ActionNetwork]]) -> None:
     past, network = run(REPEAT, x="F")
-    choice = choice_of(past, past.actions[0])
+    choice = known(choice_of(past, past.actions[0]))
     skip = next(each for each in choice.options if each.action.binding is None)
     assert skip.weight == SKIP_WEIGHT
     kept = network_of(network_fields(network))
@@ -125,8 +132,8 @@ def test_leaving_an_element_undone_is_an_option(run: Callable[..., tuple[PastRun
 
 def test_a_person_is_needed(run: Callable[..., tuple[PastRun, ActionNetwork]]) -> None:
     past, _ = run(TASK, ahead="G")
-    assert past.end["outcome"] == "GiveUp"
-    assert past.last_fail.result["cause"] == [
+    assert known(past.end)["outcome"] == "GiveUp"
+    assert known(past.last_fail).result["cause"] == [
         {"reason": "ahead needs help", "check": "motion", "calls": ["Think.motion"]}
     ]
 
@@ -136,8 +143,8 @@ def test_the_last_fail_is_the_last_one_and_a_run_that_went_on_has_not_ended(
 ) -> None:
     past, _ = run(TASK, near="FF", far="F")
     assert [each.outcome for each in past.actions].count("Fail") == 3
-    assert (past.last_fail.number, past.last_fail.do) == (len(past.actions) - 1, "THINK")
-    assert past.end["outcome"] == "Success"
+    assert (known(past.last_fail).number, known(past.last_fail).do) == (len(past.actions) - 1, "THINK")
+    assert known(past.end)["outcome"] == "Success"
     path = tmp_path / "run" / "journal.jsonl"
     with Journal.go_on(path, read_journal(path), "never") as journal:
         journal.append("EPOCH", 9.0, {"after": past.records[-1]["q"], "in_doubt": None})

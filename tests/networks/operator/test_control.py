@@ -17,6 +17,7 @@ import pytest
 
 from benchmarks.damage.fuzzed_messages import fuzzed_messages
 from handcart.networks.coordination.coordinator import Coordinator
+from handcart.networks.graph.network import Action
 from handcart.networks.journal.journal import Journal
 from handcart.networks.operator.asking import ClosedToYou, NotAlive, NotAnswering, ask, goes_on, tell_to_stop
 from handcart.networks.operator.control import MOST, SILENT, Control
@@ -103,14 +104,16 @@ def control(folder: Path, clock: Clock) -> Iterator[Any]:
     """Answers each message with itself."""
     stops: list[None] = []
     with Control(folder, dict, lambda: stops.append(None), clock) as listening:
-        listening.stops = stops
-        yield listening
+        told: Any = listening
+        told.stops = stops
+        yield told
 
 
 def test_every_message_that_is_none_is_answered_in_words(run: Any, lines: Callable[[], Line]) -> None:
     """U11: of all JSON types, huge, deep, binary, half; more: `python -m benchmarks.hostile.control`."""
     for message in fuzzed_messages(400, seed=1):
-        line, rest, answers = lines(), message + b"\n", []
+        line, rest = lines(), message + b"\n"
+        answers: list[dict[str, Any]] = []
         while not answers:  # a line that is too long is answered before it is all there
             sent, rest = rest[:3000], rest[3000:]
             line.send(sent)
@@ -274,7 +277,7 @@ def test_who_asked_more_than_once_is_not_waited_with(
 ) -> None:
     waited, plain = [], selectors.DefaultSelector.select
 
-    def select(self, timeout=None):
+    def select(self: selectors.DefaultSelector, timeout: float | None = None) -> Any:
         waited.append(timeout)
         return plain(self, 0.0)
 
@@ -290,7 +293,8 @@ def test_who_asked_more_than_once_is_not_waited_with(
 
 def test_an_answer_holds_for_one_start_of_one_action(stand: Stand) -> None:
     (action,) = stand.network("a z go 1").actions
-    permits, asked = Permits(step=True), []
+    permits = Permits(step=True)
+    asked: list[Action] = []
     permits.asking = asked.append
     for permitted in (True, False):
         assert permits(action) is None

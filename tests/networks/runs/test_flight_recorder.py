@@ -14,6 +14,7 @@ from handcart.networks.runs.flight_recorder import FlightRecorder, load_readings
 from handcart.primitives.contract.action_primitive import Periods
 from handcart.primitives.contract.discrepancy import Discrepancy
 from handcart.primitives.knowledge.world_model import ModelView
+from tests.networks import conftest
 from tests.networks.conftest import Stand
 
 PERIOD = 0.05
@@ -26,7 +27,7 @@ def drive(stand: Stand, tmp_path: Path) -> Callable[..., dict[str, Any]]:
     def driven(
         fails: int, error: Discrepancy | None = None, seconds: float = 10.0, pauses: int = 0
     ) -> dict[str, Any]:
-        class Drive(stand.Drive):
+        class Drive(conftest.Drive):
             def motion(self, robot: Robot, model: ModelView) -> Periods:
                 for _ in range(fails):
                     robot.base.drive(0.2, 0.0)

@@ -11,6 +11,7 @@ from typing import Any
 import pytest
 
 from handcart.backends.description.joint_units import JointUnits
+from handcart.networks.graph.planner import Plan
 from handcart.networks.journal.journal import Journal
 from handcart.networks.journal.journal_record import read_journal
 from handcart.networks.journal.retracing import NeedsOperator, standing
@@ -225,10 +226,12 @@ def test_a_fail_for_good_is_for_good_after_a_resume_too(run: Run) -> None:
     run.append("RESULT", **failed)
     there = standing(run.network, run.records)
     plan = there.route.plan()
+    assert isinstance(plan, Plan)
     assert [action.index for action in plan.actions] == [3]
     run.cut("RESULT", 0)
     run.append("RESULT", **failed | {"permanent": False})
     again = standing(run.network, run.records).route.plan()
+    assert isinstance(again, Plan)
     assert [action.index for action in again.actions] == [0, 1, 2]
 
 

@@ -14,7 +14,7 @@ import pytest
 
 from handcart.backends.robot.robot import Robot
 from handcart.networks.action_log import ActionLog
-from handcart.networks.coordination.events import Event
+from handcart.networks.coordination.events import Event, RunEnded
 from handcart.networks.coordination.run_end import RunEnd
 from handcart.networks.journal.journal import Journal
 from handcart.networks.journal.journal_record import JournalError, read_journal, without_wall
@@ -63,7 +63,9 @@ class Hears(RunObserver):
         self.words.append("end")
 
     def figures(self, end: RunEnd) -> dict[str, Any]:
-        assert end is self.events[-1].end
+        last = self.events[-1]
+        assert isinstance(last, RunEnded)
+        assert end is last.end
         self.words.append("figures")
         return self.own()
 
@@ -141,14 +143,15 @@ def test_interrupt_stops_and_holds(prepare: Callable[..., tuple[Stand, Prepared]
         if 1.0 < stand.robot.time < 1.04:
             signal.raise_signal(signal.SIGINT)
 
-    stand.backend.step = interrupted
+    backend: Any = stand.backend
+    backend.step = interrupted
     before = signal.getsignal(signal.SIGINT)
     end = execute(prepared, tmp_path / "run").end
     assert (end.outcome, end.exit_status) == ("Cancelled", 130)
-    stop, end = read_journal(tmp_path / "run" / "journal.jsonl").records[-2:]
-    assert (stop["kind"], stop["cause"], end["kind"]) == ("STOP", "interrupted", "END")
+    stop, ended = read_journal(tmp_path / "run" / "journal.jsonl").records[-2:]
+    assert (stop["kind"], stop["cause"], ended["kind"]) == ("STOP", "interrupted", "END")
     assert 0.95 < stop["asked_s"] <= stop["sent_s"] < stop["asked_s"] + 3 * 0.05 + 1e-6
-    assert end["t"] - stop["sent_s"] < 0.5
+    assert ended["t"] - stop["sent_s"] < 0.5
     assert stand.backend.stops
     assert signal.getsignal(signal.SIGINT) is before
 

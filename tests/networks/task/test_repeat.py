@@ -2,8 +2,9 @@
 
 import re
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -12,8 +13,9 @@ from handcart.files.models.json_schema import schema
 from handcart.networks.analysis.figures import figures
 from handcart.networks.analysis.task_findings import task_findings
 from handcart.networks.coordination.coordinator import Coordinator
-from handcart.networks.coordination.events import Started
+from handcart.networks.coordination.events import Event, Started
 from handcart.networks.drawing.drawing import FORMATS
+from handcart.networks.graph.network import Action
 from handcart.networks.task.preparing import beginning_at
 from handcart.networks.task.task_file import Task
 from handcart.networks.task.task_model import TaskFile
@@ -44,7 +46,12 @@ repeat:
 """
 
 
-def changed(old, new, text=TWICE):
+def fixed(action: Action) -> Mapping[str, Any]:
+    assert action.binding is not None
+    return action.binding.fixed
+
+
+def changed(old: str, new: str, text: str = TWICE) -> str:
     assert old in text
     return text.replace(old, new)
 
@@ -68,7 +75,7 @@ def test_two_parts_one_after_the_other(load: Callable[..., Task]) -> None:
         "THINK (d[2] to c[3])",
         "THINK (d[3] to z)",
     ]
-    texts = [a.binding.fixed["text"] for a in done if a.binding.fixed.get("text")]
+    texts = [fixed(a)["text"] for a in done if fixed(a).get("text")]
     assert texts == ["one", "two", "three", "four", "five"]
     skips = [str(a) for a in network.actions if not a.binding]
     assert skips == [
@@ -95,7 +102,8 @@ def test_both_parts_skip_and_say_which(load: Callable[..., Task], stand: Stand) 
     stand.script |= {"x": deque("SP"), "u": deque("PSS")}
     network, cleared = load(TWICE).network, []
     coordinator = Coordinator(network, stand.robot, stand.model)
-    stand.model.clear_element = lambda: cleared.append(coordinator.situation)
+    model: Any = stand.model
+    model.clear_element = lambda: cleared.append(coordinator.situation)
     end = stand.finish(coordinator)
     assert (end.outcome, end.exit_status, end.situation) == ("Fail", 3, "z")
     assert end.skipped == ("word[2] (two) from a", "word[1] (three) from c")
@@ -110,16 +118,18 @@ def test_what_an_element_knew_is_forgotten_between_equal_elements_of_two_parts(
         [],
     )
     coordinator = Coordinator(network, stand.robot, stand.model)
-    stand.model.clear_element = lambda: cleared.append(coordinator.situation)
+    model: Any = stand.model
+    model.clear_element = lambda: cleared.append(coordinator.situation)
     stand.finish(coordinator)
     assert cleared == ["c[1]", "z"]
 
 
 def test_a_run_may_begin_in_the_second_part(load: Callable[..., Task], stand: Stand) -> None:
     network = beginning_at(load(TWICE).network, "c[3]")
-    events = []
+    events: list[Event] = []
     end = stand.finish(Coordinator(network, stand.robot, stand.model, observers=[events.append]))
-    texts = [event.primitive.text for event in events if isinstance(event, Started)]
+    begun: list[Any] = [event.primitive for event in events if isinstance(event, Started)]
+    texts = [primitive.text for primitive in begun]
     assert (end.outcome, texts) == ("Success", ["five", ""])
 
 

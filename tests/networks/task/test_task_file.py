@@ -1,17 +1,18 @@
 """Task files: what is wrong in them, all at once with its place; and repeating (rows T10 to T12, T17)."""
 
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from types import SimpleNamespace
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import pytest
 
 from handcart.backends.robot.robot import Robot
 from handcart.files.errors import FileError
 from handcart.networks.coordination.coordinator import Coordinator
-from handcart.networks.coordination.events import Started
+from handcart.networks.coordination.events import Event, Started
+from handcart.networks.graph.network import Action
 from handcart.networks.task.task_file import Task
 from handcart.primitives.contract.action_primitive import ActionPrimitive, Periods
 from handcart.primitives.knowledge.place_name import PlaceName
@@ -43,7 +44,12 @@ repeat:
 """
 
 
-def findings(load: Callable[..., Task], text, **settings):
+def fixed(action: Action) -> Mapping[str, Any]:
+    assert action.binding is not None
+    return action.binding.fixed
+
+
+def findings(load: Callable[..., Task], text: str, **settings: str) -> list[tuple[int, str]]:
     with pytest.raises(FileError) as error:
         load(text, **settings)
     return [(each.line, each.message) for each in error.value.findings]
@@ -52,9 +58,9 @@ def findings(load: Callable[..., Task], text, **settings):
 def test_good_file(load: Callable[..., Task]) -> None:
     task = load(TASK)
     assert [str(action) for action in task.network.actions] == ["THINK (a to b)", "THINK (b to z)"]
-    assert task.network.actions[0].binding.fixed == {"name": "x", "text": "hello"}
+    assert fixed(task.network.actions[0]) == {"name": "x", "text": "hello"}
     assert task.network.bound() == (6 + 1) * 2 + 6
-    assert load(TASK, word="bye").network.actions[0].binding.fixed["text"] == "bye"
+    assert fixed(load(TASK, word="bye").network.actions[0])["text"] == "bye"
     assert load(TASK).network.fingerprint() == task.network.fingerprint()
     assert load(TASK, word="bye").network.fingerprint() != task.network.fingerprint()
 
@@ -141,12 +147,13 @@ def test_places_are_known(load: Callable[..., Task], tmp_path: Path, primitives:
 def test_missing_capabilities_are_listed(load: Callable[..., Task], stand: Stand) -> None:
     task = load(TASK.replace("do: THINK, from: b", "do: DRIVE, from: b").replace(", with: {name: y}", ""))
     task.check_capabilities(stand.backend)
-    stand.backend.capabilities = lambda: ()
+    backend: Any = stand.backend
+    backend.capabilities = lambda: ()
     with pytest.raises(FileError, match="DRIVE needs what the robot doesn't have: Base"):
         task.check_capabilities(stand.backend)
 
 
-def repeated(**changes):
+def repeated(**changes: str) -> str:
     text = TASK.replace("text: {parameter: word}", "text: {each: word}") + REPEAT
     for old, new in changes.items():
         text = text.replace(old, new)
@@ -161,16 +168,19 @@ def test_repeat_copies_the_part(load: Callable[..., Task]) -> None:
         "THINK (b[2] to a[3])",
         "THINK (b[3] to z)",
     ]
-    assert [a.binding.fixed["text"] for a in network.actions[:3]] == ["one", "two", "three"]
+    assert [fixed(a)["text"] for a in network.actions[:3]] == ["one", "two", "three"]
 
 
 def test_repeat_skips_what_cannot_be_done(load: Callable[..., Task], stand: Stand) -> None:
     stand.script["x"] = deque("SP")
     network = load(repeated()).network
-    cleared, events = [], []
-    stand.model.clear_element = lambda: cleared.append(stand.robot.time)
+    cleared: list[float] = []
+    events: list[Event] = []
+    model: Any = stand.model
+    model.clear_element = lambda: cleared.append(stand.robot.time)
     end = stand.finish(Coordinator(network, stand.robot, stand.model, observers=[events.append]))
-    texts = [event.primitive.text for event in events if isinstance(event, Started)]
+    begun: list[Any] = [event.primitive for event in events if isinstance(event, Started)]
+    texts = [primitive.text for primitive in begun]
     assert texts == ["one", "", "two", "three", ""]
     assert (end.outcome, end.exit_status, end.situation) == ("Fail", 3, "z")
     assert end.skipped == ("word[2] (two)",)
@@ -192,7 +202,7 @@ def test_elements_are_checked_at_their_own_place(load: Callable[..., Task]) -> N
 
 def test_elements_with_keys(load: Callable[..., Task]) -> None:
     text = repeated(**{"[one, two, three]": "[{w: one}, {w: two}]", "{each: word}": "{each: word.w}"})
-    assert [a.binding.fixed["text"] for a in load(text).network.actions[:2]] == ["one", "two"]
+    assert [fixed(a)["text"] for a in load(text).network.actions[:2]] == ["one", "two"]
     found = findings(load, text.replace("{w: two}", "{v: two}"))
     assert "unknown element 'word.w'" in found[0][1]
 
@@ -245,7 +255,7 @@ def test_shipped_tasks_are_found_from_their_own_folder(load: Callable[..., Task]
         ),
     ],
 )
-def test_parameters_in_a_circle_are_told(load: Callable[..., Task], parameters, told: str) -> None:
+def test_parameters_in_a_circle_are_told(load: Callable[..., Task], parameters: str, told: str) -> None:
     """T12: once, where the circle closes."""
     found = findings(load, TASK.replace("word: hello, words", f"{parameters}, words"))
     assert [line for line, message in found if told in message] == [4]
@@ -253,8 +263,8 @@ def test_parameters_in_a_circle_are_told(load: Callable[..., Task], parameters, 
 
 def test_a_parameter_stands_for_another_one_a_few_steps_on(load: Callable[..., Task]) -> None:
     text = TASK.replace("word: hello", "word: {parameter: b}, b: {parameter: c}, c: bye")
-    assert load(text).network.actions[0].binding.fixed["text"] == "bye"
-    assert load(text, b="hi").network.actions[0].binding.fixed["text"] == "hi"
+    assert fixed(load(text).network.actions[0])["text"] == "bye"
+    assert fixed(load(text, b="hi").network.actions[0])["text"] == "hi"
 
 
 @pytest.mark.parametrize(
@@ -267,7 +277,7 @@ def test_a_parameter_stands_for_another_one_a_few_steps_on(load: Callable[..., T
         (["[[[[[[[[{parameter: b}]]]]]]]]", "[" * 27 + "x" + "]" * 27], "deeper than 32 levels"),
     ],
 )
-def test_parameters_in_parameters_are_no_bomb(load: Callable[..., Task], lists, told: str) -> None:
+def test_parameters_in_parameters_are_no_bomb(load: Callable[..., Task], lists: list[str], told: str) -> None:
     """T3, T4: of small lists in lists millions of values could be made."""
     found = findings(load, TASK.replace("word: hello", f"word: hello, a: {lists[0]}, b: {lists[1]}"))
     assert len(found) == 1

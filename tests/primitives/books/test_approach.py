@@ -73,7 +73,9 @@ def test_it_needs_a_slot_and_the_book_in_the_hand(at_slot: Callable[..., Rig]) -
     assert isinstance(outcome, Fail)
     assert outcome.reason == "no slot is known on shelf_1"
     rig.model.of(Books).slot = slot
-    rig.model.of(Books).book = rig.model.of(Books).book.model_copy(update={"thickness_mm": 40.0})
+    books = rig.model.of(Books)
+    assert books.book is not None
+    books.book = books.book.model_copy(update={"thickness_mm": 40.0})
     outcome = rig.run(Approach(shelf="shelf_1"))
     assert isinstance(outcome, Fail)
     assert outcome.reason == "the hand doesn't hold the book"

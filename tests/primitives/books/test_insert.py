@@ -97,13 +97,18 @@ def test_a_cancel_in_the_slot_pulls_the_book_out(at_slot: Callable[..., Rig], se
 
 def test_taught_it_plays_back_postures(at_slot: Callable[..., Rig]) -> None:
     rig = at_slot()
-    assert "insert_1" in rig.run(Insert(shelf="shelf_1", method="taught")).reason
+    refused = rig.run(Insert(shelf="shelf_1", method="taught"))
+    assert isinstance(refused, Fail)
+    assert "insert_1" in refused.reason
     arm, spec = rig.robot.arm_model, rig.robot.spec
+    assert spec.arm is not None
     near, postures = rig.robot.arm.command(), dict(spec.arm.postures)
     for number, ahead in enumerate((0.02, 0.16), start=1):
         hand = arm.forward(rig.robot.arm.command())
         hand[:3, 3] += ahead * hand[:3, 0]
-        near = arm.inverse(hand, near)
+        found = arm.inverse(hand, near)
+        assert found is not None
+        near = found
         postures[f"insert_{number}"] = tuple(np.degrees(near))
     taught = spec.arm.model_copy(update={"postures": postures})
     rig.robot.spec = spec.model_copy(update={"arm": taught})

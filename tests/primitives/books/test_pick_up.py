@@ -41,9 +41,9 @@ def test_it_takes_the_book_by_the_rear_of_its_covers(with_book: Callable[..., Ri
 
 def test_a_grip_of_nothing_is_a_fail_while_the_tag_is_where_it_was(with_book: Callable[..., Rig]) -> None:
     rig = with_book()
-    rig.model.of(Books).book_pose = rig.model.of(Books).book_pose._replace(
-        x=rig.model.of(Books).book_pose.x - 0.08
-    )
+    pose = rig.model.of(Books).book_pose
+    assert pose is not None
+    rig.model.of(Books).book_pose = pose._replace(x=pose.x - 0.08)
     before = rig.scene.of(BookProps).book_pose(117).copy()
     outcome = rig.run(PickUp())
     assert isinstance(outcome, Fail)
@@ -54,9 +54,9 @@ def test_a_grip_of_nothing_is_a_fail_while_the_tag_is_where_it_was(with_book: Ca
 
 def test_a_grip_of_nothing_is_for_a_person_when_the_book_was_moved(with_book: Callable[..., Rig]) -> None:
     rig = with_book()
-    rig.model.of(Books).book_pose = rig.model.of(Books).book_pose._replace(
-        x=rig.model.of(Books).book_pose.x - 0.08
-    )
+    pose = rig.model.of(Books).book_pose
+    assert pose is not None
+    rig.model.of(Books).book_pose = pose._replace(x=pose.x - 0.08)
 
     class Knocked(PickUp):
         def restore(self, *args: Any) -> Any:
@@ -118,22 +118,28 @@ def test_taught_it_plays_back_postures_and_trusts_them(with_book: Callable[..., 
 
 def _teach(rig: Rig) -> None:
     """Record the postures that a planned grip goes through, as a person would by leading the hand."""
-    arm, pose = rig.robot.arm_model, rig.model.of(Books).book_pose
+    arm, pose, arm_spec = rig.robot.arm_model, rig.model.of(Books).book_pose, rig.robot.spec.arm
+    assert pose is not None
+    assert arm_spec is not None
     at, near = [], np.array(rig.robot.spec.posture("carry"))
     for x, z in ((-0.17, 0.74), (-0.12, 0.74), (-0.12, 0.86)):
         hand = pose.lift(z)
         hand[:3, 3] += x * hand[:3, 0]
-        near = arm.inverse(hand, near)
+        found = arm.inverse(hand, near)
+        assert found is not None
+        near = found
         at.append(tuple(np.degrees(near)))
-    postures = rig.robot.spec.arm.postures | {f"pick_up_{i + 1}": q for i, q in enumerate(at)}
-    arm_spec = rig.robot.spec.arm.model_copy(update={"postures": postures})
-    rig.robot.spec = rig.robot.spec.model_copy(update={"arm": arm_spec})
+    postures = arm_spec.postures | {f"pick_up_{i + 1}": q for i, q in enumerate(at)}
+    taught = arm_spec.model_copy(update={"postures": postures})
+    rig.robot.spec = rig.robot.spec.model_copy(update={"arm": taught})
 
 
 def test_another_book_on_the_tray_is_not_taken(with_book: Callable[..., Rig]) -> None:
     """Somebody exchanged it: its tag is another one."""
     rig = with_book()
-    rig.model.of(Books).book = rig.model.of(Books).book.model_copy(update={"accession": 118})
+    books = rig.model.of(Books)
+    assert books.book is not None
+    books.book = books.book.model_copy(update={"accession": 118})
     outcome = rig.run(PickUp())
     assert isinstance(outcome, Fail)
     assert outcome.reason == "the book isn't seen on the tray"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 import pytest
@@ -46,7 +46,9 @@ def test_it_tells_the_book_and_where_it_stands(with_tray: Callable[..., Rig], se
     assert isinstance(rig.run(primitive), Success)
     assert rig.model.of(Books).book == NAGEL
     truth = rig.scene.of(BookProps).tray_book().base_T_thing[:3, 3]
-    assert math.dist(rig.model.of(Books).book_pose[:2], truth[:2]) < 0.002
+    pose = rig.model.of(Books).book_pose
+    assert pose is not None
+    assert math.dist(pose[:2], truth[:2]) < 0.002
     assert primitive.facts["call"] == "512.7 NAG"
     assert primitive.evidence.pictures["tray"].shape == (480, 640, 3)
     assert rig.scene.contacts == []
@@ -74,7 +76,9 @@ def test_a_book_that_the_library_does_not_own_is_a_fail_for_good(with_tray: Call
 
 
 @pytest.mark.parametrize("read_as", ["apriltag_36h11", "6x6_250"])
-def test_tags_of_another_family(with_tray: Callable[..., Rig], read_as: str) -> None:
+def test_tags_of_another_family(
+    with_tray: Callable[..., Rig], read_as: Literal["apriltag_36h11", "6x6_250"]
+) -> None:
     """A tag is read as what it is, and as nothing else."""
     rig = with_tray(TRAY.format(210, "readable, tags: apriltag_36h11"))
     rig.model.of(Books).catalogue = Catalogue(format="handcart-catalogue/1", tags=read_as, books=(NAGEL,))

@@ -82,7 +82,9 @@ def test_from_opening_on_a_cancel_is_for_a_person_and_the_hand_withdraws(
 
 def test_a_label_that_is_not_read_in_the_slot_is_for_a_person(inserted: Callable[..., Rig]) -> None:
     rig = inserted()
-    rig.model.of(Books).book = rig.model.of(Books).book.model_copy(update={"call": "533.1 OHM"})
+    books = rig.model.of(Books)
+    assert books.book is not None
+    books.book = books.book.model_copy(update={"call": "533.1 OHM"})
     outcome = rig.run(Release(shelf="shelf_1"))
     assert isinstance(outcome, GiveUp)
     assert "what was to be achieved is not seen" in outcome.reason
@@ -90,9 +92,9 @@ def test_a_label_that_is_not_read_in_the_slot_is_for_a_person(inserted: Callable
 
 def test_a_book_between_the_wrong_neighbours_is_for_a_person(inserted: Callable[..., Rig]) -> None:
     rig = inserted()
-    rig.model.of(Books).slot = rig.model.of(Books).slot._replace(
-        after=rig.model.of(Books).slot.before, before=rig.model.of(Books).slot.after
-    )
+    books = rig.model.of(Books)
+    assert books.slot is not None
+    books.slot = books.slot._replace(after=books.slot.before, before=books.slot.after)
     assert isinstance(rig.run(Release(shelf="shelf_1")), GiveUp)
 
 

@@ -15,7 +15,7 @@ from handcart.evaluation.conformance.rig.layered_backend import LayeredBackend
 from handcart.primitives.contract.action_primitive import ActionPrimitive, Periods
 from handcart.primitives.contract.attempt import NOT_ALONE, PUSHED
 from handcart.primitives.contract.discrepancy import Discrepancy, NeedsPerson
-from handcart.primitives.contract.outcome import GiveUp, Success
+from handcart.primitives.contract.outcome import Fail, GiveUp, Success
 from handcart.primitives.knowledge.world_model import ModelView
 from handcart.primitives.restoring.retrace import retrace
 from handcart.primitives.restoring.snapshot import STILL, Snapshot
@@ -203,6 +203,7 @@ def test_by_wheels_alone_a_long_way_is_no_sure_return(make_rig: Callable[..., Ri
     rig.robot = Robot(rig.robot.backend, rig.robot.spec, rig.robot.pose, None)
     outcome = rig.run(Wanders(far_mm=moved_mm))
     assert rig.robot.dead_reckoned
+    assert isinstance(outcome, Fail | GiveUp)
     unsure = outcome.residuals["base_unsure_mm"]
     assert unsure == pytest.approx(0.0, abs=1e-6) if moved_mm == 0.0 else unsure > 0.3
 

@@ -55,7 +55,12 @@ def test_a_sequence_of_generators_takes_the_periods_of_all() -> None:
 
 def test_a_failure_speaks_the_words_of_the_leaf_that_failed() -> None:
     leaf = Failure("look")
-    leaf.update = lambda: setattr(leaf, "feedback_message", "the lamp is out") or Status.FAILURE  # type: ignore[method-assign]
+
+    def update() -> Status:
+        leaf.feedback_message = "the lamp is out"
+        return Status.FAILURE
+
+    leaf.update = update  # type: ignore[method-assign]
     with pytest.raises(Discrepancy, match=r"^the lamp is out$"):
         periods(Sequence("all", memory=True, children=[Always("ok"), leaf]))
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from typing import Any
 
 import pytest
 
@@ -81,7 +82,8 @@ def test_somebody_who_steps_behind_it_is_waited_for_while_it_is_brought_back(
 @pytest.mark.parametrize("off", [0.22, 0.25, 0.28, 0.30, 0.32, 0.335, 0.379])
 def test_a_place_too_near_to_a_wall_is_refused_for_good(make_rig: Callable[..., Rig], off: float) -> None:
     rig = make_rig()
-    rig.model.places["near"] = Place(x_m=5.0, y_m=0.06 + off, heading_deg=-90.0)
+    places: Any = rig.model.places
+    places["near"] = Place(x_m=5.0, y_m=0.06 + off, heading_deg=-90.0)
     for primitive in (MoveTo(place="near"), Modify(place="near")):
         failed = rig.run(primitive)
         assert isinstance(failed, Fail)
@@ -93,7 +95,8 @@ def test_a_place_too_near_to_a_wall_is_refused_for_good(make_rig: Callable[..., 
 
 def test_a_place_as_near_as_can_be_is_reached_without_contact(make_rig: Callable[..., Rig]) -> None:
     rig = make_rig(seed=5)
-    rig.model.places["near"] = Place(x_m=2.0, y_m=0.06 + 0.381, heading_deg=-90.0)
+    places: Any = rig.model.places
+    places["near"] = Place(x_m=2.0, y_m=0.06 + 0.381, heading_deg=-90.0)
     assert isinstance(rig.run(MoveTo(place="near")), Success)
     assert rig.scene.contacts == []
     assert math.dist(rig.scene.base[:2], (2.0, 0.441)) < 0.04
@@ -129,7 +132,8 @@ def test_a_cupboard_against_a_wall_that_the_map_lacks_is_not_taken_for_the_wall(
     wall = Box(5.0, 3.14, 0.0, 5.9, 0.1)
     post = "  - {name: wall on the map, x_m: 5.0, y_m: 3.14, size_m: [5.9, 0.1, 1.0]}\n"
     rig = make_rig(thin, walls=(wall,), furniture=post)
-    rig.model.places["beside"] = Place(x_m=5.0, y_m=3.08 - 0.39, heading_deg=0.0)
+    places: Any = rig.model.places
+    places["beside"] = Place(x_m=5.0, y_m=3.08 - 0.39, heading_deg=0.0)
     failed = rig.run(MoveTo(place="beside", wait_s=1.0))
     assert isinstance(failed, Fail)
     assert "the base doesn't get on to beside: the scan shows something at (" in failed.reason

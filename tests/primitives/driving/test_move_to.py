@@ -45,6 +45,7 @@ def test_a_box_that_is_not_on_the_map_is_a_fail_and_modify_leads_around_it(
     assert len(rig.model.obstacles) > 0
 
     assert isinstance(rig.run(Modify(place="shelf_1")), Success)
+    assert rig.model.detour is not None
     gaps = rig.model.detour.points[:, None] - rig.model.obstacles[None]
     assert np.linalg.norm(gaps, axis=2).min() > rig.robot.spec.footprint_radius_m
     assert isinstance(rig.run(MoveTo(place="shelf_1")), Success)

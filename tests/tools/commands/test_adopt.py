@@ -69,6 +69,8 @@ def test_it_is_written_and_nothing_else_changes(
     )
     assert after == expected
     spec = load_robot(str(robot))
+    assert spec.camera is not None
+    assert spec.camera.calibrated is not None
     assert spec.camera.calibrated.xyz_mm == (0.5, -1.0, 2.0)
     assert spec.suspension.pivot_m == 0.17
     assert "says so already" in handcart("adopt", run, "--write").out

@@ -74,7 +74,8 @@ def test_an_interrupt_ends_a_campaign_at_once(
     trials: Callable[..., Trials], kind: signal.Signals | None, tmp_path: Path
 ) -> None:
     """K3: in a trial, which stops by itself then, and between two."""
-    told, done = trials("interrupted", () if kind is None else (kind,)), []
+    told = trials("interrupted", () if kind is None else (kind,))
+    done: list[Trial] = []
     with pytest.raises(KeyboardInterrupt):
         done.extend(run_campaign(Setting(tmp_path / "task.yaml"), range(5), 1))
     assert [each.seed for each in done] == [0, 1]
@@ -130,6 +131,7 @@ def test_a_signal_after_a_trials_last_action_ends_the_campaign_too(
     """K3: the trial was whole, so it counts."""
 
     def run(task: Path, runs: Path, options: RunOptions) -> tuple[dict[str, Any], int]:
+        assert options.interrupts is not None
         options.interrupts.stop_by(lambda: None)
         signal.raise_signal(signal.SIGTERM)
         return {"outcome": "Success", "reason": "", "metrics": {}}, 0
@@ -181,7 +183,17 @@ def test_a_campaign_of_processes_is_ended_by_a_signal(
     tour: Path, tmp_path: Path, jobs: int, kind: signal.Signals
 ) -> None:
     """K3: none of its processes is left."""
-    words = ["campaign", tour, "--trials", "500", "--jobs", str(jobs), "--runs", tmp_path / "runs", "--json"]
+    words: list[str | Path] = [
+        "campaign",
+        tour,
+        "--trials",
+        "500",
+        "--jobs",
+        str(jobs),
+        "--runs",
+        tmp_path / "runs",
+        "--json",
+    ]
     process = subprocess.Popen(
         [sys.executable, "-m", "handcart", *words],
         cwd=ROOT,

@@ -38,6 +38,7 @@ class Alive:
 
     def wait_for(self, ready: Callable[[], bool]) -> None:
         end = time.monotonic() + 60.0
+        assert self.process.stderr is not None
         while not ready():
             assert self.process.poll() is None, self.process.stderr.read().decode()
             assert time.monotonic() < end
@@ -46,7 +47,7 @@ class Alive:
     def say(self, word: str, **more: Any) -> dict[str, Any]:
         return ask(self.folder, {"do": word, **more})
 
-    def state(self) -> str:
+    def state(self) -> Any:
         return self.say("status")["state"]
 
     def end(self) -> Any:

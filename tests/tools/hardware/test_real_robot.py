@@ -189,7 +189,8 @@ def test_two_runs_on_one_robot(run: Callable[..., Said], task: Path) -> None:
     class Real:
         name, address = "can", "virtual cart"
 
-    with RobotClaim(Real(), state_folder()) as other:
+    real: Any = Real()
+    with RobotClaim(real, state_folder()) as other:
         other.begin(Path("/other/run"))
         said = run()
     assert said.status == 2
@@ -299,7 +300,12 @@ def test_a_real_robots_journal_waits_for_the_disk_and_a_simulated_ones_does_not(
 
     calls = []
     real = os.fdatasync
-    monkeypatch.setattr(os, "fdatasync", lambda file: (calls.append(file), real(file))[1])
+
+    def sync(file: int) -> None:
+        calls.append(file)
+        real(file)
+
+    monkeypatch.setattr(os, "fdatasync", sync)
     folder = folder_of(run())
     assert len(calls) == len(records(folder))
     calls.clear()

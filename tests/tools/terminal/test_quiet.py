@@ -30,7 +30,7 @@ def say(*words: object, strict: bool = True) -> subprocess.CompletedProcess[str]
     ],
 )
 @pytest.mark.slow
-def test_commands_with_warnings_as_errors(words) -> None:
+def test_commands_with_warnings_as_errors(words: tuple[object, ...]) -> None:
     said = say(*words)
     assert (said.returncode, said.stderr) == (0, "")
 
