@@ -16,7 +16,8 @@ ROOT = Path(__file__).resolve().parents[1]
 def shown(document: str, name: str) -> str:
     """The code block of a document that defines a class."""
     text = (ROOT / document).read_text(encoding="utf-8")
-    return next(each for each in re.findall(r"```python\n(.*?)```", text, re.S) if f"class {name}(" in each)
+    blocks: list[str] = re.findall(r"```python\n(.*?)```", text, re.S)
+    return next(each for each in blocks if f"class {name}(" in each)
 
 
 def install(folder: Path, document: str) -> None:

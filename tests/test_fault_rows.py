@@ -13,6 +13,8 @@ NAMED = [f"{kind}{number}" for kind, last in LAST.items() for number in range(1,
 
 def test_every_row_is_named_by_a_test() -> None:
     spec = spec_from_file_location("fault_rows", ROOT / "scripts" / "fault_rows.py")
+    assert spec is not None
+    assert spec.loader is not None
     script = module_from_spec(spec)
     sys.modules[spec.name] = script
     spec.loader.exec_module(script)

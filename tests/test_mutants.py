@@ -4,7 +4,10 @@ from __future__ import annotations
 
 import subprocess
 import sys
+from collections.abc import Iterator
+from importlib import import_module
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -20,16 +23,14 @@ TABLE = """\
 
 
 @pytest.fixture
-def mutants(monkeypatch: pytest.MonkeyPatch):
+def mutants(monkeypatch: pytest.MonkeyPatch) -> Iterator[Any]:
     monkeypatch.syspath_prepend(str(MUTANTS))
     sys.modules.pop("mutant", None)
-    import mutant
-
-    yield mutant
+    yield import_module("mutant")
     sys.modules.pop("mutant", None)
 
 
-def test_each_bug_can_be_planted_and_has_its_tests(mutants) -> None:
+def test_each_bug_can_be_planted_and_has_its_tests(mutants: Any) -> None:
     table = mutants.read_table()
     assert len(table) >= 290
     assert len({(each.file, each.name) for each in table}) == len(table)
@@ -40,7 +41,7 @@ def test_each_bug_can_be_planted_and_has_its_tests(mutants) -> None:
         assert all((ROOT / test.split("::")[0]).is_file() for test in each.tests), each.tests
 
 
-def test_a_text_that_is_not_there_once_is_told(mutants) -> None:
+def test_a_text_that_is_not_there_once_is_told(mutants: Any) -> None:
     bug = mutants.Mutant("twice", "a.py", "x", "y", ("test_a.py",))
     with pytest.raises(ValueError, match=r"a\.py: twice: the text is there 2 times; needed: once"):
         bug.planted("x x")

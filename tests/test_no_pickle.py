@@ -45,7 +45,7 @@ def wrong(source: str) -> Iterator[str]:
 
 
 @pytest.mark.parametrize("room", [*ROOMS, "tools", "tests"])
-def test_no_room_imports_what_unpickles(room) -> None:
+def test_no_room_imports_what_unpickles(room: str) -> None:
     found = {
         str(path.relative_to(ROOT)): names
         for path in (ROOT / room).rglob("*.py")

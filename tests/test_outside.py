@@ -53,7 +53,9 @@ def test_it_takes_few_lines() -> None:
     assert sum(len(path.read_text(encoding="utf-8").splitlines()) for path in files) <= MOST_LINES
 
 
-def test_its_files_are_checked(handcart: Callable[..., Any], tmp_path: Path) -> None:
+def test_its_files_are_checked(
+    handcart: Callable[..., subprocess.CompletedProcess[str]], tmp_path: Path
+) -> None:
     assert handcart("check", TASK).returncode == 0
     assert "needs_ml" in handcart("schema", "plants").stdout
     garden = TASK.parent
@@ -68,7 +70,9 @@ def test_its_files_are_checked(handcart: Callable[..., Any], tmp_path: Path) -> 
 
 
 @pytest.mark.parametrize("backend", ["kinematic", "pybullet"])
-def test_plants_get_what_they_need(handcart: Callable[..., Any], backend: str) -> None:
+def test_plants_get_what_they_need(
+    handcart: Callable[..., subprocess.CompletedProcess[str]], backend: str
+) -> None:
     if backend == "pybullet":
         pytest.importorskip("pybullet", reason="PyBullet has no wheel for this Python")
     said = handcart("run", TASK, "--backend", backend, "--json")
@@ -79,20 +83,20 @@ def test_plants_get_what_they_need(handcart: Callable[..., Any], backend: str) -
     assert told["metrics"]["spilt_ml"] == 0.0
 
 
-def test_one_plant_is_watered_alone(handcart: Callable[..., Any]) -> None:
+def test_one_plant_is_watered_alone(handcart: Callable[..., subprocess.CompletedProcess[str]]) -> None:
     said = handcart("do", "WATER", "plant=mint", "--knowledge", TASK)
     assert (said.returncode, said.stdout.split()[0]) == (0, "Success")
     said = handcart("do", "WATER", "plant=mimt", "--knowledge", TASK)
     assert (said.returncode, "did you mean 'mint'?" in said.stderr) == (2, True)
 
 
-def test_a_campaign_tells_its_figures(handcart: Callable[..., Any]) -> None:
+def test_a_campaign_tells_its_figures(handcart: Callable[..., subprocess.CompletedProcess[str]]) -> None:
     said = handcart("campaign", TASK, "--trials", "2", "--jobs", "1")
     assert said.returncode == 0, said.stderr
     assert "basil_ml" in said.stdout
 
 
-def test_the_kit_finds_nothing_wrong(handcart: Callable[..., Any]) -> None:
+def test_the_kit_finds_nothing_wrong(handcart: Callable[..., subprocess.CompletedProcess[str]]) -> None:
     words = ("--part", "faults", "--robot", "toyama/h1", "--primitive", "WATER", "--instants", "2")
     said = handcart("conformance", *words)
     assert said.returncode == 0, said.stdout + said.stderr
@@ -100,10 +104,10 @@ def test_the_kit_finds_nothing_wrong(handcart: Callable[..., Any]) -> None:
 
 
 def test_a_killed_run_goes_on(
-    environment: dict[str, str], handcart: Callable[..., Any], tmp_path: Path
+    environment: dict[str, str], handcart: Callable[..., subprocess.CompletedProcess[str]], tmp_path: Path
 ) -> None:
     command = [sys.executable, "-m", "handcart", "run", str(TASK)]
-    quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
+    quiet: dict[str, Any] = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
     process = subprocess.Popen(command, env=environment, cwd=tmp_path, **quiet)
     run, end = tmp_path / "runs" / "garden-0", time.monotonic() + 60.0
     while not (run / "checkpoint").exists() and process.poll() is None:

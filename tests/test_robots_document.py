@@ -31,7 +31,8 @@ def test_every_command_works(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) ->
     done = 0
     for program, *words in commands():
         if program == "cp":
-            shutil.copytree(*words[1:])
+            _, source, target = words
+            shutil.copytree(source, target)
         elif program == "handcart" and not set(LONG) & set(words):
             with pytest.raises(SystemExit) as end:
                 main(words)

@@ -40,7 +40,7 @@ def wheel(tmp_path_factory: pytest.TempPathFactory) -> Path:
             shutil.copytree(ROOT / name, folder / "copy" / name, symlinks=True, ignore=ignored)
         else:
             shutil.copy(ROOT / name, folder / "copy" / name)
-    words = [
+    words: list[str | Path] = [
         "pip",
         "wheel",
         "-q",
@@ -83,7 +83,7 @@ def test_a_project_with_the_same_rooms_runs_its_tests(wheel: Path, tmp_path: Pat
         (project / room / "mine.py").write_text("MINE = True\n", encoding="utf-8")
     (project / "tests" / "test_mine.py").write_text(TEST, encoding="utf-8")
     surroundings = os.environ | {"PYTHONPATH": str(tmp_path / "site")}
-    words = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider"]
+    words: list[str | Path] = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider"]
     ended = subprocess.run(words, cwd=project, env=surroundings, capture_output=True, text=True, check=False)
     assert ended.returncode == 0, ended.stdout + ended.stderr
     assert "2 passed" in ended.stdout

@@ -1,7 +1,7 @@
 """A robot with two wheels and nothing else, and primitives that end as the test says."""
 
 from collections import deque
-from collections.abc import Callable, Generator
+from collections.abc import Callable, Generator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from types import SimpleNamespace
@@ -150,12 +150,14 @@ class Stand:
         names[goal] = None
         return ActionNetwork.build(map(Situation, names), actions, start, goal)
 
-    def finish(self, coordinator: Coordinator, at: dict[int, Callable[[], None]] | None = None) -> RunEnd:
+    def finish(
+        self, coordinator: Coordinator, at: Mapping[int, Callable[[], object]] | None = None
+    ) -> RunEnd:
         """Step the robot until the run ends; `at` maps periods to what happens then."""
         return drain(coordinator, self.robot, at or {})
 
 
-def drain(coordinator: Coordinator, robot: Robot, at: dict[int, Callable[[], None]]) -> RunEnd:
+def drain(coordinator: Coordinator, robot: Robot, at: Mapping[int, Callable[[], object]]) -> RunEnd:
     run: Generator[None, None, RunEnd] = coordinator.run()
     for period in range(100_000):
         if period in at:
@@ -163,7 +165,8 @@ def drain(coordinator: Coordinator, robot: Robot, at: dict[int, Callable[[], Non
         try:
             next(run)
         except StopIteration as end:
-            return end.value
+            ended: RunEnd = end.value
+            return ended
         robot.step(coordinator.life.paused)
     raise AssertionError("the run doesn't end")
 

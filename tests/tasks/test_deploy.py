@@ -12,6 +12,7 @@ from handcart.evaluation.trials.running import resume_task, run_task
 from handcart.files.errors import FileError
 from handcart.networks.operator.permits import Permits
 from handcart.networks.run_options import RunOptions
+from tests.conftest import Copier
 
 TASKS = Path(__file__).parents[2] / "tasks"
 STRAIGHT, ZIGZAG = TASKS / "deploy_straight" / "task.yaml", TASKS / "deploy_zigzag" / "task.yaml"
@@ -27,7 +28,7 @@ IN_THE_WAY = "surprises: [{name: crate, x_m: 10.0, y_m: 0.2, size_m: [0.6, 0.6, 
 
 
 @pytest.fixture
-def small(tmp_path: Path):
+def small(tmp_path: Path) -> dict[str, str]:
     """Settings for a field with two targets."""
     (tmp_path / "two.csv").write_text(TWO, encoding="utf-8")
     (tmp_path / "small.yaml").write_text(WORLD, encoding="utf-8")
@@ -36,7 +37,7 @@ def small(tmp_path: Path):
 
 
 @pytest.mark.slow
-def test_two_sensors_are_laid_and_told_of(tmp_path: Path, small) -> None:
+def test_two_sensors_are_laid_and_told_of(tmp_path: Path, small: dict[str, str]) -> None:
     summary, status = run_task(STRAIGHT, tmp_path, RunOptions(settings=small, seed=2))
     metrics, folder = summary["metrics"], Path(summary["run_dir"])
     assert status == 0
@@ -56,7 +57,7 @@ def test_two_sensors_are_laid_and_told_of(tmp_path: Path, small) -> None:
 
 
 @pytest.mark.slow
-def test_the_same_seed_gives_the_same_run(tmp_path: Path, small) -> None:
+def test_the_same_seed_gives_the_same_run(tmp_path: Path, small: dict[str, str]) -> None:
     places = [
         run_task(STRAIGHT, tmp_path / name, RunOptions(settings=small, seed=5))[0]["metrics"]["placements"]
         for name in "ab"
@@ -65,7 +66,9 @@ def test_the_same_seed_gives_the_same_run(tmp_path: Path, small) -> None:
 
 
 @pytest.mark.slow
-def test_killed_it_goes_on_and_tells_of_all_sensors(tmp_path: Path, small, copier) -> None:
+def test_killed_it_goes_on_and_tells_of_all_sensors(
+    tmp_path: Path, small: dict[str, str], copier: type[Copier]
+) -> None:
     left = tmp_path / "left"
     whole, _ = run_task(
         STRAIGHT, tmp_path, RunOptions(settings=small, seed=5, checkpoints=True, observers=(copier(4, left),))
@@ -78,7 +81,7 @@ def test_killed_it_goes_on_and_tells_of_all_sensors(tmp_path: Path, small, copie
 
 
 @pytest.mark.slow
-def test_with_a_better_receiver_they_lie_within_centimetres(tmp_path: Path, small) -> None:
+def test_with_a_better_receiver_they_lie_within_centimetres(tmp_path: Path, small: dict[str, str]) -> None:
     metrics = run_task(STRAIGHT, tmp_path, RunOptions(settings={**small, "robot": "el_verde/rtk"}, seed=4))[
         0
     ]["metrics"]
@@ -86,7 +89,7 @@ def test_with_a_better_receiver_they_lie_within_centimetres(tmp_path: Path, smal
 
 
 @pytest.mark.slow
-def test_around_what_no_map_shows_another_way_is_found(tmp_path: Path, small) -> None:
+def test_around_what_no_map_shows_another_way_is_found(tmp_path: Path, small: dict[str, str]) -> None:
     settings = {**small, "world": str(tmp_path / "crate.yaml")}
     summary, status = run_task(STRAIGHT, tmp_path, RunOptions(settings=settings, seed=3))
     assert status == 0
@@ -97,7 +100,7 @@ def test_around_what_no_map_shows_another_way_is_found(tmp_path: Path, small) ->
 
 
 @pytest.mark.slow
-def test_together_the_arm_moves_while_the_base_drives(tmp_path: Path, small) -> None:
+def test_together_the_arm_moves_while_the_base_drives(tmp_path: Path, small: dict[str, str]) -> None:
     settings = {**small, "together": "true"}
     apart, _ = run_task(STRAIGHT, tmp_path, RunOptions(settings=small, seed=2))
     summary, status = run_task(STRAIGHT, tmp_path, RunOptions(settings=settings, seed=2))
@@ -109,7 +112,7 @@ def test_together_the_arm_moves_while_the_base_drives(tmp_path: Path, small) -> 
 
 
 @pytest.mark.slow
-def test_together_a_drive_that_fails_brings_back_base_and_arm(tmp_path: Path, small) -> None:
+def test_together_a_drive_that_fails_brings_back_base_and_arm(tmp_path: Path, small: dict[str, str]) -> None:
     settings = {**small, "together": "true", "world": str(tmp_path / "crate.yaml")}
     summary, status = run_task(STRAIGHT, tmp_path, RunOptions(settings=settings, seed=3))
     assert status == 0
@@ -118,7 +121,7 @@ def test_together_a_drive_that_fails_brings_back_base_and_arm(tmp_path: Path, sm
     assert summary["metrics"]["placed"] == 2
 
 
-def test_the_operator_may_refuse(tmp_path: Path, small) -> None:
+def test_the_operator_may_refuse(tmp_path: Path, small: dict[str, str]) -> None:
     settings = {**small, "permit": "operator"}
     summary, status = run_task(
         STRAIGHT, tmp_path, RunOptions(settings=settings, seed=3, permits=Permits("never"))
@@ -128,7 +131,7 @@ def test_the_operator_may_refuse(tmp_path: Path, small) -> None:
 
 
 @pytest.mark.slow
-def test_without_satellites_the_ellipses_grow(tmp_path: Path, small) -> None:
+def test_without_satellites_the_ellipses_grow(tmp_path: Path, small: dict[str, str]) -> None:
     settings = {**small, "robot": _robot(tmp_path, "gyro"), "sure_mm": "2000"}
     first, second = run_task(STRAIGHT, tmp_path, RunOptions(settings=settings, seed=1))[0]["metrics"][
         "placements"
@@ -137,14 +140,14 @@ def test_without_satellites_the_ellipses_grow(tmp_path: Path, small) -> None:
 
 
 @pytest.mark.slow
-def test_the_particle_filter_does_it_too(tmp_path: Path, small) -> None:
+def test_the_particle_filter_does_it_too(tmp_path: Path, small: dict[str, str]) -> None:
     settings = {**small, "robot": _robot(tmp_path, "particle")}
     summary, status = run_task(STRAIGHT, tmp_path, RunOptions(settings=settings, seed=1))
     assert status == 0
     assert summary["metrics"]["placed"] == 2
 
 
-def test_a_target_beside_a_rock_is_refused_by_its_line(tmp_path: Path, small) -> None:
+def test_a_target_beside_a_rock_is_refused_by_its_line(tmp_path: Path, small: dict[str, str]) -> None:
     field = (TASKS / "deploy_straight" / "field.yaml").read_text(encoding="utf-8")
     rocks = "rocks: [{x_m: 14.0, y_m: 1.0, radius_m: 0.4}]\n"
     (tmp_path / "field.yaml").write_text(field + rocks, encoding="utf-8")
@@ -152,7 +155,9 @@ def test_a_target_beside_a_rock_is_refused_by_its_line(tmp_path: Path, small) ->
         run_task(STRAIGHT, tmp_path, RunOptions(settings={**small, "field": str(tmp_path / "field.yaml")}))
 
 
-def test_bad_targets_are_refused_by_their_lines_and_nothing_else_is_told(tmp_path: Path, small) -> None:
+def test_bad_targets_are_refused_by_their_lines_and_nothing_else_is_told(
+    tmp_path: Path, small: dict[str, str]
+) -> None:
     (tmp_path / "bad.csv").write_text(TWO + "third,nan,1\nfirst,20,-0.75\n", encoding="utf-8")
     with pytest.raises(FileError) as refused:
         run_task(STRAIGHT, tmp_path, RunOptions(settings={**small, "targets": str(tmp_path / "bad.csv")}))

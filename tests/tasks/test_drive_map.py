@@ -48,7 +48,8 @@ class Arrivals(RunObserver):
 
     def event(self, event: object) -> None:
         if isinstance(event, Ended) and isinstance(event.outcome, Success):
-            name = event.primitive.place
+            primitive: Any = event.primitive
+            name = primitive.place
             self.errors[name] = self.scene.base.distance(self.places[name].pose)
 
 

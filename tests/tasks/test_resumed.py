@@ -8,6 +8,7 @@ import pytest
 
 from handcart.evaluation.trials.running import resume_task, run_task
 from handcart.networks.run_options import RunOptions
+from tests.conftest import Copier
 
 TASKS = Path(__file__).parents[2] / "tasks"
 
@@ -23,7 +24,7 @@ TASKS = Path(__file__).parents[2] / "tasks"
     ids=["book", "blocks", "seam"],
 )
 def test_its_metrics_are_those_of_a_run_that_was_not_killed(
-    tmp_path: Path, copier, task: str, after: int, settings
+    tmp_path: Path, copier: type[Copier], task: str, after: int, settings: dict[str, str]
 ) -> None:
     left = tmp_path / "left"
     told = copier(after, left)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -107,9 +108,11 @@ def test_a_wrong_mask_is_told(task: Path, old: str, new: str, words: str) -> Non
 def test_the_base_goes_around_the_zone_and_slowly_where_it_has_to(task: Path) -> None:
     """By ground truth, with the simulated errors."""
     with prepare(task) as prepared:
-        backend, robot = prepared.backend, prepared.robot
+        backend: Any = prepared.backend
+        robot, binding = prepared.robot, prepared.task.network.actions[0].binding
+        assert binding is not None
         radius, seen = prepared.robot.spec.footprint_radius_m, []
-        action = prepared.task.network.actions[0].binding.make(prepared.model)
+        action = binding.make(prepared.model)
         motion = action.motion(robot, prepared.model.view(action))
         for _ in motion:
             robot.step()

@@ -27,7 +27,7 @@ BESIDE = {
     ],
     ids=["better arm", "the paper's arm", "a landmark beside each goal"],
 )
-def test_five_blocks_stand_in_a_row(tmp_path: Path, settings, most: float) -> None:
+def test_five_blocks_stand_in_a_row(tmp_path: Path, settings: dict[str, str], most: float) -> None:
     summary, status = run_task(UNLOAD, tmp_path, RunOptions(settings=settings, seed=4))
     metrics = summary["metrics"]
     assert status == 0

@@ -10,13 +10,15 @@ import numpy as np
 import pytest
 
 from handcart.backends.description.robot_loading import load_robot
+from handcart.backends.robot.robot import Robot
 from handcart.backends.robot.stopping import LATEST, stopping_ramp
 from handcart.evaluation.trials.running import resume_task, run_task
-from handcart.networks.coordination.events import Started
+from handcart.networks.coordination.events import Event, Started
 from handcart.networks.journal.journal_record import read_journal
 from handcart.networks.run_observer import RunObserver
 from handcart.networks.run_options import RunOptions
 from handcart.networks.runs.flight_recorder import load_readings
+from handcart.networks.task.preparing import Prepared
 
 TASK = Path(__file__).resolve().parents[2] / "tasks" / "return_book" / "task.yaml"
 MOTION = 1e-3  # [m], [rad]: less between two periods is noise
@@ -30,16 +32,17 @@ class Impatient(RunObserver):
     """
 
     def __init__(self, after: float, number: int) -> None:
-        self.due, self.after, self.number = None, after, number
+        self.due: float | None = None
+        self.after, self.number = after, number
 
-    def begin(self, prepared, run_dir) -> None:
+    def begin(self, prepared: Prepared, run_dir: Path) -> None:
         self.robot = prepared.robot
 
-    def event(self, event) -> None:
+    def event(self, event: Event) -> None:
         if isinstance(event, Started) and event.number >= 2 * self.number - 1 and self.due is None:
             self.due = event.time + self.after
 
-    def period(self, robot) -> None:
+    def period(self, robot: Robot) -> None:
         if self.due is not None and robot.time >= self.due:
             signal.raise_signal(signal.SIGINT)
 

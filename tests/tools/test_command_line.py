@@ -13,6 +13,7 @@ from typing import Any
 import pytest
 
 from handcart.tools.command_line import COMMANDS
+from tests.tools.conftest import Said
 
 ROOT = Path(__file__).resolve().parents[2]
 HEAVY = ("numpy", "networkx", "cv2", "pydantic", "scipy", "matplotlib", "pinocchio", "ompl", "onnxruntime")
@@ -30,14 +31,14 @@ def test_help_imports_nothing_heavy() -> None:
 
 
 @pytest.mark.parametrize("name", list(COMMANDS))
-def test_every_subcommand_has_help(handcart: Callable[..., Any], name: str) -> None:
+def test_every_subcommand_has_help(handcart: Callable[..., Said], name: str) -> None:
     said = handcart(name, "--help")
     assert said.status == 0
     assert COMMANDS[name][2] in said.out
 
 
 @pytest.mark.parametrize("what", ["primitives", "backends", "robots", "tasks"])
-def test_list(handcart: Callable[..., Any], what: str) -> None:
+def test_list(handcart: Callable[..., Said], what: str) -> None:
     expected = {
         "primitives": "MOVE_TO",
         "backends": "kinematic",
@@ -47,7 +48,7 @@ def test_list(handcart: Callable[..., Any], what: str) -> None:
     assert expected[what] in handcart("list", what).out
 
 
-def test_describe_names_parameters_with_their_meaning(handcart: Callable[..., Any]) -> None:
+def test_describe_names_parameters_with_their_meaning(handcart: Callable[..., Said]) -> None:
     said = handcart("describe", "MOVE_TO")
     assert "wait_s" in said.out
     assert "passer-by" in said.out
@@ -55,20 +56,20 @@ def test_describe_names_parameters_with_their_meaning(handcart: Callable[..., An
 
 
 @pytest.mark.parametrize("kind", ["task", "robot", "world", "places", "catalogue"])
-def test_schema_is_json(handcart: Callable[..., Any], kind: str) -> None:
+def test_schema_is_json(handcart: Callable[..., Said], kind: str) -> None:
     told = json.loads(handcart("schema", kind).out)
     assert told["$schema"]
     assert "format" in told["properties"]
 
 
 @pytest.mark.parametrize("ending", ["svg", "mmd", "dot"])
-def test_draw(handcart: Callable[..., Any], tmp_path: Path, ending: str) -> None:
+def test_draw(handcart: Callable[..., Said], tmp_path: Path, ending: str) -> None:
     out = tmp_path / f"network.{ending}"
     assert handcart("draw", ROOT / "tasks/return_book/task.yaml", "-o", out).status == 0
     assert "slot_known" in out.read_text(encoding="utf-8")
 
 
-def test_check_as_json_lists_findings(handcart: Callable[..., Any], tmp_path: Path) -> None:
+def test_check_as_json_lists_findings(handcart: Callable[..., Said], tmp_path: Path) -> None:
     path = tmp_path / "places.yaml"
     path.write_text("format: handcart-places/1\nplaces: {home: {x_m: 1, y_m: zwei}}\n", encoding="utf-8")
     said = handcart("check", path, "--json")
@@ -79,7 +80,7 @@ def test_check_as_json_lists_findings(handcart: Callable[..., Any], tmp_path: Pa
     }
 
 
-def test_do_runs_one_primitive_and_tells_its_outcome(handcart: Callable[..., Any]) -> None:
+def test_do_runs_one_primitive_and_tells_its_outcome(handcart: Callable[..., Said]) -> None:
     said = handcart("do", "MODIFY", "place=shelf_1")
     assert said.status == 0
     assert said.out.startswith("Success")
@@ -88,7 +89,7 @@ def test_do_runs_one_primitive_and_tells_its_outcome(handcart: Callable[..., Any
     assert said.out.startswith("Fail: the hand doesn't hold the book")
 
 
-def test_do_takes_what_a_task_tells(handcart: Callable[..., Any]) -> None:
+def test_do_takes_what_a_task_tells(handcart: Callable[..., Said]) -> None:
     field = ROOT / "tasks" / "deploy_field"
     said = handcart("do", "DEPLOY", "target=1", "--knowledge", field / "task.yaml", "--start", "")
     assert said.out.startswith("Fail: the arm doesn't reach the target from here")
@@ -116,7 +117,7 @@ def test_the_plugin_costs_nothing_unused() -> None:
     assert said.stdout.strip() == "[]"
 
 
-def test_run_ends_with_how_it_ended_and_where(handcart: Callable[..., Any], tour: Path) -> None:
+def test_run_ends_with_how_it_ended_and_where(handcart: Callable[..., Said], tour: Path) -> None:
     said = handcart("run", tour, "--runs", tour.parent / "runs")
     assert said.status == 0
     folder = tour.parent / "runs" / f"{tour.parent.name}-0"
@@ -125,7 +126,7 @@ def test_run_ends_with_how_it_ended_and_where(handcart: Callable[..., Any], tour
     assert (folder / "journal.jsonl").is_file()
 
 
-def test_run_as_json(handcart: Callable[..., Any], tour: Path) -> None:
+def test_run_as_json(handcart: Callable[..., Said], tour: Path) -> None:
     said = handcart("run", tour, "--runs", tour.parent / "runs", "--seed", 5, "--json")
     told = json.loads(said.out.splitlines()[-1])
     fields = (
@@ -135,7 +136,7 @@ def test_run_as_json(handcart: Callable[..., Any], tour: Path) -> None:
     assert (said.status, told["outcome"], told["seed"], told["backend"]) == (0, "Success", 5, "kinematic")
 
 
-def test_a_goal_that_no_way_leads_to_is_status_3(handcart: Callable[..., Any], tour: Path) -> None:
+def test_a_goal_that_no_way_leads_to_is_status_3(handcart: Callable[..., Said], tour: Path) -> None:
     text = tour.read_text(encoding="utf-8").replace("{do: MOVE_TO,", "{do: INSERT, attempts: 1,")
     tour.write_text(text.replace("place: shelf_3", "shelf: shelf_3"), encoding="utf-8")
     said = handcart("run", tour, "--runs", tour.parent / "runs")
@@ -173,7 +174,7 @@ def test_run_task_of_a_checkout(tour: Path) -> None:
 
 
 def test_a_fault_of_our_own_is_status_5(
-    handcart: Callable[..., Any], monkeypatch: pytest.MonkeyPatch
+    handcart: Callable[..., Said], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def broken(kind: str) -> None:
         raise ZeroDivisionError

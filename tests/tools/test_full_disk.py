@@ -6,22 +6,26 @@ import json
 import resource
 import subprocess
 import sys
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
 from handcart.networks.journal.journal_record import read_journal
+from tests.tools.conftest import Said
 
 ROOT = Path(__file__).resolve().parents[2]
 
 
 @pytest.fixture
-def run_with(handcart, tour, tmp_path: Path):
+def run_with(
+    handcart: Callable[..., Said], tour: Path, tmp_path: Path
+) -> Callable[[str], subprocess.CompletedProcess[str]]:
     """Runs the tour where no file grows beyond the journal's records up to a kind, and a little more."""
     handcart("run", tour, "--runs", tmp_path / "whole")
     whole = tmp_path / "whole" / f"{tour.parent.name}-0" / "journal.jsonl"
 
-    def run(kind: str):
+    def run(kind: str) -> subprocess.CompletedProcess[str]:
         lines = whole.read_bytes().splitlines(keepends=True)
         before = [each["kind"] for each in read_journal(whole).records].index(kind)
         most = sum(map(len, lines[:before])) + 20
@@ -38,7 +42,9 @@ def run_with(handcart, tour, tmp_path: Path):
 
 
 @pytest.mark.slow
-def test_full_before_the_start_nothing_moves(run_with, tour, tmp_path: Path) -> None:
+def test_full_before_the_start_nothing_moves(
+    run_with: Callable[[str], subprocess.CompletedProcess[str]], tour: Path, tmp_path: Path
+) -> None:
     """D5: what was written is whole, status 5."""
     said = run_with("START")
     assert said.returncode == 5
@@ -51,7 +57,9 @@ def test_full_before_the_start_nothing_moves(run_with, tour, tmp_path: Path) -> 
 
 
 @pytest.mark.slow
-def test_full_at_a_result_the_run_ends_and_tells_it(run_with, tour, tmp_path: Path) -> None:
+def test_full_at_a_result_the_run_ends_and_tells_it(
+    run_with: Callable[[str], subprocess.CompletedProcess[str]], tour: Path, tmp_path: Path
+) -> None:
     """D6: that the outcome is not in the journal for good."""
     said = run_with("RESULT")
     assert said.returncode == 5
@@ -60,7 +68,9 @@ def test_full_at_a_result_the_run_ends_and_tells_it(run_with, tour, tmp_path: Pa
     assert [each["kind"] for each in contents.records] == ["RUN", "PLAN", "START"]
 
 
-def test_a_folder_that_takes_no_file_is_refused_before_anything_moves(handcart, tour) -> None:
+def test_a_folder_that_takes_no_file_is_refused_before_anything_moves(
+    handcart: Callable[..., Said], tour: Path
+) -> None:
     """D10"""
     said = handcart("run", tour, "--runs", "/proc/runs", "--json")
     assert said.status == 5

@@ -17,6 +17,7 @@ import pytest
 from handcart.backends.can.can_backend import CanBackend
 from handcart.networks.runs.robot_claim import RobotClaim, state_folder
 from handcart.tools.command_line import COMMANDS
+from tests.tools.conftest import Said
 
 ON_CAN = ("--robot", "cart", "--backend", "can")
 LATEST_S = 120.0
@@ -28,7 +29,7 @@ def python(*lines: str, **options: Any) -> subprocess.Popen[bytes]:
 
 
 def test_memory_that_runs_out_stops_the_robot(
-    handcart: Callable[..., Any], tour: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    handcart: Callable[..., Said], tour: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """K5: what the operating system's killer does is K1; a MemoryError stops, and is told."""
     stops, step, count = [], CanBackend.step, iter(range(10**6))
@@ -95,7 +96,7 @@ def test_a_lock_goes_with_its_process(monkeypatch: pytest.MonkeyPatch, tmp_path:
 
 
 def test_a_library_that_is_missing_is_named(
-    handcart: Callable[..., Any], tour: Path, monkeypatch: pytest.MonkeyPatch
+    handcart: Callable[..., Said], tour: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """K13: before anything moves, with how to install it."""
     monkeypatch.delitem(sys.modules, "handcart.backends.can.can_backend")
@@ -106,7 +107,7 @@ def test_a_library_that_is_missing_is_named(
     assert "pip install" in said.err
 
 
-def say(*words: str, **options: Any) -> subprocess.CompletedProcess[bytes]:
+def say(*words: str, **options: Any) -> subprocess.CompletedProcess[Any]:
     """A command in a process of its own, with pipes and environment as they are given."""
     line = f"from handcart.tools.main import main; main({list(words)!r})"
     given = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE} | options
@@ -134,7 +135,7 @@ def test_a_library_that_cannot_be_imported_is_named(tmp_path: Path, library: str
 
 
 def test_every_command_names_libraries_that_are_too_old_or_missing(
-    handcart: Callable[..., Any], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    handcart: Callable[..., Said], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """K13: all of them at once, before anything is done."""
     (tmp_path / "numpy-1.26.4.dist-info").mkdir()
@@ -180,7 +181,7 @@ def test_a_name_that_is_no_text_is_refused(tour: Path) -> None:
 
 
 def test_a_link_that_leads_nowhere_is_no_runs_folder(
-    handcart: Callable[..., Any], tour: Path, tmp_path: Path
+    handcart: Callable[..., Said], tour: Path, tmp_path: Path
 ) -> None:
     (tmp_path / "runs").symlink_to(tmp_path / "nowhere")
     said = handcart("run", tour, "--runs", tmp_path / "runs")

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Callable
 from importlib.util import find_spec
 from pathlib import Path
 
 import cv2
 import numpy as np
 import pytest
+
+from tests.tools.conftest import Said
 
 BACKENDS = [
     "kinematic",
@@ -23,7 +26,7 @@ BACKENDS = [
 
 @pytest.mark.slow
 @pytest.mark.parametrize("backend", BACKENDS)
-def test_a_run_is_recorded(handcart, tour, tmp_path: Path, backend) -> None:
+def test_a_run_is_recorded(handcart: Callable[..., Said], tour: Path, tmp_path: Path, backend: str) -> None:
     film, places = tmp_path / "tour.mp4", tour.with_name("places.yaml")
     places.write_text(places.read_text() + "  near: {x_m: 1.2, y_m: 2.0, heading_deg: 90.0}\n")
     tour.write_text(tour.read_text().replace("shelf_3", "near").replace("base: shelf", "base: near"))
@@ -49,7 +52,7 @@ def test_a_run_is_recorded(handcart, tour, tmp_path: Path, backend) -> None:
     ],
 )
 def test_what_cannot_be_shown_is_told_before_anything_moves(
-    handcart, tour, tmp_path: Path, options, words: str
+    handcart: Callable[..., Said], tour: Path, tmp_path: Path, options: list[str], words: str
 ) -> None:
     said = handcart("run", tour, *options, "--runs", tmp_path / "runs")
     assert said.status == 2
@@ -57,7 +60,9 @@ def test_what_cannot_be_shown_is_told_before_anything_moves(
     assert not (tmp_path / "runs").exists() or not any((tmp_path / "runs").iterdir())
 
 
-def test_a_window_needs_a_display(handcart, tour, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_window_needs_a_display(
+    handcart: Callable[..., Said], tour: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     pytest.importorskip("pybullet", reason="PyBullet has no wheel for this Python")
     monkeypatch.delenv("DISPLAY", raising=False)
     said = handcart("run", tour, "--backend", "pybullet", "--gui", "--runs", tmp_path / "runs")

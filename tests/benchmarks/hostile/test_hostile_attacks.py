@@ -6,6 +6,7 @@ import os
 import subprocess
 import sys
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -59,5 +60,9 @@ def test_a_forged_journal_is_whole(tmp_path: Path) -> None:
     with Journal(tmp_path / "journal.jsonl") as journal:
         for number in range(3):
             journal.append("RUN", 0.0, {"n": number})
-    reseal(tmp_path, lambda records: records.pop(1))
+
+    def without_one(records: list[dict[str, Any]]) -> None:
+        records.pop(1)
+
+    reseal(tmp_path, without_one)
     assert [each["n"] for each in read_journal(tmp_path / "journal.jsonl").records] == [0, 2]

@@ -17,6 +17,7 @@ ROBOT = load_robot("toyama/uncalibrated")
 def found(**off: float) -> dict[str, Calibrated]:
     """The truth, but for what is off."""
     arm = ROBOT.arm_model()
+    assert ROBOT.camera is not None
     true, stated = true_camera(ROBOT.camera, arm, ROBOT.errors, 3), stated_camera(ROBOT.camera, arm)
     x, y, z = (1e3 * (inverse(stated.hand_T_camera) @ true.hand_T_camera)[:3, 3]).tolist()
     values = {"focal_px": true.model.K[1, 1], "cx_px": true.model.K[0, 2], "k1": true.model.distortion[0]}

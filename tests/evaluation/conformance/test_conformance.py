@@ -28,6 +28,7 @@ from handcart.evaluation.conformance.report import Report
 from handcart.evaluation.conformance.rig.bench import Bench
 from handcart.evaluation.conformance.rig.reach import Reach
 from handcart.evaluation.conformance.task_runs import Ran, compared
+from handcart.evaluation.truth.simulated_world import simulated_world
 from handcart.files.errors import FileError
 from handcart.networks.task.task_file import load_task
 from handcart.robotics.geometry.pose2 import Pose2
@@ -254,7 +255,8 @@ def test_a_domain_declares_what_may_happen_in_its_world(monkeypatch: pytest.Monk
 
 def test_a_fault_in_the_world_happens_for_its_periods() -> None:
     with BENCH.stage() as stage:
-        backend, scene = FaultyBackend(stage.backend), stage.backend.scene
+        backend, scene = FaultyBackend(stage.backend), simulated_world(stage.backend)
+        assert scene is not None
         before = scene.base
         backend.inject(PUSH)
         for _ in range(3):

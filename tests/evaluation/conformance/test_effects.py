@@ -103,7 +103,7 @@ def test_what_a_primitive_disturbs_is_told_but_for_its_own() -> None:
     ],
 )
 def test_arrival_is_held_against_what_is_claimed(
-    kind: str, docks: bool, sigma, off: float, right: bool
+    kind: str, docks: bool, sigma: float, off: float, right: bool
 ) -> None:
     goal = Pose2(1.0, 2.0, 0.0)
     scene = SimpleNamespace(base=Pose2(1.0 + off, 2.0, 0.0))

@@ -59,7 +59,7 @@ def book(accession: int, call: str) -> Book:
 class Hands:
     """Moves a robot about in a small room, and asks afterwards what it touched."""
 
-    def __init__(self, backend: KinematicBackend) -> None:
+    def __init__(self, backend: Any) -> None:
         books = [book(103, "512.5 BOR"), book(104, "512.8 POI"), book(117, "512.7 NAG")]
         slot = Slot("shelf_1", 0.07, 0.039, 0.001, "512.5 BOR", "512.8 POI")
         known = SimpleNamespace(book=books[2], slot=slot, catalogue=SimpleNamespace(books=books))
@@ -80,7 +80,8 @@ class Hands:
     def step(self, periods: int = 1) -> None:
         for _ in range(periods):
             self.backend.step()
-            self.survey.look(SimpleNamespace(time=self.scene.time))
+            robot: Any = SimpleNamespace(time=self.scene.time)
+            self.survey.look(robot)
 
     def stand(self, x: float, y: float, heading: float) -> None:
         self.scene.move_base(Pose2(x, y, heading))

@@ -107,7 +107,9 @@ def metrics(prepared: Prepared, judge: Judge) -> dict[str, Any]:
     return judge.figures(RunEnd("Success", "", "", 1, 0, 0, ()))
 
 
-def test_what_a_survey_from_outside_says_counts(prepared: Prepared, also: Any) -> None:
+def test_what_a_survey_from_outside_says_counts(
+    prepared: Prepared, also: Callable[[type[Survey]], None]
+) -> None:
     also(Puddles)
     told = metrics(prepared, drive(prepared))
     assert told["puddles"] == 3
@@ -116,7 +118,9 @@ def test_what_a_survey_from_outside_says_counts(prepared: Prepared, also: Any) -
 
 
 @pytest.mark.parametrize("at", ["look", "effect", "ended", "figures", "faults"])
-def test_one_that_breaks_is_named_and_the_run_goes_on(prepared: Prepared, also: Any, at: str) -> None:
+def test_one_that_breaks_is_named_and_the_run_goes_on(
+    prepared: Prepared, also: Callable[[type[Survey]], None], at: str
+) -> None:
     also(type("Muddy", (Broken,), {"at": at}))
     told = metrics(prepared, drive(prepared))
     (words,) = [each for each in told["untrue"] if "broke" in each]
@@ -134,7 +138,9 @@ def test_a_survey_that_is_none_is_named_before_anything_moves(monkeypatch: pytes
             surveys.survey_kinds()
 
 
-def test_a_run_that_goes_on_takes_up_what_was_noted(prepared: Prepared, also: Any, tmp_path: Path) -> None:
+def test_a_run_that_goes_on_takes_up_what_was_noted(
+    prepared: Prepared, also: Callable[[type[Survey]], None], tmp_path: Path
+) -> None:
     also(Puddles)
     drive(prepared, tmp_path)
     again = Judge(prepared, tmp_path)
@@ -159,7 +165,7 @@ def wrong_notes() -> list[tuple[Callable[[dict[str, Any]], object], str]]:
 
 @pytest.mark.parametrize("number", range(len(wrong_notes())))
 def test_notes_of_another_shape_are_refused_in_a_sentence(
-    prepared: Prepared, also: Any, tmp_path: Path, number: int
+    prepared: Prepared, also: Callable[[type[Survey]], None], tmp_path: Path, number: int
 ) -> None:
     """D6: never a KeyError, nor figures of what nobody measured."""
     also(Puddles)
@@ -173,7 +179,7 @@ def test_notes_of_another_shape_are_refused_in_a_sentence(
     assert str(refused.value).startswith(f"{tmp_path / NOTES}: {words}")
 
 
-def test_a_claim_knows_how_all_was_before(prepared: Prepared, also: Any) -> None:
+def test_a_claim_knows_how_all_was_before(prepared: Prepared, also: Callable[[type[Survey]], None]) -> None:
     seen: list[Claim] = []
 
     def sees(survey: Survey, claim: Claim) -> list[str]:

@@ -21,6 +21,7 @@ def test_it_is_the_same_through_all_that_is_put_around_a_backend() -> None:
         assert other is not None
         assert moved(one, other) == dict.fromkeys(moved(one, one), 0.0)
         assert simulated_world(layered) is inner.scene
+        assert inner.scene is not None
         inner.scene.base = one.base.compose(Pose2(0.1, 0.0, 0.0))
         now = layered.ground_truth()
         assert now is not None

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import random
+from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -32,7 +34,9 @@ TABLE = Path(__file__).resolve().parents[3] / "tasks" / "return_book" / "paper_t
 BOUND = Binding.of(Modify(place="x"))
 
 
-def network(*rows, start="a", goal="z"):
+def network(
+    *rows: tuple[str, str, float, int, str | None], start: str = "a", goal: str = "z"
+) -> ActionNetwork:
     actions = [Action(s, t, BOUND, c, n, f) for s, t, c, n, f in rows]
     names = sorted({name for s, t, _, _, f in rows for name in (s, t, f) if name} | {start, goal})
     return ActionNetwork.build([Situation(name) for name in names], actions, start, goal)
@@ -118,7 +122,7 @@ NETWORKS = st.lists(
 )  # fmt: skip
 
 
-def imagined(net, chances, rng):
+def imagined(net: ActionNetwork, chances: Sequence[Chance], rng: random.Random) -> tuple[str, float, int]:
     """One run by the coordinator's own decisions: end, cost, actions."""
     route, cost, count = Route(net), 0.0, 0
     while not route.arrived:
@@ -139,7 +143,9 @@ def imagined(net, chances, rng):
 @pytest.mark.slow
 @given(NETWORKS)
 @settings(max_examples=25, suppress_health_check=[HealthCheck.too_slow], deadline=None)
-def test_exact_figures_are_those_of_many_runs(rows) -> None:
+def test_exact_figures_are_those_of_many_runs(
+    rows: list[Any],
+) -> None:
     """And every run ends within the bound that `check` states."""
     names = "abcdz"
     made = [

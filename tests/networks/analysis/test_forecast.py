@@ -6,8 +6,10 @@ import math
 import random
 import time
 from collections import Counter, deque
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 import pytest
@@ -27,11 +29,15 @@ from handcart.networks.graph.planner import NoWay
 from handcart.networks.graph.route import Route
 from handcart.primitives.contract.outcome import Success
 from handcart.primitives.driving.modify import Modify
+from tests.networks.conftest import Stand
 
 BOUND = Binding.of(Modify(place="x"))
 
 
-def network(*rows, start="a", goal="z"):
+Row = tuple[str, str, float | None, int, str | None]
+
+
+def network(*rows: Row, start: str = "a", goal: str = "z") -> ActionNetwork:
     """Rows of source, target, cost (None: a skip), attempts, on_fail."""
     names = sorted({name for s, t, _, _, f in rows for name in (s, t, f) if name} | {start, goal})
     actions = [
@@ -45,7 +51,7 @@ def network(*rows, start="a", goal="z"):
 class Every:
     """What all runs of a network come to."""
 
-    ends: Counter[str] = field(default_factory=Counter)
+    ends: Any = field(default_factory=Counter)
     cost: float = 0.0
     square: float = 0.0
     longest: int = 0
@@ -53,13 +59,14 @@ class Every:
     no_way_in: set[str] = field(default_factory=set)
 
     @property
-    def sigma(self):
+    def sigma(self) -> float:
         return math.sqrt(max(0.0, self.square - self.cost**2))
 
 
-def follow(net, words):
+def follow(net: ActionNetwork, words: Iterable[str]) -> tuple[list[tuple[Action, str]], str, Route]:
     """The coordinator's decisions if its actions end like this, then all in Success: what it did, its end."""
-    route, did, skipped, words = Route(net), [], False, iter(words)
+    did: list[tuple[Action, str]] = []
+    route, skipped, words = Route(net), False, iter(words)
     while not route.arrived:
         if not route.planned and isinstance(route.plan(), NoWay):
             return did, "no way", route
@@ -79,9 +86,10 @@ def follow(net, words):
     return did, "skipped" if skipped else "goal", route
 
 
-def every(net, chances=None, most=4000):
+def every(net: ActionNetwork, chances: Sequence[Any] | None = None, most: int = 4000) -> Every | None:
     """By going through all runs, one by one; without chances also those with Fails for good."""
-    found, ahead = Every(), [()]
+    found = Every()
+    ahead: list[tuple[str, ...]] = [()]
     for _ in range(most):
         if not ahead:
             return found
@@ -127,17 +135,18 @@ CHANCES = st.lists(
 LOOSE = settings(max_examples=150, deadline=None, suppress_health_check=list(HealthCheck))
 
 
-def chances_of(net, chances):
+def chances_of(net: ActionNetwork, chances: Sequence[Chance]) -> list[Chance | None]:
     return [None if a.binding is None else c for a, c in zip(net.actions, chances, strict=False)]
 
 
 @given(NETWORKS, CHANCES)
 @LOOSE
-def test_figures_are_those_of_every_run_that_there_can_be(rows, chances) -> None:
+def test_figures_are_those_of_every_run_that_there_can_be(rows: list[Row], chances: list[Chance]) -> None:
     net = network(*rows)
     known = chances_of(net, chances)
     true = every(net, known)
     assume(true is not None)
+    assert true is not None
     found = forecast(net, known)
     ends = [true.ends[each] for each in ("goal", "skipped", "no way", "give up")]
     assert [found.goal, found.left_undone, found.no_way, found.give_up] == pytest.approx(ends, abs=1e-9)
@@ -147,10 +156,11 @@ def test_figures_are_those_of_every_run_that_there_can_be(rows, chances) -> None
 
 @given(NETWORKS)
 @LOOSE
-def test_worst_cases_are_those_of_every_run_that_there_can_be(rows) -> None:
+def test_worst_cases_are_those_of_every_run_that_there_can_be(rows: list[Row]) -> None:
     net = network(*rows)
     true = every(net)
     assume(true is not None)
+    assert true is not None
     found = worst_cases(net)
     assert found.longest == true.longest <= net.bound()
     bound = {action.index for action in net.actions if action.binding is not None}
@@ -161,7 +171,7 @@ def test_worst_cases_are_those_of_every_run_that_there_can_be(rows) -> None:
 @pytest.mark.slow
 @given(NETWORKS, CHANCES)
 @LOOSE
-def test_slopes_are_derivatives(rows, chances) -> None:
+def test_slopes_are_derivatives(rows: list[Row], chances: list[Chance]) -> None:
     net = network(*rows)
     known = chances_of(net, chances)
     slopes = Forecaster(net, known).slopes()
@@ -179,7 +189,7 @@ def test_slopes_are_derivatives(rows, chances) -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", range(3))
-def test_figures_are_those_of_the_coordinators_runs(new_stand, seed: int) -> None:
+def test_figures_are_those_of_the_coordinators_runs(new_stand: Callable[[], Stand], seed: int) -> None:
     """Whole runs, robot and all: a detour, an alternative, a loop."""
     stand, rng, count = new_stand(), random.Random(seed), 400
     names = ["drive", "modify", "around", "pick", "other", "place"]
@@ -189,13 +199,14 @@ def test_figures_are_those_of_the_coordinators_runs(new_stand, seed: int) -> Non
     )  # fmt: skip
     chances = [Chance(0.6, 0.02), Chance(0.9), Chance(0.7), Chance(0.5), Chance(0.6, 0.05), Chance(0.8)]
     exact = forecast(net, chances)
-    ends, costs = Counter(), []
+    ends: Counter[str] = Counter()
+    costs = []
     for _ in range(count):
         stand = new_stand()
         for name, chance in zip(names, chances, strict=True):
             weights = [chance.success, chance.fail, chance.give_up]
             stand.script[name] = deque(rng.choices("SFG", weights, k=30))
-        events = []
+        events: list[Any] = []
         end = stand.finish(Coordinator(net, stand.robot, stand.model, observers=[events.append]))
         assert end.actions <= worst_cases(net).longest
         ends[end.outcome] += 1
@@ -221,8 +232,8 @@ def test_one_more_attempt_and_an_alternative() -> None:
     assert forecaster.forecast(Stage.with_one_more, {0}) == forecaster.forecast()
 
 
-def repeated(elements):
-    rows = []
+def repeated(elements: int) -> ActionNetwork:
+    rows: list[Row] = []
     for i in range(elements):
         rows += [
             (f"s{i:03}", f"s{i + 1:03}", 30.0, 3, f"b{i:03}"),

@@ -24,8 +24,8 @@ def test_it_plans_what_the_planner_plans(seed: int) -> None:
     names = [f"s{i}" for i in range(8)]
     bound = network("chain", 3).actions[0].binding
     actions = [
-        Action(*rng.sample(names, 2), rng.choice([bound, bound, None]), float(rng.randint(1, 4)), 2)
-        for _ in range(24)
+        Action(a, b, rng.choice([bound, bound, None]), float(rng.randint(1, 4)), 2)
+        for a, b in (rng.sample(names, 2) for _ in range(24))
     ]
     net = ActionNetwork.build(map(Situation, names), actions, "s0", "s7")
     search = PlanSearch(net)
@@ -52,7 +52,7 @@ def test_what_is_too_much_is_told_and_is_the_same_each_time() -> None:
 
 
 def test_who_watches_hears_how_much_is_spent() -> None:
-    shares = []
+    shares: list[float] = []
     with pytest.raises(TooLarge):
         policy(network("grid", 100), effort=Effort(20_000, shares.append))
     assert shares == sorted(shares)

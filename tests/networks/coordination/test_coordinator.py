@@ -1,8 +1,9 @@
 """Runs through networks (rows N1 to N6, N11)."""
 
 from collections import deque
+from collections.abc import Callable
 from pathlib import Path
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 import pytest
@@ -10,30 +11,35 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from handcart.backends.capabilities.base import WheelTravel
+from handcart.backends.robot.robot import Robot
 from handcart.networks.analysis.worst_cases import worst_cases
 from handcart.networks.coordination.coordinator import Coordinator
-from handcart.networks.coordination.events import Ended, LeftOut, Planned, Started
+from handcart.networks.coordination.events import Ended, Event, LeftOut, Planned, Started
 from handcart.networks.coordination.supervision import Request
 from handcart.networks.graph.binding import Binding
 from handcart.networks.graph.network import Action, ActionNetwork, NetworkError, Situation
 from handcart.networks.journal.journal import Journal
 from handcart.networks.journal.journal_record import read_journal, without_wall
-from handcart.primitives.contract.action_primitive import ActionPrimitive
+from handcart.primitives.contract.action_primitive import ActionPrimitive, Periods
 from handcart.primitives.contract.discrepancy import Discrepancy
+from handcart.primitives.contract.outcome import Fail
+from handcart.primitives.knowledge.world_model import ModelView
+from tests.networks.conftest import Stand
 
 
-def coordinator(stand, network, **more):
+def coordinator(stand: Stand, network: ActionNetwork, **more: Any) -> Coordinator:
     return Coordinator(network, stand.robot, stand.model, **more)
 
 
-def names(events):
-    return [event.primitive.name for event in events if isinstance(event, Started)]
+def names(events: list[Event]) -> list[str]:
+    begun: list[Any] = [event.primitive for event in events if isinstance(event, Started)]
+    return [primitive.name for primitive in begun]
 
 
-def test_two_ways_and_the_cheap_one_fails(stand) -> None:
+def test_two_ways_and_the_cheap_one_fails(stand: Stand) -> None:
     network = stand.network("a m cheap 10", "a z dear 30", "m z last 1")
     stand.script["cheap"] = deque("FF")
-    events = []
+    events: list[Event] = []
     end = stand.finish(coordinator(stand, network, observers=[events.append]))
     # 10 + 1 and 20 + 1 are cheaper than 30, 40 + 1 isn't.
     assert names(events) == ["cheap", "cheap", "dear"]
@@ -41,7 +47,7 @@ def test_two_ways_and_the_cheap_one_fails(stand) -> None:
     assert end.exit_status == 0
 
 
-def test_unreachable_from_the_start_ends_without_an_action(stand) -> None:
+def test_unreachable_from_the_start_ends_without_an_action(stand: Stand) -> None:
     """N1: exit status 3 with an explanation, and no motion."""
     network = stand.network("a b one 1", "c z two 1")
     end = stand.finish(coordinator(stand, network))
@@ -49,7 +55,7 @@ def test_unreachable_from_the_start_ends_without_an_action(stand) -> None:
     assert end.reason == "no way left from a to z: nothing leads from a there"
 
 
-def test_unreachable_after_fails_names_what_blocks(stand) -> None:
+def test_unreachable_after_fails_names_what_blocks(stand: Stand) -> None:
     """N2: exit status 3 in the last situation."""
     network = stand.network("a b one 1", "b z two 1 2", "b z other 5 1")
     stand.script |= {"two": deque("FFF"), "other": deque("P")}
@@ -62,14 +68,14 @@ def test_unreachable_after_fails_names_what_blocks(stand) -> None:
 
 
 @pytest.mark.parametrize("cost", [0.0, -1.0, float("nan"), float("inf")])
-def test_costs_that_are_none(stand, cost) -> None:
+def test_costs_that_are_none(stand: Stand, cost: float) -> None:
     """N3."""
     bound = Binding.of(stand.Think(name="x"))
     with pytest.raises(NetworkError, match="cost_s"):
         ActionNetwork.build([Situation("a"), Situation("z")], [Action("a", "z", bound, cost)], "a", "z")
 
 
-def test_everything_wrong_with_a_network_at_once(stand) -> None:
+def test_everything_wrong_with_a_network_at_once(stand: Stand) -> None:
     bound = Binding.of(stand.Think(name="x"))
     situations = [Situation("a", {"book": "here"}), Situation("b", {"book": "there"}), Situation("b")]
     with pytest.raises(NetworkError) as error:
@@ -77,29 +83,29 @@ def test_everything_wrong_with_a_network_at_once(stand) -> None:
     assert len(str(error.value).splitlines()) == 4
 
 
-def test_fail_may_not_change_physical_facts(stand) -> None:
+def test_fail_may_not_change_physical_facts(stand: Stand) -> None:
     bound = Binding.of(stand.Think(name="x"))
     situations = [Situation("a", {"book": "here"}), Situation("b", {"book": "there"})]
     with pytest.raises(NetworkError, match="other physical facts"):
         ActionNetwork.build(situations, [Action("a", "b", bound, on_fail="b")], "a", "b")
 
 
-def test_cycles_and_self_loops_end(stand) -> None:
+def test_cycles_and_self_loops_end(stand: Stand) -> None:
     """N4."""
     network = stand.network("a a loop 0.001", "a b there 1", "b a back 0.001", "b z on 1")
     assert stand.finish(coordinator(stand, network)).actions == 2
 
 
-def test_fail_leads_to_the_situation_that_knows_more(stand) -> None:
+def test_fail_leads_to_the_situation_that_knows_more(stand: Stand) -> None:
     network = stand.network("a z drive 1 3 blocked", "blocked a modify 1", "blocked z around 9")
     stand.script["drive"] = deque("F")
-    events = []
+    events: list[Event] = []
     end = stand.finish(coordinator(stand, network, observers=[events.append]))
     assert names(events) == ["drive", "modify", "drive"]
     assert end.outcome == "Success"
 
 
-def test_give_up_stays(stand) -> None:
+def test_give_up_stays(stand: Stand) -> None:
     network = stand.network("a z ask 1", "a z other 5")
     stand.script["ask"] = deque("G")
     end = stand.finish(coordinator(stand, network))
@@ -107,20 +113,20 @@ def test_give_up_stays(stand) -> None:
     assert "ask needs help" in end.reason
 
 
-def test_value_not_known_counts_as_a_fail(stand) -> None:
+def test_value_not_known_counts_as_a_fail(stand: Stand) -> None:
     """N7: not started, counted."""
     late = Binding(stand.Think, {"name": "x"}, {"text": "book.shelf"})
     network = ActionNetwork.build(
         [Situation("a"), Situation("z")], [Action("a", "z", late, 1.0, 2)], "a", "z"
     )
-    events = []
+    events: list[Event] = []
     end = stand.finish(coordinator(stand, network, observers=[events.append]))
     assert (end.outcome, end.actions, end.fails) == ("Fail", 0, 2)
     assert "book.shelf is not known yet" in end.reason
     assert sum(isinstance(event, LeftOut) for event in events) == 2
 
 
-def test_refused_permission_counts_as_a_fail(stand) -> None:
+def test_refused_permission_counts_as_a_fail(stand: Stand) -> None:
     network = stand.network("a z one 1 1", "a z two 2 1")
     answers = iter([None, False, None, None, True])
     end = stand.finish(coordinator(stand, network, permission=lambda action: next(answers)))
@@ -138,7 +144,9 @@ networks = st.lists(
 
 @given(networks, st.lists(st.text("SSFFP", max_size=6), min_size=10, max_size=10))
 @settings(max_examples=150, suppress_health_check=[HealthCheck.function_scoped_fixture], deadline=None)
-def test_every_run_ends_within_its_bound(new_stand, rows, outcomes) -> None:
+def test_every_run_ends_within_its_bound(
+    new_stand: Callable[[], Stand], rows: Any, outcomes: list[str]
+) -> None:
     """N4, N5, N6: whatever the network and whatever fails."""
     stand = new_stand()
     built = [
@@ -147,7 +155,7 @@ def test_every_run_ends_within_its_bound(new_stand, rows, outcomes) -> None:
     ]
     network = stand.network(*built, start="0", goal="5")
     stand.script |= {f"p{number}": deque(pattern) for number, pattern in enumerate(outcomes)}
-    events = []
+    events: list[Event] = []
     end = stand.finish(coordinator(stand, network, observers=[events.append]))
     assert end.actions <= network.bound()
     assert end.actions <= worst_cases(network).longest  # what `handcart check` states
@@ -161,7 +169,7 @@ def test_every_run_ends_within_its_bound(new_stand, rows, outcomes) -> None:
     assert all(failed.count(a.index) <= a.attempts for a in network.actions)
 
 
-def test_same_run_same_journal(new_stand, tmp_path: Path) -> None:
+def test_same_run_same_journal(new_stand: Callable[[], Stand], tmp_path: Path) -> None:
     """N11: apart from the wall clock."""
     journals = []
     for number in range(2):
@@ -178,12 +186,12 @@ def test_same_run_same_journal(new_stand, tmp_path: Path) -> None:
     assert kinds[-1] == "END"
 
 
-def driving(stand, periods=40):
+def driving(stand: Stand, periods: int = 40) -> ActionNetwork:
     bound = Binding.of(stand.Drive(periods=periods))
     return ActionNetwork.build([Situation("a"), Situation("z")], [Action("a", "z", bound, 1.0)], "a", "z")
 
 
-def test_stop_holds_where_it_is(stand) -> None:
+def test_stop_holds_where_it_is(stand: Stand) -> None:
     run = coordinator(stand, driving(stand))
     end = stand.finish(run, {20: lambda: run.request(Request.STOP)})
     assert (end.outcome, end.exit_status) == ("Cancelled", 130)
@@ -191,14 +199,14 @@ def test_stop_holds_where_it_is(stand) -> None:
     assert stand.backend.stops
 
 
-def test_cancel_restores_first(stand) -> None:
+def test_cancel_restores_first(stand: Stand) -> None:
     run = coordinator(stand, driving(stand))
     end = stand.finish(run, {30: lambda: run.request(Request.CANCEL)})
     assert (end.outcome, end.fails) == ("Cancelled", 1)
     assert abs(stand.robot.pose.x) < 0.02
 
 
-def test_pause_holds_and_time_stands_still(stand) -> None:
+def test_pause_holds_and_time_stands_still(stand: Stand) -> None:
     run = coordinator(stand, driving(stand))
     seen = []
     at = {
@@ -214,38 +222,41 @@ def test_pause_holds_and_time_stands_still(stand) -> None:
     assert stand.robot.pose.x == pytest.approx(0.4, abs=0.02)
 
 
-def test_moved_during_a_pause_is_a_discrepancy(stand) -> None:
+def test_moved_during_a_pause_is_a_discrepancy(stand: Stand) -> None:
 
     def push() -> None:
         travel = stand.backend.wheels.travel
         stand.backend.wheels.travel = type(travel)(travel.left + 0.5, travel.right + 0.5)
 
-    at = {20: lambda: run.request(Request.PAUSE), 40: push, 60: lambda: run.request(Request.RESUME)}
-    events = []
+    events: list[Event] = []
     run = coordinator(stand, driving(stand), observers=[events.append])
+    at = {20: lambda: run.request(Request.PAUSE), 40: push, 60: lambda: run.request(Request.RESUME)}
     end = stand.finish(run, at)
     outcomes = [event.outcome for event in events if isinstance(event, Ended)]
+    assert isinstance(outcomes[0], Fail)
     assert "moved during a pause: base_mm" in outcomes[0].reason
     assert end.fails == 1
 
 
-def test_cancel_while_paused(stand) -> None:
+def test_cancel_while_paused(stand: Stand) -> None:
     run = coordinator(stand, driving(stand))
     at = {30: lambda: run.request(Request.PAUSE), 50: lambda: run.request(Request.CANCEL)}
     assert stand.finish(run, at).outcome == "Cancelled"
     assert abs(stand.robot.pose.x) < 0.02
 
 
-def test_a_stop_does_not_wait_until_a_paused_robot_rests(stand) -> None:
+def test_a_stop_does_not_wait_until_a_paused_robot_rests(stand: Stand) -> None:
     """A robot that trembles never rests; requests are heard all the same."""
-    run, tremble = coordinator(stand, driving(stand)), []
+    run = coordinator(stand, driving(stand))
+    wheels: Any = stand.backend.wheels
+    tremble: list[float] = []
 
-    def travel():
+    def travel() -> WheelTravel:
         tremble.append(0.01)
         return WheelTravel(sum(tremble), 0.0)
 
     def pause() -> None:
-        stand.backend.wheels.wheel_travel = travel
+        wheels.wheel_travel = travel
         run.request(Request.PAUSE)
 
     stops = []
@@ -255,15 +266,15 @@ def test_a_stop_does_not_wait_until_a_paused_robot_rests(stand) -> None:
     assert stops == [3]  # the pause's, then before and after the attempt is closed
 
 
-def test_called_back_before_it_began(stand) -> None:
+def test_called_back_before_it_began(stand: Stand) -> None:
     run = coordinator(stand, driving(stand))
     end = stand.finish(run, {1: lambda: run.request(Request.RESTORE)})
     assert (end.outcome, end.fails) == ("Success", 1)
 
 
-def test_plan_is_kept_while_nothing_fails(stand) -> None:
+def test_plan_is_kept_while_nothing_fails(stand: Stand) -> None:
     network = stand.network("a b one 1", "b c two 1", "c z three 1")
-    events = []
+    events: list[Event] = []
     stand.finish(coordinator(stand, network, observers=[events.append]))
     assert sum(isinstance(event, Planned) for event in events) == 1
 
@@ -275,7 +286,7 @@ class Notice(ActionPrimitive):
     only_knowledge: ClassVar = True
     writes: ClassVar = ("obstacles",)
 
-    def motion(self, robot, model):
+    def motion(self, robot: Robot, model: ModelView) -> Periods:
         model.obstacles = np.vstack([model.obstacles, [[1.0, 2.0]]])
         if self.name == "fails":
             raise Discrepancy("it is in the way")
@@ -283,7 +294,7 @@ class Notice(ActionPrimitive):
         yield
 
 
-def test_what_an_action_learned_stands_in_its_result(stand, tmp_path: Path) -> None:
+def test_what_an_action_learned_stands_in_its_result(stand: Stand, tmp_path: Path) -> None:
     """Also what a Fail left known; and nothing where nothing changed."""
     bound = [Binding.of(Notice(name=name)) for name in ("fails", "works")] + [Binding.of(stand.Drive())]
     actions = [

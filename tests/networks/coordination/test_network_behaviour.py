@@ -1,15 +1,18 @@
 """A network as a behaviour in a real py_trees tree."""
 
 from collections import deque
+from typing import Any
 
 import py_trees
 import pytest
 from py_trees.common import Status
 
 from handcart.networks.coordination.coordinator import Coordinator
+from handcart.networks.coordination.events import Event
 from handcart.networks.coordination.network_behaviour import NetworkBehaviour
 from handcart.networks.graph.binding import Binding
 from handcart.networks.graph.network import Action, ActionNetwork, Situation
+from tests.networks.conftest import Stand
 
 
 class Alarm(py_trees.behaviour.Behaviour):
@@ -21,8 +24,8 @@ class Alarm(py_trees.behaviour.Behaviour):
         return Status.RUNNING if self.rings else Status.FAILURE
 
 
-def tree_of(stand, network):
-    events = []
+def tree_of(stand: Stand, network: ActionNetwork) -> tuple[Any, NetworkBehaviour, Alarm, list[Event]]:
+    events: list[Event] = []
     behaviour = NetworkBehaviour(
         "network",
         stand.robot,
@@ -33,7 +36,7 @@ def tree_of(stand, network):
     return py_trees.trees.BehaviourTree(root), behaviour, alarm, events
 
 
-def tick(tree, stand, times) -> None:
+def tick(tree: Any, stand: Stand, times: int) -> None:
     for _ in range(times):
         tree.tick()
         stand.robot.step()
@@ -41,21 +44,27 @@ def tick(tree, stand, times) -> None:
             return
 
 
-def drive(stand, attempts=3):
+def status(tree: Any) -> Status:
+    now: Status = tree.root.status
+    return now
+
+
+def drive(stand: Stand, attempts: int = 3) -> ActionNetwork:
     bound = Binding.of(stand.Drive(periods=40))
     action = Action("a", "z", bound, 1.0, attempts)
     return ActionNetwork.build([Situation("a"), Situation("z")], [action], "a", "z")
 
 
-def test_reaches_the_goal(stand) -> None:
+def test_reaches_the_goal(stand: Stand) -> None:
     tree, behaviour, _, _ = tree_of(stand, drive(stand))
     tick(tree, stand, 200)
     assert tree.root.status is Status.SUCCESS
+    assert behaviour.end is not None
     assert behaviour.end.outcome == "Success"
     assert stand.robot.pose.x == pytest.approx(0.4, abs=0.02)
 
 
-def test_interrupted_it_stops_and_then_restores_first(stand) -> None:
+def test_interrupted_it_stops_and_then_restores_first(stand: Stand) -> None:
     tree, behaviour, alarm, events = tree_of(stand, drive(stand))
     tick(tree, stand, 30)
     alarm.rings = True
@@ -74,34 +83,36 @@ def test_interrupted_it_stops_and_then_restores_first(stand) -> None:
             break
     assert min(nearest) < 0.02
     assert tree.root.status is Status.SUCCESS
+    assert behaviour.end is not None
     assert behaviour.end.fails == 1
     assert [type(event).__name__ for event in events][:4] == ["Planned", "Started", "Restoring", "Ended"]
 
 
-def test_no_way_left_is_failure(stand) -> None:
+def test_no_way_left_is_failure(stand: Stand) -> None:
     stand.script["x"] = deque("P")
     tree, behaviour, _, _ = tree_of(stand, stand.network("a z x 1"))
     tick(tree, stand, 5)
     assert tree.root.status is Status.FAILURE
+    assert behaviour.end is not None
     assert behaviour.end.exit_status == 3
 
 
-def test_give_up_stays_until_a_person_acknowledges(stand) -> None:
+def test_give_up_stays_until_a_person_acknowledges(stand: Stand) -> None:
     stand.script["x"] = deque("G")
     tree, behaviour, _, events = tree_of(stand, stand.network("a z x 1"))
     tick(tree, stand, 1)
     told = len(events)
     tick(tree, stand, 1)
     tick(tree, stand, 1)
-    assert tree.root.status is Status.FAILURE
+    assert status(tree) is Status.FAILURE
     assert behaviour.latched
     assert len(events) == told
     behaviour.acknowledge()
     tick(tree, stand, 1)
-    assert tree.root.status is Status.SUCCESS
+    assert status(tree) is Status.SUCCESS
 
 
-def test_shutdown_while_it_runs(stand) -> None:
+def test_shutdown_while_it_runs(stand: Stand) -> None:
     tree, _, _, _ = tree_of(stand, drive(stand))
     tick(tree, stand, 10)
     tree.shutdown()

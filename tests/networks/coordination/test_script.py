@@ -7,6 +7,7 @@ from typing import Any
 import pytest
 
 from handcart.networks.coordination.script import follow
+from tests.networks.conftest import Stand
 
 ROWS = ("a z near 1", "a z far 5 1")
 
@@ -23,10 +24,10 @@ ROWS = ("a z near 1", "a z far 5 1")
     ],
 )
 def test_outcomes_lead_where_they_would_lead_a_robot(
-    stand: Any, outcomes: Any, did: list[str], ended: str, cost_s: float
+    stand: Stand, outcomes: Any, did: list[str], ended: str, cost_s: float
 ) -> None:
     network = stand.network(*ROWS)
-    cost = {action.cost_s: str(action.binding.fixed["name"]) for action in network.actions}
+    cost = {action.cost_s: str(action.binding.fixed["name"]) for action in network.actions if action.binding}
     imagined = follow(network, outcomes)
     lines = [line.rpartition(": ")[2].split(", ") for line in imagined.lines]
     assert [f"{cost[float(each.split()[0])]} {word}" for word, each in lines] == did

@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Generator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import pytest
 
 from handcart.backends.capabilities.base import Base
+from handcart.backends.robot.robot import Robot
 from handcart.networks.coordination.coordinator import Coordinator
-from handcart.networks.coordination.events import Ended, LeftOut, Started
+from handcart.networks.coordination.events import Ended, Event, LeftOut, Started
+from handcart.networks.coordination.run_end import RunEnd
 from handcart.networks.coordination.world_watch import WorldWatch
 from handcart.networks.graph.binding import Binding
 from handcart.networks.graph.network import Action, ActionNetwork, Situation
@@ -19,11 +22,13 @@ from handcart.networks.journal.journal import Journal
 from handcart.networks.journal.journal_record import read_journal
 from handcart.networks.journal.measured import moved
 from handcart.networks.journal.retracing import standing
-from handcart.primitives.contract.action_primitive import ActionPrimitive
+from handcart.primitives.contract.action_primitive import ActionPrimitive, Periods
 from handcart.primitives.contract.attempt import NOT_ALONE, attempt
 from handcart.primitives.contract.discrepancy import Discrepancy
 from handcart.primitives.contract.outcome import Fail, GiveUp
+from handcart.primitives.knowledge.world_model import ModelView
 from handcart.primitives.restoring.snapshot import take_snapshot
+from tests.networks.conftest import Stand
 
 HOME, FAR = {"base": "home", "book": "in hand"}, {"base": "far", "book": "in hand"}
 
@@ -36,10 +41,10 @@ class Go(ActionPrimitive):
     seen: ClassVar[bool] = True
     no_return: ClassVar[bool] = False
 
-    def hindrance(self, robot, model):
+    def hindrance(self, robot: Robot, model: ModelView) -> str:
         return self.hindrances.pop() if self.hindrances else ""
 
-    def motion(self, robot, model):
+    def motion(self, robot: Robot, model: ModelView) -> Periods:
         for _ in range(40):
             robot.base.drive(0.5, 0.0)
             yield
@@ -47,18 +52,20 @@ class Go(ActionPrimitive):
             yield from self.intend("the lamp goes out")
             self.point_of_no_return("the lamp is out")
 
-    def effect(self, robot, model):
+    def effect(self, robot: Robot, model: ModelView) -> Generator[None, None, bool]:
         return self.seen
         yield
 
 
 @pytest.fixture
-def go(monkeypatch: pytest.MonkeyPatch):
+def go(monkeypatch: pytest.MonkeyPatch) -> type[Go]:
     monkeypatch.setattr(Go, "hindrances", [])
     return Go
 
 
-def line(go, facts=(HOME, FAR, FAR), permit=False):
+def line(
+    go: type[Go], facts: Sequence[Mapping[str, str]] = (HOME, FAR, FAR), permit: bool = False
+) -> ActionNetwork:
     """From a to b to c; both drive."""
     names = [Situation(name, each) for name, each in zip("abc", facts, strict=True)]
     bound = Binding.of(go())
@@ -66,16 +73,17 @@ def line(go, facts=(HOME, FAR, FAR), permit=False):
     return ActionNetwork.build(names, actions, "a", "c")
 
 
-def push(stand, metres) -> None:
+def push(stand: Stand, metres: float) -> None:
     """Somebody rolls the robot, and its wheels turn."""
     travel = stand.backend.wheels.travel
     stand.backend.wheels.travel = type(travel)(travel.left + metres, travel.right + metres)
 
 
-def test_a_precondition_that_is_false_is_not_dispatched(stand, go, tmp_path: Path) -> None:
+def test_a_precondition_that_is_false_is_not_dispatched(stand: Stand, go: type[Go], tmp_path: Path) -> None:
     """N7: not started, counted, planned again."""
     go.hindrances[:] = ["the hand is empty"]
-    network, events = line(go), []
+    network = line(go)
+    events: list[Event] = []
     with Journal(tmp_path / "j") as journal:
         end = stand.finish(Coordinator(network, stand.robot, stand.model, journal, observers=[events.append]))
     assert (end.outcome, end.actions, end.fails) == ("Success", 2, 1)
@@ -88,10 +96,12 @@ def test_a_precondition_that_is_false_is_not_dispatched(stand, go, tmp_path: Pat
     assert kinds[:4] == ["PLAN", "NOT_STARTED", "PLAN", "START"]
 
 
-def test_a_success_that_is_not_seen_is_none(stand, go, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_success_that_is_not_seen_is_none(
+    stand: Stand, go: type[Go], monkeypatch: pytest.MonkeyPatch
+) -> None:
     """N8: restored and measured it is a Fail."""
     monkeypatch.setattr(go, "seen", False)
-    events = []
+    events: list[Event] = []
     end = stand.finish(Coordinator(line(go), stand.robot, stand.model, observers=[events.append]))
     outcomes = [each.outcome for each in events if isinstance(each, Ended)]
     assert all(isinstance(each, Fail) and "success is not confirmed" in each.reason for each in outcomes)
@@ -100,7 +110,7 @@ def test_a_success_that_is_not_seen_is_none(stand, go, monkeypatch: pytest.Monke
 
 
 def test_a_success_that_is_not_seen_and_cannot_be_undone_is_for_a_person(
-    stand, go, monkeypatch: pytest.MonkeyPatch
+    stand: Stand, go: type[Go], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """N8: after a point of no return it is a GiveUp."""
     monkeypatch.setattr(go, "seen", False)
@@ -110,11 +120,13 @@ def test_a_success_that_is_not_seen_and_cannot_be_undone_is_for_a_person(
     assert "success is not confirmed" in end.reason
 
 
-def pushed_while_asked(stand, network, metres, tmp_path: Path):
+def pushed_while_asked(
+    stand: Stand, network: ActionNetwork, metres: float, tmp_path: Path
+) -> tuple[RunEnd, list[Event], Sequence[Mapping[str, Any]]]:
     """A run in which somebody pushes the robot while its second action waits for permission."""
     asked = []
 
-    def permission(action):
+    def permission(action: Action) -> bool | None:
         if action.source == "b":
             asked.append(action)
             if len(asked) == 5:
@@ -122,11 +134,11 @@ def pushed_while_asked(stand, network, metres, tmp_path: Path):
             return True if len(asked) != 5 else None
         return True
 
-    def answers(action):
+    def answers(action: Action) -> bool | None:
         answer = permission(action)
         return None if action.source == "b" and len(asked) < 10 else answer
 
-    events = []
+    events: list[Event] = []
     with Journal(tmp_path / "j") as journal:
         run = Coordinator(
             network, stand.robot, stand.model, journal, observers=[events.append], permission=answers
@@ -135,7 +147,9 @@ def pushed_while_asked(stand, network, metres, tmp_path: Path):
     return end, events, read_journal(tmp_path / "j").records
 
 
-def test_pushed_back_to_where_it_was_before_it_goes_on_from_there(stand, go, tmp_path: Path) -> None:
+def test_pushed_back_to_where_it_was_before_it_goes_on_from_there(
+    stand: Stand, go: type[Go], tmp_path: Path
+) -> None:
     """N9: RECON, and a plan from the situation that is observed."""
     network = line(go)
     end, events, records = pushed_while_asked(stand, network, -1.0, tmp_path)
@@ -150,7 +164,7 @@ def test_pushed_back_to_where_it_was_before_it_goes_on_from_there(stand, go, tmp
     assert left_out.startswith("somebody changed the world: base_mm 1e+03")
 
 
-def test_the_journal_tells_the_same_way(stand, go, tmp_path: Path) -> None:
+def test_the_journal_tells_the_same_way(stand: Stand, go: type[Go], tmp_path: Path) -> None:
     """N9: a resume follows the RECON too."""
     network = line(go)
     _, _, records = pushed_while_asked(stand, network, -1.0, tmp_path)
@@ -161,7 +175,9 @@ def test_the_journal_tells_the_same_way(stand, go, tmp_path: Path) -> None:
     assert standing(network, [header, *records]).route.arrived
 
 
-def test_pushed_to_where_it_never_was_it_asks_for_a_person(stand, go, tmp_path: Path) -> None:
+def test_pushed_to_where_it_never_was_it_asks_for_a_person(
+    stand: Stand, go: type[Go], tmp_path: Path
+) -> None:
     """N9: no situation that the run was in fits."""
     end, _, records = pushed_while_asked(stand, line(go), 0.5, tmp_path)
     assert end.outcome == "GiveUp"
@@ -170,17 +186,17 @@ def test_pushed_to_where_it_never_was_it_asks_for_a_person(stand, go, tmp_path: 
     assert records[-2]["situation"] is None
 
 
-def test_a_changed_world_stops_the_robot(stand, go, tmp_path: Path) -> None:
+def test_a_changed_world_stops_the_robot(stand: Stand, go: type[Go], tmp_path: Path) -> None:
     """N9: before a person is asked for."""
     stops = []
 
-    def note(event) -> None:
+    def note(event: Event) -> None:
         if isinstance(event, LeftOut):
             stops.append(stand.backend.stops)
 
     asked = []
 
-    def permission(action):
+    def permission(action: Action) -> bool | None:
         if action.source == "a":
             return True
         asked.append(action)
@@ -193,14 +209,15 @@ def test_a_changed_world_stops_the_robot(stand, go, tmp_path: Path) -> None:
     assert stand.backend.stops > stops[-1]
 
 
-def test_pushed_back_to_where_an_action_had_ended(stand, go) -> None:
+def test_pushed_back_to_where_an_action_had_ended(stand: Stand, go: type[Go]) -> None:
     """N9: a situation holds again that the run was in between two actions."""
     names = [Situation(name, facts) for name, facts in zip("abcd", (HOME, FAR, FAR, FAR), strict=True)]
     bound = Binding.of(go())
     ways = [Action(a, b, bound, 1.0, permit=a == "c") for a, b in ("ab", "bc", "cd")]
-    asked, events = [], []
+    asked = []
+    events: list[Event] = []
 
-    def permission(action):
+    def permission(action: Action) -> bool | None:
         if action.source != "c":
             return True
         asked.append(action)
@@ -215,7 +232,9 @@ def test_pushed_back_to_where_an_action_had_ended(stand, go) -> None:
 
 
 @pytest.mark.parametrize(("sigma", "found"), [(0.05, "a"), (0.15, None)])
-def test_an_unsure_pose_tells_no_situation(stand, go, sigma: float, found: str | None) -> None:
+def test_an_unsure_pose_tells_no_situation(
+    stand: Stand, go: type[Go], sigma: float, found: str | None
+) -> None:
     """N9: three sigmas of the measurement have to stay within the tolerance."""
     here = take_snapshot(stand.robot, {})
     far = replace(here, pose=type(here.pose)(1.0, 0.0, 0.0))
@@ -224,7 +243,7 @@ def test_an_unsure_pose_tells_no_situation(stand, go, sigma: float, found: str |
     assert watch.situation("b", far, now) == found
 
 
-def test_a_pose_that_is_not_surely_known_has_not_moved(stand) -> None:
+def test_a_pose_that_is_not_surely_known_has_not_moved(stand: Stand) -> None:
     """N9: what is measured elsewhere has, however sure that is."""
     here = take_snapshot(stand.robot, {})
     unsure = replace(here, dead_reckoned=False, pose_sigma=(0.5, 0.3))
@@ -233,7 +252,7 @@ def test_a_pose_that_is_not_surely_known_has_not_moved(stand) -> None:
     assert moved(stand.robot, here, far) == {"base_mm": 500.0}
 
 
-def test_who_found_more_changed_than_the_base_tells_no_situation(stand, go) -> None:
+def test_who_found_more_changed_than_the_base_tells_no_situation(stand: Stand, go: type[Go]) -> None:
     """N9: base and fingers stand as they once did, but no sensor tells what else was changed meanwhile."""
     here = replace(take_snapshot(stand.robot, {}), gripper_width=0.05)
     far = replace(here, pose=type(here.pose)(1.0, 0.0, 0.0), gripper_width=0.0)
@@ -242,11 +261,12 @@ def test_who_found_more_changed_than_the_base_tells_no_situation(stand, go) -> N
     assert watch.situation("b", replace(far, gripper_width=0.05), here) == "a"
 
 
-def test_a_hindrance_that_breaks_hinders(stand, go, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_hindrance_that_breaks_hinders(stand: Stand, go: type[Go], monkeypatch: pytest.MonkeyPatch) -> None:
     """N7: who can't tell whether it may start doesn't start it."""
-    asked, events = [], []
+    asked = []
+    events: list[Event] = []
 
-    def broken(self, robot, model):
+    def broken(self: Go, robot: Robot, model: ModelView) -> str:
         asked.append(robot.time)
         if len(asked) == 1:
             raise ZeroDivisionError("oh")
@@ -264,7 +284,7 @@ class Short(ActionPrimitive):
     drives_s: float
     needs: ClassVar = (Base,)
 
-    def motion(self, robot, model):
+    def motion(self, robot: Robot, model: ModelView) -> Periods:
         end = robot.time + self.drives_s
         while robot.time < end:
             robot.base.drive(0.2, 0.0)
@@ -273,11 +293,11 @@ class Short(ActionPrimitive):
 
 
 @pytest.mark.parametrize(("drives_s", "why"), [(9.0, "it took longer than 2 s"), (1.7, "nobody is there")])
-def test_a_time_out_never_calls_back_from_restoring(stand, drives_s: float, why: str) -> None:
+def test_a_time_out_never_calls_back_from_restoring(stand: Stand, drives_s: float, why: str) -> None:
     """A4: the way back takes the time that it takes."""
     action = Action("a", "b", Binding.of(Short(drives_s=drives_s)), 1.0, attempts=1, time_out_s=2.0)
     network = ActionNetwork.build([Situation("a"), Situation("b")], [action], "a", "b")
-    events = []
+    events: list[Event] = []
     stand.finish(Coordinator(network, stand.robot, stand.model, observers=[events.append]))
     (ended,) = [each.outcome for each in events if isinstance(each, Ended)]
     assert isinstance(ended, Fail)
@@ -285,7 +305,7 @@ def test_a_time_out_never_calls_back_from_restoring(stand, drives_s: float, why:
     assert stand.robot.time > 3.0
 
 
-def test_what_else_may_have_changed_nobody_knows(stand, go, tmp_path: Path) -> None:
+def test_what_else_may_have_changed_nobody_knows(stand: Stand, go: type[Go], tmp_path: Path) -> None:
     """N9: where the book is in other hands by then, being back at the start doesn't bring it back."""
     facts = (HOME, {"base": "far", "book": "on the shelf"}, {"base": "far", "book": "on the shelf"})
     end, _, _ = pushed_while_asked(stand, line(go, facts), -1.0, tmp_path)
@@ -293,11 +313,11 @@ def test_what_else_may_have_changed_nobody_knows(stand, go, tmp_path: Path) -> N
 
 
 def test_a_fault_in_planning_stops_and_asks_for_a_person(
-    stand, go, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    stand: Stand, go: type[Go], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """N10: with its traceback in the journal."""
 
-    def broken(planner, situation) -> None:
+    def broken(planner: Planner, situation: str) -> None:
         raise ZeroDivisionError("oh")
 
     monkeypatch.setattr(Planner, "plan", broken)
@@ -308,9 +328,9 @@ def test_a_fault_in_planning_stops_and_asks_for_a_person(
     assert "in broken" in read_journal(tmp_path / "j").records[0]["error"]
 
 
-def test_two_primitives_at_a_time_both_stop_and_give_up(stand, go) -> None:
+def test_two_primitives_at_a_time_both_stop_and_give_up(stand: Stand, go: type[Go]) -> None:
     """N12"""
-    ends: list[object] = []
+    ends: list[Any] = []
     running = [attempt(go(), stand.robot, stand.model) for _ in range(2)]
     for _ in range(200):
         for each in list(running):

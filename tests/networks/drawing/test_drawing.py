@@ -1,5 +1,6 @@
 """Networks as Mermaid, dot and SVG."""
 
+from typing import Any
 from xml.etree import ElementTree
 
 import pytest
@@ -8,11 +9,12 @@ from handcart.networks.drawing.drawing import FORMATS
 from handcart.networks.drawing.layout import BOX, lay_out, lines_of
 from handcart.networks.graph.binding import Binding
 from handcart.networks.graph.network import Action, ActionNetwork, Situation
+from tests.networks.conftest import Stand
 
 
 @pytest.fixture
-def network(stand):
-    def action(source, target, **more):
+def network(stand: Stand) -> ActionNetwork:
+    def action(source: str, target: str, **more: Any) -> Action:
         return Action(source, target, Binding.of(stand.Think(name="x")), **more)
 
     facts = {"book": 'a "b" <c> & d'}
@@ -37,7 +39,7 @@ def network(stand):
 
 
 @pytest.mark.parametrize("suffix", FORMATS)
-def test_everything_is_drawn(network, suffix) -> None:
+def test_everything_is_drawn(network: ActionNetwork, suffix: str) -> None:
     text = FORMATS[suffix](network)
     for situation in network.situations:
         assert situation in text
@@ -47,14 +49,14 @@ def test_everything_is_drawn(network, suffix) -> None:
     assert FORMATS[suffix](network) == text
 
 
-def test_svg_is_xml(network) -> None:
+def test_svg_is_xml(network: ActionNetwork) -> None:
     root = ElementTree.fromstring(FORMATS[".svg"](network))
     kinds = [element.get("class", "") for element in root.iter()]
     assert kinds.count("box") + kinds.count("box start") + kinds.count("box goal") == 5
     assert sum(kind.startswith("way") for kind in kinds) == 9
 
 
-def test_no_way_passes_through_a_box(network) -> None:
+def test_no_way_passes_through_a_box(network: ActionNetwork) -> None:
     layout = lay_out(network, lines_of(network))
     middles = list(layout.boxes.values())
     assert len(set(middles)) == len(middles)

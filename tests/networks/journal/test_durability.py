@@ -5,21 +5,27 @@ from __future__ import annotations
 import os
 import threading
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Generator, Iterator
 from pathlib import Path
 from typing import ClassVar
 
 import pytest
 
 from handcart.backends.capabilities.base import Base
+from handcart.backends.robot.robot import Robot
 from handcart.networks.coordination.coordinator import Coordinator
-from handcart.networks.coordination.events import Ended, Started
+from handcart.networks.coordination.events import Ended, Event, Started
+from handcart.networks.coordination.run_end import RunEnd
 from handcart.networks.coordination.supervision import Request
 from handcart.networks.graph.binding import Binding
 from handcart.networks.graph.network import Action, ActionNetwork, Situation
 from handcart.networks.journal.journal import Journal
 from handcart.networks.journal.journal_record import JournalError, read_journal
-from handcart.primitives.contract.action_primitive import ActionPrimitive
+from handcart.primitives.contract.action_primitive import ActionPrimitive, Periods
+from handcart.primitives.knowledge.world_model import ModelView
+from tests.networks.conftest import Stand
+
+Begin = Callable[[], tuple[Coordinator, Journal, list[Event]]]
 
 
 class Lamp(ActionPrimitive):
@@ -28,7 +34,7 @@ class Lamp(ActionPrimitive):
     needs: ClassVar = (Base,)
     put_out: ClassVar[list[float]] = []
 
-    def motion(self, robot, model):
+    def motion(self, robot: Robot, model: ModelView) -> Periods:
         for _ in range(5):
             robot.base.drive(0.2, 0.0)
             yield
@@ -64,33 +70,35 @@ def disk(monkeypatch: pytest.MonkeyPatch) -> Iterator[Disk]:
 
 
 @pytest.fixture
-def begin(stand, disk: Disk, tmp_path: Path):
+def begin(stand: Stand, disk: Disk, tmp_path: Path) -> Begin:
     """A run with one action, its journal brought to the disk beside the loop."""
 
-    def make():
+    def make() -> tuple[Coordinator, Journal, list[Event]]:
         bound = Binding.of(Lamp())
         network = ActionNetwork.build(
             [Situation("a"), Situation("z")], [Action("a", "z", bound, 1.0)], "a", "z"
         )
         journal = Journal(tmp_path / "j", "beside")
-        events: list[object] = []
+        events: list[Event] = []
         run = Coordinator(network, stand.robot, stand.model, journal, observers=[events.append])
         return run, journal, events
 
     return make
 
 
-def go_on(stand, periods, count) -> None:
+def go_on(stand: Stand, periods: Generator[None, None, RunEnd], count: int) -> None:
     for _ in range(count):
         next(periods)
         stand.robot.step()
 
 
-def has(events, kind):
+def has(events: list[Event], kind: type[Event]) -> bool:
     return any(isinstance(each, kind) for each in events)
 
 
-def soon(disk, stand, periods, ready) -> None:
+def soon(
+    disk: Disk, stand: Stand, periods: Generator[None, None, RunEnd], ready: Callable[[], object]
+) -> None:
     """Let the disk work until something is so."""
     disk.free.set()
     end = time.monotonic() + 20.0
@@ -100,7 +108,7 @@ def soon(disk, stand, periods, ready) -> None:
         time.sleep(0.001)
 
 
-def test_nothing_moves_before_the_start_is_on_the_disk(stand, disk: Disk, begin) -> None:
+def test_nothing_moves_before_the_start_is_on_the_disk(stand: Stand, disk: Disk, begin: Begin) -> None:
     """D9: the loop goes on, the robot holds; a slow disk only delays."""
     run, journal, events = begin()
     with journal:
@@ -112,7 +120,9 @@ def test_nothing_moves_before_the_start_is_on_the_disk(stand, disk: Disk, begin)
         soon(disk, stand, periods, lambda: stand.backend.wheels.travel.left > 0.0)
 
 
-def test_an_effect_waits_for_its_intent_and_the_result_for_the_disk(stand, disk: Disk, begin) -> None:
+def test_an_effect_waits_for_its_intent_and_the_result_for_the_disk(
+    stand: Stand, disk: Disk, begin: Begin
+) -> None:
     """D9: nobody hears of an outcome that isn't on the disk."""
     run, journal, events = begin()
     with journal:
@@ -136,7 +146,7 @@ def test_an_effect_waits_for_its_intent_and_the_result_for_the_disk(stand, disk:
         assert has(events, Ended)
 
 
-def test_a_stop_does_not_wait_for_the_disk(stand, disk: Disk, begin) -> None:
+def test_a_stop_does_not_wait_for_the_disk(stand: Stand, disk: Disk, begin: Begin) -> None:
     """D9: neither before the start nor while a result waits."""
     run, journal, _ = begin()
     disk.free.clear()
@@ -150,7 +160,9 @@ def test_a_stop_does_not_wait_for_the_disk(stand, disk: Disk, begin) -> None:
     journal.close()
 
 
-def test_a_disk_that_fails_ends_the_run_and_is_never_asked_again(stand, disk: Disk, begin) -> None:
+def test_a_disk_that_fails_ends_the_run_and_is_never_asked_again(
+    stand: Stand, disk: Disk, begin: Begin
+) -> None:
     """D8: the journal is poisoned; nothing was commanded."""
     run, journal, _ = begin()
     with journal:
@@ -168,7 +180,7 @@ def test_a_disk_that_fails_ends_the_run_and_is_never_asked_again(stand, disk: Di
 
 
 def test_what_was_intended_stands_in_the_journal(
-    stand, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    stand: Stand, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """INTENT and PNR name the action and what it does."""
     monkeypatch.setattr(Lamp, "put_out", [])
@@ -185,7 +197,7 @@ def test_what_was_intended_stands_in_the_journal(
     assert told["END"]["at"] == told["RESULT"]["at"]
 
 
-def test_a_run_is_over_when_its_end_is_on_the_disk(stand, disk: Disk, begin) -> None:
+def test_a_run_is_over_when_its_end_is_on_the_disk(stand: Stand, disk: Disk, begin: Begin) -> None:
     """D9: who asks how it ended hears nothing that a crash could still take back."""
     run, journal, events = begin()
     with journal:

@@ -81,7 +81,7 @@ def test_a_newline_before_the_last_record_is_damage(tmp_path: Path, byte: int) -
 
 
 @pytest.mark.parametrize("tail", [b"\0" * 4096, b"garbage\nmore\n", b"{}\n", b"[]\n", b"1\n", None])
-def test_tails(tmp_path: Path, tail) -> None:
+def test_tails(tmp_path: Path, tail: bytes | None) -> None:
     """D4: None stands for the last record once more."""
     path = tmp_path / "j.jsonl"
     whole = written(path)
@@ -131,7 +131,7 @@ def test_disk_full_poisons(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> N
     before = path.read_bytes()
     calls = []
 
-    def short(file, line):
+    def short(file: int, line: bytes) -> int:
         calls.append(line)
         return real(file, line[:5])
 
@@ -152,7 +152,7 @@ def test_short_write_is_tried_again(tmp_path: Path, monkeypatch: pytest.MonkeyPa
     path = tmp_path / "j.jsonl"
     real, calls = os.write, []
 
-    def once_short(file, line):
+    def once_short(file: int, line: bytes) -> int:
         calls.append(line)
         return real(file, line[:5] if len(calls) == 1 else line)
 
@@ -166,7 +166,7 @@ def test_failed_sync_poisons(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) ->
     """D8: never tried again."""
     calls = []
 
-    def failing(file) -> None:
+    def failing(file: int) -> None:
         calls.append(file)
         raise OSError(5, "Input/output error")
 
@@ -247,8 +247,14 @@ def test_what_is_cut_off_and_the_folder_are_brought_to_the_disk(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """D13: a journal that is new, or shorter, is so after a power cut too."""
-    synced, real = [], os.fsync
-    monkeypatch.setattr(os, "fsync", lambda file: (synced.append(os.fstat(file).st_ino), real(file)))
+    real = os.fsync
+    synced: list[int] = []
+
+    def sync(file: int) -> None:
+        synced.append(os.fstat(file).st_ino)
+        real(file)
+
+    monkeypatch.setattr(os, "fsync", sync)
     path = tmp_path / "j.jsonl"
     whole = written(path)
     assert tmp_path.stat().st_ino in synced

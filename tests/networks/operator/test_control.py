@@ -8,19 +8,23 @@ import selectors
 import shutil
 import socket
 import stat
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
+from typing import Any
 
 import orjson
 import pytest
 
 from benchmarks.damage.fuzzed_messages import fuzzed_messages
 from handcart.networks.coordination.coordinator import Coordinator
+from handcart.networks.graph.network import Action
 from handcart.networks.journal.journal import Journal
 from handcart.networks.operator.asking import ClosedToYou, NotAlive, NotAnswering, ask, goes_on, tell_to_stop
 from handcart.networks.operator.control import MOST, SILENT, Control
 from handcart.networks.operator.operation import Operation
 from handcart.networks.operator.permits import Permits
+from tests.conftest import Clock
+from tests.networks.conftest import Stand
 
 FAULT = "a fault in handcart"
 
@@ -39,7 +43,7 @@ class Line:
     def send(self, message: bytes) -> None:
         self.socket.sendall(message)
 
-    def answers(self) -> list[dict]:
+    def answers(self) -> list[dict[str, Any]]:
         """What has come whole by now."""
         while self._more():
             pass
@@ -71,7 +75,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 @pytest.fixture
-def lines(folder: Path) -> Iterator:
+def lines(folder: Path) -> Iterator[Callable[[], Line]]:
     """Opens lines; all are closed in the end."""
     opened: list[Line] = []
 
@@ -86,27 +90,30 @@ def lines(folder: Path) -> Iterator:
 
 
 @pytest.fixture
-def run(stand, folder: Path) -> Iterator:
+def run(stand: Stand, folder: Path) -> Iterator[Any]:
     """A run before its first period, that listens."""
     coordinator = Coordinator(stand.network("a z go 1"), stand.robot, stand.model)
     with Operation(folder, coordinator, Permits(), stand.robot) as operation:
-        operation.coordinator, operation.stand = coordinator, stand
-        yield operation
+        told: Any = operation
+        told.coordinator, told.stand = coordinator, stand
+        yield told
 
 
 @pytest.fixture
-def control(folder: Path, clock) -> Iterator:
+def control(folder: Path, clock: Clock) -> Iterator[Any]:
     """Answers each message with itself."""
     stops: list[None] = []
     with Control(folder, dict, lambda: stops.append(None), clock) as listening:
-        listening.stops = stops
-        yield listening
+        told: Any = listening
+        told.stops = stops
+        yield told
 
 
-def test_every_message_that_is_none_is_answered_in_words(run: Iterator, lines: Iterator) -> None:
+def test_every_message_that_is_none_is_answered_in_words(run: Any, lines: Callable[[], Line]) -> None:
     """U11: of all JSON types, huge, deep, binary, half; more: `python -m benchmarks.hostile.control`."""
     for message in fuzzed_messages(400, seed=1):
-        line, rest, answers = lines(), message + b"\n", []
+        line, rest = lines(), message + b"\n"
+        answers: list[dict[str, Any]] = []
         while not answers:  # a line that is too long is answered before it is all there
             sent, rest = rest[:3000], rest[3000:]
             line.send(sent)
@@ -132,13 +139,13 @@ def test_every_message_that_is_none_is_answered_in_words(run: Iterator, lines: I
         ({"do": "x\x1b[2J"}, "unknown word 'x\\x1b[2J'"),
     ],
 )
-def test_what_is_wrong_with_a_message(run: Iterator, message, words: str) -> None:
+def test_what_is_wrong_with_a_message(run: Any, message: dict[str, Any], words: str) -> None:
     answer = run.answer(message)
     assert not answer["ok"]
     assert words in answer["error"]
 
 
-def test_a_stop_waits_behind_nothing(run: Iterator, lines: Iterator, folder: Path) -> None:
+def test_a_stop_waits_behind_nothing(run: Any, lines: Callable[[], Line], folder: Path) -> None:
     """U9: more idle lines than there may be, half messages, floods, and a queue full of other wishes."""
     idle = [lines() for _ in range(MOST)]
     run.look()
@@ -154,7 +161,7 @@ def test_a_stop_waits_behind_nothing(run: Iterator, lines: Iterator, folder: Pat
     assert (end.outcome, end.actions) == ("Cancelled", 0)
 
 
-def test_a_stop_on_the_line_is_heard_beside_idle_ones(run: Iterator, lines: Iterator) -> None:
+def test_a_stop_on_the_line_is_heard_beside_idle_ones(run: Any, lines: Callable[[], Line]) -> None:
     """U8, U11: eight that say nothing made `handcart stop` say that no run is alive."""
     for _ in range(3 * MOST):
         lines()
@@ -166,7 +173,7 @@ def test_a_stop_on_the_line_is_heard_beside_idle_ones(run: Iterator, lines: Iter
     assert run.stand.finish(run.coordinator).outcome == "Cancelled"
 
 
-def test_a_stop_of_somebody_who_has_hung_up_is_heard(run: Iterator, lines: Iterator) -> None:
+def test_a_stop_of_somebody_who_has_hung_up_is_heard(run: Any, lines: Callable[[], Line]) -> None:
     line = lines()
     line.send(b'{"do":"status"}\n{"do":"status"}\n{"do":"stop"}')
     line.socket.close()
@@ -175,14 +182,14 @@ def test_a_stop_of_somebody_who_has_hung_up_is_heard(run: Iterator, lines: Itera
     assert run.stand.finish(run.coordinator).outcome == "Cancelled"
 
 
-def test_requests_that_may_wait_are_limited_and_a_stop_is_none_of_them(run: Iterator) -> None:
+def test_requests_that_may_wait_are_limited_and_a_stop_is_none_of_them(run: Any) -> None:
     told = [run.answer({"do": word})["ok"] for _ in range(50) for word in ("pause", "continue")]
     assert not all(told)
     assert run.answer({"do": "stop"})["ok"]
     assert run.stand.finish(run.coordinator).outcome == "Cancelled"
 
 
-def test_each_line_gets_one_answer_a_period_in_order(control: Iterator, lines: Iterator) -> None:
+def test_each_line_gets_one_answer_a_period_in_order(control: Any, lines: Callable[[], Line]) -> None:
     flood, calm = lines(), lines()
     flood.send(b"".join(b'{"n":%d}\n' % number for number in range(100)))
     calm.send(b'{"n":-1}\n')
@@ -193,7 +200,7 @@ def test_each_line_gets_one_answer_a_period_in_order(control: Iterator, lines: I
     assert [each["n"] for each in flood.answers()] == list(range(1, 100))
 
 
-def test_who_does_not_read_makes_nobody_else_wait(control: Iterator, lines: Iterator) -> None:
+def test_who_does_not_read_makes_nobody_else_wait(control: Any, lines: Callable[[], Line]) -> None:
     deaf, calm = lines(), lines()
     told = orjson.dumps({"n": "x" * 4000}) + b"\n"
     sent = 0
@@ -209,7 +216,9 @@ def test_who_does_not_read_makes_nobody_else_wait(control: Iterator, lines: Iter
     assert calm.answers() == [{"n": 1}]
 
 
-def test_a_message_that_is_too_long_is_told_and_its_line_closed(control: Iterator, lines: Iterator) -> None:
+def test_a_message_that_is_too_long_is_told_and_its_line_closed(
+    control: Any, lines: Callable[[], Line]
+) -> None:
     line = lines()
     line.send(b"x" * 5000)
     for _ in range(3):
@@ -218,7 +227,9 @@ def test_a_message_that_is_too_long_is_told_and_its_line_closed(control: Iterato
     assert line.hung_up
 
 
-def test_a_line_on_which_nothing_comes_is_closed(control: Iterator, lines: Iterator, clock) -> None:
+def test_a_line_on_which_nothing_comes_is_closed(
+    control: Any, lines: Callable[[], Line], clock: Clock
+) -> None:
     """U11: half a message is nothing whole."""
     idle, half, busy = lines(), lines(), lines()
     half.send(b'{"n"')
@@ -234,7 +245,7 @@ def test_a_line_on_which_nothing_comes_is_closed(control: Iterator, lines: Itera
 
 
 def test_of_too_many_lines_the_one_that_was_silent_longest_is_closed(
-    control: Iterator, lines: Iterator, clock
+    control: Any, lines: Callable[[], Line], clock: Clock
 ) -> None:
     """U11: who talks keeps their line."""
     many = []
@@ -255,18 +266,18 @@ def test_of_too_many_lines_the_one_that_was_silent_longest_is_closed(
     assert last.answers() == [{}]
 
 
-def test_only_its_owner_may_operate_a_run(folder: Path, control: Iterator) -> None:
+def test_only_its_owner_may_operate_a_run(folder: Path, control: Any) -> None:
     """U11: by either socket."""
     for name in ("control", "control.stop"):
         assert stat.S_IMODE(os.stat(folder / name).st_mode) & 0o077 == 0
 
 
 def test_who_asked_more_than_once_is_not_waited_with(
-    control: Iterator, lines: Iterator, monkeypatch: pytest.MonkeyPatch
+    control: Any, lines: Callable[[], Line], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     waited, plain = [], selectors.DefaultSelector.select
 
-    def select(self, timeout=None):
+    def select(self: selectors.DefaultSelector, timeout: float | None = None) -> Any:
         waited.append(timeout)
         return plain(self, 0.0)
 
@@ -280,9 +291,10 @@ def test_who_asked_more_than_once_is_not_waited_with(
     assert [each["n"] for each in line.answers()] == [1, 2]
 
 
-def test_an_answer_holds_for_one_start_of_one_action(stand) -> None:
+def test_an_answer_holds_for_one_start_of_one_action(stand: Stand) -> None:
     (action,) = stand.network("a z go 1").actions
-    permits, asked = Permits(step=True), []
+    permits = Permits(step=True)
+    asked: list[Action] = []
     permits.asking = asked.append
     for permitted in (True, False):
         assert permits(action) is None
@@ -292,8 +304,8 @@ def test_an_answer_holds_for_one_start_of_one_action(stand) -> None:
     assert asked == [action] * 3
 
 
-def test_a_fault_in_answering_is_told_and_nothing_more(folder: Path, lines: Iterator) -> None:
-    def fails(message) -> None:
+def test_a_fault_in_answering_is_told_and_nothing_more(folder: Path, lines: Callable[[], Line]) -> None:
+    def fails(message: Mapping[str, Any]) -> Mapping[str, Any]:
         raise KeyError("x")
 
     with Control(folder, fails, lambda: None) as listening:
@@ -338,7 +350,7 @@ def test_a_run_that_is_over_broke_off_or_does_not_answer(folder: Path) -> None:
         tell_to_stop(again)
 
 
-def test_a_queue_that_is_full_is_no_run_that_is_over(folder: Path, lines: Iterator) -> None:
+def test_a_queue_that_is_full_is_no_run_that_is_over(folder: Path, lines: Callable[[], Line]) -> None:
     """Nobody takes what waits: the run computes."""
     with Journal(folder / "journal.jsonl"), Control(folder, dict, lambda: None):
         for _ in range(2 * MOST):
@@ -368,7 +380,7 @@ def test_what_answers_but_is_no_run(folder: Path) -> None:
 
 
 @pytest.mark.skipif(os.geteuid() != 0, reason="only root can become somebody else")
-def test_a_folder_of_somebody_else(folder: Path, control: Iterator) -> None:
+def test_a_folder_of_somebody_else(folder: Path, control: Any) -> None:
     """That a run is alive there or isn't can't be said."""
     child = os.fork()
     if child == 0:  # pragma: no cover

@@ -1,25 +1,34 @@
 """The last seconds of readings and commands."""
 
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
+from handcart.backends.robot.robot import Robot
 from handcart.networks.coordination.coordinator import Coordinator
 from handcart.networks.graph.network import Action, ActionNetwork, Situation
 from handcart.networks.runs.flight_recorder import FlightRecorder, load_readings
+from handcart.primitives.contract.action_primitive import Periods
 from handcart.primitives.contract.discrepancy import Discrepancy
+from handcart.primitives.knowledge.world_model import ModelView
+from tests.networks import conftest
+from tests.networks.conftest import Stand
 
 PERIOD = 0.05
 
 
 @pytest.fixture
-def drive(stand, tmp_path: Path):
+def drive(stand: Stand, tmp_path: Path) -> Callable[..., dict[str, Any]]:
     """Drives until `fails` periods have passed, then ends as told; what the recorder wrote, by file name."""
 
-    def driven(fails, error=None, seconds=10.0, pauses=0):
-        class Drive(stand.Drive):
-            def motion(self, robot, model):
+    def driven(
+        fails: int, error: Discrepancy | None = None, seconds: float = 10.0, pauses: int = 0
+    ) -> dict[str, Any]:
+        class Drive(conftest.Drive):
+            def motion(self, robot: Robot, model: ModelView) -> Periods:
                 for _ in range(fails):
                     robot.base.drive(0.2, 0.0)
                     yield
@@ -48,7 +57,7 @@ def drive(stand, tmp_path: Path):
     return driven
 
 
-def test_a_fail_keeps_what_came_before_it_and_the_way_back(drive) -> None:
+def test_a_fail_keeps_what_came_before_it_and_the_way_back(drive: Callable[..., dict[str, Any]]) -> None:
     kept = drive(120, Discrepancy("enough"), seconds=2.0)
     assert list(kept) == ["001_DRIVE_Fail_readings.npz"]  # nothing has happened since
     readings = kept["001_DRIVE_Fail_readings.npz"]
@@ -62,22 +71,22 @@ def test_a_fail_keeps_what_came_before_it_and_the_way_back(drive) -> None:
     assert set(readings["action"].tolist()) == {1}
 
 
-def test_a_success_leaves_the_end_of_the_run_alone(drive) -> None:
+def test_a_success_leaves_the_end_of_the_run_alone(drive: Callable[..., dict[str, Any]]) -> None:
     kept = drive(30)
     assert list(kept) == ["end_readings.npz"]
     assert len(kept["end_readings.npz"]["time_s"]) < 60
 
 
-def test_no_more_than_the_last_seconds_are_held(drive) -> None:
+def test_no_more_than_the_last_seconds_are_held(drive: Callable[..., dict[str, Any]]) -> None:
     assert len(drive(100, seconds=1.0)["end_readings.npz"]["time_s"]) == 20
 
 
-def test_a_pause_is_not_recorded(drive) -> None:
+def test_a_pause_is_not_recorded(drive: Callable[..., dict[str, Any]]) -> None:
     times = drive(30, pauses=10)["end_readings.npz"]["time_s"]
     assert np.allclose(np.diff(times), PERIOD)
 
 
-def test_a_full_disk_ends_the_evidence_not_the_run(stand, tmp_path: Path) -> None:
+def test_a_full_disk_ends_the_evidence_not_the_run(stand: Stand, tmp_path: Path) -> None:
     (tmp_path / "evidence").write_text("a file where a folder is to be")
     recorder = FlightRecorder(tmp_path, stand.robot)
     stand.robot.step()

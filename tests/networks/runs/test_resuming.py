@@ -5,11 +5,13 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
 
 from handcart.backends.description.joint_units import JointUnits
+from handcart.networks.graph.planner import Plan
 from handcart.networks.journal.journal import Journal
 from handcart.networks.journal.journal_record import read_journal
 from handcart.networks.journal.retracing import NeedsOperator, standing
@@ -22,6 +24,7 @@ from handcart.networks.runs.run import execute
 from handcart.networks.runs.run_folder import read_run_journal
 from handcart.networks.task.preparing import Prepared
 from handcart.networks.task.task_file import load_task
+from tests.networks.conftest import Stand
 
 _OWN = ("kind", "q", "t", "wall", "p", "h")
 """What the journal itself writes into each record."""
@@ -74,7 +77,7 @@ class Run:
 
 
 @pytest.fixture
-def run(tmp_path: Path, new_stand: Callable[[], Any], primitives: Any) -> Run:
+def run(tmp_path: Path, new_stand: Callable[[], Stand], primitives: SimpleNamespace) -> Run:
     path = tmp_path / "task" / "task.yaml"
     path.parent.mkdir()
     path.write_text(TASK)
@@ -223,10 +226,12 @@ def test_a_fail_for_good_is_for_good_after_a_resume_too(run: Run) -> None:
     run.append("RESULT", **failed)
     there = standing(run.network, run.records)
     plan = there.route.plan()
+    assert isinstance(plan, Plan)
     assert [action.index for action in plan.actions] == [3]
     run.cut("RESULT", 0)
     run.append("RESULT", **failed | {"permanent": False})
     again = standing(run.network, run.records).route.plan()
+    assert isinstance(again, Plan)
     assert [action.index for action in again.actions] == [0, 1, 2]
 
 

@@ -2,14 +2,20 @@
 
 import signal
 from collections import deque
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import orjson
 import pytest
 
+from handcart.backends.robot.robot import Robot
 from handcart.networks.action_log import ActionLog
+from handcart.networks.coordination.events import Event, RunEnded
+from handcart.networks.coordination.run_end import RunEnd
 from handcart.networks.journal.journal import Journal
 from handcart.networks.journal.journal_record import JournalError, read_journal, without_wall
 from handcart.networks.journal.past_run import read_run
@@ -19,6 +25,7 @@ from handcart.networks.runs.run import execute
 from handcart.networks.runs.telemetry import load_track
 from handcart.networks.task.preparing import Prepared, load_model
 from handcart.networks.task.task_file import load_task
+from tests.networks.conftest import Stand
 
 TASK = """\
 format: handcart-task/1
@@ -37,31 +44,37 @@ actions:
 class Hears(RunObserver):
     """Notes what it hears of, and has figures of its own."""
 
-    def __init__(self, own) -> None:
-        self.own, self.words, self.events = own, [], []
+    def __init__(self, own: Callable[[], dict[str, Any]]) -> None:
+        self.own = own
+        self.words: list[str] = []
+        self.events: list[Event] = []
 
-    def begin(self, prepared, run_dir) -> None:
+    def begin(self, prepared: Prepared, run_dir: Path) -> None:
         assert (run_dir / "journal.jsonl").exists()
         self.words.append("begin")
 
-    def period(self, robot) -> None:
+    def period(self, robot: Robot) -> None:
         self.words.append("period")
 
-    def event(self, event) -> None:
+    def event(self, event: Event) -> None:
         self.events.append(event)
 
     def end(self) -> None:
         self.words.append("end")
 
-    def figures(self, end):
-        assert end is self.events[-1].end
+    def figures(self, end: RunEnd) -> dict[str, Any]:
+        last = self.events[-1]
+        assert isinstance(last, RunEnded)
+        assert end is last.end
         self.words.append("figures")
         return self.own()
 
 
 @pytest.fixture
-def prepare(tmp_path: Path, new_stand, primitives):
-    def prepared(**settings):
+def prepare(
+    tmp_path: Path, new_stand: Callable[[], Stand], primitives: SimpleNamespace
+) -> Callable[..., tuple[Stand, Prepared]]:
+    def prepared(**settings: str) -> tuple[Stand, Prepared]:
         stand = new_stand()
         path = tmp_path / "task" / "task.yaml"
         path.parent.mkdir(exist_ok=True)
@@ -72,7 +85,7 @@ def prepare(tmp_path: Path, new_stand, primitives):
     return prepared
 
 
-def test_run_folder(prepare, tmp_path: Path) -> None:
+def test_run_folder(prepare: Callable[..., tuple[Stand, Prepared]], tmp_path: Path) -> None:
     stand, prepared = prepare(periods="20")
     stand.script["x"] = deque("F")
     folder = tmp_path / "run"
@@ -99,7 +112,9 @@ def test_run_folder(prepare, tmp_path: Path) -> None:
     assert heard.words == ["begin", *["period"] * len(track.time), "end", "figures"]
 
 
-def test_the_log_of_actions_says_what_the_journal_does(prepare, tmp_path: Path) -> None:
+def test_the_log_of_actions_says_what_the_journal_does(
+    prepare: Callable[..., tuple[Stand, Prepared]], tmp_path: Path
+) -> None:
     stand, prepared = prepare(periods="5")
     stand.script["x"] = deque("F")
     log = ActionLog()
@@ -110,7 +125,7 @@ def test_the_log_of_actions_says_what_the_journal_does(prepare, tmp_path: Path) 
     assert [each.reason for each in log.actions] == [each.reason for each in kept]
 
 
-def test_same_seed_same_journal(prepare, tmp_path: Path) -> None:
+def test_same_seed_same_journal(prepare: Callable[..., tuple[Stand, Prepared]], tmp_path: Path) -> None:
     journals = []
     for name in ("one", "two"):
         _, prepared = prepare()
@@ -119,7 +134,7 @@ def test_same_seed_same_journal(prepare, tmp_path: Path) -> None:
     assert journals[0] == journals[1]
 
 
-def test_interrupt_stops_and_holds(prepare, tmp_path: Path) -> None:
+def test_interrupt_stops_and_holds(prepare: Callable[..., tuple[Stand, Prepared]], tmp_path: Path) -> None:
     stand, prepared = prepare(periods="2000")
     step = stand.backend.step
 
@@ -128,23 +143,26 @@ def test_interrupt_stops_and_holds(prepare, tmp_path: Path) -> None:
         if 1.0 < stand.robot.time < 1.04:
             signal.raise_signal(signal.SIGINT)
 
-    stand.backend.step = interrupted
+    backend: Any = stand.backend
+    backend.step = interrupted
     before = signal.getsignal(signal.SIGINT)
     end = execute(prepared, tmp_path / "run").end
     assert (end.outcome, end.exit_status) == ("Cancelled", 130)
-    stop, end = read_journal(tmp_path / "run" / "journal.jsonl").records[-2:]
-    assert (stop["kind"], stop["cause"], end["kind"]) == ("STOP", "interrupted", "END")
+    stop, ended = read_journal(tmp_path / "run" / "journal.jsonl").records[-2:]
+    assert (stop["kind"], stop["cause"], ended["kind"]) == ("STOP", "interrupted", "END")
     assert 0.95 < stop["asked_s"] <= stop["sent_s"] < stop["asked_s"] + 3 * 0.05 + 1e-6
-    assert end["t"] - stop["sent_s"] < 0.5
+    assert ended["t"] - stop["sent_s"] < 0.5
     assert stand.backend.stops
     assert signal.getsignal(signal.SIGINT) is before
 
 
-def test_an_interrupt_after_the_last_action_changes_nothing(prepare, tmp_path: Path) -> None:
+def test_an_interrupt_after_the_last_action_changes_nothing(
+    prepare: Callable[..., tuple[Stand, Prepared]], tmp_path: Path
+) -> None:
     """K3: the run is over when its END is there; what is still to be written is written."""
     _, prepared = prepare()
 
-    def metrics():
+    def metrics() -> dict[str, Any]:
         for kind in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
             signal.raise_signal(kind)
         return {"whole": True}
@@ -155,12 +173,14 @@ def test_an_interrupt_after_the_last_action_changes_nothing(prepare, tmp_path: P
     assert (tmp_path / "run" / "telemetry.npz").exists()
 
 
-def test_disk_full_while_it_runs(prepare, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_disk_full_while_it_runs(
+    prepare: Callable[..., tuple[Stand, Prepared]], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """D6: the robot is stopped; exit status 5."""
     stand, prepared = prepare()
     append = Journal.append
 
-    def full(journal, kind, *rest):
+    def full(journal: Journal, kind: str, *rest: Any) -> Any:
         if kind == "RESULT":
             raise JournalError(journal.path, "can't be written: No space left on device")
         return append(journal, kind, *rest)
@@ -172,11 +192,11 @@ def test_disk_full_while_it_runs(prepare, tmp_path: Path, monkeypatch: pytest.Mo
     assert stand.backend.stops
 
 
-def test_fault_in_our_own_code(prepare, tmp_path: Path) -> None:
+def test_fault_in_our_own_code(prepare: Callable[..., tuple[Stand, Prepared]], tmp_path: Path) -> None:
     _, prepared = prepare()
 
     class Broken(RunObserver):
-        def event(self, event) -> None:
+        def event(self, event: Event) -> None:
             raise ZeroDivisionError("oh")
 
     end = execute(prepared, tmp_path / "run", RunOptions(observers=(Broken(),))).end
@@ -185,16 +205,16 @@ def test_fault_in_our_own_code(prepare, tmp_path: Path) -> None:
 
 
 def test_a_full_disk_takes_no_error_file_either_and_the_run_ends(
-    prepare, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    prepare: Callable[..., tuple[Stand, Prepared]], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """D6: whatever broke the run off, its end is told."""
     stand, prepared = prepare()
 
-    def full(path, *_, **__) -> None:
+    def full(path: Path, *_: Any, **__: Any) -> None:
         raise OSError(28, "No space left on device", str(path))
 
     class Broken(RunObserver):
-        def event(self, event) -> None:
+        def event(self, event: Event) -> None:
             monkeypatch.setattr(Path, "write_text", full)
             raise ZeroDivisionError("oh")
 
@@ -205,14 +225,14 @@ def test_a_full_disk_takes_no_error_file_either_and_the_run_ends(
     assert read_journal(tmp_path / "run" / "journal.jsonl").records[-1]["kind"] == "END"
 
 
-def test_folder_of_another_run(prepare, tmp_path: Path) -> None:
+def test_folder_of_another_run(prepare: Callable[..., tuple[Stand, Prepared]], tmp_path: Path) -> None:
     _, prepared = prepare()
     execute(prepared, tmp_path / "run")
     with pytest.raises(JournalError):
         execute(prepared, tmp_path / "run")
 
 
-def test_a_task_without_knowledge(prepare) -> None:
+def test_a_task_without_knowledge(prepare: Callable[..., tuple[Stand, Prepared]]) -> None:
     _, prepared = prepare()
     model, warnings = load_model(prepared.task)
     assert model.places == {}

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import gc
 import weakref
+from typing import Any, cast
 
 from handcart.networks.coordination.events import Ended, RunEnded
 from handcart.networks.runs.steady_memory import SteadyMemory
@@ -19,8 +20,8 @@ class Knot:
 def test_k6_nothing_is_collected_but_between_actions() -> None:
     """K6: no collection in the loop; after an action what hangs about goes."""
     ended = object.__new__(Ended)
-    memory = SteadyMemory()
-    memory.begin(None, None)
+    memory, nothing = SteadyMemory(), cast(Any, None)
+    memory.begin(nothing, nothing)
     try:
         assert not gc.isenabled()
         assert gc.get_freeze_count() > 10_000
@@ -38,8 +39,8 @@ def test_k6_nothing_is_collected_but_between_actions() -> None:
 def test_it_leaves_things_as_they_were() -> None:
     gc.disable()
     try:
-        memory = SteadyMemory()
-        memory.begin(None, None)
+        memory, nothing = SteadyMemory(), cast(Any, None)
+        memory.begin(nothing, nothing)
         memory.end()
         assert not gc.isenabled()
     finally:

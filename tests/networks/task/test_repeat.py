@@ -2,7 +2,9 @@
 
 import re
 from collections import deque
+from collections.abc import Callable, Mapping
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -11,10 +13,13 @@ from handcart.files.models.json_schema import schema
 from handcart.networks.analysis.figures import figures
 from handcart.networks.analysis.task_findings import task_findings
 from handcart.networks.coordination.coordinator import Coordinator
-from handcart.networks.coordination.events import Started
+from handcart.networks.coordination.events import Event, Started
 from handcart.networks.drawing.drawing import FORMATS
+from handcart.networks.graph.network import Action
 from handcart.networks.task.preparing import beginning_at
+from handcart.networks.task.task_file import Task
 from handcart.networks.task.task_model import TaskFile
+from tests.networks.conftest import Stand
 
 TWICE = """\
 format: handcart-task/1
@@ -41,12 +46,17 @@ repeat:
 """
 
 
-def changed(old, new, text=TWICE):
+def fixed(action: Action) -> Mapping[str, Any]:
+    assert action.binding is not None
+    return action.binding.fixed
+
+
+def changed(old: str, new: str, text: str = TWICE) -> str:
     assert old in text
     return text.replace(old, new)
 
 
-def test_two_parts_one_after_the_other(load) -> None:
+def test_two_parts_one_after_the_other(load: Callable[..., Task]) -> None:
     network = load(TWICE).network
     assert list(network.situations) == [
         "s", "a[1]", "a[2]", "b[1]", "b[2]", "c[1]", "c[2]", "c[3]", "d[1]", "d[2]", "d[3]", "z",
@@ -65,7 +75,7 @@ def test_two_parts_one_after_the_other(load) -> None:
         "THINK (d[2] to c[3])",
         "THINK (d[3] to z)",
     ]
-    texts = [a.binding.fixed["text"] for a in done if a.binding.fixed.get("text")]
+    texts = [fixed(a)["text"] for a in done if fixed(a).get("text")]
     assert texts == ["one", "two", "three", "four", "five"]
     skips = [str(a) for a in network.actions if not a.binding]
     assert skips == [
@@ -76,49 +86,54 @@ def test_two_parts_one_after_the_other(load) -> None:
     assert network.bound() == (attempts + 1) * 11 + attempts
 
 
-def test_the_order_in_the_list_does_not_matter(load) -> None:
+def test_the_order_in_the_list_does_not_matter(load: Callable[..., Task]) -> None:
     first, second = TWICE.splitlines()[-2:]
     turned = load(changed(f"{first}\n{second}", f"{second}\n{first}")).network
     assert {str(a) for a in turned.actions} == {str(a) for a in load(TWICE).network.actions}
 
 
-def test_one_mapping_is_a_list_of_one(load) -> None:
+def test_one_mapping_is_a_list_of_one(load: Callable[..., Task]) -> None:
     text = TWICE[: TWICE.index("  - {over: [three")].replace("{name: u, text: {each: word}}", "{name: u}")
     one = changed("repeat:\n  - {over", "repeat: {over", text)
     assert load(one).network.fingerprint() == load(text).network.fingerprint()
 
 
-def test_both_parts_skip_and_say_which(load, stand) -> None:
+def test_both_parts_skip_and_say_which(load: Callable[..., Task], stand: Stand) -> None:
     stand.script |= {"x": deque("SP"), "u": deque("PSS")}
     network, cleared = load(TWICE).network, []
     coordinator = Coordinator(network, stand.robot, stand.model)
-    stand.model.clear_element = lambda: cleared.append(coordinator.situation)
+    model: Any = stand.model
+    model.clear_element = lambda: cleared.append(coordinator.situation)
     end = stand.finish(coordinator)
     assert (end.outcome, end.exit_status, end.situation) == ("Fail", 3, "z")
     assert end.skipped == ("word[2] (two) from a", "word[1] (three) from c")
     assert cleared == ["a[2]", "c[1]", "c[2]", "c[3]", "z"]
 
 
-def test_what_an_element_knew_is_forgotten_between_equal_elements_of_two_parts(load, stand) -> None:
+def test_what_an_element_knew_is_forgotten_between_equal_elements_of_two_parts(
+    load: Callable[..., Task], stand: Stand
+) -> None:
     network, cleared = (
         load(changed("[three, four, five]", "[one]", changed("[one, two]", "[one]"))).network,
         [],
     )
     coordinator = Coordinator(network, stand.robot, stand.model)
-    stand.model.clear_element = lambda: cleared.append(coordinator.situation)
+    model: Any = stand.model
+    model.clear_element = lambda: cleared.append(coordinator.situation)
     stand.finish(coordinator)
     assert cleared == ["c[1]", "z"]
 
 
-def test_a_run_may_begin_in_the_second_part(load, stand) -> None:
+def test_a_run_may_begin_in_the_second_part(load: Callable[..., Task], stand: Stand) -> None:
     network = beginning_at(load(TWICE).network, "c[3]")
-    events = []
+    events: list[Event] = []
     end = stand.finish(Coordinator(network, stand.robot, stand.model, observers=[events.append]))
-    texts = [event.primitive.text for event in events if isinstance(event, Started)]
+    begun: list[Any] = [event.primitive for event in events if isinstance(event, Started)]
+    texts = [primitive.text for primitive in begun]
     assert (end.outcome, texts) == ("Success", ["five", ""])
 
 
-def test_elements_of_another_part_are_unknown(load) -> None:
+def test_elements_of_another_part_are_unknown(load: Callable[..., Task]) -> None:
     text = changed("as: word, start: c", "as: term, start: c")
     with pytest.raises(FileError) as error:
         load(text)
@@ -154,7 +169,7 @@ def test_elements_of_another_part_are_unknown(load) -> None:
     ],
 )
 def test_what_is_wrong_with_one_of_the_parts(
-    load, old: str, new: str, line: int, column: int, message: str
+    load: Callable[..., Task], old: str, new: str, line: int, column: int, message: str
 ) -> None:
     with pytest.raises(FileError) as error:
         load(changed(old, new))
@@ -166,13 +181,13 @@ def test_what_is_wrong_with_one_of_the_parts(
     ("value", "column", "message"),
     [("[]", 9, "repeat is"), ("7", 9, "repeat is 7; allowed: "), ("[7]", 10, "repeat[0] is 7; allowed: ")],
 )
-def test_a_repeat_of_another_kind(load, value: str, column: int, message: str) -> None:
+def test_a_repeat_of_another_kind(load: Callable[..., Task], value: str, column: int, message: str) -> None:
     text = TWICE[: TWICE.index("repeat:")].replace("{each: word}", "t")
     with pytest.raises(FileError, match=f"task.yaml:19:{column}: {re.escape(message)}"):
         load(f"{text}repeat: {value}\n")
 
 
-def test_a_part_that_ends_where_it_begins(load) -> None:
+def test_a_part_that_ends_where_it_begins(load: Callable[..., Task]) -> None:
     """What leads there from outside begins it; a Fail inside leads back to the element's own start."""
     text = changed(
         "start: c, goal: z", "start: c, goal: c", changed("from: d, to: z", "from: d, to: c, on_fail: c")
@@ -185,12 +200,12 @@ def test_a_part_that_ends_where_it_begins(load) -> None:
     assert ways["THINK (d[3] to c)"] == "c[3]"
 
 
-def test_a_fail_that_leads_to_the_goal_of_a_part_leads_to_the_next_element(load) -> None:
+def test_a_fail_that_leads_to_the_goal_of_a_part_leads_to_the_next_element(load: Callable[..., Task]) -> None:
     text = changed("from: b, to: c", "from: b, to: c, on_fail: c").replace("{book: here}", "{book: there}")
     assert [a.on_fail for a in load(text).network.actions if a.on_fail] == ["a[2]", "c[1]"]
 
 
-def test_what_check_tells_is_of_both_parts(load) -> None:
+def test_what_check_tells_is_of_both_parts(load: Callable[..., Task]) -> None:
     text = re.sub(" {book: .*", "", TWICE.replace("cost_s: 1,", "cost_s: 1, attempts: 1, p: 0.9,"))
     task = load(text)
     assert task_findings(task) == []
@@ -205,7 +220,7 @@ def test_what_check_tells_is_of_both_parts(load) -> None:
     assert [each.message.split(":")[0] for each in found] == ["from 'e' nothing leads to the goal"]
 
 
-def test_drawings_show_both_parts(load) -> None:
+def test_drawings_show_both_parts(load: Callable[..., Task]) -> None:
     network = load(TWICE).network
     for draw in FORMATS.values():
         picture = draw(network)
@@ -213,7 +228,7 @@ def test_drawings_show_both_parts(load) -> None:
         assert "d[3]" in picture
 
 
-def test_places_of_the_map_in_both_parts(load, tmp_path: Path) -> None:
+def test_places_of_the_map_in_both_parts(load: Callable[..., Task], tmp_path: Path) -> None:
     (tmp_path / "lib").mkdir()
     places = "format: handcart-places/1\nplaces:\n  home: {x_m: 0, y_m: 0, heading_deg: 0}\n"
     (tmp_path / "lib" / "places.yaml").write_text(places)

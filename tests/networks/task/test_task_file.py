@@ -1,16 +1,23 @@
 """Task files: what is wrong in them, all at once with its place; and repeating (rows T10 to T12, T17)."""
 
 from collections import deque
+from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import ClassVar
+from types import SimpleNamespace
+from typing import Any, ClassVar
 
 import pytest
 
+from handcart.backends.robot.robot import Robot
 from handcart.files.errors import FileError
 from handcart.networks.coordination.coordinator import Coordinator
-from handcart.networks.coordination.events import Started
-from handcart.primitives.contract.action_primitive import ActionPrimitive
+from handcart.networks.coordination.events import Event, Started
+from handcart.networks.graph.network import Action
+from handcart.networks.task.task_file import Task
+from handcart.primitives.contract.action_primitive import ActionPrimitive, Periods
 from handcart.primitives.knowledge.place_name import PlaceName
+from handcart.primitives.knowledge.world_model import ModelView
+from tests.networks.conftest import Stand
 
 TASK = """\
 format: handcart-task/1
@@ -37,23 +44,28 @@ repeat:
 """
 
 
-def findings(load, text, **settings):
+def fixed(action: Action) -> Mapping[str, Any]:
+    assert action.binding is not None
+    return action.binding.fixed
+
+
+def findings(load: Callable[..., Task], text: str, **settings: str) -> list[tuple[int, str]]:
     with pytest.raises(FileError) as error:
         load(text, **settings)
     return [(each.line, each.message) for each in error.value.findings]
 
 
-def test_good_file(load) -> None:
+def test_good_file(load: Callable[..., Task]) -> None:
     task = load(TASK)
     assert [str(action) for action in task.network.actions] == ["THINK (a to b)", "THINK (b to z)"]
-    assert task.network.actions[0].binding.fixed == {"name": "x", "text": "hello"}
+    assert fixed(task.network.actions[0]) == {"name": "x", "text": "hello"}
     assert task.network.bound() == (6 + 1) * 2 + 6
-    assert load(TASK, word="bye").network.actions[0].binding.fixed["text"] == "bye"
+    assert fixed(load(TASK, word="bye").network.actions[0])["text"] == "bye"
     assert load(TASK).network.fingerprint() == task.network.fingerprint()
     assert load(TASK, word="bye").network.fingerprint() != task.network.fingerprint()
 
 
-def test_everything_at_once(load) -> None:
+def test_everything_at_once(load: Callable[..., Task]) -> None:
     """T10, T12: each with the nearest that is allowed."""
     text = (
         TASK.replace("goal: z", "goal: zz")
@@ -98,25 +110,25 @@ def test_everything_at_once(load) -> None:
         ("robot: librarian", "robot: librarian\nworld: /etc/passwd", "is absolute"),
     ],
 )
-def test_one_thing_wrong(load, old: str, new: str, message: str) -> None:
+def test_one_thing_wrong(load: Callable[..., Task], old: str, new: str, message: str) -> None:
     found = findings(load, TASK.replace(old, new))
     assert len(found) == 1
     assert message in found[0][1]
     assert found[0][0] > 0
 
 
-def test_settings_are_checked_as_the_file(load) -> None:
+def test_settings_are_checked_as_the_file(load: Callable[..., Task]) -> None:
     found = findings(load, TASK, word="7")
     assert found[0][0] == 0
     assert "text is 7" in found[0][1]
 
 
-def test_places_are_known(load, tmp_path: Path, primitives) -> None:
+def test_places_are_known(load: Callable[..., Task], tmp_path: Path, primitives: SimpleNamespace) -> None:
     class Go(ActionPrimitive):
         place: PlaceName
         only_knowledge: ClassVar = True
 
-        def motion(self, robot, model):
+        def motion(self, robot: Robot, model: ModelView) -> Periods:
             return
             yield
 
@@ -132,22 +144,23 @@ def test_places_are_known(load, tmp_path: Path, primitives) -> None:
     assert all("unknown place" in message and "did you mean 'home'?" in message for _, message in found)
 
 
-def test_missing_capabilities_are_listed(load, stand) -> None:
+def test_missing_capabilities_are_listed(load: Callable[..., Task], stand: Stand) -> None:
     task = load(TASK.replace("do: THINK, from: b", "do: DRIVE, from: b").replace(", with: {name: y}", ""))
     task.check_capabilities(stand.backend)
-    stand.backend.capabilities = lambda: ()
+    backend: Any = stand.backend
+    backend.capabilities = lambda: ()
     with pytest.raises(FileError, match="DRIVE needs what the robot doesn't have: Base"):
         task.check_capabilities(stand.backend)
 
 
-def repeated(**changes):
+def repeated(**changes: str) -> str:
     text = TASK.replace("text: {parameter: word}", "text: {each: word}") + REPEAT
     for old, new in changes.items():
         text = text.replace(old, new)
     return text
 
 
-def test_repeat_copies_the_part(load) -> None:
+def test_repeat_copies_the_part(load: Callable[..., Task]) -> None:
     network = load(repeated()).network
     assert list(network.situations) == ["a[1]", "a[2]", "a[3]", "b[1]", "b[2]", "b[3]", "z"]
     assert [str(a) for a in network.actions][3:6] == [
@@ -155,16 +168,19 @@ def test_repeat_copies_the_part(load) -> None:
         "THINK (b[2] to a[3])",
         "THINK (b[3] to z)",
     ]
-    assert [a.binding.fixed["text"] for a in network.actions[:3]] == ["one", "two", "three"]
+    assert [fixed(a)["text"] for a in network.actions[:3]] == ["one", "two", "three"]
 
 
-def test_repeat_skips_what_cannot_be_done(load, stand) -> None:
+def test_repeat_skips_what_cannot_be_done(load: Callable[..., Task], stand: Stand) -> None:
     stand.script["x"] = deque("SP")
     network = load(repeated()).network
-    cleared, events = [], []
-    stand.model.clear_element = lambda: cleared.append(stand.robot.time)
+    cleared: list[float] = []
+    events: list[Event] = []
+    model: Any = stand.model
+    model.clear_element = lambda: cleared.append(stand.robot.time)
     end = stand.finish(Coordinator(network, stand.robot, stand.model, observers=[events.append]))
-    texts = [event.primitive.text for event in events if isinstance(event, Started)]
+    begun: list[Any] = [event.primitive for event in events if isinstance(event, Started)]
+    texts = [primitive.text for primitive in begun]
     assert texts == ["one", "", "two", "three", ""]
     assert (end.outcome, end.exit_status, end.situation) == ("Fail", 3, "z")
     assert end.skipped == ("word[2] (two)",)
@@ -172,46 +188,46 @@ def test_repeat_skips_what_cannot_be_done(load, stand) -> None:
     assert len(cleared) == 3
 
 
-def test_repeat_stops(load, stand) -> None:
+def test_repeat_stops(load: Callable[..., Task], stand: Stand) -> None:
     stand.script["x"] = deque("SP")
     network = load(repeated(**{"unfinished: skip": "unfinished: stop"})).network
     end = stand.finish(Coordinator(network, stand.robot, stand.model))
     assert (end.outcome, end.situation, end.skipped) == ("Fail", "a[2]", ())
 
 
-def test_elements_are_checked_at_their_own_place(load) -> None:
+def test_elements_are_checked_at_their_own_place(load: Callable[..., Task]) -> None:
     found = findings(load, repeated(**{"[one, two, three]": "[one, 2, three]"}))
     assert [(line, "text is 2" in message) for line, message in found] == [(4, True)]
 
 
-def test_elements_with_keys(load) -> None:
+def test_elements_with_keys(load: Callable[..., Task]) -> None:
     text = repeated(**{"[one, two, three]": "[{w: one}, {w: two}]", "{each: word}": "{each: word.w}"})
-    assert [a.binding.fixed["text"] for a in load(text).network.actions[:2]] == ["one", "two"]
+    assert [fixed(a)["text"] for a in load(text).network.actions[:2]] == ["one", "two"]
     found = findings(load, text.replace("{w: two}", "{v: two}"))
     assert "unknown element 'word.w'" in found[0][1]
 
 
-def test_two_hundred_situations_are_a_page(load) -> None:
+def test_two_hundred_situations_are_a_page(load: Callable[..., Task]) -> None:
     words = ", ".join(f"w{n}" for n in range(100))
     text = repeated(**{"one, two, three": words})
     assert len(text.splitlines()) < 30
     assert len(load(text).network.situations) == 201
 
 
-def test_a_way_into_the_middle_of_the_part(load) -> None:
+def test_a_way_into_the_middle_of_the_part(load: Callable[..., Task]) -> None:
     text = repeated(**{"start: a\ngoal": "start: s\ngoal", "  a: {": "  s: {book: here}\n  a: {"})
     text = text.replace("repeat:", "  - {do: THINK, from: s, to: b, cost_s: 1, with: {name: q}}\nrepeat:")
     assert any("into the middle" in message for _, message in findings(load, text))
 
 
-def test_start_and_goal_of_a_part_may_be_the_same(load, stand) -> None:
+def test_start_and_goal_of_a_part_may_be_the_same(load: Callable[..., Task], stand: Stand) -> None:
     text = repeated(**{"goal: z\n  unf": "goal: a\n  unf", "to: z": "to: a"})
     text = text.replace("repeat:", "  - {do: THINK, from: a, to: z, cost_s: 1, with: {name: q}}\nrepeat:")
     with pytest.raises(FileError):
         load(text)  # the part would hold the task's own goal
 
 
-def test_shipped_tasks_are_found_from_their_own_folder(load, tmp_path: Path) -> None:
+def test_shipped_tasks_are_found_from_their_own_folder(load: Callable[..., Task], tmp_path: Path) -> None:
     (tmp_path / "other").mkdir()
     (tmp_path / "other" / "world.yaml").write_text("x: 1")
     task = load(TASK.replace("robot: librarian", "robot: librarian\nworld: ../other/world.yaml"))
@@ -239,16 +255,16 @@ def test_shipped_tasks_are_found_from_their_own_folder(load, tmp_path: Path) -> 
         ),
     ],
 )
-def test_parameters_in_a_circle_are_told(load, parameters, told: str) -> None:
+def test_parameters_in_a_circle_are_told(load: Callable[..., Task], parameters: str, told: str) -> None:
     """T12: once, where the circle closes."""
     found = findings(load, TASK.replace("word: hello, words", f"{parameters}, words"))
     assert [line for line, message in found if told in message] == [4]
 
 
-def test_a_parameter_stands_for_another_one_a_few_steps_on(load) -> None:
+def test_a_parameter_stands_for_another_one_a_few_steps_on(load: Callable[..., Task]) -> None:
     text = TASK.replace("word: hello", "word: {parameter: b}, b: {parameter: c}, c: bye")
-    assert load(text).network.actions[0].binding.fixed["text"] == "bye"
-    assert load(text, b="hi").network.actions[0].binding.fixed["text"] == "hi"
+    assert fixed(load(text).network.actions[0])["text"] == "bye"
+    assert fixed(load(text, b="hi").network.actions[0])["text"] == "hi"
 
 
 @pytest.mark.parametrize(
@@ -261,7 +277,7 @@ def test_a_parameter_stands_for_another_one_a_few_steps_on(load) -> None:
         (["[[[[[[[[{parameter: b}]]]]]]]]", "[" * 27 + "x" + "]" * 27], "deeper than 32 levels"),
     ],
 )
-def test_parameters_in_parameters_are_no_bomb(load, lists, told: str) -> None:
+def test_parameters_in_parameters_are_no_bomb(load: Callable[..., Task], lists: list[str], told: str) -> None:
     """T3, T4: of small lists in lists millions of values could be made."""
     found = findings(load, TASK.replace("word: hello", f"word: hello, a: {lists[0]}, b: {lists[1]}"))
     assert len(found) == 1
@@ -287,7 +303,7 @@ class Look(ActionPrimitive):
     writes: ClassVar = ("book",)
     only_knowledge: ClassVar = True
 
-    def motion(self, robot, model):
+    def motion(self, robot: Robot, model: ModelView) -> Periods:
         return
         yield
 
@@ -307,7 +323,9 @@ class Look(ActionPrimitive):
         ),
     ],
 )
-def test_what_nothing_finds_out_is_told(load, primitives, old: str, new: str, good: bool) -> None:
+def test_what_nothing_finds_out_is_told(
+    load: Callable[..., Task], primitives: SimpleNamespace, old: str, new: str, good: bool
+) -> None:
     """T12: `{model: book.title}` where no action that could come before writes `book`."""
     primitives.LOOK = Look
     text = LATE.replace(old, new)

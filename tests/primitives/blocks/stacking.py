@@ -42,7 +42,8 @@ def do_with(
     stage: Stage, primitive: ActionPrimitive, once: Callable[[Any], bool], change: Callable[[Any], None]
 ) -> Outcome:
     """Run a primitive; as soon as `once` holds of the scene, `change` it."""
-    scene, step, done = scene_of(stage), stage.robot.step, []
+    scene, step = scene_of(stage), stage.robot.step
+    done: list[bool] = []
 
     def stepping(paused: bool = False) -> None:
         if not done and once(scene):

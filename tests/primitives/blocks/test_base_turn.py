@@ -9,7 +9,7 @@ from handcart.primitives.blocks.blocks import Fixed
 from handcart.robotics.geometry.pose2 import Pose2
 
 
-def found_at(x, theta, sigma=(0.0003, 0.0004)):
+def found_at(x: float, theta: float, sigma: tuple[float, float] = (0.0003, 0.0004)) -> Fixed:
     return Fixed(
         "wall", "stacking", Pose2(x, 0.0, theta), sigma, (0.0, 0.5), (0.0, 0.0, 0.0), (0.0, 0.0), 0.0
     )

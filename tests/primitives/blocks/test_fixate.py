@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
-from handcart.evaluation.trials.stage import StageFiles, set_stage
+from handcart.evaluation.trials.stage import Stage, StageFiles, set_stage
 from handcart.primitives.blocks.blocks import Blocks
 from handcart.primitives.blocks.fixate import Fixate, landmark_of
 from handcart.primitives.blocks.fixating import fixate, fixed_by, planned_view, sought
@@ -18,7 +20,7 @@ from handcart.robotics.geometry.pose2 import Pose2
 from .stacking import TASK, at_the_wall, scene_of
 
 
-def moved_base(stage, x, y, turn) -> None:
+def moved_base(stage: Stage, x: float, y: float, turn: float) -> None:
     """Put the base elsewhere than it believes to be."""
     scene = scene_of(stage)
     scene.move_base(scene.base.compose(Pose2(x, y, turn)))
@@ -31,6 +33,7 @@ def test_the_travelling_error_is_measured(seed: int) -> None:
         fixed, truth = stage.model.of(Blocks).fixed, scene_of(stage).base
     assert isinstance(outcome, Success)
     # The base also leans: that displaces what is at the table's height by up to a millimetre.
+    assert fixed is not None
     assert fixed.pose.distance(truth) < 0.0025
     assert fixed.pose.turn(truth) < 0.001
 
@@ -48,16 +51,17 @@ def test_the_robot_then_knows_where_it_is() -> None:
 def test_a_base_that_is_turned_once_it_was_found_is_a_fail(turn: float) -> None:
     """The wheels stand still, the gyros feel it; what was found is no longer so."""
     with at_the_wall(seed=1) as stage:
-        found = []
+        found: list[bool] = []
+        robot: Any = stage.robot
         step = stage.robot.step
 
-        def stepping(paused=False) -> None:
+        def stepping(paused: bool = False) -> None:
             if stage.model.of(Blocks).fixed is not None and not found:
                 found.append(True)
                 moved_base(stage, 0.0, 0.0, turn)
             step(paused)
 
-        stage.robot.step = stepping
+        robot.step = stepping
         outcome = stage.do(Fixate(landmark="stacking"))
         assert found
         assert isinstance(outcome, Fail), outcome
@@ -70,8 +74,11 @@ def test_a_landmark_out_of_view_is_searched_for(x: float, y: float) -> None:
         moved_base(stage, x, y, 0.05)
         outcome = stage.do(Fixate(landmark="stacking"))
         assert isinstance(outcome, Success)
-        assert outcome.evidence["frames"] > 5
-        assert stage.model.of(Blocks).fixed.pose.distance(scene_of(stage).base) < 0.003
+        frames, fixed = outcome.evidence["frames"], stage.model.of(Blocks).fixed
+        assert not isinstance(frames, str)
+        assert frames > 5
+        assert fixed is not None
+        assert fixed.pose.distance(scene_of(stage).base) < 0.003
 
 
 def world_without(path: Path, landmark: bool) -> Path:
@@ -123,23 +130,32 @@ def test_of_landmarks_beside_each_other_the_right_one_is_taken(aside: float) -> 
         assert planned.compose(found.planned_T_base).distance(scene_of(stage).base) < 0.004
 
 
-def looked_at(stage, looks, at=lambda picture: None, name="stacking", aside=0.0):
+def looked_at(
+    stage: Stage,
+    looks: int,
+    at: Callable[[int], None] = lambda picture: None,
+    name: str = "stacking",
+    aside: float = 0.0,
+) -> tuple[Pose2, Any]:
     """What a fixation finds, outside of an attempt; `at` is called with each picture's number.
 
     `aside`: how far beside the landmark the hand is to look from, in [m].
     """
-    robot, mark = stage.robot, landmark_of(stage.model, name)
+    robot: Any = stage.robot
+    model: Any = stage.model
+    mark = landmark_of(model, name)
     planned = stage.model.places[mark.place].pose
     hand = planned_view(robot, mark, planned).base_T_hand.copy()
     hand[1, 3] += aside
     view = planned_view(robot, mark, planned, hand)
-    wanted = sought(
-        name, stage.model.of(Blocks).building.landmarks, planned, robot.pose, robot.localization.covariance
-    )
+    building = stage.model.of(Blocks).building
+    assert building is not None
+    wanted = sought(name, building.landmarks, planned, robot.pose, robot.localization.covariance)
     looking = fixate(robot, view, wanted, "residual", Evidence(), looks=looks)
-    take, taken = robot.picture, []
+    take = robot.picture
+    taken: list[None] = []
 
-    def picture():
+    def picture() -> Any:
         taken.append(None)
         at(len(taken))
         return take()
@@ -156,7 +172,7 @@ def looked_at(stage, looks, at=lambda picture: None, name="stacking", aside=0.0)
 def test_what_was_seen_before_the_base_was_moved_is_over() -> None:
     with at_the_wall(seed=1) as stage:
 
-        def shifted(picture) -> None:
+        def shifted(picture: int) -> None:
             if picture == 3:
                 moved_base(stage, 0.006, -0.004, 0.0)
 
@@ -169,8 +185,10 @@ def test_what_was_seen_before_the_base_was_moved_is_over() -> None:
 def test_what_is_looked_at_more_often_is_surer() -> None:
     with at_the_wall(seed=1) as stage:
         planned, found = looked_at(stage, 4)
+        assert stage.robot.spec.arm is not None
+        accuracy_mm = stage.robot.spec.arm.accuracy_mm
         once = fixed_by(stage.robot, "stacking", "stacking", planned, found._replace(looks=1))
         often = fixed_by(stage.robot, "stacking", "stacking", planned, found)
         assert found.looks == 4
-        assert once.sigma[0] == pytest.approx(stage.robot.spec.arm.accuracy_mm / 1e3)
+        assert once.sigma[0] == pytest.approx(accuracy_mm / 1e3)
         assert often.sigma[0] == pytest.approx(once.sigma[0] / 2)

@@ -16,14 +16,18 @@ from .stacking import TASK, at_the_wall, scene_of
 
 
 @pytest.mark.parametrize("off", [(0.032, 0.005, -0.051), (0.040, -0.048, -0.033)])
-def test_a_neighbour_nearer_to_the_middle_of_the_picture_is_not_taken(off) -> None:
+def test_a_neighbour_nearer_to_the_middle_of_the_picture_is_not_taken(
+    off: tuple[float, float, float],
+) -> None:
     """The base stands so far off that the next block's landmark is where this one should be."""
     with at_the_wall(TASK / "servo_world.yaml", building=TASK / "servo_building.yaml", seed=4) as stage:
         scene = scene_of(stage)
         scene.move_base(stage.model.places["stacking"].pose.compose(Pose2(*off)))
         outcome = stage.do(Fixate(landmark="stacking"))
         assert isinstance(outcome, Success)
-        assert stage.model.of(Blocks).fixed.pose.distance(scene.base) < 0.0025
+        fixed = stage.model.of(Blocks).fixed
+        assert fixed is not None
+        assert fixed.pose.distance(scene.base) < 0.0025
 
 
 def test_a_row_is_looked_at_as_far_as_its_end(tmp_path: Path) -> None:

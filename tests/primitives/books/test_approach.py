@@ -12,6 +12,7 @@ from handcart.backends.simulation.books.book_props import BookProps
 from handcart.primitives.books.approach import Approach
 from handcart.primitives.books.books import Books
 from handcart.primitives.contract.outcome import Fail, Success
+from tests.primitives.conftest import Rig
 
 
 def fore_edge(rig: Any) -> Any:
@@ -34,7 +35,7 @@ def off_by(rig: Any, error: float) -> None:
 
 
 @pytest.mark.parametrize(("seed", "error"), [(0, 0.003), (1, -0.003), (2, 0.0)])
-def test_it_brings_the_book_before_its_slot(at_slot: Callable[..., Any], seed: int, error: float) -> None:
+def test_it_brings_the_book_before_its_slot(at_slot: Callable[..., Rig], seed: int, error: float) -> None:
     rig = at_slot(0.05, seed)
     off_by(rig, error + _pose_error(rig))
     primitive = Approach(shelf="shelf_1")
@@ -48,14 +49,14 @@ def test_it_brings_the_book_before_its_slot(at_slot: Callable[..., Any], seed: i
     assert rig.scene.contacts == []
 
 
-def test_without_correction_what_search_saw_counts(at_slot: Callable[..., Any]) -> None:
+def test_without_correction_what_search_saw_counts(at_slot: Callable[..., Rig]) -> None:
     rig = at_slot(0.05)
     off_by(rig, 0.006 + _pose_error(rig))
     assert isinstance(rig.run(Approach(shelf="shelf_1", correct=False)), Success)
     assert fore_edge(rig)[1] == pytest.approx(middle(rig) + 0.006, abs=0.002)
 
 
-def test_a_slot_that_is_not_there_is_a_fail_and_the_arm_back(at_slot: Callable[..., Any]) -> None:
+def test_a_slot_that_is_not_there_is_a_fail_and_the_arm_back(at_slot: Callable[..., Rig]) -> None:
     rig = at_slot(0.05)
     off_by(rig, 0.060)
     before = rig.robot.arm.command()
@@ -65,14 +66,16 @@ def test_a_slot_that_is_not_there_is_a_fail_and_the_arm_back(at_slot: Callable[.
     assert np.array_equal(rig.robot.arm.command(), before)
 
 
-def test_it_needs_a_slot_and_the_book_in_the_hand(at_slot: Callable[..., Any]) -> None:
+def test_it_needs_a_slot_and_the_book_in_the_hand(at_slot: Callable[..., Rig]) -> None:
     rig = at_slot()
     slot, rig.model.of(Books).slot = rig.model.of(Books).slot, None
     outcome = rig.run(Approach(shelf="shelf_1"))
     assert isinstance(outcome, Fail)
     assert outcome.reason == "no slot is known on shelf_1"
     rig.model.of(Books).slot = slot
-    rig.model.of(Books).book = rig.model.of(Books).book.model_copy(update={"thickness_mm": 40.0})
+    books = rig.model.of(Books)
+    assert books.book is not None
+    books.book = books.book.model_copy(update={"thickness_mm": 40.0})
     outcome = rig.run(Approach(shelf="shelf_1"))
     assert isinstance(outcome, Fail)
     assert outcome.reason == "the hand doesn't hold the book"

@@ -11,6 +11,7 @@ import pytest
 from handcart.backends.simulation.books.book_props import BookProps
 from handcart.primitives.books.insert import Insert
 from handcart.primitives.contract.outcome import Fail, GiveUp, Success
+from tests.primitives.conftest import Rig
 
 
 def fronts(rig: Any) -> dict[int, float]:
@@ -25,7 +26,7 @@ def spine(rig: Any) -> Any:
 
 @pytest.mark.parametrize(("seed", "aside"), [(0, 0.0), (1, 0.004), (2, -0.004)])
 def test_it_pushes_the_book_in_until_the_tips_stand_before_the_spines(
-    at_slot: Callable[..., Any], seed: int, aside: float
+    at_slot: Callable[..., Rig], seed: int, aside: float
 ) -> None:
     rig = at_slot(aside, seed)
     before = fronts(rig)
@@ -39,13 +40,13 @@ def test_it_pushes_the_book_in_until_the_tips_stand_before_the_spines(
 
 @pytest.mark.slow
 @pytest.mark.parametrize("aside", [0.0085, -0.0085])
-def test_a_book_that_jams_is_tried_beside(at_slot: Callable[..., Any], aside: float) -> None:
+def test_a_book_that_jams_is_tried_beside(at_slot: Callable[..., Rig], aside: float) -> None:
     tries = [_inserted(at_slot(aside, seed)) for seed in range(4)]
     assert tries.count(0) == 0
     assert max(tries) > 1
 
 
-def test_without_the_wiggle_it_is_pulled_back_and_a_fail(at_slot: Callable[..., Any]) -> None:
+def test_without_the_wiggle_it_is_pulled_back_and_a_fail(at_slot: Callable[..., Rig]) -> None:
     rig = at_slot(0.010)
     before, start = fronts(rig), spine(rig)
     outcome = rig.run(Insert(shelf="shelf_1", wiggle=False))
@@ -56,7 +57,7 @@ def test_without_the_wiggle_it_is_pulled_back_and_a_fail(at_slot: Callable[..., 
     assert rig.scene.held.accession == 117
 
 
-def test_where_no_slot_is_no_wiggle_helps(at_slot: Callable[..., Any]) -> None:
+def test_where_no_slot_is_no_wiggle_helps(at_slot: Callable[..., Rig]) -> None:
     rig = at_slot(0.030)
     before = fronts(rig)
     assert isinstance(rig.run(Insert(shelf="shelf_1")), Fail)
@@ -64,7 +65,7 @@ def test_where_no_slot_is_no_wiggle_helps(at_slot: Callable[..., Any]) -> None:
 
 
 def test_a_force_that_moves_neighbours_is_for_a_person(
-    at_slot: Callable[..., Any], monkeypatch: pytest.MonkeyPatch
+    at_slot: Callable[..., Rig], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     rig = at_slot(0.030)
     monkeypatch.setattr("handcart.primitives.books.insert.JAM", 20.0)
@@ -75,7 +76,7 @@ def test_a_force_that_moves_neighbours_is_for_a_person(
     assert fronts(rig) != before
 
 
-def test_an_empty_hand_has_nothing_to_insert(at_slot: Callable[..., Any]) -> None:
+def test_an_empty_hand_has_nothing_to_insert(at_slot: Callable[..., Rig]) -> None:
     rig = at_slot()
     rig.robot.gripper.move(0.07)
     rig.drive(rig.robot.wait(1.0))
@@ -85,7 +86,7 @@ def test_an_empty_hand_has_nothing_to_insert(at_slot: Callable[..., Any]) -> Non
 
 
 @pytest.mark.parametrize("seed", range(2))
-def test_a_cancel_in_the_slot_pulls_the_book_out(at_slot: Callable[..., Any], seed: int) -> None:
+def test_a_cancel_in_the_slot_pulls_the_book_out(at_slot: Callable[..., Rig], seed: int) -> None:
     rig = at_slot(seed=seed)
     start = spine(rig)
     outcome = rig.run(Insert(shelf="shelf_1"), lambda: spine(rig)[0] > -0.10)
@@ -94,15 +95,20 @@ def test_a_cancel_in_the_slot_pulls_the_book_out(at_slot: Callable[..., Any], se
     assert np.allclose(spine(rig), start, atol=1e-3)
 
 
-def test_taught_it_plays_back_postures(at_slot: Callable[..., Any]) -> None:
+def test_taught_it_plays_back_postures(at_slot: Callable[..., Rig]) -> None:
     rig = at_slot()
-    assert "insert_1" in rig.run(Insert(shelf="shelf_1", method="taught")).reason
+    refused = rig.run(Insert(shelf="shelf_1", method="taught"))
+    assert isinstance(refused, Fail)
+    assert "insert_1" in refused.reason
     arm, spec = rig.robot.arm_model, rig.robot.spec
+    assert spec.arm is not None
     near, postures = rig.robot.arm.command(), dict(spec.arm.postures)
     for number, ahead in enumerate((0.02, 0.16), start=1):
         hand = arm.forward(rig.robot.arm.command())
         hand[:3, 3] += ahead * hand[:3, 0]
-        near = arm.inverse(hand, near)
+        found = arm.inverse(hand, near)
+        assert found is not None
+        near = found
         postures[f"insert_{number}"] = tuple(np.degrees(near))
     taught = spec.arm.model_copy(update={"postures": postures})
     rig.robot.spec = spec.model_copy(update={"arm": taught})

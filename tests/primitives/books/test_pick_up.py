@@ -12,13 +12,14 @@ from handcart.backends.simulation.books.book_props import BookProps
 from handcart.primitives.books.books import Books
 from handcart.primitives.books.pick_up import PickUp
 from handcart.primitives.contract.outcome import Fail, GiveUp, Success
+from tests.primitives.conftest import Rig
 
 TRAY = "tray: {{accession: 117, call: 512.7 NAG, thickness_mm: {0}, height_mm: 210, depth_mm: 150}}\n"
 
 
 @pytest.fixture
-def with_book(make_rig: Callable[..., Any]) -> Callable[..., Any]:
-    def make(seed: int = 0, thickness: int = 25) -> Any:
+def with_book(make_rig: Callable[..., Rig]) -> Callable[..., Rig]:
+    def make(seed: int = 0, thickness: int = 25) -> Rig:
         rig = make_rig(TRAY.format(thickness), seed=seed)
         rig.book_is_recognized()
         return rig
@@ -27,7 +28,7 @@ def with_book(make_rig: Callable[..., Any]) -> Callable[..., Any]:
 
 
 @pytest.mark.parametrize("seed", range(4))
-def test_it_takes_the_book_by_the_rear_of_its_covers(with_book: Callable[..., Any], seed: int) -> None:
+def test_it_takes_the_book_by_the_rear_of_its_covers(with_book: Callable[..., Rig], seed: int) -> None:
     rig = with_book(seed)
     outcome = rig.run(PickUp())
     assert isinstance(outcome, Success)
@@ -38,11 +39,11 @@ def test_it_takes_the_book_by_the_rear_of_its_covers(with_book: Callable[..., An
     assert rig.scene.contacts == []
 
 
-def test_a_grip_of_nothing_is_a_fail_while_the_tag_is_where_it_was(with_book: Callable[..., Any]) -> None:
+def test_a_grip_of_nothing_is_a_fail_while_the_tag_is_where_it_was(with_book: Callable[..., Rig]) -> None:
     rig = with_book()
-    rig.model.of(Books).book_pose = rig.model.of(Books).book_pose._replace(
-        x=rig.model.of(Books).book_pose.x - 0.08
-    )
+    pose = rig.model.of(Books).book_pose
+    assert pose is not None
+    rig.model.of(Books).book_pose = pose._replace(x=pose.x - 0.08)
     before = rig.scene.of(BookProps).book_pose(117).copy()
     outcome = rig.run(PickUp())
     assert isinstance(outcome, Fail)
@@ -51,11 +52,11 @@ def test_a_grip_of_nothing_is_a_fail_while_the_tag_is_where_it_was(with_book: Ca
     assert np.allclose(rig.scene.of(BookProps).book_pose(117), before)
 
 
-def test_a_grip_of_nothing_is_for_a_person_when_the_book_was_moved(with_book: Callable[..., Any]) -> None:
+def test_a_grip_of_nothing_is_for_a_person_when_the_book_was_moved(with_book: Callable[..., Rig]) -> None:
     rig = with_book()
-    rig.model.of(Books).book_pose = rig.model.of(Books).book_pose._replace(
-        x=rig.model.of(Books).book_pose.x - 0.08
-    )
+    pose = rig.model.of(Books).book_pose
+    assert pose is not None
+    rig.model.of(Books).book_pose = pose._replace(x=pose.x - 0.08)
 
     class Knocked(PickUp):
         def restore(self, *args: Any) -> Any:
@@ -68,7 +69,7 @@ def test_a_grip_of_nothing_is_for_a_person_when_the_book_was_moved(with_book: Ca
     assert "object book mm" in outcome.reason
 
 
-def test_an_empty_tray_is_a_fail_that_the_hand_did_not_go_there_for(make_rig: Callable[..., Any]) -> None:
+def test_an_empty_tray_is_a_fail_that_the_hand_did_not_go_there_for(make_rig: Callable[..., Rig]) -> None:
     rig = make_rig(TRAY.format(25))
     rig.book_is_recognized()
     rig.scene.of(BookProps).books.clear()
@@ -77,7 +78,7 @@ def test_an_empty_tray_is_a_fail_that_the_hand_did_not_go_there_for(make_rig: Ca
     assert "isn't seen" in outcome.reason
 
 
-def test_another_thickness_is_set_down_where_it_was(with_book: Callable[..., Any]) -> None:
+def test_another_thickness_is_set_down_where_it_was(with_book: Callable[..., Rig]) -> None:
     rig = with_book(thickness=33)
     before = rig.scene.of(BookProps).book_pose(117).copy()
     outcome = rig.run(PickUp())
@@ -88,7 +89,7 @@ def test_another_thickness_is_set_down_where_it_was(with_book: Callable[..., Any
 
 @pytest.mark.parametrize("lifted", [0.0, 0.06, 0.11])
 def test_a_cancel_sets_the_lifted_book_down_where_it_stood(
-    with_book: Callable[..., Any], lifted: float
+    with_book: Callable[..., Rig], lifted: float
 ) -> None:
     rig = with_book(seed=2)
     before = rig.scene.of(BookProps).book_pose(117).copy()
@@ -104,7 +105,7 @@ def test_a_cancel_sets_the_lifted_book_down_where_it_stood(
     assert np.allclose(rig.scene.of(BookProps).book_pose(117)[:3, 3], before[:3, 3], atol=2e-3)
 
 
-def test_taught_it_plays_back_postures_and_trusts_them(with_book: Callable[..., Any]) -> None:
+def test_taught_it_plays_back_postures_and_trusts_them(with_book: Callable[..., Rig]) -> None:
     rig = with_book()
     missing = rig.run(PickUp(method="taught"))
     assert isinstance(missing, Fail)
@@ -115,24 +116,30 @@ def test_taught_it_plays_back_postures_and_trusts_them(with_book: Callable[..., 
     assert rig.scene.held.accession == 117
 
 
-def _teach(rig: Any) -> None:
+def _teach(rig: Rig) -> None:
     """Record the postures that a planned grip goes through, as a person would by leading the hand."""
-    arm, pose = rig.robot.arm_model, rig.model.of(Books).book_pose
+    arm, pose, arm_spec = rig.robot.arm_model, rig.model.of(Books).book_pose, rig.robot.spec.arm
+    assert pose is not None
+    assert arm_spec is not None
     at, near = [], np.array(rig.robot.spec.posture("carry"))
     for x, z in ((-0.17, 0.74), (-0.12, 0.74), (-0.12, 0.86)):
         hand = pose.lift(z)
         hand[:3, 3] += x * hand[:3, 0]
-        near = arm.inverse(hand, near)
+        found = arm.inverse(hand, near)
+        assert found is not None
+        near = found
         at.append(tuple(np.degrees(near)))
-    postures = rig.robot.spec.arm.postures | {f"pick_up_{i + 1}": q for i, q in enumerate(at)}
-    arm_spec = rig.robot.spec.arm.model_copy(update={"postures": postures})
-    rig.robot.spec = rig.robot.spec.model_copy(update={"arm": arm_spec})
+    postures = arm_spec.postures | {f"pick_up_{i + 1}": q for i, q in enumerate(at)}
+    taught = arm_spec.model_copy(update={"postures": postures})
+    rig.robot.spec = rig.robot.spec.model_copy(update={"arm": taught})
 
 
-def test_another_book_on_the_tray_is_not_taken(with_book: Callable[..., Any]) -> None:
+def test_another_book_on_the_tray_is_not_taken(with_book: Callable[..., Rig]) -> None:
     """Somebody exchanged it: its tag is another one."""
     rig = with_book()
-    rig.model.of(Books).book = rig.model.of(Books).book.model_copy(update={"accession": 118})
+    books = rig.model.of(Books)
+    assert books.book is not None
+    books.book = books.book.model_copy(update={"accession": 118})
     outcome = rig.run(PickUp())
     assert isinstance(outcome, Fail)
     assert outcome.reason == "the book isn't seen on the tray"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 import pytest
@@ -15,6 +15,7 @@ from handcart.primitives.books.catalogue import Book, Catalogue
 from handcart.primitives.books.recognize import Recognize
 from handcart.primitives.contract.outcome import Fail, Success
 from handcart.robotics.perception.landmarks.tag_reader import Tag, read_tags
+from tests.primitives.conftest import Rig
 
 TRAY = "tray: {{accession: 117, call: 512.7 NAG, thickness_mm: 25, height_mm: {}, depth_mm: 150, tag: {}}}\n"
 NAGEL = Book(
@@ -29,8 +30,8 @@ NAGEL = Book(
 
 
 @pytest.fixture
-def with_tray(make_rig: Callable[..., Any]) -> Callable[..., Any]:
-    def make(tray: str, seed: int = 0, books: tuple[Book, ...] = (NAGEL,)) -> Any:
+def with_tray(make_rig: Callable[..., Rig]) -> Callable[..., Rig]:
+    def make(tray: str, seed: int = 0, books: tuple[Book, ...] = (NAGEL,)) -> Rig:
         rig = make_rig(tray, seed=seed)
         rig.model.of(Books).catalogue = Catalogue(format="handcart-catalogue/1", books=books)
         return rig
@@ -39,20 +40,22 @@ def with_tray(make_rig: Callable[..., Any]) -> Callable[..., Any]:
 
 
 @pytest.mark.parametrize(("seed", "height"), [(0, 180), (1, 210), (2, 240), (3, 210)])
-def test_it_tells_the_book_and_where_it_stands(with_tray: Callable[..., Any], seed: int, height: int) -> None:
+def test_it_tells_the_book_and_where_it_stands(with_tray: Callable[..., Rig], seed: int, height: int) -> None:
     rig = with_tray(TRAY.format(height, "readable"), seed)
     primitive = Recognize()
     assert isinstance(rig.run(primitive), Success)
     assert rig.model.of(Books).book == NAGEL
     truth = rig.scene.of(BookProps).tray_book().base_T_thing[:3, 3]
-    assert math.dist(rig.model.of(Books).book_pose[:2], truth[:2]) < 0.002
+    pose = rig.model.of(Books).book_pose
+    assert pose is not None
+    assert math.dist(pose[:2], truth[:2]) < 0.002
     assert primitive.facts["call"] == "512.7 NAG"
     assert primitive.evidence.pictures["tray"].shape == (480, 640, 3)
     assert rig.scene.contacts == []
 
 
 @pytest.mark.parametrize("tray", [TRAY.format(210, "smeared"), TRAY.format(210, "none"), ""])
-def test_without_a_tag_it_is_a_fail_and_the_arm_back(with_tray: Callable[..., Any], tray: str) -> None:
+def test_without_a_tag_it_is_a_fail_and_the_arm_back(with_tray: Callable[..., Rig], tray: str) -> None:
     rig = with_tray(tray)
     before = rig.robot.arm.command()
     outcome = rig.run(Recognize())
@@ -63,7 +66,7 @@ def test_without_a_tag_it_is_a_fail_and_the_arm_back(with_tray: Callable[..., An
     assert rig.model.of(Books).book is None
 
 
-def test_a_book_that_the_library_does_not_own_is_a_fail_for_good(with_tray: Callable[..., Any]) -> None:
+def test_a_book_that_the_library_does_not_own_is_a_fail_for_good(with_tray: Callable[..., Rig]) -> None:
     rig = with_tray(TRAY.format(210, "readable"), books=())
     outcome = rig.run(Recognize())
     assert isinstance(outcome, Fail)
@@ -73,7 +76,9 @@ def test_a_book_that_the_library_does_not_own_is_a_fail_for_good(with_tray: Call
 
 
 @pytest.mark.parametrize("read_as", ["apriltag_36h11", "6x6_250"])
-def test_tags_of_another_family(with_tray: Callable[..., Any], read_as: str) -> None:
+def test_tags_of_another_family(
+    with_tray: Callable[..., Rig], read_as: Literal["apriltag_36h11", "6x6_250"]
+) -> None:
     """A tag is read as what it is, and as nothing else."""
     rig = with_tray(TRAY.format(210, "readable, tags: apriltag_36h11"))
     rig.model.of(Books).catalogue = Catalogue(format="handcart-catalogue/1", tags=read_as, books=(NAGEL,))
@@ -92,7 +97,7 @@ def test_a_number_beyond_its_family_is_told() -> None:
 
 
 def test_two_books_on_the_tray_are_told(
-    with_tray: Callable[..., Any], monkeypatch: pytest.MonkeyPatch
+    with_tray: Callable[..., Rig], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def two(*args: Any, **more: Any) -> list[Tag]:
         seen = read_tags(*args, **more)

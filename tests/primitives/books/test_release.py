@@ -19,11 +19,12 @@ from handcart.primitives.books.release import Release
 from handcart.primitives.contract.outcome import Fail, GiveUp, Success
 from handcart.robotics.perception.books.call_number import parse
 from handcart.robotics.perception.books.label_reader import Label
+from tests.primitives.conftest import Rig
 
 
 @pytest.fixture
-def inserted(at_slot: Callable[..., Any]) -> Callable[..., Any]:
-    def make(seed: int = 0) -> Any:
+def inserted(at_slot: Callable[..., Rig]) -> Callable[..., Rig]:
+    def make(seed: int = 0) -> Rig:
         rig = at_slot(seed=seed)
         assert isinstance(rig.run(Insert(shelf="shelf_1")), Success)
         return rig
@@ -31,7 +32,7 @@ def inserted(at_slot: Callable[..., Any]) -> Callable[..., Any]:
     return make
 
 
-def standing(rig: Any, accession: int) -> Any:
+def standing(rig: Rig, accession: int) -> Any:
     """How a book stands on the shelf; None if it doesn't."""
     found = [
         each for each in rig.scene.of(BookProps).shelf_books("shelf_1") if each.book.accession == accession
@@ -42,7 +43,7 @@ def standing(rig: Any, accession: int) -> Any:
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", range(3))
 def test_the_book_stands_in_its_slot_flush_with_its_neighbours(
-    inserted: Callable[..., Any], seed: int
+    inserted: Callable[..., Rig], seed: int
 ) -> None:
     rig = inserted(seed)
     others = {each.book.accession: each.front for each in rig.scene.of(BookProps).shelf_books("shelf_1")}
@@ -58,7 +59,7 @@ def test_the_book_stands_in_its_slot_flush_with_its_neighbours(
     assert np.allclose(rig.robot.arm.command(), rig.robot.spec.posture("home"))
 
 
-def test_before_the_fingers_open_everything_can_be_undone(inserted: Callable[..., Any]) -> None:
+def test_before_the_fingers_open_everything_can_be_undone(inserted: Callable[..., Rig]) -> None:
     rig = inserted()
     height = rig.scene.held.pose[2, 3]
     outcome = rig.run(Release(shelf="shelf_1"), lambda: rig.scene.held.pose[2, 3] < height - 0.003)
@@ -68,7 +69,7 @@ def test_before_the_fingers_open_everything_can_be_undone(inserted: Callable[...
 
 @pytest.mark.parametrize("opened", [0.0254, 0.036])
 def test_from_opening_on_a_cancel_is_for_a_person_and_the_hand_withdraws(
-    inserted: Callable[..., Any], opened: float
+    inserted: Callable[..., Rig], opened: float
 ) -> None:
     rig = inserted()
     gripper = rig.robot.gripper
@@ -79,23 +80,25 @@ def test_from_opening_on_a_cancel_is_for_a_person_and_the_hand_withdraws(
     assert np.allclose(rig.robot.arm.command(), rig.robot.spec.posture("home"))
 
 
-def test_a_label_that_is_not_read_in_the_slot_is_for_a_person(inserted: Callable[..., Any]) -> None:
+def test_a_label_that_is_not_read_in_the_slot_is_for_a_person(inserted: Callable[..., Rig]) -> None:
     rig = inserted()
-    rig.model.of(Books).book = rig.model.of(Books).book.model_copy(update={"call": "533.1 OHM"})
+    books = rig.model.of(Books)
+    assert books.book is not None
+    books.book = books.book.model_copy(update={"call": "533.1 OHM"})
     outcome = rig.run(Release(shelf="shelf_1"))
     assert isinstance(outcome, GiveUp)
     assert "what was to be achieved is not seen" in outcome.reason
 
 
-def test_a_book_between_the_wrong_neighbours_is_for_a_person(inserted: Callable[..., Any]) -> None:
+def test_a_book_between_the_wrong_neighbours_is_for_a_person(inserted: Callable[..., Rig]) -> None:
     rig = inserted()
-    rig.model.of(Books).slot = rig.model.of(Books).slot._replace(
-        after=rig.model.of(Books).slot.before, before=rig.model.of(Books).slot.after
-    )
+    books = rig.model.of(Books)
+    assert books.slot is not None
+    books.slot = books.slot._replace(after=books.slot.before, before=books.slot.after)
     assert isinstance(rig.run(Release(shelf="shelf_1")), GiveUp)
 
 
-def test_where_no_board_is_the_book_is_not_let_go(at_slot: Callable[..., Any]) -> None:
+def test_where_no_board_is_the_book_is_not_let_go(at_slot: Callable[..., Rig]) -> None:
     rig = at_slot()
     outcome = rig.run(Release(shelf="shelf_1"))
     assert isinstance(outcome, Fail)
@@ -104,7 +107,7 @@ def test_where_no_board_is_the_book_is_not_let_go(at_slot: Callable[..., Any]) -
 
 
 def test_a_book_that_does_not_go_home_is_for_a_person(
-    inserted: Callable[..., Any], monkeypatch: pytest.MonkeyPatch
+    inserted: Callable[..., Rig], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     rig = inserted()
     monkeypatch.setattr("handcart.backends.simulation.books.row_rule.PUSH_FRICTION", 40.0)
@@ -114,7 +117,7 @@ def test_a_book_that_does_not_go_home_is_for_a_person(
     assert np.allclose(rig.robot.arm.command(), rig.robot.spec.posture("home"))
 
 
-def test_fingers_that_pass_the_book_by_have_not_pushed_it_home(inserted: Callable[..., Any]) -> None:
+def test_fingers_that_pass_the_book_by_have_not_pushed_it_home(inserted: Callable[..., Rig]) -> None:
     rig = inserted()
     rig.model.of(Books).slot = None
     release = Release(shelf="shelf_1")

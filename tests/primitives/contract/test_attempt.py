@@ -18,6 +18,7 @@ from handcart.primitives.contract.discrepancy import Discrepancy, NeedsPerson
 from handcart.primitives.contract.outcome import Fail, GiveUp, Success
 from handcart.primitives.knowledge.world_model import ModelView, UndeclaredAccess
 from handcart.primitives.restoring.snapshot import Seen
+from tests.primitives.conftest import Rig
 
 
 class Wave(ActionPrimitive):
@@ -115,7 +116,7 @@ def at(rig: Any) -> tuple[float, ...]:
     return (*rig.scene.base, *rig.robot.arm.command())
 
 
-def test_success_carries_what_was_found(make_rig: Callable[..., Any]) -> None:
+def test_success_carries_what_was_found(make_rig: Callable[..., Rig]) -> None:
     rig = make_rig()
     outcome = rig.run(Wave())
     assert outcome == Success({"swings": 1})
@@ -131,7 +132,7 @@ def test_success_carries_what_was_found(make_rig: Callable[..., Any]) -> None:
     ],
 )
 def test_a_fail_is_measured_where_everything_is_as_it_was(
-    make_rig: Callable[..., Any], end: str, reason: str, permanent: bool
+    make_rig: Callable[..., Rig], end: str, reason: str, permanent: bool
 ) -> None:
     rig = make_rig(seed=1)
     start = at(rig)
@@ -151,7 +152,7 @@ def test_nobody_else_makes_a_fail() -> None:
         Fail("I say so", False, {})
 
 
-def test_a_person_needed_stops_where_it_is(make_rig: Callable[..., Any]) -> None:
+def test_a_person_needed_stops_where_it_is(make_rig: Callable[..., Rig]) -> None:
     rig = make_rig()
     start = at(rig)
     assert rig.run(Wave(end="a person")) == GiveUp("the arm squeaks")
@@ -161,7 +162,7 @@ def test_a_person_needed_stops_where_it_is(make_rig: Callable[..., Any]) -> None
     assert at(rig) == here
 
 
-def test_after_a_point_of_no_return_nothing_is_retraced(make_rig: Callable[..., Any]) -> None:
+def test_after_a_point_of_no_return_nothing_is_retraced(make_rig: Callable[..., Rig]) -> None:
     rig = make_rig()
     start = at(rig)
     primitive = Wave(end="no return")
@@ -172,27 +173,27 @@ def test_after_a_point_of_no_return_nothing_is_retraced(make_rig: Callable[..., 
     assert not np.allclose(at(rig), start, atol=0.02)
 
 
-def test_an_effect_that_is_not_seen_is_a_fail(make_rig: Callable[..., Any]) -> None:
+def test_an_effect_that_is_not_seen_is_a_fail(make_rig: Callable[..., Rig]) -> None:
     outcome = make_rig().run(Blind())
     assert isinstance(outcome, Fail)
     assert outcome.reason == "success is not confirmed: what was to be achieved is not seen"
 
 
-def test_an_effect_that_is_not_seen_after_no_return_is_for_a_person(make_rig: Callable[..., Any]) -> None:
+def test_an_effect_that_is_not_seen_after_no_return_is_for_a_person(make_rig: Callable[..., Rig]) -> None:
     outcome = make_rig().run(BlindAfter())
     assert isinstance(outcome, GiveUp)
     assert "the lamp is broken" in outcome.reason
 
 
 @pytest.mark.parametrize("lost", [False, True])
-def test_an_object_that_is_not_where_it_was_is_for_a_person(make_rig: Callable[..., Any], lost: bool) -> None:
+def test_an_object_that_is_not_where_it_was_is_for_a_person(make_rig: Callable[..., Rig], lost: bool) -> None:
     outcome = make_rig().run(Pusher(lost=lost))
     assert isinstance(outcome, GiveUp)
     assert "not restored: object cup mm" in outcome.reason
     assert outcome.residuals["object cup mm"] == pytest.approx(math.inf if lost else 12.0)
 
 
-def test_a_restore_that_misses_is_tried_again_by_the_framework(make_rig: Callable[..., Any]) -> None:
+def test_a_restore_that_misses_is_tried_again_by_the_framework(make_rig: Callable[..., Rig]) -> None:
     rig = make_rig()
     outcome = rig.run(Stubborn())
     assert isinstance(outcome, GiveUp | Fail)
@@ -201,12 +202,12 @@ def test_a_restore_that_misses_is_tried_again_by_the_framework(make_rig: Callabl
         assert "joints_deg" in outcome.reason
 
 
-def test_raising_while_restoring_is_for_a_person(make_rig: Callable[..., Any]) -> None:
+def test_raising_while_restoring_is_for_a_person(make_rig: Callable[..., Rig]) -> None:
     outcome = make_rig().run(Stubborn(raises=True))
     assert outcome == GiveUp("the wave was not answered; and restoring failed: the way back is blocked")
 
 
-def test_the_watch_is_asked_in_motion_and_on_the_way_back(make_rig: Callable[..., Any]) -> None:
+def test_the_watch_is_asked_in_motion_and_on_the_way_back(make_rig: Callable[..., Rig]) -> None:
     outcome = make_rig().run(Watched())
     assert isinstance(outcome, Fail)
     assert outcome.reason == "somebody stands there"
@@ -216,7 +217,7 @@ def test_the_watch_is_asked_in_motion_and_on_the_way_back(make_rig: Callable[...
 
 
 @pytest.mark.parametrize("period", [1, 8, 20])
-def test_a_cancel_in_any_period_is_restored(make_rig: Callable[..., Any], period: int) -> None:
+def test_a_cancel_in_any_period_is_restored(make_rig: Callable[..., Rig], period: int) -> None:
     rig = make_rig()
     start, end = at(rig), rig.robot.time + 0.05 * period
     outcome = rig.run(Wave(), lambda: rig.robot.time >= end)
@@ -226,7 +227,7 @@ def test_a_cancel_in_any_period_is_restored(make_rig: Callable[..., Any], period
 
 
 @pytest.mark.parametrize(("end", "what"), [("reads", "reads 'places'"), ("writes", "writes 'slot'")])
-def test_what_was_not_declared_is_refused(make_rig: Callable[..., Any], end: str, what: str) -> None:
+def test_what_was_not_declared_is_refused(make_rig: Callable[..., Rig], end: str, what: str) -> None:
     outcome = make_rig().run(Wave(end=end))
     assert isinstance(outcome, Fail)
     assert outcome.reason.startswith(UndeclaredAccess.__name__)
@@ -234,7 +235,7 @@ def test_what_was_not_declared_is_refused(make_rig: Callable[..., Any], end: str
 
 
 @pytest.mark.slow
-def test_thirty_fails_in_a_row_do_not_drift(make_rig: Callable[..., Any]) -> None:
+def test_thirty_fails_in_a_row_do_not_drift(make_rig: Callable[..., Rig]) -> None:
     rig = make_rig(seed=4)
     start = rig.scene.base
     joints = rig.robot.arm.command()

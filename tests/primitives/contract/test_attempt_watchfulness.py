@@ -15,12 +15,13 @@ from handcart.evaluation.conformance.rig.layered_backend import LayeredBackend
 from handcart.primitives.contract.action_primitive import ActionPrimitive, Periods
 from handcart.primitives.contract.attempt import NOT_ALONE, PUSHED
 from handcart.primitives.contract.discrepancy import Discrepancy, NeedsPerson
-from handcart.primitives.contract.outcome import GiveUp, Success
+from handcart.primitives.contract.outcome import Fail, GiveUp, Success
 from handcart.primitives.knowledge.world_model import ModelView
 from handcart.primitives.restoring.retrace import retrace
 from handcart.primitives.restoring.snapshot import STILL, Snapshot
 from handcart.primitives.restoring.trace import Trace
 from handcart.robotics.geometry.pose2 import Pose2
+from tests.primitives.conftest import Rig
 
 
 def push(scene: Any) -> None:
@@ -132,7 +133,7 @@ def layered(rig: Any, kind: type[LayeredBackend]) -> Any:
     return backend
 
 
-def test_a_push_just_before_success_is_seen(make_rig: Callable[..., Any]) -> None:
+def test_a_push_just_before_success_is_seen(make_rig: Callable[..., Rig]) -> None:
     """The base is looked for once more right before Success, not only every few periods."""
     rig = make_rig()
     assert rig.run(Stands(effect_s=1.5, push_at_s=99.0, scene=rig.scene)) == Success({})
@@ -144,19 +145,19 @@ def test_a_push_just_before_success_is_seen(make_rig: Callable[..., Any]) -> Non
     assert missed == []
 
 
-def test_a_push_while_the_effect_is_observed_is_for_a_person(make_rig: Callable[..., Any]) -> None:
+def test_a_push_while_the_effect_is_observed_is_for_a_person(make_rig: Callable[..., Rig]) -> None:
     rig = make_rig()
     assert rig.run(Stands(effect_s=4.0, scene=rig.scene)) == GiveUp(PUSHED)
 
 
-def test_a_push_on_the_way_back_ends_restoring_at_once(make_rig: Callable[..., Any]) -> None:
+def test_a_push_on_the_way_back_ends_restoring_at_once(make_rig: Callable[..., Rig]) -> None:
     rig = make_rig()
     outcome = rig.run(Stands(restore_s=6.0, scene=rig.scene))
     assert outcome == GiveUp(f"nobody is there; and restoring failed: {PUSHED}")
     assert rig.robot.time < 4.0
 
 
-def test_a_joint_that_jams_on_the_way_back_ends_restoring_at_once(make_rig: Callable[..., Any]) -> None:
+def test_a_joint_that_jams_on_the_way_back_ends_restoring_at_once(make_rig: Callable[..., Rig]) -> None:
     rig = make_rig()
     backend = layered(rig, Jammed)
     backend.jams = lambda: bool(rig.restored)
@@ -165,7 +166,7 @@ def test_a_joint_that_jams_on_the_way_back_ends_restoring_at_once(make_rig: Call
     assert "restoring failed: joint 1 is 0." in outcome.reason
 
 
-def test_a_second_primitive_on_the_way_back_is_noticed(make_rig: Callable[..., Any]) -> None:
+def test_a_second_primitive_on_the_way_back_is_noticed(make_rig: Callable[..., Rig]) -> None:
     """N12"""
     rig = make_rig()
 
@@ -178,7 +179,7 @@ def test_a_second_primitive_on_the_way_back_is_noticed(make_rig: Callable[..., A
     assert rig.run(Disturbed()) == GiveUp(f"nobody is there; and restoring failed: {NOT_ALONE}")
 
 
-def test_a_giveup_comes_when_the_robot_stands(make_rig: Callable[..., Any]) -> None:
+def test_a_giveup_comes_when_the_robot_stands(make_rig: Callable[..., Rig]) -> None:
     rig = make_rig()
     backend = layered(rig, Coasting)
     before = rig.robot.time
@@ -187,7 +188,7 @@ def test_a_giveup_comes_when_the_robot_stands(make_rig: Callable[..., Any]) -> N
     assert rig.robot.time - before > (10 + Coasting.periods + STILL) * rig.robot.period
 
 
-def test_no_success_for_a_robot_that_never_stands(make_rig: Callable[..., Any]) -> None:
+def test_no_success_for_a_robot_that_never_stands(make_rig: Callable[..., Rig]) -> None:
     rig = make_rig()
     layered(rig, Coasting).periods = 10_000
     outcome = rig.run(Rolls(person=False))
@@ -196,12 +197,13 @@ def test_no_success_for_a_robot_that_never_stands(make_rig: Callable[..., Any]) 
 
 
 @pytest.mark.parametrize("moved_mm", [0.0, 60.0])
-def test_by_wheels_alone_a_long_way_is_no_sure_return(make_rig: Callable[..., Any], moved_mm: float) -> None:
+def test_by_wheels_alone_a_long_way_is_no_sure_return(make_rig: Callable[..., Rig], moved_mm: float) -> None:
     """Where only the wheels tell, what was added to the uncertainty on the way counts in the residuals."""
     rig = make_rig()
     rig.robot = Robot(rig.robot.backend, rig.robot.spec, rig.robot.pose, None)
     outcome = rig.run(Wanders(far_mm=moved_mm))
     assert rig.robot.localization.dead_reckoned
+    assert isinstance(outcome, Fail | GiveUp)
     unsure = outcome.residuals["base_unsure_mm"]
     assert unsure == pytest.approx(0.0, abs=1e-6) if moved_mm == 0.0 else unsure > 0.3
 

@@ -16,6 +16,7 @@ from handcart.primitives.contract.outcome import Fail, GiveUp
 from handcart.primitives.contract.tree_primitive import GeneratorBehaviour, TreePrimitive
 from handcart.primitives.knowledge.world_model import ModelView
 from handcart.primitives.restoring.snapshot import Seen
+from tests.primitives.conftest import Rig
 
 FELT = Measured("Arm", "force that resists", 8.0, 7.0, "N")
 
@@ -79,7 +80,7 @@ class Branch(TreePrimitive):
 
 
 @pytest.fixture
-def rig(make_rig: Callable[..., Any]) -> Any:
+def rig(make_rig: Callable[..., Rig]) -> Rig:
     return make_rig()
 
 
@@ -91,34 +92,34 @@ def rig(make_rig: Callable[..., Any]) -> Any:
         ("watch", ("Try.watch", "Try._perhaps")),
     ],
 )
-def test_who_found_it_and_by_what(rig: Any, where: str, calls) -> None:
+def test_who_found_it_and_by_what(rig: Rig, where: str, calls: tuple[str, ...]) -> None:
     primitive = Try(where=where)
     rig.run(primitive)
     cause = primitive.evidence.causes[0]  # what a watch sees, it sees on the way back too
     assert (cause.check, cause.calls, cause.measured) == (where, calls, FELT)
 
 
-def test_an_effect_that_is_not_seen(rig: Any) -> None:
+def test_an_effect_that_is_not_seen(rig: Rig) -> None:
     primitive = Try(where="effect")
     assert isinstance(rig.run(primitive), Fail)
     assert primitive.evidence.causes[0].check == "effect"
     assert primitive.evidence.limits["base_mm"] == rig.robot.spec.tolerance.base_mm
 
 
-def test_a_fault_in_the_code_is_told_as_one(rig: Any) -> None:
+def test_a_fault_in_the_code_is_told_as_one(rig: Rig) -> None:
     primitive = Try(where="a fault")
     rig.run(primitive)
     (cause,) = primitive.evidence.causes
     assert (cause.check, cause.fault, cause.calls[-1]) == ("motion", "ZeroDivisionError", "Try._deeper")
 
 
-def test_a_person_is_needed(rig: Any) -> None:
+def test_a_person_is_needed(rig: Rig) -> None:
     primitive = Try(where="a person")
     assert isinstance(rig.run(primitive), GiveUp)
     assert primitive.evidence.causes[0].measured == FELT
 
 
-def test_a_way_back_that_failed_is_the_second_link(rig: Any) -> None:
+def test_a_way_back_that_failed_is_the_second_link(rig: Rig) -> None:
     primitive = NoWayBack(where="motion")
     assert isinstance(rig.run(primitive), GiveUp)
     first, second = primitive.evidence.causes
@@ -126,7 +127,7 @@ def test_a_way_back_that_failed_is_the_second_link(rig: Any) -> None:
     assert (second.restoring, second.check, second.reason) == (True, "restore", "the way back is blocked")
 
 
-def test_a_leaf_of_a_tree(rig: Any) -> None:
+def test_a_leaf_of_a_tree(rig: Rig) -> None:
     primitive = Branch()
     rig.run(primitive)
     (cause,) = primitive.evidence.causes
@@ -134,7 +135,7 @@ def test_a_leaf_of_a_tree(rig: Any) -> None:
     assert cause.check == "motion"
 
 
-def test_a_success_has_no_cause(rig: Any) -> None:
+def test_a_success_has_no_cause(rig: Rig) -> None:
     primitive = Try(where="nowhere")
     rig.run(primitive)
     assert primitive.evidence.causes == []

@@ -51,6 +51,7 @@ def test_a_base_that_is_moved_while_it_stands_needs_a_person(speed: float, turn_
 def test_a_base_whose_wheels_roll_as_it_is_pushed_is_noticed_too(aside_m: float, pushes: int) -> None:
     with BENCH.stage() as stage:
         robot, scene = stage.robot, simulated_world(stage.backend)
+        assert scene is not None
         for _ in range(25):
             robot.step()
         scene.base = scene.base.compose(Pose2(0.0, aside_m, 0.0))

@@ -22,6 +22,7 @@ from handcart.primitives.contract.discrepancy import Discrepancy, NeedsPerson
 from handcart.primitives.contract.outcome import Fail, GiveUp, Success
 from handcart.primitives.contract.tree_primitive import GeneratorBehaviour, TreePrimitive, ticked
 from handcart.primitives.knowledge.world_model import ModelView, UndeclaredAccess
+from tests.primitives.conftest import Rig
 
 
 def periods(root: Behaviour) -> int:
@@ -54,7 +55,12 @@ def test_a_sequence_of_generators_takes_the_periods_of_all() -> None:
 
 def test_a_failure_speaks_the_words_of_the_leaf_that_failed() -> None:
     leaf = Failure("look")
-    leaf.update = lambda: setattr(leaf, "feedback_message", "the lamp is out") or Status.FAILURE  # type: ignore[method-assign]
+
+    def update() -> Status:
+        leaf.feedback_message = "the lamp is out"
+        return Status.FAILURE
+
+    leaf.update = update  # type: ignore[method-assign]
     with pytest.raises(Discrepancy, match=r"^the lamp is out$"):
         periods(Sequence("all", memory=True, children=[Always("ok"), leaf]))
 
@@ -195,7 +201,7 @@ class Careful(TreePrimitive):
         return Selector("in any way", memory=True, children=children)
 
 
-def test_a_person_needed_inside_a_selector_is_a_give_up(make_rig: Callable[..., Any]) -> None:
+def test_a_person_needed_inside_a_selector_is_a_give_up(make_rig: Callable[..., Rig]) -> None:
     rig = make_rig()
     outcome = rig.run(Careful())
     assert isinstance(outcome, GiveUp)

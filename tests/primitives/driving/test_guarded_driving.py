@@ -19,6 +19,7 @@ from handcart.primitives.knowledge.world_model import ModelView
 from handcart.primitives.restoring.retrace import reach_pose
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.maps.grid_map import Box
+from tests.primitives.conftest import Rig
 
 BOX = "surprises:\n  - {{name: box, x_m: {x}, y_m: {y}, size_m: [0.4, 0.4, {height}]{more}}}\n"
 
@@ -47,7 +48,7 @@ class ReachPose(ActionPrimitive):
 
 @pytest.mark.parametrize("turn_rate", [0.0, 0.2, -0.35])
 def test_full_speed_ahead_ends_before_a_wall_of_the_map(
-    make_rig: Callable[..., Any], turn_rate: float
+    make_rig: Callable[..., Rig], turn_rate: float
 ) -> None:
     rig = make_rig()
     failed = rig.run(DriveOn(turn_rate=turn_rate))
@@ -56,13 +57,13 @@ def test_full_speed_ahead_ends_before_a_wall_of_the_map(
     assert math.dist(rig.scene.base[:2], (1.0, 1.0)) < 0.05  # it came back
 
 
-def test_it_ends_before_a_box_that_the_scan_alone_shows(make_rig: Callable[..., Any]) -> None:
+def test_it_ends_before_a_box_that_the_scan_alone_shows(make_rig: Callable[..., Rig]) -> None:
     rig = make_rig(BOX.format(x=1.0, y=2.6, height=0.6, more=""))
     assert isinstance(rig.run(DriveOn()), Fail)
     assert rig.scene.contacts == []
 
 
-def test_it_ends_before_a_low_step_that_the_map_alone_shows(make_rig: Callable[..., Any]) -> None:
+def test_it_ends_before_a_low_step_that_the_map_alone_shows(make_rig: Callable[..., Rig]) -> None:
     step = "  - {name: step, x_m: 1.0, y_m: 2.6, size_m: [0.8, 0.4, 0.08]}\n"
     rig = make_rig(furniture=step, walls=(Box(1.0, 2.6, 0.0, 0.8, 0.4),))
     assert isinstance(rig.run(DriveOn()), Fail)
@@ -70,7 +71,7 @@ def test_it_ends_before_a_low_step_that_the_map_alone_shows(make_rig: Callable[.
 
 
 def test_somebody_who_steps_behind_it_is_waited_for_while_it_is_brought_back(
-    make_rig: Callable[..., Any],
+    make_rig: Callable[..., Rig],
 ) -> None:
     rig = make_rig(BOX.format(x=1.0, y=1.2, height=0.6, more=", appears_s: 7, leaves_s: 20"))
     assert isinstance(rig.run(DriveOn()), Fail)
@@ -79,9 +80,10 @@ def test_somebody_who_steps_behind_it_is_waited_for_while_it_is_brought_back(
 
 
 @pytest.mark.parametrize("off", [0.22, 0.25, 0.28, 0.30, 0.32, 0.335, 0.379])
-def test_a_place_too_near_to_a_wall_is_refused_for_good(make_rig: Callable[..., Any], off: float) -> None:
+def test_a_place_too_near_to_a_wall_is_refused_for_good(make_rig: Callable[..., Rig], off: float) -> None:
     rig = make_rig()
-    rig.model.places["near"] = Place(x_m=5.0, y_m=0.06 + off, heading_deg=-90.0)
+    places: Any = rig.model.places
+    places["near"] = Place(x_m=5.0, y_m=0.06 + off, heading_deg=-90.0)
     for primitive in (MoveTo(place="near"), Modify(place="near")):
         failed = rig.run(primitive)
         assert isinstance(failed, Fail)
@@ -91,16 +93,17 @@ def test_a_place_too_near_to_a_wall_is_refused_for_good(make_rig: Callable[..., 
     assert rig.robot.time < 2.0  # it never set out
 
 
-def test_a_place_as_near_as_can_be_is_reached_without_contact(make_rig: Callable[..., Any]) -> None:
+def test_a_place_as_near_as_can_be_is_reached_without_contact(make_rig: Callable[..., Rig]) -> None:
     rig = make_rig(seed=5)
-    rig.model.places["near"] = Place(x_m=2.0, y_m=0.06 + 0.381, heading_deg=-90.0)
+    places: Any = rig.model.places
+    places["near"] = Place(x_m=2.0, y_m=0.06 + 0.381, heading_deg=-90.0)
     assert isinstance(rig.run(MoveTo(place="near")), Success)
     assert rig.scene.contacts == []
     assert math.dist(rig.scene.base[:2], (2.0, 0.441)) < 0.04
 
 
 @pytest.mark.slow
-def test_a_pose_in_a_wall_is_told_to_be_held_by_the_map(make_rig: Callable[..., Any]) -> None:
+def test_a_pose_in_a_wall_is_told_to_be_held_by_the_map(make_rig: Callable[..., Rig]) -> None:
     rig = make_rig()
     failed = rig.run(ReachPose(x=1.0, y=0.3))
     assert isinstance(failed, Fail)
@@ -110,7 +113,7 @@ def test_a_pose_in_a_wall_is_told_to_be_held_by_the_map(make_rig: Callable[..., 
 
 @pytest.mark.parametrize("start_y", [0.40, 0.43])
 def test_a_start_too_near_to_a_wall_is_left_and_come_back_to(
-    make_rig: Callable[..., Any], start_y: float
+    make_rig: Callable[..., Rig], start_y: float
 ) -> None:
     rig = make_rig(BOX.format(x=3.0, y=1.1, height=0.6, more=""), start_y=start_y)
     before = rig.scene.base
@@ -122,14 +125,15 @@ def test_a_start_too_near_to_a_wall_is_left_and_come_back_to(
 
 @pytest.mark.slow
 def test_a_cupboard_against_a_wall_that_the_map_lacks_is_not_taken_for_the_wall(
-    make_rig: Callable[..., Any],
+    make_rig: Callable[..., Rig],
 ) -> None:
     """It is 8 cm deep: less than what a scan may be off the map by."""
     thin = "surprises:\n  - {name: cupboard, x_m: 5.0, y_m: 3.05, size_m: [0.8, 0.08, 1.0]}\n"
     wall = Box(5.0, 3.14, 0.0, 5.9, 0.1)
     post = "  - {name: wall on the map, x_m: 5.0, y_m: 3.14, size_m: [5.9, 0.1, 1.0]}\n"
     rig = make_rig(thin, walls=(wall,), furniture=post)
-    rig.model.places["beside"] = Place(x_m=5.0, y_m=3.08 - 0.39, heading_deg=0.0)
+    places: Any = rig.model.places
+    places["beside"] = Place(x_m=5.0, y_m=3.08 - 0.39, heading_deg=0.0)
     failed = rig.run(MoveTo(place="beside", wait_s=1.0))
     assert isinstance(failed, Fail)
     assert "the base doesn't get on to beside: the scan shows something at (" in failed.reason

@@ -16,11 +16,12 @@ from handcart.primitives.driving.modify import Modify
 from handcart.primitives.driving.move_to import MoveTo
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import transform
+from tests.primitives.conftest import Rig
 
 BOX = "surprises:\n  - {{name: box, x_m: {x}, y_m: {y}, heading_deg: 20, size_m: [0.5, 0.4, 0.6]{more}}}\n"
 
 
-def test_it_docks_square_before_a_shelf(make_rig: Callable[..., Any]) -> None:
+def test_it_docks_square_before_a_shelf(make_rig: Callable[..., Rig]) -> None:
     rig = make_rig(seed=3)
     assert isinstance(rig.run(MoveTo(place="shelf_1")), Success)
     truth = Pose2(*map(float, rig.scene.base))
@@ -32,7 +33,7 @@ def test_it_docks_square_before_a_shelf(make_rig: Callable[..., Any]) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize(("x", "y"), [(3.0, 1.1), (4.5, 1.2)])
 def test_a_box_that_is_not_on_the_map_is_a_fail_and_modify_leads_around_it(
-    make_rig: Callable[..., Any], x: float, y: float
+    make_rig: Callable[..., Rig], x: float, y: float
 ) -> None:
     rig = make_rig(BOX.format(x=x, y=y, more=""))
     before = rig.scene.base
@@ -44,19 +45,20 @@ def test_a_box_that_is_not_on_the_map_is_a_fail_and_modify_leads_around_it(
     assert len(rig.model.obstacles) > 0
 
     assert isinstance(rig.run(Modify(place="shelf_1")), Success)
+    assert rig.model.detour is not None
     gaps = rig.model.detour.points[:, None] - rig.model.obstacles[None]
     assert np.linalg.norm(gaps, axis=2).min() > rig.robot.spec.footprint_radius_m
     assert isinstance(rig.run(MoveTo(place="shelf_1")), Success)
     assert rig.model.detour is None
 
 
-def test_a_passer_by_is_waited_for(make_rig: Callable[..., Any]) -> None:
+def test_a_passer_by_is_waited_for(make_rig: Callable[..., Rig]) -> None:
     rig = make_rig(BOX.format(x=3.0, y=1.1, more=", leaves_s: 12"))
     assert isinstance(rig.run(MoveTo(place="shelf_1", wait_s=30.0)), Success)
     assert rig.robot.time > 12.0
 
 
-def test_where_no_other_way_leads_modify_fails_for_good(make_rig: Callable[..., Any]) -> None:
+def test_where_no_other_way_leads_modify_fails_for_good(make_rig: Callable[..., Rig]) -> None:
     rig = make_rig()
     rig.model.obstacles = np.column_stack([np.linspace(-0.1, 8.1, 200), np.full(200, 4.0)])
     failed = rig.run(Modify(place="shelf_1"))
@@ -66,7 +68,7 @@ def test_where_no_other_way_leads_modify_fails_for_good(make_rig: Callable[..., 
     assert isinstance(rig.run(Modify(place="home")), Success)
 
 
-def test_an_unknown_place_is_a_fail_that_nothing_moved_for(make_rig: Callable[..., Any]) -> None:
+def test_an_unknown_place_is_a_fail_that_nothing_moved_for(make_rig: Callable[..., Rig]) -> None:
     rig = make_rig()
     failed = rig.run(MoveTo(place="cellar"))
     assert isinstance(failed, Fail)
@@ -97,7 +99,7 @@ def test_passers_by_are_waited_for_one_by_one() -> None:
 
 
 def test_with_the_arm_out_the_base_does_not_drive(
-    make_rig: Callable[..., Any], monkeypatch: pytest.MonkeyPatch
+    make_rig: Callable[..., Rig], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     rig = make_rig()
     monkeypatch.setattr(rig.robot, "base_T", lambda _: transform((0.6, 0.1, 0.7)))

@@ -11,6 +11,7 @@ import pytest
 
 from handcart.files.errors import FileError
 from handcart.primitives.field.field import Field, Origin
+from handcart.primitives.field.target import Target
 from handcart.primitives.field.target_list import load_targets
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.outdoors.field_course import zigzag_course
@@ -24,13 +25,15 @@ FIELD = Field(
 )
 
 
-def read(tmp_path: Path, text, name="targets.csv", field=FIELD):
+def read(tmp_path: Path, text: str, name: str = "targets.csv", field: Field = FIELD) -> dict[str, Target]:
     path = tmp_path / name
     path.write_text(text, encoding="utf-8")
     return load_targets(path, field, START)
 
 
-def faults(tmp_path: Path, text, name="targets.csv", field=FIELD):
+def faults(
+    tmp_path: Path, text: str, name: str = "targets.csv", field: Field = FIELD
+) -> list[tuple[int, int, str]]:
     with pytest.raises(FileError) as error:
         read(tmp_path, text, name, field)
     return [(each.line, each.column, each.message) for each in error.value.findings]
@@ -124,7 +127,7 @@ def test_geojson_without_points_is_refused(tmp_path: Path, text: str) -> None:
     ],
 )
 def test_a_list_as_strangers_write_it_is_refused_at_its_line(
-    tmp_path: Path, text, line: int, words: str
+    tmp_path: Path, text: str, line: int, words: str
 ) -> None:
     """T2, T14"""
     told = faults(tmp_path, text)

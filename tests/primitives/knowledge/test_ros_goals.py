@@ -6,6 +6,8 @@ from pathlib import Path
 import pytest
 
 from handcart.files.errors import FileError
+from handcart.files.models.loading import Loaded
+from handcart.primitives.knowledge.place import Places
 from handcart.primitives.knowledge.place_file import load_places
 
 STAMPED = """\
@@ -39,7 +41,7 @@ poses:
 FLAT = "waypoints:\n  - {name: dock, x: 1.0, y: 2.5, yaw: 1.5707963}\n  - {x: -3, y: 0, theta: 3.14159265}\n"
 
 
-def read(folder: Path, text: str):
+def read(folder: Path, text: str) -> Loaded[Places]:
     (folder / "goals.yaml").write_text(text, encoding="utf-8")
     return load_places(folder / "goals.yaml")
 

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import pytest
+
+from tests.tools.conftest import Said
 
 TASKS = Path(__file__).resolve().parents[3] / "tasks"
 TASK = """\
@@ -41,7 +42,7 @@ def broken(tmp_path: Path) -> Callable[..., Path]:
     return write
 
 
-def test_the_task_itself_is_right(handcart: Callable[..., Any], broken: Callable[..., Path]) -> None:
+def test_the_task_itself_is_right(handcart: Callable[..., Said], broken: Callable[..., Path]) -> None:
     assert handcart("check", broken()).status == 0
 
 
@@ -63,7 +64,7 @@ def test_the_task_itself_is_right(handcart: Callable[..., Any], broken: Callable
     ],
 )
 def test_one_error_is_told_with_its_place(
-    handcart: Callable[..., Any], broken: Callable[..., Path], old: str, new: str, place: str, words: str
+    handcart: Callable[..., Said], broken: Callable[..., Path], old: str, new: str, place: str, words: str
 ) -> None:
     path = broken((old, new))
     said = handcart("run", path, "--runs", path.parent / "runs")
@@ -74,7 +75,7 @@ def test_one_error_is_told_with_its_place(
     assert not (path.parent / "runs").exists()
 
 
-def test_all_errors_are_told_at_once(handcart: Callable[..., Any], broken: Callable[..., Path]) -> None:
+def test_all_errors_are_told_at_once(handcart: Callable[..., Said], broken: Callable[..., Path]) -> None:
     path = broken(("goal: there", "goal: their"), ("MOVE_TO", "MOVE_TOO"), ("title: A test", "titel: A test"))
     said = handcart("check", path)
     assert said.status == 2
@@ -83,14 +84,14 @@ def test_all_errors_are_told_at_once(handcart: Callable[..., Any], broken: Calla
     assert len(lines) >= 2
 
 
-def test_a_missing_file_is_told(handcart: Callable[..., Any], tmp_path: Path) -> None:
+def test_a_missing_file_is_told(handcart: Callable[..., Said], tmp_path: Path) -> None:
     said = handcart("run", tmp_path / "nothing.yaml")
     assert said.status == 2
     assert "nothing.yaml" in said.err
 
 
 def test_t17_a_robot_without_a_needed_capability_is_refused(
-    handcart: Callable[..., Any], broken: Callable[..., Path]
+    handcart: Callable[..., Said], broken: Callable[..., Path]
 ) -> None:
     robots = Path(__file__).resolve().parents[3] / "backends" / "robots" / "librarian"
     path = broken(("robot: librarian", "robot: blind.yaml"))
@@ -106,7 +107,7 @@ def test_t17_a_robot_without_a_needed_capability_is_refused(
 
 
 def test_an_unknown_backend_and_an_unknown_setting_are_refused(
-    handcart: Callable[..., Any], broken: Callable[..., Path]
+    handcart: Callable[..., Said], broken: Callable[..., Path]
 ) -> None:
     said = handcart("run", broken(), "--backend", "kinematik")
     assert (said.status, "did you mean 'kinematic'" in said.err) == (2, True)
@@ -115,7 +116,7 @@ def test_an_unknown_backend_and_an_unknown_setting_are_refused(
 
 
 def test_a_file_of_no_kind_is_refused_and_a_map_in_ros_format_is_known(
-    handcart: Callable[..., Any], tmp_path: Path
+    handcart: Callable[..., Said], tmp_path: Path
 ) -> None:
     (tmp_path / "some.yaml").write_text("image: some.png\n", encoding="utf-8")
     said = handcart("check", tmp_path / "some.yaml")
@@ -148,14 +149,14 @@ def test_a_file_of_no_kind_is_refused_and_a_map_in_ros_format_is_known(
         (("do", "MODIFY", "place=shelf_1", "--world", "none.yaml"), "none.yaml:1:1"),
     ],
 )
-def test_bad_words_are_refused(handcart: Callable[..., Any], words: tuple[str, ...], told: str) -> None:
+def test_bad_words_are_refused(handcart: Callable[..., Said], words: tuple[str, ...], told: str) -> None:
     said = handcart(*words)
     assert said.status == 2
     assert told in said.err
     assert "Traceback" not in said.err
 
 
-def test_findings_of_do_name_what_was_typed(handcart: Callable[..., Any]) -> None:
+def test_findings_of_do_name_what_was_typed(handcart: Callable[..., Said]) -> None:
     said = handcart("do", "MOVE_TO", "place=shelf_1", "wait_s=two", "weit_s=3")
     assert said.err.splitlines() == [
         "wait_s=two: wait_s is 'two'; allowed: a number from 0 to 600 s",
@@ -174,7 +175,7 @@ def test_findings_of_do_name_what_was_typed(handcart: Callable[..., Any]) -> Non
     ],
 )
 def test_a_robots_file_is_checked_against_its_urdf(
-    handcart: Callable[..., Any], tmp_path: Path, old: str, new: str, told: str
+    handcart: Callable[..., Said], tmp_path: Path, old: str, new: str, told: str
 ) -> None:
     robots = Path(__file__).resolve().parents[3] / "backends" / "robots" / "librarian"
     text = (robots / "robot.yaml").read_text(encoding="utf-8")
@@ -188,7 +189,7 @@ def test_a_robots_file_is_checked_against_its_urdf(
 
 
 def test_thresholds_that_turn_unknown_cells_into_free_ones_are_warned_of(
-    handcart: Callable[..., Any], broken: Callable[..., Path]
+    handcart: Callable[..., Said], broken: Callable[..., Path]
 ) -> None:
     import cv2
 
@@ -211,7 +212,7 @@ def test_thresholds_that_turn_unknown_cells_into_free_ones_are_warned_of(
 
 @pytest.mark.parametrize("command", ["check", "run", "do"])
 def test_a_broken_urdf_is_told_with_its_place(
-    handcart: Callable[..., Any], broken: Callable[..., Path], command: str
+    handcart: Callable[..., Said], broken: Callable[..., Path], command: str
 ) -> None:
     robots = TASKS.parent / "backends" / "robots" / "librarian"
     path = broken(("robot: librarian", "robot: mine.yaml"))
@@ -226,7 +227,7 @@ def test_a_broken_urdf_is_told_with_its_place(
 
 @pytest.mark.parametrize("version", ["handcart-task/2", "handcart-task", "task/1", "7"])
 def test_another_version_is_told_with_what_is_allowed(
-    handcart: Callable[..., Any], broken: Callable[..., Path], version: str
+    handcart: Callable[..., Said], broken: Callable[..., Path], version: str
 ) -> None:
     """T15"""
     said = handcart("check", broken(("handcart-task/1", version)))
@@ -235,7 +236,7 @@ def test_another_version_is_told_with_what_is_allowed(
     assert "handcart-task/1" in said.err
 
 
-def test_a_missing_version_is_told(handcart: Callable[..., Any], broken: Callable[..., Path]) -> None:
+def test_a_missing_version_is_told(handcart: Callable[..., Said], broken: Callable[..., Path]) -> None:
     """T15"""
     said = handcart("check", broken(("format: handcart-task/1\n", "")))
     assert said.status == 2
@@ -243,7 +244,7 @@ def test_a_missing_version_is_told(handcart: Callable[..., Any], broken: Callabl
 
 
 def test_a_task_whose_world_has_moved_is_refused(
-    handcart: Callable[..., Any], broken: Callable[..., Path]
+    handcart: Callable[..., Said], broken: Callable[..., Path]
 ) -> None:
     """T12: by `check`, by `--dry-run` and so before a run."""
     task = broken()

@@ -5,10 +5,11 @@ from __future__ import annotations
 import json
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import can
 import pytest
+
+from tests.tools.conftest import Said
 
 CART = Path(__file__).resolve().parents[3] / "backends" / "robots" / "cart"
 
@@ -33,7 +34,7 @@ def cart(tmp_path: Path) -> Callable[..., Path]:
     return changed
 
 
-def test_each_frame_is_told_with_its_bits(handcart: Callable[..., Any], cart: Callable[..., Path]) -> None:
+def test_each_frame_is_told_with_its_bits(handcart: Callable[..., Said], cart: Callable[..., Path]) -> None:
     said = handcart("check", cart())
     assert said.status == 0
     assert "181h    left wheel: answer 1        7       125             50 ms   0.50%" in said.out
@@ -43,7 +44,7 @@ def test_each_frame_is_told_with_its_bits(handcart: Callable[..., Any], cart: Ca
     assert sum(each["share"] for each in bus["frames"]) == pytest.approx(bus["share"], abs=1e-4)
 
 
-def test_c19_an_overloaded_bus_is_refused(handcart: Callable[..., Any], cart: Callable[..., Path]) -> None:
+def test_c19_an_overloaded_bus_is_refused(handcart: Callable[..., Said], cart: Callable[..., Path]) -> None:
     """C19: more than 70 % by what goes over it each period."""
     path = cart(bitrate_kbit_s="20")
     said = handcart("check", path)
@@ -57,7 +58,7 @@ def test_c19_an_overloaded_bus_is_refused(handcart: Callable[..., Any], cart: Ca
 
 @pytest.mark.parametrize("words", [("check",), ("run", "--dry-run")])
 def test_nothing_is_opened(
-    handcart: Callable[..., Any],
+    handcart: Callable[..., Said],
     cart: Callable[..., Path],
     monkeypatch: pytest.MonkeyPatch,
     tour: Path,
@@ -78,7 +79,7 @@ def test_nothing_is_opened(
 
 
 def test_what_the_robot_lacks_is_told_without_opening_it(
-    handcart: Callable[..., Any], cart: Callable[..., Path], tour: Path
+    handcart: Callable[..., Said], cart: Callable[..., Path], tour: Path
 ) -> None:
     robot = cart(interface="socketcan", channel="can0")
     tour.write_text(tour.read_text().replace("robot: librarian", f"robot: {robot.name}\nbackend: can"))
@@ -88,7 +89,7 @@ def test_what_the_robot_lacks_is_told_without_opening_it(
 
 
 def test_a_makers_file_is_read(
-    handcart: Callable[..., Any], cart: Callable[..., Path], tmp_path: Path
+    handcart: Callable[..., Said], cart: Callable[..., Path], tmp_path: Path
 ) -> None:
     """What is wrong in it is told at its place there, with what is wrong in the robot's file."""
     own = (CART.parents[1] / "can" / "drives" / "drive.eds").read_text(encoding="utf-8")

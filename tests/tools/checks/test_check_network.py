@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
 from handcart.networks.analysis.figures import ASSUMPTION
+from tests.tools.conftest import Said
 
 ROOT = Path(__file__).resolve().parents[3]
 
 
-def test_probabilities_give_figures_with_their_assumption(handcart, tour) -> None:
+def test_probabilities_give_figures_with_their_assumption(handcart: Callable[..., Said], tour: Path) -> None:
     tour.write_text(tour.read_text().replace("cost_s: 30,", "cost_s: 30, p: 0.9,"))
     said = handcart("check", tour)
     assert said.status == 0
@@ -25,7 +27,9 @@ def test_probabilities_give_figures_with_their_assumption(handcart, tour) -> Non
     assert figures["actions"][0]["slope"] == pytest.approx(3 * 0.1**2, rel=1e-3)
 
 
-def test_a_situation_that_no_run_comes_to_and_one_that_leads_nowhere(handcart, tour) -> None:
+def test_a_situation_that_no_run_comes_to_and_one_that_leads_nowhere(
+    handcart: Callable[..., Said], tour: Path
+) -> None:
     text = tour.read_text().replace(
         "at_shelf: {base: shelf}}", "at_shelf: {base: shelf}, lost: {}, stuck: {}}"
     )
@@ -40,7 +44,7 @@ def test_a_situation_that_no_run_comes_to_and_one_that_leads_nowhere(handcart, t
 
 
 @pytest.mark.slow
-def test_of_many_lines_of_a_kind_the_first_are_printed(handcart, tour) -> None:
+def test_of_many_lines_of_a_kind_the_first_are_printed(handcart: Callable[..., Said], tour: Path) -> None:
     text = tour.read_text().replace("cost_s: 30,", "cost_s: 30, p: 0.9,")
     action = next(line for line in text.splitlines(keepends=True) if "do: MOVE_TO" in line)
     tour.write_text(text + 99 * action)
@@ -50,7 +54,7 @@ def test_of_many_lines_of_a_kind_the_first_are_printed(handcart, tour) -> None:
     assert len(json.loads(handcart("check", tour, "--json").out)["figures"]["actions"]) == 100
 
 
-def test_a_goal_that_nothing_leads_to_is_an_error(handcart, tour) -> None:
+def test_a_goal_that_nothing_leads_to_is_an_error(handcart: Callable[..., Said], tour: Path) -> None:
     """N1"""
     tour.write_text(tour.read_text().replace("to: at_shelf", "to: at_home"))
     said = handcart("check", tour)
@@ -59,13 +63,13 @@ def test_a_goal_that_nothing_leads_to_is_an_error(handcart, tour) -> None:
     assert "no actions lead from at_home to at_shelf" in said.err
 
 
-def test_facts_that_a_primitive_cannot_change(handcart, tour) -> None:
+def test_facts_that_a_primitive_cannot_change(handcart: Callable[..., Said], tour: Path) -> None:
     tour.write_text(tour.read_text().replace("do: MOVE_TO", "do: MODIFY"))
     said = handcart("check", tour)
     assert "MODIFY moves no Base, but 'base' goes from home to shelf" in said.out
 
 
-def test_the_papers_table(handcart) -> None:
+def test_the_papers_table(handcart: Callable[..., Said]) -> None:
     from pathlib import Path
 
     said = handcart(
@@ -90,12 +94,12 @@ actions:
 
 
 @pytest.fixture
-def two_ways(tour):
+def two_ways(tour: Path) -> Path:
     tour.write_text(tour.read_text().partition("situations:")[0] + TWO)
     return tour
 
 
-def test_what_more_tries_would_buy(handcart, two_ways) -> None:
+def test_what_more_tries_would_buy(handcart: Callable[..., Said], two_ways: Path) -> None:
     said = handcart("check", two_ways, "--json")
     told = json.loads(said.out)
     figures = told["figures"]
@@ -122,7 +126,7 @@ def test_what_more_tries_would_buy(handcart, two_ways) -> None:
     assert "one more attempt        an alternative" in said.out
 
 
-def test_probabilities_that_are_more_than_one_together(handcart, two_ways) -> None:
+def test_probabilities_that_are_more_than_one_together(handcart: Callable[..., Said], two_ways: Path) -> None:
     two_ways.write_text(two_ways.read_text().replace("p_give_up: 0.02", "p_give_up: 0.2"))
     said = handcart("check", two_ways)
     assert said.status == 2
@@ -130,14 +134,14 @@ def test_probabilities_that_are_more_than_one_together(handcart, two_ways) -> No
     assert "p_give_up is 0.2; allowed: at most 0.1, what p leaves of 1" in said.err
 
 
-def test_probabilities_that_are_missing_are_named(handcart, two_ways) -> None:
+def test_probabilities_that_are_missing_are_named(handcart: Callable[..., Said], two_ways: Path) -> None:
     two_ways.write_text(two_ways.read_text().replace(" p: 0.8,", ""))
     said = handcart("check", two_ways)
     assert said.status == 0
     assert "how runs end: not known: `p` is missing in MOVE_TO (line 12)" in said.out
 
 
-def test_an_action_that_no_run_does(handcart, two_ways) -> None:
+def test_an_action_that_no_run_does(handcart: Callable[..., Said], two_ways: Path) -> None:
     text = two_ways.read_text().replace(
         "{base: shelf, book: on the tray}", "{base: shelf, book: on the tray}, b: {}"
     )
@@ -160,7 +164,9 @@ actions:
 """
 
 
-def test_a_dead_end_that_a_fail_leads_to_is_told_with_its_path(handcart, tour) -> None:
+def test_a_dead_end_that_a_fail_leads_to_is_told_with_its_path(
+    handcart: Callable[..., Said], tour: Path
+) -> None:
     tour.write_text(tour.read_text().partition("situations:")[0] + DEAD_END)
     said = handcart("check", tour)
     assert said.status == 0
@@ -171,7 +177,7 @@ def test_a_dead_end_that_a_fail_leads_to_is_told_with_its_path(handcart, tour) -
     assert f"{tour}:13:5: in 'lost' no way may be left: MOVE_TO from at_home fails" in said.out
 
 
-def test_a_primitive_that_changes_more_than_elsewhere(handcart, tour) -> None:
+def test_a_primitive_that_changes_more_than_elsewhere(handcart: Callable[..., Said], tour: Path) -> None:
     """RELEASE has no row in the paper's table: there the last MOVE_TO also puts the book in its place."""
     head = tour.read_text().partition("situations:")[0].replace("goal: at_shelf", "goal: home_again")
     tour.write_text(

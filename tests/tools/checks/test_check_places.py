@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import cv2
 import numpy as np
@@ -13,6 +12,7 @@ import pytest
 
 from handcart.networks.task.preparing import check
 from handcart.robotics.navigation.maps.grid_map import from_boxes
+from tests.tools.conftest import Said
 
 WALLS = [
     (4.0, 0.0, 0.0, 8.1, 0.1),
@@ -65,7 +65,7 @@ def task(tmp_path: Path) -> Callable[..., Path]:
 
 
 def test_check_tells_of_each_place_what_room_it_has_and_whether_it_is_reached(
-    handcart: Any, task: Any
+    handcart: Callable[..., Said], task: Callable[..., Path]
 ) -> None:
     said = handcart("check", task("desk", "behind", "closet"), "--json")
     found = json.loads(said.out)
@@ -87,7 +87,7 @@ def test_check_tells_of_each_place_what_room_it_has_and_whether_it_is_reached(
     assert [(each["line"], each["column"]) for each in found["findings"]] == [(6, 3), (7, 3)]
 
 
-def test_a_place_that_nothing_drives_to_is_a_warning_alone(task: Any) -> None:
+def test_a_place_that_nothing_drives_to_is_a_warning_alone(task: Callable[..., Path]) -> None:
     checked = check(task("desk"))
     assert checked.errors == ()
     warnings = [each.partition("places.yaml:")[2] for each in checked.warnings]
@@ -96,7 +96,7 @@ def test_a_place_that_nothing_drives_to_is_a_warning_alone(task: Any) -> None:
     assert [each[:4] for each in warnings] == ["5:3:", "6:3:", "7:3:"]
 
 
-def test_errors_say_at_the_line_of_the_place_what_is_too_little(task: Any) -> None:
+def test_errors_say_at_the_line_of_the_place_what_is_too_little(task: Callable[..., Path]) -> None:
     near, behind, closet = map(str, check(task("near", "behind", "closet")).errors)
     assert near.endswith(
         "places.yaml:5:3: the robot can't stand at the place 'near': something at (1.00, 0.05) m leaves "
@@ -106,7 +106,9 @@ def test_errors_say_at_the_line_of_the_place_what_is_too_little(task: Any) -> No
     assert closet.endswith("'home': it is cut off: no free space leads there; needed: a way on the map")
 
 
-def test_a_dry_run_tells_the_same_and_refuses_what_a_run_does(handcart: Any, task: Any) -> None:
+def test_a_dry_run_tells_the_same_and_refuses_what_a_run_does(
+    handcart: Callable[..., Said], task: Callable[..., Path]
+) -> None:
     said = handcart("run", "--dry-run", "--json", task("desk"))
     found = json.loads(said.out)
     assert (said.status, found["outcome"], len(found["places"])) == (0, "Success", 5)

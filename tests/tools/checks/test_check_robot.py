@@ -5,15 +5,16 @@ from __future__ import annotations
 import json
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import pytest
+
+from tests.tools.conftest import Said
 
 ROBOTS = Path(__file__).resolve().parents[3] / "backends" / "robots"
 
 
 @pytest.mark.slow
-def test_a_robot_is_told_in_tables(handcart: Callable[..., Any]) -> None:
+def test_a_robot_is_told_in_tables(handcart: Callable[..., Said]) -> None:
     said = handcart("check", ROBOTS / "librarian" / "robot.yaml")
     assert said.status == 0
     assert "no fault found" in said.out
@@ -27,7 +28,7 @@ def test_a_robot_is_told_in_tables(handcart: Callable[..., Any]) -> None:
 
 
 @pytest.mark.slow
-def test_programs_get_the_same(handcart: Callable[..., Any]) -> None:
+def test_programs_get_the_same(handcart: Callable[..., Said]) -> None:
     told = json.loads(handcart("check", ROBOTS / "librarian" / "robot.yaml", "--json").out)
     assert told["ok"]
     assert told["robot"]["joints"][4]["name"] == "joint_3"
@@ -36,7 +37,7 @@ def test_programs_get_the_same(handcart: Callable[..., Any]) -> None:
 
 
 @pytest.mark.parametrize("ending", ["svg", "png"])
-def test_a_picture_is_drawn(handcart: Callable[..., Any], tmp_path: Path, ending: str) -> None:
+def test_a_picture_is_drawn(handcart: Callable[..., Said], tmp_path: Path, ending: str) -> None:
     path = tmp_path / f"robot.{ending}"
     assert handcart("check", ROBOTS / "cart" / "robot.yaml", "--picture", path).status == 0
     drawn = path.read_bytes()
@@ -49,7 +50,7 @@ def test_a_picture_is_drawn(handcart: Callable[..., Any], tmp_path: Path, ending
     ("picture", "words"), [("robot.bmp", "allowed: .svg, .png, .pdf"), ("none/robot.svg", "can't be written")]
 )
 def test_a_picture_that_cannot_be_drawn_is_bad_input(
-    handcart: Callable[..., Any], tmp_path: Path, picture: str, words: str
+    handcart: Callable[..., Said], tmp_path: Path, picture: str, words: str
 ) -> None:
     said = handcart("check", ROBOTS / "cart" / "robot.yaml", "--picture", tmp_path / picture)
     assert said.status == 2
@@ -57,7 +58,7 @@ def test_a_picture_that_cannot_be_drawn_is_bad_input(
 
 
 def test_another_robot_runs_a_task_that_names_one(
-    handcart: Callable[..., Any], tour: Path, tmp_path: Path
+    handcart: Callable[..., Said], tour: Path, tmp_path: Path
 ) -> None:
     said = handcart("run", tour, "--robot", "cart", "--runs", tmp_path / "runs", "--json")
     assert said.status == 0
@@ -67,7 +68,7 @@ def test_another_robot_runs_a_task_that_names_one(
 
 @pytest.mark.parametrize("command", ["run", "campaign"])
 def test_an_unknown_robot_is_told_with_the_nearest_name(
-    handcart: Callable[..., Any], tour: Path, tmp_path: Path, command: str
+    handcart: Callable[..., Said], tour: Path, tmp_path: Path, command: str
 ) -> None:
     jobs = ("--jobs", "1") if command == "campaign" else ()
     said = handcart(command, tour, "--robot", "libarian", "--runs", tmp_path / "runs", *jobs)
@@ -75,7 +76,9 @@ def test_an_unknown_robot_is_told_with_the_nearest_name(
     assert "unknown robot 'libarian'; did you mean 'librarian'?" in said.err
 
 
-def test_a_posture_is_taught_by_where_the_hand_is_to_be(handcart: Callable[..., Any], tmp_path: Path) -> None:
+def test_a_posture_is_taught_by_where_the_hand_is_to_be(
+    handcart: Callable[..., Said], tmp_path: Path
+) -> None:
     for name in ("robot.yaml", "librarian.urdf"):
         (tmp_path / name).write_bytes((ROBOTS / "librarian" / name).read_bytes())
     said = handcart("teach", "wave", "--robot", tmp_path / "robot.yaml", "--hand=0.1,-0.05,0.8")

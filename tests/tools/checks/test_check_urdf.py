@@ -6,12 +6,12 @@ import json
 from collections.abc import Callable
 from importlib.util import find_spec
 from pathlib import Path
-from typing import Any
 
 import pytest
 
 from benchmarks.damage.mutated_urdfs import mutated
 from benchmarks.hostile.makers_urdfs import _checked
+from tests.tools.conftest import Said
 
 ROOT = Path(__file__).resolve().parents[3]
 ROBOTS = ROOT / "backends" / "robots"
@@ -41,14 +41,14 @@ def crane(tmp_path: Path) -> Path:
 
 
 @pytest.fixture
-def robot(handcart: Callable[..., Any], crane: Path) -> Path:
+def robot(handcart: Callable[..., Said], crane: Path) -> Path:
     """Its draft."""
     path = crane.with_name("robot.yaml")
     assert handcart("check", crane, "--draft", path).status == 0
     return path
 
 
-def test_a_urdf_alone_is_told_of(handcart: Callable[..., Any], crane: Path) -> None:
+def test_a_urdf_alone_is_told_of(handcart: Callable[..., Said], crane: Path) -> None:
     said = handcart("check", crane)
     assert said.status == 0
     for words in (
@@ -66,7 +66,7 @@ def test_a_urdf_alone_is_told_of(handcart: Callable[..., Any], crane: Path) -> N
     assert [each["name"] for each in told["robot"]["joints"]] == ["lift", "slew", "tip"]
 
 
-def test_a_draft_is_not_written_over_a_file(handcart: Callable[..., Any], crane: Path, robot: Path) -> None:
+def test_a_draft_is_not_written_over_a_file(handcart: Callable[..., Said], crane: Path, robot: Path) -> None:
     assert "is there already" in handcart("check", crane, "--draft", robot).err
     assert (
         "allowed: a file in the URDF's folder" in handcart("check", crane, "--draft", "/tmp/x/robot.yaml").err
@@ -74,7 +74,7 @@ def test_a_draft_is_not_written_over_a_file(handcart: Callable[..., Any], crane:
     assert f"handcart check {robot}" in handcart("check", crane).out
 
 
-def test_links_that_always_touch_are_proposed_and_allowed(handcart: Callable[..., Any], robot: Path) -> None:
+def test_links_that_always_touch_are_proposed_and_allowed(handcart: Callable[..., Said], robot: Path) -> None:
     told = json.loads(handcart("check", robot, "--json").out)
     assert told["robot"]["self_contact"]["always"] == [["base", "boom"]]
     assert told["robot"]["self_contact"]["free"] == 0
@@ -90,7 +90,9 @@ def test_links_that_always_touch_are_proposed_and_allowed(handcart: Callable[...
     assert "nothing is allowed anew" in handcart("check", robot, "--allow").err
 
 
-def test_only_robots_with_trays_and_tags_are_told_of_books(handcart: Callable[..., Any], robot: Path) -> None:
+def test_only_robots_with_trays_and_tags_are_told_of_books(
+    handcart: Callable[..., Said], robot: Path
+) -> None:
     told = json.loads(handcart("check", robot, "--json").out)
     assert not any("'tray'" in each or "return_book" in each for each in told["warnings"])
     assert told["robot"]["reach"]["grasps"] == []
@@ -99,7 +101,7 @@ def test_only_robots_with_trays_and_tags_are_told_of_books(handcart: Callable[..
     assert "no link 'tray'" in handcart("check", robot).out
 
 
-def test_no_free_posture_is_said_in_words(handcart: Callable[..., Any], crane: Path, robot: Path) -> None:
+def test_no_free_posture_is_said_in_words(handcart: Callable[..., Said], crane: Path, robot: Path) -> None:
     """The two outer links touch in most postures, but not in all."""
     wide = BOX.replace("0.3 0.3 0.3", "1.2 1.2 1.2").replace(
         "<geometry>", '<origin xyz="0.4 0 0"/><geometry>'
@@ -113,7 +115,7 @@ def test_no_free_posture_is_said_in_words(handcart: Callable[..., Any], crane: P
     assert "random postures touch the robot itself" in said.out
 
 
-def test_many_faults_are_told_in_few_lines(handcart: Callable[..., Any], crane: Path) -> None:
+def test_many_faults_are_told_in_few_lines(handcart: Callable[..., Said], crane: Path) -> None:
     links = "".join(f'<link name="l{n}"/>\n' for n in range(40))
     joints = "".join(
         f'<joint name="j{n}" type="fixd"><parent link="base_link"/><child link="l{n}"/></joint>\n'
@@ -141,7 +143,7 @@ def test_many_faults_are_told_in_few_lines(handcart: Callable[..., Any], crane: 
     ],
 )
 def test_a_robot_that_cannot_follow_a_seam_is_told_at_its_line(
-    handcart: Callable[..., Any], robot: Path, tmp_path: Path, add: str, line: str, words: str
+    handcart: Callable[..., Said], robot: Path, tmp_path: Path, add: str, line: str, words: str
 ) -> None:
     robot.write_text(robot.read_text(encoding="utf-8") + add, encoding="utf-8")
     said = handcart("place", robot, SEAM, "-o", tmp_path / "seam")
@@ -151,7 +153,7 @@ def test_a_robot_that_cannot_follow_a_seam_is_told_at_its_line(
     assert f"{robot}:{number if add else 2}:" in said.err
 
 
-def test_a_robot_without_an_arm_cannot_follow_a_seam(handcart: Callable[..., Any], tmp_path: Path) -> None:
+def test_a_robot_without_an_arm_cannot_follow_a_seam(handcart: Callable[..., Said], tmp_path: Path) -> None:
     said = handcart("place", "cart", SEAM, "-o", tmp_path / "seam")
     assert said.status == 2
     assert "cart/robot.yaml:2:1: the robot's file has no arm; needed: a section `arm`" in said.err
@@ -183,7 +185,7 @@ def test_mutants_are_the_same_for_the_same_seed_and_of_both_kinds() -> None:
     ],
 )  # fmt: skip
 def test_robots_that_come_with_pybullet(
-    handcart: Callable[..., Any], name: str, status: int, words: str
+    handcart: Callable[..., Said], name: str, status: int, words: str
 ) -> None:
     found = find_spec("pybullet_data")
     assert found is not None

@@ -5,9 +5,10 @@ from __future__ import annotations
 import os
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import pytest
+
+from tests.tools.conftest import Said
 
 ROBOT = Path(__file__).resolve().parents[3] / "backends" / "robots" / "toyama"
 FOUND = """\
@@ -42,7 +43,7 @@ def run(tmp_path: Path, robot: Path) -> Path:
     return folder
 
 
-def test_the_change_is_shown_for_review(handcart: Callable[..., Any], run: Path, robot: Path) -> None:
+def test_the_change_is_shown_for_review(handcart: Callable[..., Said], run: Path, robot: Path) -> None:
     before = robot.read_bytes()
     said = handcart("adopt", run)
     assert said.status == 0
@@ -53,7 +54,9 @@ def test_the_change_is_shown_for_review(handcart: Callable[..., Any], run: Path,
     assert robot.read_bytes() == before
 
 
-def test_it_is_written_and_nothing_else_changes(handcart: Callable[..., Any], run: Path, robot: Path) -> None:
+def test_it_is_written_and_nothing_else_changes(
+    handcart: Callable[..., Said], run: Path, robot: Path
+) -> None:
     from handcart.backends.description.robot_loading import load_robot
 
     before = robot.read_text(encoding="utf-8")
@@ -66,13 +69,15 @@ def test_it_is_written_and_nothing_else_changes(handcart: Callable[..., Any], ru
     )
     assert after == expected
     spec = load_robot(str(robot))
+    assert spec.camera is not None
+    assert spec.camera.calibrated is not None
     assert spec.camera.calibrated.xyz_mm == (0.5, -1.0, 2.0)
     assert spec.suspension.pivot_m == 0.17
     assert "says so already" in handcart("adopt", run, "--write").out
 
 
 def test_a_read_only_file_is_copied_where_asked(
-    handcart: Callable[..., Any], run: Path, robot: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    handcart: Callable[..., Said], run: Path, robot: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     from handcart.backends.description.robot_loading import load_robot
 
@@ -97,7 +102,7 @@ def test_a_read_only_file_is_copied_where_asked(
     ],
 )
 def test_what_cannot_be_adopted_is_refused(
-    handcart: Callable[..., Any], run: Path, words: tuple[str, ...], told: str
+    handcart: Callable[..., Said], run: Path, words: tuple[str, ...], told: str
 ) -> None:
     said = handcart("adopt", run, *words)
     assert said.status == 2
@@ -118,7 +123,7 @@ def test_what_cannot_be_adopted_is_refused(
     ],
 )
 def test_findings_that_cannot_be_are_told_with_their_place(
-    handcart: Callable[..., Any], run: Path, before: str, after: str, told: str
+    handcart: Callable[..., Said], run: Path, before: str, after: str, told: str
 ) -> None:
     file = run / "calibration.yaml"
     text = file.read_text(encoding="utf-8")
@@ -129,7 +134,7 @@ def test_findings_that_cannot_be_are_told_with_their_place(
     assert told in said.err
 
 
-def test_a_run_without_findings(handcart: Callable[..., Any], tmp_path: Path) -> None:
+def test_a_run_without_findings(handcart: Callable[..., Said], tmp_path: Path) -> None:
     said = handcart("adopt", tmp_path)
     assert said.status == 2
     assert "there is no calibration.yaml; allowed: the folder of a run" in said.err

@@ -9,13 +9,17 @@ import subprocess
 import sys
 import threading
 import time
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from multiprocessing import get_context
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 from handcart.evaluation.trials.campaign import Setting, Trial, _end, run_campaign
+from handcart.networks.run_options import RunOptions
+from tests.tools.conftest import Said
 
 ROOT = Path(__file__).resolve().parents[3]
 
@@ -38,11 +42,12 @@ repeat: {over: [shelf_1, shelf_5], as: shelf, start: here, goal: done}
 class Trials:
     """Stands for trials that end as it is told: by their summaries, a signal before the third's end."""
 
-    def __init__(self, reason, signals=()) -> None:
-        self.reason, self.signals, self.seeds = reason, signals, []
-        self.untrue = {}
+    def __init__(self, reason: str, signals: Sequence[signal.Signals] = ()) -> None:
+        self.reason, self.signals = reason, signals
+        self.seeds: list[int] = []
+        self.untrue: dict[int, list[str]] = {}
 
-    def __call__(self, setting, seed):
+    def __call__(self, setting: Setting, seed: int) -> Trial:
         self.seeds.append(seed)
         summary = {"outcome": "Success", "reason": "", "run_dir": "none", "seed": seed}
         summary["metrics"] = {"untrue": self.untrue.get(seed, [])}
@@ -55,8 +60,8 @@ class Trials:
 
 
 @pytest.fixture
-def trials(monkeypatch: pytest.MonkeyPatch):
-    def made(*args):
+def trials(monkeypatch: pytest.MonkeyPatch) -> Callable[..., Trials]:
+    def made(*args: Any) -> Trials:
         told = Trials(*args)
         monkeypatch.setattr("handcart.evaluation.trials.campaign.run_trial", told)
         return told
@@ -65,23 +70,29 @@ def trials(monkeypatch: pytest.MonkeyPatch):
 
 
 @pytest.mark.parametrize("kind", [None, signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
-def test_an_interrupt_ends_a_campaign_at_once(trials, kind, tmp_path: Path) -> None:
+def test_an_interrupt_ends_a_campaign_at_once(
+    trials: Callable[..., Trials], kind: signal.Signals | None, tmp_path: Path
+) -> None:
     """K3: in a trial, which stops by itself then, and between two."""
-    told, done = trials("interrupted", () if kind is None else (kind,)), []
+    told = trials("interrupted", () if kind is None else (kind,))
+    done: list[Trial] = []
     with pytest.raises(KeyboardInterrupt):
         done.extend(run_campaign(Setting(tmp_path / "task.yaml"), range(5), 1))
     assert [each.seed for each in done] == [0, 1]
     assert told.seeds == [0, 1, 2]
 
 
-def test_a_trial_that_somebody_stopped_is_left_out(trials, tmp_path: Path) -> None:
+def test_a_trial_that_somebody_stopped_is_left_out(trials: Callable[..., Trials], tmp_path: Path) -> None:
     trials("stopped by request")
     done = list(run_campaign(Setting(tmp_path / "task.yaml"), range(5), 1))
     assert [each.seed for each in done] == [0, 1, 3, 4]
 
 
 def test_what_ended_before_an_interrupt_is_told(
-    trials, handcart, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    trials: Callable[..., Trials],
+    handcart: Callable[..., Said],
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     trials("interrupted")
     monkeypatch.setattr("handcart.tools.commands.campaign._shares", lambda report: [])
@@ -93,7 +104,11 @@ def test_what_ended_before_an_interrupt_is_told(
 
 @pytest.mark.parametrize("as_json", [True, False])
 def test_outcomes_that_are_not_so_are_a_fault(
-    trials, handcart, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, as_json: bool
+    trials: Callable[..., Trials],
+    handcart: Callable[..., Said],
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    as_json: bool,
 ) -> None:
     """The campaign ends with status 5, and tells which trial to look at first."""
     told = trials("stopped by request")
@@ -115,7 +130,8 @@ def test_a_signal_after_a_trials_last_action_ends_the_campaign_too(
 ) -> None:
     """K3: the trial was whole, so it counts."""
 
-    def run(task, runs, options):
+    def run(task: Path, runs: Path, options: RunOptions) -> tuple[dict[str, Any], int]:
+        assert options.interrupts is not None
         options.interrupts.stop_by(lambda: None)
         signal.raise_signal(signal.SIGTERM)
         return {"outcome": "Success", "reason": "", "metrics": {}}, 0
@@ -163,9 +179,21 @@ def living(group: int) -> list[str]:
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("jobs", "kind"), [(1, signal.SIGTERM), (2, signal.SIGTERM), (2, signal.SIGINT)])
-def test_a_campaign_of_processes_is_ended_by_a_signal(tour, tmp_path: Path, jobs: int, kind) -> None:
+def test_a_campaign_of_processes_is_ended_by_a_signal(
+    tour: Path, tmp_path: Path, jobs: int, kind: signal.Signals
+) -> None:
     """K3: none of its processes is left."""
-    words = ["campaign", tour, "--trials", "500", "--jobs", str(jobs), "--runs", tmp_path / "runs", "--json"]
+    words: list[str | Path] = [
+        "campaign",
+        tour,
+        "--trials",
+        "500",
+        "--jobs",
+        str(jobs),
+        "--runs",
+        tmp_path / "runs",
+        "--json",
+    ]
     process = subprocess.Popen(
         [sys.executable, "-m", "handcart", *words],
         cwd=ROOT,
@@ -195,7 +223,9 @@ def test_a_campaign_of_processes_is_ended_by_a_signal(tour, tmp_path: Path, jobs
 
 @pytest.mark.slow
 @pytest.mark.parametrize("as_json", [False, True])
-def test_shares_of_each_action(handcart, tour, tmp_path: Path, as_json: bool) -> None:
+def test_shares_of_each_action(
+    handcart: Callable[..., Said], tour: Path, tmp_path: Path, as_json: bool
+) -> None:
     words = ("campaign", tour, "--trials", "2", "--jobs", "1", "--runs", tmp_path / "runs")
     said = handcart(*words, *(["--json"] if as_json else []))
     assert said.status == 0
@@ -210,7 +240,9 @@ def test_shares_of_each_action(handcart, tour, tmp_path: Path, as_json: bool) ->
 
 
 @pytest.mark.slow
-def test_a_repeated_action_is_one_row_named_as_in_the_file(handcart, tour, tmp_path: Path) -> None:
+def test_a_repeated_action_is_one_row_named_as_in_the_file(
+    handcart: Callable[..., Said], tour: Path, tmp_path: Path
+) -> None:
     """Of the last element it leads out of the repeat, of the others back to its start."""
     tour.write_text(ROUNDS, encoding="utf-8")
     said = handcart("campaign", tour, "--trials", "1", "--jobs", "1", "--runs", tmp_path / "runs", "--json")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import time
+from collections.abc import Callable
 from typing import Any
 
 import pytest
@@ -11,10 +12,13 @@ import pytest
 import handcart.evaluation.conformance.kit as kit
 from handcart.evaluation.conformance.checks.check import Finding
 from handcart.evaluation.conformance.report import Report
+from tests.tools.conftest import Said
 
 
 @pytest.mark.parametrize("wrong", [[], ["it rolls on"]])
-def test_status_0_only_if_all_holds(handcart: Any, monkeypatch: pytest.MonkeyPatch, wrong: list[str]) -> None:
+def test_status_0_only_if_all_holds(
+    handcart: Callable[..., Said], monkeypatch: pytest.MonkeyPatch, wrong: list[str]
+) -> None:
     def run(setting: kit.Setting, processes: int, tell: Any) -> Report:
         return Report.of(setting.backend, setting.robot, setting.quick, [Finding("stop", "it stops", wrong)])
 
@@ -27,7 +31,7 @@ def test_status_0_only_if_all_holds(handcart: Any, monkeypatch: pytest.MonkeyPat
 
 
 def test_off_a_terminal_progress_is_told_at_first_now_and_then_and_at_last(
-    handcart: Any, monkeypatch: pytest.MonkeyPatch
+    handcart: Callable[..., Said], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     now = [0.0]
     monkeypatch.setattr(time, "monotonic", lambda: now[0])
@@ -44,7 +48,7 @@ def test_off_a_terminal_progress_is_told_at_first_now_and_then_and_at_last(
 
 
 @pytest.mark.slow
-def test_one_primitive_for_real(handcart: Any) -> None:
+def test_one_primitive_for_real(handcart: Callable[..., Said]) -> None:
     said = handcart(
         "conformance", "--robot", "cart", "--primitive", "REACH", "--instants", "1", "--jobs", "1"
     )
@@ -62,7 +66,7 @@ def test_one_primitive_for_real(handcart: Any) -> None:
         (("--robot", "nowhere/robot.yaml"), "nowhere/robot.yaml"),
     ],
 )
-def test_bad_input_is_refused(handcart: Any, words: tuple[str, str], told: str) -> None:
+def test_bad_input_is_refused(handcart: Callable[..., Said], words: tuple[str, str], told: str) -> None:
     said = handcart("conformance", *words)
     assert said.status == 2
     assert told in said.err

@@ -19,6 +19,7 @@ from handcart.evaluation.trials.campaign import Setting, run_trial
 from handcart.networks.journal.journal import Journal
 from handcart.networks.journal.past_run import read_run
 from handcart.networks.runs.flight_recorder import load_readings
+from tests.tools.conftest import Said
 
 ROOT = Path(__file__).resolve().parents[3]
 TASK = ROOT / "tasks" / "return_book" / "task.yaml"
@@ -44,7 +45,7 @@ def runs(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Path]:
 
 
 @pytest.mark.slow
-def test_a_blocked_way(handcart: Callable[..., Any], runs: Callable[[str], Path]) -> None:
+def test_a_blocked_way(handcart: Callable[..., Said], runs: Callable[[str], Path]) -> None:
     folder = runs("blocked")
     said = handcart("explain", folder, "--action", 3, "--json")
     assert said.status == 0
@@ -72,7 +73,7 @@ def test_a_blocked_way(handcart: Callable[..., Any], runs: Callable[[str], Path]
     assert Path(told["chart"]).read_text(encoding="utf-8").startswith("<?xml")
 
 
-def test_a_blocked_way_in_words(handcart: Callable[..., Any], runs: Callable[[str], Path]) -> None:
+def test_a_blocked_way_in_words(handcart: Callable[..., Said], runs: Callable[[str], Path]) -> None:
     said = handcart("explain", runs("blocked"))
     lines = said.out.splitlines()
     assert any(line.startswith(">   4") and "MODIFY" in line for line in lines)
@@ -82,7 +83,9 @@ def test_a_blocked_way_in_words(handcart: Callable[..., Any], runs: Callable[[st
     assert "RangeSensor: free way ahead" in handcart("explain", runs("blocked"), "--action", 3).out
 
 
-def test_an_unreadable_tag(handcart: Callable[..., Any], runs: Callable[[str], Path], tmp_path: Path) -> None:
+def test_an_unreadable_tag(
+    handcart: Callable[..., Said], runs: Callable[[str], Path], tmp_path: Path
+) -> None:
     folder, picture = runs("unreadable"), tmp_path / "chart.png"
     said = handcart("explain", folder, "--picture", picture)
     assert said.status == 0
@@ -93,7 +96,7 @@ def test_an_unreadable_tag(handcart: Callable[..., Any], runs: Callable[[str], P
 
 
 @pytest.mark.slow
-def test_a_missing_gap(handcart: Callable[..., Any], runs: Callable[[str], Path]) -> None:
+def test_a_missing_gap(handcart: Callable[..., Said], runs: Callable[[str], Path]) -> None:
     said = handcart("explain", runs("no_gap"), "--json")
     told = json.loads(said.out)
     assert told["actions"][told["action"] - 1]["do"] == "SEARCH"
@@ -105,7 +108,7 @@ def test_a_missing_gap(handcart: Callable[..., Any], runs: Callable[[str], Path]
 
 
 @pytest.mark.slow
-def test_a_run_that_succeeded(handcart: Callable[..., Any], tour: Path, tmp_path: Path) -> None:
+def test_a_run_that_succeeded(handcart: Callable[..., Said], tour: Path, tmp_path: Path) -> None:
     assert handcart("run", tour, "--runs", tmp_path / "runs").status == 0
     (folder,) = (tmp_path / "runs").iterdir()
     said = handcart("explain", folder)
@@ -119,7 +122,7 @@ def test_a_run_that_succeeded(handcart: Callable[..., Any], tour: Path, tmp_path
 
 
 def test_a_torn_journal_is_told_as_far_as_it_goes(
-    handcart: Callable[..., Any], runs: Callable[[str], Path], tmp_path: Path
+    handcart: Callable[..., Said], runs: Callable[[str], Path], tmp_path: Path
 ) -> None:
     folder = tmp_path / "torn"
     shutil.copytree(runs("blocked"), folder)
@@ -135,7 +138,7 @@ def test_a_torn_journal_is_told_as_far_as_it_goes(
 
 
 def test_a_damaged_journal_is_refused_with_its_place(
-    handcart: Callable[..., Any], runs: Callable[[str], Path], tmp_path: Path
+    handcart: Callable[..., Said], runs: Callable[[str], Path], tmp_path: Path
 ) -> None:
     folder = tmp_path / "damaged"
     shutil.copytree(runs("blocked"), folder)
@@ -150,7 +153,7 @@ def test_a_damaged_journal_is_refused_with_its_place(
 
 
 def test_damaged_evidence_is_named(
-    handcart: Callable[..., Any], runs: Callable[[str], Path], tmp_path: Path
+    handcart: Callable[..., Said], runs: Callable[[str], Path], tmp_path: Path
 ) -> None:
     folder = tmp_path / "damaged"
     shutil.copytree(runs("blocked"), folder)
@@ -162,7 +165,7 @@ def test_damaged_evidence_is_named(
     assert "Why it ended in Fail" in said.out
 
 
-def test_folders_that_hold_no_run(handcart: Callable[..., Any], tmp_path: Path) -> None:
+def test_folders_that_hold_no_run(handcart: Callable[..., Said], tmp_path: Path) -> None:
     missing = handcart("explain", tmp_path / "nowhere")
     assert (missing.status, "there is no such folder" in missing.err) == (2, True)
     empty = handcart("explain", tmp_path)
@@ -177,14 +180,14 @@ def test_folders_that_hold_no_run(handcart: Callable[..., Any], tmp_path: Path) 
     assert (foreign.status, "but 'another/7'" in foreign.err) == (2, True)
 
 
-def test_an_action_that_is_not_there(handcart: Callable[..., Any], runs: Callable[[str], Path]) -> None:
+def test_an_action_that_is_not_there(handcart: Callable[..., Said], runs: Callable[[str], Path]) -> None:
     said = handcart("explain", runs("blocked"), "--action", 9)
     assert said.status == 2
     assert "has no action 9; allowed: 1 to 4" in said.err
 
 
 def test_a_picture_that_can_not_be_written(
-    handcart: Callable[..., Any], runs: Callable[[str], Path], tmp_path: Path
+    handcart: Callable[..., Said], runs: Callable[[str], Path], tmp_path: Path
 ) -> None:
     said = handcart("explain", runs("blocked"), "--picture", tmp_path / "no" / "chart.svg")
     assert said.status == 2
@@ -220,7 +223,7 @@ def forged(folder: Path, header: dict[str, Any], do: str = "MOVE_TO") -> Path:
 
 
 def test_a_journal_that_somebody_chained_anew_is_told_in_words(
-    handcart: Callable[..., Any], tmp_path: Path
+    handcart: Callable[..., Said], tmp_path: Path
 ) -> None:
     """D15: its header lacks what every run tells."""
     said = handcart("explain", forged(tmp_path / "run", {}))

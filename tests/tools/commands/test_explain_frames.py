@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import can
 import pytest
@@ -15,6 +14,7 @@ from handcart.backends.can.bench.misbehaviours import misbehave
 from handcart.backends.can.can_backend import CanBackend
 from handcart.networks.runs.run import execute
 from handcart.networks.task.preparing import prepare
+from tests.tools.conftest import Said
 
 TASK = """\
 format: handcart-task/1
@@ -47,7 +47,7 @@ def run(tour: Path, tmp_path: Path) -> Callable[..., Path]:
     return go
 
 
-def test_frames_around_a_drives_fault(handcart: Callable[..., Any], run: Callable[..., Path]) -> None:
+def test_frames_around_a_drives_fault(handcart: Callable[..., Said], run: Callable[..., Path]) -> None:
     folder = run("fault", 3.0)
     said = handcart("explain", folder)
     assert said.status == 0
@@ -64,7 +64,7 @@ def test_frames_around_a_drives_fault(handcart: Callable[..., Any], run: Callabl
     assert times == [pytest.approx(3.0, abs=0.06)]
 
 
-def test_every_frame_is_in_a_candump_log(handcart: Callable[..., Any], run: Callable[..., Path]) -> None:
+def test_every_frame_is_in_a_candump_log(handcart: Callable[..., Said], run: Callable[..., Path]) -> None:
     folder = run("silent", 2.0)
     with CanutilsLogReader(folder / "frames_000.log") as reader:
         frames = list(reader)
@@ -87,7 +87,7 @@ def test_equal_runs_have_equal_frames(run: Callable[..., Path]) -> None:
 
 @pytest.mark.slow
 def test_another_recorders_log_is_told_in_the_runs_names(
-    handcart: Callable[..., Any], run: Callable[..., Path], tmp_path: Path
+    handcart: Callable[..., Said], run: Callable[..., Path], tmp_path: Path
 ) -> None:
     folder, log = run("fault", 1.0), tmp_path / "analyser.asc"
     with can.LogReader(folder / "frames_000.log") as reader, can.Logger(log) as writer:

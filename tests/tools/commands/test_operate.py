@@ -8,13 +8,15 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 from handcart.networks.journal.journal_record import read_journal
 from handcart.networks.operator.control import ask
+from tests.tools.conftest import Said
 
 ROOT = Path(__file__).resolve().parents[3]
 
@@ -34,20 +36,21 @@ class Alive:
         self.folder = runs / f"{task.parent.name}-0"
         self.wait_for(lambda: (self.folder / "control").exists())
 
-    def wait_for(self, ready) -> None:
+    def wait_for(self, ready: Callable[[], bool]) -> None:
         end = time.monotonic() + 60.0
+        assert self.process.stderr is not None
         while not ready():
             assert self.process.poll() is None, self.process.stderr.read().decode()
             assert time.monotonic() < end
             time.sleep(0.005)
 
-    def say(self, word: str, **more) -> dict:
+    def say(self, word: str, **more: Any) -> dict[str, Any]:
         return ask(self.folder, {"do": word, **more})
 
-    def state(self) -> str:
+    def state(self) -> Any:
         return self.say("status")["state"]
 
-    def end(self) -> dict:
+    def end(self) -> Any:
         out, _ = self.process.communicate(timeout=60)
         return json.loads(out.splitlines()[-1])
 
@@ -56,7 +59,7 @@ class Alive:
 
 
 @pytest.fixture
-def alive(tour, tmp_path: Path) -> Iterator:
+def alive(tour: Path, tmp_path: Path) -> Iterator[Callable[..., Alive]]:
     """Starts a run whose only action waits for permission."""
     tour.write_text(tour.read_text().replace("cost_s: 30,", "cost_s: 30, permit: operator,"))
     started: list[Alive] = []
@@ -72,7 +75,7 @@ def alive(tour, tmp_path: Path) -> Iterator:
 
 
 @pytest.mark.slow
-def test_an_action_waits_for_the_operator_and_says_what_it_wants(alive: Iterator) -> None:
+def test_an_action_waits_for_the_operator_and_says_what_it_wants(alive: Callable[..., Alive]) -> None:
     run = alive()
     run.wait_for(lambda: run.state() == "waiting for permission")
     assert run.say("status")["asks"] == {"index": 0, "do": "MOVE_TO", "from": "at_home", "to": "at_shelf"}
@@ -84,7 +87,7 @@ def test_an_action_waits_for_the_operator_and_says_what_it_wants(alive: Iterator
 
 
 @pytest.mark.slow
-def test_refused_it_counts_as_a_fail(alive: Iterator) -> None:
+def test_refused_it_counts_as_a_fail(alive: Callable[..., Alive]) -> None:
     run = alive()
     for _ in range(3):
         run.wait_for(lambda: run.say("status")["asks"] is not None)
@@ -94,7 +97,7 @@ def test_refused_it_counts_as_a_fail(alive: Iterator) -> None:
 
 
 @pytest.mark.slow
-def test_a_line_that_drops_changes_nothing(alive: Iterator) -> None:
+def test_a_line_that_drops_changes_nothing(alive: Callable[..., Alive]) -> None:
     run = alive()
     run.wait_for(lambda: run.state() == "waiting for permission")
     for _ in range(20):
@@ -103,7 +106,7 @@ def test_a_line_that_drops_changes_nothing(alive: Iterator) -> None:
 
 
 @pytest.mark.slow
-def test_pause_holds_and_continue_goes_on(alive: Iterator, handcart) -> None:
+def test_pause_holds_and_continue_goes_on(alive: Callable[..., Alive], handcart: Callable[..., Said]) -> None:
     run = alive()
     run.wait_for(lambda: run.state() == "waiting for permission")
     run.say("pause")
@@ -118,7 +121,7 @@ def test_pause_holds_and_continue_goes_on(alive: Iterator, handcart) -> None:
 
 
 @pytest.mark.slow
-def test_stop_ends_the_run_where_it_is(alive: Iterator, handcart) -> None:
+def test_stop_ends_the_run_where_it_is(alive: Callable[..., Alive], handcart: Callable[..., Said]) -> None:
     run = alive()
     run.wait_for(lambda: run.state() == "waiting for permission")
     assert handcart("stop", run.folder).status == 0
@@ -127,7 +130,7 @@ def test_stop_ends_the_run_where_it_is(alive: Iterator, handcart) -> None:
 
 
 @pytest.mark.slow
-def test_interrupts_stop_and_never_start_a_motion(alive: Iterator) -> None:
+def test_interrupts_stop_and_never_start_a_motion(alive: Callable[..., Alive]) -> None:
     """K3: the second one doesn't cut the stop short."""
     run = alive()
     run.wait_for(lambda: run.state() == "waiting for permission")
@@ -141,13 +144,13 @@ def test_interrupts_stop_and_never_start_a_motion(alive: Iterator) -> None:
     assert run.kinds()[-1] == "END"
 
 
-def test_nobody_is_told_where_no_run_is_alive(handcart, tmp_path: Path) -> None:
+def test_nobody_is_told_where_no_run_is_alive(handcart: Callable[..., Said], tmp_path: Path) -> None:
     said = handcart("stop", tmp_path)
     assert said.status == 2
     assert "no run is alive" in said.err
 
 
 @pytest.mark.slow
-def test_words_that_nobody_knows_are_answered(alive: Iterator) -> None:
+def test_words_that_nobody_knows_are_answered(alive: Callable[..., Alive]) -> None:
     run = alive()
     assert "allowed: pause, continue" in run.say("dance")["error"]

@@ -11,7 +11,9 @@ import subprocess
 import sys
 import time
 from collections import Counter
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -25,6 +27,7 @@ from handcart.networks.operator.acknowledging import NothingToAcknowledge, ackno
 from handcart.networks.run_options import RunOptions
 from handcart.networks.runs.checkpoint import load_checkpoint
 from handcart.networks.runs.run_folder import read_run_journal
+from tests.tools.conftest import Said
 
 ROOT = Path(__file__).resolve().parents[3]
 TASK = ROOT / "tasks" / "return_book" / "task.yaml"
@@ -71,7 +74,7 @@ def finished(folder: Path) -> Counter[int]:
 
 
 @pytest.fixture(scope="module")
-def once(tmp_path_factory: pytest.TempPathFactory):
+def once(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, dict[str, Any]]:
     """A run that came to its end, and what it said."""
     runs = tmp_path_factory.mktemp("runs")
     end, _ = run_task(TASK, runs, RunOptions(checkpoints=True))
@@ -79,7 +82,7 @@ def once(tmp_path_factory: pytest.TempPathFactory):
 
 
 @pytest.fixture
-def whole(once, tmp_path: Path):
+def whole(once: tuple[Path, dict[str, Any]], tmp_path: Path) -> tuple[Path, dict[str, Any]]:
     """A copy of it."""
     folder = tmp_path / "whole" / "return_book-0"
     shutil.copytree(once[0], folder, ignore=shutil.ignore_patterns("control*"))
@@ -95,7 +98,9 @@ def cut(folder: Path, kind: str, number: int) -> None:
 
 
 @pytest.mark.slow
-def test_killed_at_any_instant_it_ends_as_it_would_have(handcart, tmp_path: Path) -> None:
+def test_killed_at_any_instant_it_ends_as_it_would_have(
+    handcart: Callable[..., Said], tmp_path: Path
+) -> None:
     """K1, K2: no finished action is repeated; killed again while it resumes, too."""
     rng = random.Random(3)
     for trial in range(2):
@@ -112,7 +117,9 @@ def test_killed_at_any_instant_it_ends_as_it_would_have(handcart, tmp_path: Path
 
 
 @pytest.mark.slow
-def test_killed_before_its_end_was_noted_nothing_is_done_again(handcart, whole) -> None:
+def test_killed_before_its_end_was_noted_nothing_is_done_again(
+    handcart: Callable[..., Said], whole: tuple[Path, dict[str, Any]]
+) -> None:
     folder, end = whole
     cut(folder, "END", 0)
     said = handcart("resume", folder, "--json")
@@ -123,7 +130,9 @@ def test_killed_before_its_end_was_noted_nothing_is_done_again(handcart, whole) 
 
 
 @pytest.mark.slow
-def test_a_result_that_only_the_checkpoint_has_is_recovered(handcart, whole) -> None:
+def test_a_result_that_only_the_checkpoint_has_is_recovered(
+    handcart: Callable[..., Said], whole: tuple[Path, dict[str, Any]]
+) -> None:
     folder, _ = whole
     cut(folder, "RESULT", -1)
     said = handcart("resume", folder, "--json")
@@ -133,7 +142,9 @@ def test_a_result_that_only_the_checkpoint_has_is_recovered(handcart, whole) -> 
 
 
 @pytest.mark.slow
-def test_a_torn_tail_is_set_aside_and_told(handcart, whole) -> None:
+def test_a_torn_tail_is_set_aside_and_told(
+    handcart: Callable[..., Said], whole: tuple[Path, dict[str, Any]]
+) -> None:
     """D1"""
     folder, _ = whole
     path = folder / "journal.jsonl"
@@ -146,7 +157,9 @@ def test_a_torn_tail_is_set_aside_and_told(handcart, whole) -> None:
     assert read_journal(path).torn_at is None
 
 
-def test_damage_inside_is_refused_with_its_place(handcart, whole) -> None:
+def test_damage_inside_is_refused_with_its_place(
+    handcart: Callable[..., Said], whole: tuple[Path, dict[str, Any]]
+) -> None:
     """D2"""
     folder, _ = whole
     path = folder / "journal.jsonl"
@@ -159,7 +172,9 @@ def test_damage_inside_is_refused_with_its_place(handcart, whole) -> None:
     assert path.read_bytes() == bytes(content)
 
 
-def test_a_run_that_came_to_its_end_is_not_resumed(handcart, whole) -> None:
+def test_a_run_that_came_to_its_end_is_not_resumed(
+    handcart: Callable[..., Said], whole: tuple[Path, dict[str, Any]]
+) -> None:
     folder, _ = whole
     said = handcart("resume", folder)
     assert said.status == 2
@@ -167,7 +182,7 @@ def test_a_run_that_came_to_its_end_is_not_resumed(handcart, whole) -> None:
 
 
 def test_a_real_robot_moves_only_when_a_person_has_looked(
-    handcart, whole, monkeypatch: pytest.MonkeyPatch
+    handcart: Callable[..., Said], whole: tuple[Path, dict[str, Any]], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     from handcart.backends.kinematic.kinematic_backend import KinematicBackend
 
@@ -182,7 +197,7 @@ def test_a_real_robot_moves_only_when_a_person_has_looked(
     assert handcart("resume", folder, "--confirm", last).status == 0
 
 
-def test_another_task_is_not_gone_on_with(handcart, tour, tmp_path: Path) -> None:
+def test_another_task_is_not_gone_on_with(handcart: Callable[..., Said], tour: Path, tmp_path: Path) -> None:
     """D12"""
     handcart("run", tour, "--runs", tmp_path / "runs")
     folder = tmp_path / "runs" / f"{tour.parent.name}-0"
@@ -193,7 +208,9 @@ def test_another_task_is_not_gone_on_with(handcart, tour, tmp_path: Path) -> Non
     assert "its network is another one" in said.err
 
 
-def test_a_give_up_is_latched_until_a_person_acknowledges_that_record(handcart, whole) -> None:
+def test_a_give_up_is_latched_until_a_person_acknowledges_that_record(
+    handcart: Callable[..., Said], whole: tuple[Path, dict[str, Any]]
+) -> None:
     """N13, U12"""
     folder, _ = whole
     cut(folder, "RESULT", 6)
@@ -213,7 +230,9 @@ def test_a_give_up_is_latched_until_a_person_acknowledges_that_record(handcart, 
     assert "holds no checkpoint" in handcart("resume", folder).err
 
 
-def test_a_run_begun_elsewhere_is_gone_on_with(handcart, tour, tmp_path: Path) -> None:
+def test_a_run_begun_elsewhere_is_gone_on_with(
+    handcart: Callable[..., Said], tour: Path, tmp_path: Path
+) -> None:
     """A run begun with `--from`; and one that is over says so."""
     tour.write_text(THERE_AND_BACK, encoding="utf-8")
     handcart("run", tour, "--from", "there", "--runs", tmp_path / "runs")
@@ -226,14 +245,18 @@ def test_a_run_begun_elsewhere_is_gone_on_with(handcart, tour, tmp_path: Path) -
     assert json.loads(said.out.splitlines()[-1])["situation"] == "back"
 
 
-def test_a_run_that_is_over_says_so_though_its_task_and_checkpoint_are_gone(handcart, whole) -> None:
+def test_a_run_that_is_over_says_so_though_its_task_and_checkpoint_are_gone(
+    handcart: Callable[..., Said], whole: tuple[Path, dict[str, Any]]
+) -> None:
     """Nothing but the journal is read of it."""
     folder, _ = whole
     (folder / "checkpoint").write_bytes(b"cposix\nsystem\n(Vtrue\ntR.")
     assert "is over: Success" in handcart("resume", folder).err
 
 
-def test_a_checkpoint_that_is_not_the_journals_is_refused(handcart, whole) -> None:
+def test_a_checkpoint_that_is_not_the_journals_is_refused(
+    handcart: Callable[..., Said], whole: tuple[Path, dict[str, Any]]
+) -> None:
     """That of action 8 beside a journal that ends before action 4: nothing begins again."""
     folder, _ = whole
     cut(folder, "START", 3)
@@ -244,7 +267,9 @@ def test_a_checkpoint_that_is_not_the_journals_is_refused(handcart, whole) -> No
     assert (folder / "journal.jsonl").read_bytes() == before
 
 
-def test_a_checkpoint_one_ahead_of_another_journal_is_refused(handcart, whole) -> None:
+def test_a_checkpoint_one_ahead_of_another_journal_is_refused(
+    handcart: Callable[..., Said], whole: tuple[Path, dict[str, Any]]
+) -> None:
     """Only the one that was kept right after the journal's last record is taken."""
     folder, _ = whole
     cut(folder, "RESULT", -1)
@@ -253,7 +278,9 @@ def test_a_checkpoint_one_ahead_of_another_journal_is_refused(handcart, whole) -
     assert (said.status, "is not the one that its journal names" in said.err) == (6, True)
 
 
-def test_what_a_journal_says_does_nothing_to_a_terminal(handcart, whole) -> None:
+def test_what_a_journal_says_does_nothing_to_a_terminal(
+    handcart: Callable[..., Said], whole: tuple[Path, dict[str, Any]]
+) -> None:
     """T18, D15: told with what a terminal would act on written out."""
     folder, _ = whole
     cut(folder, "END", 0)
@@ -267,7 +294,9 @@ def test_what_a_journal_says_does_nothing_to_a_terminal(handcart, whole) -> None
         assert "\x1b" not in said.out + said.err
 
 
-def test_a_damaged_checkpoint_is_refused(handcart, whole) -> None:
+def test_a_damaged_checkpoint_is_refused(
+    handcart: Callable[..., Said], whole: tuple[Path, dict[str, Any]]
+) -> None:
     """300 flipped bits, none of them taken; one of them through the command."""
     folder, _ = whole
     cut(folder, "END", 0)
@@ -286,7 +315,9 @@ def test_a_damaged_checkpoint_is_refused(handcart, whole) -> None:
     assert "holds no checkpoint" in handcart("resume", folder).err
 
 
-def test_a_damaged_last_start_leaves_that_action_in_doubt(handcart, whole) -> None:
+def test_a_damaged_last_start_leaves_that_action_in_doubt(
+    handcart: Callable[..., Said], whole: tuple[Path, dict[str, Any]]
+) -> None:
     """D3: never "not done"."""
     folder, _ = whole
     cut(folder, "START", 4)
@@ -298,7 +329,7 @@ def test_a_damaged_last_start_leaves_that_action_in_doubt(handcart, whole) -> No
     assert "which is damaged, told of it" in said.err
 
 
-def test_a_real_robots_damaged_last_start_waits_for_a_person(whole) -> None:
+def test_a_real_robots_damaged_last_start_waits_for_a_person(whole: tuple[Path, dict[str, Any]]) -> None:
     """D3, N13: until somebody has said that all is as it was before it."""
     folder, _ = whole
     cut(folder, "START", 4)
@@ -314,7 +345,9 @@ def test_a_real_robots_damaged_last_start_waits_for_a_person(whole) -> None:
 
 
 @pytest.mark.parametrize("word", ["resume", "ack"])
-def test_a_run_that_is_alive_is_left_alone(handcart, whole, word: str) -> None:
+def test_a_run_that_is_alive_is_left_alone(
+    handcart: Callable[..., Said], whole: tuple[Path, dict[str, Any]], word: str
+) -> None:
     folder, _ = whole
     cut(folder, "END", 0)
     with (folder / "journal.jsonl").open("ab") as held:
@@ -324,7 +357,9 @@ def test_a_run_that_is_alive_is_left_alone(handcart, whole, word: str) -> None:
     assert word == "ack" or f"the run in {folder} is alive" in said.err
 
 
-def test_a_journal_of_another_version_is_told(handcart, whole) -> None:
+def test_a_journal_of_another_version_is_told(
+    handcart: Callable[..., Said], whole: tuple[Path, dict[str, Any]]
+) -> None:
     """D12"""
     folder, _ = whole
     cut(folder, "END", 0)
@@ -336,7 +371,7 @@ def test_a_journal_of_another_version_is_told(handcart, whole) -> None:
     assert (said.status, "'handcart-journal/7'" in said.err) == (6, True)
 
 
-def test_a_path_that_is_no_folder_of_a_run(handcart, tour, tmp_path: Path) -> None:
+def test_a_path_that_is_no_folder_of_a_run(handcart: Callable[..., Said], tour: Path, tmp_path: Path) -> None:
     """A link to nothing where the run's folder would be, and a path that is no UTF-8."""
     (tmp_path / "runs").mkdir()
     link = tmp_path / "runs" / f"{tour.parent.name}-0"

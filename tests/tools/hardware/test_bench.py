@@ -7,7 +7,6 @@ import sys
 import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import Any
 
 import pytest
 
@@ -16,6 +15,7 @@ from handcart.backends.capabilities.base import Base
 from handcart.backends.description.robot_file import RobotFile
 from handcart.backends.description.robot_loading import load_robot
 from handcart.tools.hardware.bench import AT_THE_PROGRAM
+from tests.tools.conftest import Said
 
 CHANNEL = "239.74.163.31"
 
@@ -72,7 +72,7 @@ def test_wheels_are_driven_over_the_network(
     assert [each.split(":")[2] for each in last[2:]] == ["0.0", "0.0"]
 
 
-def test_faults_are_listed(handcart: Callable[..., Any]) -> None:
+def test_faults_are_listed(handcart: Callable[..., Said]) -> None:
     said = handcart("bench", "--list-faults")
     assert said.status == 0
     assert "no-heartbeat       C7        a drive's heartbeat is missing" in said.out
@@ -89,7 +89,7 @@ def test_faults_are_listed(handcart: Callable[..., Any]) -> None:
         (("--range-port", "7000"), "nothing has a range sensor; needed: --backend kinematic"),
     ],
 )
-def test_bad_input(handcart: Callable[..., Any], words: tuple[str, ...], told: str) -> None:
+def test_bad_input(handcart: Callable[..., Said], words: tuple[str, ...], told: str) -> None:
     said = handcart("bench", "cart", "--channel", CHANNEL, *words)
     assert said.status == 2
     assert told in said.err

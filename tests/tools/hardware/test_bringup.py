@@ -15,6 +15,7 @@ from handcart.evaluation.bringup.operator import BenchOperator, ScriptedOperator
 from handcart.evaluation.bringup.record import read
 from handcart.evaluation.bringup.site import Site
 from handcart.evaluation.trials.stage import LIBRARY
+from tests.tools.conftest import Said
 
 NAMES = [each.name for each in RUNGS]
 CART = Path(__file__).resolve().parents[3] / "backends" / "robots" / "cart"
@@ -129,7 +130,7 @@ def test_a_drive_that_doesnt_heed_the_emergency_stop(site: Site, monkeypatch: py
     assert "still enabled: left wheel, right wheel" in last.reason
 
 
-def test_the_command(handcart: Callable[..., Any], tmp_path: Path) -> None:
+def test_the_command(handcart: Callable[..., Said], tmp_path: Path) -> None:
     words = ("bringup", "cart", "--bench", "kinematic", "--folder", tmp_path / "b")
     told = json.loads(handcart(*words, "--json").out)
     assert (told["climbed"], told["next"]) == (["interface"], "identify")
@@ -143,7 +144,7 @@ def test_the_command(handcart: Callable[..., Any], tmp_path: Path) -> None:
     assert (wrong.status, "did you mean 'interface'" in wrong.err) == (2, True)
 
 
-def test_a_real_robot_is_refused_before_its_rehearsal(handcart: Callable[..., Any], tmp_path: Path) -> None:
+def test_a_real_robot_is_refused_before_its_rehearsal(handcart: Callable[..., Said], tmp_path: Path) -> None:
     said = handcart("bringup", "cart", "--folder", tmp_path)
     assert said.status == 2
     assert "needed first: handcart bringup cart --bench kinematic --all" in said.err
@@ -154,7 +155,7 @@ def test_a_real_robot_is_refused_before_its_rehearsal(handcart: Callable[..., An
 
 
 @pytest.mark.slow
-def test_the_whole_ladder(handcart: Callable[..., Any], tmp_path: Path) -> None:
+def test_the_whole_ladder(handcart: Callable[..., Said], tmp_path: Path) -> None:
     """Up to the task; what was calibrated is a change to review."""
     robot = tmp_path / "cart"
     robot.mkdir()

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator
-from typing import Any
 
 import numpy as np
 import pytest
@@ -16,6 +15,8 @@ from handcart.backends.description.robot_loading import load_robot
 from handcart.backends.kinematic.kinematic_backend import KinematicBackend
 from handcart.evaluation.bringup.jog import HAND_SPEED, LEASE, Jogger, Lease, UnknownAxis
 from handcart.evaluation.trials.stage import LIBRARY
+from tests.conftest import Clock
+from tests.tools.conftest import Said
 
 
 @pytest.fixture(scope="module")
@@ -34,7 +35,7 @@ def always() -> bool:
     return True
 
 
-def test_u6_a_key_that_isnt_seen_for_300_ms_is_let_go(clock: Any) -> None:
+def test_u6_a_key_that_isnt_seen_for_300_ms_is_let_go(clock: Clock) -> None:
     """U6: for good: a key that comes again later moves nothing."""
     seen = [True]
     lease = Lease(lambda: seen[0], clock)
@@ -111,7 +112,7 @@ def test_an_unknown_axis(backend: CanBackend, librarian: RobotFile) -> None:
         Jogger(backend, librarian).jog("joint 9", 0.1, always)
 
 
-def test_the_command(handcart: Callable[..., Any]) -> None:
+def test_the_command(handcart: Callable[..., Said]) -> None:
     said = handcart("jog", "librarian", "joint 2", 5, "--bench", "kinematic")
     assert said.status == 0
     assert said.out.startswith("joint 2: moved by 5.")

@@ -14,6 +14,7 @@ from handcart.backends.can.can_backend import CanBackend
 from handcart.networks.journal.journal import Journal
 from handcart.networks.journal.journal_record import read_journal
 from handcart.networks.runs.robot_claim import RobotClaim, state_folder
+from tests.tools.conftest import Said
 
 TASK = """\
 format: handcart-task/1
@@ -43,12 +44,12 @@ def task(tour: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 @pytest.fixture
-def run(handcart: Callable[..., Any], task: Path, tmp_path: Path) -> Callable[..., Any]:
+def run(handcart: Callable[..., Said], task: Path, tmp_path: Path) -> Callable[..., Said]:
     """Runs the task; each run has a folder in `runs`."""
     return lambda *more: handcart("run", task, "--runs", tmp_path / "runs", "--json", *more)
 
 
-def folder_of(said: Any) -> Path:
+def folder_of(said: Said) -> Path:
     return Path(json.loads(said.out.splitlines()[-1])["run_dir"])
 
 
@@ -81,7 +82,7 @@ def broke_off(folder: Path, kind: str, number: int) -> None:
 
 
 @pytest.mark.slow
-def test_runs_follow_each_other_where_nothing_waits(run: Callable[..., Any]) -> None:
+def test_runs_follow_each_other_where_nothing_waits(run: Callable[..., Said]) -> None:
     for _ in range(2):
         assert run().status == 0
     assert (state_folder() / "can-virtual_cart").read_text() == ""
@@ -101,7 +102,7 @@ def give_up(folder: Path) -> int:
 
 @pytest.mark.slow
 def test_after_a_give_up_no_run_starts_until_a_person_acknowledges_it(
-    run: Callable[..., Any], handcart, tmp_path: Path
+    run: Callable[..., Said], handcart: Callable[..., Said], tmp_path: Path
 ) -> None:
     """N13, U12: a service that starts again and again moves nothing and fills no disk."""
     folder = folder_of(run())
@@ -117,7 +118,7 @@ def test_after_a_give_up_no_run_starts_until_a_person_acknowledges_it(
 
 
 def test_what_waits_for_a_person_is_told_before_a_robot_is_woken(
-    run: Callable[..., Any], handcart, monkeypatch: pytest.MonkeyPatch
+    run: Callable[..., Said], handcart: Callable[..., Said], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """N13: the drives may be off, and the bus with them."""
     folder = folder_of(run())
@@ -130,7 +131,9 @@ def test_what_waits_for_a_person_is_told_before_a_robot_is_woken(
     assert "handcart ack" in said.err
 
 
-def test_one_primitive_alone_is_refused_too(run: Callable[..., Any], handcart, task: Path) -> None:
+def test_one_primitive_alone_is_refused_too(
+    run: Callable[..., Said], handcart: Callable[..., Said], task: Path
+) -> None:
     """N13"""
     give_up(folder_of(run()))
     said = handcart("do", "MOVE_TO", "place=shelf_3", "--robot", "cart", "--backend", "can")
@@ -140,7 +143,7 @@ def test_one_primitive_alone_is_refused_too(run: Callable[..., Any], handcart, t
 
 @pytest.mark.slow
 def test_a_give_up_of_a_simulated_run_latches_nothing_but_itself(
-    handcart, tour, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    handcart: Callable[..., Said], tour: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """N13: a new run is a new world."""
     monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path / "state"))
@@ -150,7 +153,9 @@ def test_a_give_up_of_a_simulated_run_latches_nothing_but_itself(
 
 
 @pytest.mark.slow
-def test_an_action_that_was_broken_off_waits_too(run: Callable[..., Any], handcart) -> None:
+def test_an_action_that_was_broken_off_waits_too(
+    run: Callable[..., Said], handcart: Callable[..., Said]
+) -> None:
     """N13: nobody knows where the robot is."""
     folder = folder_of(run())
     broke_off(folder, "START", 1)
@@ -163,13 +168,13 @@ def test_an_action_that_was_broken_off_waits_too(run: Callable[..., Any], handca
 
 
 @pytest.mark.slow
-def test_broken_off_between_two_actions_nothing_waits(run: Callable[..., Any]) -> None:
+def test_broken_off_between_two_actions_nothing_waits(run: Callable[..., Said]) -> None:
     broke_off(folder_of(run()), "RESULT", 0)
     assert run().status == 0
 
 
 @pytest.mark.slow
-def test_a_journal_that_is_gone_needs_a_person(run: Callable[..., Any], tmp_path: Path) -> None:
+def test_a_journal_that_is_gone_needs_a_person(run: Callable[..., Said], tmp_path: Path) -> None:
     folder = folder_of(run())
     broke_off(folder, "START", 1)
     (folder / "journal.jsonl").unlink()
@@ -178,13 +183,14 @@ def test_a_journal_that_is_gone_needs_a_person(run: Callable[..., Any], tmp_path
     assert f"rm {state_folder() / 'can-virtual_cart'}" in said.err
 
 
-def test_two_runs_on_one_robot(run: Callable[..., Any], task: Path) -> None:
+def test_two_runs_on_one_robot(run: Callable[..., Said], task: Path) -> None:
     """K11"""
 
     class Real:
         name, address = "can", "virtual cart"
 
-    with RobotClaim(Real(), state_folder()) as other:
+    real: Any = Real()
+    with RobotClaim(real, state_folder()) as other:
         other.begin(Path("/other/run"))
         said = run()
     assert said.status == 2
@@ -193,7 +199,7 @@ def test_two_runs_on_one_robot(run: Callable[..., Any], task: Path) -> None:
 
 @pytest.mark.slow
 def test_resume_shows_all_and_moves_only_with_a_persons_word(
-    run: Callable[..., Any], handcart, task: Path
+    run: Callable[..., Said], handcart: Callable[..., Said], task: Path
 ) -> None:
     """Known, expected, measured, unknown, next; then `--confirm` with the last record."""
     folder = folder_of(run())
@@ -216,7 +222,9 @@ def test_resume_shows_all_and_moves_only_with_a_persons_word(
 
 
 @pytest.mark.slow
-def test_moved_by_hand_while_nobody_watched(run: Callable[..., Any], handcart, task: Path) -> None:
+def test_moved_by_hand_while_nobody_watched(
+    run: Callable[..., Said], handcart: Callable[..., Said], task: Path
+) -> None:
     """U13: nothing moves, whatever is confirmed."""
     folder = folder_of(run())
     broke_off(folder, "RESULT", 0)
@@ -229,7 +237,7 @@ def test_moved_by_hand_while_nobody_watched(run: Callable[..., Any], handcart, t
 
 @pytest.mark.slow
 def test_in_doubt_and_measured_where_it_began_the_action_counts_as_failed(
-    run: Callable[..., Any], handcart, task: Path
+    run: Callable[..., Said], handcart: Callable[..., Said], task: Path
 ) -> None:
     folder = folder_of(run())
     broke_off(folder, "START", 1)
@@ -245,7 +253,9 @@ def test_in_doubt_and_measured_where_it_began_the_action_counts_as_failed(
 
 
 @pytest.mark.slow
-def test_what_no_sensor_can_tell_needs_a_yes(run: Callable[..., Any], handcart, task: Path) -> None:
+def test_what_no_sensor_can_tell_needs_a_yes(
+    run: Callable[..., Said], handcart: Callable[..., Said], task: Path
+) -> None:
     """An INTENT is open: whether it happened only a person knows."""
     folder = folder_of(run())
     broke_off(folder, "START", 1)
@@ -264,7 +274,9 @@ def test_what_no_sensor_can_tell_needs_a_yes(run: Callable[..., Any], handcart, 
 
 
 @pytest.mark.slow
-def test_another_file_of_the_robot_is_another_robot(run: Callable[..., Any], handcart, task: Path) -> None:
+def test_another_file_of_the_robot_is_another_robot(
+    run: Callable[..., Said], handcart: Callable[..., Said], task: Path
+) -> None:
     """D12"""
     from handcart.backends.description.robot_loading import ROBOTS
 
@@ -282,13 +294,18 @@ def test_another_file_of_the_robot_is_another_robot(run: Callable[..., Any], han
 
 @pytest.mark.slow
 def test_a_real_robots_journal_waits_for_the_disk_and_a_simulated_ones_does_not(
-    run: Callable[..., Any], monkeypatch: pytest.MonkeyPatch
+    run: Callable[..., Said], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     import os
 
     calls = []
     real = os.fdatasync
-    monkeypatch.setattr(os, "fdatasync", lambda file: (calls.append(file), real(file))[1])
+
+    def sync(file: int) -> None:
+        calls.append(file)
+        real(file)
+
+    monkeypatch.setattr(os, "fdatasync", sync)
     folder = folder_of(run())
     assert len(calls) == len(records(folder))
     calls.clear()

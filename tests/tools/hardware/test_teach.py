@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import pytest
+
+from tests.tools.conftest import Said
 
 ROBOT = Path(__file__).resolve().parents[3] / "backends" / "robots" / "librarian"
 
@@ -19,7 +20,7 @@ def robot(tmp_path: Path) -> Path:
     return tmp_path / "robot.yaml"
 
 
-def test_a_posture_is_recorded_and_nothing_else_changes(handcart: Callable[..., Any], robot: Path) -> None:
+def test_a_posture_is_recorded_and_nothing_else_changes(handcart: Callable[..., Said], robot: Path) -> None:
     before = robot.read_text(encoding="utf-8").splitlines()
     said = handcart("teach", "wave", "--robot", robot, "--joints", "0,-30,90,0,0,0.1234")
     assert said.status == 0
@@ -33,7 +34,7 @@ def test_a_posture_is_recorded_and_nothing_else_changes(handcart: Callable[..., 
     ]
 
 
-def test_postures_are_copied_and_replaced(handcart: Callable[..., Any], robot: Path) -> None:
+def test_postures_are_copied_and_replaced(handcart: Callable[..., Said], robot: Path) -> None:
     from handcart.backends.description.robot_loading import load_robot
 
     for source in ("carry", "home"):
@@ -42,7 +43,7 @@ def test_postures_are_copied_and_replaced(handcart: Callable[..., Any], robot: P
         assert spec.posture("pick_up_1") == spec.posture(source)
 
 
-def test_a_dry_run_writes_nothing(handcart: Callable[..., Any], robot: Path) -> None:
+def test_a_dry_run_writes_nothing(handcart: Callable[..., Said], robot: Path) -> None:
     before = robot.read_bytes()
     said = handcart("teach", "wave", "--robot", robot, "--from-posture", "home", "--dry-run")
     assert said.status == 0
@@ -64,7 +65,7 @@ def test_a_dry_run_writes_nothing(handcart: Callable[..., Any], robot: Path) -> 
     ],
 )
 def test_what_cant_be_recorded_is_refused(
-    handcart: Callable[..., Any], robot: Path, words: tuple[str, ...], told: str
+    handcart: Callable[..., Said], robot: Path, words: tuple[str, ...], told: str
 ) -> None:
     before = robot.read_bytes()
     said = handcart("teach", *words, "--robot", robot)

@@ -6,9 +6,10 @@ import json
 import shutil
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import pytest
+
+from tests.tools.conftest import Said
 
 TASK = Path(__file__).resolve().parents[3] / "tasks" / "track_seam"
 
@@ -34,14 +35,14 @@ def raised(row: str, by: float) -> str:
     return ",".join((x, y, f"{float(z) + by:.4f}", *rest))
 
 
-def test_a_seam_that_can_be_tracked_is_told_with_its_division(handcart: Callable[..., Any]) -> None:
+def test_a_seam_that_can_be_tracked_is_told_with_its_division(handcart: Callable[..., Said]) -> None:
     said = handcart("check", TASK / "task.yaml")
     assert said.status == 0
     assert "seam: 5.13 m, 3 placements, score 0.6" in said.out
 
 
 def test_the_first_point_out_of_reach_is_told_with_what_can_be_reached(
-    handcart: Callable[..., Any], folder: Path
+    handcart: Callable[..., Said], folder: Path
 ) -> None:
     head, *rows = lines(folder)
     high = [raised(row, min(0.03 * max(0, number - 50), 1.5)) for number, row in enumerate(rows)]
@@ -56,7 +57,7 @@ def test_the_first_point_out_of_reach_is_told_with_what_can_be_reached(
     assert "; the nearest that can be reached: (" in finding["message"]
 
 
-def test_far_out_of_reach_the_nearest_is_told_too(handcart: Callable[..., Any], folder: Path) -> None:
+def test_far_out_of_reach_the_nearest_is_told_too(handcart: Callable[..., Said], folder: Path) -> None:
     head, *rows = lines(folder)
     write(folder, [head, *(raised(row, 3.0) for row in rows)])
     said = handcart("check", folder / "task.yaml")
@@ -73,7 +74,7 @@ def test_far_out_of_reach_the_nearest_is_told_too(handcart: Callable[..., Any], 
     ],
 )
 def test_what_else_is_in_the_way_is_told(
-    handcart: Callable[..., Any], folder: Path, old: str, new: str, told: str
+    handcart: Callable[..., Said], folder: Path, old: str, new: str, told: str
 ) -> None:
     robots = TASK.parents[1] / "backends" / "robots" / "atrv"
     shutil.copy(robots / "atrv.urdf", folder)
@@ -87,7 +88,9 @@ def test_what_else_is_in_the_way_is_told(
     assert told in said.err
 
 
-def test_placing_writes_a_task_that_holds(handcart: Callable[..., Any], folder: Path, tmp_path: Path) -> None:
+def test_placing_writes_a_task_that_holds(
+    handcart: Callable[..., Said], folder: Path, tmp_path: Path
+) -> None:
     head, *rows = lines(folder)
     path = write(folder, [head, *rows[:120]])
     out = tmp_path / "out"
@@ -102,7 +105,7 @@ def test_placing_writes_a_task_that_holds(handcart: Callable[..., Any], folder: 
 
 
 def test_placing_refuses_what_cannot_be_tracked(
-    handcart: Callable[..., Any], folder: Path, tmp_path: Path
+    handcart: Callable[..., Said], folder: Path, tmp_path: Path
 ) -> None:
     head, *rows = lines(folder)
     path = write(folder, [head, *(raised(row, 2.0) for row in rows)])

@@ -30,13 +30,13 @@ def say(*words: object, strict: bool = True) -> subprocess.CompletedProcess[str]
     ],
 )
 @pytest.mark.slow
-def test_commands_with_warnings_as_errors(words) -> None:
+def test_commands_with_warnings_as_errors(words: tuple[object, ...]) -> None:
     said = say(*words)
     assert (said.returncode, said.stderr) == (0, "")
 
 
 @pytest.mark.slow
-def test_a_damaged_picture_is_told_by_us_alone(tour) -> None:
+def test_a_damaged_picture_is_told_by_us_alone(tour: Path) -> None:
     picture = tour.parent / "map.png"
     picture.write_bytes(picture.read_bytes()[:200])
     said = say("check", tour, strict=False)
