@@ -7,7 +7,9 @@ from contextlib import suppress
 
 import pytest
 
-from handcart.networks.coordination.interrupts import KINDS, Interrupts
+from handcart.networks.coordination.interrupts import Interrupts
+
+KINDS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 
 
 @pytest.mark.parametrize("kind", KINDS)

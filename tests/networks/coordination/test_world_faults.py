@@ -96,6 +96,17 @@ def test_a_precondition_that_is_false_is_not_dispatched(stand: Stand, go: type[G
     assert kinds[:4] == ["PLAN", "NOT_STARTED", "PLAN", "START"]
 
 
+def test_what_nobody_can_be_asked_to_permit_is_not_started(stand: Stand, go: type[Go]) -> None:
+    """U12"""
+    events: list[Event] = []
+    end = stand.finish(
+        Coordinator(line(go, permit=True), stand.robot, stand.model, observers=[events.append])
+    )
+    assert (end.outcome, end.situation, end.actions) == ("Fail", "b", 1)
+    left_out = [each for each in events if isinstance(each, LeftOut)]
+    assert left_out and all(each.reason == "permission was refused" for each in left_out)
+
+
 def test_a_success_that_is_not_seen_is_none(
     stand: Stand, go: type[Go], monkeypatch: pytest.MonkeyPatch
 ) -> None:
