@@ -183,17 +183,8 @@ def test_a_campaign_of_processes_is_ended_by_a_signal(
     tour: Path, tmp_path: Path, jobs: int, kind: signal.Signals
 ) -> None:
     """K3: none of its processes is left."""
-    words: list[str | Path] = [
-        "campaign",
-        tour,
-        "--trials",
-        "500",
-        "--jobs",
-        str(jobs),
-        "--runs",
-        tmp_path / "runs",
-        "--json",
-    ]
+    words: list[str | Path] = ["campaign", tour, "--trials", "500", "--jobs", str(jobs)]
+    words += ["--runs", tmp_path / "runs", "--json"]
     process = subprocess.Popen(
         [sys.executable, "-m", "handcart", *words],
         cwd=ROOT,
