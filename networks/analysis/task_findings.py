@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 import networkx as nx
 
 from handcart.files.errors import Finding
@@ -96,4 +98,4 @@ def short_findings(task: Task, cases: WorstCases) -> list[Finding]:
 
 def plain_name(task: Task, name: str) -> str:
     """A situation's name as it stands in the file, without the number of its copy."""
-    return name if task.network.situations[name].element is None else name.rpartition("[")[0]
+    return name if task.network.situations[name].element is None else re.sub(r"(\[\d+\])+$", "", name)

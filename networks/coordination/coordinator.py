@@ -145,10 +145,10 @@ class Coordinator:
         return plan
 
     def _forget(self, left: str) -> None:
-        """What was learned for an element of a repeat, once it is left."""
+        """What was learned for an element of a repeat, once it is left; not where one within it begins."""
         situations = self.network.situations
-        element = situations[left].element
-        if element is not None and situations[self.situation].element != element:
+        element, here = situations[left].element, situations[self.situation].element or ""
+        if element is not None and here != element and not here.startswith(f"{element}, "):
             self._model.clear_element()
 
     def _carry_out(self, action: Action) -> Generator[None, None, Outcome | NotStarted]:

@@ -11,6 +11,7 @@ from handcart.files.yaml.yaml_document import Document
 from handcart.files.yaml.yaml_node import KeyPath, Node
 
 from .parameter_values import ParameterValues, reference
+from .repetition import Element, UnknownElement, found_in
 
 SECTION = "parameters"
 REPEAT = "repeat"
@@ -67,30 +68,29 @@ def _overs(document: Document) -> list[KeyPath]:
     return [(REPEAT, number, "over") for number in range(count)]
 
 
-def with_element(node: Node, name: str | None, element: Node | None, findings: Findings) -> Node:
-    """The node with the element of a repeat wherever `{each: NAME}` or `{each: NAME.KEY}` stands."""
-    path = reference(node, "each")
-    if path is not None:
-        found = _found(path, name, element)
-        if found is not None:
-            return replace(found, key_line=node.key_line, key_column=node.key_column)
-        allowed = f"; allowed: {name}, {name}.KEY with a key of each element" if name else "; no repeat here"
-        findings.add(_unknown(node, f"unknown element {path!r}{allowed}"))
-        return node
+def with_element(node: Node, element: Element | None, root: Node, findings: Findings) -> Node:
+    """The node with the element of a repeat wherever `{each: NAME}` or `{each: NAME.KEY}` stands.
+
+    Args:
+        node: of the document at `root`.
+        element: whose it is; None: it stands outside the repeated parts.
+        root: of the document in which the elements stand.
+        findings: what is wrong is added here.
+    """
+    each = reference(node, "each")
+    if each is not None:
+        try:
+            found, _ = root.deepest(found_in(each, element)[0])
+        except UnknownElement as unknown:
+            findings.add(_unknown(node, str(unknown)))
+            return node
+        return replace(found, key_line=node.key_line, key_column=node.key_column)
     if isinstance(node.content, dict):
-        parts = {key: with_element(part, name, element, findings) for key, part in node.content.items()}
+        parts = {key: with_element(part, element, root, findings) for key, part in node.content.items()}
         return replace(node, content=parts)
     if isinstance(node.content, list):
-        return replace(node, content=[with_element(part, name, element, findings) for part in node.content])
+        return replace(node, content=[with_element(part, element, root, findings) for part in node.content])
     return node
-
-
-def _found(path: str, name: str | None, element: Node | None) -> Node | None:
-    first, *keys = path.split(".")
-    if element is None or first != name:
-        return None
-    found, there = element.deepest(tuple(keys))
-    return found if there else None
 
 
 def _unknown(node: Node, message: str) -> Finding:

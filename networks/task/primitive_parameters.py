@@ -61,8 +61,7 @@ class ParameterReader:
     def _given(self, number: int, element: Element | None) -> Node:
         action, _ = self._document.root.deepest(("actions", number))
         written = action.child("with") or replace(action, content={})
-        node = self._document.root.deepest(element.path)[0] if element else None
-        return with_element(written, element.name if element else None, node, self._findings)
+        return with_element(written, element, self._document.root, self._findings)
 
     def _late(self, kind: type[ActionPrimitive], given: Node) -> dict[str, str]:
         content = given.content if isinstance(given.content, dict) else {}

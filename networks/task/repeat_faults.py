@@ -9,10 +9,11 @@ from handcart.files.suggest import listed, suggest
 from handcart.files.yaml.yaml_node import KeyPath
 from handcart.networks.graph.network import Fact
 
-from .repetition import Repetition
-from .task_model import ActionEntry
+from .repeating import Copies
+from .repetition import Element, Repetition, UnknownElement, found_in
+from .task_model import ActionEntry, Each, GivenFact
 
-Situations = Mapping[str, Mapping[str, Fact]]
+Situations = Mapping[str, Mapping[str, GivenFact]]
 """By name, with their facts."""
 Fault = tuple[KeyPath, str]
 """Where in the task's document, and "what is wrong; what is allowed"."""
@@ -38,6 +39,7 @@ def repeat_faults(
         yield from _unknown(part, situations)
         yield from _entered_elsewhere(part, entries)
         yield from _changed_by_fail(part, situations, entries)
+        yield from _changed_by_skip(part, situations)
         inside, begin = part.inner, part.repeat.start
         if start in inside - {begin}:
             yield ("start",), f"is inside the repeated part; allowed there: {begin}"
@@ -69,15 +71,49 @@ def _changed_by_fail(
     start, goal = part.repeat.start, part.repeat.goal
     for number, entry in entries.items():
         ends = entry.source in part.inner and entry.on_fail == goal
-        if ends and situations.get(entry.source) != situations.get(start):
+        changing = any(isinstance(fact, Each) for fact in situations.get(start, {}).values())
+        if ends and (changing or situations.get(entry.source) != situations.get(start)):
             wrong = f"leads to the next element's {start!r}, where other facts hold than in {entry.source!r}"
             yield ("actions", number, "on_fail"), f"{wrong}; allowed: a situation with the same facts"
+
+
+def _changed_by_skip(part: Repetition, situations: Situations) -> Iterator[Fault]:
+    """Elements that may be left out, though other facts hold where the next one begins."""
+    changing = [key for key, fact in situations.get(part.repeat.start, {}).items() if isinstance(fact, Each)]
+    if part.repeat.unfinished == "skip" and changing:
+        wrong = f"skip: in {part.repeat.start!r} {listed(changing)} is another for each element"
+        yield (*part.path, "unfinished"), f"{wrong}; allowed: stop"
+
+
+def element_facts(copies: Copies, situations: Situations) -> tuple[dict[str, dict[str, Fact]], list[Fault]]:
+    """The facts of a network's situations, by their names, and what is wrong with `{each: ...}` in them."""
+    found: dict[str, dict[str, Fact]] = {}
+    faults: dict[KeyPath, str] = {}
+    for name, (called, element) in copies.situations.items():
+        found[name] = {}
+        for key, fact in situations[called].items():
+            try:
+                found[name][key] = _fact(fact, element)
+            except UnknownElement as unknown:
+                faults.setdefault(("situations", called, key), str(unknown))
+    return found, list(faults.items())
+
+
+def _fact(fact: GivenFact, element: Element | None) -> Fact:
+    if not isinstance(fact, Each):
+        return fact
+    _, value = found_in(fact.each, element)
+    if not isinstance(value, str | bool | int | float):
+        raise UnknownElement(f"{fact.each} is {value!r}; allowed for a fact: a word, a number, true or false")
+    return value
 
 
 def _in_common(parts: Sequence[Repetition], situations: Iterable[str]) -> Iterator[Fault]:
     for before, part in combinations(parts, 2):
         both = [name for name in situations if name in before.inner & part.inner]
-        if both:
+        if both and not (before.inner < part.inner or part.inner < before.inner):
             wrong = f"the part shares {listed(map(repr, both))} with the one from {before.repeat.start}"
-            allowed = "parts that share no situation; one's goal may be another's start"
+            allowed = (
+                "parts that share no situation, or one within the other; one's goal may be another's start"
+            )
             yield (*part.path, "start"), f"{wrong}; allowed: {allowed}"

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 from handcart.files.yaml.yaml_node import KeyPath
 
-from .task_model import ActionEntry, Repeat
+from .task_model import ActionEntry, Each, Repeat
 
 
 @dataclass(frozen=True)
@@ -21,29 +22,97 @@ class Element:
     """Where it stands in the task's document."""
     name: str
     """What `{each: NAME}` calls it."""
+    value: Any
     words: str
-    """What people read of it, `place[2] (kitchen)`; no other element of the task has the same."""
+    """What people read of it, `place[2] (kitchen)`; no other element of the task has the same. Of a part
+    within a part those of the element around it come first."""
+    around: Element | None = None
+    """Of the part that this one's is within."""
+
+    def chain(self) -> list[Element]:
+        """It, and those around it, the outermost first."""
+        return [*(self.around.chain() if self.around else ()), self]
 
 
+class UnknownElement(LookupError):
+    """What `{each: NAME.KEY}` asks for isn't there; the message says what is."""
+
+    part: KeyPath = ()
+    """Where the part stands that goes over it."""
+
+
+def found_in(each: str, element: Element | None) -> tuple[KeyPath, Any]:
+    """Where in the task's document `{each: NAME}` or `{each: NAME.KEY}` leads, and the value there.
+
+    Raises:
+        UnknownElement: no element around has that name, or it has no such key.
+    """
+    known = {} if element is None else {one.name: one for one in element.chain()}
+    name, *keys = each.split(".")
+    if name in known:
+        path, value = known[name].path, known[name].value
+        for key in keys:
+            if not isinstance(value, Mapping) or key not in value:
+                break
+            path, value = (*path, key), value[key]
+        else:
+            return path, value
+    allowed = " or ".join(f"{one}, {one}.KEY with a key of each element" for one in known)
+    raise UnknownElement(f"unknown element {each!r}; {f'allowed: {allowed}' if known else 'no repeat here'}")
+
+
+@dataclass(frozen=True, eq=False)
 class Repetition:
     """A part that is repeated: what `start` leads to, up to `goal`."""
 
-    def __init__(self, path: KeyPath, repeat: Repeat, inner: frozenset[str], told: str = "") -> None:
-        """A part and its elements.
+    path: KeyPath
+    """Where it stands in the task's document."""
+    repeat: Repeat
+    """What stands there."""
+    start: str
+    goal: str
+    inner: frozenset[str]
+    """The situations that are copied."""
+    told: str
+    """What people read behind the names of its elements."""
+    around: Element | None = None
+    """The element whose part it is within."""
 
-        Args:
-            path: where it stands in the task's document.
-            repeat: what stands there.
-            inner: the situations that are copied.
-            told: what people read behind the names of its elements.
+    @property
+    def elements(self) -> tuple[Element, ...]:
+        """In their order.
+
+        Raises:
+            UnknownElement: it goes over a list of an element around it, and there is none.
         """
-        self.path = path
-        self.repeat = repeat
-        self.inner = inner
-        self.elements = tuple(
-            Element(number, (*path, "over", number), repeat.name, f"{_words(repeat, number)}{told}")
-            for number in range(len(repeat.over))
+        try:
+            path, values = self._over()
+        except UnknownElement as unknown:
+            unknown.part = self.path
+            raise
+        before = f"{self.around.words}, " if self.around else ""
+        return tuple(
+            Element(
+                number,
+                (*path, number),
+                self.repeat.name,
+                value,
+                f"{before}{self.repeat.name}[{number + 1}]{_shown(value)}{self.told}",
+                self.around,
+            )
+            for number, value in enumerate(values)
         )
+
+    def _over(self) -> tuple[KeyPath, Sequence[Any]]:
+        if not isinstance(self.repeat.over, Each):
+            return (*self.path, "over"), self.repeat.over
+        path, values = found_in(self.repeat.over.each, self.around)
+        if not isinstance(values, list) or not values:
+            raise UnknownElement(f"{self.repeat.over.each} is {values!r} of {self._of()}; allowed: a list")
+        return path, values
+
+    def _of(self) -> str:
+        return "no element" if self.around is None else self.around.words
 
     def of(self, name: str, number: int) -> str:
         """An element's own copy of a situation of the part."""
@@ -58,6 +127,8 @@ def repetitions(repeats: Mapping[int, Repeat], entries: Iterable[ActionEntry]) -
         Repetition(
             ("repeat", number),
             repeat,
+            repeat.start,
+            repeat.goal,
             _reached(repeat, actions),
             f" from {repeat.start}" if alike[repeat.name] > 1 else "",
         )
@@ -65,10 +136,16 @@ def repetitions(repeats: Mapping[int, Repeat], entries: Iterable[ActionEntry]) -
     ]
 
 
-def _words(repeat: Repeat, number: int) -> str:
-    value = repeat.over[number]
-    told = f" ({value})" if isinstance(value, str | int | float) else ""
-    return f"{repeat.name}[{number + 1}]{told}"
+def outermost_first(parts: Iterable[Repetition]) -> Iterator[tuple[Repetition, list[Repetition]]]:
+    """The parts that lie in no other one, each with those that lie in it."""
+    listed = list(parts)
+    for part in listed:
+        if not any(part.inner < other.inner for other in listed):
+            yield part, [other for other in listed if other.inner < part.inner]
+
+
+def _shown(value: object) -> str:
+    return f" ({value})" if isinstance(value, str | int | float) else ""
 
 
 def _reached(repeat: Repeat, entries: Iterable[ActionEntry]) -> frozenset[str]:

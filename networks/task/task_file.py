@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any, TypeVar, cast
 
 import networkx as nx
 
@@ -29,11 +29,11 @@ from handcart.primitives.registry import primitive_class
 
 from .parameters import goes_over_unknown, with_all, with_listed_repeats, with_parameters
 from .primitive_parameters import ParameterReader
-from .repeat_faults import Situations, repeat_faults
+from .repeat_faults import Situations, element_facts, repeat_faults
 from .repeating import Copied, Copies, repeated
-from .repetition import Repetition, repetitions
+from .repetition import UnknownElement, repetitions
 from .task_knowledge import PLACES, TaskKnowledge, domain_keys, read_knowledge
-from .task_model import ActionEntry, Repeat, TaskFile
+from .task_model import ActionEntry, GivenFact, Repeat, TaskFile
 from .unwritten import unwritten
 
 MASK = ("knowledge", "speed_limits", "mask")
@@ -121,19 +121,23 @@ class _Reader:
     def task(self) -> Task:
         file = self._whole()
         situations, entries = self._situations(), self._listed("actions", ActionEntry)
-        known = {name: Situation(name, facts) for name, facts in situations.items()}
+        # Their facts are but compared, so what follows from an element may stand there.
+        known = {name: Situation(name, cast(Any, facts)) for name, facts in situations.items()}
         for number, entry in entries.items():
             self._check_entry(number, entry, known)
         start = self._named("start", situations)
         goal = self._named("goal", situations)
         self._check_files()
         self._check_robot()
-        copies = repeated(situations, entries, start, self._parts(situations, entries, start, goal))
+        copies = self._copies(situations, entries, start, goal)
+        facts, faults = element_facts(copies, situations)
+        for path, fault in faults:
+            self._add(path, fault)
         actions = self._actions(copies, entries)
         if self._findings or file is None:
             self._findings.raise_all()
         assert file is not None
-        return self._built(file, copies, actions, goal)
+        return self._built(file, copies, facts, actions, goal)
 
     # Parts, each None or left out where the file is wrong: `_whole` tells that
 
@@ -144,8 +148,8 @@ class _Reader:
             self._findings.take(error)
             return None
 
-    def _situations(self) -> dict[str, Mapping[str, Fact]]:
-        found = self._silently(("situations",), dict[str, dict[str, Fact] | None])
+    def _situations(self) -> dict[str, Mapping[str, GivenFact]]:
+        found = self._silently(("situations",), dict[str, dict[str, GivenFact] | None])
         return {name: facts or {} for name, facts in (found or {}).items()}
 
     def _listed(self, key: str, kind: type[M]) -> dict[int, M]:
@@ -181,16 +185,21 @@ class _Reader:
             wrong = f"p_give_up is {entry.p_give_up:g}; allowed: at most {left:g}, what p leaves of 1"
             self._add(("actions", number, "p_give_up"), wrong)
 
-    def _parts(
+    def _copies(
         self, situations: Situations, entries: Mapping[int, ActionEntry], start: str, goal: str
-    ) -> list[Repetition]:
+    ) -> Copies:
         parts = repetitions(self._listed("repeat", Repeat), entries.values())
         faults = list(repeat_faults(parts, situations, entries, start, goal))
         for path, fault in faults:
             self._add(path, fault)
         if faults:  # which element an action belongs to can't be told
             self._findings.raise_all()
-        return parts
+        try:
+            return repeated(situations, entries, start, parts)
+        except UnknownElement as unknown:
+            self._add((*unknown.part, "over"), str(unknown))
+            self._findings.raise_all()
+            raise
 
     def _actions(self, copies: Copies, entries: Mapping[int, ActionEntry]) -> list[Action | None]:
         self._check_start_place(self._place_names)
@@ -260,10 +269,17 @@ class _Reader:
             if path is not None and not path.is_file():
                 self._add(key, f"there is no file {path.name!r}; allowed: a file, from the task's folder")
 
-    def _built(self, file: TaskFile, copies: Copies, actions: list[Action | None], goal: str) -> Task:
+    def _built(
+        self,
+        file: TaskFile,
+        copies: Copies,
+        facts: Mapping[str, Mapping[str, Fact]],
+        actions: list[Action | None],
+        goal: str,
+    ) -> Task:
         situations = [
-            Situation(each, facts, element.words if element else None)
-            for each, (facts, element) in copies.situations.items()
+            Situation(each, facts[each], element.words if element else None)
+            for each, (_, element) in copies.situations.items()
         ]
         every = [action for action in actions if action is not None]
         network = ActionNetwork.build(situations, every, copies.start, goal)

@@ -71,12 +71,23 @@ class ActionEntry(FileModel):
     is the element of a repeat."""
 
 
+class Each(FileModel):
+    """Something of the element of a repeat."""
+
+    each: str
+    """NAME, or NAME.KEY."""
+
+
+GivenFact = Fact | Each
+
+
 class Repeat(FileModel):
     """A part of the network, copied for each element of a list, one copy after the other."""
 
-    over: Annotated[list[Any], Field(min_length=1)]
+    over: Annotated[list[Any], Field(min_length=1)] | Each
     """The elements; `{all: places}` stands for the names of the map's places, in their file's order, and so
-    on for whatever the task's files name, such as `{all: cups}`."""
+    on for whatever the task's files name, such as `{all: cups}`. Of a part within a part `{each: NAME.KEY}`
+    is a list of the element around it."""
     name: Annotated[str, Field(alias="as")]
     """What `{each: NAME}` calls the element."""
     start: str
@@ -108,8 +119,9 @@ class TaskFile(FileModel):
     """The situation at the start."""
     goal: str
     """The situation to be reached."""
-    situations: dict[str, dict[str, Fact] | None]
-    """By name, each with the physical facts that hold in it."""
+    situations: dict[str, dict[str, GivenFact] | None]
+    """By name, each with the physical facts that hold in it; `{each: NAME.KEY}` is the element's own."""
     actions: list[ActionEntry]
     repeat: Annotated[list[Repeat], Field(min_length=1)] | Repeat | None = None
-    """What is repeated: one part, or a list of parts without a common situation."""
+    """What is repeated: one part, or a list of parts; two have no common situation, or one is within the
+    other."""
