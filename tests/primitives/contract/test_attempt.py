@@ -99,6 +99,16 @@ class Stubborn(Wave):
             raise Discrepancy("the way back is blocked")
 
 
+class Rolls(Stubborn):
+    """Moves the base alone."""
+
+    def motion(self, robot: Robot, model: ModelView) -> Periods:
+        for _ in range(20):
+            robot.base.drive(0.1, 0.0)
+            yield
+        raise Discrepancy("nobody is there")
+
+
 class Watched(Wave):
     """Watches for somebody who comes after half a second, also while restoring."""
 
@@ -200,6 +210,15 @@ def test_a_restore_that_misses_is_tried_again_by_the_framework(make_rig: Callabl
     assert rig.robot.pose.distance(rig.robot.pose) == 0.0
     if isinstance(outcome, GiveUp):  # the arm isn't brought back by regulating the base
         assert "joints_deg" in outcome.reason
+
+
+def test_a_base_that_the_way_back_left_elsewhere_is_brought_back_a_second_time(
+    make_rig: Callable[..., Rig],
+) -> None:
+    rig = make_rig()
+    before = rig.scene.base
+    assert isinstance(rig.run(Rolls()), Fail)
+    assert rig.scene.base.distance(before) < 0.01
 
 
 def test_raising_while_restoring_is_for_a_person(make_rig: Callable[..., Rig]) -> None:

@@ -161,7 +161,8 @@ def test_stop_rule_at_its_limits() -> None:
     assert rule.met(planned, transform((0.00049, -0.00049, 0.31), (0.0, 0.0, -0.0099)))
     assert not rule.met(planned, transform((0.00051, 0.0, 0.3)))
     assert not rule.met(planned, transform((0.0, -0.00051, 0.3)))
-    assert not rule.met(planned, transform((0.0, 0.0, 0.3), (0.0, 0.0, 0.0101)))
+    for turn in (0.0101, -0.0101):
+        assert not rule.met(planned, transform((0.0, 0.0, 0.3), (0.0, 0.0, turn)))
 
 
 def test_on_floor_drops_tilt_and_height() -> None:
