@@ -21,7 +21,7 @@ import numpy as np
 from can.interfaces.virtual import VirtualBus
 
 from handcart.backends.can.bench.bench import Bench
-from handcart.backends.can.bench.misbehaviours import misbehaviour
+from handcart.backends.can.bench.injected_faults import injected_fault
 from handcart.backends.can.can_backend import CanBackend
 from handcart.backends.can.errors import CanFault
 from handcart.backends.can.pace import Pace
@@ -98,7 +98,7 @@ def stop_after(fault: str, wait_s: float, number: int) -> float:
         def show() -> None:
             time.sleep(wait_s)
             with lock:
-                bench.go_wrong(misbehaviour(fault).act)
+                bench.go_wrong(injected_fault(fault).act)
                 shown.append(time.perf_counter())
 
         going_wrong = threading.Thread(target=show)

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import replace
 
 from handcart.networks.coordination.events import Ended, Event, Restoring, Started
-from handcart.networks.journal.chronicle import outcome_fields
 from handcart.networks.journal.past_run import PastAction
+from handcart.networks.journal.run_log import outcome_fields
 
 from .run_observer import RunObserver
 

@@ -17,11 +17,11 @@ from handcart.networks.journal.retracing import NeedsOperator
 from handcart.networks.journal.run_header import boot_id, robot_fingerprint
 from handcart.networks.run_observer import RunObserver
 from handcart.networks.run_options import RunOptions
-from handcart.networks.runs.recon import gone_on, reconnoitre, standing_as_left
 from handcart.networks.runs.resuming import NothingToResume as NothingToResume
 from handcart.networks.runs.resuming import Past, read_past, task_of
 from handcart.networks.runs.robot_claim import claimed
 from handcart.networks.runs.run import execute
+from handcart.networks.runs.state_check import check_state, gone_on, standing_as_left
 from handcart.networks.task.preparing import Prepared, beginning_at, prepare
 from handcart.networks.task.task_file import load_task
 
@@ -139,10 +139,10 @@ def resume_task(
         past = put_back(folder, header, prepared, observers)
         if not prepared.backend.simulated:
             prepared = standing_as_left(prepared, past)
-            recon = reconnoitre(prepared.robot, past)
-            for words in (*recon.words(), past.next_words()):
+            check = check_state(prepared.robot, past)
+            for words in (*check.words(), past.next_words()):
                 _say(observers, words)
-            past = gone_on(past, recon, confirm)
+            past = gone_on(past, check, confirm)
         judge = Judge(prepared, folder)
         if claim is not None:
             claim.begin(folder)

@@ -10,10 +10,10 @@ from handcart.networks.graph.binding import NotBound
 from handcart.networks.graph.network import Action, ActionNetwork
 from handcart.networks.graph.planner import NoWay, Plan, Planner
 from handcart.networks.graph.route import Route
-from handcart.networks.journal.chronicle import Chronicle, Keep
 from handcart.networks.journal.journal import Journal
 from handcart.networks.journal.measured import in_words, measure, moved
 from handcart.networks.journal.retracing import Standing
+from handcart.networks.journal.run_log import Keep, RunLog
 from handcart.primitives.contract.action_primitive import ActionPrimitive
 from handcart.primitives.contract.attempt import attempt
 from handcart.primitives.contract.outcome import GiveUp, Outcome, Success
@@ -69,8 +69,8 @@ class Coordinator:
         """The action that waits for permission."""
         self._robot = robot
         self._model = model
-        self._chronicle = Chronicle(robot, model, journal, observers, standing, keep)
-        self._supervision = Supervision(robot, self.life, self._chronicle.stopped)
+        self._log = RunLog(robot, model, journal, observers, standing, keep)
+        self._supervision = Supervision(robot, self.life, self._log.stopped)
         self._watch = WorldWatch(robot, network, standing.seen if standing else {})
         self._permission = permission
 
@@ -94,7 +94,7 @@ class Coordinator:
     @property
     def running(self) -> int:
         """Number of the action that was started last, from 1; 0 before the first."""
-        return self._chronicle.started
+        return self._log.started
 
     def run(self) -> Generator[None, None, RunEnd]:
         """From the start to the goal, or to where nothing leads on."""
@@ -103,8 +103,8 @@ class Coordinator:
         except Interrupted as interrupted:
             end = self._end("Cancelled", interrupted.reason)
         self.life.end()
-        self._chronicle.ended(end, measure(self._robot))
-        while not self._chronicle.kept:
+        self._log.ended(end, measure(self._robot))
+        while not self._log.kept:
             yield
         return end
 
@@ -124,11 +124,11 @@ class Coordinator:
             if isinstance(outcome, GiveUp):
                 return self._end("GiveUp", f"{action}: {outcome.reason}")
             if not isinstance(outcome, Success):
-                self._chronicle.fails += 1
+                self._log.fails += 1
             self._route.took(outcome)
             self._watch.arrived(self.situation)
             self._forget(left)
-        skipped = self._chronicle.skipped
+        skipped = self._log.skipped
         if skipped:
             return self._end("Fail", f"left undone: {', '.join(skipped)}")
         return self._end("Success", "")
@@ -139,9 +139,9 @@ class Coordinator:
             plan = self._route.plan()
         except Exception as error:  # a fault in planning: nobody knows what is next (row N10)
             self._robot.stop()
-            self._chronicle.not_planned(self.situation, error)
+            self._log.not_planned(self.situation, error)
             return GiveUp(f"planning failed: {type(error).__name__}: {error}")
-        self._chronicle.planned(self.situation, plan)
+        self._log.planned(self.situation, plan)
         return plan
 
     def _forget(self, left: str) -> None:
@@ -154,14 +154,14 @@ class Coordinator:
     def _carry_out(self, action: Action) -> Generator[None, None, Outcome | NotStarted]:
         if action.binding is None:
             element = self.network.situations[action.source].element or action.source
-            self._chronicle.skip(action, element)
+            self._log.skip(action, element)
             return Success()
         if not (yield from self._permitted(action)):
-            return self._chronicle.not_started(action, "permission was refused")
+            return self._log.not_started(action, "permission was refused")
         try:
             primitive = action.binding.make(self._model)
         except NotBound as unknown:
-            return self._chronicle.not_started(action, str(unknown))
+            return self._log.not_started(action, str(unknown))
         return (yield from self._act(action, primitive))
 
     def _permitted(self, action: Action) -> Generator[None, None, bool]:
@@ -176,12 +176,12 @@ class Coordinator:
         return answer
 
     def _act(self, action: Action, primitive: ActionPrimitive) -> Generator[None, None, Outcome | NotStarted]:
-        told, moves = self._chronicle, not primitive.only_knowledge
+        told, moves = self._log, not primitive.only_knowledge
         at = measure(self._robot) if moves else None
         if at is not None and (stood := self._watch.changed(at)):
             return self._world_changed(action, stood, at)
-        if hindrance := self._hindrance(primitive):
-            return told.not_started(action, hindrance)
+        if unmet := self._unmet_precondition(primitive):
+            return told.not_started(action, unmet)
         self._watch.begins(self.situation, at)
         self.life.act()
         told.start(action, primitive, self.planner.fails(action), at)
@@ -201,10 +201,10 @@ class Coordinator:
         told.result_kept(action, primitive, outcome)
         return outcome
 
-    def _hindrance(self, primitive: ActionPrimitive) -> str:
+    def _unmet_precondition(self, primitive: ActionPrimitive) -> str:
         """What stands in the way of its start, where it can tell (row N7)."""
         try:
-            return primitive.hindrance(self._robot, self._model.view(primitive))
+            return primitive.unmet_precondition(self._robot, self._model.view(primitive))
         except Exception as error:  # a fault of the primitive's own code
             return f"{type(error).__name__}: {error}"
 
@@ -212,7 +212,7 @@ class Coordinator:
         """Nothing has started; go on from the situation that is found, or ask for a person (row N9)."""
         reason = f"somebody changed the world: {in_words(moved(self._robot, stood, now))}"
         situation = self._watch.situation(self.situation, stood, now)
-        self._chronicle.world_changed(action, stood, now, situation, reason)
+        self._log.world_changed(action, stood, now, situation, reason)
         if situation is None:
             self._robot.stop()
             return GiveUp(reason)
@@ -221,22 +221,22 @@ class Coordinator:
 
     def _restore(self, action: Action, reason: str) -> None:
         self.life.restore()
-        self._chronicle.restoring(action, reason)
+        self._log.restoring(action, reason)
 
     def broken_off(self, reason: str, outcome: RunOutcome = "Error") -> RunEnd:
         """The end of a run that a fault broke off: of ours or the journal, or a GiveUp where the robot's.
 
         The robot has been stopped.
         """
-        if self._chronicle.open and outcome == "Error":
+        if self._log.open and outcome == "Error":
             reason = f"{reason}; how action {self.running} ended is not in the journal for good"
         end = self._end(outcome, reason)
         with suppress(Exception):  # what broke the run off may break this off, too
-            self._chronicle.stopped(reason, self._robot.time)
-            self._chronicle.ended(end, measure(self._robot))
+            self._log.stopped(reason, self._robot.time)
+            self._log.ended(end, measure(self._robot))
         return end
 
     def _end(self, outcome: RunOutcome, reason: str) -> RunEnd:
-        told = self._chronicle
+        told = self._log
         replans = max(0, told.plans - 1)
         return RunEnd(outcome, self.situation, reason, told.started, told.fails, replans, tuple(told.skipped))

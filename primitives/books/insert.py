@@ -65,7 +65,7 @@ class Insert(ActionPrimitive):
     _base_T_end: Transform | None = PrivateAttr(default=None)
     _strongest: float = PrivateAttr(default=0.0)
 
-    def hindrance(self, robot: Robot, model: ModelView) -> str:
+    def unmet_precondition(self, robot: Robot, model: ModelView) -> str:
         """A hand that doesn't hold the book."""
         books = model.of(Books)
         return "" if books.book and holds(robot, books.book) else "the hand doesn't hold the book"

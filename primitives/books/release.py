@@ -74,7 +74,7 @@ class Release(TreePrimitive):
     _open_to: float | None = PrivateAttr(default=None)
     """How far the fingers are to open, in [m], while they do."""
 
-    def hindrance(self, robot: Robot, model: ModelView) -> str:
+    def unmet_precondition(self, robot: Robot, model: ModelView) -> str:
         """A hand that doesn't hold the book."""
         books = model.of(Books)
         return "" if books.book and holds(robot, books.book) else "the hand doesn't hold the book"

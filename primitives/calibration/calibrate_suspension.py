@@ -71,7 +71,7 @@ class CalibrateSuspension(ActionPrimitive):
     needs: ClassVar = (Arm, Gripper, Camera)
     reads: ClassVar = ("building", "placed", "fixed")
 
-    def hindrance(self, robot: Robot, model: ModelView) -> str:
+    def unmet_precondition(self, robot: Robot, model: ModelView) -> str:
         """A hand that holds nothing: the base gives under a load."""
         return "" if robot.gripper.closed_on_something() else "the hand holds no block"
 

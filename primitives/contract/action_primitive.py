@@ -52,7 +52,7 @@ class ActionPrimitive(FileModel, ABC):
         """How task files call it: `MoveTo` is MOVE_TO."""
         return re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", cls.__name__).upper()
 
-    def hindrance(self, robot: Robot, model: ModelView) -> str:
+    def unmet_precondition(self, robot: Robot, model: ModelView) -> str:
         """Asked at rest before it starts: what stands in its way, in words; empty if nothing does.
 
         For what the sensors tell at once, such as a hand that should hold something and is empty: the action

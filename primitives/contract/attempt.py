@@ -17,9 +17,9 @@ from handcart.primitives.restoring.trace import Trace
 from .action_primitive import ActionPrimitive, Periods
 from .cause import FRAMEWORK, Cause
 from .discrepancy import Discrepancy, NeedsPerson
-from .following import Following
 from .intents import UNKEPT, Intents
 from .outcome import Fail, GiveUp, Outcome, Success, fail_if_restored
+from .tracking_error_monitor import TrackingErrorMonitor
 
 T = TypeVar("T")
 FRAMEWORK.add(__name__)
@@ -144,13 +144,13 @@ def _watched(
 ) -> Periods:
     """The motion, watched every period; taken down for the way back up to the point of no return."""
     trace.record()
-    following, displaced = Following(robot), robot.localization.displacements
+    tracking, displaced = TrackingErrorMonitor(robot), robot.localization.displacements
     for _ in periods:
         _alone(robot, primitive)
         yield
         if primitive._no_return is None:
             trace.record()
-        following.check()
+        tracking.check()
         if robot.localization.displacements > displaced:
             raise NeedsPerson(PUSHED, check="push")
         primitive.watch(robot, view)
@@ -212,15 +212,15 @@ def _look_again(
 
 
 def _within_time(way_back: Periods, robot: Robot, primitive: ActionPrimitive, view: ModelView) -> Periods:
-    end, following, displaced = (
+    end, tracking, displaced = (
         robot.time + LONGEST_RESTORE,
-        Following(robot),
+        TrackingErrorMonitor(robot),
         robot.localization.displacements,
     )
     for _ in way_back:
         _alone(robot, primitive)
         yield
-        following.check()
+        tracking.check()
         if robot.localization.displacements > displaced:
             raise NeedsPerson(PUSHED, check="push")
         primitive.watch(robot, view)

@@ -100,15 +100,15 @@ def goal_pose(model: ModelView, place: str) -> Pose2:
     return model.places[place].pose
 
 
-def make_lookout(robot: Robot, model: ModelView) -> Lookout | FieldLookout:
+def make_monitor(robot: Robot, model: ModelView) -> ObstacleMonitor | FieldObstacleMonitor:
     """What watches the way of this robot."""
     radius = robot.spec.footprint_radius_m
     if robot.spec.drive.kind == "ackermann":
-        return FieldLookout(radius)
-    return Lookout(model.map, radius)
+        return FieldObstacleMonitor(radius)
+    return ObstacleMonitor(model.map, radius)
 
 
-class FieldLookout:
+class FieldObstacleMonitor:
     """Watches a car's path for whatever stands there, known or not: outdoors a map isn't that exact."""
 
     def __init__(self, radius: float) -> None:
@@ -134,7 +134,7 @@ class FieldLookout:
         return path_blocked(route, sensed, self._radius, HORIZON)
 
 
-class Lookout:
+class ObstacleMonitor:
     """Watches a route for what the map doesn't show."""
 
     def __init__(self, grid: GridMap, radius: float) -> None:

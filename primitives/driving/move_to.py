@@ -30,7 +30,7 @@ from handcart.robotics.navigation.following.pose_regulator import PoseTolerance
 from handcart.robotics.navigation.localization.front_line import fit_front, pose_from_front
 from handcart.robotics.navigation.localization.localizer import LEAST_INLIERS
 
-from .driving import HORIZON, FieldLookout, Lookout, goal_pose, make_lookout, plan_tracker
+from .driving import HORIZON, FieldObstacleMonitor, ObstacleMonitor, goal_pose, make_monitor, plan_tracker
 
 ARRIVED = PoseTolerance(position=0.02, heading=0.01)
 DOCKED = PoseTolerance(position=0.004, heading=0.003)
@@ -64,11 +64,11 @@ class MoveTo(ActionPrimitive):
     reads: ClassVar = ("map", "places", "speed_limits", "discs")
     writes: ClassVar = ("obstacles", "detour")
 
-    _lookout: Lookout | FieldLookout | None = PrivateAttr(default=None)
+    _monitor: ObstacleMonitor | FieldObstacleMonitor | None = PrivateAttr(default=None)
     _ahead: NDArray[np.float64] = PrivateAttr(default_factory=lambda: np.empty((0, 2)))
     _blocked_since: float | None = PrivateAttr(default=None)
 
-    def hindrance(self, robot: Robot, model: ModelView) -> str:
+    def unmet_precondition(self, robot: Robot, model: ModelView) -> str:
         """The arm is to move along and there is none, or nothing for it to do."""
         if not self.together:
             return ""
@@ -81,7 +81,7 @@ class MoveTo(ActionPrimitive):
         if not self.together:
             _check_arm(robot)
         goal = goal_pose(model, self.place)
-        self._lookout = make_lookout(robot, model)
+        self._monitor = make_monitor(robot, model)
         if model.places[self.place].docks:
             robot.base.may_stand_at(goal)
         tracker, points = yield from plan_tracker(robot, model, self.place, goal, ARRIVED, self.reverse)
@@ -143,8 +143,8 @@ class MoveTo(ActionPrimitive):
             touches = "its wheels slip, or it touches something that neither map nor scan shows"
             why = f": {touches}" if rolled > SLIPPED else ""
             return Discrepancy(f"the base doesn't get on{why}", measured=stood)
-        if held.shown_by == "scan" and self._lookout is not None:
-            found = self._lookout.around(robot, np.array([held.x, held.y]))
+        if held.shown_by == "scan" and self._monitor is not None:
+            found = self._monitor.around(robot, np.array([held.x, held.y]))
             model.obstacles = np.vstack([model.obstacles, found])
         near = Measured("RangeSensor", f"room to what the {held.shown_by} shows", held.room, held.needed, "m")
         return Discrepancy(f"the base doesn't get on to {self.place}: {held.words}", measured=near)
@@ -161,16 +161,16 @@ class MoveTo(ActionPrimitive):
                     LEAST_INLIERS,
                 ),
             )
-        if self._lookout is None or len(self._ahead) < 2:
+        if self._monitor is None or len(self._ahead) < 2:
             return
-        sensed = self._lookout.unexpected(robot)
-        found = self._lookout.obstacle(self._ahead, sensed)
+        sensed = self._monitor.unexpected(robot)
+        found = self._monitor.obstacle(self._ahead, sensed)
         if found is None:
             self._blocked_since = None
             return
         self._blocked_since = robot.time if self._blocked_since is None else self._blocked_since
         if robot.time >= self._blocked_since + self.wait_s:
-            model.obstacles = np.vstack([model.obstacles, self._lookout.kept(sensed, found[1])])
+            model.obstacles = np.vstack([model.obstacles, self._monitor.kept(sensed, found[1])])
             self.evidence.points |= {"sensed": sensed, "in the way": found[1][None], "ahead": self._ahead}
             x, y = found[1]
             raise Discrepancy(

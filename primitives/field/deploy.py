@@ -70,7 +70,7 @@ class Deploy(ActionPrimitive):
 
     _arm: SensorArm | None = PrivateAttr(default=None)
 
-    def hindrance(self, robot: Robot, model: ModelView) -> str:
+    def unmet_precondition(self, robot: Robot, model: ModelView) -> str:
         """No such target, or it is laid already."""
         work = model.of(FieldWork)
         if work.field is None or self.target not in work.targets:

@@ -55,7 +55,7 @@ def bench(
 
     from handcart.backends.can.bench.bench import Bench
     from handcart.backends.can.bench.bench_server import BenchServer
-    from handcart.backends.can.bench.misbehaviours import misbehave
+    from handcart.backends.can.bench.injected_faults import inject
     from handcart.backends.can.bus.open_bus import open_interface
     from handcart.backends.can.errors import NoDrives
     from handcart.backends.description.robot_loading import load_robot
@@ -82,7 +82,7 @@ def bench(
             scans = _scans(made, range_port)
             looks.append(lambda each: scans.send(each.time))
         for name, at, node in planned:
-            misbehave(made, name, at, node)
+            inject(made, name, at, node)
         nodes = ", ".join(f"{name} {axis.node}" for name, axis in spec.can.axes())
         print(f"drives of {robot} on {interface} {channel}: {nodes}; Ctrl-C ends", flush=True)
         server = BenchServer(made, spec.period_s, look=lambda each: [look(each) for look in looks])
@@ -116,10 +116,10 @@ def _library() -> Path:
 
 
 def _planned(told: str) -> tuple[str, float, int | None]:
-    from handcart.backends.can.bench.misbehaviours import misbehaviour
+    from handcart.backends.can.bench.injected_faults import injected_fault
 
     name, _, rest = told.partition("@")
-    misbehaviour(name)
+    injected_fault(name)
     if name in AT_THE_PROGRAM:
         raise typer.BadParameter(f"{name!r} happens at the program's own interface; allowed: any other fault")
     at, _, node = rest.partition("@")
@@ -132,9 +132,9 @@ def _planned(told: str) -> tuple[str, float, int | None]:
 
 
 def _list_faults() -> None:
-    from handcart.backends.can.bench.misbehaviours import MISBEHAVIOURS
+    from handcart.backends.can.bench.injected_faults import INJECTED_FAULTS
 
-    for name, each in MISBEHAVIOURS.items():
+    for name, each in INJECTED_FAULTS.items():
         here = " (not in a process of its own)" if name in AT_THE_PROGRAM else ""
         print(f"{name:<18} {each.rows:<9} {each.what}{here}")
 

@@ -47,7 +47,7 @@ class Bench:
             plant.place(self.drives)
         else:
             _place(axes, self.drives)
-        self._drives.onlookers.append(self._misbehave)
+        self._drives.onlookers.append(self._inject_what_is_due)
         self._planned: list[tuple[float, Callable[[], None]]] = []
         self.master: BenchBus | None = None
         """The program's end of the bus, where it is in this process: it can fail, too."""
@@ -94,7 +94,7 @@ class Bench:
         """The same at a time in [s] of the bench's."""
         self._planned.append((at_s, lambda: self.go_wrong(act, node)))
 
-    def _misbehave(self) -> None:
+    def _inject_what_is_due(self) -> None:
         due = [act for at, act in self._planned if at <= self.time + 1e-9]
         self._planned = [each for each in self._planned if each[0] > self.time + 1e-9]
         for act in due:

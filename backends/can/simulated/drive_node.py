@@ -12,12 +12,12 @@ from canopen.pdo import PdoMap
 from canopen.sdo.exceptions import SdoAbortedError
 
 from .cyclic_modes import CyclicPosition, CyclicVelocity
+from .drive_faults import DriveFaults
 from .drive_life import ENABLED, OFF, QUICK_STOP, REACTION, DriveLife
 from .drive_mode import Demand, DriveMode
 from .drive_nmt import DriveNmt
 from .drive_objects import DriveObjects
 from .homing import Homing
-from .misconduct import Misconduct
 from .profile_position import ProfilePosition
 from .profile_velocity import ProfileVelocity
 
@@ -64,7 +64,7 @@ class DriveNode(canopen.LocalNode):
         self.nmt = self.beats
         self._write_callbacks = [self.nmt.on_write, self._written]
         self.add_read_callback(self._read)
-        self.wrong = Misconduct()
+        self.wrong = DriveFaults()
         """What it does wrong."""
         self.position = 0.0
         """Where its motor truly stands, in [counts]; homing doesn't change it."""

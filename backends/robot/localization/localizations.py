@@ -15,8 +15,8 @@ from handcart.robotics.navigation.localization.positioning_localizer import Posi
 from handcart.robotics.navigation.localization.scan_matching import LikelihoodField
 from handcart.robotics.navigation.maps.grid_map import GridMap
 
-from .field_belief import field_localizer
 from .localization import Localization
+from .noise_model import field_localizer
 from .outdoor_localization import OutdoorLocalization
 from .positioning_localization import PositioningLocalization
 from .scan_localization import ScanLocalization

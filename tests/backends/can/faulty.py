@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from handcart.backends.can.bench.misbehaviours import misbehave
+from handcart.backends.can.bench.injected_faults import inject
 from handcart.backends.can.errors import CanFault
 from handcart.backends.capabilities.arm import Arm
 from handcart.backends.capabilities.base import Base
@@ -31,9 +31,9 @@ def move(backend: Any, periods: int) -> None:
 
 
 def fault_of(backend: Any, name: str, node: int | None = None, within: int = 20) -> CanFault:
-    """What a misbehaviour under way ends in."""
+    """What a injected_fault under way ends in."""
     move(backend, BEFORE)
-    misbehave(backend.bench, name, backend.bench.time, node)
+    inject(backend.bench, name, backend.bench.time, node)
     with pytest.raises(CanFault) as told:
         move(backend, within)
     return told.value

@@ -6,7 +6,7 @@ import pytest
 
 from handcart.backends.can.bench.bench import Bench
 from handcart.backends.can.bench.bench_bus import BenchBus
-from handcart.backends.can.bench.misbehaviours import MISBEHAVIOURS, misbehave
+from handcart.backends.can.bench.injected_faults import INJECTED_FAULTS, inject
 from handcart.backends.can.errors import (
     CanFault,
     ControllerFault,
@@ -69,9 +69,9 @@ def test_a_fault_on_the_bus_stops_all_axes_in_words(
     assert_stopped(backend, fault, gone)
 
 
-@pytest.mark.parametrize("name", MISBEHAVIOURS)
-def test_every_misbehaviour_says_what_it_is(name: str) -> None:
-    each = MISBEHAVIOURS[name]
+@pytest.mark.parametrize("name", INJECTED_FAULTS)
+def test_every_injected_fault_says_what_it_is(name: str) -> None:
+    each = INJECTED_FAULTS[name]
     assert each.what
     assert each.rows
 
@@ -140,7 +140,7 @@ def test_emergencies_that_the_file_allows_stop_nothing(make: Make, robot: RobotF
     backend = make(robot=robot.model_copy(update={"can": spec}), room=False)
     move(backend, BEFORE)
     before = backend.get(Base).wheel_travel().left
-    misbehave(backend.bench, "emergency", backend.bench.time)
+    inject(backend.bench, "emergency", backend.bench.time)
     move(backend, BEFORE)
     assert backend.get(Base).wheel_travel().left > before + 0.1
     assert {drive.life.state for drive in backend.bench.drives.values()} == {"OPERATION ENABLED"}
@@ -155,7 +155,7 @@ def test_a_drive_is_asked_once_more_and_not_under_way(make: Make, robot: RobotFi
     enabling = [each for each in sent if 0x600 < each < 0x680]
     assert enabling
     del sent[:]
-    misbehave(backend.bench, "no-sdo", backend.bench.time)
+    inject(backend.bench, "no-sdo", backend.bench.time)
     move(backend, BEFORE)
     assert not [each for each in sent if 0x600 < each < 0x680]
 

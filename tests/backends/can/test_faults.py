@@ -10,7 +10,7 @@ import can
 import pytest
 
 from handcart.backends.backend import NoBench
-from handcart.backends.can.bench.misbehaviours import UnknownMisbehaviour, misbehave
+from handcart.backends.can.bench.injected_faults import UnknownFault, inject
 from handcart.backends.can.bus.can_line import CanLine
 from handcart.backends.can.errors import (
     BusFault,
@@ -91,7 +91,7 @@ def test_a_fault_ends_a_command_with_status_4_and_without_a_traceback(
 
     def fails(self: Any) -> None:
         if next(count) == 30:
-            misbehave(self.bench, "silent")
+            inject(self.bench, "silent")
         step(self)
 
     monkeypatch.setattr(CanBackend, "step", fails)
@@ -141,10 +141,10 @@ def test_settings_that_differ_are_told_all_at_once(make: Make, monkeypatch: pyte
 
 def _early(init: Callable[..., None]) -> Callable[..., None]:
     """What a drive does wrong has to be there before it boots."""
-    from handcart.backends.can.simulated.misconduct import Misconduct
+    from handcart.backends.can.simulated.drive_faults import DriveFaults
 
     def made(self: DriveNode, *given: Any) -> None:
-        self.wrong = Misconduct()
+        self.wrong = DriveFaults()
         init(self, *given)
 
     return made
@@ -239,8 +239,8 @@ def test_a_bench_that_cannot_be_is_refused_with_status_2(
 
 
 def test_a_fault_that_nobody_knows_is_refused(make: Make) -> None:
-    with pytest.raises(UnknownMisbehaviour, match="did you mean 'reversed'"):
-        misbehave(make().bench, "reverse")
+    with pytest.raises(UnknownFault, match="did you mean 'reversed'"):
+        inject(make().bench, "reverse")
 
 
 def test_without_a_bench_the_capabilities_are_known_unbuilt() -> None:

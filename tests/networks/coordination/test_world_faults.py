@@ -37,12 +37,12 @@ class Go(ActionPrimitive):
     """Drives on for two seconds; what it says of its start and its end the test decides."""
 
     needs: ClassVar = (Base,)
-    hindrances: ClassVar[list[str]] = []
+    unmet: ClassVar[list[str]] = []
     seen: ClassVar[bool] = True
     no_return: ClassVar[bool] = False
 
-    def hindrance(self, robot: Robot, model: ModelView) -> str:
-        return self.hindrances.pop() if self.hindrances else ""
+    def unmet_precondition(self, robot: Robot, model: ModelView) -> str:
+        return self.unmet.pop() if self.unmet else ""
 
     def motion(self, robot: Robot, model: ModelView) -> Periods:
         for _ in range(40):
@@ -59,7 +59,7 @@ class Go(ActionPrimitive):
 
 @pytest.fixture
 def go(monkeypatch: pytest.MonkeyPatch) -> type[Go]:
-    monkeypatch.setattr(Go, "hindrances", [])
+    monkeypatch.setattr(Go, "unmet", [])
     return Go
 
 
@@ -81,7 +81,7 @@ def push(stand: Stand, metres: float) -> None:
 
 def test_a_precondition_that_is_false_is_not_dispatched(stand: Stand, go: type[Go], tmp_path: Path) -> None:
     """N7: not started, counted, planned again."""
-    go.hindrances[:] = ["the hand is empty"]
+    go.unmet[:] = ["the hand is empty"]
     network = line(go)
     events: list[Event] = []
     with Journal(tmp_path / "j") as journal:
@@ -272,7 +272,9 @@ def test_who_found_more_changed_than_the_base_tells_no_situation(stand: Stand, g
     assert watch.situation("b", replace(far, gripper_width=0.05), here) == "a"
 
 
-def test_a_hindrance_that_breaks_hinders(stand: Stand, go: type[Go], monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_unmet_precondition_that_breaks_hinders(
+    stand: Stand, go: type[Go], monkeypatch: pytest.MonkeyPatch
+) -> None:
     """N7: who can't tell whether it may start doesn't start it."""
     asked = []
     events: list[Event] = []
@@ -283,7 +285,7 @@ def test_a_hindrance_that_breaks_hinders(stand: Stand, go: type[Go], monkeypatch
             raise ZeroDivisionError("oh")
         return ""
 
-    monkeypatch.setattr(go, "hindrance", broken)
+    monkeypatch.setattr(go, "unmet_precondition", broken)
     end = stand.finish(Coordinator(line(go), stand.robot, stand.model, observers=[events.append]))
     assert (end.outcome, end.fails) == ("Success", 1)
     assert [each.reason for each in events if isinstance(each, LeftOut)] == ["ZeroDivisionError: oh"]

@@ -18,10 +18,10 @@ from handcart.networks.journal.retracing import NeedsOperator, standing
 from handcart.networks.journal.waiting import waiting
 from handcart.networks.run_options import RunOptions
 from handcart.networks.runs.checkpoint import NAME, CheckpointKeeper
-from handcart.networks.runs.recon import Recon, gone_on, reconnoitre, standing_as_left
 from handcart.networks.runs.resuming import NothingToResume, Past, read_past, task_of
 from handcart.networks.runs.run import execute
 from handcart.networks.runs.run_folder import read_run_journal
+from handcart.networks.runs.state_check import StateCheck, check_state, gone_on, standing_as_left
 from handcart.networks.task.preparing import Prepared
 from handcart.networks.task.task_file import load_task
 from tests.networks.conftest import Stand
@@ -91,10 +91,10 @@ def run(tmp_path: Path, new_stand: Callable[[], Stand], primitives: SimpleNamesp
     return Run(tmp_path / "run", prepare)
 
 
-def found(past: Past, residuals: dict[str, float], sure: bool = True) -> Recon:
+def found(past: Past, residuals: dict[str, float], sure: bool = True) -> StateCheck:
     at = past.standing.at
     assert at is not None
-    return Recon(at, at, residuals, dict.fromkeys(residuals, 1.0), (), sure, JointUnits((), (), ()))
+    return StateCheck(at, at, residuals, dict.fromkeys(residuals, 1.0), (), sure, JointUnits((), (), ()))
 
 
 def test_a_result_that_only_the_checkpoint_holds_counts(run: Run) -> None:
@@ -199,15 +199,15 @@ def test_by_wheels_alone_nobody_knows_where_the_base_stands(run: Run) -> None:
     run.cut("START", 2)
     run.forget()
     past = run.past()
-    recon = reconnoitre(standing_as_left(run.prepare(), past).robot, past)
-    assert not recon.sure
-    assert not any(name.startswith("base") for name in recon.residuals)
-    assert any(each.startswith("where the base stands: only its wheels tell") for each in recon.unknown)
+    check = check_state(standing_as_left(run.prepare(), past).robot, past)
+    assert not check.sure
+    assert not any(name.startswith("base") for name in check.residuals)
+    assert any(each.startswith("where the base stands: only its wheels tell") for each in check.unknown)
 
 
 def test_what_is_not_known_is_not_in_place(run: Run) -> None:
-    recon = found(run.past(), {"joints_deg": 0.9, "gripper_mm": math.nan, "held": math.inf})
-    assert recon.off.keys() == {"gripper_mm", "held"}
+    check = found(run.past(), {"joints_deg": 0.9, "gripper_mm": math.nan, "held": math.inf})
+    assert check.off.keys() == {"gripper_mm", "held"}
 
 
 def test_a_give_up_leaves_the_checkpoint_before_it(run: Run) -> None:

@@ -82,10 +82,10 @@ def test_passers_by_are_waited_for_one_by_one() -> None:
     in_the_way = (0.5, np.array([1.0, 0.0]))
     now: Any = SimpleNamespace(time=0.0, localization=SimpleNamespace(lost=False))
     stands: list[Any] = [None]
-    lookout = SimpleNamespace(
+    monitor = SimpleNamespace(
         unexpected=lambda _: way[1:], obstacle=lambda *_: stands[0], kept=lambda points, _: points
     )
-    move._lookout = cast(Any, lookout)
+    move._monitor = cast(Any, monitor)
     move._ahead = way
     model: Any = SimpleNamespace(obstacles=np.empty((0, 2)))
     for now.time, stands[0] in ((0.0, in_the_way), (4.9, in_the_way), (5.0, None), (5.1, in_the_way)):

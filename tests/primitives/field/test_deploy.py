@@ -47,11 +47,11 @@ def test_a_sensor_is_laid_where_it_is_believed_to_be(stage: Stage, monkeypatch: 
     model: Any = stage.model
     where = robot.localization
     monkeypatch.setattr(where, "mark", lambda: noted.append((where.pose, where.covariance)))
-    assert deploy.hindrance(robot, model) == ""
+    assert deploy.unmet_precondition(robot, model) == ""
     assert isinstance(stage.do(deploy), Success)
-    assert deploy.hindrance(robot, model) == "the sensor of target 'here' is laid already"
-    assert Deploy(target="far").hindrance(robot, model) == ""
-    assert "no target 'there'" in Deploy(target="there").hindrance(robot, model)
+    assert deploy.unmet_precondition(robot, model) == "the sensor of target 'here' is laid already"
+    assert Deploy(target="far").unmet_precondition(robot, model) == ""
+    assert "no target 'there'" in Deploy(target="there").unmet_precondition(robot, model)
     (laid,) = stage.model.of(FieldWork).laid
     truly = stage.backend.scene.base.inverse().apply(lying(stage).pose[None, :2, 3])[0]  # type: ignore[attr-defined]
     assert lying(stage).rest.value == "table"

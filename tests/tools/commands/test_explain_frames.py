@@ -10,7 +10,7 @@ import can
 import pytest
 from can.io.canutils import CanutilsLogReader
 
-from handcart.backends.can.bench.misbehaviours import misbehave
+from handcart.backends.can.bench.injected_faults import inject
 from handcart.backends.can.can_backend import CanBackend
 from handcart.networks.runs.run import execute
 from handcart.networks.task.preparing import prepare
@@ -40,7 +40,7 @@ def run(tour: Path, tmp_path: Path) -> Callable[..., Path]:
         with prepare(tour) as prepared:
             assert isinstance(prepared.backend, CanBackend)
             assert prepared.backend.bench is not None
-            misbehave(prepared.backend.bench, fault, at)
+            inject(prepared.backend.bench, fault, at)
             execute(prepared, tmp_path / name)
         return tmp_path / name
 

@@ -17,7 +17,7 @@ BEHIND = 0.02  # [rad] that a joint may be off all that it was told in these: co
 IN_A_ROW = 3  # periods of it: a single reading may be broken
 
 
-class Following:
+class TrackingErrorMonitor:
     """Compares the joints' readings with their commands, period by period.
 
     An arm that is stuck, and encoders that stand still while it moves, look alike here: neither can be

@@ -14,14 +14,14 @@ from handcart.files.suggest import suggest
 from .bench import Act, Bench
 
 
-class UnknownMisbehaviour(InputError):
+class UnknownFault(InputError):
     """Nothing of that name can go wrong."""
 
     def __init__(self, name: str) -> None:
-        super().__init__(f"unknown fault {name!r}{suggest(name, MISBEHAVIOURS)}")
+        super().__init__(f"unknown fault {name!r}{suggest(name, INJECTED_FAULTS)}")
 
 
-class Misbehaviour(NamedTuple):
+class InjectedFault(NamedTuple):
     """One fault."""
 
     rows: str
@@ -32,26 +32,26 @@ class Misbehaviour(NamedTuple):
     """Lets it happen, to a drive or to the bus."""
 
 
-def misbehaviour(name: str) -> Misbehaviour:
-    """By its name; raises `UnknownMisbehaviour`."""
-    if name not in MISBEHAVIOURS:
-        raise UnknownMisbehaviour(name)
-    return MISBEHAVIOURS[name]
+def injected_fault(name: str) -> InjectedFault:
+    """By its name; raises `UnknownFault`."""
+    if name not in INJECTED_FAULTS:
+        raise UnknownFault(name)
+    return INJECTED_FAULTS[name]
 
 
-def misbehave(bench: Bench, name: str, at_s: float = 0.0, node: int | None = None) -> None:
+def inject(bench: Bench, name: str, at_s: float = 0.0, node: int | None = None) -> None:
     """Let something go wrong on a bench.
 
     Args:
         bench: where.
-        name: one of `MISBEHAVIOURS`.
+        name: one of `INJECTED_FAULTS`.
         at_s: in [s] of the bench's time.
         node: which drive; None: that of the first axis.
 
     Raises:
-        UnknownMisbehaviour: there is none of that name.
+        UnknownFault: there is none of that name.
     """
-    bench.go_wrong_at(at_s, misbehaviour(name).act, node)
+    bench.go_wrong_at(at_s, injected_fault(name).act, node)
 
 
 def _set(**wrong: object) -> Act:
@@ -106,57 +106,57 @@ def _press(bench: Bench, _: DriveNode) -> None:
 
 _EMCY_COLLISION = 0x8150
 
-MISBEHAVIOURS: dict[str, Misbehaviour] = {
-    "bus-down": Misbehaviour("C2", "the interface goes down", _bus(down=True)),
-    "error-passive": Misbehaviour("C3", "the controller becomes error-passive", _error_frame(0x04, 0x20)),
-    "error-warning": Misbehaviour("C3", "the controller stays in warning", _error_frame(0x04, 0x08)),
-    "bus-off": Misbehaviour("C4", "the controller goes off the bus", _error_frame(0x40, 0)),
-    "queue-full": Misbehaviour("C5", "the interface takes no more frames", _bus(full=True)),
-    "cable-off": Misbehaviour("C6", "frames stay in the interface's queue", _bus(holds=True)),
-    "no-heartbeat": Misbehaviour("C7", "a drive's heartbeat is missing", _set(no_heartbeat=True)),
-    "no-consumer": Misbehaviour(
+INJECTED_FAULTS: dict[str, InjectedFault] = {
+    "bus-down": InjectedFault("C2", "the interface goes down", _bus(down=True)),
+    "error-passive": InjectedFault("C3", "the controller becomes error-passive", _error_frame(0x04, 0x20)),
+    "error-warning": InjectedFault("C3", "the controller stays in warning", _error_frame(0x04, 0x08)),
+    "bus-off": InjectedFault("C4", "the controller goes off the bus", _error_frame(0x40, 0)),
+    "queue-full": InjectedFault("C5", "the interface takes no more frames", _bus(full=True)),
+    "cable-off": InjectedFault("C6", "frames stay in the interface's queue", _bus(holds=True)),
+    "no-heartbeat": InjectedFault("C7", "a drive's heartbeat is missing", _set(no_heartbeat=True)),
+    "no-consumer": InjectedFault(
         "C9", "a drive doesn't take its consumer heartbeat time (1016h)", _set(keeps={(0x1016, 1): 0})
     ),
-    "no-quick-stop": Misbehaviour(
+    "no-quick-stop": InjectedFault(
         "C10", "a drive doesn't take its reactions (6007h)", _set(keeps={(0x6007, 0): 0})
     ),
-    "emergency": Misbehaviour(
+    "emergency": InjectedFault(
         "C11", "a drive sends an emergency message", lambda _, drive: drive.emcy.send(0x4310, 1)
     ),
-    "fault": Misbehaviour("C12", "a drive has a fault", lambda _, drive: drive.fail(0x2310)),
-    "disabled": Misbehaviour("C12, C22", "a drive loses its torque", lambda _, drive: drive.life.disable()),
-    "silent": Misbehaviour("C13", "a drive sends no PDOs any more", _set(silent=True)),
-    "no-sdo": Misbehaviour("C14", "a drive answers no SDO", _deaf),
-    "two-nodes": Misbehaviour(
+    "fault": InjectedFault("C12", "a drive has a fault", lambda _, drive: drive.fail(0x2310)),
+    "disabled": InjectedFault("C12, C22", "a drive loses its torque", lambda _, drive: drive.life.disable()),
+    "silent": InjectedFault("C13", "a drive sends no PDOs any more", _set(silent=True)),
+    "no-sdo": InjectedFault("C14", "a drive answers no SDO", _deaf),
+    "two-nodes": InjectedFault(
         "C15",
         "another node has the same ID",
         _send(lambda node: 0x180 + node, lambda node: bytes([0x37, 0x06, 0, 0, 0, 0, 3])),
     ),
-    "collision": Misbehaviour(
+    "collision": InjectedFault(
         "C15",
         "a drive tells of its node ID's double",
         lambda _, drive: drive.emcy.send(_EMCY_COLLISION, 0x11),
     ),
-    "reboot": Misbehaviour("C16, S9", "a drive starts anew", lambda _, drive: drive.boot()),
-    "stranger": Misbehaviour("C17", "somebody else resets a drive (NMT)", _send(lambda _: 0, nmt_reset)),
-    "stranger-command": Misbehaviour(
+    "reboot": InjectedFault("C16, S9", "a drive starts anew", lambda _, drive: drive.boot()),
+    "stranger": InjectedFault("C17", "somebody else resets a drive (NMT)", _send(lambda _: 0, nmt_reset)),
+    "stranger-command": InjectedFault(
         "C17",
         "somebody else commands a drive (RPDO)",
         _send(lambda node: 0x200 + node, lambda _: bytes([0x0F, 0, 0, 0, 0, 0])),
     ),
-    "replay": Misbehaviour("C18, S2", "a drive's old answers are sent again", _replay),
-    "flood": Misbehaviour(
+    "replay": InjectedFault("C18, S2", "a drive's old answers are sent again", _replay),
+    "flood": InjectedFault(
         "C19", "frames of high priority fill the bus", _send(lambda _: 0x001, lambda _: bytes(8), 1000)
     ),
-    "short-answers": Misbehaviour("C20", "a drive's answers are too short", _set(short=True)),
-    "remote-frames": Misbehaviour("C20", "remote requests come", lambda bench, _: _remote(bench, 20)),
-    "stuck": Misbehaviour("B6", "a motor doesn't turn, and its drive doesn't notice", _set(gain=0.0)),
-    "reversed": Misbehaviour("B7", "a motor turns the wrong way", _set(gain=-1.0)),
-    "doubled": Misbehaviour("B7", "a motor turns twice as far", _set(gain=2.0)),
-    "late": Misbehaviour("B8", "a motor is five periods late", _set(late=5)),
-    "jump": Misbehaviour("S4", "a drive's position jumps to and fro", _set(jump=10**6, jumps_in_turn=True)),
-    "drops": Misbehaviour("S6", "every second answer of a drive is lost", _set(drops=0.5)),
-    "e-stop": Misbehaviour("C12", "somebody presses the emergency stop", _press),
+    "short-answers": InjectedFault("C20", "a drive's answers are too short", _set(short=True)),
+    "remote-frames": InjectedFault("C20", "remote requests come", lambda bench, _: _remote(bench, 20)),
+    "stuck": InjectedFault("B6", "a motor doesn't turn, and its drive doesn't notice", _set(gain=0.0)),
+    "reversed": InjectedFault("B7", "a motor turns the wrong way", _set(gain=-1.0)),
+    "doubled": InjectedFault("B7", "a motor turns twice as far", _set(gain=2.0)),
+    "late": InjectedFault("B8", "a motor is five periods late", _set(late=5)),
+    "jump": InjectedFault("S4", "a drive's position jumps to and fro", _set(jump=10**6, jumps_in_turn=True)),
+    "drops": InjectedFault("S6", "every second answer of a drive is lost", _set(drops=0.5)),
+    "e-stop": InjectedFault("C12", "somebody presses the emergency stop", _press),
 }
 """By the names that `handcart bench --fault` takes."""
 

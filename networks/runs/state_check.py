@@ -22,7 +22,7 @@ _BY_SCANS = ("base_mm", "base_deg", "base_unsure_mm", "base_unsure_deg")
 
 
 @dataclass(frozen=True)
-class Recon:
+class StateCheck:
     """How a robot stands, read after the resume began, beside how its journal left it."""
 
     expected: Snapshot | None
@@ -69,7 +69,7 @@ def standing_as_left(prepared: Prepared, past: Past) -> Prepared:
     return replace(prepared, robot=robot)
 
 
-def reconnoitre(robot: Robot, past: Past) -> Recon:
+def check_state(robot: Robot, past: Past) -> StateCheck:
     """Hold still, read everything anew and compare; nothing is commanded."""
     for _ in range(LOOK):
         robot.step()
@@ -79,7 +79,7 @@ def reconnoitre(robot: Robot, past: Past) -> Recon:
     unknown = list(past.doubts())
     if expected is None:
         unknown.append("how the robot stood: the journal doesn't tell")
-        return Recon(None, now, {}, {}, tuple(unknown), False, robot.spec.joint_units)
+        return StateCheck(None, now, {}, {}, tuple(unknown), False, robot.spec.joint_units)
     found = residuals(expected, now, robot.spec.joint_units.slides)
     if robot.localization.dead_reckoned:
         found = {name: size for name, size in found.items() if name not in _BY_SCANS}
@@ -88,35 +88,35 @@ def reconnoitre(robot: Robot, past: Past) -> Recon:
         unknown.append("where the base stands: what it scans doesn't fit the map near where it was left")
     unknown.append("what stands around it that no sensor reads now")
     allowed, sure = limits(robot, found), not robot.localization.dead_reckoned
-    return Recon(expected, now, found, allowed, tuple(unknown), sure, robot.spec.joint_units)
+    return StateCheck(expected, now, found, allowed, tuple(unknown), sure, robot.spec.joint_units)
 
 
-def gone_on(past: Past, recon: Recon, confirm: int | None) -> Past:
+def gone_on(past: Past, check: StateCheck, confirm: int | None) -> Past:
     """A run, to go on from what a look at a real robot found; an action in doubt counts as failed.
 
     Args:
         past: the run as its journal left it.
-        recon: what was found.
+        check: what was found.
         confirm: the journal's last record, as a person has seen it.
 
     Raises:
         NeedsOperator: the robot isn't as it was left, nobody can tell, or nobody has confirmed.
     """
     doubt = past.standing.in_doubt
-    if recon.off:
+    if check.off:
         where = "where that action began" if doubt else "where it was left"
-        off = ", ".join(f"{name} {size:.3g}" for name, size in recon.off.items())
+        off = ", ".join(f"{name} {size:.3g}" for name, size in check.off.items())
         raise NeedsOperator(f"the robot isn't {where}: {off}; bring it there, then resume again")
-    if doubt is not None and (not recon.sure or len(list(past.doubts())) > 1):
+    if doubt is not None and (not check.sure or len(list(past.doubts())) > 1):
         how = f"if all is as it was before that action: handcart ack {past.folder} {doubt['q']}"
         raise NeedsOperator(f"{broken_off(doubt)}, and no sensor tells what it did; {how}")
     if confirm != past.last:
         how = f"handcart resume {past.folder} --confirm {past.last}"
         raise NeedsOperator(f"a real robot moves only after a look at it: {how}")
-    closing: list[tuple[str, Mapping[str, Any]]] = [("RECON", recon.fields())]
+    closing: list[tuple[str, Mapping[str, Any]]] = [("RECON", check.fields())]
     if doubt is not None:
         fail = {"n": doubt["n"], "outcome": "Fail", "reason": broken_off(doubt), "permanent": False}
-        found = {"residuals": recon.residuals, "tolerance": recon.limits, "by": "recon"}
+        found = {"residuals": check.residuals, "tolerance": check.limits, "by": "recon"}
         closing.append(("RESULT", fail | found))
     records = [{"kind": kind, "q": -1, **fields} for kind, fields in closing]
     return replace(past, standing=past.standing.followed(records), closing=tuple(closing))

@@ -42,7 +42,7 @@ journal's last record. Gives the checkpoint's digest, None where none is kept.""
 _NOTHING: Mapping[str, Any] = {}
 
 
-class Chronicle(Intents):
+class RunLog(Intents):
     """Counts what happens in a run, journals it and tells the observers."""
 
     def __init__(

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 
 @dataclass
-class Misconduct:
+class DriveFaults:
     """Nothing at first; a bench sets what a drive is to do wrong."""
 
     silent: bool = False
