@@ -272,7 +272,7 @@ def test_who_found_more_changed_than_the_base_tells_no_situation(stand: Stand, g
     assert watch.situation("b", replace(far, gripper_width=0.05), here) == "a"
 
 
-def test_a_unmet_precondition_that_breaks_hinders(
+def test_a_precondition_that_breaks_counts_as_unmet(
     stand: Stand, go: type[Go], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """N7: who can't tell whether it may start doesn't start it."""
