@@ -48,7 +48,7 @@ ROBOT = {
     "urdf": "none.urdf",
     "period_s": 0.05,
     "footprint_radius_m": 0.3,
-    "localiser": "odometry",
+    "localizer": "odometry",
     "drive": DRIVE,
     "tolerance": TOLERANCE,
 }

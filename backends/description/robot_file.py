@@ -166,7 +166,7 @@ class RobotFile(FileModel):
     """The control period."""
     footprint_radius_m: Positive
     """Of the circle about the base's centre that holds base, arm in its travelling posture and load."""
-    localiser: Literal["scan", "odometry", "positioning", "gyro", "particle", "gps_filter"]
+    localizer: Literal["scan", "odometry", "positioning", "gyro", "particle", "gps_filter"]
     """How it finds out where it is: ranges against the map; wheels alone; outdoors wheels and gyros alone,
     the particle filter of Ohki et al. (2012), or a Kalman filter that knows the errors of all three."""
     drive: Drive
@@ -189,6 +189,7 @@ class RobotFile(FileModel):
     errors: Errors = Errors()
     tolerance: Tolerance
     _folder: Path = PrivateAttr(default=Path())
+    _warnings: tuple[str, ...] = PrivateAttr(default=())
     _whole: RobotUrdf | None = PrivateAttr(default=None)
     _path: Path | None = PrivateAttr(default=None)
 
@@ -197,9 +198,14 @@ class RobotFile(FileModel):
         """Where its file stands: paths in it are relative to that."""
         return self._folder
 
-    def read_in(self, folder: Path) -> RobotFile:
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """What in its file is read, and should be written otherwise."""
+        return self._warnings
+
+    def read_in(self, folder: Path, warnings: tuple[str, ...] = ()) -> RobotFile:
         """The same, its file standing in a folder."""
-        self._folder = folder
+        self._folder, self._warnings = folder, warnings
         return self
 
     def urdf_path(self) -> Path:

@@ -57,12 +57,12 @@ def _section_findings(robot: RobotFile, document: Document) -> list[Finding]:
 
 
 def _positioning_findings(robot: RobotFile, document: Document) -> list[Finding]:
-    if robot.localiser == "positioning" and robot.positioning is None:
+    if robot.localizer == "positioning" and robot.positioning is None:
         wrong = "the robot has no positioning; needed: the section `positioning`, or scan or odometry"
-        return [document.finding(("localiser",), wrong)]
-    if robot.localiser in OUTDOORS and robot.imu is None:
-        wrong = f"{robot.localiser} asks the gyros; needed: the section `imu`, or scan or odometry"
-        return [document.finding(("localiser",), wrong)]
+        return [document.finding(("localizer",), wrong)]
+    if robot.localizer in OUTDOORS and robot.imu is None:
+        wrong = f"{robot.localizer} asks the gyros; needed: the section `imu`, or scan or odometry"
+        return [document.finding(("localizer",), wrong)]
     return []
 
 

@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 from handcart.files.errors import FileError, Finding
 from handcart.files.models.loading import load_document
 from handcart.files.suggest import suggest
-from handcart.files.yaml.yaml_document import read_document
+from handcart.files.yaml.yaml_document import Document, read_document
 
 from .robot_file import RobotFile
 from .robot_findings import robot_findings
 
+RENAMED = {"localiser": "localizer"}
+"""Keys of a robot's file, by what they were called before."""
 ROBOTS = Path(__file__).parent.parent / "robots"
 
 
@@ -26,12 +29,26 @@ def load_robot(name: str) -> RobotFile:
         wrong = f"unknown robot{suggest(name, robot_names())}, or the path of a robot's YAML file"
         raise FileError([Finding(name, 0, 0, wrong)])
     path = Path(name) if by_path else shipped_path(name)
-    loaded = load_document(read_document(path), RobotFile)
-    robot = loaded.value.read_in(path.parent)
+    document, warnings = _with_new_keys(read_document(path))
+    loaded = load_document(document, RobotFile)
+    robot = loaded.value.read_in(path.parent, warnings)
     findings = robot_findings(robot, loaded.document)
     if findings:
         raise FileError(findings)
     return robot.without_errors() if robot.errors.none else robot
+
+
+def _with_new_keys(document: Document) -> tuple[Document, tuple[str, ...]]:
+    """A robot's file with the keys that are called otherwise now, and a warning of each."""
+    content, warnings = document.root.content, []
+    if not isinstance(content, dict):
+        return document, ()
+    for old, new in RENAMED.items():
+        if old in content and new not in content:
+            key, words = content[old], f"the key is called {new!r} now; {old!r} is still read"
+            warnings.append(str(Finding(document.file, key.key_line, key.key_column, words)))
+            content = {new if name == old else name: each for name, each in content.items()}
+    return replace(document, root=replace(document.root, content=content)), tuple(warnings)
 
 
 def robot_names() -> list[str]:

@@ -87,7 +87,7 @@ class Robot:
         """Speed in [m/s] and turn rate in [rad/s] that the base was commanded in the last period."""
         self.held: Held | None = None
         """What the base was held back from in the last period: it would have touched that."""
-        if spec.localiser in OUTDOORS:
+        if spec.localizer in OUTDOORS:
             self.get(Imu)  # type: ignore[type-abstract]
         self.localization = localization_of(backend, spec, start, grid)
         """Where the base is, by whichever sensors tell."""
@@ -165,7 +165,7 @@ class Robot:
         if sensor is None:
             return NOTHING
         points = steady_points(sensor.scan())
-        return self.without_hand(points) if self.spec.localiser in OUTDOORS else points
+        return self.without_hand(points) if self.spec.localizer in OUTDOORS else points
 
     def without_hand(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
         """Those of the points (n, 2), in [m], in the base frame, that aren't a lowered hand's own."""

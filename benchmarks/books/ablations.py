@@ -24,7 +24,7 @@ GIVES = {
     "swing_yaw_sigma_mrad: 0.0": "swing_yaw_sigma_mrad: 0.4",
 }
 """A base that gives when the arm has swung, as Hatano (2000) measured it."""
-WHEELS = {"localiser: scan": "localiser: odometry"}
+WHEELS = {"localizer: scan": "localizer: odometry"}
 
 
 def robot(folder: Path, name: str, changes: dict[str, str]) -> str:

@@ -199,7 +199,7 @@ class FieldSurvey(Survey):
         return x, y
 
     def _follow(self, robot: Robot) -> None:
-        if robot.spec.localiser not in OUTDOORS:
+        if robot.spec.localizer not in OUTDOORS:
             return
         gps = robot.backend.get(Gps)  # type: ignore[type-abstract]
         fix = gps.fix() if gps is not None else None

@@ -31,7 +31,7 @@ def draft_text(outline: Outline, joints: Sequence[JointFacts], urdf: str) -> str
         *_links(outline),
         "period_s: 0.05",
         "footprint_radius_m: 0.5        # measure: of the circle about `base` that holds base, arm and load",
-        "localiser: odometry            # scan: with a range sensor",
+        "localizer: odometry            # scan: with a range sensor",
         *_drive(outline),
         *_arm(outline, {each.name: each for each in joints}),
         "tolerance: {base_mm: 25, base_deg: 1.5, joints_deg: 0.3, gripper_mm: 1, object_mm: 8}     # choose",

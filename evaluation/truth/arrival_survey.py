@@ -19,7 +19,7 @@ from .surveyed_run import SurveyedRun
 
 STOOD_MM, STOOD_DEG = 5.0, 0.3  # that a base creeps which stands
 UNFELT_MM = 60.0  # that it may slide beside, which looks at nothing near it
-LOOKS_ROUND = ("scan", "particle", "positioning")  # localisers that feel a slide
+LOOKS_ROUND = ("scan", "particle", "positioning")  # localizers that feel a slide
 CAR_ARRIVED = PoseTolerance(position=0.25, heading=0.15)
 """What a car's MOVE_TO means by arrived: nothing is regulated at the end, it can't move sideways."""
 DRIVES = "MOVE_TO"
@@ -44,7 +44,7 @@ def _moved_to(survey: Survey, claim: Claim) -> list[str]:
 def _stood(survey: Survey, claim: Claim) -> list[str]:
     """As far as a sensor can tell: a receiver good to a metre feels no slide of centimetres."""
     before, after = claim.before.base, claim.after.base
-    most = STOOD_MM + (0.0 if survey.run.spec.localiser in LOOKS_ROUND else UNFELT_MM)
+    most = STOOD_MM + (0.0 if survey.run.spec.localizer in LOOKS_ROUND else UNFELT_MM)
     return [
         *at_most("the base moved by {:.1f} mm", 1e3 * before.distance(after), most),
         *at_most("the base turned by {:.2f} deg", math.degrees(before.turn(after)), STOOD_DEG),

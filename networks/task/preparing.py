@@ -126,7 +126,7 @@ def _built(
     assert made is not None
     assert spec is not None
     assert told is not None
-    model, warnings = told
+    model, warnings = told[0], (*spec.warnings, *told[1])
     try:
         task.check_capabilities(made)
         robot = make_robot(task, made, spec, model)
@@ -236,7 +236,8 @@ def check(
 
 
 def _checked(read: _Read) -> Checked:
-    warnings = (*(read.told[1] if read.told else ()), *map(str, read.rooms.warnings))
+    robot = read.spec.warnings if read.spec else ()
+    warnings = (*robot, *(read.told[1] if read.told else ()), *map(str, read.rooms.warnings))
     return Checked(read.task, warnings, read.rooms.places, read.rooms.errors)
 
 

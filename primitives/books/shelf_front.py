@@ -19,7 +19,7 @@ GATE = 0.10  # [m] that the front may be off where map and pose have it
 def measure_shelf(robot: Robot, place: Place) -> Generator[None, None, Transform]:
     """base_T_shelf (4, 4), the base standing still before it: see `Shelf` for the frame.
 
-    Distance and angle are measured on the shelf's front; along it the localiser's pose counts.
+    Distance and angle are measured on the shelf's front; along it the localizer's pose counts.
 
     Raises:
         Discrepancy: no front is seen where it should be.

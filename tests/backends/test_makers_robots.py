@@ -23,7 +23,7 @@ links: {base: base_link, hand: tool0, imu: tool0}
 allowed_contacts: [[base_link, tool0]]
 period_s: 0.05
 footprint_radius_m: 0.3
-localiser: odometry
+localizer: odometry
 drive: {left: wheel_l_joint, right: [wheel_r1_joint, wheel_r2_joint], wheel_radius_m: 0.1, tread_m: 0.5,
         top_speed_m_s: 0.5, top_turn_deg_s: 90, acceleration_m_s2: 0.5, turn_acceleration_deg_s2: 90}
 arm:

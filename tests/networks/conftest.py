@@ -31,7 +31,7 @@ SPEC = {
     "urdf": "none.urdf",
     "period_s": 0.05,
     "footprint_radius_m": 0.3,
-    "localiser": "odometry",
+    "localizer": "odometry",
     "drive": {
         "wheel_radius_m": 0.1,
         "tread_m": 0.4,

@@ -174,11 +174,11 @@ def test_the_zigzag_course(tmp_path: Path) -> None:
     assert summary["metrics"]["nees_mean"] < 6.0
 
 
-def _robot(tmp_path: Path, localiser: str) -> str:
+def _robot(tmp_path: Path, localizer: str) -> str:
     """The robot with another way of finding out where it is."""
     folder = Path(__file__).parents[2] / "backends" / "robots" / "el_verde"
     text = (folder / "robot.yaml").read_text(encoding="utf-8")
     (tmp_path / "el_verde.urdf").write_text((folder / "el_verde.urdf").read_text(encoding="utf-8"))
     path = tmp_path / "robot.yaml"
-    path.write_text(text.replace("localiser: gps_filter", f"localiser: {localiser}"), encoding="utf-8")
+    path.write_text(text.replace("localizer: gps_filter", f"localizer: {localizer}"), encoding="utf-8")
     return str(path)

@@ -69,7 +69,7 @@ def robot_facts(file: Path, picture: Path | None, quick: bool = False, every: bo
     postures = list(posture_findings(str(file), robot))
     return {
         "format": robot.format,
-        "warnings": [*report.warnings, *map(str, postures)],
+        "warnings": [*robot.warnings, *report.warnings, *map(str, postures)],
         "grouped": [*grouped(report.remarks), *grouped_findings(postures)],
         "lines": [*_lines(report, every), *(_lines_of(*bus_tables(bus)) if bus else ())],
         "robot": {**report.figures(), **({"bus": bus_figures(bus)} if bus else {})},

@@ -35,7 +35,7 @@ def localization_of(backend: Backend, spec: RobotFile, start: Pose2, grid: GridM
         grid: what scans are compared with.
     """
     tread, positioning = spec.drive.tread_m, spec.positioning
-    if spec.localiser == "positioning" and positioning and backend.get(Positioning):  # type: ignore[type-abstract]
+    if spec.localizer == "positioning" and positioning and backend.get(Positioning):  # type: ignore[type-abstract]
         sigma = positioning.sigma_mm / 1e3, positioning.heading_sigma_mrad / 1e3
         return PositioningLocalization(
             backend, PositioningLocalizer(start, tread, sigma, covariance=START_SIGMA)
@@ -43,8 +43,8 @@ def localization_of(backend: Backend, spec: RobotFile, start: Pose2, grid: GridM
     scans = grid is not None and backend.get(RangeSensor) is not None  # type: ignore[type-abstract]
     field = LikelihoodField(grid) if grid is not None and scans else None
     wheels = OdometryLocalizer(start, tread, covariance=START_SIGMA, field=field)
-    if spec.localiser in OUTDOORS:
+    if spec.localizer in OUTDOORS:
         return OutdoorLocalization(backend, wheels, field_localizer(spec, start, spec.antenna))
-    if spec.localiser == "odometry" or field is None:
+    if spec.localizer == "odometry" or field is None:
         return WheelLocalization(backend, wheels)
     return ScanLocalization(backend, ScanLocalizer(field, start, tread, covariance=START_SIGMA))

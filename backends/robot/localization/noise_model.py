@@ -61,8 +61,8 @@ def field_noise(robot: RobotFile, antenna: tuple[float, float, float]) -> FieldN
 def field_localizer(robot: RobotFile, start: Pose2, antenna: tuple[float, float, float]) -> FieldLocalizer:
     """The one that the robot's file names, starting at world_T_base; see `ground_spec.OUTDOORS`."""
     noise = field_noise(robot, antenna)
-    if robot.localiser == "gps_filter":
+    if robot.localizer == "gps_filter":
         return GpsFilter(start, noise, START, TrackRecord())
-    if robot.localiser == "particle":
+    if robot.localizer == "particle":
         return ParticleFilter(start, ParticleErrors(gps=max(noise.gps_white, 0.05)))
     return GyroOnly(start, noise, START)

@@ -92,6 +92,6 @@ class Reach(ActionPrimitive):
         """What a Success promises and isn't so."""
         went = scene.base.relative_to(before.base).x
         least = SHARE * self.ahead_m - 0.02  # what the estimate of the pose may be off
-        if scene.robot.localiser == "odometry":
+        if scene.robot.localizer == "odometry":
             least -= UNFELT
         return [] if went > least else [f"the base went {went:.3f} m of {self.ahead_m} m"]

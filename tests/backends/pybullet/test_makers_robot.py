@@ -23,7 +23,7 @@ links: {base: base_link, hand: hook}
 allowed_contacts: [[mast, base_link], [boom, base_link], [boom, mast], [hook, base_link]]
 period_s: 0.05
 footprint_radius_m: 0.5
-localiser: odometry
+localizer: odometry
 drive: {left: l_joint, right: r_joint, wheel_radius_m: 0.1, tread_m: 0.6, top_speed_m_s: 0.5,
         top_turn_deg_s: 60, acceleration_m_s2: 0.5, turn_acceleration_deg_s2: 90}
 arm:

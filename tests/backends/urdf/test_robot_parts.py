@@ -21,7 +21,7 @@ parts:
   - {urdf: stick.urdf, onto: stick_end, prefix: upper_}
 period_s: 0.05
 footprint_radius_m: 0.3
-localiser: odometry
+localizer: odometry
 drive: {wheel_radius_m: 0.1, tread_m: 0.5, top_speed_m_s: 0.5, top_turn_deg_s: 90, acceleration_m_s2: 0.5,
         turn_acceleration_deg_s2: 90}
 tolerance: {base_mm: 25, base_deg: 1.5, joints_deg: 0.3, gripper_mm: 1, object_mm: 8}

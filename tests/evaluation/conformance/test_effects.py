@@ -70,8 +70,8 @@ def test_a_calibration_is_held_against_the_truth() -> None:
 def test_a_base_that_stood_stood() -> None:
     here = Pose2(1.0, 2.0, 0.1)
 
-    def stood(after: Pose2, localiser: str = "scan") -> list[str]:
-        spec = SimpleNamespace(localiser=localiser)
+    def stood(after: Pose2, localizer: str = "scan") -> list[str]:
+        spec = SimpleNamespace(localizer=localizer)
         return false(ArrivalSurvey, "STAND", claimed(None, here, after), spec=spec)
 
     assert stood(Pose2(1.002, 2.0, 0.101)) == []

@@ -98,7 +98,7 @@ def test_t17_a_robot_without_a_needed_capability_is_refused(
     lines = (robots / "robot.yaml").read_text(encoding="utf-8").split("\n")
     start = next(i for i, line in enumerate(lines) if line.startswith("range_sensor:"))
     end = next(i for i in range(start + 1, len(lines)) if lines[i] and not lines[i].startswith((" ", "#")))
-    text = "\n".join(lines[:start] + lines[end:]).replace("localiser: scan", "localiser: odometry")
+    text = "\n".join(lines[:start] + lines[end:]).replace("localizer: scan", "localizer: odometry")
     (path.parent / "blind.yaml").write_text(text, encoding="utf-8")
     (path.parent / "librarian.urdf").write_bytes((robots / "librarian.urdf").read_bytes())
     said = handcart("run", path, "--runs", path.parent / "runs")

@@ -1,0 +1,44 @@
+"""Robots as their files tell of them, also those that were written before a key was renamed."""
+
+from __future__ import annotations
+
+import shutil
+from pathlib import Path
+
+import pytest
+
+from handcart.backends.description.robot_loading import load_robot, shipped_path
+from handcart.files.errors import FileError
+
+
+@pytest.fixture
+def file(tmp_path: Path) -> Path:
+    """Of the cart, as it was written before."""
+    folder = Path(shutil.copytree(shipped_path("cart").parent, tmp_path / "cart"))
+    text = (folder / "robot.yaml").read_text(encoding="utf-8")
+    assert "\nlocalizer: scan" in text
+    (folder / "robot.yaml").write_text(text.replace("\nlocalizer:", "\nlocaliser:"), encoding="utf-8")
+    return folder / "robot.yaml"
+
+
+def test_an_old_key_is_read_with_a_warning(file: Path) -> None:
+    robot = load_robot(str(file))
+    assert robot.localizer == load_robot("cart").localizer
+    (warning,) = robot.warnings
+    line = 1 + file.read_text(encoding="utf-8").split("localiser")[0].count("\n")
+    assert warning.startswith(f"{file}:{line}:1: the key is called 'localizer' now")
+    assert load_robot("cart").warnings == ()
+
+
+def test_what_is_wrong_under_an_old_key_is_told_at_its_place(file: Path) -> None:
+    text = file.read_text(encoding="utf-8")
+    file.write_text(text.replace("localiser: scan", "localiser: scam"), encoding="utf-8")
+    with pytest.raises(FileError, match="localizer is 'scam'"):
+        load_robot(str(file))
+
+
+def test_both_keys_are_one_too_many(file: Path) -> None:
+    text = file.read_text(encoding="utf-8")
+    file.write_text(f"localizer: scan\n{text}", encoding="utf-8")
+    with pytest.raises(FileError, match="unknown key 'localiser'"):
+        load_robot(str(file))
