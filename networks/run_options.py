@@ -39,7 +39,7 @@ class RunOptions:
     sync: bool | None = None
     """Whether the journal is brought to the disk; None: as the backend needs it."""
     permits: Permits | None = None
-    """Who permits actions that need it; None: nobody is asked, all are permitted."""
+    """Who permits actions that need it; None: nobody is asked, so only a simulated robot may start them."""
     interrupts: Interrupts | None = None
     """Who hears of Ctrl-C; None: somebody of its own, until the folder is whole."""
     observers: tuple[RunObserver, ...] = ()

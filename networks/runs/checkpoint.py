@@ -18,7 +18,7 @@ from handcart.networks.task.preparing import Prepared
 from .run_folder import read_file
 
 NAME = "checkpoint"
-_FORMAT = "handcart-checkpoint/2"
+_FORMAT = "handcart-checkpoint/3"
 _KEYS = {"format", "after", "result", "time_s", "backend", "robot", "model"}
 
 
@@ -127,8 +127,11 @@ def load_checkpoint(folder: Path) -> Checkpoint | None:
         return None
     try:
         kept = unpack(bytes_)
-        if not isinstance(kept, dict) or kept.keys() != _KEYS or kept.pop("format") != _FORMAT:
+        if not isinstance(kept, dict) or kept.keys() != _KEYS:
             raise NotAState(f"no checkpoint of the format {_FORMAT}")
+        if (written := kept.pop("format")) != _FORMAT:
+            wrong = f"is of the format {str(written)[:40]!r}, which another version of handcart wrote"
+            raise NotAState(f"{wrong}; allowed: {_FORMAT}, or the run is begun anew")
         kept["result"] = RECORDS["RESULT"].validate_python(kept["result"])
     except ValueError as error:
         raise NotAState(printable(f"{folder / NAME}: {str(error).splitlines()[0]}")) from None

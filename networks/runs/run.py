@@ -90,7 +90,7 @@ def execute(
         with ExitStack() as stack:
             coordinator = _coordinator(stack, prepared, run_dir, options, past, observers)
             heard.stop_by(lambda: coordinator.request(Request.INTERRUPT))
-            permits = options.permits or Permits("always")
+            permits = _permits(prepared, options)
             operation = stack.enter_context(Operation(run_dir, coordinator, permits, prepared.robot))
             for each in observers:
                 each.begin(prepared, run_dir)
@@ -103,6 +103,11 @@ def execute(
         except OSError as error:
             raise NotKept(run_dir, end, error) from None
     return Executed(end, told)
+
+
+def _permits(prepared: Prepared, options: RunOptions) -> Permits:
+    """Where nobody can be asked a simulated robot may do all, a real one nothing that needs a permit."""
+    return options.permits or Permits("always" if prepared.backend.simulated else "never")
 
 
 def _coordinator(
@@ -121,7 +126,7 @@ def _coordinator(
         prepared.model,
         stack.enter_context(_journal(prepared, run_dir, past, sync)),
         [each.event for each in observers],
-        options.permits or Permits("always"),
+        _permits(prepared, options),
         standing=past.standing if past else None,
         keep=CheckpointKeeper(run_dir, prepared, sync == "always").keep if options.checkpoints else None,
     )

@@ -11,13 +11,14 @@ from typing import Any
 import pytest
 
 from handcart.backends.description.joint_units import JointUnits
+from handcart.backends.saved_state import NotAState, pack
 from handcart.networks.graph.planner import Plan
 from handcart.networks.journal.journal import Journal
 from handcart.networks.journal.journal_record import read_journal
 from handcart.networks.journal.retracing import NeedsOperator, standing
 from handcart.networks.journal.waiting import waiting
 from handcart.networks.run_options import RunOptions
-from handcart.networks.runs.checkpoint import NAME, CheckpointKeeper
+from handcart.networks.runs.checkpoint import NAME, CheckpointKeeper, load_checkpoint
 from handcart.networks.runs.resuming import NothingToResume, Past, read_past, task_of
 from handcart.networks.runs.run import execute
 from handcart.networks.runs.run_folder import read_run_journal
@@ -262,3 +263,11 @@ def test_a_journal_of_another_version_is_not_gone_on_with(run: Run) -> None:
         journal.append("RUN", 0.0, header | {"handcart": "0.0.1"})
     with pytest.raises(NeedsOperator, match=r"the run is one of handcart '0\.0\.1'; only"):
         task_of(other)
+
+
+def test_a_checkpoint_of_another_version_is_refused_in_words(tmp_path: Path) -> None:
+    """What its parts are called may have changed, so none of it is taken."""
+    kept: dict[str, Any] = dict.fromkeys(("after", "result", "time_s", "backend", "robot", "model"), None)
+    (tmp_path / "checkpoint").write_bytes(pack({"format": "handcart-checkpoint/2", **kept}))
+    with pytest.raises(NotAState, match=r"'handcart-checkpoint/2', which another version .* begun anew"):
+        load_checkpoint(tmp_path)
