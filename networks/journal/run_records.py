@@ -1,4 +1,4 @@
-"""What stands in the records of a run's journal, by their kind: the types that readers rely on."""
+"""What stands in the records of a run's journal, by their kind: the types that are written, and relied on."""
 
 from __future__ import annotations
 
@@ -144,30 +144,105 @@ class End(TypedDict):
     at: NotRequired[At]
 
 
-def _kind(name: str, **fields: Any) -> TypeAdapter[Any]:
-    return TypeAdapter(with_config(_OPEN)(TypedDict(name, fields)))  # type: ignore[operator]
+@with_config(_OPEN)
+class Intent(TypedDict):
+    """The running action is about to do what can't simply be done once more."""
+
+    n: Number
+    effect: str
+
+
+@with_config(_OPEN)
+class PointOfNoReturn(TypedDict):
+    """The running action passes a point of no return."""
+
+    n: Number
+    what: str
+
+
+@with_config(_OPEN)
+class Stop(TypedDict):
+    """The robot was told to stop, as was asked for; times in [s]."""
+
+    cause: str
+    asked_s: float
+    sent_s: float
+
+
+@with_config(_OPEN)
+class Restore(TypedDict):
+    """The running action restores."""
+
+    n: Number
+    reason: str
+
+
+@with_config(_OPEN)
+class NotStarted(TypedDict):
+    """An action could not be started."""
+
+    action: Index
+    reason: str
+
+
+@with_config(_OPEN)
+class Skip(TypedDict):
+    """An element of a repeat is left undone."""
+
+    action: Index
+    element: str
+
+
+@with_config(_OPEN)
+class Acknowledgement(TypedDict):
+    """A person has seen to what a record tells."""
+
+    record: Index
+    of: str
+    cause: NotRequired[str]
+    reason: str
+
+
+@with_config(_OPEN)
+class Epoch(TypedDict):
+    """Another process goes on with the run."""
+
+    after: Annotated[int, Field(ge=-1)]
+    in_doubt: Number | None
+
+
+@with_config(_OPEN)
+class _Wall(TypedDict):
+    unix_s: float
+    boot_id: NotRequired[str | None]
+    checkpoint: NotRequired[str]
+
+
+@with_config(_OPEN)
+class _Common(TypedDict):
+    t: float
+    wall: _Wall
 
 
 RECORDS: dict[str, TypeAdapter[Any]] = {
     "RUN": TypeAdapter(Run),
     "PLAN": TypeAdapter(Planned),
     "START": TypeAdapter(Start),
-    "INTENT": _kind("Intent", n=Number, effect=str),
-    "PNR": _kind("PointOfNoReturn", n=Number, what=str),
-    "STOP": _kind("Stop", cause=str, asked_s=float, sent_s=float),
-    "RESTORE": _kind("Restore", n=Number, reason=str),
+    "INTENT": TypeAdapter(Intent),
+    "PNR": TypeAdapter(PointOfNoReturn),
+    "STOP": TypeAdapter(Stop),
+    "RESTORE": TypeAdapter(Restore),
     "RESULT": TypeAdapter(Annotated[Succeeded | Failed | GivenUp, Field(discriminator="outcome")]),
     "RECON": TypeAdapter(Recon),
-    "NOT_STARTED": _kind("NotStarted", action=Index, reason=str),
-    "SKIP": _kind("Skip", action=Index, element=str),
+    "NOT_STARTED": TypeAdapter(NotStarted),
+    "SKIP": TypeAdapter(Skip),
     "END": TypeAdapter(End),
-    "ACK": _kind("Ack", record=Index, of=str, reason=str),
-    "EPOCH": _kind("Epoch", after=Annotated[int, Field(ge=-1)], in_doubt=Number | None),
+    "ACK": TypeAdapter(Acknowledgement),
+    "EPOCH": TypeAdapter(Epoch),
 }
 """By kind, what a record of it holds at least."""
 
-_COMMON = _kind("Common", t=float, wall=dict[str, Any])
-_WALL = _kind("Wall", unix_s=float, boot_id=NotRequired[str | None], checkpoint=NotRequired[str])
+_COMMON = TypeAdapter(_Common)
 
 
 def makes_sense(record: dict[str, Any]) -> str:
@@ -179,7 +254,6 @@ def makes_sense(record: dict[str, Any]) -> str:
         return "a journal begins with RUN, and has one"
     try:
         _COMMON.validate_python(record)
-        _WALL.validate_python(record["wall"])
         kind.validate_python(record)
     except ValidationError as error:
         first = error.errors(include_url=False, include_context=False, include_input=False)[0]
