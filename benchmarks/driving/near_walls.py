@@ -18,7 +18,6 @@ import signal
 import sys
 import time
 from collections import Counter
-from collections.abc import Iterator
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from dataclasses import dataclass, field
 from multiprocessing import get_context
@@ -26,15 +25,13 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any, NamedTuple
 
-import cv2
 import numpy as np
-from numpy.typing import NDArray
 from rich.console import Console
 from rich.progress import Progress
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 
-from handcart.backends.description.robot_loading import ROBOTS, load_robot
+from benchmarks.driving.random_room import Body, Floats, Room, write, write_places
 from handcart.backends.robot.robot import Robot
 from handcart.evaluation.trials.stage import StageFiles, set_stage
 from handcart.networks.coordination.events import Ended, Event
@@ -44,32 +41,9 @@ from handcart.networks.runs.run import execute
 from handcart.networks.task.preparing import check, prepare
 from handcart.primitives.contract.outcome import Success
 from handcart.primitives.driving.move_to import MoveTo
-from handcart.robotics.navigation.maps.grid_map import GridMap, from_boxes
 
 TASK = Path(__file__).resolve().parents[2] / "tasks" / "drive_map" / "task.yaml"
-CELLS = (0.05, 0.05, 0.1, 0.15, 0.2, 0.25)  # [m]
-ROOM, FINE, UNSURE = 0.04, 0.05, 0.5  # what `check` asks for; see handcart.robotics.navigation.routes.ways
-NEAR, TOO_NEAR, TRIED = 6, 2, 4000
-WALL = 0.1  # [m] thick
-SURPRISED = 5  # every so many worlds hold boxes that aren't on the map
-Floats = NDArray[np.float64]
-
-
-class Body(NamedTuple):
-    """Which robot, and the radius of its footprint in [m]."""
-
-    robot: str
-    radius: float
-
-
-BODIES = (
-    Body("cart", 0.34),
-    Body("cart", 0.2),
-    Body("cart", 0.27),
-    Body("cart", 0.45),
-    Body("librarian", 0.34),
-    Body("atrv", 0.53),
-)
+NEAR, TOO_NEAR = 6, 2
 
 
 class Stood(NamedTuple):
@@ -99,132 +73,6 @@ class Told:
     nearest_mm: float = math.inf
     """Between the footprint and anything, at any time."""
     seconds: float = 0.0
-
-
-class Room:
-    """A random room with its map, and the free points of it."""
-
-    def __init__(self, seed: int) -> None:
-        self.seed = seed
-        self.rng = np.random.default_rng(seed)
-        self.cell = float(self.rng.choice(CELLS))
-        self.body = BODIES[int(self.rng.integers(len(BODIES)))]
-        self.width, self.depth = self.rng.uniform(4.0, 6.0, 2) + 2.0 * self.body.radius
-        self.boxes = [*self._walls(), *self._things()]
-        size = (self.width + 0.6, self.depth + 0.6)
-        offset = -0.3 - self.cell * self.rng.random(2)
-        flat = [each[:5] for each in self.boxes]
-        self.grid: GridMap = from_boxes(flat, self.cell, (float(offset[0]), float(offset[1])), size)
-        rows, columns = np.nonzero(self.grid.occupied)
-        self._low = np.column_stack([columns, rows]) * self.cell + offset
-        self.surprises = self._surprises() if seed % SURPRISED == SURPRISED - 1 else []
-
-    @property
-    def least(self) -> float:
-        """From a place to anything, as `check` asks for, in [m]."""
-        return self.body.radius + ROOM + UNSURE * max(0.0, self.cell - FINE)
-
-    def clearance(self, points: Floats) -> Floats:
-        """Distance (n,) of points (n, 2) to the squares of occupied cells, each looked at, in [m]."""
-        beyond = self._low[None] - points[:, None], points[:, None] - self._low[None] - self.cell
-        return np.hypot(*np.maximum(np.maximum(*beyond), 0.0).transpose(2, 0, 1)).min(axis=1)
-
-    def start(self) -> tuple[float, float]:
-        """Somewhere with room."""
-        for point in self._points(TRIED):
-            if self.clearance(point[None])[0] > self.body.radius + 0.25:
-                return float(point[0]), float(point[1])
-        raise RuntimeError(f"no start in world {self.seed}")
-
-    def beside(self, room: float) -> Iterator[tuple[float, float]]:
-        """Points that leave this much room, in [m]: moved there from somewhere, down to what is nearest."""
-        for point in self._points(TRIED):
-            turn = self.rng.uniform(0.0, 2.0 * math.pi)
-            ray = np.array([math.cos(turn), math.sin(turn)])
-            line = point + np.linspace(0.0, 2.5, 80)[:, None] * ray
-            rooms = self.clearance(line)
-            below = np.flatnonzero(rooms < room)
-            if len(below) == 0 or below[0] == 0:
-                continue
-            low, high = line[below[0] - 1], line[below[0]]
-            for _ in range(30):
-                middle = (low + high) / 2
-                low, high = (middle, high) if self.clearance(middle[None])[0] >= room else (low, middle)
-            yield float(low[0]), float(low[1])
-
-    def _points(self, count: int) -> Floats:
-        return self.rng.uniform([0.0, 0.0], [self.width, self.depth], (count, 2))
-
-    def _walls(self) -> list[tuple[float, ...]]:
-        w, d, rng = self.width, self.depth, self.rng
-        middle = [(w / 2, 0.0, 0.0, w + WALL, WALL), (w / 2, d, 0.0, w + WALL, WALL)]
-        middle += [(0.0, d / 2, 0.0, WALL, d), (w, d / 2, 0.0, WALL, d)]
-        at, door = rng.uniform(0.35, 0.65) * w, 2.0 * self.body.radius + rng.uniform(0.12, 0.6) + self.cell
-        begin = rng.uniform(0.3, d - door - 0.3)
-        middle += [
-            (at, begin / 2, 0.0, WALL, begin),
-            (at, (begin + door + d) / 2, 0.0, WALL, d - begin - door),
-        ]
-        return [(*each, 2.0) for each in middle]
-
-    def _things(self) -> list[tuple[float, ...]]:
-        rng = self.rng
-        return [
-            (
-                *rng.uniform([0.6, 0.6], [self.width - 0.6, self.depth - 0.6]),
-                rng.choice([0.0, rng.uniform(0.0, math.pi)]),
-                *rng.uniform(0.2, 1.1, 2),
-                rng.choice([0.12, 2.0]),
-            )
-            for _ in range(int(rng.integers(2, 6)))
-        ]
-
-    def _surprises(self) -> list[tuple[float, ...]]:
-        rng, found = self.rng, []
-        for x, y in self._points(int(rng.integers(1, 3))):
-            found.append((x, y, rng.uniform(0.0, math.pi), *rng.uniform(0.15, 0.5, 2), 2.0))
-        return found
-
-
-def write(room: Room, folder: Path, start: tuple[float, float]) -> dict[str, str]:
-    """The files of a world; settings for the task."""
-    grid = room.grid
-    cv2.imwrite(str(folder / "map.png"), np.where(grid.occupied, 0, 254).astype(np.uint8)[::-1])
-    (folder / "map.yaml").write_text(
-        f"image: map.png\nresolution: {grid.resolution}\norigin: [{grid.origin_x}, {grid.origin_y}, 0.0]\n"
-        "negate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n"
-    )
-    away = [s for s in room.surprises if math.dist(s[:2], start) > room.body.radius + 0.8]
-    heading = room.rng.uniform(-180.0, 180.0)
-    (folder / "world.yaml").write_text(
-        f"format: handcart-world/1\nstart: {{x_m: {start[0]}, y_m: {start[1]}, heading_deg: {heading}}}\n"
-        + _listed("furniture", room.boxes)
-        + _listed("surprises", away)
-    )
-    robot = room.body.robot
-    if load_robot(robot).footprint_radius_m != room.body.radius:
-        text = (ROBOTS / robot / "robot.yaml").read_text()
-        (folder / "robot.urdf").write_text((ROBOTS / robot / f"{robot}.urdf").read_text())
-        text = text.replace("footprint_radius_m: 0.34", f"footprint_radius_m: {room.body.radius}")
-        (folder / "robot.yaml").write_text(text.replace(f"urdf: {robot}.urdf", "urdf: robot.urdf"))
-        robot = str(folder / "robot.yaml")
-    named = {key: str(folder / f"{key}.yaml") for key in ("map", "world", "places")}
-    write_places(folder, {"home": (*start, heading)})
-    return {**named, "robot": robot, "wait_s": "1.5"}
-
-
-def write_places(folder: Path, places: dict[str, tuple[float, float, float]]) -> None:
-    lines = [f"  {n}: {{x_m: {x}, y_m: {y}, heading_deg: {h}}}\n" for n, (x, y, h) in places.items()]
-    (folder / "places.yaml").write_text("format: handcart-places/1\nplaces:\n" + "".join(lines))
-
-
-def _listed(key: str, boxes: list[tuple[float, ...]]) -> str:
-    lines = [
-        f"  - {{name: {key[:-1]} {i}, x_m: {x}, y_m: {y}, heading_deg: {math.degrees(yaw)}, "
-        f"size_m: [{length}, {width}, {height}]}}\n"
-        for i, (x, y, yaw, length, width, height) in enumerate(boxes)
-    ]
-    return f"{key}:\n" + "".join(lines) if lines else ""
 
 
 class Eye(RunObserver):
