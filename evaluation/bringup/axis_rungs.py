@@ -149,13 +149,13 @@ class LimitsRung(Rung):
             posture = np.array([each.position for each in backend.axes.joints])
             touches = free.touches_at(posture, number, limit)
             if touches is not None:
-                facts[f"{end}_touches_{unit}"] = round(units.told_of(number, touches), 1)
+                facts[f"{end}_touches_{unit}"] = round(units.user_value(number, touches), 1)
                 continue
             question = f"{axis}: is the way to its {end} limit, {units.words(number, limit, 0)}, free?"
             if not site.confirm(f"{axis.replace(' ', '_')}_{end}", question):
                 raise RungFailed(f"{axis}: not free; bring the arm elsewhere with `handcart jog`")
             stands = _to_limit(site, jogger, axis, limit, partial(units.words, number))
-            facts[f"{end}_{unit}"] = round(units.told_of(number, stands), 2)
+            facts[f"{end}_{unit}"] = round(units.user_value(number, stands), 2)
             _held(site, jogger, axis, begun - jogger.position(axis), back=True)
         return facts
 

@@ -69,7 +69,7 @@ def _arm(outline: Outline, facts: dict[str, JointFacts]) -> list[str]:
     units = JointUnits(
         outline.arm, tuple(k == "prismatic" for k in kinds), tuple(k == "continuous" for k in kinds)
     )
-    home = units.told([_middle(facts[name]) for name in outline.arm])
+    home = units.user_units([_middle(facts[name]) for name in outline.arm])
     lines = ["arm:", f"  joints: {_flow(outline.arm)}", "  top_speed_deg_s: 30     # choose"]
     lines.append("  acceleration_deg_s2: 60     # choose")
     if any(units.slides):
