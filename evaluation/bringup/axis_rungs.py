@@ -66,7 +66,7 @@ class AxesRung(Rung):
     """Each axis turns the way, and as far, as the robot's file says."""
 
     name = "axes"
-    told = "one axis at a time, held by a key, hand at most 250 mm/s: direction and scale"
+    summary = "one axis at a time, held by a key, hand at most 250 mm/s: direction and scale"
 
     def climb(self, site: Site) -> Facts:
         """See `Rung`."""
@@ -89,14 +89,16 @@ class AxesRung(Rung):
         measured = site.number(
             f"{key}_scale", f"{axis}: by how much did it move, measured [{move.unit}]?", true
         )
-        told = abs(done.way) * move.shown
-        if abs(measured - told) > SCALE * told + 1.0:
-            factor = told / measured if measured else math.inf
+        by_encoder = abs(done.way) * move.shown
+        if abs(measured - by_encoder) > SCALE * by_encoder + 1.0:
+            factor = by_encoder / measured if measured else math.inf
             hint = f"gear_ratio or counts_per_rev is {factor:.3g} times too small" if measured else "it stood"
-            raise RungFailed(f"{axis} moved {measured:.4g} {move.unit}, by its encoder {told:.4g}: {hint}")
+            raise RungFailed(
+                f"{axis} moved {measured:.4g} {move.unit}, by its encoder {by_encoder:.4g}: {hint}"
+            )
         _held(site, jogger, axis, -done.way, back=True)
         return {
-            f"way_{move.unit}": round(told, 2),
+            f"way_{move.unit}": round(by_encoder, 2),
             f"measured_{move.unit}": round(measured, 2),
             "top_speed": round(done.top_speed, 4),
         }
@@ -123,7 +125,7 @@ class LimitsRung(Rung):
     """Joints stop at the limits of the robot's file."""
 
     name = "limits"
-    told = "each joint is jogged to those of its limits that it reaches freely, and stops there"
+    summary = "each joint is jogged to those of its limits that it reaches freely, and stops there"
 
     def left_out(self, site: Site) -> str:
         """See `Rung`."""

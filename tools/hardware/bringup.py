@@ -71,7 +71,7 @@ def bringup(
         _print_json(ladder, done, climbed)
     else:
         for each in RUNGS[len(done) :]:
-            print(f"  {each.name}: {each.told}" + ("  <- next" if each is ladder.next else ""))
+            print(f"  {each.name}: {each.summary}" + ("  <- next" if each is ladder.next else ""))
         print(f"{len(done)} of {len(RUNGS)} rungs climbed; records in {site.folder}")
     sys.exit(4 if failed else 0)
 
