@@ -56,8 +56,8 @@ def checked_joints(model: ArmModel, joints: Vector, last: Vector, most: Vector) 
         )
     step = np.abs(wanted - last)
     if (step > most * (1.0 + 1e-6) + _ROUNDING).any():
-        told = f"joint steps of {step.round(5).tolist()} rad in a period"
-        raise CommandError(f"{told}; allowed: {most.round(5).tolist()}")
+        wrong = f"joint steps of {step.round(5).tolist()} rad in a period"
+        raise CommandError(f"{wrong}; allowed: {most.round(5).tolist()}")
     return wanted
 
 

@@ -118,14 +118,14 @@ def bench_class(name: str, drives: str) -> type[Backend]:
 
 
 def check_world(
-    world: Path, robot: RobotFile, told: Pose2 | None = None, grid: GridMap | None = None
+    world: Path, robot: RobotFile, initial_pose: Pose2 | None = None, grid: GridMap | None = None
 ) -> None:
     """Read a world's file and hold it against the robot that is put into it; build nothing.
 
     Args:
         world: the file; a map, from which a world is made, is only read.
         robot: who is put into it.
-        told: map_T_base at first, as the robot is told it; None where it is told nothing.
+        initial_pose: map_T_base at first, as the robot is told it; None where it is told nothing.
         grid: the map that the robot is given, if any.
 
     Raises:
@@ -138,7 +138,7 @@ def check_world(
         return
     loaded, whole = import_module("handcart.backends.simulation.world.load_world").read_world(world)
     find = import_module("handcart.backends.simulation.world.world_findings").world_findings
-    if wrong := list(find(loaded, whole, robot, told, grid)):
+    if wrong := list(find(loaded, whole, robot, initial_pose, grid)):
         raise FileError(wrong)
 
 

@@ -19,7 +19,7 @@ from rich.progress import track
 
 HERE = Path(__file__).resolve().parents[1]
 OTHER_FILES = ("tower.yaml", "unload.yaml")
-TIMES = {"wall", "h", "p", "handcart", "task_path", "task_text", "task_sha256"}
+TIMES = {"wall", "h", "p", "handcart", "task_path", "task_text", "task_sha256", "robot_sha256"}
 
 
 def tasks(checkout: Path, only: list[str]) -> list[Path]:

@@ -28,15 +28,15 @@ def clustered_sigmas(
     """
     parameters = jacobian.shape[1]
     scales = np.linalg.norm(jacobian, axis=0)
-    told = float(np.minimum(np.bincount(groups), _POSE).sum())
-    if (scales == 0.0).any() or told <= parameters:
-        return np.where((scales == 0.0) | (told <= parameters), np.inf, 0.0)
+    observations = float(np.minimum(np.bincount(groups), _POSE).sum())
+    if (scales == 0.0).any() or observations <= parameters:
+        return np.where((scales == 0.0) | (observations <= parameters), np.inf, 0.0)
     scaled = jacobian / scales
     normal = scaled.T @ scaled
     if np.linalg.cond(normal) > _WORST_CONDITION:
         return np.full(parameters, np.inf)
     scores = np.zeros((int(groups.max()) + 1, parameters))
     np.add.at(scores, groups, scaled * residuals[:, None])
-    middle = scores.T @ scores * told / (told - parameters) + best**2 * normal
+    middle = scores.T @ scores * observations / (observations - parameters) + best**2 * normal
     outer = np.linalg.inv(normal)
     return np.asarray(np.sqrt(np.diag(outer @ middle @ outer)) / scales)

@@ -55,15 +55,15 @@ class LazyGroup(TyperGroup):
             from handcart.files.suggest import suggest
 
             ctx.fail(f"unknown command {cmd_name!r}{suggest(cmd_name, COMMANDS)}")
-        module, function, told = COMMANDS[cmd_name]
+        module, function, help_text = COMMANDS[cmd_name]
         app = typer.Typer(add_completion=False, rich_markup_mode=None, pretty_exceptions_enable=False)
-        app.command(cmd_name, help=told)(getattr(import_module(f"{__package__}.{module}"), function))
+        app.command(cmd_name, help=help_text)(getattr(import_module(f"{__package__}.{module}"), function))
         return typer.main.get_command(app)
 
     def format_commands(self, ctx: Any, formatter: Any) -> None:
         """Names and help from the table, without importing anything."""
         with formatter.section("Commands"):
-            formatter.write_dl([(name, told) for name, (_, _, told) in COMMANDS.items()])
+            formatter.write_dl([(name, help_text) for name, (_, _, help_text) in COMMANDS.items()])
 
 
 app = typer.Typer(

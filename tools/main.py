@@ -39,7 +39,7 @@ def _run(words: list[str]) -> int:
     except KeyboardInterrupt:
         return 130
     except Exception as error:
-        return _told(NoLibrary.of(error) or error)
+        return _report_error(NoLibrary.of(error) or error)
     return 0
 
 
@@ -59,7 +59,7 @@ def _check_text(words: list[str]) -> None:
             raise NotText(f"the word {shown} is no UTF-8; allowed: names of files in UTF-8") from None
 
 
-def _told(error: Exception) -> int:
+def _report_error(error: Exception) -> int:
     """Tell of an error in words, of a fault of our own with its traceback too; gives the exit status."""
     from handcart.files.printable import printable
 

@@ -62,8 +62,8 @@ class CanArm(Arm):
         """See `Arm`."""
         q = self.joints()
         telling = [place for place, joint in enumerate(self._joints) if joint.tells_torque]
-        told = np.array([joint.torque for joint in self._joints]) * self._rated
-        outside = (self._model.gravity_torque(q) - told)[telling]
+        measured = np.array([joint.torque for joint in self._joints]) * self._rated
+        outside = (self._model.gravity_torque(q) - measured)[telling]
         # J^T w = torques, w force and moment at the hand; of these the force is asked for.
         wrench, *_ = np.linalg.lstsq(self._model.jacobian(q).T[telling], outside, rcond=_SINGULAR)
         force: Vector = self._model.forward(q)[:3, :3].T @ wrench[:3]

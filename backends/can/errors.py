@@ -47,8 +47,8 @@ class TooManyCounts(InputError):
     """What an axis can be told doesn't fit into a drive's 32 bits."""
 
     def __init__(self, drive: str, counts: float) -> None:
-        told = f"{drive} would be told up to {counts:.3g} counts, counts/s or counts/s²"
-        super().__init__(f"{told}; allowed: below 2147483648, by counts_per_rev and gear_ratio")
+        message = f"{drive} would be told up to {counts:.3g} counts, counts/s or counts/s²"
+        super().__init__(f"{message}; allowed: below 2147483648, by counts_per_rev and gear_ratio")
 
 
 class NoInterface(InputError):
@@ -104,8 +104,8 @@ class DriveNotReady(CanFault):
     """A drive isn't enabled; told with what it says about its fault."""
 
     def __init__(self, drive: str, state: str, fault: str) -> None:
-        told = f": {fault}" if fault else ""
-        super().__init__(f"{drive} is in the state {state}{told}; needed: OPERATION ENABLED")
+        reason = f": {fault}" if fault else ""
+        super().__init__(f"{drive} is in the state {state}{reason}; needed: OPERATION ENABLED")
 
 
 class WrongDrive(CanFault):

@@ -96,6 +96,6 @@ class Pace:
         if lateness > GAP:
             return f"a period ended {1e3 * lateness:.0f} ms late; allowed: {1e3 * GAP:.0f} ms"
         if self._in_a_row >= MISSED:
-            told = f"{MISSED} periods of {1e3 * self._period:g} ms in a row were missed"
-            return f"{told}; allowed: {MISSED - 1}"
+            finding = f"{MISSED} periods of {1e3 * self._period:g} ms in a row were missed"
+            return f"{finding}; allowed: {MISSED - 1}"
         return ""

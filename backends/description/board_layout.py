@@ -27,7 +27,7 @@ class BoardLayout(FileModel):
     tags: TagFamily = USUAL
 
     @model_validator(mode="after")
-    def _told_apart(self) -> Self:
+    def _distinct_sides(self) -> Self:
         if self.pattern == "chessboard" and (self.columns + self.rows) % 2 == 0:
             raise ValueError(
                 f"a chessboard of {self.columns} by {self.rows} squares looks the same from both sides; "

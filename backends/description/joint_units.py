@@ -16,19 +16,19 @@ class JointUnits(NamedTuple):
     endless: tuple[bool, ...]
     """Which of them are continuous: a turn more or less makes no difference."""
 
-    def si(self, told: Sequence[float]) -> tuple[float, ...]:
+    def si(self, values: Sequence[float]) -> tuple[float, ...]:
         """[rad] and [m] of what people say; of a continuous joint within half a turn."""
-        both = zip(told, self.slides, self.endless, strict=True)
+        both = zip(values, self.slides, self.endless, strict=True)
         return tuple(
             value / 1e3 if slides else math.radians(_wrapped(value) if endless else value)
             for value, slides, endless in both
         )
 
-    def told(self, values: Sequence[float]) -> tuple[float, ...]:
+    def user_units(self, values: Sequence[float]) -> tuple[float, ...]:
         """[deg] and [mm] of [rad] and [m]."""
-        return tuple(self.told_of(joint, value) for joint, value in enumerate(values))
+        return tuple(self.user_value(joint, value) for joint, value in enumerate(values))
 
-    def told_of(self, joint: int, value: float) -> float:
+    def user_value(self, joint: int, value: float) -> float:
         """The same of one joint."""
         return 1e3 * value if self.slides[joint] else math.degrees(value)
 
@@ -38,7 +38,7 @@ class JointUnits(NamedTuple):
 
     def words(self, joint: int, value: float, digits: int = 1) -> str:
         """A joint's value in [rad] or [m] as people read it: `12.5 deg`."""
-        return f"{self.told_of(joint, value):.{digits}f} {self.unit(joint)}"
+        return f"{self.user_value(joint, value):.{digits}f} {self.unit(joint)}"
 
     @property
     def all(self) -> str:

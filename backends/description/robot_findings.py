@@ -154,23 +154,23 @@ def _slide_findings(robot: RobotFile, arm: ArmSpec, document: Document) -> list[
     ]
 
 
-def posture_faults(model: ArmModel, units: JointUnits, told: Sequence[float]) -> list[str]:
+def posture_faults(model: ArmModel, units: JointUnits, posture: Sequence[float]) -> list[str]:
     """Why an arm can't take a posture, in words; nothing where it can.
 
     Args:
         model: of the arm, with its limits.
         units: of its joints.
-        told: a number for each of them, in [deg] or [mm].
+        posture: a number for each of them, in [deg] or [mm].
     """
-    if len(told) != len(units.names):
-        return [f"{len(told)} angles; allowed: {len(units.names)}, one for each joint ({units.all})"]
-    limits = zip(units.names, units.si(told), told, model.lower, model.upper, strict=True)
+    if len(posture) != len(units.names):
+        return [f"{len(posture)} angles; allowed: {len(units.names)}, one for each joint ({units.all})"]
+    limits = zip(units.names, units.si(posture), posture, model.lower, model.upper, strict=True)
     return [
-        f"{joint} can't stand at {said:g} {units.unit(number)}; allowed: {_told(units, number, low, high)}"
+        f"{joint} can't stand at {said:g} {units.unit(number)}; allowed: {_range(units, number, low, high)}"
         for number, (joint, value, said, low, high) in enumerate(limits)
         if not low <= value <= high
     ]
 
 
-def _told(units: JointUnits, number: int, low: float, high: float) -> str:
-    return f"{units.told_of(number, low):.1f} to {units.told_of(number, high):.1f}"
+def _range(units: JointUnits, number: int, low: float, high: float) -> str:
+    return f"{units.user_value(number, low):.1f} to {units.user_value(number, high):.1f}"

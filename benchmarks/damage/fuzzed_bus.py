@@ -163,7 +163,7 @@ class NoisyBus(can.BusABC):
         """A frame that nobody should send; drives hear it, too, unless it commands them: they would obey."""
         self._due, self.frames = self._due - 1, self.frames + 1
         frame = self._noise.frame()
-        self._words.told(frame)
+        self._words.describe(frame)
         if not frame.is_error_frame and frame.arbitration_id not in self._commands:
             self._inner.send(frame)
         return frame

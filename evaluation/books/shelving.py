@@ -38,10 +38,10 @@ class Standing(NamedTuple):
 
     def figures(self) -> dict[str, Any]:
         """For a run's metrics; what can't be said of a book that stands on no shelf is left out."""
-        told = self._asdict()
+        fields = self._asdict()
         return {
             name: value if isinstance(value, bool) else round(value, 2)
-            for name, value in told.items()
+            for name, value in fields.items()
             if not (isinstance(value, float) and math.isnan(value))
         }
 

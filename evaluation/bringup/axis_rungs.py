@@ -66,7 +66,7 @@ class AxesRung(Rung):
     """Each axis turns the way, and as far, as the robot's file says."""
 
     name = "axes"
-    told = "one axis at a time, held by a key, hand at most 250 mm/s: direction and scale"
+    summary = "one axis at a time, held by a key, hand at most 250 mm/s: direction and scale"
 
     def climb(self, site: Site) -> Facts:
         """See `Rung`."""
@@ -89,14 +89,16 @@ class AxesRung(Rung):
         measured = site.number(
             f"{key}_scale", f"{axis}: by how much did it move, measured [{move.unit}]?", true
         )
-        told = abs(done.way) * move.shown
-        if abs(measured - told) > SCALE * told + 1.0:
-            factor = told / measured if measured else math.inf
+        by_encoder = abs(done.way) * move.shown
+        if abs(measured - by_encoder) > SCALE * by_encoder + 1.0:
+            factor = by_encoder / measured if measured else math.inf
             hint = f"gear_ratio or counts_per_rev is {factor:.3g} times too small" if measured else "it stood"
-            raise RungFailed(f"{axis} moved {measured:.4g} {move.unit}, by its encoder {told:.4g}: {hint}")
+            raise RungFailed(
+                f"{axis} moved {measured:.4g} {move.unit}, by its encoder {by_encoder:.4g}: {hint}"
+            )
         _held(site, jogger, axis, -done.way, back=True)
         return {
-            f"way_{move.unit}": round(told, 2),
+            f"way_{move.unit}": round(by_encoder, 2),
             f"measured_{move.unit}": round(measured, 2),
             "top_speed": round(done.top_speed, 4),
         }
@@ -123,7 +125,7 @@ class LimitsRung(Rung):
     """Joints stop at the limits of the robot's file."""
 
     name = "limits"
-    told = "each joint is jogged to those of its limits that it reaches freely, and stops there"
+    summary = "each joint is jogged to those of its limits that it reaches freely, and stops there"
 
     def left_out(self, site: Site) -> str:
         """See `Rung`."""
@@ -149,13 +151,13 @@ class LimitsRung(Rung):
             posture = np.array([each.position for each in backend.axes.joints])
             touches = free.touches_at(posture, number, limit)
             if touches is not None:
-                facts[f"{end}_touches_{unit}"] = round(units.told_of(number, touches), 1)
+                facts[f"{end}_touches_{unit}"] = round(units.user_value(number, touches), 1)
                 continue
             question = f"{axis}: is the way to its {end} limit, {units.words(number, limit, 0)}, free?"
             if not site.confirm(f"{axis.replace(' ', '_')}_{end}", question):
                 raise RungFailed(f"{axis}: not free; bring the arm elsewhere with `handcart jog`")
             stands = _to_limit(site, jogger, axis, limit, partial(units.words, number))
-            facts[f"{end}_{unit}"] = round(units.told_of(number, stands), 2)
+            facts[f"{end}_{unit}"] = round(units.user_value(number, stands), 2)
             _held(site, jogger, axis, begun - jogger.position(axis), back=True)
         return facts
 

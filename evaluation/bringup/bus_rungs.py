@@ -49,7 +49,7 @@ class InterfaceRung(Rung):
     """The interface is up, and a drive answers on it."""
 
     name = "interface"
-    told = "the CAN interface is up, its bit rate is the drives', and one of them answers"
+    summary = "the CAN interface is up, its bit rate is the drives', and one of them answers"
     moves = False
 
     def climb(self, site: Site) -> Facts:
@@ -88,7 +88,7 @@ class IdentifyRung(Rung):
     """The nodes on the bus are those of the robot's file, and no others."""
 
     name = "identify"
-    told = "the nodes on the bus are those of the robot's file, drives all, and no others"
+    summary = "the nodes on the bus are those of the robot's file, drives all, and no others"
     moves = False
 
     def climb(self, site: Site) -> Facts:
@@ -102,14 +102,14 @@ class IdentifyRung(Rung):
             strangers = [str(node) for node in found if node not in wanted]
             wrong = [f"no answer of {', '.join(missing)}"] if missing else []
             wrong += [f"not in the robot's file: node {', '.join(strangers)}"] if strangers else []
-            told = {}
+            identities = {}
             for node in found:
                 if node in wanted:
-                    told[wanted[node][0]] = facts = _identity(line, node)
+                    identities[wanted[node][0]] = facts = _identity(line, node)
                     wrong += _differences(*wanted[node], facts)
         if wrong:
             raise RungFailed("; ".join(wrong))
-        return {"nodes": told}
+        return {"nodes": identities}
 
 
 def _identity(line: CanLine, node: int) -> dict[str, Any]:
@@ -125,9 +125,11 @@ def _differences(name: str, axis: Any, facts: dict[str, Any]) -> list[str]:
     if kind is None or kind & 0xFFFF != _SERVO:
         wrong.append(f"{name} (node {axis.node}) is no CiA 402 drive: its device type (1000h) is {kind}")
     for key in ("vendor_id", "product_code"):
-        told = getattr(axis, key)
-        if told is not None and facts.get(key) != told:
-            wrong.append(f"{name} (node {axis.node}): {key} is {facts.get(key)}, in the robot's file {told}")
+        expected = getattr(axis, key)
+        if expected is not None and facts.get(key) != expected:
+            wrong.append(
+                f"{name} (node {axis.node}): {key} is {facts.get(key)}, in the robot's file {expected}"
+            )
     return wrong
 
 
@@ -135,7 +137,7 @@ class ReadBackRung(Rung):
     """All settings are written, and read back as they were written."""
 
     name = "read_back"
-    told = "supervision, reactions, limits and mappings are written, and read back as they were written"
+    summary = "supervision, reactions, limits and mappings are written, and read back as they were written"
     moves = False
 
     def climb(self, site: Site) -> Facts:
@@ -157,5 +159,5 @@ class ReadBackRung(Rung):
 
 
 def _supervision(axis: Any, site: Site) -> list[Any]:
-    told = (0x1016, 0x1017, 0x1029, 0x6007, 0x605A, 0x605E)
-    return [each for each in settings(axis, site.spec, site.robot.period_s) if each.index in told]
+    indices = (0x1016, 0x1017, 0x1029, 0x6007, 0x605A, 0x605E)
+    return [each for each in settings(axis, site.spec, site.robot.period_s) if each.index in indices]

@@ -92,7 +92,7 @@ class Ladder:
             raise BenchFirst(rung.name, self.site.name)
         self.site.folder.mkdir(parents=True, exist_ok=True)
         self.site.answers.clear()
-        tell(f"{number}. {rung.name}: {rung.told}")
+        tell(f"{number}. {rung.name}: {rung.summary}")
         record = self._tried(rung)
         save(record, _path(self.site.folder, number, rung))
         return record

@@ -21,7 +21,7 @@ class Rung(ABC):
 
     name: ClassVar[str]
     """How its record is called."""
-    told: ClassVar[str]
+    summary: ClassVar[str]
     """What is shown, in one line."""
     moves: ClassVar[bool] = True
     """Whether the robot moves meanwhile."""

@@ -27,7 +27,7 @@ class EmergencyStopRung(Rung):
     """The emergency stop takes the drives' torque, and releasing it gives none back."""
 
     name = "emergency_stop"
-    told = "the emergency stop (STO) takes every drive out of OPERATION ENABLED; released, none comes back"
+    summary = "the emergency stop (STO) takes every drive out of OPERATION ENABLED; released, none comes back"
 
     def climb(self, site: Site) -> Facts:
         """See `Rung`."""
@@ -75,7 +75,7 @@ class StopTestRung(Rung):
     """How far the base runs on after each kind of stop."""
 
     name = "stop_test"
-    told = "how far the base runs on at 250 mm/s: a stop by the program, and our heartbeat gone"
+    summary = "how far the base runs on at 250 mm/s: a stop by the program, and our heartbeat gone"
 
     def climb(self, site: Site) -> Facts:
         """See `Rung`."""
@@ -87,11 +87,11 @@ class StopTestRung(Rung):
             if not site.confirm(f"clear_{name}", f"Is the way clear? Next: {name}."):
                 raise RungFailed("the way wasn't clear")
             stops = [_stop_once(site, stop, number) for number in range(TIMES)]
-            facts[name] = told = _spread(stops)
+            facts[name] = spread = _spread(stops)
             allowed = self._allowed(site, name)
             facts[f"{name}_allowed_m"] = round(allowed, 4)
-            if told["max_m"] > allowed:
-                raise RungFailed(f"{name}: ran on {told['max_m']:.3f} m; allowed: {allowed:.3f} m")
+            if spread["max_m"] > allowed:
+                raise RungFailed(f"{name}: ran on {spread['max_m']:.3f} m; allowed: {allowed:.3f} m")
         measured = site.number(
             "tape_m",
             "How far did the base run on in the last stop, by tape [m]?",

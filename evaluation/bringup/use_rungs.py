@@ -41,7 +41,7 @@ class CalibrationRung(Rung):
     """Odometry and range sensor are measured; what was found is a change to review."""
 
     name = "calibrate"
-    told = "wheel radius, tread and range sensor are measured; `handcart adopt` shows what that changes"
+    summary = "wheel radius, tread and range sensor are measured; `handcart adopt` shows what that changes"
 
     def climb(self, site: Site) -> Facts:
         """See `Rung`."""
@@ -107,14 +107,18 @@ class CalibrationRung(Rung):
         found["range_sensor.sigma_mm"] = Calibrated(sigma, sigma / math.sqrt(2 * SCANS))
         ahead = int(np.argmin(np.abs(sensor.scan().angles)))
         nearest = int(np.flatnonzero(seen)[np.argmin(np.abs(np.flatnonzero(seen) - ahead))])
-        told = float(ranges[:, nearest].mean())
+        reading = float(ranges[:, nearest].mean())
         angle = math.degrees(float(sensor.scan().angles[nearest]))
         question = f"How far is it from the sensor at {angle:.0f} deg, by tape [m]?"
-        measured = site.number("range_m", question, told)
-        facts |= {"range_sigma_mm": round(sigma, 2), "range_m": round(told, 4), "range_by_tape_m": measured}
+        measured = site.number("range_m", question, reading)
+        facts |= {
+            "range_sigma_mm": round(sigma, 2),
+            "range_m": round(reading, 4),
+            "range_by_tape_m": measured,
+        }
         allowed = max(0.02, 3e-3 * sigma)
-        if abs(measured - told) > allowed:
-            wrong = f"the range sensor tells {told:.3f} m, the tape {measured:.3f} m"
+        if abs(measured - reading) > allowed:
+            wrong = f"the range sensor tells {reading:.3f} m, the tape {measured:.3f} m"
             raise RungFailed(f"{wrong}; allowed: {allowed:.3f} m apart")
 
 
@@ -156,7 +160,7 @@ class CameraRung(Rung):
     """The camera and its place on the hand are calibrated by a board."""
 
     name = "camera"
-    told = "the camera and where it sits on the hand, by a board; `handcart adopt` shows what that changes"
+    summary = "the camera and where it sits on the hand, by a board; `handcart adopt` shows what that changes"
 
     def left_out(self, site: Site) -> str:
         """See `Rung`."""
@@ -171,15 +175,15 @@ class CameraRung(Rung):
         question = f"Is the board where {CAMERA_TASK.parent}/building.yaml says, and the arm free?"
         if not site.confirm("board", question):
             raise RungFailed("the board isn't there")
-        told = _run(site, CAMERA_TASK)
-        return {**told, "review": f"handcart adopt {told['run_dir']}"}
+        facts = _run(site, CAMERA_TASK)
+        return {**facts, "review": f"handcart adopt {facts['run_dir']}"}
 
 
 class PrimitiveRung(Rung):
     """The first primitive of the task, alone."""
 
     name = "primitive"
-    told = "the first primitive of the task ends in Success"
+    summary = "the first primitive of the task ends in Success"
 
     def climb(self, site: Site) -> Facts:
         """See `Rung`."""
@@ -205,7 +209,7 @@ class TaskRung(Rung):
     """The task."""
 
     name = "task"
-    told = "the task ends in Success"
+    summary = "the task ends in Success"
 
     def climb(self, site: Site) -> Facts:
         """See `Rung`."""

@@ -134,7 +134,7 @@ class Report:
             yield f"shipped tasks on {self.backend}"
             for each in self.tasks:
                 yield from _check_lines(each)
-                yield from (f"        {told}" for told in each.measured)
+                yield from (f"        {line}" for line in each.measured)
         for broken in self.broken:
             yield f"BROKEN  {broken.name}: {broken.reason}"
         yield ""
@@ -144,16 +144,16 @@ class Report:
     def summary(self) -> str:
         """All in one line."""
         wrong = sum(not each.ok for each in self.checks)
-        told = [f"{len(self.checks)} checks, {wrong} wrong"] if self.checks else []
+        parts = [f"{len(self.checks)} checks, {wrong} wrong"] if self.checks else []
         if self.trials:
-            told.append(f"{self.injected} faults, {len(self.violations)} violations")
+            parts.append(f"{self.injected} faults, {len(self.violations)} violations")
         if self.mutants:
-            told.append(f"{len(self.planted) - len(self.missed)} of {len(self.planted)} liars caught")
+            parts.append(f"{len(self.planted) - len(self.missed)} of {len(self.planted)} liars caught")
         if self.tasks:
-            told.append(f"{len(self.tasks)} comparisons of tasks, {sum(not t.ok for t in self.tasks)} wrong")
+            parts.append(f"{len(self.tasks)} comparisons of tasks, {sum(not t.ok for t in self.tasks)} wrong")
         if self.broken:
-            told.append(f"{len(self.broken)} parts broken")
-        return "; ".join(told)
+            parts.append(f"{len(self.broken)} parts broken")
+        return "; ".join(parts)
 
     def _fault_lines(self) -> Iterator[str]:
         yield ""

@@ -176,14 +176,14 @@ def _kept(run: PastRun, name: str) -> Path | None:
     return path if path.name == name and path.is_file() else None
 
 
-def as_json(told: Explanation, chart: Path | None) -> dict[str, Any]:
+def as_json(explanation: Explanation, chart: Path | None) -> dict[str, Any]:
     """All of it for programs; raises `JournalError` where the journal makes no sense."""
-    with relying_on_the_journal(told.run):
-        return _json(told, chart)
+    with relying_on_the_journal(explanation.run):
+        return _json(explanation, chart)
 
 
-def _json(told: Explanation, chart: Path | None) -> dict[str, Any]:
-    run, header = told.run, told.run.header
+def _json(explanation: Explanation, chart: Path | None) -> dict[str, Any]:
+    run, header = explanation.run, explanation.run.header
     end = run.end
     return {
         "run_dir": str(run.folder),
@@ -193,18 +193,18 @@ def _json(told: Explanation, chart: Path | None) -> dict[str, Any]:
         "reason": end["reason"] if end else None,
         "torn_at": run.torn_at,
         "actions": [_action_json(each) for each in run.actions],
-        "action": told.action.number if told.action else None,
-        "choice": _choice_json(told.choice) if told.choice else None,
-        "relied_on": {name: who.number for name, who in told.relied_on},
-        "cause": list(told.causes),
+        "action": explanation.action.number if explanation.action else None,
+        "choice": _choice_json(explanation.choice) if explanation.choice else None,
+        "relied_on": {name: who.number for name, who in explanation.relied_on},
+        "cause": list(explanation.causes),
         "residuals": [
             {"name": r.name, "size": _finite(r.size), "limit": r.limit, "within": r.within}
-            for r in told.residuals
+            for r in explanation.residuals
         ],
-        "picture": told.picture and str(told.picture),
-        "points": told.points and str(told.points),
-        "readings": told.readings and str(told.readings),
-        "frames": told.frames and str(told.frames),
+        "picture": explanation.picture and str(explanation.picture),
+        "points": explanation.points and str(explanation.points),
+        "readings": explanation.readings and str(explanation.readings),
+        "frames": explanation.frames and str(explanation.frames),
         "chart": chart and str(chart),
     }
 

@@ -50,7 +50,7 @@ class _Panel(NamedTuple):
     draw: Callable[[Any, Readings], None]
 
 
-def draw_chart(told: Explanation, path: Path) -> None:
+def draw_chart(explanation: Explanation, path: Path) -> None:
     """Draw it into `path`, as SVG, or what its suffix says.
 
     Raises:
@@ -58,32 +58,32 @@ def draw_chart(told: Explanation, path: Path) -> None:
         OSError: the file can't be written.
     """
     try:
-        _draw(told, path)
+        _draw(explanation, path)
     except (LookupError, TypeError, ValueError, ArithmeticError, AttributeError) as error:
-        kept = told.readings or told.points or told.picture or told.run.folder
+        kept = explanation.readings or explanation.points or explanation.picture or explanation.run.folder
         raise UnreadableEvidence(kept, error) from None
 
 
-def _draw(told: Explanation, path: Path) -> None:
+def _draw(explanation: Explanation, path: Path) -> None:
     import matplotlib
     from matplotlib.figure import Figure
 
-    readings = _read(told.readings, load_readings) if told.readings else {}
+    readings = _read(explanation.readings, load_readings) if explanation.readings else {}
     panels = [each for each in _PANELS if each.needs in readings]
-    decided: dict[str, Any] = (told.causes[0].get("measured") or {}) if told.causes else {}
+    decided: dict[str, Any] = (explanation.causes[0].get("measured") or {}) if explanation.causes else {}
     figure = Figure(figsize=(12.0, max(5.5, 1.0 + 1.1 * len(panels))), layout="constrained")
     halves: Any = figure.subfigures(1, 2, width_ratios=[1.0, 1.1])
     left, right = halves
     seen, words = left.subplots(2, 1, height_ratios=[3.0, 1.0])
-    _draw_seen(seen, told, readings)
+    _draw_seen(seen, explanation, readings)
     words.set_axis_off()
-    words.text(0.0, 1.0, _chain(told), va="top", fontsize=8, wrap=True, transform=words.transAxes)
+    words.text(0.0, 1.0, _chain(explanation), va="top", fontsize=8, wrap=True, transform=words.transAxes)
     if panels:
         axes = right.subplots(len(panels), 1, sharex=True, squeeze=False)[:, 0]
         for axis, panel in zip(axes, panels, strict=True):
-            _draw_panel(axis, panel, readings, told, decided)
+            _draw_panel(axis, panel, readings, explanation, decided)
         axes[-1].set_xlabel("time [s]; grey: commanded, shaded: restoring, red: broken off")
-    figure.suptitle(_title(told), fontsize=10)
+    figure.suptitle(_title(explanation), fontsize=10)
     with matplotlib.rc_context({"svg.hashsalt": "handcart", "svg.fonttype": "none"}):
         save_figure(figure, path)
 
@@ -95,33 +95,33 @@ def _read(path: Path, read: Callable[[Path], Any]) -> Any:
         raise UnreadableEvidence(path, error) from None
 
 
-def _chain(told: Explanation) -> str:
+def _chain(explanation: Explanation) -> str:
     """The cause chain, a line for each link."""
-    if told.action is None:
+    if explanation.action is None:
         return ""
-    links = [line for cause in told.causes for line in cause_words(told.action, cause)]
+    links = [line for cause in explanation.causes for line in cause_words(explanation.action, cause)]
     return "\n".join("\n    ".join(wrap(each, WIDE)) for each in links)
 
 
-def _title(told: Explanation) -> str:
-    action = told.action
+def _title(explanation: Explanation) -> str:
+    action = explanation.action
     if action is None:
-        return f"{told.run.folder.name}: the end of the run"
+        return f"{explanation.run.folder.name}: the end of the run"
     reason = f": {action.reason}" if action.reason else ""
-    return f"{told.run.folder.name}, action {action.number}: {action.do} {action.outcome}{reason}"
+    return f"{explanation.run.folder.name}, action {action.number}: {action.do} {action.outcome}{reason}"
 
 
 # What was seen
 
 
-def _draw_seen(axis: Any, told: Explanation, readings: Readings) -> None:
+def _draw_seen(axis: Any, explanation: Explanation, readings: Readings) -> None:
     axis.set_anchor("N")
-    if told.picture is not None:
-        axis.imshow(_read(told.picture, _pixels))
-        axis.set_title(f"what was seen: {told.picture.stem}", fontsize=8)
+    if explanation.picture is not None:
+        axis.imshow(_read(explanation.picture, _pixels))
+        axis.set_title(f"what was seen: {explanation.picture.stem}", fontsize=8)
         axis.set_axis_off()
-    elif "ranges_m" in readings or told.points is not None:
-        _draw_plan(axis, told, readings)
+    elif "ranges_m" in readings or explanation.points is not None:
+        _draw_plan(axis, explanation, readings)
     else:
         axis.set_axis_off()
 
@@ -139,12 +139,12 @@ def _pixels(path: Path) -> NDArray[np.uint8]:
     return cv2.cvtColor(pixels, cv2.COLOR_BGR2RGB).astype(np.uint8)
 
 
-def _draw_plan(axis: Any, told: Explanation, readings: Readings) -> None:
+def _draw_plan(axis: Any, explanation: Explanation, readings: Readings) -> None:
     """The robot from above when it decided, with its scan and what a primitive kept of the map."""
-    points = _read(told.points, load_arrays) if told.points else {}
+    points = _read(explanation.points, load_arrays) if explanation.points else {}
     middle = next(iter(points.values()))[0] if points else np.zeros(2)
     if len(readings.get("time_s", ())):
-        now = _deciding(told, readings)
+        now = _deciding(explanation, readings)
         middle = np.array([readings["x_m"][now], readings["y_m"][now]])
         pose = Pose2(float(middle[0]), float(middle[1]), float(readings["heading_rad"][now]))
         _draw_robot(axis, readings, pose)
@@ -167,9 +167,9 @@ def _draw_plan(axis: Any, told: Explanation, readings: Readings) -> None:
     add_legend(axis, fontsize=7)
 
 
-def _deciding(told: Explanation, readings: Readings) -> int:
+def _deciding(explanation: Explanation, readings: Readings) -> int:
     """The row in which the motion was broken off, else the last one."""
-    end = np.inf if told.action is None else told.action.broken_off or np.inf
+    end = np.inf if explanation.action is None else explanation.action.broken_off or np.inf
     return max(0, int(np.searchsorted(readings["time_s"], end + 1e-6)) - 1)
 
 
@@ -193,7 +193,7 @@ def _scan(readings: Readings, row: int, pose: Pose2) -> NDArray[np.float64]:
 
 
 def _draw_panel(
-    axis: Any, panel: _Panel, readings: Readings, told: Explanation, decided: dict[str, Any]
+    axis: Any, panel: _Panel, readings: Readings, explanation: Explanation, decided: dict[str, Any]
 ) -> None:
     panel.draw(axis, _with_gaps(readings))
     decides = panel.sensor == decided.get("sensor")
@@ -204,8 +204,8 @@ def _draw_panel(
     axis.fill_between(
         times, 0, 1, where=restoring, transform=axis.get_xaxis_transform(), color=RESTORED, lw=0, zorder=0
     )
-    if told.action is not None and told.action.broken_off is not None:
-        axis.axvline(told.action.broken_off, color=LIMIT, lw=1.0)
+    if explanation.action is not None and explanation.action.broken_off is not None:
+        axis.axvline(explanation.action.broken_off, color=LIMIT, lw=1.0)
     if decides and decided.get("unit") == panel.unit and decided.get("limit") is not None:
         axis.axhline(decided["limit"], color=LIMIT, lw=0.8, ls=":")
 

@@ -31,34 +31,39 @@ CHECKS = {
 LONGEST = 6  # actions of a way that are named
 
 
-def in_words(told: Explanation, chart: Path | None) -> str:
+def in_words(explanation: Explanation, chart: Path | None) -> str:
     """The run in one line per action, then the action that is explained.
 
     Raises:
         JournalError: what the journal says makes no sense.
     """
-    with relying_on_the_journal(told.run):
-        return _in_words(told, chart)
+    with relying_on_the_journal(explanation.run):
+        return _in_words(explanation, chart)
 
 
-def _in_words(told: Explanation, chart: Path | None) -> str:
-    parts = [_head(told.run), _time_line(told.run, told.action)]
-    if told.action is not None:
-        parts += [_about(told.action), _chosen(told), _happened(told), _restored(told)]
-    parts.append(_frames(told))
-    parts.append(_files(told, chart))
+def _in_words(explanation: Explanation, chart: Path | None) -> str:
+    parts = [_head(explanation.run), _time_line(explanation.run, explanation.action)]
+    if explanation.action is not None:
+        parts += [
+            _about(explanation.action),
+            _chosen(explanation),
+            _happened(explanation),
+            _restored(explanation),
+        ]
+    parts.append(_frames(explanation))
+    parts.append(_files(explanation, chart))
     return "\n\n".join(part for part in parts if part)
 
 
 def _head(run: PastRun) -> str:
     header, end = run.header, run.end
-    told = [f"{run.folder}: {header['task']} (backend {header['backend']}, seed {header['seed']})"]
+    lines = [f"{run.folder}: {header['task']} (backend {header['backend']}, seed {header['seed']})"]
     if end is None:
-        told.append("no end in the journal: it was killed, or still goes on")
+        lines.append("no end in the journal: it was killed, or still goes on")
     else:
         reason = f": {end['reason']}" if end["reason"] else ""
-        told.append(f"{end['outcome']} in situation {end['situation']}{reason}")
-    return "\n".join(told)
+        lines.append(f"{end['outcome']} in situation {end['situation']}{reason}")
+    return "\n".join(lines)
 
 
 def _time_line(run: PastRun, chosen: PastAction | None) -> str:
@@ -82,14 +87,14 @@ def _about(action: PastAction) -> str:
     return f"Action {action.number}: {action.do}{f' with {given}' if given else ''}"
 
 
-def _chosen(told: Explanation) -> str:
+def _chosen(explanation: Explanation) -> str:
     lines = ["Why it was chosen"]
-    if told.choice is None:
+    if explanation.choice is None:
         return "\n".join(
             [*lines, "  the journal doesn't keep the network, so what else there was isn't known"]
         )
-    lines += [f"  {line}" for line in _choice(told.choice)]
-    known = ", ".join(f"{name} (action {who.number}, {who.do})" for name, who in told.relied_on)
+    lines += [f"  {line}" for line in _choice(explanation.choice)]
+    known = ", ".join(f"{name} (action {who.number}, {who.do})" for name, who in explanation.relied_on)
     return "\n".join([*lines, *([f"  what it could use: {known}"] if known else [])])
 
 
@@ -108,8 +113,8 @@ def _choice(choice: Choice) -> Iterator[str]:
     if later is None:
         yield "no other way led to the goal"
     if choice.after_fail is not None:
-        told = f"{_cost(choice.after_fail)} from the goal: {_steps(choice.after_fail)}"
-        yield f"a Fail leads to {choice.chosen.on_fail}, then {told}"
+        rest = f"{_cost(choice.after_fail)} from the goal: {_steps(choice.after_fail)}"
+        yield f"a Fail leads to {choice.chosen.on_fail}, then {rest}"
 
 
 def _instead(option: Option) -> str:
@@ -139,15 +144,15 @@ def _times(count: int) -> str:
     return "once" if count == 1 else f"{count} times"
 
 
-def _happened(told: Explanation) -> str:
-    action = told.action
+def _happened(explanation: Explanation) -> str:
+    action = explanation.action
     assert action is not None
     if action.outcome in ("Success", ""):
         lines = ["What happened", f"  {action.start:.1f} to {action.end:.1f} s: {action.outcome or 'no end'}"]
         return "\n".join([*lines, *(f"  {line}" for line in _facts(action))])
     lines = [f"Why it ended in {action.outcome}"]
-    lines += [f"  {line}" for cause in told.causes for line in cause_words(action, cause)]
-    if not told.causes:
+    lines += [f"  {line}" for cause in explanation.causes for line in cause_words(action, cause)]
+    if not explanation.causes:
         lines.append(f"  {action.reason} (the journal keeps no more)")
     return "\n".join([*lines, *(f"  {line}" for line in _facts(action))])
 
@@ -169,14 +174,14 @@ def cause_words(action: PastAction, cause: Mapping[str, Any]) -> Iterator[str]:
 
 def measured_words(measured: Mapping[str, Any]) -> str:
     """`Arm: force that resists 8.1 N, at most 7 N`."""
-    told = f"{measured['sensor']}: {measured['what']}"
+    head = f"{measured['sensor']}: {measured['what']}"
     value, limit = measured["value"], measured["limit"]
     unit = f" {measured['unit']}" if measured["unit"] else ""
     if value is None:
-        return f"{told}: not seen{'' if limit is None else f' within {limit:.3g}{unit}'}"
+        return f"{head}: not seen{'' if limit is None else f' within {limit:.3g}{unit}'}"
     if limit is None:
-        return f"{told} {value:.3g}{unit}"
-    return f"{told} {value:.3g}{unit}, needed: at {'least' if value < limit else 'most'} {limit:.3g}{unit}"
+        return f"{head} {value:.3g}{unit}"
+    return f"{head} {value:.3g}{unit}, needed: at {'least' if value < limit else 'most'} {limit:.3g}{unit}"
 
 
 def _facts(action: PastAction) -> Iterator[str]:
@@ -189,16 +194,16 @@ def _facts(action: PastAction) -> Iterator[str]:
         yield f"  {name} {said}"
 
 
-def _restored(told: Explanation) -> str:
-    action = told.action
+def _restored(explanation: Explanation) -> str:
+    action = explanation.action
     assert action is not None
     if not action.fails:
         return ""
-    if not told.residuals:
+    if not explanation.residuals:
         said = "nothing had moved" if action.outcome == "Fail" else "it was not measured"
         return f"What was restored\n  nothing to compare: {said}"
     lasted = "" if action.broken_off is None else f", {action.broken_off:.1f} to {action.end:.1f} s"
-    return "\n".join([f"What was restored{lasted}", *_table(told.residuals)])
+    return "\n".join([f"What was restored{lasted}", *_table(explanation.residuals)])
 
 
 def _table(residuals: Sequence[Residual]) -> Iterator[str]:
@@ -209,34 +214,34 @@ def _table(residuals: Sequence[Residual]) -> Iterator[str]:
         yield f"  {each.name:<{width}}  {size}{limit}{'' if each.within else '   <- beyond it'}"
 
 
-def _frames(told: Explanation) -> str:
+def _frames(explanation: Explanation) -> str:
     """What passed on the CAN bus, where that was recorded."""
-    if told.frames is None:
+    if explanation.frames is None:
         return ""
     from .frames_around import frames_around, in_words  # CAN is read where there was any
 
-    action, last = told.action, float(told.run.records[-1]["t"])
+    action, last = explanation.action, float(explanation.run.records[-1]["t"])
     end = action.end if action else last
     instant = end if action is None or action.broken_off is None else action.broken_off
-    if told.frames_at is not None:
-        instant = told.frames_at
+    if explanation.frames_at is not None:
+        instant = explanation.frames_at
     try:
-        around = frames_around(told.frames, told.run.folder, instant)
+        around = frames_around(explanation.frames, explanation.run.folder, instant)
     except (OSError, ValueError) as error:
-        if told.frames_at is not None:
+        if explanation.frames_at is not None:
             raise
         return f"Frames on the CAN bus\n  they can't be read: {error}"
-    where = f"around {instant:.3f} s" if math.isfinite(instant) else f"at the end of {told.frames}"
+    where = f"around {instant:.3f} s" if math.isfinite(instant) else f"at the end of {explanation.frames}"
     head = f"Frames on the CAN bus {where}, without what was said before"
     return "\n".join([head, *(f"  {line}" for line in in_words(around))])
 
 
-def _files(told: Explanation, chart: Path | None) -> str:
+def _files(explanation: Explanation, chart: Path | None) -> str:
     named = {
-        "what was seen": told.picture,
-        "points on the map": told.points,
-        "last readings and commands": told.readings,
-        "CAN frames": told.frames,
+        "what was seen": explanation.picture,
+        "points on the map": explanation.points,
+        "last readings and commands": explanation.readings,
+        "CAN frames": explanation.frames,
         "drawn": chart,
     }
     return "\n".join(f"{what}: {path}" for what, path in named.items() if path is not None)

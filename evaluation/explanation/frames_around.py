@@ -13,7 +13,7 @@ from pydantic import ValidationError
 
 from handcart.backends.can.bus.frame_log import NAMES
 from handcart.backends.can.bus.frame_names import FrameNames
-from handcart.backends.can.bus.frame_words import FrameWords, Told
+from handcart.backends.can.bus.frame_words import FrameDescription, FrameWords
 
 from .bus_log import read_log
 
@@ -27,7 +27,7 @@ class FrameLine(NamedTuple):
     time: float
     """[s] of the robot's time."""
     cob_id: int
-    told: Told
+    description: FrameDescription
 
 
 @dataclass(frozen=True)
@@ -65,7 +65,7 @@ def frames_around(file: Path, run: Path, instant: float) -> FramesAround:
     if not frames:
         return FramesAround(file, 0, (), 0, ())
     words = FrameWords(names)
-    all_lines = [FrameLine(each.timestamp, each.arbitration_id, words.told(each)) for each in frames]
+    all_lines = [FrameLine(each.timestamp, each.arbitration_id, words.describe(each)) for each in frames]
     telling, instant = list(_changes(all_lines)), min(instant, all_lines[-1].time)
     nearest = sorted(sorted(telling, key=lambda line: abs(line.time - instant))[:MOST])
     silent = tuple(_silent(all_lines))
@@ -75,7 +75,7 @@ def frames_around(file: Path, run: Path, instant: float) -> FramesAround:
 def _changes(lines: Sequence[FrameLine]) -> Iterator[FrameLine]:
     before: dict[int, str] = {}
     for line in lines:
-        state = line.told.state
+        state = line.description.state
         if state is None:
             yield line
             continue
@@ -89,7 +89,7 @@ def _silent(lines: Sequence[FrameLine]) -> Iterator[FrameLine]:
     for kind in ("TPDO", "heartbeat"):
         came: dict[int, list[FrameLine]] = {}
         for line in lines:
-            if line.told.state is not None and line.told.what.startswith(kind):
+            if line.description.state is not None and line.description.what.startswith(kind):
                 came.setdefault(line.cob_id, []).append(line)
         last = max((each[-1].time for each in came.values()), default=0.0)
         for each in came.values():
@@ -102,9 +102,9 @@ def in_words(around: FramesAround) -> Iterator[str]:
     """A line for each."""
     if around.left_out:
         yield f"{around.left_out} lines further away are left out"
-    width = max((len(each.told.who) for each in (*around.lines, *around.silent)), default=0)
+    width = max((len(each.description.who) for each in (*around.lines, *around.silent)), default=0)
     for each in around.lines:
-        yield _line(each, each.told.words, width)
+        yield _line(each, each.description.words, width)
     for each in around.silent:
         yield _line(each, "the last one: none came after", width)
     if not around.lines and not around.silent:
@@ -112,4 +112,6 @@ def in_words(around: FramesAround) -> Iterator[str]:
 
 
 def _line(line: FrameLine, words: str, width: int) -> str:
-    return f"{line.time:9.3f} s  {line.told.who:<{width}}  {line.told.what:<9}  {words}".rstrip()
+    return (
+        f"{line.time:9.3f} s  {line.description.who:<{width}}  {line.description.what:<9}  {words}".rstrip()
+    )

@@ -113,12 +113,20 @@ def _geojson(sensors: list[AsLaid], earth: EarthFrame) -> dict[str, Any]:
     features = []
     for sensor in sensors:
         large, small, _ = sensor.ellipse
-        told = {"name": sensor.name, "half_axis_m": round(large, 4), "other_half_axis_m": round(small, 4)}
+        properties = {
+            "name": sensor.name,
+            "half_axis_m": round(large, 4),
+            "other_half_axis_m": round(small, 4),
+        }
         point = {"type": "Point", "coordinates": _on_earth(sensor.place, earth)}
         ring = [_on_earth(corner, earth) for corner in sensor.outline]
         area = {"type": "Polygon", "coordinates": [ring]}
-        features.append({"type": "Feature", "geometry": point, "properties": {**told, "what": "sensor"}})
-        features.append({"type": "Feature", "geometry": area, "properties": {**told, "what": "95 % ellipse"}})
+        features.append(
+            {"type": "Feature", "geometry": point, "properties": {**properties, "what": "sensor"}}
+        )
+        features.append(
+            {"type": "Feature", "geometry": area, "properties": {**properties, "what": "95 % ellipse"}}
+        )
     return {"type": "FeatureCollection", "features": features}
 
 

@@ -71,7 +71,7 @@ class FieldSurvey(Survey):
         self._notes = SurveyNotes(run.folder, NOTES) if run.folder is not None and simulated else None
         if run.scene is not None:
             self._go_on()
-            self._noted, self._told = run.world.time, self._lengths()
+            self._noted, self._noted_lengths = run.world.time, self._lengths()
 
     @classmethod
     def applies(cls, run: SurveyedRun) -> bool:
@@ -120,17 +120,17 @@ class FieldSurvey(Survey):
         """Note what is new: sensors by name, tracks and sights."""
         if self._notes is None:
             return
-        sights = self.station.sights[self._told["sights"] :] if self.station is not None else []
+        sights = self.station.sights[self._noted_lengths["sights"] :] if self.station is not None else []
         note = FieldNote(
             {name: (self._blocks[name], self._seen[name]) for name in laid},
             {
-                name: [(round(x, 3), round(y, 3)) for x, y in points[self._told[name] :]]
+                name: [(round(x, 3), round(y, 3)) for x, y in points[self._noted_lengths[name] :]]
                 for name, points in self.tracks.items()
             },
             [(sight.time, *sight.place.round(4).tolist()) for sight in sights],
         )
         self._notes.add(self._scene.time, vars(note))
-        self._noted, self._told = self._scene.time, self._lengths()
+        self._noted, self._noted_lengths = self._scene.time, self._lengths()
 
     def placements(self) -> list[Placement]:
         """All sensors that were let go."""

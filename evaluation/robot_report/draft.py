@@ -12,7 +12,7 @@ from handcart.robotics.kinematics.urdf_contents import JointFacts
 from .outline import Outline
 
 RADIUS, TREAD = 0.1, 0.5  # of wheels that the URDF doesn't tell [m]
-UNTOLD = "measure"
+UNKNOWN = "measure"
 GUESSED = "by the URDF; measure"
 
 
@@ -56,8 +56,8 @@ def _drive(outline: Outline) -> list[str]:
     radius = None if wheels is None else wheels.radius
     tread = None if wheels is None else wheels.tread
     for key, value, otherwise in (("wheel_radius_m", radius, RADIUS), ("tread_m", tread, TREAD)):
-        told = value is not None and value > 0.0
-        lines.append(f"  {key}: {value if told else otherwise:.4g}     # {GUESSED if told else UNTOLD}")
+        known = value is not None and value > 0.0
+        lines.append(f"  {key}: {value if known else otherwise:.4g}     # {GUESSED if known else UNKNOWN}")
     limits = "top_speed_m_s: 0.5|top_turn_deg_s: 60|acceleration_m_s2: 0.5|turn_acceleration_deg_s2: 90"
     return lines + [f"  {each}     # choose" for each in limits.split("|")]
 
@@ -69,7 +69,7 @@ def _arm(outline: Outline, facts: dict[str, JointFacts]) -> list[str]:
     units = JointUnits(
         outline.arm, tuple(k == "prismatic" for k in kinds), tuple(k == "continuous" for k in kinds)
     )
-    home = units.told([_middle(facts[name]) for name in outline.arm])
+    home = units.user_units([_middle(facts[name]) for name in outline.arm])
     lines = ["arm:", f"  joints: {_flow(outline.arm)}", "  top_speed_deg_s: 30     # choose"]
     lines.append("  acceleration_deg_s2: 60     # choose")
     if any(units.slides):

@@ -37,7 +37,7 @@ def posture_at(robot: RobotFile, place: tuple[float, float, float]) -> list[floa
     assert robot.arm is not None
     home = np.array(robot.posture("home")) if "home" in robot.arm.postures else None
     best = min(good, key=lambda q: _extent(arm, q) if home is None else float(np.abs(q - home).max()))
-    return list(robot.joint_units.told(best.tolist()))
+    return list(robot.joint_units.user_units(best.tolist()))
 
 
 def _extent(arm: ArmModel, q: NDArray[np.float64]) -> float:

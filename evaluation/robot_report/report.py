@@ -182,26 +182,28 @@ def _of_drives(robot: RobotFile) -> list[Remark]:
 def _of_contact(contact: SelfContact | None, reach: Reach | None) -> list[Remark]:
     if contact is None:
         return []
-    told = []
+    remarks = []
     if contact.always:
         named = listed(f"{a} with {b}" for a, b in contact.always)
         words = f"links that touch however the arm stands: {named}"
-        told.append(Remark("", f"{words}; if they may, `handcart check --allow` writes that into the file"))
+        remarks.append(
+            Remark("", f"{words}; if they may, `handcart check --allow` writes that into the file")
+        )
     if reach is None:
         often = ", ".join(f"{a!r} with {b!r} in {share:.0%}" for (a, b), share in contact.often[:3])
-        told.append(Remark("", f"no posture was found that is free of the robot itself: {often}"))
-    return told
+        remarks.append(Remark("", f"no posture was found that is free of the robot itself: {often}"))
+    return remarks
 
 
 def _of_robot(robot: RobotFile, joints: Sequence[JointFacts]) -> list[Remark]:
     wheels = driven_wheels(joint.name for joint in joints)._asdict()
-    told = [
+    undriven = [
         f"no joint '{side}_wheel': the backend pybullet can't drive; name one: `drive: {{{side}: JOINT}}`"
         for side in wheels
         if not wheels[side]
     ]
     if robot.arm is None:
-        return [Remark("", each) for each in told]
+        return [Remark("", each) for each in undriven]
     of_arm = [joint for joint in joints if joint.name in robot.arm.joints]
     at = robot.whole.finding
     moves = [
@@ -209,7 +211,7 @@ def _of_robot(robot: RobotFile, joints: Sequence[JointFacts]) -> list[Remark]:
         for joint in of_arm
         for wrong in _of_joint(joint)
     ]
-    return [*moves, *(Remark("", each) for each in (*told, *_of_books(robot)))]
+    return [*moves, *(Remark("", each) for each in (*undriven, *_of_books(robot)))]
 
 
 def _of_joint(joint: JointFacts) -> list[str]:

@@ -55,8 +55,8 @@ def _kind(domain: str, path: str) -> type[Survey]:
     try:
         kind = imported(path)
     except Exception as error:  # whatever a module of somebody else's raises
-        told = f"{type(error).__name__}: {error}"
-        raise NoSurvey(f"the survey {path} of the domain {domain} can't be imported: {told}") from error
+        reason = f"{type(error).__name__}: {error}"
+        raise NoSurvey(f"the survey {path} of the domain {domain} can't be imported: {reason}") from error
     if not (isinstance(kind, type) and issubclass(kind, Survey)):
         raise NoSurvey(f"the survey {path} of the domain {domain} is none; allowed: a subclass of Survey")
     return kind
@@ -116,8 +116,8 @@ class Surveys:
                 wrong = not_restored(self._before, after, self.run.spec)
             elif isinstance(outcome, Success):
                 wrong = self._false_effect(Claim(primitive, self._before, after))
-        more = [told for _, told in self._asked(lambda survey: survey.ended(number, primitive, outcome))]
-        return wrong + [each for told in more for each in told]
+        more = [untrue for _, untrue in self._asked(lambda survey: survey.ended(number, primitive, outcome))]
+        return wrong + [each for untrue in more for each in untrue]
 
     def _false_effect(self, claim: Claim) -> list[str]:
         """What of a Success isn't so; of primitives that no survey knows, only what they disturbed."""
@@ -131,12 +131,12 @@ class Surveys:
             return wrong + list(own_word(self.run.world, claim.before))
         label = claim.primitive.label()
         checks = self._asked(lambda survey: survey.effects[label](survey, claim), label)
-        return wrong + [each for _, told in checks for each in told]
+        return wrong + [each for _, untrue in checks for each in untrue]
 
     def notes(self) -> dict[str, Any]:
         """What a run that breaks off now couldn't tell again, by survey."""
         noting = [each for each in self._every if each.noted is not None]
-        return {survey.name: told for survey, told in self._asked(lambda each: each.notes(), among=noting)}
+        return {survey.name: notes for survey, notes in self._asked(lambda each: each.notes(), among=noting)}
 
     def go_on(self, notes: Mapping[str, Any], path: Path) -> None:
         """Take up what was noted of the run that this one goes on with.
@@ -158,13 +158,13 @@ class Surveys:
 
     def figures(self) -> dict[str, Any]:
         """For the metrics of a run that has ended."""
-        told = [figures for _, figures in self._asked(lambda survey: survey.figures())]
-        return {name: value for each in told for name, value in each.items()}
+        by_survey = [figures for _, figures in self._asked(lambda survey: survey.figures())]
+        return {name: value for each in by_survey for name, value in each.items()}
 
     def faults(self) -> list[str]:
         """What the Success of a whole run claims and isn't so: in words, a line each survey."""
-        told = [faults for _, faults in self._asked(lambda survey: survey.faults())]
-        return ["; ".join(faults) for faults in told if faults]
+        by_survey = [faults for _, faults in self._asked(lambda survey: survey.faults())]
+        return ["; ".join(faults) for faults in by_survey if faults]
 
     def report(self, prepared: Prepared, folder: Path) -> None:
         """Write reports and pictures into the folder of a run that has ended; raises as `Survey.report`."""

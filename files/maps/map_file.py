@@ -119,8 +119,8 @@ def read_occupancy(path: Path) -> OccupancyFile:
     if path.suffix == SUFFIX:
         warning = f"a MovingAI map tells no size of its cells: {CELL:g} m is taken; "
         advice = f"a map's file with `image: {path.name}` and `resolution` tells another"
-        told = str(Finding(str(path), 1, 1, warning + advice))
-        return OccupancyFile(read_movingai(path), CELL, (0.0, 0.0), told)
+        finding = str(Finding(str(path), 1, 1, warning + advice))
+        return OccupancyFile(read_movingai(path), CELL, (0.0, 0.0), finding)
     loaded = load_document(read_document(path), MapFile)
     spec = loaded.value
     if wrong := list(_wrong(loaded)):

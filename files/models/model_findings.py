@@ -77,8 +77,8 @@ class _Wording:
             case "union_tag_not_found" | "union_tag_invalid":
                 return self._kind(place, path, error["input"])
             case "value_error" | "assertion_error":
-                told = f"{_name(path)}: {error['ctx']['error']}"
-                return self._document.finding(path, told, at_key=place.key)
+                words = f"{_name(path)}: {error['ctx']['error']}"
+                return self._document.finding(path, words, at_key=place.key)
         return self._document.finding(path, self._unfit(place, path, error), at_key=place.key)
 
     def _missing(self, place: Place) -> str:

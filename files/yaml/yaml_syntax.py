@@ -4,7 +4,7 @@ from typing import Any
 
 from handcart.files.errors import FileError, Finding
 
-_TOLD = (
+_EXPLANATIONS = (
     ("found character '\\t'", "a tab begins this line or word; allowed: spaces"),
     ("mapping values are not allowed", "a ':' where no key can stand; allowed: quotes if it is text"),
     (
@@ -23,7 +23,7 @@ _TOLD = (
         "an unknown escape in double quotes; allowed: single quotes for plain text",
     ),
 )
-_TOLD_AT_THEIR_BEGINNING = ("could not find expected ':'", "found unexpected end of stream")
+_MARKED_AT_THEIR_BEGINNING = ("could not find expected ':'", "found unexpected end of stream")
 
 
 def syntax_error(file: str, error: Exception, latest_mark: Any) -> FileError:
@@ -33,12 +33,12 @@ def syntax_error(file: str, error: Exception, latest_mark: Any) -> FileError:
         return _at(file, latest_mark, "an escape or a version that is out of range; allowed: YAML 1.2")
     mark = error.problem_mark  # type: ignore[attr-defined]
     context, context_mark = getattr(error, "context", None), getattr(error, "context_mark", None)
-    if context_mark is not None and any(sign in problem for sign in _TOLD_AT_THEIR_BEGINNING):
+    if context_mark is not None and any(sign in problem for sign in _MARKED_AT_THEIR_BEGINNING):
         mark = context_mark
-    told = next((said for sign, said in _TOLD if sign in problem), None)
-    if told is None:
-        told = f"no YAML ({' '.join(filter(None, (context, problem)))}); allowed: YAML 1.2"
-    return _at(file, mark, told)
+    words = next((said for sign, said in _EXPLANATIONS if sign in problem), None)
+    if words is None:
+        words = f"no YAML ({' '.join(filter(None, (context, problem)))}); allowed: YAML 1.2"
+    return _at(file, mark, words)
 
 
 def _at(file: str, mark: Any, message: str) -> FileError:

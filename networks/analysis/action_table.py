@@ -93,8 +93,8 @@ def _other_facts(table: ActionTable, number: int, row: TableRow) -> str:
     other = [name for name in sorted(both) if row.facts[name] != after.facts[name]]
     if not other:
         return ""
-    told = ", ".join(f"{name}: {row.facts[name]}, there {after.facts[name]}" for name in other)
-    said = f"Fail of row {number} leads to row {row.fail}, where other facts hold ({told})"
+    differences = ", ".join(f"{name}: {row.facts[name]}, there {after.facts[name]}" for name in other)
+    said = f"Fail of row {number} leads to row {row.fail}, where other facts hold ({differences})"
     return f"{said}; needed: a row with the same facts, for a Fail changes none"
 
 

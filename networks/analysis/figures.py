@@ -49,8 +49,8 @@ class Figures:
 
     def for_programs(self) -> dict[str, Any]:
         """What `handcart check --json` gives."""
-        told = {"assumption": ASSUMPTION, **_named(self.forecast)}
-        return {**told, "actions": [_row(each) for each in self.influences]}
+        forecast = {"assumption": ASSUMPTION, **_named(self.forecast)}
+        return {**forecast, "actions": [_row(each) for each in self.influences]}
 
 
 def missing_chances(task: Task) -> list[int]:

@@ -82,12 +82,12 @@ class Forecaster:
         self._reckon_whole()
         changed = sorted({self._stage_of[number] for number in numbers if number in self._stage_of})
         if change is None or not changed:
-            return _told(self._behind[0])
+            return _forecast_of(self._behind[0])
         ends, effort = self._before[changed[0]], effort or self._effort
         for at in range(changed[0], changed[-1] + 1):
             effort.spend(STAGE)
             ends = ends.then(self._chain(self._stages[at], change, numbers, effort).ends)
-        return _told(ends.then(self._behind[changed[-1] + 1]))
+        return _forecast_of(ends.then(self._behind[changed[-1] + 1]))
 
     def _reckon_whole(self) -> None:
         """How runs end before each stage, and from each on."""
@@ -140,7 +140,7 @@ class Forecaster:
         return self._chains[key]
 
 
-def _told(ends: Ends) -> Forecast:
+def _forecast_of(ends: Ends) -> Forecast:
     total = ends.total()
     sigma = math.sqrt(max(0.0, total.second - total.first**2))
     return Forecast(ends.goal.p, ends.skipped.p, ends.no_way.p, ends.give_up.p, total.first, sigma)

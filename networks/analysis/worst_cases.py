@@ -34,12 +34,12 @@ class NoWayLeft:
 
     def words(self, named: Callable[[str], str] = str) -> str:
         """The path for people, `PICK_UP from book_known fails 3 times`; with situations `named` so."""
-        told = []
+        parts = []
         for (action, failed), group in groupby(self.path):
             count = len(list(group))
             times = f" {count} times" if count > 1 else ""
-            told.append(f"{action.do} from {named(action.source)} {failed}".rstrip() + times)
-        return ", ".join(told)
+            parts.append(f"{action.do} from {named(action.source)} {failed}".rstrip() + times)
+        return ", ".join(parts)
 
 
 @dataclass(frozen=True)

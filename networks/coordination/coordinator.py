@@ -176,29 +176,29 @@ class Coordinator:
         return answer
 
     def _act(self, action: Action, primitive: ActionPrimitive) -> Generator[None, None, Outcome | NotStarted]:
-        told, moves = self._log, not primitive.only_knowledge
+        log, moves = self._log, not primitive.only_knowledge
         at = measure(self._robot) if moves else None
         if at is not None and (stood := self._watch.changed(at)):
             return self._world_changed(action, stood, at)
         if unmet := self._unmet_precondition(primitive):
-            return told.not_started(action, unmet)
+            return log.not_started(action, unmet)
         self._watch.begins(self.situation, at)
         self.life.act()
-        told.start(action, primitive, self.planner.fails(action), at)
+        log.start(action, primitive, self.planner.fails(action), at)
         periods = attempt(
-            primitive, self._robot, self._model, lambda why: self._restore(action, why), intents=told
+            primitive, self._robot, self._model, lambda why: self._restore(action, why), intents=log
         )
         outcome = yield from self._supervision.to_its_end(periods, action.time_out_s)
         if isinstance(outcome, NotStarted):
-            return told.not_started(action, outcome.reason)
+            return log.not_started(action, outcome.reason)
         if moves:
             at = measure(self._robot)
             self._watch.stands(at)
-        told.result(primitive, outcome, at)
-        while not told.kept:
+        log.result(primitive, outcome, at)
+        while not log.kept:
             yield
             self._supervision.between_actions()
-        told.result_kept(action, primitive, outcome)
+        log.result_kept(action, primitive, outcome)
         return outcome
 
     def _unmet_precondition(self, primitive: ActionPrimitive) -> str:
@@ -237,6 +237,6 @@ class Coordinator:
         return end
 
     def _end(self, outcome: RunOutcome, reason: str) -> RunEnd:
-        told = self._log
-        replans = max(0, told.plans - 1)
-        return RunEnd(outcome, self.situation, reason, told.started, told.fails, replans, tuple(told.skipped))
+        log = self._log
+        replans = max(0, log.plans - 1)
+        return RunEnd(outcome, self.situation, reason, log.started, log.fails, replans, tuple(log.skipped))

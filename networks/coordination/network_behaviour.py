@@ -66,7 +66,7 @@ class NetworkBehaviour(Behaviour):
         except StopIteration as end:
             self.end = end.value
             self._run = self._coordinator = None
-            return self._told(end.value)
+            return self._ended(end.value)
         self.feedback_message = f"{self._coordinator.situation}, {self._coordinator.life.state.value}"
         return Status.RUNNING
 
@@ -81,6 +81,6 @@ class NetworkBehaviour(Behaviour):
             self._run.close()
             self._robot.stop()
 
-    def _told(self, end: RunEnd) -> Status:
+    def _ended(self, end: RunEnd) -> Status:
         self.feedback_message = end.reason or end.outcome
         return Status.SUCCESS if end.outcome == "Success" else Status.FAILURE

@@ -81,8 +81,8 @@ class RunLog(Intents):
 
     def not_planned(self, situation: str, error: Exception) -> None:
         """A plan could not be made, because of a fault."""
-        told = "".join(traceback.format_exception(error))
-        self._write("PLAN", {"situation": situation, "error": told})
+        trace = "".join(traceback.format_exception(error))
+        self._write("PLAN", {"situation": situation, "error": trace})
 
     def start(
         self, action: Action, primitive: ActionPrimitive, fails: int, at: Snapshot | None = None
@@ -142,8 +142,8 @@ class RunLog(Intents):
         self, action: Action, stood: Snapshot, now: Snapshot, situation: str | None, reason: str
     ) -> None:
         """Somebody changed the world between two actions: the one that was next is not started."""
-        told = {"action": action.index, "reason": reason, "situation": situation}
-        self._write("RECON", told | {"expected": measured_fields(stood)} | _at(now))
+        fields = {"action": action.index, "reason": reason, "situation": situation}
+        self._write("RECON", fields | {"expected": measured_fields(stood)} | _at(now))
         self._tell(lambda: LeftOut(self._robot.time, action, reason))
 
     def not_started(self, action: Action, reason: str) -> NotStarted:
@@ -201,8 +201,8 @@ def outcome_fields(outcome: Outcome) -> dict[str, Any]:
         case Success(evidence):
             return {"outcome": "Success", "evidence": evidence} if evidence else {"outcome": "Success"}
         case Fail(reason, permanent, residuals):
-            told = {"reason": reason, "permanent": permanent, "residuals": residuals}
-            return {"outcome": "Fail", **told}
+            fields = {"reason": reason, "permanent": permanent, "residuals": residuals}
+            return {"outcome": "Fail", **fields}
         case GiveUp(reason, residuals):
             return {"outcome": "GiveUp", "reason": reason, "residuals": residuals}
 
@@ -222,11 +222,11 @@ def cause_fields(evidence: Evidence) -> dict[str, Any]:
 
 
 def _cause(cause: Cause) -> dict[str, Any]:
-    told: dict[str, Any] = {"reason": cause.reason, "check": cause.check, "calls": cause.calls}
+    fields: dict[str, Any] = {"reason": cause.reason, "check": cause.check, "calls": cause.calls}
     if cause.measured is not None:
-        told["measured"] = cause.measured._asdict()
+        fields["measured"] = cause.measured._asdict()
     if cause.fault:
-        told["fault"] = cause.fault
+        fields["fault"] = cause.fault
     if cause.restoring:
-        told["restoring"] = True
-    return told
+        fields["restoring"] = True
+    return fields

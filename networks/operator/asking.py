@@ -54,12 +54,12 @@ def ask(folder: Path, message: Mapping[str, Any], patience: float = PATIENCE) ->
     except OSError as error:
         raise _unreached(folder, error) from None
     try:
-        told = orjson.loads(answer)
+        reply = orjson.loads(answer)
     except orjson.JSONDecodeError:
-        told = None
-    if not isinstance(told, dict) or "ok" not in told:
+        reply = None
+    if not isinstance(reply, dict) or "ok" not in reply:
         raise NotAnswering(f"what answers in {folder} is no run: {printable(clipped(repr(answer)))}")
-    return told
+    return reply
 
 
 def tell_to_stop(folder: Path) -> None:

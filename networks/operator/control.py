@@ -123,13 +123,13 @@ class Control:
         if message is None:
             return _refusal(f"a message of more than {LONGEST} bytes")
         try:
-            told = orjson.loads(message)
+            request = orjson.loads(message)
         except orjson.JSONDecodeError as error:
             return _refusal(f"this is no JSON ({error})")
-        if not isinstance(told, dict):
+        if not isinstance(request, dict):
             return _refusal("this is no JSON object")
         try:
-            return orjson.dumps(self._answer(told))
+            return orjson.dumps(self._answer(request))
         except Exception as error:  # a fault of ours must not end the run of who asked
             return orjson.dumps(
                 {"ok": False, "error": f"a fault in handcart: {type(error).__name__}: {error}"}

@@ -69,8 +69,8 @@ class Past:
             records.append(("RESULT", {**self.recovered, "recovered": True}, wall))
         records += [(kind, fields, {}) for kind, fields in self.closing]
         doubt = self.standing.in_doubt
-        told = {"after": self.last, "in_doubt": None if doubt is None else doubt["n"]}
-        return [*records, ("EPOCH", told, {})]
+        epoch = {"after": self.last, "in_doubt": None if doubt is None else doubt["n"]}
+        return [*records, ("EPOCH", epoch, {})]
 
     def doubts(self) -> Iterator[str]:
         """What may have happened since the last that is known."""
@@ -116,8 +116,10 @@ class Past:
         joints = 0 if arm is None else arm.command().size
         for at in (self.standing.at, *self.standing.seen.values()):
             if at is not None and (at.joints.size, at.joint_command.size) != (joints, joints):
-                told = f"{self.folder / JOURNAL} tells of {at.joints.size} joints, and the robot has {joints}"
-                raise NeedsOperator(printable(told))
+                wrong = (
+                    f"{self.folder / JOURNAL} tells of {at.joints.size} joints, and the robot has {joints}"
+                )
+                raise NeedsOperator(printable(wrong))
 
     def next_words(self) -> str:
         """What would be done next."""
@@ -173,10 +175,10 @@ def _recovered(
     doubt = here.in_doubt
     whole = doubt is not None and checkpoint.after == contents.records[-1]["h"]
     if doubt is None or not whole or checkpoint.result["n"] != doubt["n"]:
-        told = (
+        difference = (
             f"it is of action {checkpoint.result['n']}, and the journal's last result of action {here.done}"
         )
-        words = f"the checkpoint in {folder} is not the one that its journal names: {told}"
+        words = f"the checkpoint in {folder} is not the one that its journal names: {difference}"
         if not contents.records[0].get("simulated", True):
             words += f"; if the robot may go on without what it had learned: rm {folder / NAME}"
         raise NeedsOperator(words)

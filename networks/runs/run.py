@@ -98,11 +98,13 @@ def execute(
             end = _guarded(coordinator, prepared.robot, telemetry, run_dir, [*observers, operation])
         figures = {name: value for each in observers for name, value in each.figures(end).items()}
         try:
-            told = _write(run_dir / "summary.json", summary(prepared, end, run_dir, clock() - began, figures))
+            written = _write(
+                run_dir / "summary.json", summary(prepared, end, run_dir, clock() - began, figures)
+            )
             telemetry.save(run_dir / "telemetry.npz")
         except OSError as error:
             raise NotKept(run_dir, end, error) from None
-    return Executed(end, told)
+    return Executed(end, written)
 
 
 def _permits(prepared: Prepared, options: RunOptions) -> Permits:

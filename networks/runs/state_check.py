@@ -56,8 +56,8 @@ class StateCheck:
     def fields(self) -> dict[str, Any]:
         """For the journal's RECON; `situation` is that of the run, so none is named."""
         expected = None if self.expected is None else measured_fields(self.expected)
-        told = {"expected": expected, "at": measured_fields(self.measured), "residuals": self.residuals}
-        return {"situation": None, **told, "unknown": self.unknown}
+        states = {"expected": expected, "at": measured_fields(self.measured), "residuals": self.residuals}
+        return {"situation": None, **states, "unknown": self.unknown}
 
 
 def standing_as_left(prepared: Prepared, past: Past) -> Prepared:

@@ -88,8 +88,8 @@ class _Named(NamedTuple):
 
 def place_rooms(task: Task, robot: RobotFile, model: WorldModel, start: Pose2) -> PlaceRooms:
     """The places of a task's map, where it has one and the robot drives on it."""
-    told = task.knowledge.places
-    if told is None or task.path("knowledge", "map") is None or robot.drive.kind == "ackermann":
+    loaded = task.knowledge.places
+    if loaded is None or task.path("knowledge", "map") is None or robot.drive.kind == "ackermann":
         return PlaceRooms()
     named, driven = _named(task.network.actions), _named(task.network.actions, driving=True)
     ways = Ways(model.map, robot.footprint_radius_m, start)
@@ -97,29 +97,29 @@ def place_rooms(task: Task, robot: RobotFile, model: WorldModel, start: Pose2) -
         PlaceRoom(
             name,
             ways.to(place.pose, place.front if place.docks else None),
-            told.document.key_position((PLACES, name))[0],
+            loaded.document.key_position((PLACES, name))[0],
             named.any or name in named.names or name == _start_of(task),
             name in driven.names,
         )
-        for name, place in told.value.places.items()
+        for name, place in loaded.value.places.items()
     )
-    errors = [_cant(told, each, task) for each in rooms if each.driven_to and each.way.route is None]
-    return PlaceRooms(rooms, tuple(errors), tuple(_warnings(told, rooms, task, driven.any)))
+    errors = [_cant(loaded, each, task) for each in rooms if each.driven_to and each.way.route is None]
+    return PlaceRooms(rooms, tuple(errors), tuple(_warnings(loaded, rooms, task, driven.any)))
 
 
 def _warnings(
-    told: Loaded[Places], rooms: Collection[PlaceRoom], task: Task, any_driven: bool
+    loaded: Loaded[Places], rooms: Collection[PlaceRoom], task: Task, any_driven: bool
 ) -> Iterator[Finding]:
     for each in rooms:
         if not each.used:
             allowed = "allowed, if that is meant" if each.way.route else each.way.reason
             words = f"no action uses the place {each.name!r}; {allowed}"
-            yield told.finding((PLACES, each.name), words, at_key=True)
+            yield loaded.finding((PLACES, each.name), words, at_key=True)
         elif each.way.route is None and not each.driven_to and (any_driven or not each.way.fits):
-            yield _cant(told, each, task)
+            yield _cant(loaded, each, task)
 
 
-def _cant(told: Loaded[Places], room: PlaceRoom, task: Task) -> Finding:
+def _cant(loaded: Loaded[Places], room: PlaceRoom, task: Task) -> Finding:
     if not room.way.fits:
         words = f"the robot can't stand at the place {room.name!r}: {room.way.reason}"
     else:
@@ -128,7 +128,7 @@ def _cant(told: Loaded[Places], room: PlaceRoom, task: Task) -> Finding:
             f"no way leads to the place {room.name!r}{f' from {start!r}' if start else ''}: {room.way.reason}"
         )
         words += "" if ";" in words or "needed" in words else "; needed: a way on the map"
-    return told.finding((PLACES, room.name), words, at_key=True)
+    return loaded.finding((PLACES, room.name), words, at_key=True)
 
 
 def _start_of(task: Task) -> str | None:

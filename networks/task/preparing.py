@@ -115,18 +115,18 @@ def _built(
     bench: str | None = None,
 ) -> Prepared:
     """The robot of a task that was read; raises as `prepare` does."""
-    task, name, spec, told = read.task, read.backend, read.spec, read.told
+    task, name, spec, known = read.task, read.backend, read.spec, read.known
     findings, world = read.findings, read.world
     findings.add(*read.rooms.errors)
     made = None
-    if spec is not None and world is not None and told is not None and not findings:
+    if spec is not None and world is not None and known is not None and not findings:
         start = task.knowledge.start
         made = _collected(findings, lambda: make_backend(name, spec, world, seed, start, window, bench))
     findings.raise_all()
     assert made is not None
     assert spec is not None
-    assert told is not None
-    model, warnings = told[0], (*spec.warnings, *told[1])
+    assert known is not None
+    model, warnings = known[0], (*spec.warnings, *known[1])
     try:
         task.check_capabilities(made)
         robot = make_robot(task, made, spec, model)
@@ -144,7 +144,7 @@ class _Read:
     backend: str
     """Its name."""
     spec: RobotFile | None
-    told: tuple[WorldModel, tuple[str, ...]] | None
+    known: tuple[WorldModel, tuple[str, ...]] | None
     world: Path | None
     findings: Findings
     rooms: PlaceRooms
@@ -177,14 +177,14 @@ def _read(
     findings = Findings()
     spec = _collected(findings, lambda: load_robot(task.robot))
     spec = spec if errors or spec is None else spec.without_errors()
-    told = _collected(findings, lambda: load_model(task))
+    known = _collected(findings, lambda: load_model(task))
     name = backend or task.file.backend
     if backend is None and name not in backend_names():
         findings.add(task.document.finding(("backend",), str(UnknownBackend(name))))
     world = task.path("world")
     if world is None:
         findings.add(task.document.finding((), f"the key 'world' is missing; needed: what {name} builds"))
-    if spec is not None and told is not None:
+    if spec is not None and known is not None:
         for section in task.knowledge.sections.values():
             findings.add(*section.faults(spec))
     if spec is not None and spec.drive.kind == "ackermann":
@@ -192,13 +192,13 @@ def _read(
             if task.document.root.deepest(("knowledge", key))[1]:
                 wrong = f"{key}: a car-like base plans without a map; allowed: a base that turns on the spot"
                 findings.add(task.document.finding(("knowledge", key), wrong))
-    if spec is not None and told is not None and world is not None and not resumed:
-        start, grid = _told_start(task, told[0]), told[0].map if task.path("knowledge", "map") else None
+    if spec is not None and known is not None and world is not None and not resumed:
+        start, grid = _stated_start(task, known[0]), known[0].map if task.path("knowledge", "map") else None
         _collected(findings, lambda: check_world(world, spec, start, grid))
     rooms = PlaceRooms()
-    if spec is not None and told is not None and not findings:
-        rooms = place_rooms(task, spec, told[0], task.knowledge.start)
-    return _Read(task, name, spec, told, world, findings, rooms)
+    if spec is not None and known is not None and not findings:
+        rooms = place_rooms(task, spec, known[0], task.knowledge.start)
+    return _Read(task, name, spec, known, world, findings, rooms)
 
 
 def check(
@@ -222,10 +222,10 @@ def check(
         FileError: with every finding in all of the files but those of places, which are given.
     """
     read = _read(task_path, backend, settings, primitive_class, situation, True)
-    if read.spec is None or read.told is None or read.findings:
+    if read.spec is None or read.known is None or read.findings:
         read.findings.raise_all()
     assert read.spec is not None
-    assert read.told is not None
+    assert read.known is not None
     kinds = backend_class(read.backend).kinds(read.spec)
     if kinds is None and not read.rooms.errors:
         with _built(read, settings, seed) as prepared:
@@ -237,7 +237,7 @@ def check(
 
 def _checked(read: _Read) -> Checked:
     robot = read.spec.warnings if read.spec else ()
-    warnings = (*robot, *(read.told[1] if read.told else ()), *map(str, read.rooms.warnings))
+    warnings = (*robot, *(read.known[1] if read.known else ()), *map(str, read.rooms.warnings))
     return Checked(read.task, warnings, read.rooms.places, read.rooms.errors)
 
 
@@ -247,7 +247,7 @@ def make_robot(task: Task, backend: Backend, spec: RobotFile, model: WorldModel)
     return Robot(backend, spec, task.knowledge.start, grid)
 
 
-def _told_start(task: Task, model: WorldModel) -> Pose2 | None:
+def _stated_start(task: Task, model: WorldModel) -> Pose2 | None:
     """None where the task says nothing of where it starts."""
     named = task.file.knowledge.start if task.file.knowledge else None
     return model.places[named].pose if named and named in model.places else None
@@ -257,7 +257,7 @@ def load_model(task: Task) -> tuple[WorldModel, tuple[str, ...]]:
     """What the robot knows beforehand, and warnings about it; raises `FileError` with every finding."""
     findings, named = Findings(), task.knowledge.places
     chart, keepout, mask = task.path("knowledge", "map"), task.path("knowledge", "keepout"), task.path(*MASK)
-    told = _collected(findings, lambda: load_map(chart)) if chart else (nowhere(), None)
+    loaded = _collected(findings, lambda: load_map(chart)) if chart else (nowhere(), None)
     zones = _collected(findings, lambda: read_occupancy(keepout).grid) if keepout else None
     spec = task.file.knowledge.speed_limits if task.file.knowledge else None
     limits = _collected(findings, lambda: load_speed_limits(mask, spec)) if mask and spec else None
@@ -265,14 +265,14 @@ def load_model(task: Task) -> tuple[WorldModel, tuple[str, ...]]:
         if not chart and task.document.root.deepest(("knowledge", key))[1]:
             wrong = f"{key} is a mask over a map; needed: the key `map`"
             findings.add(task.document.finding(("knowledge", key), wrong))
-    if keepout and zones is not None and told:
-        findings.add(*(keepout_findings(named, told[0], zones, keepout) if named else ()))
-        told = with_keepout(told[0], zones), told[1]
-    if chart and told and named:
-        findings.add(*place_findings(named, told[0], chart))
+    if keepout and zones is not None and loaded:
+        findings.add(*(keepout_findings(named, loaded[0], zones, keepout) if named else ()))
+        loaded = with_keepout(loaded[0], zones), loaded[1]
+    if chart and loaded and named:
+        findings.add(*place_findings(named, loaded[0], chart))
     findings.raise_all()
-    assert told is not None
-    grid, warning = told
+    assert loaded is not None
+    grid, warning = loaded
     sections = task.knowledge.fresh_sections()
     model = WorldModel(grid, task.knowledge.all_places(), speed_limits=limits, sections=sections)
     return model, (warning,) if warning else ()

@@ -73,7 +73,7 @@ class Repetition:
     goal: str
     inner: frozenset[str]
     """The situations that are copied."""
-    told: str
+    suffix: str
     """What people read behind the names of its elements."""
     around: Element | None = None
     """The element whose part it is within."""
@@ -97,7 +97,7 @@ class Repetition:
                 (*path, number),
                 self.repeat.name,
                 value,
-                f"{before}{self.repeat.name}[{number + 1}]{_shown(value)}{self.told}",
+                f"{before}{self.repeat.name}[{number + 1}]{_shown(value)}{self.suffix}",
                 self.around,
             )
             for number, value in enumerate(values)

@@ -294,8 +294,8 @@ class _Reader:
         return Task(file, self._document, network, entries, self._knowledge)
 
     def _check_late(self, file: TaskFile, network: ActionNetwork, entries: Sequence[int | None]) -> None:
-        told = file.knowledge.model_fields_set if file.knowledge else ()
-        for action, name, key in unwritten(network, told):
+        given = file.knowledge.model_fields_set if file.knowledge else ()
+        for action, name, key in unwritten(network, given):
             wrong = f"{name}: nothing that is done before finds out {key!r}"
             needed = f"needed: before it an action whose primitive writes {key.split('.')[0]!r}"
             number = entries[action.index]

@@ -10,16 +10,16 @@ from handcart.networks.graph.network import Action, ActionNetwork
 from handcart.primitives.knowledge.world_model import WorldModel
 
 
-def unwritten(network: ActionNetwork, told: Collection[str]) -> Iterator[tuple[Action, str, str]]:
+def unwritten(network: ActionNetwork, given: Collection[str]) -> Iterator[tuple[Action, str, str]]:
     """Actions with a parameter that nobody could know there: the action, the parameter, `cup.size`.
 
     What the world model doesn't know at first has to be found out by an action that comes before.
 
     Args:
         network: the whole network.
-        told: entries of the world model that files of the task fill.
+        given: entries of the world model that files of the task fill.
     """
-    empty = WorldModel.unknown_at_first() - set(told)
+    empty = WorldModel.unknown_at_first() - set(given)
     ways = _ways(network)
     known: dict[str, set[str]] = {}
     for action in network.actions:

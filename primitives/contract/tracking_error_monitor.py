@@ -26,7 +26,7 @@ class TrackingErrorMonitor:
 
     def __init__(self, robot: Robot) -> None:
         self._robot = robot
-        self._told: deque[NDArray[np.float64]] = deque(maxlen=LATE)
+        self._commands: deque[NDArray[np.float64]] = deque(maxlen=LATE)
         self._off = 0
 
     def check(self) -> None:
@@ -34,11 +34,11 @@ class TrackingErrorMonitor:
         arm = self._robot.backend.get(Arm)  # type: ignore[type-abstract]
         if arm is None:
             return
-        self._told.append(arm.command())
-        if len(self._told) < LATE:
+        self._commands.append(arm.command())
+        if len(self._commands) < LATE:
             return
-        joints, told = arm.joints(), np.array(self._told)
-        off = np.maximum(told.min(axis=0) - joints, joints - told.max(axis=0))
+        joints, commanded = arm.joints(), np.array(self._commands)
+        off = np.maximum(commanded.min(axis=0) - joints, joints - commanded.max(axis=0))
         self._off = 0 if bool((off <= BEHIND).all()) else self._off + 1  # NaN is off too
         if self._off >= IN_A_ROW:
             number = int(np.argmax(off)) + 1

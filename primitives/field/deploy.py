@@ -81,7 +81,7 @@ class Deploy(ActionPrimitive):
 
     def motion(self, robot: Robot, model: ModelView) -> Periods:
         work = model.of(FieldWork)
-        field, target = self._told(model)
+        field, target = self._field_and_target(model)
         arm = self._arm = SensorArm(robot, field)
         yield from arm.take()
         yield from self._be_sure(robot, target)
@@ -109,7 +109,7 @@ class Deploy(ActionPrimitive):
         if self._arm is not None:
             yield from self._arm.stow()
 
-    def _told(self, model: ModelView) -> tuple[Field, Target]:
+    def _field_and_target(self, model: ModelView) -> tuple[Field, Target]:
         work = model.of(FieldWork)
         if work.field is None or self.target not in work.targets:
             raise Discrepancy(f"there is no target {self.target!r} in the field", permanent=True)

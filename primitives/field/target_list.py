@@ -118,8 +118,8 @@ def _csv(path: Path, wrong: Findings) -> Iterator[Row]:
         if not row.cells:
             continue
         if len(row.cells) != len(header):
-            told = f"{len(row.cells)} cells; allowed: {len(header)}, as in the header"
-            wrong.add(Finding(str(path), row.line, 1, told))
+            message = f"{len(row.cells)} cells; allowed: {len(header)}, as in the header"
+            wrong.add(Finding(str(path), row.line, 1, message))
             continue
         words = dict(zip(header, row.cells, strict=True))
         yield Row(row.line, dict(zip(header, row.columns, strict=True)), words)
@@ -158,10 +158,10 @@ def _target(
     if len(name) > LONGEST_NAME:
         raise _Wrong("name", f"the name has {len(name)} characters; allowed: {LONGEST_NAME}")
     if name in found:
-        told = (
+        message = (
             f"the target {name!r} is there twice, first in line {found[name].line}; allowed: each name once"
         )
-        raise _Wrong("name", told)
+        raise _Wrong("name", message)
     if METRES[0] in row.words:
         key, (x, y) = METRES[0], (_number(row, METRES[0]), _number(row, METRES[1]))
     else:
@@ -171,8 +171,10 @@ def _target(
         inside = f"allowed: the field, x {west:g} to {east:g} m, y {south:g} to {north:g} m"
         raise _Wrong(key, f"the target {name!r} at ({x:.1f}, {y:.1f}) m lies outside; {inside}")
     if there := near.to(x, y):
-        told = f"the target {name!r} lies where {listed(there)} does; allowed: {LEAST_APART} m apart at least"
-        raise _Wrong(key, told)
+        message = (
+            f"the target {name!r} lies where {listed(there)} does; allowed: {LEAST_APART} m apart at least"
+        )
+        raise _Wrong(key, message)
     heading = math.radians(_number(row, HEADING)) if row.words.get(HEADING) else None
     stand = _stand(x, y, field.aside_m, before, heading)
     near.add(name, x, y)

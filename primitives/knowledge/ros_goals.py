@@ -53,8 +53,8 @@ def goals_as_places(document: Document) -> Document:
     if not places and not findings:
         findings.add(_at(listed, "no goals; allowed: a list of poses"))
     findings.raise_all()
-    told = replace(root, content="handcart-places/1")
-    whole = replace(root, content={"format": told, "places": replace(listed, content=places)})
+    format_node = replace(root, content="handcart-places/1")
+    whole = replace(root, content={"format": format_node, "places": replace(listed, content=places)})
     return replace(document, root=whole)
 
 
@@ -134,9 +134,9 @@ def _where(node: Node, key: str, index: int, value: float) -> Node:
 
 def _frame(node: Node) -> Iterator[Finding]:
     header = node.child("header")
-    told = (header.child("frame_id") if header is not None else None) or node.child("frame_id")
-    if told is not None and told.content not in FRAMES:
-        yield _at(told, f"the goal is told in the frame {told.content!r}; allowed: map")
+    frame = (header.child("frame_id") if header is not None else None) or node.child("frame_id")
+    if frame is not None and frame.content not in FRAMES:
+        yield _at(frame, f"the goal is told in the frame {frame.content!r}; allowed: map")
 
 
 def _at(node: Node, message: str) -> Finding:

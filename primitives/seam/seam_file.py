@@ -49,8 +49,8 @@ def load_seam(path: Path | str) -> ToolPath:
 def untrackable(file: str, error: Untrackable) -> FileError:
     """What is wrong with a point, at its line of the file."""
     nearest = "" if error.nearest is None else f"; the nearest that can be reached: {_words(error.nearest)}"
-    told = nearest or "allowed: " in error.why or "needed: " in error.why
-    allowed = "" if told else "; allowed: a seam without that"
+    advised = nearest or "allowed: " in error.why or "needed: " in error.why
+    allowed = "" if advised else "; allowed: a seam without that"
     return _refused(file, error.index + 2, f"this point {error.why}{nearest}{allowed}")
 
 

@@ -128,8 +128,8 @@ def _check_known(robot: Robot) -> None:
     x, y, turn = np.sqrt(np.diag(robot.localization.covariance)).tolist()
     off = SURE * math.hypot(x, y, REACH * turn)
     if off > MOST_OFF:
-        told = Measured("Positioning", f"{SURE:g} sigma of the tool", 1e3 * off, 1e3 * MOST_OFF, "mm")
-        raise Discrepancy("it isn't known exactly enough where the base stands", measured=told)
+        measured = Measured("Positioning", f"{SURE:g} sigma of the tool", 1e3 * off, 1e3 * MOST_OFF, "mm")
+        raise Discrepancy("it isn't known exactly enough where the base stands", measured=measured)
 
 
 def _lead(part: ToolPath, index: int) -> ToolPath:

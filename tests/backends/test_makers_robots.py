@@ -92,7 +92,7 @@ def test_a_lift_is_entered_in_mm_and_an_endless_joint_within_a_turn(file: Path) 
     assert robot.posture("home") == pytest.approx((0.25, math.radians(-170.0)))
     assert robot.joint_speeds().tolist() == pytest.approx([0.05, math.radians(90.0)])
     assert robot.joint_accelerations().tolist() == pytest.approx([0.1, math.radians(180.0)])
-    assert robot.joint_units.told(robot.posture("home")) == pytest.approx((250.0, -170.0))
+    assert robot.joint_units.user_units(robot.posture("home")) == pytest.approx((250.0, -170.0))
     assert robot.joint_units.words(0, 0.1234) == "123.4 mm"
 
 

@@ -86,35 +86,35 @@ def contents_lines(contents: Contents, chosen: Collection[str], every: bool) -> 
     weighed = sorted(((each.mass_kg or 0.0, each.name) for each in contents.links), reverse=True)
     heaviest = ", ".join(f"{name} {mass:.3g} kg" for mass, name in weighed[:MOST] if mass > 0.0)
     kinds = ", ".join(f"{count} {kind}" for kind, count in sorted(others.items()))
-    told: list[Any] = [_joint_table(rows), ""] if rows else []
-    told += [f"other joints that move: {kinds}"] if others else []
-    told.append(f"{len(weighed)} links, {sum(mass for mass, _ in weighed):.3g} kg; the heaviest: {heaviest}")
-    told += [f"{len(contents.meshes)} meshes"] if contents.meshes else []
-    return [*_lines_of(*told), "--all tells of each joint, link and mesh", ""]
+    parts: list[Any] = [_joint_table(rows), ""] if rows else []
+    parts += [f"other joints that move: {kinds}"] if others else []
+    parts.append(f"{len(weighed)} links, {sum(mass for mass, _ in weighed):.3g} kg; the heaviest: {heaviest}")
+    parts += [f"{len(contents.meshes)} meshes"] if contents.meshes else []
+    return [*_lines_of(*parts), "--all tells of each joint, link and mesh", ""]
 
 
 def _lines(report: RobotReport, every: bool) -> list[str]:
     """The report for people."""
-    told: list[Any] = []
+    parts: list[Any] = []
     if report.contact is not None:
-        told.append(report.contact.words)
+        parts.append(report.contact.words)
     if report.reach is not None:
-        told += [_reach(report.reach), ""]
+        parts += [_reach(report.reach), ""]
     if report.camera is not None:
         camera = report.camera
-        told.append(
+        parts.append(
             f"camera: sees {camera.across_deg:.0f} by {camera.upright_deg:.0f} deg; "
             f"{camera.px_per_mm:.1f} px a mm at 0.3 m"
         )
-    return [*contents_lines(report.contents, report.arm, every), *_lines_of(*told)]
+    return [*contents_lines(report.contents, report.arm, every), *_lines_of(*parts)]
 
 
-def _lines_of(*told: Any) -> list[str]:
+def _lines_of(*parts: Any) -> list[str]:
     from rich.console import Console
     from rich.text import Text
 
     console = Console(file=io.StringIO(), width=WIDTH, color_system=None)
-    for each in told:
+    for each in parts:
         # A maker's name may look like markup.
         console.print(Text(each) if isinstance(each, str) else each)
     text = console.file.getvalue()  # type: ignore[attr-defined]

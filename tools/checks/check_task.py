@@ -28,7 +28,7 @@ def task_facts(task: Task, watch: Watch = lambda share: None) -> dict[str, Any]:
     from handcart.networks.chains.policy import WORK
 
     network = task.network
-    told: dict[str, Any] = {
+    facts: dict[str, Any] = {
         "title": task.file.title,
         "situations": len(network.situations),
         "actions": len(network.actions),
@@ -36,12 +36,12 @@ def task_facts(task: Task, watch: Watch = lambda share: None) -> dict[str, Any]:
     warnings = task_findings(task)
     cases = worst_cases(network, Effort(WORK, lambda share: watch(share / 3.0)))
     if cases.too_large:
-        told["worst cases"] = f"not known: {'; '.join(sorted({str(each) for each in cases.too_large}))}"
+        facts["worst cases"] = f"not known: {'; '.join(sorted({str(each) for each in cases.too_large}))}"
     warnings += unused_findings(task, cases)
     short = list(map(str, short_findings(task, cases)))
     figures, lines = _figures(task, watch)
     return {
-        **told,
+        **facts,
         "longest run": f"at most {cases.longest} actions",
         "warnings": list(map(str, warnings)),
         "short": short,

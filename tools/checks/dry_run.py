@@ -36,16 +36,18 @@ def dry_run(
         print("\n".join([] if as_json else places), end="" if as_json else "\n")
         raise FileError(checked.errors)
     doubts = [*checked.warnings, *map(str, posture_findings(robot, load_robot(robot)))]
-    told = follow(network, outcomes.outcomes if outcomes else ())
+    imagined = follow(network, outcomes.outcomes if outcomes else ())
     if as_json:
         rooms = [each.for_programs() for each in checked.places]
-        print(orjson.dumps({**told.summary(), "places": rooms, "warnings": doubts}).decode())
+        print(orjson.dumps({**imagined.summary(), "places": rooms, "warnings": doubts}).decode())
     else:
-        for line in told.lines:
+        for line in imagined.lines:
             print(line)
-        print(f"{told.outcome} in situation {told.situation}{told.reason and ': '}{told.reason}")
+        print(
+            f"{imagined.outcome} in situation {imagined.situation}{imagined.reason and ': '}{imagined.reason}"
+        )
         print(f"imagined: nothing has moved; a real run takes at most {network.bound()} actions")
         print("\n".join(places), end="\n" if places else "")
         for doubt in doubts:
             print(f"warning: {doubt}")
-    return STATUS[told.outcome]
+    return STATUS[imagined.outcome]

@@ -110,7 +110,7 @@ def _print_json(report: Report, asked: int, interrupted: bool) -> None:
     import orjson
 
     low, high = report.wilson
-    told = {
+    summary = {
         "trials": len(report.trials),
         "asked": asked,
         "interrupted": interrupted,
@@ -130,4 +130,4 @@ def _print_json(report: Report, asked: int, interrupted: bool) -> None:
             for each in _shares(report)
         ],
     }
-    print(orjson.dumps(told, option=orjson.OPT_NON_STR_KEYS).decode())
+    print(orjson.dumps(summary, option=orjson.OPT_NON_STR_KEYS).decode())

@@ -57,7 +57,7 @@ def check(
 
     try:
         given = dict(split_setting(each) for each in settings or [])
-        told = file_facts(file, given, Asked(picture, every, allow, draft))
+        facts = file_facts(file, given, Asked(picture, every, allow, draft))
     except InputError as error:
         if not as_json:
             if isinstance(error, FileError) and not every:
@@ -65,26 +65,26 @@ def check(
             raise
         print(orjson.dumps({"ok": False, "findings": _findings(error)}).decode())
         sys.exit(error.exit_status)
-    errors = told.pop("errors", [])
+    errors = facts.pop("errors", [])
     if as_json:
-        told.pop("lines", None)
-        told.pop("grouped", None)
+        facts.pop("lines", None)
+        facts.pop("grouped", None)
         found = {"findings": _places(errors)} if errors else {}
-        print(orjson.dumps({"ok": not errors, **found, **told}).decode())
+        print(orjson.dumps({"ok": not errors, **found, **facts}).decode())
         sys.exit(InputError.exit_status if errors else 0)
-    warnings = told.pop("warnings", ())
+    warnings = facts.pop("warnings", ())
     for each in errors:
         print(each, file=sys.stderr)
     faults = f"{len(errors)} faults" if errors else "no fault found"
     print(f"{file}: {faults}{f', {len(warnings)} warnings' if warnings else ''}")
-    grouped = told.pop("grouped", warnings)
+    grouped = facts.pop("grouped", warnings)
     for warning in warnings if every else grouped:
         print(f"  warning: {warning}")
-    for line in told.pop("lines", ()):
+    for line in facts.pop("lines", ()):
         print(f"  {line}")
     for key in ("figures", "robot", "short", "places"):
-        told.pop(key, None)
-    for name, value in told.items():
+        facts.pop(key, None)
+    for name, value in facts.items():
         print(f"  {name}: {value}")
     sys.exit(InputError.exit_status if errors else 0)
 
@@ -202,17 +202,17 @@ def _task_facts(file: Path, settings: dict[str, str], quick: bool) -> dict[str, 
 
     checked = check_task(file, settings=settings)
     with share_shown(f"{file}: how runs end") as watch:
-        told = task_facts(checked.task, watch)
+        facts = task_facts(checked.task, watch)
     if not quick and checked.task.path("knowledge", "seam"):
         from handcart.evaluation.seam.seam_check import seam_facts  # what it needs takes a second to import
 
-        told |= seam_facts(checked.task)
+        facts |= seam_facts(checked.task)
     robot = checked.task.robot
     postures = map(str, posture_findings(robot, load_robot(robot)))
-    lines = [*(each.words() for each in checked.places), *told.get("lines", ())]
+    lines = [*(each.words() for each in checked.places), *facts.get("lines", ())]
     places = {"places": [each.for_programs() for each in checked.places]} if checked.places else {}
-    told |= {"lines": lines, "warnings": [*checked.warnings, *postures, *told["warnings"]]}
-    return {**told, **places, "errors": list(checked.errors)}
+    facts |= {"lines": lines, "warnings": [*checked.warnings, *postures, *facts["warnings"]]}
+    return {**facts, **places, "errors": list(checked.errors)}
 
 
 def _table_facts(file: Path) -> dict[str, Any]:
@@ -240,5 +240,5 @@ def _table_facts(file: Path) -> dict[str, Any]:
         )
         figures[str(p)] = {"ends": ends, "steps": steps, "steps_sigma": sigma}
     warnings = [str(each) for each in table_warnings(loaded)]
-    told = {"title": loaded.value.title, "warnings": warnings, "errors": table_errors(loaded)}
-    return {**told, "lines": lines, "figures": figures}
+    facts = {"title": loaded.value.title, "warnings": warnings, "errors": table_errors(loaded)}
+    return {**facts, "lines": lines, "figures": figures}

@@ -38,6 +38,6 @@ def _parameters(kind: type[ActionPrimitive]) -> list[str]:
     lines = []
     for key, field in kind.model_fields.items():
         default = "required" if field.is_required() else f"default {shown(field.default)}"
-        told = f": {field.description}" if field.description else ""
-        lines.append(f"  {key} ({described(walk, walk.place((key,)).schema, key)}; {default}){told}")
+        description = f": {field.description}" if field.description else ""
+        lines.append(f"  {key} ({described(walk, walk.place((key,)).schema, key)}; {default}){description}")
     return lines

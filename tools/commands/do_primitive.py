@@ -49,8 +49,8 @@ def do(
         outcome = stage.do(made)
     word = type(outcome).__name__
     print(word if isinstance(outcome, Success) else f"{word}: {outcome.reason}")
-    told = outcome.evidence if isinstance(outcome, Success) else {**made.facts, **outcome.residuals}
-    for name, value in told.items():
+    facts = outcome.evidence if isinstance(outcome, Success) else {**made.facts, **outcome.residuals}
+    for name, value in facts.items():
         print(f"  {name}: {value:.4g}" if isinstance(value, float) else f"  {name}: {value}")
     sys.exit(STATUS[word])
 

@@ -47,37 +47,37 @@ def explain(
     past = read_run(run)
     if past.torn_at is not None:
         _warn(f"the journal's tail is torn at byte {past.torn_at}: what came after isn't known")
-    told = explained(past, action)
+    explanation = explained(past, action)
     if frames is not None:
-        told = replace(told, frames=frames, frames_at=math.inf if at is None else at)
+        explanation = replace(explanation, frames=frames, frames_at=math.inf if at is None else at)
     chart, damaged = None, None
     try:
-        chart = _drawn(told, picture)
+        chart = _drawn(explanation, picture)
     except UnreadableEvidence as error:
         damaged = error
     if as_json:
-        print(orjson.dumps(json_of(told, chart), option=orjson.OPT_INDENT_2).decode())
+        print(orjson.dumps(json_of(explanation, chart), option=orjson.OPT_INDENT_2).decode())
     else:
-        print("\n".join(printable(line) for line in in_words(told, chart).splitlines()))
+        print("\n".join(printable(line) for line in in_words(explanation, chart).splitlines()))
     if damaged is not None:
         raise damaged
 
 
-def _drawn(told: Explanation, picture: Path | None) -> Path | None:
+def _drawn(explanation: Explanation, picture: Path | None) -> Path | None:
     """Where the chart was drawn; None where there is nothing to draw, or no room beside the run's files."""
     from handcart.evaluation.explanation.explanation_chart import draw_chart
     from handcart.tools.terminal.writing import NotWritable
 
-    if not (told.readings or told.picture or told.points):
+    if not (explanation.readings or explanation.picture or explanation.points):
         if picture is not None:
             _warn("no readings or pictures were kept of this: nothing is drawn")
         return None
-    name = f"explained_{told.action.number:03d}.svg" if told.action else "explained.svg"
-    path = picture or told.run.folder / name
+    name = f"explained_{explanation.action.number:03d}.svg" if explanation.action else "explained.svg"
+    path = picture or explanation.run.folder / name
     if path.suffix not in (".svg", ".png", ".pdf"):
         raise NotWritable(path, f"no picture has the suffix {path.suffix!r}", "*.svg, *.png or *.pdf")
     try:
-        draw_chart(told, path)
+        draw_chart(explanation, path)
     except OSError as error:
         if picture is not None:
             raise NotWritable(path, error.strerror) from None

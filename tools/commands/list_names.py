@@ -30,17 +30,17 @@ def list_names(what: Annotated[What, typer.Argument(help="what to list")]) -> No
         What.tasks: _tasks,
     }[what]()
     width = max((len(name) for name, _ in rows), default=0)
-    for name, told in rows:
-        print(f"{name:<{width}}  {told}".rstrip())
+    for name, line in rows:
+        print(f"{name:<{width}}  {line}".rstrip())
 
 
 def _primitives() -> list[tuple[str, str]]:
     from handcart.primitives.registry import primitive_class, primitive_names
 
-    return [(name, _told(name, primitive_class)) for name in primitive_names()]
+    return [(name, _first_line(name, primitive_class)) for name in primitive_names()]
 
 
-def _told(name: str, find: Callable[[str], type]) -> str:
+def _first_line(name: str, find: Callable[[str], type]) -> str:
     """The first line of a class's docstring; somebody else's that can't be imported hides no others."""
     try:
         return (find(name).__doc__ or "").strip().split("\n")[0]

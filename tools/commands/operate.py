@@ -57,15 +57,15 @@ def _say(word: str, run: Path, as_json: bool, action: int | None = None) -> None
 
     from handcart.networks.operator.asking import ask
 
-    told = ask(run, {"do": word} if action is None else {"do": word, "action": action})
+    reply = ask(run, {"do": word} if action is None else {"do": word, "action": action})
     if as_json:
-        print(orjson.dumps(told).decode())
-    elif told["ok"]:
-        waits = told["asks"] and f"; asks for permission: {told['asks']['index']}. {told['asks']['do']}"
-        print(f"{told['state']} in {told['situation']} at {told['sim_time_s']:.1f} s{waits or ''}")
+        print(orjson.dumps(reply).decode())
+    elif reply["ok"]:
+        waits = reply["asks"] and f"; asks for permission: {reply['asks']['index']}. {reply['asks']['do']}"
+        print(f"{reply['state']} in {reply['situation']} at {reply['sim_time_s']:.1f} s{waits or ''}")
     else:
-        print(told["error"], file=sys.stderr)
-    if not told["ok"]:
+        print(reply["error"], file=sys.stderr)
+    if not reply["ok"]:
         sys.exit(2)
 
 
@@ -88,8 +88,8 @@ def _tell_end(run: Path, as_json: bool) -> None:
     from handcart.networks.journal.journal_record import read_journal
 
     last = read_journal(run / "journal.jsonl").records[-1]
-    told = {key: last.get(key) for key in ("outcome", "situation", "reason")} | {"sim_time_s": last["t"]}
+    end = {key: last.get(key) for key in ("outcome", "situation", "reason")} | {"sim_time_s": last["t"]}
     if as_json:
-        print(orjson.dumps({"ok": True, "state": "ended", **told}).decode())
+        print(orjson.dumps({"ok": True, "state": "ended", **end}).decode())
     else:
-        print(f"{told['outcome']} in {told['situation']} at {last['t']:.1f} s: {told['reason']}")
+        print(f"{end['outcome']} in {end['situation']} at {last['t']:.1f} s: {end['reason']}")

@@ -115,10 +115,10 @@ def _library() -> Path:
     return LIBRARY / "world.yaml"
 
 
-def _planned(told: str) -> tuple[str, float, int | None]:
+def _planned(words: str) -> tuple[str, float, int | None]:
     from handcart.backends.can.bench.injected_faults import injected_fault
 
-    name, _, rest = told.partition("@")
+    name, _, rest = words.partition("@")
     injected_fault(name)
     if name in AT_THE_PROGRAM:
         raise typer.BadParameter(f"{name!r} happens at the program's own interface; allowed: any other fault")
@@ -127,7 +127,7 @@ def _planned(told: str) -> tuple[str, float, int | None]:
         return name, float(at or 0.0), int(node) if node else None
     except ValueError:
         raise typer.BadParameter(
-            f"{told!r} is no fault; allowed: NAME@SECONDS or NAME@SECONDS@NODE"
+            f"{words!r} is no fault; allowed: NAME@SECONDS or NAME@SECONDS@NODE"
         ) from None
 
 
@@ -149,7 +149,7 @@ class _Log:
         """A period has passed."""
         import time
 
-        told = [f"{time.monotonic():.6f}", f"{bench.time:.4f}"]
+        cells = [f"{time.monotonic():.6f}", f"{bench.time:.4f}"]
         for node, drive in bench.drives.items():
-            told.append(f"{node}:{drive.position:.1f}:{drive.velocity:.1f}:{drive.life.state}")
-        print(",".join(told), file=self._file)
+            cells.append(f"{node}:{drive.position:.1f}:{drive.velocity:.1f}:{drive.life.state}")
+        print(",".join(cells), file=self._file)

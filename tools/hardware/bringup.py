@@ -71,7 +71,7 @@ def bringup(
         _print_json(ladder, done, climbed)
     else:
         for each in RUNGS[len(done) :]:
-            print(f"  {each.name}: {each.told}" + ("  <- next" if each is ladder.next else ""))
+            print(f"  {each.name}: {each.summary}" + ("  <- next" if each is ladder.next else ""))
         print(f"{len(done)} of {len(RUNGS)} rungs climbed; records in {site.folder}")
     sys.exit(4 if failed else 0)
 
@@ -81,8 +81,8 @@ def _climb(ladder: Ladder, everything: bool) -> list[RungRecord]:
     while ladder.next is not None and (everything or not climbed):
         record = ladder.climb(ladder.site.operator.tell)
         climbed.append(record)
-        told = record.facts.get("left_out") or "climbed"
-        ladder.site.operator.tell(f"   {told}" if record.passed else f"   not climbed: {record.reason}")
+        result = record.facts.get("left_out") or "climbed"
+        ladder.site.operator.tell(f"   {result}" if record.passed else f"   not climbed: {record.reason}")
         if not record.passed:
             break
     return climbed
@@ -109,10 +109,10 @@ def _operator(bench: str | None, answers: Path | None) -> Operator:
 def _print_json(ladder: Ladder, done: list[RungRecord], climbed: list[RungRecord]) -> None:
     import orjson
 
-    told = {
+    summary = {
         "folder": str(ladder.site.folder),
         "climbed": [each.rung for each in done],
         "next": ladder.next.name if ladder.next else None,
         "tried": [each.model_dump(mode="json") for each in climbed],
     }
-    print(orjson.dumps(told).decode())
+    print(orjson.dumps(summary).decode())

@@ -46,5 +46,5 @@ def jog(
         words = f"{axis}: hold the space bar; the hand runs at {1e3 * slower * HAND_SPEED:.0f} mm/s at most"
         with operator.hold(words) as held:
             done = jogger.jog(axis, wanted, held, slower)
-    told = math.degrees(done.way) if turns else 1e3 * done.way
-    print(f"{axis}: moved by {told:.2f} {'deg' if turns else 'mm'}, {done.ended}")
+    moved = math.degrees(done.way) if turns else 1e3 * done.way
+    print(f"{axis}: moved by {moved:.2f} {'deg' if turns else 'mm'}, {done.ended}")

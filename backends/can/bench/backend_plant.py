@@ -100,13 +100,13 @@ class BackendPlant(Plant):
             angles = self._arm.joints()
             torques = self._torques(self._model, self._arm, angles)
             for axis, angle, torque in zip(self._axes.joints, angles, torques, strict=True):
-                told = round(1000.0 * torque * np.sign(axis.units.scale))
-                drives[axis.spec.node].moved(_counts(axis, float(angle)), seconds, told)
+                reading = round(1000.0 * torque * np.sign(axis.units.scale))
+                drives[axis.spec.node].moved(_counts(axis, float(angle)), seconds, reading)
         fingers = self._axes.gripper
         if self._gripper is not None and fingers is not None:
             torque = -np.sign(fingers.units.scale) * fingers.limits.torque
-            told = int(torque) if self._gripper.closed_on_something() else 0
-            drives[fingers.spec.node].moved(_counts(fingers, self._gripper.width()), seconds, told)
+            reading = int(torque) if self._gripper.closed_on_something() else 0
+            drives[fingers.spec.node].moved(_counts(fingers, self._gripper.width()), seconds, reading)
 
     def _torques(self, model: ArmModel, arm: Arm, q: Vector) -> Vector:
         """Of the joints (n,), as shares of the rated ones."""

@@ -29,7 +29,7 @@ _LENGTHS = {0x2F: 1, 0x2B: 2, 0x27: 3, 0x23: 4, 0x4F: 1, 0x4B: 2, 0x47: 3, 0x43:
 _ABORT = 0x80
 
 
-class Told(NamedTuple):
+class FrameDescription(NamedTuple):
     """A frame in words."""
 
     who: str
@@ -48,10 +48,10 @@ class FrameWords:
     def __init__(self, names: FrameNames) -> None:
         self._names = names
 
-    def told(self, frame: can.Message) -> Told:
+    def describe(self, frame: can.Message) -> FrameDescription:
         """A frame in words; any frame, however broken, is told."""
         if frame.is_error_frame:
-            return Told("bus", "error frame", "", None)
+            return FrameDescription("bus", "error frame", "", None)
         if frame.is_extended_id or frame.is_fd or frame.is_remote_frame:
             return _unknown(frame)
         data = bytes(frame.data)
@@ -63,28 +63,30 @@ class FrameWords:
             case 0x000, 0:
                 return self._nmt(data)
             case 0x080, 0:
-                return Told("all", "SYNC", "", "")
+                return FrameDescription("all", "SYNC", "", "")
             case 0x080, _:
-                return Told(self._who(node), "EMCY", _emcy(data), None)
+                return FrameDescription(self._who(node), "EMCY", _emcy(data), None)
             case 0x580 | 0x600, _:
-                return Told(self._who(node), "SDO", _sdo(data), None)
+                return FrameDescription(self._who(node), "SDO", _sdo(data), None)
             case 0x700, _:
                 life = _LIFE.get(data[0] & 0x7F, f"state {data[0]}") if data else "without state"
-                return Told(self._who(node), "heartbeat", life, None if life == "boot-up" else life)
+                return FrameDescription(
+                    self._who(node), "heartbeat", life, None if life == "boot-up" else life
+                )
         return _unknown(frame)
 
     def _who(self, node: int) -> str:
         return self._names.nodes.get(node, f"node {node}" if node else "all")
 
-    def _nmt(self, data: bytes) -> Told:
+    def _nmt(self, data: bytes) -> FrameDescription:
         if len(data) != 2:
-            return Told("all", "NMT", f"of {len(data)} bytes", None)
-        return Told(self._who(data[1]), "NMT", _NMT.get(data[0], f"command {data[0]}"), None)
+            return FrameDescription("all", "NMT", f"of {len(data)} bytes", None)
+        return FrameDescription(self._who(data[1]), "NMT", _NMT.get(data[0], f"command {data[0]}"), None)
 
-    def _pdo(self, pdo: PdoNames, data: bytes) -> Told:
+    def _pdo(self, pdo: PdoNames, data: bytes) -> FrameDescription:
         needed = sum(field.bits for field in pdo.fields) // 8
         if len(data) != needed:
-            return Told(
+            return FrameDescription(
                 self._who(pdo.node), pdo.what, f"{len(data)} bytes; needed: {needed}", f"{len(data)} bytes"
             )
         bits = int.from_bytes(data, "little")
@@ -96,7 +98,7 @@ class FrameWords:
             words.append(said)
             if field.index in _TALKING:
                 state.append(said)
-        return Told(self._who(pdo.node), pdo.what, ", ".join(words), ", ".join(state))
+        return FrameDescription(self._who(pdo.node), pdo.what, ", ".join(words), ", ".join(state))
 
 
 def state_word(statusword: int) -> str:
@@ -148,8 +150,8 @@ def _sdo(data: bytes) -> str:
     return f"{said} {where} {value} ({value:X}h)"
 
 
-def _unknown(frame: can.Message) -> Told:
+def _unknown(frame: can.Message) -> FrameDescription:
     digits = 8 if frame.is_extended_id else 3
     kind = "FD " if frame.is_fd else "remote " if frame.is_remote_frame else ""
     words = f"{kind}{frame.arbitration_id:0{digits}X}h {bytes(frame.data).hex()}".strip()
-    return Told("unknown", "frame", words, words)
+    return FrameDescription("unknown", "frame", words, words)

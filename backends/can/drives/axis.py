@@ -93,7 +93,7 @@ class Axis(canopen.RemoteNode):
         """How many positions in a row couldn't be."""
         self.ignored = 0
         """How many set-points in a row it hasn't taken."""
-        self._told = dict.fromkeys((index for each in self.layout.answers for index in each.objects), 0)
+        self._reported = dict.fromkeys((index for each in self.layout.answers for index in each.objects), 0)
         self.travel = 0.0
         """How far it has moved since it was built, in [m] or [rad]."""
         for pdo, planned in zip(self._commands, self.layout.commands, strict=False):
@@ -279,10 +279,10 @@ class Axis(canopen.RemoteNode):
             raise ValueError(f"{len(pdo.data)} bytes")  # counted as malformed
         self._fresh.add(pdo.map[0].index)
         for each in pdo:
-            self._told[each.index] = int(each.raw)
+            self._reported[each.index] = int(each.raw)
         if self.answered:
             self._answered = self._asked
-            self._take_position(self._told[0x6064])
+            self._take_position(self._reported[0x6064])
 
     def _take_position(self, counts: int) -> None:
         """Take a position over, unless it can't be."""
@@ -307,7 +307,7 @@ class Axis(canopen.RemoteNode):
     def place(self, counts: int, velocity: int = 0, torque: int = 0) -> None:
         """It stands at these counts: asked for before the first SYNC."""
         self._counts = counts
-        self._told |= {0x606C: velocity, 0x6077: torque}
+        self._reported |= {0x606C: velocity, 0x6077: torque}
 
     @property
     def slack(self) -> float:
@@ -317,12 +317,12 @@ class Axis(canopen.RemoteNode):
     @property
     def velocity(self) -> float:
         """In [m/s] or [rad/s]."""
-        return self.units.speed(self._told[0x606C])
+        return self.units.speed(self._reported[0x606C])
 
     @property
     def torque(self) -> float:
         """Share of its rated torque, positive where its position grows; 0 where it tells none."""
-        return math.copysign(1.0, self.units.scale) * self._told.get(0x6077, 0) / 1000.0
+        return math.copysign(1.0, self.units.scale) * self._reported.get(0x6077, 0) / 1000.0
 
     @property
     def tells_torque(self) -> bool:
@@ -331,7 +331,7 @@ class Axis(canopen.RemoteNode):
 
     @property
     def _status(self) -> int:
-        return self._told[0x6041]
+        return self._reported[0x6041]
 
     @property
     def drive_state(self) -> str:
@@ -344,15 +344,15 @@ class Axis(canopen.RemoteNode):
         return abs(self.velocity) <= _STANDS * self.limits.speed
 
     @property
-    def told_mode(self) -> int:
+    def mode_display(self) -> int:
         """Its mode of operation (6061h), as it told it last."""
-        return self._told[0x6061]
+        return self._reported[0x6061]
 
     @property
     def fault(self) -> str:
         """What it says about its fault, "" if nothing: its error code, else its last emergency message."""
         active = self.emcy.active[-1].code if self.emcy.active else 0
-        return fault_words(self._told.get(0x603F, 0) or active)
+        return fault_words(self._reported.get(0x603F, 0) or active)
 
 
 def state_of(statusword: int) -> str:

@@ -54,7 +54,7 @@ class AxisCheck:
         self._check_answers()
         if not axis.answered:
             return
-        state, mode = axis.drive_state, axis.told_mode
+        state, mode = axis.drive_state, axis.mode_display
         if mode != axis.mode:
             state = f"{state}, in the mode {mode} (6061h), not {axis.mode}"
         if state != ENABLED:
@@ -87,13 +87,13 @@ class AxisCheck:
             off = abs(sum(self._drift))
             self._off_for = math.inf if off > window else 0.0
         if 1e3 * self._off_for > axis.spec.following_ms - 1e-6:
-            told = f"it is {off:.3g} away from where it should be"
-            raise OffDemand(axis.name, f"{told}; allowed: {window:.3g} (in m or rad)")
+            deviation = f"it is {off:.3g} away from where it should be"
+            raise OffDemand(axis.name, f"{deviation}; allowed: {window:.3g} (in m or rad)")
 
 
 def _names(pdo: Pdo) -> str:
     """What it would tell, such as "statusword and position (6041h, 6064h)"."""
-    told = [index for index in pdo.objects if index in _NAMES]
-    *first, last = (_NAMES[index] for index in told)
+    indices = [index for index in pdo.objects if index in _NAMES]
+    *first, last = (_NAMES[index] for index in indices)
     names = f"{', '.join(first)} and {last}" if first else last
-    return f"{names} ({', '.join(f'{index:04X}h' for index in told)})"
+    return f"{names} ({', '.join(f'{index:04X}h' for index in indices)})"

@@ -59,11 +59,11 @@ def set_up(axes: Iterable[Axis], spec: CanSpec, period: float) -> None:
 def look(axes: Iterable[Axis]) -> None:
     """See where drives stand; raises `CanFault`."""
     for axis in axes:
-        told = [
+        readings = [
             0 if each in axis.left_out else _known(axis, Setting(each, 0, 0))
             for each in (0x6064, 0x606C, 0x6077)
         ]
-        axis.place(*told)
+        axis.place(*readings)
 
 
 def read_back(axis: Axis, spec: CanSpec, period: float) -> Iterator[Difference]:

@@ -21,6 +21,6 @@ class StaleSensor(RobotFault):
     """A sensor that is needed gives no new readings."""
 
     def __init__(self, sensor: str, age: float | None, allowed: float, why: str = "") -> None:
-        told = "no reading has come yet" if age is None else f"its last reading is {1e3 * age:.0f} ms old"
-        words = f"{sensor}: {told}; allowed: {1e3 * allowed:.0f} ms"
+        status = "no reading has come yet" if age is None else f"its last reading is {1e3 * age:.0f} ms old"
+        words = f"{sensor}: {status}; allowed: {1e3 * allowed:.0f} ms"
         super().__init__(f"{words} ({why})" if why else words)

@@ -57,32 +57,32 @@ class NmeaGps(LiveSensor, Gps):
 
     def _take(self, line: bytes) -> None:
         try:
-            told = read_sentence(line)
-            if isinstance(told, Accuracy):
-                self._accuracy = told
-            elif told is not None:
-                self._take_position(told)
+            sentence = read_sentence(line)
+            if isinstance(sentence, Accuracy):
+                self._accuracy = sentence
+            elif sentence is not None:
+                self._take_position(sentence)
         except ValueError:
             self.rejected += 1
 
-    def _take_position(self, told: Position) -> None:
-        if _BETTER.get(told.quality, 0) < _BETTER[self._source.quality]:
+    def _take_position(self, position: Position) -> None:
+        if _BETTER.get(position.quality, 0) < _BETTER[self._source.quality]:
             return
-        east, north = self._plane.transform(told.lon, told.lat)
-        sigma = self._sigma(told)
+        east, north = self._plane.transform(position.lon, position.lat)
+        sigma = self._sigma(position)
         if not (math.isfinite(east) and math.isfinite(north) and 0.0 < sigma < math.inf):
             raise ValueError("no place")
-        if not self._order.is_new(told.utc, self._now):
+        if not self._order.is_new(position.utc, self._now):
             raise ValueError("an old one")
         self._fix = Fix(np.array([east, north]), sigma)
         self._good()
 
-    def _sigma(self, told: Position) -> float:
+    def _sigma(self, position: Position) -> float:
         """What the receiver said of about that time, else by the satellites' geometry."""
         accuracy = self._accuracy
-        if accuracy is not None and abs(told.utc - accuracy.utc) <= self._stale:
+        if accuracy is not None and abs(position.utc - accuracy.utc) <= self._stale:
             return accuracy.sigma
-        return self._source.sigma_m * told.hdop
+        return self._source.sigma_m * position.hdop
 
     def close(self) -> None:
         """See `LiveSensor`."""

@@ -65,35 +65,35 @@ def _fields(pattern: re.Pattern[str], body: str) -> Mapping[str, str]:
     return found.groupdict()
 
 
-def _position(told: Mapping[str, str]) -> Position:
-    lat, lon = (_degrees(told, axis) for axis in ("lat", "lon"))
+def _position(fields: Mapping[str, str]) -> Position:
+    lat, lon = (_degrees(fields, axis) for axis in ("lat", "lon"))
     if lat > 90.0 or lon > 180.0:
         raise ValueError("no such place")
     return Position(
-        _utc(told),
-        lat if told["north"] == "N" else -lat,
-        lon if told["east"] == "E" else -lon,
-        int(told["quality"]),
-        strict_number(told["hdop"]),
+        _utc(fields),
+        lat if fields["north"] == "N" else -lat,
+        lon if fields["east"] == "E" else -lon,
+        int(fields["quality"]),
+        strict_number(fields["hdop"]),
     )
 
 
-def _accuracy(told: Mapping[str, str]) -> Accuracy | None:
-    if not told["lat"] or not told["lon"]:
+def _accuracy(fields: Mapping[str, str]) -> Accuracy | None:
+    if not fields["lat"] or not fields["lon"]:
         return None
-    sigma = math.hypot(strict_number(told["lat"]), strict_number(told["lon"])) / math.sqrt(2.0)
-    return Accuracy(_utc(told), sigma)
+    sigma = math.hypot(strict_number(fields["lat"]), strict_number(fields["lon"])) / math.sqrt(2.0)
+    return Accuracy(_utc(fields), sigma)
 
 
-def _degrees(told: Mapping[str, str], axis: str) -> float:
-    minutes = strict_number(told[f"{axis}_min"])
+def _degrees(fields: Mapping[str, str], axis: str) -> float:
+    minutes = strict_number(fields[f"{axis}_min"])
     if minutes >= 60.0:
         raise ValueError("no such angle")
-    return strict_number(told[f"{axis}_deg"]) + minutes / 60.0
+    return strict_number(fields[f"{axis}_deg"]) + minutes / 60.0
 
 
-def _utc(told: Mapping[str, str]) -> float:
-    hour, minute, second = (strict_number(told[each]) for each in ("hour", "minute", "second"))
+def _utc(fields: Mapping[str, str]) -> float:
+    hour, minute, second = (strict_number(fields[each]) for each in ("hour", "minute", "second"))
     if hour >= 24.0 or minute >= 60.0 or second >= 61.0:  # a leap second is one
         raise ValueError("no such time")
     return 3600.0 * hour + 60.0 * minute + second

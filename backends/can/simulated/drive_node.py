@@ -85,7 +85,7 @@ class DriveNode(canopen.LocalNode):
         self._modes = {mode: kind(self.objects, self.demand) for mode, kind in _MODES.items()}
         self._mode = 0
         self._controlword = 0
-        self._told = 0, 0
+        self._reported = 0, 0
         self._off_for = 0.0
         self._heard: float | None = None
         """Seconds since the heartbeat that it waits for; None before the first."""
@@ -284,7 +284,7 @@ class DriveNode(canopen.LocalNode):
         if self.nmt.state != "OPERATIONAL" or self.wrong.silent or self.wrong.lost():
             return
         if not self.wrong.frozen:
-            self._told = self._position(), round(self.velocity)
+            self._reported = self._position(), round(self.velocity)
         for pdo in self.tpdo.values():
             if pdo.enabled and pdo.trans_type is not None and pdo.trans_type <= SYNCHRONOUS:
                 for variable in pdo:
@@ -297,8 +297,8 @@ class DriveNode(canopen.LocalNode):
     def _position(self) -> int:
         if self.wrong.jumps_in_turn:
             self.wrong.jump = -self.wrong.jump
-        told = round(self.position + self.demand.home) + self.wrong.jump
-        return (told + _LONGEST) % (2 * _LONGEST) - _LONGEST
+        reported = round(self.position + self.demand.home) + self.wrong.jump
+        return (reported + _LONGEST) % (2 * _LONGEST) - _LONGEST
 
     def _read(self, index: int, subindex: int, od: Any) -> int | None:
         if subindex == 0:
@@ -324,9 +324,9 @@ class DriveNode(canopen.LocalNode):
             case 0x6062:
                 return round(self.demand.position + self.demand.home)
             case 0x6064:
-                return self._told[0] if self.wrong.frozen else self._position()
+                return self._reported[0] if self.wrong.frozen else self._position()
             case 0x606C:
-                return self._told[1] if self.wrong.frozen else round(self.velocity)
+                return self._reported[1] if self.wrong.frozen else round(self.velocity)
             case 0x6077:
                 return self.torque
             case 0x60F4:

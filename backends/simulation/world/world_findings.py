@@ -30,7 +30,11 @@ ALIKE = 0.5  # of what the map shows stands in a world of its own
 
 
 def world_findings(
-    loaded: Loaded[WorldFile], world: WorldFile, robot: RobotFile, told: Pose2 | None, grid: GridMap | None
+    loaded: Loaded[WorldFile],
+    world: WorldFile,
+    robot: RobotFile,
+    initial_pose: Pose2 | None,
+    grid: GridMap | None,
 ) -> Iterator[Finding]:
     """What keeps a run from beginning well.
 
@@ -38,7 +42,7 @@ def world_findings(
         loaded: the world's file.
         world: the same, with what its map shows.
         robot: who is put into it.
-        told: map_T_base at first, as the robot is told it; None where it is told nothing.
+        initial_pose: map_T_base at first, as the robot is told it; None where it is told nothing.
         grid: the map that the robot is given, if any.
     """
     solids = solids_of(world)
@@ -46,8 +50,8 @@ def world_findings(
     for kind in kinds_of_props().values():
         if isinstance(world, kind.section):
             yield from kind.findings(loaded, robot)
-    if told is not None:
-        yield from _elsewhere(loaded, robot, told)
+    if initial_pose is not None:
+        yield from _elsewhere(loaded, robot, initial_pose)
     if grid is not None and grid.occupied.any():
         yield from _off_its_map(loaded, grid, solids)
 
@@ -68,14 +72,14 @@ def _stands_on(loaded: Loaded[WorldFile], robot: RobotFile, solids: list[Solid])
         yield loaded.finding(("start",), f"{where}; allowed: beyond its footprint, {radius:.2f} m")
 
 
-def _elsewhere(loaded: Loaded[WorldFile], robot: RobotFile, told: Pose2) -> Iterator[Finding]:
+def _elsewhere(loaded: Loaded[WorldFile], robot: RobotFile, initial_pose: Pose2) -> Iterator[Finding]:
     start = loaded.value.start
-    away = math.hypot(start.x_m - told.x, start.y_m - told.y)
-    turned = abs(math.remainder(start.heading_deg - math.degrees(told.theta), 360.0))
+    away = math.hypot(start.x_m - initial_pose.x, start.y_m - initial_pose.y)
+    turned = abs(math.remainder(start.heading_deg - math.degrees(initial_pose.theta), 360.0))
     most = ASTRAY_M + SIGMAS * robot.errors.start_mm / 1e3
     widest = ASTRAY_DEG + SIGMAS * robot.errors.start_deg
     if away > most or turned > widest:
-        there = f"({told.x:.2f}, {told.y:.2f}) m, {math.degrees(told.theta):.0f} deg"
+        there = f"({initial_pose.x:.2f}, {initial_pose.y:.2f}) m, {math.degrees(initial_pose.theta):.0f} deg"
         wrong = f"the robot is put {away:.2f} m and {turned:.0f} deg from where it is told to start, {there}"
         yield loaded.finding(("start",), f"{wrong}; allowed: {most:.2f} m, {widest:.0f} deg")
 

@@ -36,9 +36,9 @@ class Finding:
 
     def at_most(self, what: str, size: float, most: float, unit: str = "") -> None:
         """A size, in `unit`, must be at most `most`; NaN is not."""
-        told = f"{what} {size:.3g}{unit and ' '}{unit}"
-        self.measured.append(told)
-        self.expect(size <= most, f"{told}; at most {most:.3g} is allowed")
+        words = f"{what} {size:.3g}{unit and ' '}{unit}"
+        self.measured.append(words)
+        self.expect(size <= most, f"{words}; at most {most:.3g} is allowed")
 
 
 @dataclass(frozen=True)

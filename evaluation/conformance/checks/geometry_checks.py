@@ -117,13 +117,13 @@ def frames(bench: Bench, finding: Finding) -> None:
         if scene is None or spec.arm is None:
             raise Skipped("nothing is simulated")
         model = ArmModel(spec.urdf_text(), spec.arm.joints)
-        told = getattr(backend, "link_pose", scene.world_T)
+        link_pose = getattr(backend, "link_pose", scene.world_T)
         worst = 0.0
         for bend in (0.0, 0.1, -0.2):
             goal = np.clip(np.array(spec.posture("home")) + bend, model.lower, model.upper)
             move_joints(backend, arm, goal)
             expected = scene.world_T_base @ model.forward(scene.joints)
-            worst = max(worst, float(np.abs(told("hand") - expected).max()))
+            worst = max(worst, float(np.abs(link_pose("hand") - expected).max()))
         finding.at_most("hand off", worst, SAME)
 
 

@@ -27,8 +27,8 @@ class Trial(NamedTuple):
     ending: Ending
 
     def __str__(self) -> str:
-        told = f"{self.title}, period {self.period}, {self.fault}: {self.ending.outcome}"
-        return f"{told}: {'; '.join(self.ending.wrong)} ({self.ending.reason})"
+        head = f"{self.title}, period {self.period}, {self.fault}: {self.ending.outcome}"
+        return f"{head}: {'; '.join(self.ending.wrong)} ({self.ending.reason})"
 
     @property
     def title(self) -> str:
@@ -69,8 +69,8 @@ class Batch:
     def _trials(self, name: str, underway: Underway) -> Iterator[Trial]:
         nominal = self._tried(underway, None)
         if nominal.outcome != "Success" or nominal.wrong:
-            told = nominal.wrong or ("nothing is broken, yet it doesn't succeed",)
-            yield Trial(name, self.action, 0, NOTHING, NOTHING, replace(nominal, wrong=told))
+            wrong = nominal.wrong or ("nothing is broken, yet it doesn't succeed",)
+            yield Trial(name, self.action, 0, NOTHING, NOTHING, replace(nominal, wrong=wrong))
             return
         period = 0
         for number, instant in enumerate(spread(self.instants, nominal.periods)):

@@ -53,18 +53,18 @@ def forked(work: Callable[[], T], kind: type[T], seconds: float) -> T:
         _tell(theirs, work, kind)
     os.close(theirs)
     try:
-        told = _listen(ours, time.monotonic() + ASLEEP * seconds)
+        received = _listen(ours, time.monotonic() + ASLEEP * seconds)
     except Hung:
         os.kill(child, signal.SIGKILL)
         raise
     finally:
         os.close(ours)
         _, status, used = os.wait4(child, 0)
-    if not told:
+    if not received:
         if used.ru_utime + used.ru_stime >= NEARLY * seconds:
             raise Hung
         raise Died(f"the process ended with status {status}")
-    answer = unpack(told)
+    answer = unpack(received)
     if "died" in answer:
         raise Died(answer["died"])
     result: T = from_plain(answer["value"], kind, "what the copy told")
@@ -98,22 +98,22 @@ def _tell(pipe: int, work: Callable[[], object], kind: type) -> None:
     """In the copy: work, send what comes of it, end at once."""
     try:
         try:
-            told = pack({"value": to_plain(work(), kind)})
+            message = pack({"value": to_plain(work(), kind)})
         except BaseException:
-            told = pack({"died": traceback.format_exc()})
+            message = pack({"died": traceback.format_exc()})
         with os.fdopen(pipe, "wb") as stream:
-            stream.write(told)
+            stream.write(message)
     finally:
         os._exit(0)
 
 
 def _listen(pipe: int, end: float) -> bytes:
-    told = b""
+    received = b""
     while True:
         ready, _, _ = select.select([pipe], [], [], max(0.0, end - time.monotonic()))
         if not ready:
             raise Hung
         piece = os.read(pipe, 1 << 16)
         if not piece:
-            return told
-        told += piece
+            return received
+        received += piece

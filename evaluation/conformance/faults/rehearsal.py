@@ -58,8 +58,8 @@ class Rehearsal:
         with prepare(self.task, self.backend, self.settings, self.seed) as prepared:
             inner = prepared.backend
             spec = load_robot(prepared.task.robot)
-            told = inner if self.liar is None else liar_around(self.liar, inner, spec)
-            backend = FaultyBackend(told)
+            wrapped = inner if self.liar is None else liar_around(self.liar, inner, spec)
+            backend = FaultyBackend(wrapped)
             robot: Robot = make_robot(prepared.task, backend, prepared.robot.spec, prepared.model)
             for number, action in enumerate(rehearsed(prepared.task), start=1):
                 assert action.binding is not None

@@ -100,8 +100,8 @@ class Underway:
         except Endless:
             return self._ended("none", f"no end after {PATIENCE:.0f} s", count[0], ("it doesn't end",))
         except Exception as error:
-            told = f"{type(error).__name__}: {error}"
-            return self._ended("Error", told, count[0], (f"an exception came through: {told}",))
+            message = f"{type(error).__name__}: {error}"
+            return self._ended("Error", message, count[0], (f"an exception came through: {message}",))
         if not isinstance(outcome, Success | Fail | GiveUp):
             return self._ended(str(outcome), "", count[0], (f"{outcome!r} is no outcome",))
         wrong = self._untrue(outcome)

@@ -133,7 +133,7 @@ class EchoesCommands(LayeredBackend):
     def __init__(self, inner: Backend, spec: RobotFile) -> None:
         super().__init__(inner)
         self._start: Vector | None = None
-        self._told: Vector | None = None
+        self._commanded: Vector | None = None
 
     def arm_move(self, arm: Arm, joints: Vector) -> None:
         """Half of it."""
@@ -142,15 +142,15 @@ class EchoesCommands(LayeredBackend):
         halved = np.array(joints, dtype=np.float64)
         halved[0] = 0.5 * (self._start[0] + halved[0])
         arm.move(halved)
-        self._told = np.array(joints, dtype=np.float64)
+        self._commanded = np.array(joints, dtype=np.float64)
 
     def arm_command(self, arm: Arm) -> Vector:
         """What was asked for."""
-        return arm.command() if self._told is None else self._told.copy()
+        return arm.command() if self._commanded is None else self._commanded.copy()
 
     def arm_joints(self, arm: Arm) -> Vector:
         """What was asked for."""
-        return arm.joints() if self._told is None else self._told.copy()
+        return arm.joints() if self._commanded is None else self._commanded.copy()
 
 
 class RollsDice(LayeredBackend):

@@ -312,9 +312,9 @@ class Placer:
         few = (
             bases[nearest] if self.pitch_arm is not None else bases[nearest[:: max(1, len(nearest) // _FEW)]]
         )
-        told = with_nearest(error, scorer, thin, few) if len(few) else error
+        detailed = with_nearest(error, scorer, thin, few) if len(few) else error
         why = self._why(_some(thin, np.array([error.index, error.index])), bases, candidates) or error.why
-        return Untrackable(int(kept[error.index]), why, told.nearest)
+        return Untrackable(int(kept[error.index]), why, detailed.nearest)
 
     def _why(self, point: ToolPath, bases: Floats, candidates: Floats) -> str:
         """Why a point, given twice, can't be tracked from any base pose; nothing where it isn't the point."""

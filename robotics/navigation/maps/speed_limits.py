@@ -38,5 +38,5 @@ class SpeedLimits(NamedTuple):
         limits = self.base + self.multiplier * values
         most = 100.0 if self.percent else np.inf
         holds = (values > 0) & (limits > 0.0) & (limits <= most)
-        told = limits / 100.0 * top if self.percent else limits
-        return np.where(holds, np.minimum(told, top), top)
+        allowed = limits / 100.0 * top if self.percent else limits
+        return np.where(holds, np.minimum(allowed, top), top)

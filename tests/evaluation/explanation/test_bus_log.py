@@ -40,8 +40,8 @@ def test_what_python_can_writes_is_read(tmp_path: Path, kind: str) -> None:
     )
     told = frames_around(path, tmp_path, float("inf"))
     assert told.frames == len(FRAMES)
-    assert "the left drive" in {line.told.who for line in told.lines}
-    assert any("error 8610h" in line.told.words for line in told.lines)
+    assert "the left drive" in {line.description.who for line in told.lines}
+    assert any("error 8610h" in line.description.words for line in told.lines)
 
 
 def test_a_log_that_is_too_long_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

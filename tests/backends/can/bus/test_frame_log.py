@@ -157,13 +157,13 @@ def test_a_folder_that_takes_nothing_stops_nobody(tmp_path: Path, clock: Any, ma
     ],
 )
 def test_frames_in_words(cob_id: int, data: str, who: str, what: str, words: str) -> None:
-    told = FrameWords(NAMED).told(frame(cob_id, data))
+    told = FrameWords(NAMED).describe(frame(cob_id, data))
     assert (told.who, told.what, told.words) == (who, what, words)
 
 
 def test_frames_that_are_none_of_ours_are_told() -> None:
     """C20: error frames, extended and remote ones."""
     words = FrameWords(NAMED)
-    assert words.told(can.Message(is_error_frame=True)).what == "error frame"
-    assert words.told(can.Message(arbitration_id=0x181, is_extended_id=True)).who == "unknown"
-    assert words.told(frame(0x181, is_remote_frame=True)).words == "remote 181h"
+    assert words.describe(can.Message(is_error_frame=True)).what == "error frame"
+    assert words.describe(can.Message(arbitration_id=0x181, is_extended_id=True)).who == "unknown"
+    assert words.describe(frame(0x181, is_remote_frame=True)).words == "remote 181h"
