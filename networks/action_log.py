@@ -6,7 +6,7 @@ from dataclasses import replace
 
 from handcart.networks.coordination.events import Ended, Event, Restoring, Started
 from handcart.networks.journal.past_run import PastAction
-from handcart.networks.journal.run_log import outcome_fields
+from handcart.networks.journal.run_log import outcome_record
 
 from .run_observer import RunObserver
 
@@ -30,7 +30,7 @@ class ActionLog(RunObserver):
             case Restoring():
                 self._change(end=time, broken_off=time)
             case Ended(_, number, _, _, outcome):
-                result = {"kind": "RESULT", "n": number, "t": time, **outcome_fields(outcome)}
+                result = {"kind": "RESULT", "t": time, **outcome_record(number, outcome)}
                 self._change(end=time, outcome=type(outcome).__name__, result=result)
             case _:
                 if self.actions and not self.actions[-1].outcome:

@@ -13,6 +13,8 @@ from handcart.backends.robot.robot import Robot
 from handcart.primitives.restoring.snapshot import Snapshot, limits, residuals, take_snapshot
 from handcart.robotics.geometry.pose2 import Pose2
 
+from .run_records import At
+
 
 def measure(robot: Robot) -> Snapshot | None:
     """The robot as it stands; None where it can't be read. What objects it sees is not asked for."""
@@ -22,12 +24,12 @@ def measure(robot: Robot) -> Snapshot | None:
         return None
 
 
-def measured_fields(at: Snapshot) -> dict[str, Any]:
+def measured_fields(at: Snapshot) -> At:
     """A snapshot, ready for JSON: lengths in [m], angles in [rad]; what isn't known is null."""
-    fields: dict[str, Any] = {"base": tuple(at.pose), "base_sigma": at.pose_sigma}
+    fields = At(base=list(at.pose), base_sigma=list(at.pose_sigma))
     if at.joints.size:
-        fields["joints"] = at.joints
-        fields["joint_command"] = at.joint_command
+        fields["joints"] = at.joints.tolist()
+        fields["joint_command"] = at.joint_command.tolist()
     if at.gripper_width or at.gripper_command:
         fields["grip"] = at.gripper_width
         fields["grip_command"] = at.gripper_command

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import traceback
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any
+from typing import Any, cast
 
 import orjson
 
@@ -30,6 +30,7 @@ from handcart.primitives.contract.outcome import Fail, GiveUp, Outcome, Success
 from handcart.primitives.knowledge.world_model import WorldModel
 from handcart.primitives.restoring.snapshot import Snapshot
 
+from . import run_records as records
 from .journal import Journal
 from .measured import measured_fields
 from .retracing import Standing
@@ -65,24 +66,26 @@ class RunLog(Intents):
         self._model = model
         self._journal = journal
         self._observers = observers
-        self._said: dict[int, orjson.Fragment] = {}
+        self._said: dict[int, records.ActionWords] = {}
         self._changes: Mapping[str, Any] = {}
 
     def planned(self, situation: str, plan: Plan | NoWay) -> None:
         """A plan was made, or there is none."""
         self.plans += 1
+        record = records.Planned(situation=situation)
         if isinstance(plan, Plan):
-            way = {"way": [action.index for action in plan.actions], "cost": plan.cost}
-            excluded = plan.excluded
+            record["way"], record["cost"] = [action.index for action in plan.actions], plan.cost
+            record["excluded"] = [each.index for each in plan.excluded]
         else:
-            way, excluded = {"no_way": plan.explanation}, plan.blocking
-        self._write("PLAN", {"situation": situation, **way, "excluded": [each.index for each in excluded]})
+            record["no_way"] = plan.explanation
+            record["excluded"] = [each.index for each in plan.blocking]
+        self._write("PLAN", record)
         self._tell(lambda: Planned(self._robot.time, situation, plan))
 
     def not_planned(self, situation: str, error: Exception) -> None:
         """A plan could not be made, because of a fault."""
         trace = "".join(traceback.format_exception(error))
-        self._write("PLAN", {"situation": situation, "error": trace})
+        self._write("PLAN", records.Planned(situation=situation, error=trace))
 
     def start(
         self, action: Action, primitive: ActionPrimitive, fails: int, at: Snapshot | None = None
@@ -91,17 +94,19 @@ class RunLog(Intents):
         self.started += 1
         self.open = True
         if self._journal is not None:
-            fields = {"n": self.started, "action": self._words(action, primitive)}
-            self._write("START", fields | _at(at))
+            record = records.Start(n=self.started, action=self._words(action, primitive))
+            if at is not None:
+                record["at"] = measured_fields(at)
+            self._write("START", record)
         self._tell(lambda: Started(self._robot.time, self.started, action, primitive, fails))
 
     def intends(self, effect: str) -> None:
         """The running action is about to do what can't simply be done once more."""
-        self._write("INTENT", {"n": self.started, "effect": effect})
+        self._write("INTENT", records.Intent(n=self.started, effect=effect))
 
     def passed(self, what: str) -> None:
         """The running action passes a point of no return."""
-        self._write("PNR", {"n": self.started, "what": what})
+        self._write("PNR", records.PointOfNoReturn(n=self.started, what=what))
 
     @property
     def kept(self) -> bool:
@@ -110,22 +115,23 @@ class RunLog(Intents):
 
     def restoring(self, action: Action, reason: str) -> None:
         """The running action restores."""
-        self._write("RESTORE", {"n": self.started, "reason": reason})
+        self._write("RESTORE", records.Restore(n=self.started, reason=reason))
         self._tell(lambda: Restoring(self._robot.time, action, reason))
 
     def result(self, primitive: ActionPrimitive, outcome: Outcome, at: Snapshot | None = None) -> None:
         """An action has ended; nobody is told yet. `at` is how the robot stands then."""
         self._changes = changes = self._model.taken_changes()
-        fields = {"n": self.started, **outcome_fields(outcome)}
+        record = outcome_record(self.started, outcome)
         if changes:
-            fields["learned"] = changes
+            record["learned"] = changes
         if not isinstance(outcome, Success):
-            fields |= cause_fields(primitive.evidence)
-        fields |= _at(at)
+            _add_causes(record, primitive.evidence)
+        if at is not None:
+            record["at"] = measured_fields(at)
         after = "" if self._journal is None else self._journal.last
-        kept = None if self._keep is None else self._keep(fields, after)
+        kept = None if self._keep is None else self._keep(record, after)
         # Outside the chain: a physics engine's state is not the same bytes in two runs of one seed.
-        self._write("RESULT", fields, {} if kept is None else {"checkpoint": kept})
+        self._write("RESULT", record, {} if kept is None else {"checkpoint": kept})
 
     def result_kept(self, action: Action, primitive: ActionPrimitive, outcome: Outcome) -> None:
         """Its result is in the journal for good: now the observers hear of it."""
@@ -134,42 +140,49 @@ class RunLog(Intents):
 
     def stopped(self, cause: str, asked: float) -> None:
         """The robot was told to stop just now, as was asked for at that time, in [s]."""
-        self._write(
-            "STOP", {"cause": cause, "asked_s": round(asked, 6), "sent_s": round(self._robot.time, 6)}
-        )
+        sent = round(self._robot.time, 6)
+        self._write("STOP", records.Stop(cause=cause, asked_s=round(asked, 6), sent_s=sent))
 
     def world_changed(
         self, action: Action, stood: Snapshot, now: Snapshot, situation: str | None, reason: str
     ) -> None:
         """Somebody changed the world between two actions: the one that was next is not started."""
-        fields = {"action": action.index, "reason": reason, "situation": situation}
-        self._write("RECON", fields | {"expected": measured_fields(stood)} | _at(now))
+        record = records.Recon(
+            action=action.index,
+            reason=reason,
+            situation=situation,
+            expected=measured_fields(stood),
+            at=measured_fields(now),
+        )
+        self._write("RECON", record)
         self._tell(lambda: LeftOut(self._robot.time, action, reason))
 
     def not_started(self, action: Action, reason: str) -> NotStarted:
         """An action could not be started."""
         self.open = False
-        self._write("NOT_STARTED", {"action": action.index, "reason": reason})
+        self._write("NOT_STARTED", records.NotStarted(action=action.index, reason=reason))
         self._tell(lambda: LeftOut(self._robot.time, action, reason))
         return NotStarted(reason)
 
     def skip(self, action: Action, element: str) -> None:
         """An element of a repeat is left undone."""
         self.skipped.append(element)
-        self._write("SKIP", {"action": action.index, "element": element})
+        self._write("SKIP", records.Skip(action=action.index, element=element))
         self._tell(lambda: LeftOut(self._robot.time, action, f"{element} is left undone"))
 
     def ended(self, end: RunEnd, at: Snapshot | None = None) -> None:
         """The run has ended; `at` is how the robot stands."""
-        fields = {"outcome": end.outcome, "situation": end.situation, "reason": end.reason}
-        self._write("END", fields | _at(at))
+        record = records.End(outcome=end.outcome, situation=end.situation, reason=end.reason)
+        if at is not None:
+            record["at"] = measured_fields(at)
+        self._write("END", record)
         self._tell(lambda: RunEnded(self._robot.time, end))
 
-    def _words(self, action: Action, primitive: ActionPrimitive) -> object:
+    def _words(self, action: Action, primitive: ActionPrimitive) -> records.ActionWords:
         """What the journal says of an action; written out once where nothing in it changes."""
         if action.index in self._said:
             return self._said[action.index]
-        words = {
+        words: records.ActionWords = {
             "index": action.index,
             "do": action.do,
             "from": action.source,
@@ -177,10 +190,10 @@ class RunLog(Intents):
             "with": primitive.model_dump(mode="json"),
         }
         if action.binding is None or not action.binding.late:
-            self._said[action.index] = orjson.Fragment(orjson.dumps(words))
+            self._said[action.index] = cast(Any, orjson.Fragment(orjson.dumps(words)))
         return words
 
-    def _write(self, kind: str, fields: Mapping[str, Any], wall: Mapping[str, Any] = _NOTHING) -> None:
+    def _write(self, kind: str, fields: Mapping[str, object], wall: Mapping[str, Any] = _NOTHING) -> None:
         if self._journal is not None:
             self._journal.append(kind, self._robot.time, fields, wall)
 
@@ -191,42 +204,40 @@ class RunLog(Intents):
                 observer(made)
 
 
-def _at(at: Snapshot | None) -> dict[str, Any]:
-    return {} if at is None else {"at": measured_fields(at)}
-
-
-def outcome_fields(outcome: Outcome) -> dict[str, Any]:
-    """An outcome as the journal holds it."""
+def outcome_record(number: int, outcome: Outcome) -> records.Result:
+    """The outcome of the action with that number, as the journal holds it."""
     match outcome:
         case Success(evidence):
-            return {"outcome": "Success", "evidence": evidence} if evidence else {"outcome": "Success"}
+            succeeded = records.Succeeded(n=number, outcome="Success")
+            if evidence:
+                succeeded["evidence"] = dict(evidence)
+            return succeeded
         case Fail(reason, permanent, residuals):
-            fields = {"reason": reason, "permanent": permanent, "residuals": residuals}
-            return {"outcome": "Fail", **fields}
+            return records.Failed(
+                n=number, outcome="Fail", reason=reason, permanent=permanent, residuals=dict(residuals)
+            )
         case GiveUp(reason, residuals):
-            return {"outcome": "GiveUp", "reason": reason, "residuals": residuals}
+            return records.GivenUp(n=number, outcome="GiveUp", reason=reason, residuals=dict(residuals))
 
 
-def cause_fields(evidence: Evidence) -> dict[str, Any]:
-    """What the journal holds of why an attempt didn't succeed."""
-    fields: dict[str, Any] = {}
+def _add_causes(record: records.Result, evidence: Evidence) -> None:
+    """Why an attempt didn't succeed."""
     if evidence.causes:
-        fields["cause"] = [_cause(each) for each in evidence.causes]
+        record["cause"] = [_cause(each) for each in evidence.causes]
     if evidence.limits:
-        fields["tolerance"] = evidence.limits
+        record["tolerance"] = dict(evidence.limits)
     if evidence.decisive:
-        fields["picture"] = evidence.decisive
+        record["picture"] = evidence.decisive
     if evidence.facts:
-        fields["evidence"] = evidence.facts
-    return fields
+        record["evidence"] = dict(evidence.facts)
 
 
-def _cause(cause: Cause) -> dict[str, Any]:
-    fields: dict[str, Any] = {"reason": cause.reason, "check": cause.check, "calls": cause.calls}
+def _cause(cause: Cause) -> records.CauseWords:
+    words = records.CauseWords(reason=cause.reason, check=cause.check, calls=list(cause.calls))
     if cause.measured is not None:
-        fields["measured"] = cause.measured._asdict()
+        words["measured"] = cause.measured._asdict()
     if cause.fault:
-        fields["fault"] = cause.fault
+        words["fault"] = cause.fault
     if cause.restoring:
-        fields["restoring"] = True
-    return fields
+        words["restoring"] = True
+    return words

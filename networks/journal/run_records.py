@@ -123,12 +123,16 @@ class GivenUp(_Result):
     reason: str
 
 
+Result = Succeeded | Failed | GivenUp
+
+
 @with_config(_OPEN)
 class Recon(TypedDict):
     """Somebody looked at the robot, or found the world changed."""
 
     situation: str | None
     reason: NotRequired[str]
+    action: NotRequired[Index]
     expected: NotRequired[At | None]
     at: NotRequired[At]
     residuals: NotRequired[Sizes]
@@ -232,7 +236,7 @@ RECORDS: dict[str, TypeAdapter[Any]] = {
     "PNR": TypeAdapter(PointOfNoReturn),
     "STOP": TypeAdapter(Stop),
     "RESTORE": TypeAdapter(Restore),
-    "RESULT": TypeAdapter(Annotated[Succeeded | Failed | GivenUp, Field(discriminator="outcome")]),
+    "RESULT": TypeAdapter(Annotated[Result, Field(discriminator="outcome")]),
     "RECON": TypeAdapter(Recon),
     "NOT_STARTED": TypeAdapter(NotStarted),
     "SKIP": TypeAdapter(Skip),
