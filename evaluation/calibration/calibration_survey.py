@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any, ClassVar
+from typing import ClassVar
 
 from handcart.backends.robot.robot import Robot
-from handcart.evaluation.truth.survey import Claim, Survey
+from handcart.evaluation.truth.figures_survey import FiguresSurvey
+from handcart.evaluation.truth.survey import Claim
 from handcart.evaluation.truth.surveyed_run import SurveyedRun
 from handcart.primitives.contract.action_primitive import ActionPrimitive
 from handcart.primitives.contract.calibrated import Calibrated
@@ -27,18 +28,16 @@ def _suspension(survey: CalibrationSurvey, claim: Claim) -> list[str]:
     return suspension_faults(survey.spots(), claim.primitive.evidence.calibrated)
 
 
-class CalibrationSurvey(Survey):
+class CalibrationSurvey(FiguresSurvey):
     """Points lasers at walls while the suspension is calibrated, as the paper does."""
 
     name = "calibration"
     effects: ClassVar = {CAMERA: _camera, SUSPENSION: _suspension}
-    noted = dict[str, float]
 
     def __init__(self, run: SurveyedRun) -> None:
         """See `Survey`."""
         super().__init__(run)
         self._lasers: LaserSurvey | None = None
-        self._figures: dict[str, float] = {}
 
     def started(self, number: int, primitive: ActionPrimitive) -> None:
         """See `Survey`."""
@@ -69,15 +68,3 @@ class CalibrationSurvey(Survey):
     def spots(self) -> dict[str, float]:
         """What the lasers tell; raises ValueError where the arm moved too little."""
         return {} if self._lasers is None else self._lasers.figures()
-
-    def notes(self) -> dict[str, float]:
-        """See `Survey`."""
-        return self._figures
-
-    def go_on(self, noted: dict[str, float]) -> None:
-        """See `Survey`."""
-        self._figures = noted
-
-    def figures(self) -> dict[str, Any]:
-        """See `Survey`."""
-        return self._figures

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import Any, ClassVar
+from typing import ClassVar
 
 from handcart.backends.robot.robot import Robot
 from handcart.primitives.contract.action_primitive import ActionPrimitive
@@ -13,6 +13,7 @@ from handcart.primitives.knowledge.world_model import WorldModel
 from handcart.robotics.navigation.following.pose_regulator import PoseTolerance
 
 from .at_most import at_most
+from .figures_survey import FiguresSurvey
 from .sensor_sigmas import SIGMAS
 from .survey import Claim, Survey
 from .surveyed_run import SurveyedRun
@@ -57,17 +58,11 @@ def _modified(survey: Survey, claim: Claim) -> list[str]:
     return [] if known else ["no other way is known"]
 
 
-class ArrivalSurvey(Survey):
+class ArrivalSurvey(FiguresSurvey):
     """Notes the worst arrival of the run."""
 
     name = "arrival"
     effects: ClassVar = {DRIVES: _moved_to, "STAND": _stood, "MODIFY": _modified}
-    noted = dict[str, float]
-
-    def __init__(self, run: SurveyedRun) -> None:
-        """See `Survey`."""
-        super().__init__(run)
-        self._figures: dict[str, float] = {}
 
     def ended(self, number: int, primitive: ActionPrimitive, outcome: Outcome) -> list[str]:
         """See `Survey`."""
@@ -76,18 +71,6 @@ class ArrivalSurvey(Survey):
             for name, size in (("arrival_mm_max", round(off, 2)), ("arrival_deg_max", round(turned, 3))):
                 self._figures[name] = max(size, self._figures.get(name, 0.0))
         return []
-
-    def notes(self) -> dict[str, float]:
-        """See `Survey`."""
-        return self._figures
-
-    def go_on(self, noted: dict[str, float]) -> None:
-        """See `Survey`."""
-        self._figures = noted
-
-    def figures(self) -> dict[str, Any]:
-        """See `Survey`."""
-        return self._figures
 
 
 def arrival(run: SurveyedRun, place: str) -> tuple[float, float]:
