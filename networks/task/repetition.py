@@ -7,6 +7,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from handcart.files.suggest import suggest
 from handcart.files.yaml.yaml_node import KeyPath
 
 from .task_model import ActionEntry, Each, Repeat
@@ -49,16 +50,18 @@ def found_in(each: str, element: Element | None) -> tuple[KeyPath, Any]:
     """
     known = {} if element is None else {one.name: one for one in element.chain()}
     name, *keys = each.split(".")
-    if name in known:
-        path, value = known[name].path, known[name].value
-        for key in keys:
-            if not isinstance(value, Mapping) or key not in value:
-                break
-            path, value = (*path, key), value[key]
-        else:
-            return path, value
-    allowed = " or ".join(f"{one}, {one}.KEY with a key of each element" for one in known)
-    raise UnknownElement(f"unknown element {each!r}; {f'allowed: {allowed}' if known else 'no repeat here'}")
+    if name not in known:
+        allowed = " or ".join(f"{one}, {one}.KEY with a key of each element" for one in known)
+        how = f"allowed: {allowed}" if known else "no repeat here"
+        raise UnknownElement(f"unknown element {each!r}; {how}")
+    path, value = known[name].path, known[name].value
+    for number, key in enumerate(keys):
+        if not isinstance(value, Mapping) or key not in value:
+            before = ".".join([name, *keys[:number]])
+            there = [f"{before}.{one}" for one in value] if isinstance(value, Mapping) else [before]
+            raise UnknownElement(f"unknown element {each!r}{suggest(each, there)}")
+        path, value = (*path, key), value[key]
+    return path, value
 
 
 @dataclass(frozen=True, eq=False)

@@ -108,7 +108,12 @@ def test_what_was_learned_is_forgotten_where_an_element_is_left_not_where_one_wi
         (GOES_OVER, "{each: trip.thing}, as: item, start: l", 21, "trip.thing"),
         (GOES_OVER, "{each: trap.items}, as: item, start: l", 21, "allowed: trip,"),
         (GOES_OVER, "{each: trip.place}, as: item, start: l", 21, "is 'east' of trip[1]"),
-        ("load: {each: item.before}}", "load: {each: item.befor}}", 8, "unknown element 'item.befor'"),
+        (
+            "load: {each: item.before}}",
+            "load: {each: item.befor}}",
+            8,
+            "'item.befor'; did you mean 'item.before'?",
+        ),
         ("loaded: {load: 2}", "loaded: {load: {each: item.before}}", 10, "unknown element 'item.before'"),
         ("here: {load: 0}", "here: {load: {each: trip.items}}", 7, "allowed for a fact: a word"),
         (ENDS, f"{ENDS}, unfinished: skip", 21, "load is another"),
