@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
-from .repetition import Element, Repetition, outermost_first
+from handcart.networks.graph.network import MAX_ACTIONS
+
+from .repetition import Element, Nested, NotRepeated, Repetition, nested
 from .task_model import ActionEntry, GivenFact
 
 
@@ -51,92 +54,100 @@ def repeated(
             start only.
 
     Raises:
-        UnknownElement: a part goes over a list of an element around it, and there is none.
+        NotRepeated: a part goes over a list of an element around it, and there is none; or there would be
+            more actions than `MAX_ACTIONS`.
     """
     actions = (Copied(entry.source, entry.target, entry.on_fail, number) for number, entry in entries.items())
     network = Copies({name: (name, None) for name in situations}, tuple(actions), start)
-    return _with_copies(network, situations, parts)
-
-
-def _with_copies(
-    network: Copies, facts: Mapping[str, Mapping[str, GivenFact]], parts: Iterable[Repetition]
-) -> Copies:
-    ahead = list(outermost_first(parts))
-    while ahead:
-        (part, within), *ahead = ahead
-        copier = _Copier(network, facts, part)
+    level = nested(parts)
+    while level:
+        copier = _Copier(network, situations, [each.part for each in level])
         network = copier.copies()
-        network = _with_copies(network, facts, [own for each in within for own in copier.parts(each)])
-        ahead = [(copier.ending(each), [copier.ending(one) for one in inside]) for each, inside in ahead]
+        level = [within for each in level for within in copier.within(each)]
     return network
 
 
 class _Copier:
-    """Copies one part of a network in which those around it are copied already."""
+    """Copies parts that share no situation in a network in which those around them are copied already."""
 
     def __init__(
-        self, network: Copies, facts: Mapping[str, Mapping[str, GivenFact]], part: Repetition
+        self, network: Copies, facts: Mapping[str, Mapping[str, GivenFact]], parts: Sequence[Repetition]
     ) -> None:
-        self._network, self._facts, self._part = network, facts, part
-        self._elements = part.elements
+        self._network, self._facts, self._parts = network, facts, parts
+        self._around = {name: part for part in parts for name in part.inner}
+        self._check_number()
+        self._elements = {part: part.elements() for part in parts}
 
     def copies(self) -> Copies:
         actions = [copied for action in self._network.actions for copied in self._action(action)]
-        if self._part.repeat.unfinished == "skip":
-            actions += self._skips()
+        for part in self._parts:
+            if part.repeat.unfinished == "skip":
+                actions += self._skips(part)
         return Copies(dict(self._situations()), tuple(actions), self._entered(self._network.start))
 
-    def parts(self, within: Repetition) -> Iterator[Repetition]:
-        """A part within this one, in each of the copies."""
-        for each in self._elements:
-            yield replace(
-                within,
-                start=self._part.of(within.start, each.number),
-                goal=self._after(within.goal, each),
-                inner=frozenset(self._part.of(name, each.number) for name in within.inner),
-                around=each,
-            )
+    def _check_number(self) -> None:
+        """Parts within parts multiply: a few lines could make more actions than there is memory."""
+        own = Counter(self._around.get(action.source) for action in self._network.actions)
+        count = sum(times * (part.count() if part else 1) for part, times in own.items())
+        if count > MAX_ACTIONS:
+            most = max(self._parts, key=lambda part: own[part] * part.count())
+            wrong = f"with it the network has {count} actions; allowed: at most {MAX_ACTIONS}"
+            raise NotRepeated(wrong, most.path)
 
-    def ending(self, other: Repetition) -> Repetition:
-        """Another part, whose goal may be this one's start."""
-        return replace(other, goal=self._entered(other.goal))
+    def within(self, around: Nested) -> Iterator[Nested]:
+        """The parts within one, in each of its copies."""
+        for element in self._elements[around.part]:
+            for each in around.within:
+                yield self._copied(each, around.part, element)
+
+    def _copied(self, nested: Nested, around: Repetition, element: Element) -> Nested:
+        part = replace(
+            nested.part,
+            start=around.of(nested.part.start, element.number),
+            goal=self._after(nested.part.goal, around, element),
+            inner=frozenset(around.of(name, element.number) for name in nested.part.inner),
+            around=element,
+        )
+        return Nested(part, tuple(self._copied(each, around, element) for each in nested.within))
 
     def _situations(self) -> Iterator[tuple[str, tuple[str, Element | None]]]:
-        part = self._part
         for name, (called, element) in self._network.situations.items():
-            if name in part.inner:
-                yield from ((part.of(name, each.number), (called, each)) for each in self._elements)
-            if name not in part.inner or name == part.goal:
+            part = self._around.get(name)
+            if part:
+                yield from ((part.of(name, each.number), (called, each)) for each in self._elements[part])
+            if not part or name == part.goal:
                 yield name, (called, element)
 
     def _action(self, action: Copied) -> Iterator[Copied]:
-        part, fail = self._part, action.on_fail
-        if action.source not in part.inner:
+        part, fail = self._around.get(action.source), action.on_fail
+        if not part:
             yield replace(action, target=self._entered(action.target), on_fail=fail and self._entered(fail))
             return
-        for each in self._elements:
-            source, target = part.of(action.source, each.number), self._after(action.target, each)
+        for each in self._elements[part]:
+            source, target = part.of(action.source, each.number), self._after(action.target, part, each)
             # Where start and goal are one, a Fail leads back to the element's own start.
             back = fail in part.inner
-            on_fail = fail and (part.of(fail, each.number) if back else self._after(fail, each))
+            on_fail = fail and (part.of(fail, each.number) if back else self._after(fail, part, each))
             yield Copied(source, target, on_fail, action.entry, each)
 
-    def _skips(self) -> Iterator[Copied]:
+    def _skips(self, part: Repetition) -> Iterator[Copied]:
         """Ways to the next element from where the robot stands as at the part's start."""
-        part, situations = self._part, self._network.situations
-        facts = {name: self._facts[called] for name, (called, _) in situations.items()}
+        situations = self._network.situations
+        facts = {name: self._facts[situations[name][0]] for name in part.inner}
         alike = [name for name in situations if name in part.inner and facts[name] == facts[part.start]]
-        for each in self._elements:
-            target = self._after(part.goal, each)
+        for each in self._elements[part]:
+            target = self._after(part.goal, part, each)
             yield from (Copied(part.of(name, each.number), target, None, None, each) for name in alike)
 
     def _entered(self, name: str) -> str:
-        """Where what leads to `name` from outside of the part leads to: the first element's copy."""
-        return self._part.of(name, 0) if name in self._part.inner else name
+        """Where what leads to `name` from outside of its part leads to: the first element's copy."""
+        part = self._around.get(name)
+        return part.of(name, 0) if part else name
 
-    def _after(self, name: str, element: Element) -> str:
+    def _after(self, name: str, part: Repetition, element: Element) -> str:
         """Where what leads to `name` from inside the part leads to: at its goal, to what comes next."""
-        part = self._part
         if name != part.goal:
-            return part.of(name, element.number) if name in part.inner else name
-        return name if element is self._elements[-1] else part.of(part.start, element.number + 1)
+            return part.of(name, element.number) if name in part.inner else self._entered(name)
+        if element is not self._elements[part][-1]:
+            return part.of(part.start, element.number + 1)
+        return name if name in part.inner else self._entered(name)

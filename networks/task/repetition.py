@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 from handcart.files.suggest import suggest
 from handcart.files.yaml.yaml_node import KeyPath
@@ -35,11 +35,17 @@ class Element:
         return [*(self.around.chain() if self.around else ()), self]
 
 
+class NotRepeated(ValueError):
+    """A part can't be copied for its elements; the message says why."""
+
+    def __init__(self, message: str, part: KeyPath) -> None:
+        super().__init__(message)
+        self.part = part
+        """Where it stands in the task's document."""
+
+
 class UnknownElement(LookupError):
     """What `{each: NAME.KEY}` asks for isn't there; the message says what is."""
-
-    part: KeyPath = ()
-    """Where the part stands that goes over it."""
 
 
 def found_in(each: str, element: Element | None) -> tuple[KeyPath, Any]:
@@ -81,18 +87,13 @@ class Repetition:
     around: Element | None = None
     """The element whose part it is within."""
 
-    @property
     def elements(self) -> tuple[Element, ...]:
         """In their order.
 
         Raises:
-            UnknownElement: it goes over a list of an element around it, and there is none.
+            NotRepeated: it goes over a list of an element around it, and there is none.
         """
-        try:
-            path, values = self._over()
-        except UnknownElement as unknown:
-            unknown.part = self.path
-            raise
+        path, values = self._over()
         before = f"{self.around.words}, " if self.around else ""
         return tuple(
             Element(
@@ -106,16 +107,22 @@ class Repetition:
             for number, value in enumerate(values)
         )
 
-    def _over(self) -> tuple[KeyPath, Sequence[Any]]:
-        if not isinstance(self.repeat.over, Each):
-            return (*self.path, "over"), self.repeat.over
-        path, values = found_in(self.repeat.over.each, self.around)
-        if not isinstance(values, list) or not values:
-            raise UnknownElement(f"{self.repeat.over.each} is {values!r} of {self._of()}; allowed: a list")
-        return path, values
+    def count(self) -> int:
+        """How many elements there are; raises as `elements`."""
+        return len(self._over()[1])
 
-    def _of(self) -> str:
-        return "no element" if self.around is None else self.around.words
+    def _over(self) -> tuple[KeyPath, Sequence[Any]]:
+        over, around = self.repeat.over, self.around
+        if not isinstance(over, Each):
+            return (*self.path, "over"), over
+        try:
+            path, values = found_in(over.each, around)
+        except UnknownElement as unknown:
+            raise NotRepeated(str(unknown), self.path) from None
+        if not isinstance(values, list) or not values:
+            whose = "" if around is None else f" of {around.words}"
+            raise NotRepeated(f"{over.each} is {values!r}{whose}; allowed: a list", self.path)
+        return path, values
 
     def of(self, name: str, number: int) -> str:
         """An element's own copy of a situation of the part."""
@@ -139,12 +146,19 @@ def repetitions(repeats: Mapping[int, Repeat], entries: Iterable[ActionEntry]) -
     ]
 
 
-def outermost_first(parts: Iterable[Repetition]) -> Iterator[tuple[Repetition, list[Repetition]]]:
+class Nested(NamedTuple):
+    """A part with those that lie in it."""
+
+    part: Repetition
+    within: tuple[Nested, ...]
+
+
+def nested(parts: Sequence[Repetition]) -> list[Nested]:
     """The parts that lie in no other one, each with those that lie in it."""
-    listed = list(parts)
-    for part in listed:
-        if not any(part.inner < other.inner for other in listed):
-            yield part, [other for other in listed if other.inner < part.inner]
+    outer = [part for part in parts if not any(part.inner < other.inner for other in parts)]
+    return [
+        Nested(part, tuple(nested([other for other in parts if other.inner < part.inner]))) for part in outer
+    ]
 
 
 def _shown(value: object) -> str:

@@ -31,7 +31,7 @@ from .parameters import goes_over_unknown, with_all, with_listed_repeats, with_p
 from .primitive_parameters import ParameterReader
 from .repeat_faults import Situations, element_facts, repeat_faults
 from .repeating import Copied, Copies, repeated
-from .repetition import UnknownElement, repetitions
+from .repetition import NotRepeated, repetitions
 from .task_knowledge import PLACES, TaskKnowledge, domain_keys, read_knowledge
 from .task_model import ActionEntry, GivenFact, Repeat, TaskFile
 from .unwritten import unwritten
@@ -196,8 +196,8 @@ class _Reader:
             self._findings.raise_all()
         try:
             return repeated(situations, entries, start, parts)
-        except UnknownElement as unknown:
-            self._add((*unknown.part, "over"), str(unknown))
+        except NotRepeated as wrong:
+            self._add((*wrong.part, "over"), str(wrong))
             self._findings.raise_all()
             raise
 

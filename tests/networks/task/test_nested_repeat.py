@@ -126,3 +126,19 @@ def test_what_is_wrong_is_told_at_its_line(
     with pytest.raises(FileError) as error:
         load(TRIPS.replace(old, new, 1))
     assert any(each.line == line and message in each.message for each in error.value.findings), error.value
+
+
+def test_parts_within_parts_are_no_bomb(load: Callable[..., Task]) -> None:
+    """T3, T4: four lists of a hundred entries would make a hundred million copies."""
+    hundred = list(range(100))
+    parts = "".join(
+        f"  - {{over: {hundred}, as: n{depth}, start: s{depth}, goal: z}}\n" for depth in range(4)
+    )
+    actions = "".join(
+        f"  - {{do: THINK, from: s{depth}, to: {f's{depth + 1}' if depth < 3 else 'z'}, cost_s: 1}}\n"
+        for depth in range(4)
+    )
+    head = "format: handcart-task/1\ntitle: Bomb\nrobot: librarian\nstart: s0\ngoal: z\n"
+    situations = "situations: {s0: {}, s1: {}, s2: {}, s3: {}, z: {}}\n"
+    with pytest.raises(FileError, match=r"with it the network has 2010100 actions; allowed: at most 200000"):
+        load(f"{head}{situations}actions:\n{actions}repeat:\n{parts}")
