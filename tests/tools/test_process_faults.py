@@ -52,10 +52,11 @@ def test_files_that_run_out_start_nothing(tour: Path, tmp_path: Path) -> None:
     """K10: the limit of open files."""
     process = python(
         "import resource",
-        "from handcart.evaluation import overview, running",
+        "from handcart.evaluation.trials import overview, running",
         "from handcart.backends.can import can_backend",
         "from handcart.backends.kinematic import kinematic_backend",
-        "from handcart.tools import progress, run_task",
+        "from handcart.tools import run_task",
+        "from handcart.tools.terminal import progress",
         "from handcart.tools.main import main",
         "resource.setrlimit(resource.RLIMIT_NOFILE, (5, 5))",
         f"main(['run', {str(tour)!r}, *{ON_CAN!r}, '--runs', {str(tmp_path / 'runs')!r}])",
