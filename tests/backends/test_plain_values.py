@@ -143,6 +143,7 @@ def test_beyond_all_sense() -> None:
             from_plain(value, float, "x")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", [ParticleFilter, GpsFilter])
 def test_a_filter_goes_on_as_the_one_that_was_kept(kind: type[ParticleFilter] | type[GpsFilter]) -> None:
     """Its random numbers, what it doubts and what it looks back on included."""

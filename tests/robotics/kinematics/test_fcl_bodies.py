@@ -43,7 +43,7 @@ def distance(one: Shape, pose: Transform, other: Shape, other_pose: Transform) -
     return float(pin.coal.distance(coal_body(one), here, coal_body(other), there, request, result))
 
 
-@pytest.mark.parametrize("seed", range(10))
+@pytest.mark.parametrize("seed", [0, *(pytest.param(each, marks=pytest.mark.slow) for each in range(1, 10))])
 def test_both_say_of_1000_random_pairs_whether_they_touch(seed: int) -> None:
     rng, told = np.random.default_rng(seed), []
     for _ in range(1000):

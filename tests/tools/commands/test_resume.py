@@ -157,6 +157,7 @@ def test_a_torn_tail_is_set_aside_and_told(
     assert read_journal(path).torn_at is None
 
 
+@pytest.mark.slow
 def test_damage_inside_is_refused_with_its_place(
     handcart: Callable[..., Said], whole: tuple[Path, dict[str, Any]]
 ) -> None:
@@ -172,6 +173,7 @@ def test_damage_inside_is_refused_with_its_place(
     assert path.read_bytes() == bytes(content)
 
 
+@pytest.mark.slow
 def test_a_run_that_came_to_its_end_is_not_resumed(
     handcart: Callable[..., Said], whole: tuple[Path, dict[str, Any]]
 ) -> None:
@@ -181,6 +183,7 @@ def test_a_run_that_came_to_its_end_is_not_resumed(
     assert "is over: Success" in said.err
 
 
+@pytest.mark.slow
 def test_a_real_robot_moves_only_when_a_person_has_looked(
     handcart: Callable[..., Said], whole: tuple[Path, dict[str, Any]], monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -208,6 +211,7 @@ def test_another_task_is_not_gone_on_with(handcart: Callable[..., Said], tour: P
     assert "its network is another one" in said.err
 
 
+@pytest.mark.slow
 def test_a_give_up_is_latched_until_a_person_acknowledges_that_record(
     handcart: Callable[..., Said], whole: tuple[Path, dict[str, Any]]
 ) -> None:
@@ -245,6 +249,7 @@ def test_a_run_begun_elsewhere_is_gone_on_with(
     assert json.loads(said.out.splitlines()[-1])["situation"] == "back"
 
 
+@pytest.mark.slow
 def test_a_run_that_is_over_says_so_though_its_task_and_checkpoint_are_gone(
     handcart: Callable[..., Said], whole: tuple[Path, dict[str, Any]]
 ) -> None:
@@ -254,6 +259,7 @@ def test_a_run_that_is_over_says_so_though_its_task_and_checkpoint_are_gone(
     assert "is over: Success" in handcart("resume", folder).err
 
 
+@pytest.mark.slow
 def test_a_checkpoint_that_is_not_the_journals_is_refused(
     handcart: Callable[..., Said], whole: tuple[Path, dict[str, Any]]
 ) -> None:
@@ -267,6 +273,7 @@ def test_a_checkpoint_that_is_not_the_journals_is_refused(
     assert (folder / "journal.jsonl").read_bytes() == before
 
 
+@pytest.mark.slow
 def test_a_checkpoint_one_ahead_of_another_journal_is_refused(
     handcart: Callable[..., Said], whole: tuple[Path, dict[str, Any]]
 ) -> None:
@@ -278,6 +285,7 @@ def test_a_checkpoint_one_ahead_of_another_journal_is_refused(
     assert (said.status, "is not the one that its journal names" in said.err) == (6, True)
 
 
+@pytest.mark.slow
 def test_what_a_journal_says_does_nothing_to_a_terminal(
     handcart: Callable[..., Said], whole: tuple[Path, dict[str, Any]]
 ) -> None:
@@ -294,6 +302,7 @@ def test_what_a_journal_says_does_nothing_to_a_terminal(
         assert "\x1b" not in said.out + said.err
 
 
+@pytest.mark.slow
 def test_a_damaged_checkpoint_is_refused(
     handcart: Callable[..., Said], whole: tuple[Path, dict[str, Any]]
 ) -> None:
@@ -315,6 +324,7 @@ def test_a_damaged_checkpoint_is_refused(
     assert "holds no checkpoint" in handcart("resume", folder).err
 
 
+@pytest.mark.slow
 def test_a_damaged_last_start_leaves_that_action_in_doubt(
     handcart: Callable[..., Said], whole: tuple[Path, dict[str, Any]]
 ) -> None:
@@ -329,6 +339,7 @@ def test_a_damaged_last_start_leaves_that_action_in_doubt(
     assert "which is damaged, told of it" in said.err
 
 
+@pytest.mark.slow
 def test_a_real_robots_damaged_last_start_waits_for_a_person(whole: tuple[Path, dict[str, Any]]) -> None:
     """D3, N13: until somebody has said that all is as it was before it."""
     folder, _ = whole
@@ -344,6 +355,7 @@ def test_a_real_robots_damaged_last_start_waits_for_a_person(whole: tuple[Path, 
     assert waiting(read_run_journal(folder)) == {}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("word", ["resume", "ack"])
 def test_a_run_that_is_alive_is_left_alone(
     handcart: Callable[..., Said], whole: tuple[Path, dict[str, Any]], word: str
@@ -357,6 +369,7 @@ def test_a_run_that_is_alive_is_left_alone(
     assert word == "ack" or f"the run in {folder} is alive" in said.err
 
 
+@pytest.mark.slow
 def test_a_journal_of_another_version_is_told(
     handcart: Callable[..., Said], whole: tuple[Path, dict[str, Any]]
 ) -> None:

@@ -160,6 +160,7 @@ def test_no_marks_no_report() -> None:
     assert record.smoothed() == []
 
 
+@pytest.mark.slow
 def test_a_record_grows_with_the_moments_that_are_wanted_not_with_the_time() -> None:
     sizes = []
     for noise in (REFERENCE, REFERENCE._replace(gps_period=0.2)):
