@@ -10,7 +10,7 @@ from handcart.files.yaml.yaml_node import KeyPath
 from handcart.networks.graph.network import Fact
 
 from .repeating import Copies
-from .repetition import Element, Repetition, UnknownElement, found_in
+from .repetition import Element, Repetition, UnknownElement, found_in, shortened
 from .task_model import ActionEntry, Each, GivenFact
 
 Situations = Mapping[str, Mapping[str, GivenFact]]
@@ -104,7 +104,9 @@ def _fact(fact: GivenFact, element: Element | None) -> Fact:
         return fact
     _, value = found_in(fact.each, element)
     if not isinstance(value, str | bool | int | float):
-        raise UnknownElement(f"{fact.each} is {value!r}; allowed for a fact: a word, a number, true or false")
+        raise UnknownElement(
+            f"{fact.each} is {shortened(value)}; allowed for a fact: a word, a number, true or false"
+        )
     return value
 
 

@@ -121,7 +121,7 @@ class Repetition:
             raise NotRepeated(str(unknown), self.path) from None
         if not isinstance(values, list) or not values:
             whose = "" if around is None else f" of {around.words}"
-            raise NotRepeated(f"{over.each} is {values!r}{whose}; allowed: a list", self.path)
+            raise NotRepeated(f"{over.each} is {shortened(values)}{whose}; allowed: a list", self.path)
         return path, values
 
     def of(self, name: str, number: int) -> str:
@@ -159,6 +159,12 @@ def nested(parts: Sequence[Repetition]) -> list[Nested]:
     return [
         Nested(part, tuple(nested([other for other in parts if other.inner < part.inner]))) for part in outer
     ]
+
+
+def shortened(value: object) -> str:
+    """A value in a message, cut."""
+    words = repr(value)
+    return words if len(words) <= 40 else f"{words[:40]} ..."
 
 
 def _shown(value: object) -> str:

@@ -212,11 +212,8 @@ def _look_again(
 
 
 def _within_time(way_back: Periods, robot: Robot, primitive: ActionPrimitive, view: ModelView) -> Periods:
-    end, tracking, displaced = (
-        robot.time + LONGEST_RESTORE,
-        TrackingErrorMonitor(robot),
-        robot.localization.displacements,
-    )
+    end, tracking = robot.time + LONGEST_RESTORE, TrackingErrorMonitor(robot)
+    displaced = robot.localization.displacements
     for _ in way_back:
         _alone(robot, primitive)
         yield

@@ -107,6 +107,12 @@ def test_what_was_learned_is_forgotten_where_an_element_is_left_not_where_one_wi
     [
         (GOES_OVER, "{each: trip.thing}, as: item, start: l", 21, "trip.thing"),
         (GOES_OVER, "{each: trap.items}, as: item, start: l", 21, "allowed: trip,"),
+        (
+            GOES_OVER,
+            "{each: trip}, as: item, start: l",
+            21,
+            " ... of trip[1]; allowed: a list",
+        ),
         (GOES_OVER, "{each: trip.place}, as: item, start: l", 21, "is 'east' of trip[1]"),
         (
             "load: {each: item.before}}",
