@@ -119,6 +119,7 @@ def _written_out(kind: Any) -> Any:
     return _written_out(alias.__value__[args] if args else alias.__value__)
 
 
+@cache
 def _of_class(kind: Any) -> _Codec:
     is_class: bool = inspect.isclass(kind)
     if not is_class:

@@ -4,6 +4,7 @@ Works on events, one after the other, so that nothing is ever expanded, construc
 into: the cost is bounded by the number of values allowed, whatever the file says.
 """
 
+import re
 from typing import Any
 
 from handcart.files.errors import FileError, Finding
@@ -15,6 +16,7 @@ from handcart.files.yaml.yaml_node import Node
 MAX_DEPTH = 32
 _NODES = ("AliasEvent", "ScalarEvent", "SequenceStartEvent", "MappingStartEvent")
 _MAX_FINDINGS = 50
+_HALVES = re.compile("[\ud800-\udfff]")
 
 
 class TreeBuilder:
@@ -40,7 +42,8 @@ class TreeBuilder:
         kind = type(event).__name__
         if kind in _NODES:
             self._count(event)
-            self._refuse_extras(event)
+            if kind == "AliasEvent" or event.anchor is not None or getattr(event, "tag", None) is not None:
+                self._refuse_extras(event)
         match kind:
             case "ScalarEvent":
                 self._scalar(event)
@@ -98,7 +101,7 @@ class TreeBuilder:
             self._stop(event, f"YAML {number} is asked for; allowed: YAML 1.2")
 
     def _scalar(self, event: Any) -> None:
-        if any("\ud800" <= c <= "\udfff" for c in event.value):
+        if _HALVES.search(event.value):
             self.problem(event.start_mark, "half a character (a lone surrogate); allowed: whole ones")
         if self._open and self._open[-1].wants_key:
             self._key(event, event.value)

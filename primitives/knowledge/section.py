@@ -5,7 +5,9 @@ from __future__ import annotations
 import typing
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields
+from functools import cache
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any, ClassVar, Protocol, Self, TypeVar
 
 import numpy as np
@@ -130,6 +132,11 @@ class Section:
         return {name: types_of(cls)[name] for name in cls.LEARNED}
 
 
-def types_of(kind: type) -> dict[str, Any]:
+def types_of(kind: type) -> Mapping[str, Any]:
     """Annotated types of a class, by name."""
-    return typing.get_type_hints(kind)
+    return _types_of(kind)
+
+
+@cache
+def _types_of(kind: type) -> Mapping[str, Any]:
+    return MappingProxyType(typing.get_type_hints(kind))

@@ -214,7 +214,7 @@ class WorldModel:
         return now
 
 
-def _hints(kind: Any) -> dict[str, Any]:
+def _hints(kind: Any) -> Mapping[str, Any]:
     return types_of(kind) if isinstance(kind, type) else {}
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Collection, Mapping
+from functools import lru_cache
 from xml.etree import ElementTree
 
 import numpy as np
@@ -44,7 +45,12 @@ def urdf_of_arm(urdf_text: str, moving: Collection[str], standing: Mapping[str, 
         ValueError: the text is no URDF, or one of the names is no movable joint of it, or one that follows
             another.
     """
-    robot = _kinematic(known_urdf(urdf_text))
+    return _urdf_of_arm(urdf_text, tuple(moving), tuple(standing.items()))
+
+
+@lru_cache(maxsize=64)  # a program asks for the same few arms again and again: fingers open, fingers closed
+def _urdf_of_arm(urdf_text: str, moving: tuple[str, ...], standing_at: tuple[tuple[str, float], ...]) -> str:
+    robot, standing = _kinematic(known_urdf(urdf_text)), dict(standing_at)
     joints = {joint.get("name", ""): joint for joint in robot.findall("joint")}
     movable = [name for name, joint in joints.items() if joint.get("type") in MOVABLE]
     if missing := [name for name in (*moving, *standing) if name not in movable]:

@@ -177,8 +177,7 @@ class ArmContact:
         return HELD, RigidBody.box(size), pose, float(np.linalg.norm(size)) / 2
 
     def _against_world(self, bodies: list[Body], skip: Skip | None) -> Touch:
-        centres = np.array([body[2][:3, 3] for body in bodies])
-        radii = np.array([body[3] for body in bodies])
+        centres, radii = _spheres(bodies)
         close = self._close(centres, radii)
         local = np.einsum("nji,gnj->gni", self._turn[close], centres[:, None] - self._middle[close])
         outside = np.maximum(np.abs(local) - self._half[close], 0.0)
@@ -194,13 +193,15 @@ class ArmContact:
         return worst
 
     def _against_robot(self, bodies: list[Body], poses: NDArray[np.float64]) -> Touch:
-        hits = [
-            Touch(overlap(geometry, pose, self._geometry[i], poses[i]), name, self._names[i])
-            for name, geometry, pose, radius in bodies
-            for i in self._own
-            if np.linalg.norm(pose[:3, 3] - poses[i][:3, 3]) < radius + self._radius[i]
-        ]
-        return max(hits, default=FREE)
+        centres, radii = _spheres(bodies)
+        away = centres[:, None] - poses[self._own, :3, 3]
+        close = (away**2).sum(axis=2) < (radii[:, None] + self._radius[self._own]) ** 2
+        worst = FREE
+        for g, k in np.argwhere(close):
+            i, (name, geometry, pose, _) = self._own[k], bodies[g]
+            depth = overlap(geometry, pose, self._geometry[i], poses[i])
+            worst = max(worst, Touch(depth, name, self._names[i]))
+        return worst
 
     def _close(self, centres: NDArray[np.float64], radii: NDArray[np.float64]) -> NDArray[np.int64]:
         """Those boxes that are there and that the sphere about all bodies' spheres may reach."""
@@ -229,6 +230,12 @@ class ArmContact:
         always = np.zeros(len(standing))
         self._appears = np.append([solid.appears for solid in self._scene.solids], always)
         self._leaves = np.append([solid.leaves for solid in self._scene.solids], always + np.inf)
+
+
+def _spheres(bodies: list[Body]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Middles (n, 3) and radii (n,) of the spheres about them."""
+    middles = [pose[:3, 3] for _, _, pose, _ in bodies]
+    return np.array(middles).reshape(-1, 3), np.array([radius for *_, radius in bodies])
 
 
 def _still(arm: ArmModel, shapes: Collection[Shape]) -> set[str]:

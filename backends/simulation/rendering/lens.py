@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from functools import lru_cache
 
 import cv2
 import numpy as np
@@ -29,7 +30,7 @@ class Lens:
         self._seed, self._errors = seed, errors
         self._shape = (camera.height, camera.width)
         rows, columns = np.indices(self._shape, dtype=np.float64)
-        rays = camera.undistort(np.column_stack((columns.ravel(), rows.ravel())))
+        rays = _rays(camera.K.tobytes(), camera.distortion.tobytes(), *self._shape)
         focal = camera.K[0, 0]
         low, high = np.floor(rays.min(axis=0) * focal) - 2, np.ceil(rays.max(axis=0) * focal) + 2
         self.size = (int(high[0] - low[0]) + 1, int(high[1] - low[1]) + 1)
@@ -58,3 +59,11 @@ class Lens:
         lit = cv2.multiply(picture, self._gain, dtype=cv2.CV_32F)
         noisy = cv2.add(lit, self._noise[top : top + height, left : left + width])
         return cv2.convertScaleAbs(np.maximum(noisy, 0.0)).astype(np.uint8, copy=False)
+
+
+@lru_cache(maxsize=4)
+def _rays(K: bytes, distortion: bytes, height: int, width: int) -> NDArray[np.float64]:
+    """Rays (n, 2) of all pixels, row by row: half of what a lens takes to make."""
+    camera = CameraModel(np.frombuffer(K).reshape(3, 3), np.frombuffer(distortion), width, height)
+    rows, columns = np.indices((height, width), dtype=np.float64)
+    return camera.undistort(np.column_stack((columns.ravel(), rows.ravel())))

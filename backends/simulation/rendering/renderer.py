@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import cached_property
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -29,7 +31,11 @@ class Renderer:
     """
 
     def __init__(self, camera: CameraModel, errors: Errors, seed: int) -> None:
-        self._lens = Lens(camera, errors, seed)
+        self._camera, self._errors, self._seed = camera, errors, seed
+
+    @cached_property
+    def _lens(self) -> Lens:
+        return Lens(self._camera, self._errors, self._seed)
 
     def render(self, scene: Scene, world_T_camera: Transform, period: int) -> GreyImage:
         """The picture (height, width) taken from a pose (4, 4) in this period."""
