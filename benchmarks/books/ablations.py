@@ -54,7 +54,7 @@ def main() -> None:
         }
         print(f"{'':36}{'Success':>9}{'Wilson 95 %':>16}{'edge 95 %':>12}   most frequent other end")
         for name, settings in rows.items():
-            setting = Setting(TASK, None, settings, Libraries({"misplaced": True}), Path(folder) / "runs")
+            setting = Setting(TASK, None, settings, Libraries(misplaced=True), Path(folder) / "runs")
             running = run_campaign(setting, range(trials), 2)
             report = Report(tuple(track(running, name, trials, console=Console(stderr=True))))
             low, high = report.wilson

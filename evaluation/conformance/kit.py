@@ -10,7 +10,7 @@ from functools import cached_property
 from multiprocessing import get_context
 from pathlib import Path
 
-from handcart.evaluation.conformance.checks.all_checks import CHECKS
+from handcart.evaluation.conformance.checks.all_checks import checks
 from handcart.evaluation.conformance.checks.check import Finding
 from handcart.evaluation.conformance.faults.fail_is_true import Batch
 from handcart.evaluation.conformance.faults.forked import Died, Hung, forked
@@ -133,7 +133,7 @@ class OneCheck:
 
     def __call__(self) -> Finding:
         """Make it in a copy of the process: one that hangs or dies is a finding too."""
-        check = CHECKS[self.name]
+        check = checks()[self.name]
         try:
             return forked(lambda: check(self.bench), Finding, LONGEST)
         except Hung:
@@ -168,7 +168,7 @@ def jobs_of(setting: Setting) -> list[Job]:
     if "mutants" in parts:
         jobs += [OneMutant(name, setting.bench) for name in MUTANTS]
     if "checks" in parts:
-        jobs += [OneCheck(name, setting.bench) for name in CHECKS]
+        jobs += [OneCheck(name, setting.bench) for name in checks()]
     return jobs
 
 

@@ -12,7 +12,7 @@ from handcart.backends.capabilities.capability import Capability
 from handcart.backends.capabilities.gripper import Gripper
 from handcart.backends.capabilities.range_sensor import RangeSensor
 from handcart.evaluation.conformance.checks import snapshot_checks
-from handcart.evaluation.conformance.checks.all_checks import CHECKS
+from handcart.evaluation.conformance.checks.all_checks import checks
 from handcart.evaluation.conformance.checks.check import Finding
 from handcart.evaluation.conformance.faults.fail_is_true import Batch
 from handcart.evaluation.conformance.faults.fault import FaultKind
@@ -77,7 +77,7 @@ def _plantable(mutant: Mutant, bench: Bench) -> None:
 
 
 def _backend(name: str, check: str, bench: Bench) -> list[str]:
-    finding = CHECKS[check](replace(bench, liar=name))
+    finding = checks()[check](replace(bench, liar=name))
     if finding.skipped:
         raise Skipped(finding.skipped)
     return [f"{check}: {each}" for each in finding.wrong]
@@ -157,7 +157,7 @@ _ALL = (
     _in_backend("WrongUnits", "tells wheel travel in mm", "base"),
     _in_backend("EchoesCommands", "encoders read what was commanded", "joints"),
     _in_backend("RollsDice", "ranges waver with the wall clock", "rates"),
-    _in_backend("HalfPixel", "pictures are half a pixel off", "landmark"),
+    _in_backend("HalfPixel", "pictures are half a pixel off", "tag"),
     _in_backend("Undelayed", "tells where the base was as where it is", "positioning"),
     _in_backend("TurnsOtherWay", "its gyros' axes point down", "imu"),
     _in_backend("FixInMillimetres", "tells fixes in mm", "gps"),

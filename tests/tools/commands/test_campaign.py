@@ -240,3 +240,23 @@ def test_a_repeated_action_is_one_row_named_as_in_the_file(
     assert said.status == 0
     shares = [(each["action"], each["attempts"]) for each in json.loads(said.out)["actions"]]
     assert shares == [("MOVE_TO (here to there)", 2), ("MOVE_TO (there to done)", 2)]
+
+
+@pytest.mark.parametrize(
+    ("generate", "wrong"),
+    [
+        (["librari"], "no worlds of that name; did you mean 'library'?"),
+        (["library.blockd=closed"], "unknown key 'blockd'; did you mean 'blocked'?"),
+        (["library.blocked=shut"], "allowed: none, way_around, closed"),
+        (["library.books=0"], "books=0"),
+        (["library", "field.length=3"], "worlds of one kind"),
+    ],
+)
+def test_generated_worlds_are_asked_for_by_name_and_options(
+    handcart: Callable[..., Said], generate: list[str], wrong: str
+) -> None:
+    task = str(ROOT / "tasks" / "return_book" / "task.yaml")
+    words = [each for word in generate for each in ("--generate", word)]
+    said = handcart("campaign", task, "--trials", "1", *words)
+    assert said.status == 2
+    assert wrong in said.err

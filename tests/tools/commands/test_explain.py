@@ -37,7 +37,8 @@ def runs(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Path]:
 
     def folder(name: str) -> Path:
         if name not in made:
-            setting = Setting(TASK, None, None, Libraries(LIBRARIES[name]), tmp_path_factory.mktemp(name))
+            worlds = Libraries.model_validate(LIBRARIES[name])
+            setting = Setting(TASK, None, None, worlds, tmp_path_factory.mktemp(name))
             made[name] = Path(run_trial(setting, 0).summary["run_dir"])
         return made[name]
 
