@@ -233,6 +233,26 @@ def test_a_journal_that_somebody_chained_anew_is_told_in_words(
     assert "Traceback" not in said.err
 
 
+@pytest.mark.parametrize(("index", "source"), [(0, "nowhere"), (1, "a")])
+def test_an_action_that_its_network_does_not_have_is_told_in_words(
+    handcart: Callable[..., Said], tmp_path: Path, index: int, source: str
+) -> None:
+    """D15: whoever chained it anew."""
+    keys = ("do", "from", "to", "on_fail", "cost_s", "attempts", "uses")
+    network = {"start": "a", "goal": "b", "situations": {"a": {}, "b": {}}, "keys": keys}
+    network["actions"] = [("MOVE_TO", "a", "b", None, 1.0, 3, [])]
+    folder = tmp_path / "run"
+    folder.mkdir()
+    with Journal(folder / "journal.jsonl") as journal:
+        journal.append("RUN", 0.0, {"schema": "handcart-journal/1", "plan_on": network})
+        action = {"index": index, "do": "MOVE_TO", "from": source, "to": "b", "with": {}}
+        journal.append("START", 0.0, {"n": 1, "action": action})
+    said = handcart("explain", folder)
+    assert said.status == 5
+    assert f"no such action {index}: MOVE_TO from {source} to b" in said.err
+    assert "Traceback" not in said.err
+
+
 def test_evidence_is_looked_for_in_the_runs_folder_alone(tmp_path: Path) -> None:
     """D15: whatever an action is called."""
     (tmp_path / "001_secret_Fail_readings.npz").write_bytes(b"not for this")
