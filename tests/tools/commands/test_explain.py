@@ -239,7 +239,7 @@ def test_an_action_that_its_network_does_not_have_is_told_in_words(
 ) -> None:
     """D15: whoever chained it anew."""
     keys = ("do", "from", "to", "on_fail", "cost_s", "attempts", "uses")
-    network = {"start": "a", "goal": "b", "situations": {"a": {}, "b": {}}, "keys": keys}
+    network: dict[str, Any] = {"start": "a", "goal": "b", "situations": {"a": {}, "b": {}}, "keys": keys}
     network["actions"] = [("MOVE_TO", "a", "b", None, 1.0, 3, [])]
     folder = tmp_path / "run"
     folder.mkdir()
