@@ -15,6 +15,7 @@ from handcart.files.extras import EXTRAS, extra_of, is_there
 MODULES = {
     "opencv-python-headless": "cv2",
     "pin": "pinocchio",
+    "python-fcl": "fcl",
     "python-can": "can",
     "pyserial": "serial",
     "pillow": "PIL",
