@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 from handcart.backends.urdf.robot_parts import UrdfError
 from handcart.files.errors import FileError
+from handcart.files.extras import lack
 from handcart.files.suggest import listed, suggest
 from handcart.robotics.kinematics.urdf_assembly import link_names
 from handcart.robotics.kinematics.urdf_contents import joints_of
@@ -39,6 +40,8 @@ def robot_findings(robot: RobotFile, document: Document) -> list[Finding]:
         return [document.finding(error.key or ("urdf",), str(error))]
     frames = _frame_findings(robot, urdf, document)
     if robot.arm is not None:
+        if wrong := lack("an arm", "arm"):
+            return [*frames, document.finding(("arm",), wrong)]
         arm = _arm_findings(robot, robot.arm, urdf, document, bool(frames))
         if arm:
             return [*frames, *arm]

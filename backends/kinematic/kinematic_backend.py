@@ -11,11 +11,11 @@ from handcart.backends.simulation.body.hand import Hand
 from handcart.backends.simulation.body.rough_ride import RoughRide
 from handcart.backends.simulation.body.suspension import lean_of
 from handcart.backends.simulation.sensors.field_imu import FieldImu
-from handcart.backends.simulation.sensors.mounts import base_T_frame
 from handcart.backends.simulation.sensors.simulated_imu import SimulatedImu
 from handcart.backends.simulation.simulated_backend import Part, SimulatedBackend
 from handcart.backends.simulation.world.world_file import WorldFile
 from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.kinematics.urdf_frames import base_T_frame
 
 from .kinematic_arm import KinematicArm
 from .kinematic_base import KinematicBase

@@ -12,6 +12,7 @@ from typing import Annotated, NamedTuple
 from pydantic import AfterValidator
 
 from handcart.files.errors import FileError, Finding, UnsafePath
+from handcart.files.extras import lack
 from handcart.files.inside import portable, resolve_inside
 from handcart.files.models.model import FileModel
 from handcart.files.xml_file import read_xml_text
@@ -152,6 +153,8 @@ def _mesh_files(robot: UrdfElement, path: Path, root: Path, shown: str) -> dict[
 def _mesh_fault(file: Path, scale: str) -> str | None:
     if not is_mesh(file):
         return "it isn't there; allowed: a file beside the URDF, or beside or above it in its package"
+    if wrong := lack("a mesh that collides", "arm"):
+        return wrong
     x, y, z = (float(word) for word in scale.split())
     try:
         mesh = read_mesh(str(file), (x, y, z))

@@ -94,6 +94,7 @@ def trial(plan: Plan, fault: Fault, seed: int, folder: Path) -> str:
     files = _written(plan.places.tolist(), there, folder)
     with set_stage(files, robot=ROBOT, seed=seed) as stage:
         scene = simulated_world(stage.backend)
+        assert scene is not None
         scene.move_base(stage.model.places["stacking"].pose.compose(off))
         outcome = stage.do(Fixate(landmark=f"mark_{wanted}"))
         if not isinstance(outcome, Success):

@@ -169,7 +169,8 @@ def _try_nearer(room: Room, folder: Path, settings: dict[str, str], told: Told) 
         spot = next(room.beside(share * room.least - 0.001))
         places[f"too_near_{number}"] = (*spot, room.rng.uniform(-180.0, 180.0))
     write_places(folder, places)
-    files = StageFiles(*(folder / f"{each}.yaml" for each in ("world", "map", "places")), {})
+    world, chart, told_places = (folder / f"{each}.yaml" for each in ("world", "map", "places"))
+    files = StageFiles(world, chart, told_places, {})
     with set_stage(files, settings["robot"], seed=told.seed) as stage:
         scene = stage.backend.scene  # type: ignore[attr-defined]
         for name in list(places)[1:]:

@@ -13,6 +13,7 @@ from handcart.backends.backend import Backend
 from handcart.backends.capabilities.capability import Capability
 from handcart.backends.description.robot_loading import ROBOTS, robot_names
 from handcart.files.errors import FileError, UnsafePath
+from handcart.files.extras import extra_of, lack
 from handcart.files.findings import Findings
 from handcart.files.inside import resolve_inside
 from handcart.files.maps.map_file import map_path
@@ -107,6 +108,7 @@ class _Reader:
         self._findings = Findings()
         self._document = with_listed_repeats(with_parameters(document, self._findings))
         self._primitives = primitives
+        self._lacking: set[str] = set()
         self._knowledge = read_knowledge(self._document, self._findings, _resolved)
         self._names = self._knowledge.names()
         places = self._knowledge.places
@@ -236,7 +238,15 @@ class _Reader:
             return self._primitives(name)
         except KeyError as unknown:
             self._add(("actions", number, "do"), str(unknown.args[0]))
-            return None
+        except ImportError as missing:
+            extra = extra_of(missing)
+            wrong = None if extra is None else lack(name, extra)
+            if extra is None or wrong is None:  # it is there, and broken
+                raise
+            if extra not in self._lacking:  # told once, not for each action
+                self._add(("actions", number, "do"), wrong)
+            self._lacking.add(extra)
+        return None
 
     def _check_start_place(self, names: list[str] | None) -> None:
         node, there = self._document.root.deepest(("knowledge", "start"))

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from functools import lru_cache
 
-import fcl
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import ConvexHull
 
 from handcart.robotics.geometry.transform import Transform
+from handcart.robotics.kinematics.libraries import fcl
 from handcart.robotics.kinematics.shapes import Box, Cylinder, Hull, Shape, Sphere
 
 

@@ -5,12 +5,12 @@ from __future__ import annotations
 from typing import NamedTuple, Self
 
 import numpy as np
-import pinocchio as pin
 from numpy.typing import NDArray
 
 from handcart.robotics.geometry.transform import Transform
 from handcart.robotics.kinematics.coal_bodies import coal_body
 from handcart.robotics.kinematics.fcl_bodies import fcl_body, touch
+from handcart.robotics.kinematics.libraries import pin
 from handcart.robotics.kinematics.shapes import Box, Shape
 
 BARELY = 1e-9  # [m]

@@ -48,7 +48,7 @@ def ranges(bench: Bench, finding: Finding) -> None:
 
 
 def _true_ranges(stage: Stage, reach: float) -> NDArray[np.float64]:
-    from handcart.backends.simulation.sensors.mounts import base_T_frame
+    from handcart.robotics.kinematics.urdf_frames import base_T_frame
 
     scene, scan = simulated_world(stage.backend), stage.robot.range_sensor.scan()
     assert scene is not None, "the check has asked for it"
