@@ -46,7 +46,7 @@ def _parameters(kind: type[ActionPrimitive]) -> list[str]:
 
 
 def _tree(kind: type[ActionPrimitive]) -> str:
-    """Its behaviour tree, parameters left as they are by default; empty where it has none that can be shown."""
+    """Its behaviour tree, parameters left as they are by default; empty where none can be shown."""
     from py_trees.display import ascii_tree
 
     from handcart.primitives.contract.tree_primitive import TreePrimitive
