@@ -89,7 +89,7 @@ class PickUp(TreePrimitive):
         ways = {"planned": (self._go, self._carry), "taught": (self._go_as_taught, self._carry_as_taught)}
         there, away = ways[self.method]
         steps: dict[str, Step] = {
-            "open the fingers, if it is seen": lambda: self._open(robot, model),
+            "make sure that it is seen, and open the fingers": lambda: self._open(robot, model),
             "go to the grip": lambda: there(robot, model),
             "close the fingers on it": lambda: self._close(robot),
             "lift and carry it": lambda: away(robot),
