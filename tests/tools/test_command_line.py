@@ -55,6 +55,34 @@ def test_describe_names_parameters_with_their_meaning(handcart: Callable[..., Sa
     assert "RangeSensor" in said.out
 
 
+def test_describe_ends_with_the_tree_as_the_docs_have_it(handcart: Callable[..., Said]) -> None:
+    page = (ROOT / "docs" / "primitives.md").read_text(encoding="utf-8")
+    shown = page.partition("`handcart describe INSERT`")[2].split("```")[1].strip()
+    assert handcart("describe", "INSERT").out.split("\n\n")[-1].strip() == shown
+
+
+@pytest.mark.parametrize("name", ["RELEASE", "PICK_UP", "DEPLOY"])
+def test_describe_shows_every_tree_of_ours(handcart: Callable[..., Said], name: str) -> None:
+    root, *steps = handcart("describe", name).out.split("\n\n")[-1].rstrip().splitlines()
+    assert root.startswith("{-} ")
+    assert len(steps) >= 5
+    assert all(step.startswith("    ") for step in steps)
+
+
+def test_a_tree_that_asks_the_robot_while_it_is_built_is_not_shown(
+    handcart: Callable[..., Said], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from py_trees.behaviours import Success
+
+    from handcart.primitives.contract.behaviour_primitive import behaviour_primitive
+
+    kind = behaviour_primitive("Asking", lambda robot, model: Success(f"at {robot.pose.x}"))
+    monkeypatch.setattr("handcart.primitives.registry.primitive_class", lambda name: kind)
+    said = handcart("describe", "ASKING")
+    assert said.status == 0
+    assert said.out.endswith("writes: nothing\n")
+
+
 @pytest.mark.parametrize("kind", ["task", "robot", "world", "places", "catalogue"])
 def test_schema_is_json(handcart: Callable[..., Said], kind: str) -> None:
     told = json.loads(handcart("schema", kind).out)

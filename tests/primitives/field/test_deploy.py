@@ -16,6 +16,7 @@ from handcart.networks.task.preparing import prepare
 from handcart.primitives.contract.outcome import Fail, Success
 from handcart.primitives.field.deploy import Deploy, _spread
 from handcart.primitives.field.field_work import FieldWork
+from handcart.primitives.field.target import Laid
 from handcart.robotics.geometry.pose2 import Pose2
 
 TASK = Path(__file__).parents[3] / "tasks" / "deploy_straight" / "task.yaml"
@@ -73,6 +74,22 @@ def test_without_ground_below_it_the_sensor_is_not_let_go(
     assert isinstance(failed, Fail), failed
     assert failed.reason == "there is no ground below the sensor"
     assert stage.model.of(FieldWork).laid == ()
+
+
+@pytest.mark.parametrize("last", [False, True])
+def test_together_only_the_last_sensor_brings_the_arm_home(stage: Stage, last: bool) -> None:
+    """Else the fingers are lifted off the sensor, and the next drive does the rest."""
+    work, robot = stage.model.of(FieldWork), stage.robot
+    if last:
+        work.laid = (Laid("far", 14.0, -0.75, (1.0, 0.0, 1.0), (14.0, -0.75), 0.0),)
+    deploy = Deploy(target="here", together=True)
+    assert isinstance(stage.do(deploy), Success)
+    joints, home = robot.arm.command(), np.array(robot.spec.posture("home"))
+    if last:
+        assert np.allclose(joints, home)
+    else:
+        assert abs(joints[0] - home[0]) > 0.5
+        assert joints[2] == pytest.approx(float(deploy.facts["lowered_mm"]) / 1e3 - 0.20, abs=1e-3)
 
 
 @pytest.mark.parametrize("away", [(0.6, -0.8), (-0.7, 0.4), (0.0, 1.0)])
