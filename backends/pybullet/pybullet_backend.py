@@ -29,12 +29,12 @@ from handcart.backends.pybullet.sensors.bullet_range_sensor import BulletRangeSe
 from handcart.backends.pybullet.world.terrain import Terrain
 from handcart.backends.pybullet.world.world_bodies import WorldBodies
 from handcart.backends.saved_state import NotAState
-from handcart.backends.simulation.sensors.mounts import base_T_frame
 from handcart.backends.simulation.simulated_backend import Part, SimulatedBackend
 from handcart.backends.simulation.world.thing import Thing
 from handcart.backends.simulation.world.world_file import WorldFile
 from handcart.backends.urdf.robot_shape import finger_shape
 from handcart.robotics.geometry.transform import Transform, inverse
+from handcart.robotics.kinematics.urdf_tree import base_T_frame
 
 from .physics import Physics
 from .props_body import Pieces, PropsBody

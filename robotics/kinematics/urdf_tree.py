@@ -11,6 +11,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
+from handcart.robotics.geometry.transform import Transform
 from handcart.robotics.kinematics.urdf_reading import known_urdf
 
 MOVABLE = ("revolute", "continuous", "prismatic")
@@ -178,3 +179,18 @@ def _bound(joint: Element) -> None:
     limit.set("velocity", limit.get("velocity", "0"))
     limit.set("lower", repr(-math.pi))
     limit.set("upper", repr(math.pi))
+
+
+def base_T_frame(urdf_text: str, frame: str, base: str = "base") -> Transform:
+    """Pose (4, 4) of a URDF's link in the link `base`, all joints at zero.
+
+    Raises:
+        ValueError: the URDF has no such link.
+    """
+    model = pin.buildModelFromXML(kinematic_urdf(urdf_text))
+    if not model.existFrame(frame):
+        raise ValueError(f"the URDF has no link {frame!r}")
+    data = model.createData()
+    pin.framesForwardKinematics(model, data, pin.neutral(model))
+    root_T_base, root_T_frame = (data.oMf[model.getFrameId(name)] for name in (base, frame))
+    return np.asarray((root_T_base.inverse() * root_T_frame).homogeneous)

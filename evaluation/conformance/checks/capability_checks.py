@@ -173,7 +173,7 @@ def mounts(bench: Bench, finding: Finding) -> None:
             mount = known_camera(robot.spec.camera, robot.arm_model).hand_T_camera
             finding.at_most("camera off", float(np.abs(camera.hand_T_camera - mount).max()), 1e-6)
         if (sensor := part_of(stage.backend, RangeSensor)) is not None:
-            from handcart.backends.simulation.sensors.mounts import base_T_frame
+            from handcart.robotics.kinematics.urdf_tree import base_T_frame
 
             urdf = base_T_frame(robot.spec.urdf_text(), "range_sensor")
             off = np.abs(np.array(sensor.scan().base_T_sensor[:2]) - urdf[:2, 3]).max()

@@ -16,7 +16,7 @@ from handcart.evaluation.conformance.rig.parts import needed
 from handcart.evaluation.conformance.rig.periods import move_joints, steps
 from handcart.evaluation.conformance.rig.skipped import Skipped
 from handcart.evaluation.trials.stage import Stage
-from handcart.evaluation.truth.simulated_world import simulated_world
+from handcart.evaluation.truth.surveyed_run import simulated_world
 from handcart.robotics.geometry.transform import apply, inverse
 from handcart.robotics.kinematics.arm_model import ArmModel
 from handcart.robotics.perception.landmarks.tag_reader import read_tags
@@ -100,7 +100,7 @@ def ranges(bench: Bench, finding: Finding) -> None:
 
 
 def _true_ranges(stage: Stage, reach: float) -> NDArray[np.float64]:
-    from handcart.backends.simulation.sensors.mounts import base_T_frame
+    from handcart.robotics.kinematics.urdf_tree import base_T_frame
 
     scene, scan = simulated_world(stage.backend), stage.robot.range_sensor.scan()
     assert scene is not None, "the check has asked for it"
