@@ -23,5 +23,5 @@ DOMAIN = Domain(
     },
     survey="handcart.evaluation.books.book_survey:BookSurvey",
     files={"catalogue": "handcart.primitives.books.catalogue:Catalogue"},
-    rehearsals={_HERE / name / "task.yaml": {} for name in ("return_book", "return_books")},
+    rehearsals={_HERE / "return_book" / "task.yaml": {}, _HERE / "return_books" / "task.yaml": {}},
 )

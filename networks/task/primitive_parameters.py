@@ -23,8 +23,7 @@ from handcart.primitives.contract.action_primitive import ActionPrimitive
 from handcart.primitives.knowledge.place_name import Names
 from handcart.primitives.knowledge.world_model import UnknownFact, WorldModel
 
-from .parameter_values import reference
-from .parameters import with_element
+from .parameters import reference, with_element
 from .repetition import Element
 
 
