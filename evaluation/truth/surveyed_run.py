@@ -6,13 +6,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from handcart.backends.backend import Backend
 from handcart.backends.description.robot_file import RobotFile
 from handcart.backends.robot.robot import Robot
 from handcart.networks.task.preparing import Prepared
 from handcart.primitives.knowledge.world_model import WorldModel
 from handcart.tasks.domain import Domain
-
-from .simulated_world import simulated_world
 
 if TYPE_CHECKING:
     from handcart.backends.simulation.scene import Scene
@@ -53,3 +52,14 @@ class SurveyedRun:
         does = frozenset(action.do for action in prepared.task.network.actions)
         scene = simulated_world(prepared.backend)
         return cls(robot, robot.spec, prepared.model, scene, prepared.seed, does, folder)
+
+
+def simulated_world(backend: Backend) -> Scene | None:
+    """What is behind a backend, through all that is put around it; None where no scene is simulated."""
+    while backend.inner is not None:
+        backend = backend.inner
+    if not backend.simulated:
+        return None
+    from handcart.backends.simulation.simulated_backend import SimulatedBackend
+
+    return backend.scene if isinstance(backend, SimulatedBackend) else None

@@ -1,7 +1,8 @@
-"""Writing what a primitive saw into the run's folder."""
+"""Writing what a primitive saw and found into the run's folder."""
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
 from io import BytesIO
 from pathlib import Path
 from typing import Any
@@ -12,6 +13,7 @@ import numpy as np
 from handcart.files.whole_file import write_whole
 from handcart.networks.coordination.events import Ended, Event
 from handcart.networks.run_observer import RunObserver
+from handcart.primitives.contract.calibrated import Calibrated
 from handcart.primitives.contract.evidence import Evidence
 from handcart.primitives.contract.outcome import Outcome, Success
 
@@ -27,19 +29,24 @@ def stem(number: int, do: str, outcome: Outcome) -> str:
 class EvidenceFiles(RunObserver):
     """An observer that keeps the pictures and points which decided how each action ended.
 
-    `evidence/003_SEARCH_Fail_front.png` is the picture `front` of the third action.
+    `evidence/003_SEARCH_Fail_front.png` is the picture `front` of the third action. What a successful one
+    found of the robot is kept as well.
     """
 
-    def __init__(self, run_dir: Path) -> None:
-        self._folder = run_dir / FOLDER
+    def __init__(self, run_dir: Path, keep_calibrated: Callable[[Mapping[str, Calibrated]], None]) -> None:
+        """Keeps them in a run's folder; `keep_calibrated` what was found of the robot."""
+        self._folder, self._keep_calibrated = run_dir / FOLDER, keep_calibrated
         self.lost: str | None = None
         """Why nothing more is kept, where the disk took no more; the run goes on without."""
 
     def event(self, event: Event) -> None:
         """Write what an action that has ended leaves."""
         if isinstance(event, Ended):
+            evidence = event.primitive.evidence
             try:
-                self._write(stem(event.number, event.action.do, event.outcome), event.primitive.evidence)
+                self._write(stem(event.number, event.action.do, event.outcome), evidence)
+                if evidence.calibrated and isinstance(event.outcome, Success):
+                    self._keep_calibrated(evidence.calibrated)
             except OSError as error:
                 self.lost = error.strerror
 

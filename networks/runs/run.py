@@ -6,6 +6,7 @@ import time
 import traceback
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, suppress
+from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -33,7 +34,7 @@ from handcart.networks.run_options import RunOptions
 from handcart.networks.task.preparing import Prepared
 from handcart.networks.task.preparing import prepare as prepare
 
-from .calibration_keeper import CalibrationKeeper
+from .calibration import keep_calibrated
 from .checkpoint import CheckpointKeeper
 from .flight_recorder import FlightRecorder
 from .recording_keeper import RecordingKeeper
@@ -136,8 +137,8 @@ def _coordinator(
 
 def _recorders(prepared: Prepared, run_dir: Path) -> Iterator[RunObserver]:
     """Who looks on at every run, before those who were asked for."""
-    yield EvidenceFiles(run_dir)
-    yield CalibrationKeeper(run_dir, prepared)
+    robot = prepared.task.robot, prepared.backend_name
+    yield EvidenceFiles(run_dir, partial(keep_calibrated, run_dir, *robot))
     yield FlightRecorder(run_dir, prepared.robot)
     if prepared.backend.recording is not None:
         yield RecordingKeeper(prepared.backend.recording)
