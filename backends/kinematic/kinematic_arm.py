@@ -8,8 +8,7 @@ from typing import ClassVar
 from handcart.backends.description.robot_file import GripperSpec, RobotFile
 from handcart.backends.simulation.body.fingers import Fingers
 from handcart.backends.simulation.body.hand import Hand
-from handcart.backends.simulation.body.simulated_arm import SimulatedArm, Vector
-from handcart.backends.simulation.body.simulated_gripper import SimulatedGripper
+from handcart.backends.simulation.body.simulated_arm import SimulatedArm, SimulatedGripper, Vector
 
 _PRESSES = 2e-4  # commanded this far beyond where they stand, the fingers press [m]
 

@@ -6,8 +6,7 @@ from collections.abc import Mapping
 from typing import ClassVar
 
 from handcart.backends.robot.robot import Robot
-from handcart.evaluation.truth.survey import Claim, FiguresSurvey
-from handcart.evaluation.truth.surveyed_run import SurveyedRun
+from handcart.evaluation.truth.survey import Claim, FiguresSurvey, SurveyedRun
 from handcart.primitives.contract.action_primitive import ActionPrimitive
 from handcart.primitives.contract.calibrated import Calibrated
 from handcart.primitives.contract.outcome import Outcome, Success

@@ -14,8 +14,7 @@ from handcart.robotics.navigation.following.pose_regulator import PoseTolerance
 
 from .at_most import at_most
 from .sensor_sigmas import SIGMAS
-from .survey import Claim, FiguresSurvey, Survey
-from .surveyed_run import SurveyedRun
+from .survey import Claim, FiguresSurvey, Survey, SurveyedRun
 
 STOOD_MM, STOOD_DEG = 5.0, 0.3  # that a base creeps which stands
 UNFELT_MM = 60.0  # that it may slide beside, which looks at nothing near it

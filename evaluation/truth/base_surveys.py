@@ -7,8 +7,7 @@ from typing import Any
 
 from handcart.backends.robot.robot import Robot
 
-from .survey import Survey
-from .surveyed_run import SurveyedRun
+from .survey import Survey, SurveyedRun
 
 
 class LocalisationSurvey(Survey):

@@ -14,8 +14,7 @@ from handcart.primitives.contract.meant_contact import RobotPart
 from handcart.primitives.contract.outcome import Outcome, Success
 from handcart.robotics.kinematics.arm_model import ArmModel
 
-from .survey import Survey
-from .surveyed_run import SurveyedRun
+from .survey import Survey, SurveyedRun
 
 FINGERS = "fingers"  # both together, as one that pushes
 LISTED = 8  # contacts that a run's metrics tell one by one

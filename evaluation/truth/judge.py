@@ -13,8 +13,8 @@ from handcart.networks.coordination.run_end import RunEnd
 from handcart.networks.run_observer import RunObserver
 from handcart.networks.task.preparing import Prepared
 
+from .survey import SurveyedRun
 from .survey_notes import SurveyNotes, as_noted
-from .surveyed_run import SurveyedRun
 from .surveys import Surveys
 
 NOTES = "judged.jsonl"

@@ -119,7 +119,7 @@ def _tree(text: str, file: str, max_nodes: int) -> Node:
 
 
 def fast_events(text: str) -> Iterator[Any] | None:
-    """The events of `text` by libyaml, thirty times as fast; None where that isn't there, or might read otherwise.
+    """The events of `text` by libyaml, thirty times as fast; None where it isn't there, or reads otherwise.
 
     Raises yaml.YAMLError, on the way, where libyaml takes it for no YAML; `exact_events` has the last word.
     """

@@ -6,8 +6,7 @@ from collections.abc import Callable, Generator, Sequence
 from contextlib import suppress
 
 from handcart.backends.robot.robot import Robot
-from handcart.networks.graph.binding import NotBound
-from handcart.networks.graph.network import Action, ActionNetwork
+from handcart.networks.graph.network import Action, ActionNetwork, NotBound
 from handcart.networks.graph.planner import NoWay, Plan, Planner
 from handcart.networks.graph.route import Route
 from handcart.networks.journal.journal import Journal

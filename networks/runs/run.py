@@ -35,7 +35,7 @@ from handcart.networks.task.preparing import Prepared
 from handcart.networks.task.preparing import prepare as prepare
 
 from .calibration import keep_calibrated
-from .checkpoint import CheckpointKeeper
+from .checkpoint import keep_checkpoint
 from .flight_recorder import FlightRecorder
 from .recording_keeper import RecordingKeeper
 from .resuming import Past
@@ -131,7 +131,7 @@ def _coordinator(
         [each.event for each in observers],
         _permits(prepared, options),
         standing=past.standing if past else None,
-        keep=CheckpointKeeper(run_dir, prepared, sync == "always").keep if options.checkpoints else None,
+        keep=partial(keep_checkpoint, run_dir, prepared, sync == "always") if options.checkpoints else None,
     )
 
 

@@ -22,8 +22,7 @@ from handcart.files.models.settings import SECTION, setting_value, with_settings
 from handcart.files.suggest import suggest
 from handcart.files.yaml.yaml_document import Document, read_document
 from handcart.files.yaml.yaml_node import KeyPath
-from handcart.networks.graph.binding import Binding
-from handcart.networks.graph.network import Action, ActionNetwork, Fact, Situation, faults_of
+from handcart.networks.graph.network import Action, ActionNetwork, Binding, Fact, Situation, faults_of
 from handcart.primitives.contract.action_primitive import ActionPrimitive
 from handcart.primitives.registry import primitive_class
 

@@ -1,4 +1,4 @@
-"""What the arms of all simulated backends share: where they stop, and what they read."""
+"""What arms and grippers of all simulated backends share: commands, and what is read with errors."""
 
 from __future__ import annotations
 
@@ -10,9 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from handcart.backends.capabilities.arm import Arm
-from handcart.backends.description.robot_file import RobotFile
+from handcart.backends.capabilities.gripper import Gripper
+from handcart.backends.description.robot_file import GripperSpec, RobotFile
 from handcart.backends.description.simulated_errors import Errors
-from handcart.backends.limits import checked_joints
+from handcart.backends.limits import checked_joints, checked_width
 from handcart.backends.plain_values import Kinds
 from handcart.backends.simulation.body.swing import is_swing, swing_yaw
 from handcart.backends.simulation.keyed_noise import keyed
@@ -115,6 +116,46 @@ class SimulatedArm(Arm):
             noise = sigma * keyed(self._seed, sensor, self._now).standard_normal(len(truth))
             last = self._readings[sensor] = (self._now, truth + noise)
         return last[1].copy()
+
+
+class SimulatedGripper(Gripper):
+    """Takes commands, and reads the opening with noise."""
+
+    STATE: ClassVar[Kinds] = {"_command": float, "_now": int, "_pressing": bool}
+    """Attributes that a checkpoint keeps, with their types."""
+
+    def __init__(self, spec: GripperSpec, errors: Errors, width: float, seed: int) -> None:
+        """`width` is the opening at first, in [m]."""
+        self._spec, self._seed = spec, seed
+        self._sigma = errors.opening_mm / 1e3
+        self._command = width
+        self._now, self._pressing = 0, False
+
+    @abstractmethod
+    def true_width(self) -> float:
+        """The opening, in [m]."""
+
+    def command(self) -> float:
+        """See `Gripper`."""
+        return self._command
+
+    def move(self, width: float) -> None:
+        """See `Gripper`."""
+        self._command = checked_width(self._spec, width)
+
+    def width(self) -> float:
+        """See `Gripper`."""
+        noise = self._sigma * keyed(self._seed, "width", self._now).standard_normal()
+        return float(max(0.0, self.true_width() + noise))
+
+    def closed_on_something(self) -> bool:
+        """See `Gripper`."""
+        return self._pressing
+
+    def halt(self) -> None:
+        """Hold: fingers that press go on pressing, those that move stop."""
+        if not self._pressing:
+            self._command = min(max(0.0, self.true_width()), self._spec.opening_mm / 1e3)
 
 
 class ArmError:
