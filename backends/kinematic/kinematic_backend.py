@@ -17,10 +17,14 @@ from handcart.backends.simulation.world.world_file import WorldFile
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.kinematics.urdf_tree import base_T_frame
 
-from .kinematic_arm import KinematicArm, KinematicGripper
-from .kinematic_base import KinematicBase
 from .kinematic_car import KinematicCar
-from .kinematic_sensors import KinematicCamera, KinematicRangeSensor
+from .kinematic_parts import (
+    KinematicArm,
+    KinematicBase,
+    KinematicCamera,
+    KinematicGripper,
+    KinematicRangeSensor,
+)
 
 LEVEL = GroundSpec(roughness_deg=0.0)
 """What a car rides over where the world's file tells of no ground."""

@@ -26,7 +26,7 @@ from handcart.networks.journal.evidence_files import EvidenceFiles
 from handcart.networks.journal.journal import Journal
 from handcart.networks.journal.journal_record import JournalError
 from handcart.networks.journal.run_header import header, process_facts
-from handcart.networks.journal.syncing import Sync, sync_for
+from handcart.networks.journal.syncing import Sync
 from handcart.networks.operator.operation import Operation
 from handcart.networks.operator.permits import Permits
 from handcart.networks.run_observer import RunObserver
@@ -113,6 +113,14 @@ def _permits(prepared: Prepared, options: RunOptions) -> Permits:
     return options.permits or Permits("always" if prepared.backend.simulated else "never")
 
 
+def _sync(prepared: Prepared, options: RunOptions) -> Sync:
+    """How the journal comes to the disk: a real robot's does, unless that isn't wanted."""
+    simulated = prepared.backend.simulated
+    if not (options.sync or (options.sync is None and not simulated)):
+        return "never"
+    return "always" if simulated else "beside"
+
+
 def _coordinator(
     stack: ExitStack,
     prepared: Prepared,
@@ -122,7 +130,7 @@ def _coordinator(
     observers: Sequence[RunObserver],
 ) -> Coordinator:
     """With its journal, which is closed with `stack`."""
-    sync = sync_for(prepared.backend.simulated, options.sync)
+    sync = _sync(prepared, options)
     return Coordinator(
         prepared.task.network,
         prepared.robot,
