@@ -14,8 +14,12 @@ from handcart.backends.description.robot_file import GripperSpec, RobotFile
 from handcart.backends.description.sensor_specs import CameraSpec, RangeSpec
 from handcart.backends.simulation.body.fingers import Fingers
 from handcart.backends.simulation.body.hand import Hand
-from handcart.backends.simulation.body.simulated_arm import SimulatedArm, SimulatedGripper, Vector
-from handcart.backends.simulation.commanded_base import CommandedBase
+from handcart.backends.simulation.body.simulated_parts import (
+    CommandedBase,
+    SimulatedArm,
+    SimulatedGripper,
+    Vector,
+)
 from handcart.backends.simulation.keyed_noise import keyed
 from handcart.backends.simulation.rendering.renderer import Renderer
 from handcart.backends.simulation.scene import Scene

@@ -14,8 +14,7 @@ from handcart.backends.description.robot_file import RobotFile
 from handcart.backends.ground_truth import GroundTruth
 from handcart.backends.plain_values import Kinds, attributes, set_attributes
 from handcart.backends.saved_state import NotAState
-from handcart.backends.simulation.body.simulated_arm import SimulatedArm, SimulatedGripper
-from handcart.backends.simulation.commanded_base import CommandedBase
+from handcart.backends.simulation.body.simulated_parts import CommandedBase, SimulatedArm, SimulatedGripper
 from handcart.backends.simulation.sensors.simulated_camera import SimulatedCamera
 from handcart.backends.simulation.sensors.simulated_gps import SimulatedGps
 from handcart.backends.simulation.sensors.simulated_imu import SimulatedImu

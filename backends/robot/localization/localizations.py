@@ -41,9 +41,9 @@ def localization_of(backend: Backend, spec: RobotFile, start: Pose2, grid: GridM
         )
     scans = grid is not None and backend.get(RangeSensor) is not None  # type: ignore[type-abstract]
     field = LikelihoodField(grid) if grid is not None and scans else None
+    if field is not None and spec.localizer not in ("odometry", *OUTDOORS):
+        return ScanLocalization(backend, ScanLocalizer(field, start, tread, covariance=START_SIGMA))
     wheels = OdometryLocalizer(start, tread, covariance=START_SIGMA, field=field)
     if spec.localizer in OUTDOORS:
         return OutdoorLocalization(backend, wheels, field_localizer(spec, start, spec.antenna))
-    if spec.localizer == "odometry" or field is None:
-        return WheelLocalization(backend, wheels)
-    return ScanLocalization(backend, ScanLocalizer(field, start, tread, covariance=START_SIGMA))
+    return WheelLocalization(backend, wheels)

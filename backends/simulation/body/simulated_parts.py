@@ -1,4 +1,4 @@
-"""What arms and grippers of all simulated backends share: commands, and what is read with errors."""
+"""What wheels, arms and grippers of all simulated backends share: commands, and readings with errors."""
 
 from __future__ import annotations
 
@@ -10,10 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from handcart.backends.capabilities.arm import Arm
+from handcart.backends.capabilities.base import Base, WheelTravel
 from handcart.backends.capabilities.gripper import Gripper
 from handcart.backends.description.robot_file import GripperSpec, RobotFile
 from handcart.backends.description.simulated_errors import Errors
-from handcart.backends.limits import checked_joints, checked_width
+from handcart.backends.limits import checked_drive, checked_joints, checked_width
 from handcart.backends.plain_values import Kinds
 from handcart.backends.simulation.body.swing import is_swing, swing_yaw
 from handcart.backends.simulation.keyed_noise import keyed
@@ -22,6 +23,35 @@ from handcart.robotics.kinematics.arm_model import ArmModel
 _SQUARED_DAMPING = 1e-4
 
 Vector = NDArray[np.float64]
+
+
+class CommandedBase(Base):
+    """Wheels that are simulated: a command counts for the period that comes, and only for it."""
+
+    STATE: ClassVar[Kinds] = {"_command": tuple[float, float], "_travel": WheelTravel}
+    """Attributes that a checkpoint keeps, with their types."""
+
+    def __init__(self, robot: RobotFile) -> None:
+        self._drive, self._period = robot.drive, robot.period_s
+        self._command = (0.0, 0.0)
+        self._travel = WheelTravel(0.0, 0.0)
+
+    def drive(self, speed: float, turn_rate: float) -> None:
+        """See `Base`."""
+        self._command = checked_drive(self._drive, speed, turn_rate)
+
+    def wheel_travel(self) -> WheelTravel:
+        """See `Base`."""
+        return self._travel
+
+    def halt(self) -> None:
+        """Forget the command."""
+        self._command = (0.0, 0.0)
+
+    def _take_command(self) -> tuple[float, float]:
+        """Speed in [m/s] and turn rate in [rad/s] of the period that begins."""
+        command, self._command = self._command, (0.0, 0.0)
+        return command
 
 
 class SimulatedArm(Arm):
