@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from io import BytesIO
 from pathlib import Path
 from typing import Any
@@ -45,10 +46,11 @@ class EvidenceFiles(RunObserver):
             evidence = event.primitive.evidence
             try:
                 self._write(stem(event.number, event.action.do, event.outcome), evidence)
-                if evidence.calibrated and isinstance(event.outcome, Success):
-                    self._keep_calibrated(evidence.calibrated)
             except OSError as error:
                 self.lost = error.strerror
+            if evidence.calibrated and isinstance(event.outcome, Success):
+                with suppress(OSError):  # a disk that takes no more doesn't keep the run from going on
+                    self._keep_calibrated(evidence.calibrated)
 
     def _write(self, name: str, evidence: Evidence) -> None:
         if self.lost is not None or not (evidence.pictures or evidence.points):
