@@ -18,8 +18,7 @@ from handcart.backends.urdf.robot_urdf import RobotUrdf, robot_urdf
 from handcart.files.errors import InputError
 from handcart.files.inside import resolve_inside
 from handcart.files.models.model import FileModel
-from handcart.robotics.kinematics.urdf_assembly import link_names
-from handcart.robotics.kinematics.urdf_contents import joints_of
+from handcart.robotics.kinematics.urdf_contents import joints_of, link_names
 from handcart.robotics.kinematics.urdf_frames import base_T_frame
 from handcart.robotics.manipulation.suspension.suspension_model import SuspensionModel
 
@@ -325,7 +324,7 @@ class RobotFile(FileModel):
 
     def without_errors(self) -> RobotFile:
         """The same robot, whose simulation errs nowhere: as with `errors: {none: true}` in its file."""
-        changed: dict[str, Any] = {"errors": Errors(none=True)}
+        changed: dict[str, Any] = {"errors": Errors.nowhere()}
         if self.range_sensor is not None:
             changed["range_sensor"] = self.range_sensor.model_copy(update={"sigma_mm": 0.0})
         if self.imu is not None:

@@ -17,12 +17,14 @@ from handcart.backends.simulation.world.world_file import WorldFile
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.kinematics.urdf_frames import base_T_frame
 
-from .kinematic_arm import KinematicArm
-from .kinematic_base import KinematicBase
-from .kinematic_camera import KinematicCamera
 from .kinematic_car import KinematicCar
-from .kinematic_gripper import KinematicGripper
-from .kinematic_range_sensor import KinematicRangeSensor
+from .kinematic_parts import (
+    KinematicArm,
+    KinematicBase,
+    KinematicCamera,
+    KinematicGripper,
+    KinematicRangeSensor,
+)
 
 LEVEL = GroundSpec(roughness_deg=0.0)
 """What a car rides over where the world's file tells of no ground."""

@@ -88,7 +88,11 @@ def robot_urdf(
         doubts += part.doubts
         for (kind, name), (line, column) in part.places.items():
             places[kind, spec.prefix + name] = Place(part.file, line, column)
-    text, links, joints_now = with_names(text, *_mapped(roles, joints, places))
+    links: dict[str, str] = {}
+    joints_now: dict[str, str] = {}
+    named = _mapped(roles, joints, places)
+    if any(named):
+        text, links, joints_now = with_names(text, *named)
     now = {"link": links, "joint": joints_now}
     stated = [(links.get(a, a), links.get(b, b)) for a, b in (*pairs, *allowed)]
     return RobotUrdf(

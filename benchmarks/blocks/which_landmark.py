@@ -25,7 +25,7 @@ from rich.progress import track
 from ruamel.yaml import YAML
 
 from handcart.evaluation.trials.stage import StageFiles, set_stage
-from handcart.evaluation.truth.simulated_world import simulated_world
+from handcart.evaluation.truth.survey import simulated_world
 from handcart.networks.task.task_file import load_task
 from handcart.primitives.blocks.blocks import Blocks
 from handcart.primitives.blocks.fixate import Fixate

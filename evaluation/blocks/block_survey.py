@@ -12,8 +12,7 @@ from numpy.typing import NDArray
 from handcart.backends.robot.robot import Robot
 from handcart.backends.simulation.blocks.block_props import BlockProps
 from handcart.backends.simulation.body.suspension import leaning
-from handcart.evaluation.truth.survey import Survey
-from handcart.evaluation.truth.surveyed_run import SurveyedRun
+from handcart.evaluation.truth.survey import Survey, SurveyedRun
 from handcart.primitives.blocks.blocks import Blocks, Fixed
 from handcart.primitives.blocks.building import Slot
 from handcart.primitives.contract.action_primitive import ActionPrimitive

@@ -22,8 +22,7 @@ from handcart.networks.task.task_knowledge import ORIGIN, TaskKnowledge, domain_
 from handcart.primitives.contract.action_primitive import ActionPrimitive
 from handcart.primitives.contract.attempt import attempt
 from handcart.primitives.contract.outcome import Outcome
-from handcart.primitives.knowledge.place import load_map
-from handcart.primitives.knowledge.place_file import load_places
+from handcart.primitives.knowledge.place import load_map, load_places
 from handcart.primitives.knowledge.world_model import WorldModel
 
 LIBRARY = Path(__file__).parent.parent.parent / "tasks" / "return_book"

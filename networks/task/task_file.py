@@ -23,8 +23,7 @@ from handcart.files.models.settings import SECTION, setting_value, with_settings
 from handcart.files.suggest import suggest
 from handcart.files.yaml.yaml_document import Document, read_document
 from handcart.files.yaml.yaml_node import KeyPath
-from handcart.networks.graph.binding import Binding
-from handcart.networks.graph.network import Action, ActionNetwork, Fact, Situation, faults_of
+from handcart.networks.graph.network import Action, ActionNetwork, Binding, Fact, Situation, faults_of
 from handcart.primitives.contract.action_primitive import ActionPrimitive
 from handcart.primitives.registry import primitive_class
 
@@ -299,7 +298,8 @@ class _Reader:
                 f"no actions lead from {network.start} to {goal}; allowed: a goal that can be reached",
             )
         entries = tuple(copied.entry for copied in copies.actions)
-        self._check_late(file, network, entries)
+        if any(action.binding is not None and action.binding.late for action in every):
+            self._check_late(file, network, entries)
         self._findings.raise_all()
         return Task(file, self._document, network, entries, self._knowledge)
 
@@ -329,7 +329,7 @@ def _set(document: Document, settings: dict[str, str]) -> Document:
     declared = document.root.deepest((*SECTION, "robot"))[1]
     if "robot" in settings and not declared and document.root.child("robot"):
         document = document.with_value(("robot",), setting_value("robot", settings.pop("robot")))
-    return with_settings(document, settings)
+    return with_settings(document, settings) if settings else document
 
 
 def _robot(document: Document, name: str) -> str:

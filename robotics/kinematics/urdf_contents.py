@@ -56,6 +56,11 @@ class MeshUse(NamedTuple):
     scale: tuple[float, float, float] = (1.0, 1.0, 1.0)
 
 
+def link_names(urdf_text: str) -> list[str]:
+    """The names of all links; raises ValueError where the text is no URDF."""
+    return [each.get("name", "") for each in known_urdf(urdf_text).findall("link")]
+
+
 def joints_of(urdf_text: str) -> list[JointFacts]:
     """The joints that move, in the file's order; raises ValueError where the text is no URDF."""
     moving = [each for each in known_urdf(urdf_text).findall("joint") if each.get("type") in MOVABLE]

@@ -50,14 +50,16 @@ def test_the_extras_are_those_of_the_project() -> None:
 
 
 def test_a_base_drives_without_the_libraries_of_arms_and_labels(tmp_path: Path) -> None:
-    said = without((*ARM, *LABELS), "run", DRIVE_MAP, "--set", "tour=[desk]", "--runs", str(tmp_path))
+    said = without(
+        (*ARM, *LABELS), "run", DRIVE_MAP, "--robot", "cart", "--set", "tour=[desk]", "--runs", str(tmp_path)
+    )
     assert said.returncode == 0, said.stderr
     assert said.stdout.startswith("Success")
 
 
 @pytest.mark.slow
 def test_a_base_imports_none_of_them_where_they_are_installed(tmp_path: Path) -> None:
-    words = ["run", DRIVE_MAP, "--set", "tour=[desk]", "--runs", str(tmp_path)]
+    words = ["run", DRIVE_MAP, "--robot", "cart", "--set", "tour=[desk]", "--runs", str(tmp_path)]
     code = f"""
 import sys
 from handcart.tools.main import main
@@ -78,7 +80,7 @@ def test_a_task_for_an_arm_says_what_to_install(command: str) -> None:
 
 
 def test_a_robot_with_an_arm_says_what_to_install() -> None:
-    said = without(ARM, "run", DRIVE_MAP, "--robot", "librarian")
+    said = without(ARM, "run", DRIVE_MAP)
     file = ROOT / "backends" / "robots" / "librarian" / "robot.yaml"
     assert (said.returncode, said.stdout) == (2, "")
     assert said.stderr.startswith(f"{file}:")

@@ -137,7 +137,7 @@ def file_facts(file: Path, settings: dict[str, str], asked: Asked = Asked()) -> 
     from handcart.files.models.loading import load
     from handcart.files.suggest import suggest
     from handcart.files.yaml.yaml_document import read_document
-    from handcart.primitives.knowledge.ros_goals import is_goals
+    from handcart.primitives.knowledge.place import is_goals
     from handcart.tools.checks.file_kinds import is_urdf, kinds, model_of
 
     if is_urdf(file):
@@ -189,7 +189,7 @@ def _map_facts(file: Path) -> dict[str, Any]:
 
 
 def _goals_facts(file: Path) -> dict[str, Any]:
-    from handcart.primitives.knowledge.place_file import load_places
+    from handcart.primitives.knowledge.place import load_places
 
     return {"format": "goals for nav2", "places": list(load_places(file).value.places)}
 

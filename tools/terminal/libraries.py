@@ -1,10 +1,11 @@
-"""Whether the libraries are there that handcart needs."""
+"""Whether the libraries are there that handcart needs, and that they keep quiet."""
 
 from __future__ import annotations
 
 import os
 import re
 import sys
+import warnings
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import NamedTuple
@@ -24,6 +25,12 @@ MODULES = {
     "ruamel-yaml": "ruamel.yaml",
 }
 """Where a library is imported under another name than it is installed."""
+_SILENT = {
+    "OPENCV_LOG_LEVEL": "SILENT",  # its C++ code tells stderr of each picture that it can't read
+    "OPENCV_FFMPEG_LOGLEVEL": "-8",  # as does the encoder of videos
+    "PYTHONWARNINGS": "ignore",  # in processes that are begun by this one
+}
+"""Against what libraries say to programmers."""
 _REQUIRED = re.compile(
     r'Requires-Dist: ([\w.-]+)(?:\[[\w,]*\])?([<>=!~\d.,]*)(?:;.*extra == "(\w+)")?$', re.MULTILINE
 )
@@ -133,3 +140,13 @@ def _numbers(version: str) -> tuple[int, ...]:
     while numbers and not numbers[-1]:
         numbers.pop()  # 2.0 is 2
     return tuple(numbers)
+
+
+def quiet_libraries() -> None:
+    """Before any of them is imported; what was chosen by environment or `python -W` stays."""
+    chosen = bool(sys.warnoptions)
+    for name, value in _SILENT.items():
+        if not (chosen and name == "PYTHONWARNINGS"):
+            os.environ.setdefault(name, value)
+    if not chosen:
+        warnings.simplefilter("ignore")

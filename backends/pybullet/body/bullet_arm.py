@@ -9,7 +9,7 @@ import numpy as np
 
 from handcart.backends.description.robot_file import RobotFile
 from handcart.backends.pybullet.physics import Physics
-from handcart.backends.simulation.body.simulated_arm import SimulatedArm, Vector
+from handcart.backends.simulation.body.simulated_parts import SimulatedArm, Vector
 from handcart.robotics.kinematics.arm_model import ArmModel
 from handcart.robotics.kinematics.urdf_tree import joint_leaders
 

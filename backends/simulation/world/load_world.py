@@ -39,7 +39,7 @@ def load_world_or_map(path: Path, start: Pose2) -> WorldFile:
     if not is_map_file(path):
         return load_world(path)
     place = Place(x_m=start.x, y_m=start.y, heading_deg=math.degrees(wrap(start.theta)))
-    return on_the_map(world_model()(format="handcart-world/1", start=place), load_map(path)[0])
+    return on_the_map(WorldFile(format="handcart-world/1", start=place), load_map(path)[0])
 
 
 def read_world(path: Path) -> tuple[Loaded[WorldFile], WorldFile]:

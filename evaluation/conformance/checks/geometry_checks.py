@@ -14,7 +14,7 @@ from handcart.evaluation.conformance.rig.parts import needed
 from handcart.evaluation.conformance.rig.periods import move_joints, steps
 from handcart.evaluation.conformance.rig.skipped import Skipped
 from handcart.evaluation.trials.stage import Stage
-from handcart.evaluation.truth.simulated_world import simulated_world
+from handcart.evaluation.truth.survey import simulated_world
 from handcart.robotics.kinematics.arm_model import ArmModel
 
 from .check import Check, Finding

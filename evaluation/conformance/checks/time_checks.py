@@ -17,7 +17,7 @@ from handcart.backends.capabilities.gripper import Gripper
 from handcart.evaluation.conformance.rig.bench import Bench
 from handcart.evaluation.conformance.rig.parts import needed, part_of
 from handcart.evaluation.conformance.rig.periods import all_readings, beside, drivable, steps
-from handcart.evaluation.truth.simulated_world import simulated_world
+from handcart.evaluation.truth.survey import simulated_world
 
 from .check import Check, Finding
 

@@ -9,8 +9,7 @@ from handcart.backends.description.robot_file import RobotFile
 from handcart.backends.robot.robot import Robot
 from handcart.evaluation.conformance.rig.periods import SETTLES, steps
 from handcart.evaluation.conformance.rig.standing import Standing
-from handcart.evaluation.truth.simulated_world import simulated_world
-from handcart.evaluation.truth.surveyed_run import SurveyedRun
+from handcart.evaluation.truth.survey import SurveyedRun, simulated_world
 from handcart.evaluation.truth.surveys import Surveys
 from handcart.primitives.contract.action_primitive import ActionPrimitive
 from handcart.primitives.contract.attempt import LONGEST_RESTORE, attempt

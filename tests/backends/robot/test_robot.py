@@ -10,7 +10,7 @@ import pytest
 
 from handcart.backends.robot.robot import Robot
 from handcart.evaluation.trials.stage import Stage, StageFiles, set_stage
-from handcart.evaluation.truth.simulated_world import simulated_world
+from handcart.evaluation.truth.survey import simulated_world
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import transform
 

@@ -28,7 +28,7 @@ from handcart.evaluation.conformance.report import Report
 from handcart.evaluation.conformance.rig.bench import Bench
 from handcart.evaluation.conformance.rig.reach import Reach
 from handcart.evaluation.conformance.task_runs import Ran, compared
-from handcart.evaluation.truth.simulated_world import simulated_world
+from handcart.evaluation.truth.survey import simulated_world
 from handcart.files.errors import FileError
 from handcart.networks.task.task_file import load_task
 from handcart.robotics.geometry.pose2 import Pose2

@@ -8,7 +8,7 @@ import pytest
 
 from handcart.evaluation.conformance.faults.faulty_backend import FaultyBackend
 from handcart.evaluation.trials.stage import set_stage
-from handcart.evaluation.truth.simulated_world import simulated_world
+from handcart.evaluation.truth.survey import simulated_world
 from handcart.evaluation.truth.true_changes import moved
 from handcart.robotics.geometry.pose2 import Pose2
 

@@ -14,7 +14,7 @@ from handcart.evaluation.conformance.faults.rehearsal import Solo
 from handcart.evaluation.conformance.faults.underway import Ending, Underway
 from handcart.evaluation.conformance.rig.bench import Bench
 from handcart.evaluation.conformance.rig.reach import Reach
-from handcart.evaluation.truth.simulated_world import simulated_world
+from handcart.evaluation.truth.survey import simulated_world
 from handcart.primitives.contract.action_primitive import ActionPrimitive, Periods
 from handcart.primitives.driving.move_to import MoveTo
 from handcart.primitives.knowledge.world_model import ModelView
