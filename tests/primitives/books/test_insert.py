@@ -66,6 +66,7 @@ def test_where_no_slot_is_no_wiggle_helps(at_slot: Callable[..., Rig]) -> None:
     (cause,) = insert.evidence.causes
     assert cause.reason == outcome.reason
     assert cause.measured is not None
+    assert cause.measured.value is not None
     assert f"it resists with {cause.measured.value:.0f} N" in outcome.reason
     assert cause.measured.value > 7.0
     assert fronts(rig) == before
