@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from handcart.backends.capabilities.arm import Arm
 from handcart.backends.capabilities.camera import Camera
 from handcart.backends.simulation.books.book_props import BookProps
-from handcart.evaluation.conformance.checks.check import Check, Finding
+from handcart.evaluation.conformance.checks.check import Check, CheckResult
 from handcart.evaluation.conformance.rig.bench import Bench
 from handcart.evaluation.conformance.rig.parts import needed
 from handcart.evaluation.conformance.rig.periods import move_joints
@@ -24,7 +24,7 @@ TAG_FROM_HEAD, HALF_TAG = 0.014, 0.005  # [m] on a spine
 TILTS = tuple((a, b) for a in (-0.03, -0.01, 0.01, 0.03) for b in (-0.03, 0.0, 0.03))  # [rad]
 
 
-def tag(bench: Bench, finding: Finding) -> None:
+def tag(bench: Bench, finding: CheckResult) -> None:
     """The tag on a book's spine is seen where it projects, by the true joints and the camera's model."""
     errors = np.vstack([_tag_errors(bench, seed) for seed in SEEDS])
     if not len(errors):
@@ -37,8 +37,8 @@ def tag(bench: Bench, finding: Finding) -> None:
 
 def _tag_errors(bench: Bench, seed: int) -> NDArray[np.float64]:
     """(n, 2) seen minus projected middle of the tag, in [px], in pictures from slightly different tilts."""
-    with bench.stage(seed) as stage:
-        backend, spec = stage.backend, stage.robot.spec
+    with bench.rig(seed) as rig:
+        backend, spec = rig.backend, rig.robot.spec
         scene, arm, camera = simulated_world(backend), needed(backend, Arm), needed(backend, Camera)
         book = None if scene is None else scene.of(BookProps).tray_book()
         if scene is None or book is None:

@@ -10,7 +10,7 @@ from handcart.networks.graph.network import Action, ActionNetwork, NotBound
 from handcart.networks.graph.planner import Elsewhere, NotStarted, NoWay, Plan, Planner, Route
 from handcart.networks.journal.journal import Journal
 from handcart.networks.journal.measured import in_words, measure, moved
-from handcart.networks.journal.retracing import Standing
+from handcart.networks.journal.retracing import RunPosition
 from handcart.networks.journal.run_log import Keep, RunLog
 from handcart.primitives.contract.action_primitive import ActionPrimitive
 from handcart.primitives.contract.attempt import attempt
@@ -44,7 +44,7 @@ class Coordinator:
         journal: Journal | None = None,
         observers: Sequence[Callable[[Event], None]] = (),
         permission: Permission | None = None,
-        standing: Standing | None = None,
+        standing: RunPosition | None = None,
         keep: Keep | None = None,
     ) -> None:
         """Nothing is planned or moved before `run` is iterated.

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from handcart.evaluation.trials.action_shares import ActionShare
-    from handcart.evaluation.trials.campaign import Report, Setting, Trial, WorldGenerator
+    from handcart.evaluation.trials.campaign import CampaignReport, CampaignSetting, Trial, WorldGenerator
 
 
 def campaign(
@@ -39,12 +39,12 @@ def campaign(
     """Run seeded trials of a task side by side, and count how they end."""
     from rich.progress import track
 
-    from handcart.evaluation.trials.campaign import Report, Setting, run_campaign
+    from handcart.evaluation.trials.campaign import CampaignReport, CampaignSetting, run_campaign
     from handcart.files.models.settings import split_setting
 
     settings = [*(settings or []), *([f"robot={robot}"] if robot else [])]
     chosen = dict(split_setting(each) for each in settings)
-    setting = Setting(task, backend, chosen, _worlds(generate) if generate else None, runs)
+    setting = CampaignSetting(task, backend, chosen, _worlds(generate) if generate else None, runs)
     running = run_campaign(setting, range(first, first + trials), jobs)
     from rich.console import Console
 
@@ -55,7 +55,7 @@ def campaign(
     except KeyboardInterrupt:
         interrupted = True
         print(f"interrupted after {len(done)} of {trials} trials", file=sys.stderr)
-    report = Report(tuple(sorted(done, key=lambda each: each.seed)))
+    report = CampaignReport(tuple(sorted(done, key=lambda each: each.seed)))
     if as_json:
         _print_json(report, trials, interrupted)
     elif done:
@@ -83,7 +83,7 @@ def _worlds(words: Sequence[str]) -> WorldGenerator:
     return worlds
 
 
-def _print_table(report: Report, setting: Setting, generate: Sequence[str]) -> None:
+def _print_table(report: CampaignReport, setting: CampaignSetting, generate: Sequence[str]) -> None:
     low, high = report.wilson
     count = len(report.trials)
     print(f"Success {report.successes} of {count}; by Wilson {100 * low:.1f} to {100 * high:.1f} % (95 %)")
@@ -105,13 +105,13 @@ def _print_table(report: Report, setting: Setting, generate: Sequence[str]) -> N
         print(f"  {_rerun(setting, trial.seed, generate)}")
 
 
-def _shares(report: Report) -> list[ActionShare]:
+def _shares(report: CampaignReport) -> list[ActionShare]:
     from handcart.evaluation.trials.action_shares import action_shares
 
     return action_shares(Path(trial.summary["run_dir"]) for trial in report.trials)
 
 
-def _rerun(setting: Setting, seed: int, generate: Sequence[str]) -> str:
+def _rerun(setting: CampaignSetting, seed: int, generate: Sequence[str]) -> str:
     chosen = "".join(f" --set {key}={value}" for key, value in (setting.settings or {}).items())
     if not generate:
         return f"handcart run {setting.task} --seed {seed}{chosen}"
@@ -119,7 +119,7 @@ def _rerun(setting: Setting, seed: int, generate: Sequence[str]) -> str:
     return f"handcart campaign {setting.task} --trials 1 --first {seed} --jobs 1{worlds}{chosen}"
 
 
-def _print_json(report: Report, asked: int, interrupted: bool) -> None:
+def _print_json(report: CampaignReport, asked: int, interrupted: bool) -> None:
     import orjson
 
     low, high = report.wilson

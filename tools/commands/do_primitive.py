@@ -33,20 +33,20 @@ def do(
     """Run one primitive alone, and tell its outcome; by itself in the library of return_book."""
     from dataclasses import replace
 
-    from handcart.evaluation.trials.stage import StageFiles, set_stage
+    from handcart.evaluation.trials.rig import RigFiles, build_rig
     from handcart.networks.runs.robot_claim import claimed
     from handcart.networks.task.task_file import load_task
     from handcart.primitives.contract.outcome import Success
 
     made = _made(primitive, parameters or [])
     task = load_task(knowledge) if knowledge else None
-    own = StageFiles() if task is None else StageFiles.of(task)
+    own = RigFiles() if task is None else RigFiles.of(task)
     given = {"world": world, "map": map, "places": places, "start": start}
     files = replace(own, **{name: value for name, value in given.items() if value is not None})  # type: ignore[arg-type]
     whose = robot or (DEFAULT if task is None else task.robot)
-    with set_stage(files, whose, backend, seed) as stage, claimed(stage.backend):
-        _check_names(made, stage.knowledge)
-        outcome = stage.do(made)
+    with build_rig(files, whose, backend, seed) as rig, claimed(rig.backend):
+        _check_names(made, rig.knowledge)
+        outcome = rig.do(made)
     word = type(outcome).__name__
     print(word if isinstance(outcome, Success) else f"{word}: {outcome.reason}")
     facts = outcome.evidence if isinstance(outcome, Success) else {**made.facts, **outcome.residuals}

@@ -13,21 +13,21 @@ from handcart.evaluation.conformance.rig.bench import Bench
 from handcart.evaluation.conformance.rig.parts import needed
 from handcart.evaluation.conformance.rig.periods import move_joints, steps
 from handcart.evaluation.conformance.rig.skipped import Skipped
-from handcart.evaluation.trials.stage import Stage
+from handcart.evaluation.trials.rig import Rig
 from handcart.evaluation.truth.survey import simulated_world
 from handcart.robotics.kinematics.arm_model import ArmModel
 
-from .check import Check, Finding
+from .check import Check, CheckResult
 
 SCANS = 30
 RANGE_MM, OUTLIERS = 10.0, 0.05  # beams further off may be a share of all: those that graze an edge
 SAME = 1e-6  # [m] and of matrix elements
 
 
-def ranges(bench: Bench, finding: Finding) -> None:
+def ranges(bench: Bench, finding: CheckResult) -> None:
     """Ranges agree with the outlines of the world about the true place of the sensor."""
-    with bench.stage() as stage:
-        backend, spec = stage.backend, stage.robot.spec.range_sensor
+    with bench.rig() as rig:
+        backend, spec = rig.backend, rig.robot.spec.range_sensor
         scene, sensor = simulated_world(backend), needed(backend, RangeSensor)
         if scene is None or spec is None:
             raise Skipped("no world's true shape is known")
@@ -36,7 +36,7 @@ def ranges(bench: Bench, finding: Finding) -> None:
             steps(backend, 1)
             taken.append(sensor.scan().ranges)
         read = np.array(taken)
-        true = _true_ranges(stage, spec.reach_m)
+        true = _true_ranges(rig, spec.reach_m)
         met = np.isfinite(true) & np.isfinite(read).all(axis=0)
         off = 1e3 * np.abs(read[:, met].mean(axis=0) - true[met])
         grazing = float((off > RANGE_MM).mean())
@@ -47,20 +47,20 @@ def ranges(bench: Bench, finding: Finding) -> None:
         finding.at_most("noise", spread, 1.5 * spec.sigma_mm + 1.0, "mm")
 
 
-def _true_ranges(stage: Stage, reach: float) -> NDArray[np.float64]:
+def _true_ranges(rig: Rig, reach: float) -> NDArray[np.float64]:
     from handcart.robotics.kinematics.urdf_frames import base_T_frame
 
-    scene, scan = simulated_world(stage.backend), stage.robot.range_sensor.scan()
+    scene, scan = simulated_world(rig.backend), rig.robot.range_sensor.scan()
     assert scene is not None, "the check has asked for it"
-    height = float(base_T_frame(stage.robot.spec.urdf_text(), "range_sensor")[2, 3])
+    height = float(base_T_frame(rig.robot.spec.urdf_text(), "range_sensor")[2, 3])
     plan = FloorPlan(scene.solids, height, height)
     return cast_rays(plan, scene.base.compose(scan.base_T_sensor), scan.angles, scene.time, reach)
 
 
-def frames(bench: Bench, finding: Finding) -> None:
+def frames(bench: Bench, finding: CheckResult) -> None:
     """The hand is where the URDF's kinematics put it."""
-    with bench.stage() as stage:
-        backend, spec = stage.backend, stage.robot.spec
+    with bench.rig() as rig:
+        backend, spec = rig.backend, rig.robot.spec
         scene, arm = simulated_world(backend), needed(backend, Arm)
         if scene is None or spec.arm is None:
             raise Skipped("nothing is simulated")

@@ -15,7 +15,7 @@ import pytest
 
 from handcart.evaluation.books.library_files import Libraries
 from handcart.evaluation.explanation.explanation import explain
-from handcart.evaluation.trials.campaign import Setting, run_trial
+from handcart.evaluation.trials.campaign import CampaignSetting, run_trial
 from handcart.networks.journal.journal import Journal
 from handcart.networks.journal.past_run import read_run
 from handcart.networks.runs.flight_recorder import load_readings
@@ -38,7 +38,7 @@ def runs(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Path]:
     def folder(name: str) -> Path:
         if name not in made:
             worlds = Libraries.model_validate(LIBRARIES[name])
-            setting = Setting(TASK, None, None, worlds, tmp_path_factory.mktemp(name))
+            setting = CampaignSetting(TASK, None, None, worlds, tmp_path_factory.mktemp(name))
             made[name] = Path(run_trial(setting, 0).summary["run_dir"])
         return made[name]
 
