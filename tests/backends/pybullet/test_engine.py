@@ -4,7 +4,7 @@ import sys
 
 import pytest
 
-from handcart.backends.pybullet import engine
+from handcart.backends.pybullet import bullet
 
 
 @pytest.mark.parametrize(
@@ -18,9 +18,9 @@ from handcart.backends.pybullet import engine
 def test_where_pybullet_is_missing_the_error_says_how_to_get_it(
     monkeypatch: pytest.MonkeyPatch, python: tuple[int, int], how: str
 ) -> None:
-    monkeypatch.setattr(engine, "find_spec", lambda name: None)
+    monkeypatch.setattr(bullet, "find_spec", lambda name: None)
     monkeypatch.setattr(sys, "version_info", (*python, 0))
-    engine.bullet.cache_clear()
-    with pytest.raises(engine.MissingPyBullet, match="not installed") as missing:
-        engine.bullet()
+    bullet.bullet.cache_clear()
+    with pytest.raises(bullet.MissingPyBullet, match="not installed") as missing:
+        bullet.bullet()
     assert how in str(missing.value)

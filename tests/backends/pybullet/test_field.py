@@ -43,10 +43,10 @@ def test_a_sensor_is_laid_and_a_killed_run_goes_on(tmp_path: Path, copier: type[
 
 
 def test_the_ground_is_as_rough_as_the_world_says() -> None:
-    from handcart.backends.pybullet.physics import Physics
-    from handcart.backends.pybullet.world.terrain import Terrain
+    from handcart.backends.physics.world.terrain import Terrain
+    from handcart.backends.pybullet.bullet_engine import BulletEngine
 
-    physics = Physics(0.025)
+    physics = BulletEngine(0.025)
     try:
         terrain = Terrain(physics, GroundSpec(roughness_deg=2.0), 1)
         x, y = np.random.default_rng(0).uniform(-50.0, 50.0, (2, 4000))

@@ -13,8 +13,8 @@ import pytest
 
 from handcart.backends.description.robot_file import RobotFile
 from handcart.backends.kinematic.kinematic_backend import KinematicBackend
+from handcart.backends.physics.engine import Pinned
 from handcart.backends.plain_values import to_plain
-from handcart.backends.pybullet.physics import Pinned
 from handcart.backends.pybullet.pybullet_backend import PyBulletBackend
 from handcart.backends.saved_state import pack, unpack
 from handcart.backends.simulation.books.book_props import BookProps
@@ -230,7 +230,7 @@ def test_a_constraint_grasp_holds_and_a_restored_state_has_it_as_it_was(
     assert spec.gripper is not None
     gripper = spec.gripper.model_copy(update={"grasp": "constraint"})
     hand = hand_of(make(robot=spec.model_copy(update={"gripper": gripper})))
-    physics, book = hand.backend._physics, hand.backend.scene.of(BookProps).books[117]
+    physics, book = hand.backend._engine, hand.backend.scene.of(BookProps).books[117]
     free = physics.state()
     hand.take_book()
     held = physics.state()
@@ -255,7 +255,7 @@ def test_a_constraint_grasp_opens(
     hand.take_book()
     hand.grip(0.06)
     assert hand.backend.scene.held is None
-    assert hand.backend._physics.pinned is None
+    assert hand.backend._engine.pinned is None
 
 
 def test_ranges_are_those_of_the_kinematic_backend(make: Make, world: WorldFile, spec: RobotFile) -> None:
@@ -304,7 +304,7 @@ def test_what_stands_there_weighs_what_it_weighs(make: Make) -> None:
     on_tray = backend.scene.of(BookProps).tray_book()
     assert on_tray is not None
     book = backend._world.bodies[on_tray.name]
-    mass = backend._physics.p.getDynamicsInfo(book, -1, physicsClientId=backend._physics.client)[0]
+    mass = backend._engine.p.getDynamicsInfo(book, -1, physicsClientId=backend._engine.client)[0]
     felt = []
     for _ in range(10):
         backend.step()

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from handcart.backends.description.robot_file import RobotFile
 from handcart.backends.description.robot_loading import load_robot
-from handcart.backends.pybullet.body.sprung import CHASSIS, sprung
+from handcart.backends.physics.body.sprung import CHASSIS, sprung
 from handcart.backends.pybullet.pybullet_backend import PyBulletBackend
 from handcart.backends.simulation.world.world_model import world_model
 
@@ -42,7 +42,7 @@ def toyama(**errors: float) -> RobotFile:
 
 
 def part(backend: PyBulletBackend, name: str) -> Any:
-    return next(each for each in backend.capabilities() if type(each).__name__ == f"Bullet{name}")
+    return next(each for each in backend.capabilities() if type(each).__name__.endswith(name))
 
 
 def go(backend: PyBulletBackend, joints: NDArray[np.float64], seconds: float = 2.0) -> None:
