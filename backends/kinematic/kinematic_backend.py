@@ -12,6 +12,7 @@ from handcart.backends.simulation.body.rough_ride import RoughRide
 from handcart.backends.simulation.body.suspension import lean_of
 from handcart.backends.simulation.sensors.field_imu import FieldImu
 from handcart.backends.simulation.sensors.mounts import base_T_frame
+from handcart.backends.simulation.sensors.scene_camera import SceneCamera
 from handcart.backends.simulation.sensors.simulated_imu import SimulatedImu
 from handcart.backends.simulation.simulated_backend import Part, SimulatedBackend
 from handcart.backends.simulation.world.world_file import WorldFile
@@ -19,7 +20,6 @@ from handcart.robotics.geometry.pose2 import Pose2
 
 from .kinematic_arm import KinematicArm
 from .kinematic_base import KinematicBase
-from .kinematic_camera import KinematicCamera
 from .kinematic_car import KinematicCar
 from .kinematic_gripper import KinematicGripper
 from .kinematic_range_sensor import KinematicRangeSensor
@@ -69,7 +69,7 @@ class KinematicBackend(SimulatedBackend):
             if robot.gripper is not None:
                 self._gripper = KinematicGripper(robot.gripper, self._hand, self.period, seed)
             if robot.camera is not None:
-                self._camera = KinematicCamera(robot, robot.camera, self.scene, seed)
+                self._camera = SceneCamera(robot, robot.camera, self.scene, seed)
         if robot.range_sensor is not None:
             mount = base_T_frame(robot.urdf_text(), "range_sensor")
             self._range = KinematicRangeSensor(robot.range_sensor, mount, self.scene, seed)

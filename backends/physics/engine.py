@@ -91,8 +91,8 @@ class Engine(ABC):
         """A plane through the origin."""
 
     @abstractmethod
-    def add_box(self, box: Box, friction: float, grey: int) -> int:
-        """A box that nothing moves but `set_pose`."""
+    def add_box(self, box: Box, friction: float, grey: int, moves: bool = False) -> int:
+        """A box that nothing moves; only one that `moves` may be put elsewhere."""
 
     @abstractmethod
     def add_tile(self, corner: Array, cell: float, heights: Array, friction: float) -> int:

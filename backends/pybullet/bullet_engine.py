@@ -114,7 +114,7 @@ class BulletEngine(Engine):
         body = self.p.createMultiBody(0.0, shape, floor_look(self.client), physicsClientId=self.client)
         return self._rub(body, friction)
 
-    def add_box(self, box: Box, friction: float, grey: int) -> int:
+    def add_box(self, box: Box, friction: float, grey: int, moves: bool = False) -> int:
         """See `Engine`."""
         shapes = plain_box(self.client, box.size, grey)
         body = self.p.createMultiBody(0.0, *shapes, *placed(box.pose), physicsClientId=self.client)

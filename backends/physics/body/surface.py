@@ -18,6 +18,8 @@ class Surface(NamedTuple):
     """Whether what it touches stays where it is on it while friction holds it."""
     along_axle: float | None = None
     """Share of the friction that it has along its y."""
+    against: float = 1.0
+    """Friction of what it mostly touches: an engine may have one figure for a pair."""
 
 
 TYRES = Surface(friction=1.0)
@@ -31,5 +33,5 @@ as they give a little, and at rest they stick."""
 SOFT_TYRES = Surface(stiffness=3e5, damping=6e3, sticks=True)
 """Of a car on rough ground; at rest they stick."""
 PAD_FRICTION = 1.5
-PADS = Surface(friction=PAD_FRICTION, stiffness=1e5, damping=1000.0, sticks=True)
+PADS = Surface(friction=PAD_FRICTION, stiffness=1e5, damping=1000.0, sticks=True, against=0.65)
 """Rubber, at each corner: rigid pads would press with one corner each."""

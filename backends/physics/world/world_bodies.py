@@ -47,9 +47,10 @@ class WorldBodies:
         for solid in scene.solids:
             if solid is THE_GROUND and terrain is not None:
                 continue
-            body = engine.add_box(solid.box, SOLID_FRICTION, _grey(solid))
+            passes = solid.appears > 0.0 or bool(np.isfinite(solid.leaves))
+            body = engine.add_box(solid.box, SOLID_FRICTION, _grey(solid), moves=passes)
             self.names[body] = solid.box.name
-            if solid.appears > 0.0 or np.isfinite(solid.leaves):
+            if passes:
                 self._surprises.append((body, solid))
         for sheet in (sheet for props in scene.props.values() for sheet in props.sheets()):
             engine.add_sheet(sheet)

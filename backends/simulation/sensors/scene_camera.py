@@ -1,4 +1,4 @@
-"""The camera of the kinematic robot."""
+"""A camera that sees what the scene holds."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from handcart.backends.simulation.scene import Scene
 from handcart.backends.simulation.sensors.simulated_camera import SimulatedCamera
 
 
-class KinematicCamera(SimulatedCamera):
+class SceneCamera(SimulatedCamera):
     """Renders the scene's faces."""
 
     def __init__(self, robot: RobotFile, spec: CameraSpec, scene: Scene, seed: int) -> None:
