@@ -20,7 +20,7 @@ from .mujoco_engine import MujocoEngine
 from .mujoco_joints import MujocoJoints
 from .mujoco_module import mujoco
 from .urdf_repairs import repaired
-from .world_spec import ROBOT, ROBOT_GROUP, STIFF, quaternion
+from .world_spec import HARD, ROBOT, ROBOT_GROUP, STIFF, quaternion
 
 TOP_ACCELERATION = 100.0  # of a drive that moves nothing but itself [rad/s²]
 TOP_SLIDE_ACCELERATION = 50.0  # the same of one that slides [m/s²]
@@ -46,13 +46,15 @@ class MujocoBody(RobotBody):
         root = next(each for each in spec.bodies if each.name.startswith(ROBOT))
         root.add_freejoint(name=f"{self.id}")
         root.sleep = mujoco().mjtSleepPolicy.mjSLEEP_NEVER
-        self._root = root.name.removeprefix(ROBOT)
+        self._root_name, self._root = root.name, root.name.removeprefix(ROBOT)
         names = [each.name.removeprefix(ROBOT) for each in spec.bodies if each.name.startswith(ROBOT)]
         self.link_index = {name: number - 1 for number, name in enumerate(names)}
         self.link_names = {number: name for name, number in self.link_index.items()}
         self.wheels = driven_wheels(self.effort)
         self.wheels.check()
         self._leave_out(robot)
+        if "hand" in self.link_index:
+            engine.pins.prepare(spec, ROBOT + "hand", self._root_name)
         engine.name_links(self.id, {ROBOT + name: number for name, number in self.link_index.items()})
         self._root_T_base = inverse(self.link_pose(self._root)) @ self.link_pose("base")
         for joint, (position, force) in held_still(robot).items():
@@ -142,13 +144,15 @@ class MujocoBody(RobotBody):
 
     def cover(self, links: Iterable[str], surface: Surface) -> None:
         """See `RobotBody`; MuJoCo's contacts give as `STIFF` says, and stick by themselves."""
-        if surface.friction is None:
-            return
         spec = self._engine.world.spec
-        for link in links:
-            for geometry in spec.body(ROBOT + link).geoms:
+        for geometry in (each for link in links for each in spec.body(ROBOT + link).geoms):
+            if surface.friction is not None:
                 geometry.priority = 1  # it alone tells how a pair rubs
+                if surface.sticks:
+                    geometry.solimp = HARD
                 geometry.friction = (surface.friction * surface.against, 0.005, 0.0001)
+            if surface.along_axle is not None:
+                self._engine.world.scrub(geometry, surface.along_axle)
         self._engine.changed()
 
     def mirror(self, joints: tuple[str, str]) -> None:

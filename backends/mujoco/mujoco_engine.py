@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -13,15 +14,16 @@ from handcart.backends.plain_values import from_plain, to_plain
 from handcart.backends.saved_state import NotAState
 from handcart.backends.simulation.world.sheet import Sheet
 from handcart.backends.simulation.world.thing import GreyImage
-from handcart.robotics.geometry.transform import Transform
+from handcart.robotics.geometry.transform import Transform, inverse
 from handcart.robotics.kinematics.shapes import Box
 
 from .mujoco_module import mujoco
+from .pins import Pins
 from .saved_data import restore, saved
 from .world_spec import ROBOT_GROUP, WorldSpec, box_inertia, quaternion
 
 Array = NDArray[np.float64]
-PIN = "pin"
+STAYS = 0.005  # [m/s]: slower, what slid in the hand is held again
 _KEPT = ("actuator_gainprm", "actuator_biasprm", "actuator_forcerange")
 
 
@@ -42,7 +44,7 @@ class MujocoEngine(Engine):
     was there goes on as it was.
     """
 
-    CONTACTS_CARRY = 1.0  # with `IMPRATIO` and `NOSLIP` they creep by 0.025 mm in 30 s
+    CONTACTS_CARRY = 0.5  # they know speeds, not places: what they hold in a hand that turns drifts
 
     def __init__(self, period: float) -> None:
         """Start the engine; see `Engine`."""
@@ -53,6 +55,8 @@ class MujocoEngine(Engine):
         self._compiled: tuple[Any, Any] | None = None
         self._grown = self._stale = True
         self._pinned: Pinned | None = None
+        self.pins = Pins()
+        """What holds together where contacts alone don't."""
         self._owner = np.zeros((0, 2), np.int64)
         self._things: dict[int, _Thing] = {}
         self._links: dict[int, tuple[int, int]] = {}
@@ -147,8 +151,34 @@ class MujocoEngine(Engine):
 
     def step(self) -> None:
         """See `Engine`."""
-        self.mj.mj_step(*self._both(), self.substeps)
+        model, data = self._both()
+        self.mj.mj_step(model, data, self.substeps)
         self._stale = True
+        if self._pinned is not None:
+            self._slip(self._pinned)
+
+    def _slip(self, pinned: Pinned) -> None:
+        """Let what is held slide while more pulls at it than holds it, and hold it again where it stays."""
+        model, data = self.model, self.data
+        if self.pins.closed(model, data):
+            # While they hold, contacts carry next to nothing: what is still can pull at these points alone.
+            if self.pins.pull(model, data) > pinned.force_n / (1.0 - self.CONTACTS_CARRY):
+                self.pins.open(model, data)
+            return
+        there = self._points_now(pinned)
+        slid = float(np.linalg.norm(there - np.array(pinned.other_points), axis=1).max())
+        points = tuple((float(x), float(y), float(z)) for x, y, z in there)
+        self._pinned = replace(pinned, other_points=points)
+        if slid < STAYS * self.chunk:
+            self.pin(self._pinned)
+
+    def _points_now(self, pinned: Pinned) -> Array:
+        """Where the hand's points are in the frame of what is held, (n, 3) in [m]."""
+        data, link = self.links(), self.link_body(pinned.body, pinned.link)
+        middle = np.eye(4)
+        middle[:3, :3], middle[:3, 3] = data.ximat[link].reshape(3, 3), data.xipos[link]
+        other_T_hand = inverse(self.pose(pinned.other)) @ middle
+        return np.asarray(np.array(pinned.points) @ other_T_hand[:3, :3].T + other_T_hand[:3, 3])
 
     def close(self) -> None:
         """See `Engine`."""
@@ -234,15 +264,13 @@ class MujocoEngine(Engine):
         return self._pinned
 
     def pin(self, wanted: Pinned | None) -> None:
-        """See `Engine`: what its contacts hold needs nothing else; all else is welded together."""
+        """See `Engine`."""
         self._pinned = wanted
-        welded = wanted is not None and wanted.force_n > 0.0
-        if not welded and self.world.spec.equality(PIN) is None:
+        if wanted is None:
+            self.pins.open(self.model, self.data)
             return
-        self._weld(wanted if welded else None)
-
-    def _weld(self, wanted: Pinned | None) -> None:
-        raise NotImplementedError
+        link = self.link_body(wanted.body, wanted.link)
+        self.pins.close(self.model, self.data, wanted, link, self._things[wanted.other].body)
 
     # What is there
 
@@ -289,6 +317,7 @@ class MujocoEngine(Engine):
 
     def set_state(self, state: object) -> None:
         """See `Engine`."""
+        self._both()
         if not isinstance(state, dict) or "pinned" not in state:
             raise NotAState("no state of this engine; needed: mujoco, asleep, pinned")
         pinned = from_plain(state["pinned"], Pinned | None, "pinned")

@@ -1,4 +1,4 @@
-"""A small room with one shelf in a physics engine, and a hand to move about in it."""
+"""A small room with one shelf in a physics engine, each of them, and a hand to move about in it."""
 
 from __future__ import annotations
 
@@ -11,7 +11,8 @@ import pytest
 
 from handcart.backends.description.robot_file import RobotFile
 from handcart.backends.description.robot_loading import load_robot
-from handcart.backends.pybullet.pybullet_backend import PyBulletBackend
+from handcart.backends.physics.physics_backend import PhysicsBackend
+from handcart.backends.registry import backend_class
 from handcart.backends.simulation.books.book_props import BookProps
 from handcart.backends.simulation.world.world_file import WorldFile
 from handcart.backends.simulation.world.world_model import world_model
@@ -44,7 +45,17 @@ shelves:
 tray: {accession: 117, call: 512.7 NAG, thickness_mm: 25, height_mm: 210, depth_mm: 150, grey: 115}
 """
 
-Make = Callable[..., PyBulletBackend]
+Make = Callable[..., PhysicsBackend]
+
+
+@pytest.fixture(params=["mujoco", "pybullet"])
+def physics(request: pytest.FixtureRequest) -> type[PhysicsBackend]:
+    """The class of a backend."""
+    if request.param == "pybullet":
+        pytest.importorskip("pybullet", reason="PyBullet has no wheel for this Python")
+    kind = backend_class(request.param)
+    assert issubclass(kind, PhysicsBackend)
+    return kind
 
 
 @pytest.fixture
@@ -60,11 +71,11 @@ def spec() -> RobotFile:
 
 
 @pytest.fixture
-def make(world: WorldFile, spec: RobotFile) -> Iterator[Make]:
-    made: list[PyBulletBackend] = []
+def make(physics: type[PhysicsBackend], world: WorldFile, spec: RobotFile) -> Iterator[Make]:
+    made: list[PhysicsBackend] = []
 
-    def build(seed: int = 0, robot: RobotFile = spec) -> PyBulletBackend:
-        made.append(PyBulletBackend(robot, world, seed))
+    def build(seed: int = 0, robot: RobotFile = spec) -> PhysicsBackend:
+        made.append(physics(robot, world, seed))
         return made[-1]
 
     yield build
@@ -75,7 +86,7 @@ def make(world: WorldFile, spec: RobotFile) -> Iterator[Make]:
 class Hand:
     """Arm and gripper of a backend, moved by whole movements."""
 
-    def __init__(self, backend: PyBulletBackend, spec: RobotFile) -> None:
+    def __init__(self, backend: PhysicsBackend, spec: RobotFile) -> None:
         assert spec.arm is not None
         self.backend = backend
         self.model = ArmModel(spec.urdf_text(), spec.arm.joints)
@@ -129,5 +140,5 @@ def hand(make: Make, spec: RobotFile) -> Hand:
 
 
 @pytest.fixture
-def hand_of(spec: RobotFile) -> Callable[[PyBulletBackend], Hand]:
+def hand_of(spec: RobotFile) -> Callable[[PhysicsBackend], Hand]:
     return lambda backend: Hand(backend, spec)

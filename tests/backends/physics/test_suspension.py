@@ -13,21 +13,20 @@ from numpy.typing import NDArray
 from handcart.backends.description.robot_file import RobotFile
 from handcart.backends.description.robot_loading import load_robot
 from handcart.backends.physics.body.sprung import CHASSIS, sprung
-from handcart.backends.pybullet.pybullet_backend import PyBulletBackend
+from handcart.backends.physics.physics_backend import PhysicsBackend
 from handcart.backends.simulation.world.world_model import world_model
 
-pytest.importorskip("pybullet", reason="PyBullet has no wheel for this Python")
 EMPTY = world_model().model_validate({"format": "handcart-world/1", "start": {"x_m": 0.0, "y_m": 0.0}})
 
-Build = Callable[..., PyBulletBackend]
+Build = Callable[..., PhysicsBackend]
 
 
 @pytest.fixture
-def build() -> Iterator[Build]:
-    made: list[PyBulletBackend] = []
+def build(physics: type[PhysicsBackend]) -> Iterator[Build]:
+    made: list[PhysicsBackend] = []
 
-    def make(**errors: float) -> PyBulletBackend:
-        made.append(PyBulletBackend(toyama(**errors), EMPTY, 0))
+    def make(**errors: float) -> PhysicsBackend:
+        made.append(physics(toyama(**errors), EMPTY, 0))
         return made[-1]
 
     yield make
@@ -41,11 +40,11 @@ def toyama(**errors: float) -> RobotFile:
     return robot.model_copy(update={"errors": robot.errors.model_copy(update=errors)})
 
 
-def part(backend: PyBulletBackend, name: str) -> Any:
+def part(backend: PhysicsBackend, name: str) -> Any:
     return next(each for each in backend.capabilities() if type(each).__name__.endswith(name))
 
 
-def go(backend: PyBulletBackend, joints: NDArray[np.float64], seconds: float = 2.0) -> None:
+def go(backend: PhysicsBackend, joints: NDArray[np.float64], seconds: float = 2.0) -> None:
     """Move the joints and wait until all is at rest."""
     arm = part(backend, "Arm")
     start = arm.command()

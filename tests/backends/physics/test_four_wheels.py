@@ -12,17 +12,16 @@ from handcart.backends.capabilities.arm import Arm
 from handcart.backends.capabilities.base import Base
 from handcart.backends.capabilities.positioning import Positioning
 from handcart.backends.description.robot_loading import load_robot
-from handcart.backends.pybullet.pybullet_backend import PyBulletBackend
+from handcart.backends.physics.physics_backend import PhysicsBackend
 from handcart.backends.simulation.world.world_model import world_model
 from handcart.backends.urdf.driven_wheels import NoWheels, driven_wheels
 
-pytest.importorskip("pybullet", reason="PyBullet has no wheel for this Python")
 EMPTY = world_model().model_validate({"format": "handcart-world/1", "start": {"x_m": 0.0, "y_m": 0.0}})
 
 
 @pytest.fixture
-def backend() -> Iterator[PyBulletBackend]:
-    made = PyBulletBackend(load_robot("atrv").without_errors(), EMPTY, 0)
+def backend(physics: type[PhysicsBackend]) -> Iterator[PhysicsBackend]:
+    made = physics(load_robot("atrv").without_errors(), EMPTY, 0)
     yield made
     made.close()
 
@@ -54,7 +53,7 @@ def test_it_turns_on_the_spot_as_its_file_has_it(backend: Any, turn_rate: float)
     assert travel.right - travel.left == pytest.approx(theta * 0.6, rel=0.1)
 
 
-def test_it_drives_straight(backend: PyBulletBackend) -> None:
+def test_it_drives_straight(backend: PhysicsBackend) -> None:
     drive(backend, 0.2, 0.0)
     assert backend.scene.base.x == pytest.approx(0.4, abs=0.01)
     assert abs(backend.scene.base.y) < 0.003

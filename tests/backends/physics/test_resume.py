@@ -11,9 +11,9 @@ from typing import Any
 import orjson
 import pytest
 
+from handcart.backends.physics.physics_backend import PhysicsBackend
 from handcart.networks.journal.journal_record import read_journal
 
-pytest.importorskip("pybullet", reason="PyBullet has no wheel for this Python")
 ROOT = Path(__file__).resolve().parents[3]
 LIBRARY = ROOT / "tasks" / "return_book"
 LONGEST = 300.0  # [s] of wall-clock time that a run gets
@@ -56,13 +56,15 @@ def results(folder: Path) -> list[tuple[int, str]]:
 
 
 @pytest.mark.slow
-def test_killed_while_it_takes_the_book_it_takes_it_after_all(tmp_path: Path) -> None:
+def test_killed_while_it_takes_the_book_it_takes_it_after_all(
+    physics: type[PhysicsBackend], tmp_path: Path
+) -> None:
     for name in ("world.yaml", "map.yaml", "map.png", "places.yaml", "catalogue.yaml"):
         (tmp_path / name).write_bytes((LIBRARY / name).read_bytes())
     task = tmp_path / "task.yaml"
     task.write_text(TASK, encoding="utf-8")
     folder = tmp_path / "runs" / f"{tmp_path.name}-0"
-    process = handcart("run", task, "--backend", "pybullet", "--runs", folder.parent)
+    process = handcart("run", task, "--backend", physics.name, "--runs", folder.parent)
     end = time.monotonic() + LONGEST
     while not results(folder):
         assert process.poll() is None

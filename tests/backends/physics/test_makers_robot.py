@@ -11,10 +11,9 @@ import pytest
 
 from handcart.backends.capabilities.arm import Arm
 from handcart.backends.description.robot_loading import load_robot
-from handcart.backends.pybullet.pybullet_backend import PyBulletBackend
+from handcart.backends.physics.physics_backend import PhysicsBackend
 from handcart.backends.simulation.world.world_model import world_model
 
-pytest.importorskip("pybullet", reason="PyBullet has no wheel for this Python")
 EMPTY = world_model().model_validate({"format": "handcart-world/1", "start": {"x_m": 0.0, "y_m": 0.0}})
 ROBOT = """\
 format: handcart-robot/1
@@ -75,10 +74,10 @@ CRANE = f"""\
 
 
 @pytest.fixture
-def backend(tmp_path: Path) -> Iterator[PyBulletBackend]:
+def backend(physics: type[PhysicsBackend], tmp_path: Path) -> Iterator[PhysicsBackend]:
     (tmp_path / "crane.urdf").write_text(CRANE, encoding="utf-8")
     (tmp_path / "robot.yaml").write_text(ROBOT, encoding="utf-8")
-    made = PyBulletBackend(load_robot(str(tmp_path / "robot.yaml")), EMPTY, 0)
+    made = physics(load_robot(str(tmp_path / "robot.yaml")), EMPTY, 0)
     yield made
     made.close()
 

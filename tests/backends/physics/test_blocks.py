@@ -11,7 +11,7 @@ import pytest
 
 from handcart.backends.description.robot_file import RobotFile
 from handcart.backends.description.robot_loading import load_robot
-from handcart.backends.pybullet.pybullet_backend import PyBulletBackend
+from handcart.backends.physics.physics_backend import PhysicsBackend
 from handcart.backends.saved_state import pack, unpack
 from handcart.backends.simulation.blocks.block_props import BlockProps
 from handcart.backends.simulation.calibration.mark_props import MarkProps
@@ -21,8 +21,6 @@ from handcart.files.models.loading import load
 from handcart.robotics.geometry.transform import inverse, transform
 from handcart.robotics.perception.landmarks.landmark_finder import find_landmarks
 from handcart.robotics.perception.landmarks.landmark_pose import facing, planar_pose
-
-pytest.importorskip("pybullet", reason="PyBullet has no wheel for this Python")
 
 WORLD = """
 format: handcart-world/1
@@ -40,19 +38,19 @@ PILE = "".join(
 SHIFTED = '  - {name: "5", x_m: 0.168, y_m: 0.45, height_m: 0.52}\n'
 OVER = 0.165  # [m] from the foot of a block that is gripped up to the hand
 
-Build = Callable[..., PyBulletBackend]
+Build = Callable[..., PhysicsBackend]
 
 
 @pytest.fixture
-def build(tmp_path: Path) -> Iterator[Build]:
+def build(physics: type[PhysicsBackend], tmp_path: Path) -> Iterator[Build]:
     """Makes a robot that doesn't err at the table, with these blocks."""
-    made: list[PyBulletBackend] = []
+    made: list[PhysicsBackend] = []
 
-    def make(blocks: str, robot: RobotFile | None = None) -> PyBulletBackend:
+    def make(blocks: str, robot: RobotFile | None = None) -> PhysicsBackend:
         path = tmp_path / "world.yaml"
         path.write_text(WORLD + blocks, encoding="utf-8")
         robot = load_robot("toyama").without_errors() if robot is None else robot
-        made.append(PyBulletBackend(robot, load(path, world_model()), 0))
+        made.append(physics(robot, load(path, world_model()), 0))
         return made[-1]
 
     yield make
@@ -60,16 +58,16 @@ def build(tmp_path: Path) -> Iterator[Build]:
         backend.close()
 
 
-def part(backend: PyBulletBackend, name: str) -> Any:
+def part(backend: PhysicsBackend, name: str) -> Any:
     return next(each for each in backend.capabilities() if type(each).__name__.endswith(name))
 
 
-def steps(backend: PyBulletBackend, count: int) -> None:
+def steps(backend: PhysicsBackend, count: int) -> None:
     for _ in range(count):
         backend.step()
 
 
-def go(backend: PyBulletBackend, x: float, y: float, z: float, speed: float = 0.1) -> None:
+def go(backend: PhysicsBackend, x: float, y: float, z: float, speed: float = 0.1) -> None:
     """Move the hand straight, pointing down, its fingers closing along x."""
     arm, model = part(backend, "Arm"), backend.scene.arm
     assert model is not None
@@ -87,7 +85,7 @@ def go(backend: PyBulletBackend, x: float, y: float, z: float, speed: float = 0.
     steps(backend, 5)
 
 
-def grip(backend: PyBulletBackend, width: float) -> None:
+def grip(backend: PhysicsBackend, width: float) -> None:
     part(backend, "Gripper").move(width)
     steps(backend, 24)
 
