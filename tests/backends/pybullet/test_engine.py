@@ -10,7 +10,7 @@ from handcart.backends.pybullet import bullet
 @pytest.mark.parametrize(
     ("python", "how"),
     [
-        ((3, 11), "pip install 'handcart[sim]'"),
+        ((3, 11), "pip install 'handcart[pybullet]'"),
         ((3, 12), "PyBullet has no wheel for Python 3.12"),
         ((3, 13), "PyBullet has no wheel for Python 3.13"),
     ],
