@@ -6,6 +6,7 @@ import tempfile
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import Any
+from xml.etree import ElementTree
 
 import numpy as np
 
@@ -173,13 +174,22 @@ class MujocoBody(RobotBody):
 def _read(robot: RobotFile, suspended: bool) -> Any:
     """The `MjSpec` of a robot's URDF, all its links being bodies."""
     with tempfile.TemporaryDirectory() as folder:
-        path = robot.urdf_path()
-        if suspended:
-            path = Path(folder) / "robot.urdf"
-            path.write_text(on_suspension(robot), encoding="utf-8")
+        path = Path(folder) / "robot.urdf"
+        text = on_suspension(robot) if suspended else robot.urdf_text()
+        path.write_text(_without_a_world(text), encoding="utf-8")
         spec = mujoco().MjSpec.from_file(str(path))
     spec.compiler.fusestatic, spec.compiler.discardvisual = False, True
     return spec
+
+
+def _without_a_world(urdf: str) -> str:
+    """The same robot, none of whose links has the name that MuJoCo keeps for the world's body."""
+    robot = ElementTree.fromstring(urdf)
+    for element in robot.iter():
+        key = "name" if element.tag == "link" else "link"
+        if element.tag in ("link", "parent", "child") and element.get(key) == "world":
+            element.set(key, "world_")
+    return ElementTree.tostring(robot, encoding="unicode")
 
 
 def _pose(position: Any, turn: Any) -> Transform:

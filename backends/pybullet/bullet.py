@@ -25,8 +25,8 @@ class MissingPyBullet(InputError):
         how = "install it with: pip install 'handcart[pybullet]'"
         if sys.version_info[:2] > LAST_WHEEL:
             how = (
-                f"PyBullet has no wheel for Python {here}; allowed: --backend mujoco (pip install 'handcart[sim]'), "
-                "Python 3.11, or to build it from source (10 minutes, needs a C++ compiler): pip install pybullet"
+                f"PyBullet has no wheel for Python {here}; use --backend mujoco, Python 3.11, or build "
+                "it from source (10 minutes, needs a C++ compiler): pip install pybullet"
             )
         super().__init__(f"the backend 'pybullet' needs PyBullet, which is not installed; {how}")
 
