@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from functools import cache
 from importlib import import_module
 from importlib.util import find_spec
@@ -25,4 +26,7 @@ def mujoco() -> ModuleType:
     """The module `mujoco`; raises `MissingMuJoCo`."""
     if find_spec("mujoco") is None:
         raise MissingMuJoCo
-    return import_module("mujoco")
+    module = import_module("mujoco")
+    # Else it writes them into a file, MUJOCO_LOG.TXT, wherever a run was begun.
+    module.set_mju_user_warning(logging.getLogger(__name__).info)
+    return module
