@@ -13,8 +13,7 @@ import numpy as np
 
 from handcart.files.maps.map_file import is_map_file, load_map
 from handcart.robotics.geometry.pose2 import Pose2, wrap
-from handcart.robotics.navigation.maps.grid_map import GridMap
-from handcart.robotics.navigation.maps.ros_occupancy import UNKNOWN_GREY
+from handcart.robotics.navigation.maps.grid_map import UNKNOWN_GREY, GridMap
 
 
 @contextmanager

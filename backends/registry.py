@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 
 from handcart.backends.description.robot_file import RobotFile
 from handcart.files.errors import FileError, InputError
+from handcart.files.extras import extra_of
 from handcart.files.suggest import suggest
 from handcart.robotics.geometry.pose2 import Pose2
 
@@ -45,9 +46,13 @@ class UnknownBackend(InputError, KeyError):
 class MissingLibrary(InputError):
     """A package isn't installed that a backend needs."""
 
-    def __init__(self, backend: str, package: str) -> None:
-        needed = f"the backend {backend!r} needs the package {package!r}"
-        super().__init__(f"{needed}; allowed: pip install -e . first")
+    def __init__(self, backend: str, missing: ImportError) -> None:
+        extra = extra_of(missing)
+        install = f"'handcart[{extra}]'" if extra else "handcart"
+        package = str(missing.name or missing)
+        super().__init__(
+            f"the backend {backend!r} needs the package {package!r}; install with: pip install {install}"
+        )
 
 
 @cache
@@ -153,5 +158,5 @@ def backend_class(name: str) -> type[Backend]:
     try:
         kind: type[Backend] = getattr(import_module(module), attribute)
     except ModuleNotFoundError as missing:
-        raise MissingLibrary(name, str(missing.name or missing)) from None
+        raise MissingLibrary(name, missing) from None
     return kind

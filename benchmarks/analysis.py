@@ -14,8 +14,7 @@ from handcart.networks.analysis.forecast import Forecaster
 from handcart.networks.analysis.worst_cases import worst_cases
 from handcart.networks.chains.chance import Chance
 from handcart.networks.chains.policy import TooLarge
-from handcart.networks.graph.binding import Binding
-from handcart.networks.graph.network import Action, ActionNetwork, Situation
+from handcart.networks.graph.network import Action, ActionNetwork, Binding, Situation
 from handcart.primitives.driving.modify import Modify
 
 Row = tuple[str, str, float, int, str | None]

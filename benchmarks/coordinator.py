@@ -25,8 +25,7 @@ from handcart.backends.capabilities.capability import Capability
 from handcart.backends.description.robot_file import RobotFile
 from handcart.backends.robot.robot import Robot
 from handcart.networks.coordination.coordinator import Coordinator
-from handcart.networks.graph.binding import Binding
-from handcart.networks.graph.network import Action, ActionNetwork, Situation
+from handcart.networks.graph.network import Action, ActionNetwork, Binding, Situation
 from handcart.networks.graph.planner import Planner
 from handcart.networks.journal.journal import Journal
 from handcart.primitives.contract.action_primitive import ActionPrimitive, Periods

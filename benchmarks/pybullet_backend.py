@@ -10,9 +10,12 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
+from handcart.backends.capabilities.arm import Arm
+from handcart.backends.capabilities.base import Base
 from handcart.backends.description.robot_loading import load_robot
 from handcart.backends.pybullet.bullet_engine import BulletEngine
 from handcart.backends.pybullet.pybullet_backend import PyBulletBackend
@@ -37,8 +40,10 @@ class Clock:
 def main() -> None:
     """Print the ratio, and how many times faster than real time both are."""
     backend = PyBulletBackend(load_robot("librarian"), load_world(WORLD), 0)
-    engine: BulletEngine = backend._engine
+    engine: Any = backend._engine
     base, arm = backend.capabilities()[:2]
+    assert isinstance(base, Base)
+    assert isinstance(arm, Arm)
     posture, simulated = arm.command(), PERIODS * backend.period
     whole, inside = [], []
     for _ in range(ROUNDS):

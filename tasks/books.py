@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from .domain import Domain, Knowledge
+from .domain import Command, Domain, Knowledge
 
 _HERE = Path(__file__).parent
 
@@ -23,5 +23,14 @@ DOMAIN = Domain(
     },
     survey="handcart.evaluation.books.book_survey:BookSurvey",
     files={"catalogue": "handcart.primitives.books.catalogue:Catalogue"},
+    checks="handcart.evaluation.books.tag_check:CHECKS",
+    worlds={"library": "handcart.evaluation.books.library_files:Libraries"},
+    commands={
+        "make-library": Command(
+            "handcart.tools.books.make_library:make_library",
+            "Write a library: world, map, places, catalogue.",
+        )
+    },
+    robot_facts="handcart.evaluation.books.book_reach:book_facts",
     rehearsals={_HERE / name / "task.yaml": {} for name in ("return_book", "return_books")},
 )

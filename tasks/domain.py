@@ -36,6 +36,14 @@ class Knowledge(NamedTuple):
     """Keys under `knowledge:` of a task file that name its files, each with what the file holds, in words."""
 
 
+class Command(NamedTuple):
+    """A command of `handcart` that belongs to a domain."""
+
+    function: str
+    """What typer makes a command of."""
+    help: str
+
+
 @dataclass(frozen=True, eq=False)
 class Domain:
     """All parts of a domain, each by the import path "module:name" of what is imported when it is needed.
@@ -59,6 +67,20 @@ class Domain:
     world to what the domain's primitives work on. The conformance kit injects them into these primitives."""
     files: Mapping[str, str] = field(default_factory=dict)
     """Models of its kinds of file, by what stands behind `handcart-` under their key `format`."""
+    checks: str | None = None
+    """A sequence of `handcart.evaluation.conformance.checks.check:Check`: what must hold of every backend
+    that shows the domain's things. The conformance kit makes them with its own."""
+    worlds: Mapping[str, str] = field(default_factory=dict)
+    """By name, what makes a `handcart.evaluation.trials.campaign:WorldGenerator` of its options, given as
+    keyword arguments: `handcart campaign --generate NAME.KEY=VALUE`."""
+    commands: Mapping[str, Command] = field(default_factory=dict)
+    """Commands of `handcart`, by name."""
+    task_facts: str | None = None
+    """A function from a `handcart.networks.task.task_file:Task` to figures by name: what `handcart check`
+    tells of a task; it may take seconds, and raise FileError."""
+    robot_facts: str | None = None
+    """A function from a robot's file, and what its hand reaches or None, to a
+    `handcart.evaluation.robot_report.domain_facts:DomainFacts`: what `handcart check` tells of a robot."""
     rehearsals: Mapping[Path, Mapping[str, str]] = field(default_factory=dict)
     """Task files that the conformance kit runs, and in whose actions it injects faults: for that with these
     settings, so that an action of each kind is enough. The robot that a file names is tried in it."""
@@ -91,7 +113,13 @@ def domains() -> tuple[Domain, ...]:
 def _names(domain: Domain) -> set[str]:
     """What only one domain can have."""
     keys = domain.knowledge.files if domain.knowledge else ()
-    kinds = {"the primitive": domain.primitives, "the key": keys, "the kind of file": domain.files}
+    kinds = {
+        "the primitive": domain.primitives,
+        "the key": keys,
+        "the kind of file": domain.files,
+        "worlds called": domain.worlds,
+        "the command": domain.commands,
+    }
     return {f"{kind} {name}" for kind, names in kinds.items() for name in names}
 
 

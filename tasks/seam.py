@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from .domain import Domain, Knowledge
+from .domain import Command, Domain, Knowledge
 
 _HERE = Path(__file__).parent
 
@@ -23,5 +23,11 @@ DOMAIN = Domain(
     },
     survey="handcart.evaluation.seam.seam_survey:SeamSurvey",
     files={"work-piece": "handcart.primitives.seam.work_piece:WorkPiece"},
+    task_facts="handcart.evaluation.seam.seam_check:seam_facts",
+    commands={
+        "place": Command(
+            "handcart.tools.seam.place:place", "Divide a seam among places of the base; write a task."
+        )
+    },
     rehearsals={_HERE / "track_seam" / "task.yaml": {"places_left": "[3]"}},
 )

@@ -13,8 +13,8 @@ import orjson
 from handcart.files.errors import FileError, Finding, InputError
 
 if TYPE_CHECKING:
-    from handcart.evaluation.conformance.report import Report as ConformanceReport
-    from handcart.evaluation.trials.campaign import Report as CampaignReport
+    from handcart.evaluation.conformance.report import KitReport
+    from handcart.evaluation.trials.campaign import CampaignReport
     from handcart.networks.journal.past_run import PastAction
     from handcart.networks.task.task_file import Task
 
@@ -197,11 +197,11 @@ def campaign(
         KeyboardInterrupt: somebody ended it.
         HandcartError: a trial can't be run; in words.
     """
-    from handcart.evaluation.trials.campaign import Report, Setting, run_campaign
+    from handcart.evaluation.trials.campaign import CampaignReport, CampaignSetting, run_campaign
 
-    setting = Setting(Path(task), backend, _words(set, robot), None, Path(runs))
+    setting = CampaignSetting(Path(task), backend, _words(set, robot), None, Path(runs))
     done = run_campaign(setting, range(first, first + trials), jobs)
-    return Report(tuple(sorted(done, key=lambda each: each.seed)))
+    return CampaignReport(tuple(sorted(done, key=lambda each: each.seed)))
 
 
 def conformance(
@@ -211,7 +211,7 @@ def conformance(
     quick: bool = True,
     parts: Sequence[str] = (),
     jobs: int = 2,
-) -> ConformanceReport:
+) -> KitReport:
     """Try whether a backend, a robot on it and the primitives keep what they promise (docs/conformance.md).
 
     Each part is tried in a process of its own, so a script calls it under `if __name__ == "__main__":`.
@@ -223,9 +223,9 @@ def conformance(
         parts: `checks`, `faults`, `mutants`, `tasks`; none: all, quick without tasks.
         jobs: processes side by side.
     """
-    from handcart.evaluation.conformance.kit import Setting, run_kit
+    from handcart.evaluation.conformance.kit import KitSetting, run_kit
 
-    return run_kit(Setting(backend, robot, quick, parts), jobs)
+    return run_kit(KitSetting(backend, robot, quick, parts), jobs)
 
 
 def _words(settings: Settings | None, robot: str | None) -> dict[str, str]:

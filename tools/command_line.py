@@ -1,7 +1,8 @@
-"""The subcommands of `handcart`: each is one module, imported when it is called."""
+"""The subcommands of `handcart`: each is one function, imported when it is called."""
 
 from __future__ import annotations
 
+import sys
 from importlib import import_module
 from typing import Any
 
@@ -28,8 +29,6 @@ COMMANDS = {
     "schema": ("commands.schema", "schema", "Print the JSON Schema of a kind of file."),
     "teach": ("hardware.teach", "teach", "Record a posture into a robot's file."),
     "adopt": ("commands.adopt", "adopt", "Take what a calibration found into a robot's file."),
-    "make-library": ("books.make_library", "make_library", "Write a library: world, map, places, catalogue."),
-    "place": ("seam.place", "place", "Divide a seam among places of the base; write a task."),
     "bench": ("hardware.bench", "bench", "Simulate a robot's CAN drives, as a process of its own."),
     "jog": ("hardware.jog", "jog", "Move one axis of a real robot while a key is held."),
     "bringup": ("hardware.bringup", "bringup", "Bring a real robot up, rung by rung."),
@@ -39,6 +38,22 @@ COMMANDS = {
 """Name to module below this room, function and what help says of it."""
 
 
+def all_commands() -> dict[str, tuple[str, str]]:
+    """By name: the import path of the function, and what help says of it; the framework's, then the domains'.
+
+    Where a domain of another package is broken, that is told, and nobody's commands but ours are there.
+    """
+    from handcart.tasks.domain import BrokenDomain, domains
+
+    own = {name: (f"{__package__}.{at}:{what}", words) for name, (at, what, words) in COMMANDS.items()}
+    try:
+        listed = [each for domain in domains() for each in domain.commands.items()]
+    except BrokenDomain as broken:
+        print(broken, file=sys.stderr)
+        return own
+    return own | {name: (each.function, each.help) for name, each in listed if name not in own}
+
+
 HELP = "Action primitives for mobile manipulators: run, check, draw and count tasks."
 
 
@@ -46,24 +61,27 @@ class LazyGroup(TyperGroup):
     """Subcommands from the table; none is imported before it is called."""
 
     def list_commands(self, ctx: Any) -> list[str]:
-        """In the table's order."""
-        return list(COMMANDS)
+        """The framework's in the table's order, then those of the domains."""
+        return list(all_commands())
 
     def get_command(self, ctx: Any, cmd_name: str) -> Any:
         """The command, imported now."""
-        if cmd_name not in COMMANDS:
+        own = COMMANDS.get(cmd_name)
+        known = all_commands() if own is None else {cmd_name: (f"{__package__}.{own[0]}:{own[1]}", own[2])}
+        if cmd_name not in known:
             from handcart.files.suggest import suggest
 
-            ctx.fail(f"unknown command {cmd_name!r}{suggest(cmd_name, COMMANDS)}")
-        module, function, help_text = COMMANDS[cmd_name]
+            ctx.fail(f"unknown command {cmd_name!r}{suggest(cmd_name, known)}")
+        path, help_text = known[cmd_name]
+        module, _, function = path.partition(":")
         app = typer.Typer(add_completion=False, rich_markup_mode=None, pretty_exceptions_enable=False)
-        app.command(cmd_name, help=help_text)(getattr(import_module(f"{__package__}.{module}"), function))
+        app.command(cmd_name, help=help_text)(getattr(import_module(module), function))
         return typer.main.get_command(app)
 
     def format_commands(self, ctx: Any, formatter: Any) -> None:
-        """Names and help from the table, without importing anything."""
+        """Names and help, without importing any command."""
         with formatter.section("Commands"):
-            formatter.write_dl([(name, help_text) for name, (_, _, help_text) in COMMANDS.items()])
+            formatter.write_dl([(name, help_text) for name, (_, help_text) in all_commands().items()])
 
 
 app = typer.Typer(

@@ -5,8 +5,7 @@ from __future__ import annotations
 import sys
 
 from handcart.files.errors import HandcartError, InputError
-from handcart.tools.terminal.libraries import NoLibrary, check_libraries
-from handcart.tools.terminal.quiet import quiet_libraries
+from handcart.tools.terminal.libraries import NoLibrary, check_libraries, quiet_libraries
 from handcart.tools.terminal.streams import Streams
 
 

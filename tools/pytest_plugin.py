@@ -8,36 +8,36 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 if TYPE_CHECKING:
-    from handcart.evaluation.conformance.report import Report
-    from handcart.evaluation.trials.stage import Stage, StageFiles
+    from handcart.evaluation.conformance.report import KitReport
+    from handcart.evaluation.trials.rig import Rig, RigFiles
     from handcart.primitives.contract.action_primitive import ActionPrimitive
     from handcart.primitives.contract.outcome import Outcome
 
 
 @pytest.fixture
-def set_stage() -> Iterator[Callable[..., Stage]]:
-    """Builds stages as `handcart.evaluation.trials.stage.set_stage` does, and closes them after the test.
+def build_rig() -> Iterator[Callable[..., Rig]]:
+    """Builds rigs as `handcart.evaluation.trials.rig.build_rig` does, and closes them after the test.
 
-    def test_there_and_back(set_stage):
-        stage = set_stage(seed=3)
+    def test_there_and_back(build_rig):
+        rig = build_rig(seed=3)
         for place in ("shelf_1", "home"):
-            assert isinstance(stage.do(MoveTo(place=place)), Success)
+            assert isinstance(rig.do(MoveTo(place=place)), Success)
     """
-    from handcart.evaluation.trials.stage import set_stage as build
+    from handcart.evaluation.trials.rig import build_rig as build
 
-    stages: list[Stage] = []
+    rigs: list[Rig] = []
 
-    def make(*args: Any, **options: Any) -> Stage:
-        stages.append(build(*args, **options))
-        return stages[-1]
+    def make(*args: Any, **options: Any) -> Rig:
+        rigs.append(build(*args, **options))
+        return rigs[-1]
 
     yield make
-    for stage in stages:
-        stage.backend.close()
+    for rig in rigs:
+        rig.backend.close()
 
 
 @pytest.fixture
-def do_primitive(set_stage: Callable[..., Stage]) -> Callable[..., Outcome]:
+def do_primitive(build_rig: Callable[..., Rig]) -> Callable[..., Outcome]:
     """Runs one primitive alone, as `handcart do` does, and gives its outcome.
 
     def test_forward(do_primitive):
@@ -47,25 +47,25 @@ def do_primitive(set_stage: Callable[..., Stage]) -> Callable[..., Outcome]:
     def do(
         primitive: ActionPrimitive,
         *,
-        files: StageFiles | None = None,
+        files: RigFiles | None = None,
         robot: str = "librarian",
         backend: str = "kinematic",
         seed: int = 0,
     ) -> Outcome:
         given = {} if files is None else {"files": files}
-        return set_stage(robot=robot, backend=backend, seed=seed, **given).do(primitive)
+        return build_rig(robot=robot, backend=backend, seed=seed, **given).do(primitive)
 
     return do
 
 
 @pytest.fixture
-def conformance() -> Callable[..., Report]:
+def conformance() -> Callable[..., KitReport]:
     """Tries a backend by its name, as `handcart conformance` does, and asserts that all holds.
 
     def test_my_backend(conformance):
         conformance("my_backend", robot="my_robot/robot.yaml", quick=True)
     """
-    from handcart.evaluation.conformance.kit import Setting, run_kit
+    from handcart.evaluation.conformance.kit import KitSetting, run_kit
 
     def check(
         backend: str,
@@ -76,8 +76,8 @@ def conformance() -> Callable[..., Report]:
         primitives: Sequence[str] = (),
         instants: int | None = None,
         processes: int = 2,
-    ) -> Report:
-        report = run_kit(Setting(backend, robot, quick, parts, primitives, instants), processes)
+    ) -> KitReport:
+        report = run_kit(KitSetting(backend, robot, quick, parts, primitives, instants), processes)
         assert report.ok, "\n".join(report.lines())
         return report
 

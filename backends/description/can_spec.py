@@ -1,15 +1,18 @@
-"""How a robot's drives are reached: the section `can` of its file."""
+"""How a robot's drives are reached: the section `can` of its file.
+
+What must hold between several of its values is checked by `handcart.backends.can.devices.can_findings`:
+only who drives by CAN needs that, and `handcart check`.
+"""
 
 from __future__ import annotations
 
 import math
-from typing import Annotated, Literal, Self
+from typing import Annotated, Literal
 
-from pydantic import Field, field_validator, model_validator
+from pydantic import Field
 
 from handcart.files.inside import FilePath
 from handcart.files.models.model import FileModel
-from handcart.files.suggest import suggest
 
 from .can_sensor_spec import SensorsSpec
 
@@ -66,20 +69,6 @@ class AxisSpec(FileModel):
     def counts_per_turn(self) -> float:
         """Counts for a turn of what is driven, signed as the robot's file counts."""
         return self.sign * self.counts_per_rev * self.gear_ratio
-
-    @model_validator(mode="after")
-    def _held(self) -> Self:
-        if self.gravity and not self.brake and self.stop != "hold":
-            raise ValueError(
-                f"an axis under gravity without a brake would fall with stop: {self.stop}; allowed: "
-                "stop: hold, or brake: true, or gravity: false"
-            )
-        if self.gravity and not self.brake and "quick_stop_option" in self.without:
-            raise ValueError(
-                "an axis under gravity without a brake may fall at a stop without: [quick_stop_option]; "
-                "allowed: brake: true, or gravity: false"
-            )
-        return self
 
 
 class WheelDriveSpec(AxisSpec):
@@ -193,23 +182,3 @@ class CanSpec(FileModel):
         joints = ((f"joint {number}", joint) for number, joint in enumerate(self.joints, 1))
         gripper = () if self.gripper is None else (("gripper", self.gripper),)
         return ("left wheel", self.left), ("right wheel", self.right), *joints, *gripper
-
-    @field_validator("interface")
-    @classmethod
-    def _known(cls, name: str) -> str:
-        if name == VIRTUAL:
-            return name
-        from can.interfaces import VALID_INTERFACES
-
-        if name not in VALID_INTERFACES:
-            raise ValueError(f"unknown interface {name!r}{suggest(name, VALID_INTERFACES)}")
-        return name
-
-    @model_validator(mode="after")
-    def _heartbeats(self) -> Self:
-        if self.heartbeat_timeout_ms < 2 * self.heartbeat_ms:
-            raise ValueError(
-                f"heartbeat_timeout_ms is {self.heartbeat_timeout_ms}; allowed: from twice heartbeat_ms,"
-                f" {2 * self.heartbeat_ms}"
-            )
-        return self

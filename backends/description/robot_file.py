@@ -18,8 +18,8 @@ from handcart.backends.urdf.robot_urdf import RobotUrdf, robot_urdf
 from handcart.files.errors import InputError
 from handcart.files.inside import resolve_inside
 from handcart.files.models.model import FileModel
-from handcart.robotics.kinematics.urdf_assembly import link_names
-from handcart.robotics.kinematics.urdf_contents import joints_of
+from handcart.robotics.kinematics.urdf_contents import joints_of, link_names
+from handcart.robotics.kinematics.urdf_frames import base_T_frame
 from handcart.robotics.manipulation.suspension.suspension_model import SuspensionModel
 
 from .can_spec import CanSpec
@@ -291,9 +291,7 @@ class RobotFile(FileModel):
         """Where the receiver's antenna is in the base frame, in [m]; the origin where there is none."""
         if self.gps is None:
             return (0.0, 0.0, 0.0)
-        from handcart.robotics.kinematics.arm_model import ArmModel
-
-        x, y, z = ArmModel(self.urdf_text(), (), tip="gps").forward(np.empty(0))[:3, 3].tolist()
+        x, y, z = base_T_frame(self.urdf_text(), "gps")[:3, 3].tolist()
         return (x, y, z)
 
     @cached_property
@@ -326,7 +324,7 @@ class RobotFile(FileModel):
 
     def without_errors(self) -> RobotFile:
         """The same robot, whose simulation errs nowhere: as with `errors: {none: true}` in its file."""
-        changed: dict[str, Any] = {"errors": Errors(none=True)}
+        changed: dict[str, Any] = {"errors": Errors.nowhere()}
         if self.range_sensor is not None:
             changed["range_sensor"] = self.range_sensor.model_copy(update={"sigma_mm": 0.0})
         if self.imu is not None:

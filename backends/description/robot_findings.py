@@ -6,9 +6,9 @@ from typing import TYPE_CHECKING
 
 from handcart.backends.urdf.robot_parts import UrdfError
 from handcart.files.errors import FileError
+from handcart.files.extras import lack
 from handcart.files.suggest import listed, suggest
-from handcart.robotics.kinematics.urdf_assembly import link_names
-from handcart.robotics.kinematics.urdf_contents import joints_of
+from handcart.robotics.kinematics.urdf_contents import joints_of, link_names
 from handcart.robotics.kinematics.urdf_tree import joint_leaders
 from handcart.tasks.domain import imported
 
@@ -24,13 +24,16 @@ if TYPE_CHECKING:
     from .joint_units import JointUnits
     from .robot_file import ArmSpec, RobotFile
 
-SECTIONS = {"can": "handcart.backends.can.devices.can_findings:can_findings"}
-"""Of a robot's file: what finds what is wrong in them, given the robot and the document, by import path."""
+DRIVES = "handcart.backends.can.devices.can_findings:can_findings"
+"""Finds what is wrong in the section `can`, given the robot and the document."""
 FINGERS = ("left_finger", "right_finger")
 
 
-def robot_findings(robot: RobotFile, document: Document) -> list[Finding]:
-    """Everything wrong with the URDF, the joints' names and the postures, each at its place in the file."""
+def robot_findings(robot: RobotFile, document: Document, drives: bool = True) -> list[Finding]:
+    """Everything wrong with the URDF, the joints' names and the postures, each at its place in the file.
+
+    With `drives` that of the section `can` as well.
+    """
     try:
         urdf = robot.urdf_text()
     except FileError as error:
@@ -39,6 +42,8 @@ def robot_findings(robot: RobotFile, document: Document) -> list[Finding]:
         return [document.finding(error.key or ("urdf",), str(error))]
     frames = _frame_findings(robot, urdf, document)
     if robot.arm is not None:
+        if wrong := lack("an arm", "arm"):
+            return [*frames, document.finding(("arm",), wrong)]
         arm = _arm_findings(robot, robot.arm, urdf, document, bool(frames))
         if arm:
             return [*frames, *arm]
@@ -46,14 +51,8 @@ def robot_findings(robot: RobotFile, document: Document) -> list[Finding]:
         *frames,
         *([] if frames else _box_findings(robot, document)),
         *_positioning_findings(robot, document),
-        *_section_findings(robot, document),
+        *(imported(DRIVES)(robot, document) if drives and robot.can is not None else ()),
     ]
-
-
-def _section_findings(robot: RobotFile, document: Document) -> list[Finding]:
-    """What is wrong in sections that single backends are for."""
-    there = [path for key, path in SECTIONS.items() if getattr(robot, key) is not None]
-    return [each for path in there for each in imported(path)(robot, document)]
 
 
 def _positioning_findings(robot: RobotFile, document: Document) -> list[Finding]:

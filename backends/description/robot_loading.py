@@ -18,8 +18,12 @@ RENAMED = {"localiser": "localizer"}
 ROBOTS = Path(__file__).parent.parent / "robots"
 
 
-def load_robot(name: str) -> RobotFile:
+def load_robot(name: str, drives: bool = True) -> RobotFile:
     """A shipped robot by its name, or any by the path of its YAML file.
+
+    Args:
+        name: or path.
+        drives: whether its section `can` is checked whole: for who drives by CAN, and who only looks.
 
     Raises:
         FileError: the file or its URDF is missing, or something in them is wrong.
@@ -32,7 +36,7 @@ def load_robot(name: str) -> RobotFile:
     document, warnings = _with_new_keys(read_document(path))
     loaded = load_document(document, RobotFile)
     robot = loaded.value.read_in(path.parent, warnings)
-    findings = robot_findings(robot, loaded.document)
+    findings = robot_findings(robot, loaded.document, drives)
     if findings:
         raise FileError(findings)
     return robot.without_errors() if robot.errors.none else robot

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any
+from typing import Annotated, Self
 
-from pydantic import Field, model_validator
+from pydantic import Field
 
 from handcart.files.models.model import FileModel
 
@@ -64,10 +64,8 @@ class Errors(FileModel):
     lean_pivot_m: NotNegative = 0.0
     """Height of the point about which it leans."""
 
-    @model_validator(mode="before")
     @classmethod
-    def _none_is_none(cls, given: Any) -> Any:
-        if not (isinstance(given, dict) and given.get("none") is True):
-            return given
+    def nowhere(cls) -> Self:
+        """Of a simulation that doesn't err."""
         sizes = set(cls.model_fields) - {"none", "hand_systematic_wave_m"}
-        return {**given, **dict.fromkeys(sizes, 0.0)}
+        return cls(none=True, **dict.fromkeys(sizes, 0.0))

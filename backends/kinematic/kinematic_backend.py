@@ -11,18 +11,20 @@ from handcart.backends.simulation.body.hand import Hand
 from handcart.backends.simulation.body.rough_ride import RoughRide
 from handcart.backends.simulation.body.suspension import lean_of
 from handcart.backends.simulation.sensors.field_imu import FieldImu
-from handcart.backends.simulation.sensors.mounts import base_T_frame
 from handcart.backends.simulation.sensors.scene_camera import SceneCamera
 from handcart.backends.simulation.sensors.simulated_imu import SimulatedImu
 from handcart.backends.simulation.simulated_backend import Part, SimulatedBackend
 from handcart.backends.simulation.world.world_file import WorldFile
 from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.kinematics.urdf_frames import base_T_frame
 
-from .kinematic_arm import KinematicArm
-from .kinematic_base import KinematicBase
 from .kinematic_car import KinematicCar
-from .kinematic_gripper import KinematicGripper
-from .kinematic_range_sensor import KinematicRangeSensor
+from .kinematic_parts import (
+    KinematicArm,
+    KinematicBase,
+    KinematicGripper,
+    KinematicRangeSensor,
+)
 
 LEVEL = GroundSpec(roughness_deg=0.0)
 """What a car rides over where the world's file tells of no ground."""

@@ -7,7 +7,7 @@ from typing import ClassVar
 from handcart.backends.capabilities.base import WheelTravel
 from handcart.backends.description.robot_file import RobotFile
 from handcart.backends.simulation.body.rough_ride import RoughRide
-from handcart.backends.simulation.commanded_base import CommandedBase
+from handcart.backends.simulation.body.simulated_parts import CommandedBase
 from handcart.robotics.geometry.pose2 import Pose2
 
 

@@ -12,7 +12,6 @@ from handcart.backends.description.robot_file import RobotFile
 from handcart.backends.description.sensor_specs import CameraSpec
 from handcart.backends.plain_values import Kinds
 from handcart.backends.saved_state import NotAState
-from handcart.backends.simulation.sensors.mounts import base_T_frame
 from handcart.backends.simulation.sensors.simulated_camera import SimulatedCamera
 from handcart.backends.simulation.simulated_backend import Part, SimulatedBackend
 from handcart.backends.simulation.world.thing import Thing
@@ -20,6 +19,7 @@ from handcart.backends.simulation.world.world_file import WorldFile
 from handcart.backends.urdf.robot_shape import finger_shape
 from handcart.robotics.geometry.transform import Transform, inverse
 from handcart.robotics.kinematics.arm_model import ArmModel
+from handcart.robotics.kinematics.urdf_frames import base_T_frame
 
 from .body.grip import Grip, pads_in
 from .body.physics_arm import PhysicsArm

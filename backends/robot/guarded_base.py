@@ -50,6 +50,7 @@ class GuardedBase(Base):
         self._braking, self._period = robot.drive.acceleration_m_s2, robot.period_s
         self._is_car = robot.drive.kind == "ackermann"
         self._starts = True
+        self._command = (0.0, 0.0)
         self._held: Held | None = None
         self._slowed_to = math.inf
 
@@ -58,6 +59,7 @@ class GuardedBase(Base):
         if math.isfinite(speed) and math.isfinite(turn_rate) and speed != 0.0:
             speed, turn_rate = self._allowed(*self._caught_up(speed, turn_rate))
         self._base.drive(speed, turn_rate)
+        self._command = (speed, turn_rate)
 
     def wheel_travel(self) -> WheelTravel:
         """See `Base`."""
@@ -72,10 +74,15 @@ class GuardedBase(Base):
         self._begin()
         self._guard.may_stand_at(pose)
 
-    def taken_held(self) -> Held | None:
-        """What the base was held back from since the last call."""
-        held, self._held = self._held, None
-        return held
+    def taken(self) -> tuple[tuple[float, float], Held | None]:
+        """What the base was told since the last call, and what it was held back from.
+
+        Speed in [m/s] and turn rate in [rad/s], zero where nothing was commanded: a command is gone when its
+        period is over.
+        """
+        taken = self._command, self._held
+        self._command, self._held = (0.0, 0.0), None
+        return taken
 
     def _begin(self) -> None:
         if self._starts:

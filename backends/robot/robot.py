@@ -33,13 +33,13 @@ from handcart.robotics.navigation.maps.grid_map import GridMap
 from .beside import beside
 from .guarded_base import GuardedBase, steady_points
 from .localization.localizations import localization_of
-from .noted_base import NotedBase
 
 T = TypeVar("T")
 C = TypeVar("C", bound=Capability)
 
 LOWERED = 0.6  # [m] of the hand above the ground: higher, and a scan goes below what it holds
 HAND = 0.15  # [m] about the hand, in which a scan sees it and what it holds
+LATEST = 3  # control periods within which the command to stop leaves
 STALE = 1e-3  # [m], [rad] of motion in which a picture can't stay the same to the last bit
 
 
@@ -81,8 +81,8 @@ class Robot:
         self.spec = spec
         self.period = backend.period
         self.time = 0.0
-        self._wheels = NotedBase(self.get(Base))  # type: ignore[type-abstract]
-        self._guarded = GuardedBase(self._wheels, spec, grid, lambda: self.pose, self.surroundings)
+        wheels = self.get(Base)  # type: ignore[type-abstract]
+        self._guarded = GuardedBase(wheels, spec, grid, lambda: self.pose, self.surroundings)
         self.driven = (0.0, 0.0)
         """Speed in [m/s] and turn rate in [rad/s] that the base was commanded in the last period."""
         self.held: Held | None = None
@@ -91,8 +91,6 @@ class Robot:
             self.get(Imu)  # type: ignore[type-abstract]
         self.localization = localization_of(backend, spec, start, grid)
         """Where the base is, by whichever sensors tell."""
-        self.attitude = Attitude()
-        """Turn and tilt by the inertial sensors; without them it stays as it is."""
         self._imu = backend.get(Imu)  # type: ignore[type-abstract]
         self._arm_command = np.empty(0)
         self._picture, self._pictured_at = np.empty((0, 0), np.uint8), np.empty(0)
@@ -151,7 +149,18 @@ class Robot:
             np.radians(drive.turn_acceleration_deg_s2),
         )
 
+    @property
+    def stopping_distance(self) -> float:
+        """The farthest that the base rolls on after the word to stop, in [m], from top speed."""
+        speed = self.drive_limits.speed
+        return speed * LATEST * self.period + speed**2 / (2.0 * self.drive_limits.acceleration)
+
     # What is estimated
+
+    @cached_property
+    def attitude(self) -> Attitude:
+        """Turn and tilt by the inertial sensors; without them it stays as it is."""
+        return Attitude()
 
     @property
     def pose(self) -> Pose2:
@@ -185,7 +194,7 @@ class Robot:
     def step(self, paused: bool = False) -> None:
         """Let one period pass and bring the estimates up to date; in a pause `time` stands still."""
         self._moved, self._movers = self._movers, set()
-        self.driven, self.held = self._wheels.taken(), self._guarded.taken_held()
+        self.driven, self.held = self._guarded.taken()
         self.backend.step()
         self.time += 0.0 if paused else self.period
         self._feel()
@@ -242,8 +251,7 @@ class Robot:
 
     def stop(self) -> None:
         """Stop all motion."""
-        self._wheels.taken()
-        self._guarded.taken_held()
+        self._guarded.taken()
         self.backend.stop()
 
     def compute(self, work: Callable[..., T], *args: object, takes: float = 0.2) -> Generator[None, None, T]:

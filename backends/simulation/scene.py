@@ -3,19 +3,21 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import ClassVar, NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from handcart.backends.description.robot_file import RobotFile
+from handcart.backends.ground_truth import Body, GroundTruth
 from handcart.backends.plain_values import Kinds
 from handcart.backends.saved_state import NotAState
 from handcart.backends.simulation.body.suspension import leaning
 from handcart.backends.simulation.world.solids import FloorPlan, Solid
 from handcart.backends.simulation.world.thing import Rest, Thing
 from handcart.robotics.geometry.pose2 import Pose2
-from handcart.robotics.geometry.transform import Transform
+from handcart.robotics.geometry.transform import Transform, inverse
 from handcart.robotics.kinematics.arm_model import ArmModel
 
 from .scene_props import SceneProps
@@ -86,9 +88,15 @@ class Scene:
     changes: int = 0
     """Counts the times that a thing was moved: what is derived from their poses asks it."""
 
-    def __post_init__(self) -> None:
-        self.body_plan = FloorPlan(self.solids, 0.02, self.robot.body_height)
-        self.full_plan = FloorPlan(self.solids, 0.02, 2.0)
+    @cached_property
+    def body_plan(self) -> FloorPlan:
+        """What the base may run into."""
+        return FloorPlan(self.solids, 0.02, self.robot.body_height)
+
+    @cached_property
+    def full_plan(self) -> FloorPlan:
+        """What anything on the robot may run into."""
+        return FloorPlan(self.solids, 0.02, 2.0)
 
     @property
     def held_name(self) -> str | None:
@@ -150,6 +158,20 @@ class Scene:
             down = np.array([0.0, 0.0, -GRAVITY * self.held.mass])
             force = force + self.world_T("hand")[:3, :3].T @ down
         return force
+
+    def truth(self) -> GroundTruth:
+        """Where all of it is now, as a copy: what happens later doesn't change it."""
+        bodies = {each.name: self._body(each) for each in self.things()}
+        slides = np.array(self.robot.joint_units.slides[: self.joints.size], dtype=np.bool_)
+        bumps = sum(contact.body == "base" for contact in self.contacts)
+        return GroundTruth(self.base, self.joints.copy(), slides, float(self.width), bodies, bumps)
+
+    def _body(self, thing: Thing) -> Body:
+        if self.held is thing:
+            return Body("hand", inverse(self.world_T("hand")) @ thing.pose)
+        if thing.rest is Rest.TRAY:
+            return Body("tray", inverse(self.world_T_base) @ thing.pose)
+        return Body(thing.carrier, thing.pose.copy())
 
     # What changes it
 

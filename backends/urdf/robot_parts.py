@@ -1,4 +1,4 @@
-"""The URDFs that a robot is put together from, and where their meshes lie."""
+"""The URDFs that a robot is put together from, read and found sound, and where their meshes lie."""
 
 from __future__ import annotations
 
@@ -12,15 +12,16 @@ from typing import Annotated, NamedTuple
 from pydantic import AfterValidator
 
 from handcart.files.errors import FileError, Finding, UnsafePath
+from handcart.files.extras import lack
 from handcart.files.inside import portable, resolve_inside
 from handcart.files.models.model import FileModel
 from handcart.files.xml_file import read_xml_text
 from handcart.robotics.kinematics.coal_bodies import hull_of_mesh, read_mesh
 from handcart.robotics.kinematics.urdf_assembly import Part, with_mesh_files
+from handcart.robotics.kinematics.urdf_faults import urdf_faults
 from handcart.robotics.kinematics.urdf_reading import UrdfElement, read_urdf
 
 from .mesh_path import is_mesh, mesh_path
-from .urdf_file import read_urdf_file
 
 PACKAGE = "package://"
 _NAME = re.compile(r"[A-Za-z_]\w*")
@@ -152,6 +153,8 @@ def _mesh_files(robot: UrdfElement, path: Path, root: Path, shown: str) -> dict[
 def _mesh_fault(file: Path, scale: str) -> str | None:
     if not is_mesh(file):
         return "it isn't there; allowed: a file beside the URDF, or beside or above it in its package"
+    if wrong := lack("a mesh that collides", "arm"):
+        return wrong
     x, y, z = (float(word) for word in scale.split())
     try:
         mesh = read_mesh(str(file), (x, y, z))
@@ -176,3 +179,32 @@ def _found(urdf: str, folder: Path) -> tuple[Path, Path, str]:
     root = Path(spec.submodule_search_locations[0])
     found = resolve_inside(root, path)
     return found, root, str(found)
+
+
+class UrdfText(NamedTuple):
+    """A URDF that can be used."""
+
+    text: str
+    doubts: Sequence[Finding]
+    """What is wrong in it, but keeps nobody from using it."""
+
+
+def read_urdf_file(path: Path, shown: str | None = None) -> UrdfText:
+    """The text of a robot's URDF.
+
+    Args:
+        path: of the file.
+        shown: as what it is told of; left out: `path`.
+
+    Raises:
+        FileError: it can't be read, or is no XML within the limits of `read_xml_text`, or no sound URDF.
+    """
+    text = read_xml_text(path)
+    faults = [(_finding(shown or str(path), *each), each.mild) for each in urdf_faults(text)]
+    if grave := [finding for finding, mild in faults if not mild]:
+        raise FileError(grave)
+    return UrdfText(text, [finding for finding, _ in faults])
+
+
+def _finding(file: str, line: int, column: int, message: str, _mild: bool) -> Finding:
+    return Finding(file, line, column, message)

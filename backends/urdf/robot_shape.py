@@ -11,6 +11,7 @@ from handcart.files.errors import InputError
 from handcart.robotics.geometry.transform import Transform, inverse
 from handcart.robotics.kinematics.arm_model import ArmModel
 from handcart.robotics.kinematics.shapes import Box, Shape, top
+from handcart.robotics.kinematics.urdf_contents import bodies_of
 
 FINGER = "left_finger"
 TRAY = "tray"
@@ -67,8 +68,7 @@ def tray_shape(arm: ArmModel) -> TrayShape:
 
 def body_height(urdf_text: str) -> float:
     """Of the link `base`, without what stands on it; [m] above the floor."""
-    shapes = ArmModel(urdf_text, (), tip="base").link_shapes(np.empty(0))
-    return max((top(each) for each in shapes if each.name == "base"), default=0.0)
+    return max((top(each) for each in bodies_of(urdf_text) if each.name == "base"), default=0.0)
 
 
 def finger_shape(arm: ArmModel) -> FingerShape:

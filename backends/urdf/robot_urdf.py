@@ -18,7 +18,7 @@ from .robot_parts import KeyPath, PartSpec, UrdfError, read_part, read_srdf
 Pair = tuple[str, str]
 
 
-class Place(NamedTuple):
+class SourcePlace(NamedTuple):
     """Where something stands in a maker's file; line and column count from 1."""
 
     file: str
@@ -36,7 +36,7 @@ class RobotUrdf:
 
     text: str
     """The URDF; meshes named by absolute paths, links and joints as the robot's file maps them."""
-    places: Mapping[tuple[str, str], Place]
+    places: Mapping[tuple[str, str], SourcePlace]
     """By ("link" or "joint", name): where it stands."""
     allowed: frozenset[Pair] = frozenset()
     """Pairs of links that may touch each other, by SRDF files and by the robot's file."""
@@ -72,7 +72,7 @@ def robot_urdf(
         UrdfError: one is missing, can't be put there, or lacks what is mapped.
     """
     text, pairs = "", []
-    places: dict[tuple[str, str], Place] = {}
+    places: dict[tuple[str, str], SourcePlace] = {}
     doubts: list[Finding] = []
     for number, spec in enumerate(specs):
         try:
@@ -87,8 +87,12 @@ def robot_urdf(
             raise UrdfError(str(error), _key(number, None)) from error
         doubts += part.doubts
         for (kind, name), (line, column) in part.places.items():
-            places[kind, spec.prefix + name] = Place(part.file, line, column)
-    text, links, joints_now = with_names(text, *_mapped(roles, joints, places))
+            places[kind, spec.prefix + name] = SourcePlace(part.file, line, column)
+    links: dict[str, str] = {}
+    joints_now: dict[str, str] = {}
+    named = _mapped(roles, joints, places)
+    if any(named):
+        text, links, joints_now = with_names(text, *named)
     now = {"link": links, "joint": joints_now}
     stated = [(links.get(a, a), links.get(b, b)) for a, b in (*pairs, *allowed)]
     return RobotUrdf(
@@ -124,7 +128,7 @@ def _pairs(spec: PartSpec, folder: Path) -> list[Pair]:
 def _mapped(
     roles: Mapping[str, str],
     named: Sequence[tuple[KeyPath, str, str]],
-    places: Mapping[tuple[str, str], Place],
+    places: Mapping[tuple[str, str], SourcePlace],
 ) -> tuple[list[Pair], list[Pair]]:
     """Links and joints that the robot's file calls otherwise than their URDF: old names and new ones."""
     links = [(key, ("links", role), role) for role, key in roles.items()]

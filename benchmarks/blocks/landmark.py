@@ -58,7 +58,8 @@ def photograph(
     fine = cv2.remap(table, columns, rows, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
     small = cv2.resize(fine.astype(np.float32), (CAMERA.width, CAMERA.height), interpolation=cv2.INTER_AREA)
     image = cv2.GaussianBlur(small, (0, 0), 0.7) + rng.normal(0.0, 3.0, small.shape)
-    return np.clip(np.rint(image), 0, 255).astype(np.uint8)
+    pixels: GreyImage = np.clip(np.rint(image), 0, 255).astype(np.uint8)
+    return pixels
 
 
 def table_with(sheet: GreyImage) -> GreyImage:

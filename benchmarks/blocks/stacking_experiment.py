@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from handcart.evaluation.trials.campaign import Setting, Trial, run_campaign
+from handcart.evaluation.trials.campaign import CampaignSetting, Trial, run_campaign
 
 TRIALS = 20  # of an experiment
 COLUMNS = ("x", "y", "processed_x", "processed_y", "yaw_mrad", "lean_mrad")
@@ -89,7 +89,7 @@ def run_trials(
     jobs: int = 2,
 ) -> Iterator[Trial]:
     """The trials, each as it ends."""
-    return run_campaign(Setting(task, backend, settings, None, runs), seeds, jobs)
+    return run_campaign(CampaignSetting(task, backend, settings, None, runs), seeds, jobs)
 
 
 def experiments_of(trials: Sequence[Trial], blocks: int) -> Experiments:

@@ -13,8 +13,8 @@ from pathlib import Path
 
 import cv2
 
+from handcart.evaluation.trials.rig import RigFiles, build_rig
 from handcart.evaluation.trials.running import run_task
-from handcart.evaluation.trials.stage import StageFiles, set_stage
 from handcart.networks.run_options import RunOptions
 from handcart.primitives.blocks.fixate import Fixate
 from handcart.primitives.contract.outcome import Success
@@ -37,22 +37,22 @@ def main() -> None:
     """Print the table."""
     cv2.setNumThreads(1)
     trials = int(sys.argv[1]) if len(sys.argv) > 1 else 3
-    files = StageFiles(
+    files = RigFiles(
         TASK / "unload_world.yaml",
         TASK / "map.yaml",
         TASK / "places.yaml",
         {"building": TASK / "building.yaml"},
         "stacking",
     )
-    with set_stage(files, robot="toyama/h1") as stage:
-        assert isinstance(stage.do(Fixate(landmark="stacking")), Success)
-        image, camera = stage.robot.camera.image(), stage.robot.camera.model
+    with build_rig(files, robot="toyama/h1") as rig:
+        assert isinstance(rig.do(Fixate(landmark="stacking")), Success)
+        image, camera = rig.robot.camera.image(), rig.robot.camera.model
 
         def picture() -> object:
-            stage.backend.step()
-            return stage.robot.camera.image()
+            rig.backend.step()
+            return rig.robot.camera.image()
 
-        step = least(stage.backend.step)
+        step = least(rig.backend.step)
         found = least(lambda: find_landmarks(image, camera))
         print(f"{'a landmark found in a picture of 640 x 480':48}{found:8.2f} ms")
         print(f"{'the picture rendered, in full':48}{least(picture) - step:8.2f} ms")

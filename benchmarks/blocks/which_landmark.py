@@ -24,8 +24,8 @@ from rich.console import Console
 from rich.progress import track
 from ruamel.yaml import YAML
 
-from handcart.evaluation.trials.stage import StageFiles, set_stage
-from handcart.evaluation.truth.simulated_world import simulated_world
+from handcart.evaluation.trials.rig import RigFiles, build_rig
+from handcart.evaluation.truth.survey import simulated_world
 from handcart.networks.task.task_file import load_task
 from handcart.primitives.blocks.blocks import Blocks
 from handcart.primitives.blocks.fixate import Fixate
@@ -92,19 +92,18 @@ def trial(plan: Plan, fault: Fault, seed: int, folder: Path) -> str:
     there = [tuple(each) for i, each in enumerate(plan.places.tolist()) if i != gone]
     there += [plan.next] if fault == "one too many" else []
     files = _written(plan.places.tolist(), there, folder)
-    with set_stage(files, robot=ROBOT, seed=seed) as stage:
-        scene = simulated_world(stage.backend)
-        scene.move_base(stage.model.places["stacking"].pose.compose(off))
-        outcome = stage.do(Fixate(landmark=f"mark_{wanted}"))
+    with build_rig(files, robot=ROBOT, seed=seed) as rig:
+        scene = simulated_world(rig.backend)
+        assert scene is not None
+        scene.move_base(rig.model.places["stacking"].pose.compose(off))
+        outcome = rig.do(Fixate(landmark=f"mark_{wanted}"))
         if not isinstance(outcome, Success):
             return str(outcome.reason)
-        fixed = stage.model.of(Blocks).fixed
+        fixed = rig.model.of(Blocks).fixed
         return "right" if fixed and 1e3 * fixed.pose.distance(scene.base) < RIGHT_MM else "wrong"
 
 
-def _written(
-    planned: Sequence[Sequence[float]], there: Sequence[Sequence[float]], folder: Path
-) -> StageFiles:
+def _written(planned: Sequence[Sequence[float]], there: Sequence[Sequence[float]], folder: Path) -> RigFiles:
     """The task's hall and table with other landmarks, and a plan of them."""
     yaml = YAML()
     world = yaml.load(TASK / "unload_world.yaml")
@@ -114,7 +113,7 @@ def _written(
     yaml.dump(world, folder / "world.yaml")
     yaml.dump(building, folder / "building.yaml")
     return replace(
-        StageFiles.of(load_task(TASK / "unload.yaml")),
+        RigFiles.of(load_task(TASK / "unload.yaml")),
         world=folder / "world.yaml",
         knowledge={"building": folder / "building.yaml"},
     )

@@ -14,7 +14,7 @@ from rich.progress import track
 
 from handcart.backends.description.robot_loading import ROBOTS
 from handcart.evaluation.books.library_files import Libraries
-from handcart.evaluation.trials.campaign import Report, Setting, run_campaign
+from handcart.evaluation.trials.campaign import CampaignReport, CampaignSetting, run_campaign
 
 TASK = Path(__file__).parent.parent.parent / "tasks" / "return_book" / "task.yaml"
 
@@ -54,9 +54,9 @@ def main() -> None:
         }
         print(f"{'':36}{'Success':>9}{'Wilson 95 %':>16}{'edge 95 %':>12}   most frequent other end")
         for name, settings in rows.items():
-            setting = Setting(TASK, None, settings, Libraries({"misplaced": True}), Path(folder) / "runs")
+            setting = CampaignSetting(TASK, None, settings, Libraries(misplaced=True), Path(folder) / "runs")
             running = run_campaign(setting, range(trials), 2)
-            report = Report(tuple(track(running, name, trials, console=Console(stderr=True))))
+            report = CampaignReport(tuple(track(running, name, trials, console=Console(stderr=True))))
             low, high = report.wilson
             others = [text for text, _ in report.outcomes.most_common() if text != "Success"]
             share = f"{100 * low:.0f} to {100 * high:.0f} %"

@@ -101,7 +101,8 @@ def photograph(
     angle, depth = rng.uniform(0, 2 * np.pi), rng.uniform(0.05, 0.2)
     slope = np.cos(angle) * (columns / 320 - 1) + np.sin(angle) * (lines / 240 - 1)
     noisy = image * (0.92 + depth * slope) + rng.normal(0.0, 3.0, grid)
-    return np.clip(np.rint(noisy), 0, 255).astype(np.uint8)
+    pixels: NDArray[np.uint8] = np.clip(np.rint(noisy), 0, 255).astype(np.uint8)
+    return pixels
 
 
 def pose(lateral: float, rng: np.random.Generator) -> NDArray[np.float64]:

@@ -33,7 +33,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 
 from benchmarks.driving.random_room import Body, Floats, Room, write, write_places
 from handcart.backends.robot.robot import Robot
-from handcart.evaluation.trials.stage import StageFiles, set_stage
+from handcart.evaluation.trials.rig import RigFiles, build_rig
 from handcart.networks.coordination.events import Ended, Event
 from handcart.networks.run_observer import RunObserver
 from handcart.networks.run_options import RunOptions
@@ -169,12 +169,13 @@ def _try_nearer(room: Room, folder: Path, settings: dict[str, str], told: Told) 
         spot = next(room.beside(share * room.least - 0.001))
         places[f"too_near_{number}"] = (*spot, room.rng.uniform(-180.0, 180.0))
     write_places(folder, places)
-    files = StageFiles(*(folder / f"{each}.yaml" for each in ("world", "map", "places")), {})
-    with set_stage(files, settings["robot"], seed=told.seed) as stage:
-        scene = stage.backend.scene  # type: ignore[attr-defined]
+    world, chart, told_places = (folder / f"{each}.yaml" for each in ("world", "map", "places"))
+    files = RigFiles(world, chart, told_places, {})
+    with build_rig(files, settings["robot"], seed=told.seed) as rig:
+        scene = rig.backend.scene  # type: ignore[attr-defined]
         for name in list(places)[1:]:
-            outcome = stage.do(MoveTo(place=name))
-            off = 1e3 * scene.base.distance(stage.model.places[name].pose)
+            outcome = rig.do(MoveTo(place=name))
+            off = 1e3 * scene.base.distance(rig.model.places[name].pose)
             reached = isinstance(outcome, Success)
             told.stood.append(Stood(name, reached, getattr(outcome, "reason", ""), off, 0.0))
         told.contacts += [f"{c.time:.2f} s: {c.body} and {c.other}" for c in scene.contacts]

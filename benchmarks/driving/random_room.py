@@ -20,6 +20,8 @@ TRIED = 4000
 WALL = 0.1  # [m] thick
 SURPRISED = 5  # every so many worlds hold boxes that aren't on the map
 Floats = NDArray[np.float64]
+Box = tuple[float, float, float, float, float, float]
+"""x, y, yaw, length, width, height, in [m] and [rad]."""
 
 
 class Body(NamedTuple):
@@ -65,7 +67,8 @@ class Room:
     def clearance(self, points: Floats) -> Floats:
         """Distance (n,) of points (n, 2) to the squares of occupied cells, each looked at, in [m]."""
         beyond = self._low[None] - points[:, None], points[:, None] - self._low[None] - self.cell
-        return np.hypot(*np.maximum(np.maximum(*beyond), 0.0).transpose(2, 0, 1)).min(axis=1)
+        nearest: Floats = np.hypot(*np.maximum(np.maximum(*beyond), 0.0).transpose(2, 0, 1)).min(axis=1)
+        return nearest
 
     def start(self) -> tuple[float, float]:
         """Somewhere with room."""
@@ -93,7 +96,7 @@ class Room:
     def _points(self, count: int) -> Floats:
         return self.rng.uniform([0.0, 0.0], [self.width, self.depth], (count, 2))
 
-    def _walls(self) -> list[tuple[float, ...]]:
+    def _walls(self) -> list[Box]:
         w, d, rng = self.width, self.depth, self.rng
         middle = [(w / 2, 0.0, 0.0, w + WALL, WALL), (w / 2, d, 0.0, w + WALL, WALL)]
         middle += [(0.0, d / 2, 0.0, WALL, d), (w, d / 2, 0.0, WALL, d)]
@@ -105,22 +108,22 @@ class Room:
         ]
         return [(*each, 2.0) for each in middle]
 
-    def _things(self) -> list[tuple[float, ...]]:
-        rng = self.rng
-        return [
-            (
-                *rng.uniform([0.6, 0.6], [self.width - 0.6, self.depth - 0.6]),
-                rng.choice([0.0, rng.uniform(0.0, math.pi)]),
-                *rng.uniform(0.2, 1.1, 2),
-                rng.choice([0.12, 2.0]),
-            )
-            for _ in range(int(rng.integers(2, 6)))
-        ]
+    def _things(self) -> list[Box]:
+        return [self._thing() for _ in range(int(self.rng.integers(2, 6)))]
 
-    def _surprises(self) -> list[tuple[float, ...]]:
-        rng, found = self.rng, []
+    def _thing(self) -> Box:
+        rng = self.rng
+        x, y = rng.uniform([0.6, 0.6], [self.width - 0.6, self.depth - 0.6])
+        yaw = rng.choice([0.0, rng.uniform(0.0, math.pi)])
+        length, width = rng.uniform(0.2, 1.1, 2)
+        return x, y, yaw, length, width, rng.choice([0.12, 2.0])
+
+    def _surprises(self) -> list[Box]:
+        rng = self.rng
+        found: list[Box] = []
         for x, y in self._points(int(rng.integers(1, 3))):
-            found.append((x, y, rng.uniform(0.0, math.pi), *rng.uniform(0.15, 0.5, 2), 2.0))
+            yaw, (length, width) = rng.uniform(0.0, math.pi), rng.uniform(0.15, 0.5, 2)
+            found.append((x, y, yaw, length, width, 2.0))
         return found
 
 
@@ -156,7 +159,7 @@ def write_places(folder: Path, places: dict[str, tuple[float, float, float]]) ->
     (folder / "places.yaml").write_text("format: handcart-places/1\nplaces:\n" + "".join(lines))
 
 
-def _listed(key: str, boxes: list[tuple[float, ...]]) -> str:
+def _listed(key: str, boxes: list[Box]) -> str:
     lines = [
         f"  - {{name: {key[:-1]} {i}, x_m: {x}, y_m: {y}, heading_deg: {math.degrees(yaw)}, "
         f"size_m: [{length}, {width}, {height}]}}\n"

@@ -117,8 +117,9 @@ def one_run(job: tuple[str, str, int]) -> list[Laying]:
 
 def _laid(prepared: Prepared, course: str, way: str, seed: int) -> list[Laying]:
     robot, model = prepared.robot, prepared.model
-    assert model.of(FieldWork).field is not None
-    watcher = Watcher(robot, model.of(FieldWork).field)
+    field = model.of(FieldWork).field
+    assert field is not None
+    watcher = Watcher(robot, field)
     coordinator = Coordinator(prepared.task.network, robot, model, permission=Permits("always"))
     end = step_until_end(coordinator, robot, Telemetry(), [watcher])
     assert end.outcome == "Success", end.reason
@@ -181,7 +182,10 @@ def _read(path: Path | None) -> list[Laying]:
         return []
     with path.open(encoding="utf-8") as file:
         rows = list(csv.reader(file))[1:]
-    return [Laying(c, w, int(s), n, *map(float, figures), int(met)) for c, w, s, n, *figures, met in rows]
+    return [
+        Laying(course, way, int(seed), name, float(x), float(y), float(let_go), float(nearest), int(met))
+        for course, way, seed, name, x, y, let_go, nearest, met in rows
+    ]
 
 
 def _write(path: Path, rows: list[Laying]) -> None:

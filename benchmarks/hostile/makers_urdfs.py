@@ -25,6 +25,8 @@ import time
 from collections import Counter
 from collections.abc import Iterator
 from importlib.util import find_spec
+from multiprocessing.connection import Connection
+from multiprocessing.context import ForkProcess
 from pathlib import Path
 from typing import NamedTuple
 
@@ -133,7 +135,7 @@ def _all(cases: list[Case], jobs: int, limit: int) -> Iterator[tuple[Case, Seen]
         __import__(name)
     __import__("handcart.evaluation.robot_report.urdf_report")
     context = multiprocessing.get_context("fork")
-    running: list[tuple[Case, multiprocessing.Process, object, float]] = []  # type: ignore[valid-type]
+    running: list[tuple[Case, ForkProcess, Connection, float]] = []
     waiting, warm = list(reversed(cases)), None
     while waiting or running:
         while waiting and len(running) < jobs:
@@ -145,11 +147,11 @@ def _all(cases: list[Case], jobs: int, limit: int) -> Iterator[tuple[Case, Seen]
             process = context.Process(target=_child, args=(case, theirs, limit))
             process.start()
             theirs.close()
-            running.append((case, process, mine, time.monotonic()))  # type: ignore[arg-type]
+            running.append((case, process, mine, time.monotonic()))
         for each in list(running):
             case, process, mine, begun = each
             passed = time.monotonic() - begun
-            ready = mine.poll(0.02)  # type: ignore[attr-defined]
+            ready = mine.poll(0.02)
             if not ready and process.is_alive() and passed < WAITS * limit:
                 continue
             running.remove(each)
@@ -164,22 +166,22 @@ def _read_meshes(path: Path) -> None:
         read_part(path.name, path.parent)
 
 
-def _result(mine: object, process: object, passed: float, limit: int) -> Seen:
+def _result(mine: Connection, process: ForkProcess, passed: float, limit: int) -> Seen:
     try:
-        if mine.poll(0.0):  # type: ignore[attr-defined]
-            seen: Seen = mine.recv()  # type: ignore[attr-defined]
-            process.join(10.0)  # type: ignore[attr-defined]
+        if mine.poll(0.0):
+            seen: Seen = mine.recv()
+            process.join(10.0)
             return seen
     except EOFError:
         pass
-    process.kill()  # type: ignore[attr-defined]
-    process.join()  # type: ignore[attr-defined]
-    late = passed >= WAITS * limit or process.exitcode == -signal.SIGXCPU  # type: ignore[attr-defined]
-    why = f"no end in {limit} s" if late else f"it crashed: {process.exitcode}"  # type: ignore[attr-defined]
+    process.kill()
+    process.join()
+    late = passed >= WAITS * limit or process.exitcode == -signal.SIGXCPU
+    why = f"no end in {limit} s" if late else f"it crashed: {process.exitcode}"
     return Seen((-1,), (why,), passed)
 
 
-def _child(case: Case, answer: object, limit: int) -> None:
+def _child(case: Case, answer: Connection, limit: int) -> None:
     resource.setrlimit(resource.RLIMIT_CPU, (limit, limit + 5))
     path = case.path
     if case.text is not None:
@@ -193,7 +195,7 @@ def _child(case: Case, answer: object, limit: int) -> None:
         draft.unlink(missing_ok=True)
         if case.text is not None:
             path.unlink(missing_ok=True)
-    answer.send(seen)  # type: ignore[attr-defined]
+    answer.send(seen)
 
 
 def _checked(path: Path, draft: Path, people: bool = True) -> Seen:

@@ -17,7 +17,7 @@ from scipy.signal import lfilter
 from scipy.spatial.transform import Rotation, Slerp
 
 from handcart.backends.description.robot_file import RobotFile
-from handcart.backends.simulation.body.arm_error import ArmError
+from handcart.backends.simulation.body.simulated_parts import ArmError
 from handcart.primitives.seam.seam_room import work_of, working_arm
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import inverse

@@ -12,10 +12,9 @@ from numpy.typing import NDArray
 from handcart.backends.robot.robot import Robot
 from handcart.backends.simulation.blocks.block_props import BlockProps
 from handcart.backends.simulation.body.suspension import leaning
-from handcart.evaluation.truth.survey import Survey
-from handcart.evaluation.truth.surveyed_run import SurveyedRun
+from handcart.evaluation.truth.survey import Survey, SurveyedRun
 from handcart.primitives.blocks.blocks import Blocks, Fixed
-from handcart.primitives.blocks.building import Slot
+from handcart.primitives.blocks.building import BlockPlace
 from handcart.primitives.contract.action_primitive import ActionPrimitive
 from handcart.primitives.contract.outcome import Outcome
 from handcart.robotics.geometry.pose2 import Pose2
@@ -202,7 +201,7 @@ class BlockSurvey(Survey):
         place = inverse(self.scene.world_T_base) @ block.pose[:, 3]
         return np.asarray(((after - before) @ place)[:3])
 
-    def _error(self, number: int, goal: Slot, block: Any) -> BlockError:
+    def _error(self, number: int, goal: BlockPlace, block: Any) -> BlockError:
         actual = inverse(goal.pose) @ block.pose
         x, y, z = (-1e3 * float(value) for value in actual[:3, 3])
         turn = math.atan2(actual[1, 0], actual[0, 0])

@@ -6,8 +6,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from handcart.backends.simulation.books.book_props import BookProps
-from handcart.evaluation.truth.survey import Survey
-from handcart.evaluation.truth.surveyed_run import SurveyedRun
+from handcart.evaluation.truth.survey import Survey, SurveyedRun
 from handcart.primitives.contract.action_primitive import ActionPrimitive
 from handcart.primitives.contract.outcome import Outcome, Success
 

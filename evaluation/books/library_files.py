@@ -3,34 +3,35 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
-from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
+from pydantic import Field
 
 from handcart.evaluation.drawing.picture_file import write_png
+from handcart.files.models.model import FileModel
 from handcart.files.whole_file import write_whole
 from handcart.robotics.geometry.pose2 import Pose2
 
 from .library_books import GeneratedBook
-from .library_generator import RESOLUTION, Library, make_library, place_before
+from .library_generator import RESOLUTION, Blocked, Library, Tag, make_library, place_before
 from .library_room import BOARD, CLEAR, FURNITURE, HOME, OUTER, SHELVES, STAND_OFF
 
 NOBODYS = 249  # a tag's number that no catalogue of ours has
 
 
-@dataclass(frozen=True)
-class Libraries:
-    """Makes worlds for a campaign: a library for each seed."""
+class Libraries(FileModel):
+    """Makes worlds for a campaign: a library for each seed. The fields are those of `make_library`."""
 
-    options: Mapping[str, Any]
-    """Of `make_library`."""
+    misplaced: bool = True
+    gap: bool = True
+    tag: Tag = "readable"
+    blocked: Blocked = "none"
+    books: int = Field(default=1, ge=1, le=len(SHELVES))
 
     def __call__(self, seed: int, folder: Path) -> dict[str, str]:
         """See `WorldGenerator`."""
-        write_library(make_library(seed, **self.options), folder)
+        write_library(make_library(seed, **self.model_dump()), folder)
         return {name: f"{folder}/{name}.yaml" for name in ("world", "map", "places", "catalogue")}
 
 

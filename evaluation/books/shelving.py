@@ -16,7 +16,7 @@ MOST_PUSHED_MM = 10.0
 MOST_TILT_DEG = 5.0
 
 
-class Standing(NamedTuple):
+class ShelvedBooks(NamedTuple):
     """How the books that were to be returned stand; of several, the worst of each."""
 
     slot_correct: bool
@@ -54,27 +54,27 @@ class Shelving:
     fronts: Mapping[int, float]
     """S x of each standing book's spine, by accession, in [m]."""
 
-    def judge(self, books: BookProps) -> Standing:
+    def judge(self, books: BookProps) -> ShelvedBooks:
         """How the books stand now."""
         pushed = self._pushed(books)
         each = [self._judge(books, number, pushed) for number in self.accessions]
-        return Standing(
+        return ShelvedBooks(
             all(one.slot_correct for one in each),
             max((one.proud_mm for one in each), key=abs),
             max(one.tilt_deg for one in each),
             pushed,
         )
 
-    def _judge(self, books: BookProps, accession: int, pushed: float) -> Standing:
+    def _judge(self, books: BookProps, accession: int, pushed: float) -> ShelvedBooks:
         book = books.books.get(accession)
         if book is None or book.shelf is None:
-            return Standing(False, math.nan, math.nan, pushed)
+            return ShelvedBooks(False, math.nan, math.nan, pushed)
         row = books.shelf_books(book.shelf)
         at = next(i for i, each in enumerate(row) if each.book.accession == accession)
         beside = [row[i].front for i in (at - 1, at + 1) if 0 <= i < len(row)]
         proud = 1e3 * (sum(beside) / len(beside) - row[at].front) if beside else math.nan
         tilt = math.degrees(max(abs(row[at].tilt), abs(row[at].yaw)))
-        return Standing(_in_order(row, at), proud, tilt, pushed)
+        return ShelvedBooks(_in_order(row, at), proud, tilt, pushed)
 
     def _pushed(self, books: BookProps) -> float:
         now = {each.book.accession: each.front for name in books.shelves for each in books.shelf_books(name)}

@@ -12,8 +12,8 @@ import numpy as np
 from handcart.backends.can.can_backend import CanBackend
 from handcart.backends.capabilities.base import Base
 from handcart.backends.capabilities.range_sensor import RangeSensor
+from handcart.evaluation.trials.rig import LIBRARY, Rig
 from handcart.evaluation.trials.running import run_task
-from handcart.evaluation.trials.stage import LIBRARY, Stage
 from handcart.files.whole_file import write_whole
 from handcart.networks.graph.planner import NoWay, Planner
 from handcart.networks.run_options import RunOptions
@@ -197,9 +197,9 @@ class PrimitiveRung(Rung):
                 raise RungFailed(f"{site.task} has no first primitive")
             first = plan.actions[0]
             assert first.binding is not None
-            stage = Stage(prepared.robot, prepared.model, prepared.backend)
+            rig = Rig(prepared.robot, prepared.model, prepared.backend)
             with claimed(prepared.backend):
-                outcome = stage.do(first.binding.make(prepared.model))
+                outcome = rig.do(first.binding.make(prepared.model))
         if not isinstance(outcome, Success):
             raise RungFailed(f"{first.do}: {type(outcome).__name__}, {outcome.reason}")
         return {"primitive": str(first), "outcome": "Success", "sim_time_s": round(prepared.robot.time, 2)}

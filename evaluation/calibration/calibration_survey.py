@@ -6,9 +6,7 @@ from collections.abc import Mapping
 from typing import ClassVar
 
 from handcart.backends.robot.robot import Robot
-from handcart.evaluation.truth.figures_survey import FiguresSurvey
-from handcart.evaluation.truth.survey import Claim
-from handcart.evaluation.truth.surveyed_run import SurveyedRun
+from handcart.evaluation.truth.survey import Claim, FiguresSurvey, SurveyedRun
 from handcart.primitives.contract.action_primitive import ActionPrimitive
 from handcart.primitives.contract.calibrated import Calibrated
 from handcart.primitives.contract.outcome import Outcome, Success

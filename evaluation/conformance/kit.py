@@ -10,8 +10,8 @@ from functools import cached_property
 from multiprocessing import get_context
 from pathlib import Path
 
-from handcart.evaluation.conformance.checks.all_checks import CHECKS
-from handcart.evaluation.conformance.checks.check import Finding
+from handcart.evaluation.conformance.checks.all_checks import checks
+from handcart.evaluation.conformance.checks.check import CheckResult
 from handcart.evaluation.conformance.faults.fail_is_true import Batch
 from handcart.evaluation.conformance.faults.forked import Died, Hung, forked
 from handcart.evaluation.conformance.faults.rehearsal import Rehearsal, Solo
@@ -19,10 +19,10 @@ from handcart.evaluation.conformance.faults.repertoire import declared, repertoi
 from handcart.evaluation.conformance.planted.mutants import MUTANTS, Caught, try_mutant
 from handcart.evaluation.conformance.rig.bench import Bench
 from handcart.evaluation.conformance.rig.reach import Reach
-from handcart.evaluation.trials.stage import StageFiles
+from handcart.evaluation.trials.rig import RigFiles
 from handcart.networks.task.task_file import load_task
 
-from .report import Broken, Report, Result
+from .report import Broken, KitReport, Result
 from .task_runs import OneRun, task_runs
 
 PARTS = ("checks", "faults", "mutants", "tasks")
@@ -38,7 +38,7 @@ LONGEST = 600.0  # [s] of CPU time that a check or a liar gets
 
 
 @dataclass(frozen=True)
-class Setting:
+class KitSetting:
     """What is tried."""
 
     backend: str
@@ -61,10 +61,10 @@ class Setting:
         return Bench(self.backend, self.robot, self._files, quick=self.quick)
 
     @cached_property
-    def _files(self) -> StageFiles:
-        """Of the first task that is made for the robot; one without a map gives no stage."""
+    def _files(self) -> RigFiles:
+        """Of the first task that is made for the robot; one without a map gives no rig."""
         task = load_task(self.tasks[0], self._chosen) if self.tasks else None
-        return StageFiles() if task is None or task.path("knowledge", "map") is None else StageFiles.of(task)
+        return RigFiles() if task is None or task.path("knowledge", "map") is None else RigFiles.of(task)
 
     def batches(self) -> list[Batch]:
         """Faults in each primitive of a shipped task that the robot can do, and in REACH."""
@@ -131,15 +131,15 @@ class OneCheck:
     def __str__(self) -> str:
         return f"check {self.name}"
 
-    def __call__(self) -> Finding:
+    def __call__(self) -> CheckResult:
         """Make it in a copy of the process: one that hangs or dies is a finding too."""
-        check = CHECKS[self.name]
+        check = checks()[self.name]
         try:
-            return forked(lambda: check(self.bench), Finding, LONGEST)
+            return forked(lambda: check(self.bench), CheckResult, LONGEST)
         except Hung:
-            return Finding(self.name, check.holds, [f"no end after {LONGEST:.0f} s of CPU time"])
+            return CheckResult(self.name, check.holds, [f"no end after {LONGEST:.0f} s of CPU time"])
         except Died as died:
-            return Finding(self.name, check.holds, [f"the process died: {died}"])
+            return CheckResult(self.name, check.holds, [f"the process died: {died}"])
 
 
 @dataclass(frozen=True)
@@ -160,7 +160,7 @@ class OneMutant:
 Job = OneCheck | OneMutant | Batch | OneRun
 
 
-def jobs_of(setting: Setting) -> list[Job]:
+def jobs_of(setting: KitSetting) -> list[Job]:
     """All that is to be done, in an order in which processes side by side end together."""
     parts = setting.chosen_parts
     jobs: list[Job] = list(setting.task_runs()) if "tasks" in parts else []
@@ -168,13 +168,13 @@ def jobs_of(setting: Setting) -> list[Job]:
     if "mutants" in parts:
         jobs += [OneMutant(name, setting.bench) for name in MUTANTS]
     if "checks" in parts:
-        jobs += [OneCheck(name, setting.bench) for name in CHECKS]
+        jobs += [OneCheck(name, setting.bench) for name in checks()]
     return jobs
 
 
 def run_kit(
-    setting: Setting, processes: int = 2, tell: Callable[[int, int], None] = lambda done, count: None
-) -> Report:
+    setting: KitSetting, processes: int = 2, tell: Callable[[int, int], None] = lambda done, count: None
+) -> KitReport:
     """Try everything, in a pool of processes.
 
     Args:
@@ -188,7 +188,7 @@ def run_kit(
         results.update(ended)
         tell(len(results), len(jobs))
     in_order = [results[number] for number in sorted(results)]
-    return Report.of(setting.backend, setting.robot, setting.quick, in_order)
+    return KitReport.of(setting.backend, setting.robot, setting.quick, in_order)
 
 
 def _in_processes(jobs: Sequence[Job], processes: int) -> Iterator[dict[int, Result]]:

@@ -7,8 +7,8 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
-from handcart.evaluation.conformance.checks.check import Finding
-from handcart.evaluation.conformance.faults.fail_is_true import Trial
+from handcart.evaluation.conformance.checks.check import CheckResult
+from handcart.evaluation.conformance.faults.fail_is_true import FaultTrial
 from handcart.evaluation.conformance.faults.fault import NOTHING
 from handcart.evaluation.conformance.planted.mutants import Caught
 
@@ -25,32 +25,32 @@ class Broken:
     reason: str
 
 
-Result = Finding | Caught | Broken | list[Trial] | Ran
+Result = CheckResult | Caught | Broken | list[FaultTrial] | Ran
 
 
 @dataclass(frozen=True)
-class Report:
+class KitReport:
     """All that was found on one backend."""
 
     backend: str
     robot: str
     quick: bool
-    checks: tuple[Finding, ...]
-    trials: tuple[Trial, ...]
+    checks: tuple[CheckResult, ...]
+    trials: tuple[FaultTrial, ...]
     mutants: tuple[Caught, ...]
     broken: tuple[Broken, ...]
-    tasks: tuple[Finding, ...] = ()
+    tasks: tuple[CheckResult, ...] = ()
     """Whole shipped tasks."""
 
     @classmethod
-    def of(cls, backend: str, robot: str, quick: bool, results: Sequence[Result]) -> Report:
+    def of(cls, backend: str, robot: str, quick: bool, results: Sequence[Result]) -> KitReport:
         """Sort results, in whatever order they came."""
         trials = (trial for each in results if isinstance(each, list) for trial in each)
         return cls(
             backend,
             robot,
             quick,
-            tuple(each for each in results if isinstance(each, Finding)),
+            tuple(each for each in results if isinstance(each, CheckResult)),
             tuple(sorted(trials, key=lambda each: (each.action, each.primitive, each.period))),
             tuple(sorted((each for each in results if isinstance(each, Caught)), key=lambda each: each.name)),
             tuple(each for each in results if isinstance(each, Broken)),
@@ -68,7 +68,7 @@ class Report:
         return sum(trial.kind != NOTHING and trial.ending.bitten for trial in self.trials)
 
     @property
-    def violations(self) -> list[Trial]:
+    def violations(self) -> list[FaultTrial]:
         """Trials after which something wasn't true."""
         return [trial for trial in self.trials if trial.ending.wrong]
 
@@ -158,7 +158,7 @@ class Report:
     def _fault_lines(self) -> Iterator[str]:
         yield ""
         yield f"{'faults injected':<20}{'tried':>8}{'felt':>8}" + "".join(f"{each:>9}" for each in OUTCOMES)
-        groups: dict[str, list[Trial]] = {}
+        groups: dict[str, list[FaultTrial]] = {}
         for trial in self.trials:
             if trial.kind != NOTHING:
                 groups.setdefault(trial.title, []).append(trial)
@@ -181,12 +181,12 @@ class Report:
             yield f"  {word:<8}{each.name:<20}{each.lie}: {each.skipped or each.by or 'nothing is found'}"
 
 
-def _check_lines(each: Finding) -> Iterator[str]:
+def _check_lines(each: CheckResult) -> Iterator[str]:
     word = "-" if each.skipped else "ok" if each.ok else "WRONG"
     yield f"  {word:<6}{each.name:<14}{each.skipped or each.holds}"
     for wrong in each.wrong:
         yield f"        {wrong}"
 
 
-def _violation(trial: Trial) -> dict[str, Any]:
+def _violation(trial: FaultTrial) -> dict[str, Any]:
     return trial._asdict() | {"ending": asdict(trial.ending), "told": str(trial)}

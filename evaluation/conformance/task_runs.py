@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import NamedTuple
 
-from handcart.evaluation.conformance.checks.check import Finding
+from handcart.evaluation.conformance.checks.check import CheckResult
 from handcart.evaluation.trials.running import run_task
 from handcart.networks.run_options import RunOptions
 
@@ -84,7 +84,7 @@ def task_runs(tasks: Sequence[Path], backend: str, seeds: int, settings: Mapping
     ]
 
 
-def compared(runs: Sequence[Ran], backend: str) -> list[Finding]:
+def compared(runs: Sequence[Ran], backend: str) -> list[CheckResult]:
     """What has come of the runs, task by task."""
     return [
         finding
@@ -93,7 +93,7 @@ def compared(runs: Sequence[Ran], backend: str) -> list[Finding]:
     ]
 
 
-def _of_task(runs: Sequence[Ran], task: str, backend: str) -> Iterator[Finding]:
+def _of_task(runs: Sequence[Ran], task: str, backend: str) -> Iterator[CheckResult]:
     ideal, erring = ([run for run in runs if run.errors is errors] for errors in (False, True))
     if ideal:
         yield _ideal(ideal, task, backend)
@@ -101,9 +101,9 @@ def _of_task(runs: Sequence[Ran], task: str, backend: str) -> Iterator[Finding]:
         yield _rates(erring, task, backend)
 
 
-def _ideal(runs: Sequence[Ran], task: str, backend: str) -> Finding:
+def _ideal(runs: Sequence[Ran], task: str, backend: str) -> CheckResult:
     alone = backend == REFERENCE
-    finding = Finding(task, f"without errors it {'succeeds' if alone else f'ends as on {REFERENCE}'}")
+    finding = CheckResult(task, f"without errors it {'succeeds' if alone else f'ends as on {REFERENCE}'}")
     ends = {run.backend: run.ends for run in runs}
     finding.measured += [f"{name}: {end}" for name, end in ends.items()]
     if alone:
@@ -114,14 +114,14 @@ def _ideal(runs: Sequence[Ran], task: str, backend: str) -> Finding:
     return finding
 
 
-def _rates(runs: Sequence[Ran], task: str, backend: str) -> Finding:
+def _rates(runs: Sequence[Ran], task: str, backend: str) -> CheckResult:
     from scipy.stats import fisher_exact
 
     alone = backend == REFERENCE
     against = (
         "its outcomes are true" if alone else f"it succeeds as often as on {REFERENCE}, at the 5 % level"
     )
-    finding = Finding(task, f"with errors {against}")
+    finding = CheckResult(task, f"with errors {against}")
     names = tuple(dict.fromkeys((backend, REFERENCE)))
     table = [_counted([run for run in runs if run.backend == name]) for name in names]
     rates = [f"{name}: Success {won} of {won + lost}" for name, (won, lost) in zip(names, table, strict=True)]

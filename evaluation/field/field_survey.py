@@ -14,9 +14,8 @@ from handcart.backends.capabilities.gps import Gps
 from handcart.backends.description.ground_spec import OUTDOORS
 from handcart.backends.robot.robot import Robot
 from handcart.backends.simulation.field.field_props import FieldProps
-from handcart.evaluation.truth.survey import Survey
+from handcart.evaluation.truth.survey import Survey, SurveyedRun
 from handcart.evaluation.truth.survey_notes import SurveyNotes
-from handcart.evaluation.truth.surveyed_run import SurveyedRun
 from handcart.networks.task.preparing import Prepared
 from handcart.primitives.field.field_work import FieldWork
 from handcart.primitives.field.target import Laid

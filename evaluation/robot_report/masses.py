@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 import numpy as np
+from scipy.spatial import ConvexHull
 
-from handcart.robotics.kinematics.coal_bodies import coal_body
 from handcart.robotics.kinematics.shapes import Box, Cylinder, Hull, Shape, Sphere
 from handcart.robotics.kinematics.urdf_contents import LinkFacts
 
@@ -77,7 +78,15 @@ def corners_of(shape: Shape) -> np.ndarray[tuple[int, int], np.dtype[np.float64]
 
 def volume_of(shape: Shape) -> float:
     """[m³]."""
-    return float(coal_body(shape).computeVolume())  # type: ignore[attr-defined]
+    match shape:
+        case Hull():
+            return float(ConvexHull(shape.points).volume)
+        case Box():
+            return math.prod(shape.size)
+        case Cylinder():
+            return math.pi * shape.radius**2 * shape.length
+        case Sphere():
+            return 4.0 / 3.0 * math.pi * shape.radius**3
 
 
 _SIGNS = np.array([(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], dtype=np.float64)

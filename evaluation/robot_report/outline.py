@@ -7,14 +7,13 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-import pinocchio as pin
 
 from handcart.backends.urdf.driven_wheels import driven_wheels
-from handcart.robotics.geometry.transform import Transform
 from handcart.robotics.kinematics.shapes import Shape, Sphere
 from handcart.robotics.kinematics.urdf_contents import JointFacts, bodies_of, joints_of
+from handcart.robotics.kinematics.urdf_frames import link_poses
 from handcart.robotics.kinematics.urdf_reading import known_urdf
-from handcart.robotics.kinematics.urdf_tree import joint_leaders, kinematic_urdf
+from handcart.robotics.kinematics.urdf_tree import joint_leaders
 
 from .masses import corners_of
 
@@ -87,14 +86,7 @@ class _Tree:
         self.root = next(name for name in self.links if name not in self.above)
         self.moving = {each.name: each for each in joints_of(urdf_text)}
         self.led = joint_leaders(urdf_text)
-        model = pin.buildModelFromXML(kinematic_urdf(urdf_text))
-        data = model.createData()
-        pin.framesForwardKinematics(model, data, pin.neutral(model))
-        self.pose: dict[str, Transform] = {
-            frame.name: data.oMf[number].homogeneous
-            for number, frame in enumerate(model.frames)
-            if frame.type == pin.FrameType.BODY
-        }
+        self.pose = link_poses(urdf_text)
         self.axis = {each.get("name", ""): _axis(each.find("axis")) for each in joints}
 
     def chain(self, link: str) -> list[str]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
@@ -14,7 +14,9 @@ from handcart.backends.urdf.robot_urdf import RobotUrdf
 from handcart.files.suggest import listed
 from handcart.robotics.kinematics.arm_model import ArmModel
 from handcart.robotics.kinematics.urdf_contents import JointFacts, bodies_of, joints_of, links_of, meshes_of
+from handcart.tasks.domain import domains, imported
 
+from .domain_facts import DomainFacts
 from .masses import mass_faults
 from .meshes import MeshRow, mesh_row
 from .reach import Reach, reach_of
@@ -72,6 +74,8 @@ class RobotReport:
     camera: CameraFacts | None
     contact: SelfContact | None
     reach: Reach | None
+    domains: Mapping[str, DomainFacts]
+    """What domains tell of it, by their names."""
     remarks: Sequence[Remark]
 
     @property
@@ -87,6 +91,7 @@ class RobotReport:
             "camera": asdict(self.camera) if self.camera else None,
             "self_contact": asdict(contact) if contact else None,
             "reach": None if reach is None else reach.figures(),
+            **{name: dict(facts.figures) for name, facts in self.domains.items() if facts.figures},
         }
 
 
@@ -127,16 +132,19 @@ def report_of(robot: RobotFile, tried: bool = True) -> RobotReport:
     arm = robot.arm_model() if tried and robot.arm is not None else None
     contact = None if arm is None else self_contact(arm)
     reach = None if contact is None or arm is None else _reach(robot, arm, contact)
+    told = _told_by_domains(robot, reach)
     return RobotReport(
         contents,
         () if robot.arm is None else robot.arm.joints,
         None if robot.camera is None else _camera(robot.camera),
         contact,
         reach,
+        told,
         [
             *contents.remarks,
             *_of_contact(contact, reach),
             *_of_robot(robot, contents.joints),
+            *(Remark("", words) for facts in told.values() for words in facts.remarks),
             *_of_drives(robot),
         ],
     )
@@ -146,6 +154,12 @@ def _reach(robot: RobotFile, arm: ArmModel, contact: SelfContact) -> Reach | Non
     """What the arm reaches, if pairs that always touch may."""
     allowed = ArmModel(robot.urdf_text(), arm.joint_names, allowed=arm.allowed | set(contact.always))
     return reach_of(robot, allowed)
+
+
+def _told_by_domains(robot: RobotFile, reach: Reach | None) -> dict[str, DomainFacts]:
+    return {
+        domain.name: imported(domain.robot_facts)(robot, reach) for domain in domains() if domain.robot_facts
+    }
 
 
 def _camera(camera: CameraSpec) -> CameraFacts:
@@ -217,19 +231,9 @@ def _of_robot(robot: RobotFile, joints: Sequence[JointFacts]) -> list[Remark]:
         for joint in of_arm
         for wrong in _of_joint(joint)
     ]
-    return [*moves, *(Remark("", each) for each in (*undriven, *_of_books(robot)))]
+    return [*moves, *(Remark("", each) for each in undriven)]
 
 
 def _of_joint(joint: JointFacts) -> list[str]:
     limp = ["no effort: in pybullet it is limp"] if joint.effort <= 0 else []
     return limp + (["no speed: it can't move"] if joint.velocity <= 0 else [])
-
-
-def _of_books(robot: RobotFile) -> list[str]:
-    """What a robot lacks that is to return books: one with a tray, or that looks for tags on one."""
-    assert robot.arm is not None
-    if not robot.has_tray:
-        looks = "look_at_tag" in robot.arm.postures
-        return ["no link 'tray': RECOGNIZE and PICK_UP take a book from one"] if looks else []
-    missing = [name for name in ("home", "look_at_tag", "carry") if name not in robot.arm.postures]
-    return [f"no posture {name!r}: return_book needs it" for name in missing]

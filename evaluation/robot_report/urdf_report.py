@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from handcart.backends.urdf.robot_parts import read_part
-from handcart.backends.urdf.robot_urdf import Place, RobotUrdf
+from handcart.backends.urdf.robot_urdf import RobotUrdf, SourcePlace
 
 from .outline import Outline, outline_of
 from .report import Contents, contents_of
@@ -28,6 +28,6 @@ def urdf_report(path: Path) -> UrdfReport:
         UrdfError: it isn't there.
     """
     part = read_part(path.name, path.parent)
-    places = {key: Place(part.file, *spot) for key, spot in part.places.items()}
+    places = {key: SourcePlace(part.file, *spot) for key, spot in part.places.items()}
     whole = RobotUrdf(part.text, places, doubts=part.doubts)
     return UrdfReport(contents_of(whole), outline_of(part.text))

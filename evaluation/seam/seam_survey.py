@@ -9,8 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from handcart.backends.robot.robot import Robot
-from handcart.evaluation.truth.survey import Survey
-from handcart.evaluation.truth.surveyed_run import SurveyedRun
+from handcart.evaluation.truth.survey import Survey, SurveyedRun
 from handcart.primitives.contract.action_primitive import ActionPrimitive
 from handcart.primitives.contract.outcome import Outcome, Success
 from handcart.primitives.seam.seam import Seam

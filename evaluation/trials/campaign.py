@@ -33,7 +33,7 @@ WorldGenerator = Callable[[int, Path], Mapping[str, str]]
 
 
 @dataclass(frozen=True)
-class Setting:
+class CampaignSetting:
     """What all trials of a campaign have in common."""
 
     task: Path
@@ -75,7 +75,7 @@ class Trial:
         return list(self.summary["metrics"].get("untrue", []))
 
 
-def run_trial(setting: Setting, seed: int) -> Trial:
+def run_trial(setting: CampaignSetting, seed: int) -> Trial:
     """One seeded run, in a world of its own where the setting says so."""
     chosen = dict(setting.settings or {})
     if setting.world is None:
@@ -85,7 +85,7 @@ def run_trial(setting: Setting, seed: int) -> Trial:
         return _run(setting, setting.task, {**named, **chosen}, seed)
 
 
-def _run(setting: Setting, task: Path, settings: Mapping[str, str], seed: int) -> Trial:
+def _run(setting: CampaignSetting, task: Path, settings: Mapping[str, str], seed: int) -> Trial:
     with Interrupts() as heard:
         summary, status = run_task(
             task, setting.runs, RunOptions(setting.backend, settings, seed, interrupts=heard)
@@ -93,7 +93,7 @@ def _run(setting: Setting, task: Path, settings: Mapping[str, str], seed: int) -
     return Trial(seed, status, summary, heard.came)
 
 
-def run_campaign(setting: Setting, seeds: Sequence[int], jobs: int) -> Iterator[Trial]:
+def run_campaign(setting: CampaignSetting, seeds: Sequence[int], jobs: int) -> Iterator[Trial]:
     """Run the trials in a pool of processes; each is handed out when it has ended.
 
     A trial that was cancelled by itself is left out. An interrupt (Ctrl-C, SIGTERM, SIGHUP) stops the trials
@@ -111,12 +111,12 @@ def run_campaign(setting: Setting, seeds: Sequence[int], jobs: int) -> Iterator[
                 raise KeyboardInterrupt
 
 
-def _one_by_one(setting: Setting, seeds: Sequence[int]) -> Iterator[Trial]:
+def _one_by_one(setting: CampaignSetting, seeds: Sequence[int]) -> Iterator[Trial]:
     for seed in seeds:
         yield run_trial(setting, seed)
 
 
-def _side_by_side(setting: Setting, seeds: Sequence[int], jobs: int) -> Iterator[Trial]:
+def _side_by_side(setting: CampaignSetting, seeds: Sequence[int], jobs: int) -> Iterator[Trial]:
     others = set(active_children())
     with ProcessPoolExecutor(jobs, get_context("spawn"), _begin) as pool:
         left = iter(seeds)
@@ -172,7 +172,7 @@ class Spread:
 
 
 @dataclass(frozen=True)
-class Report:
+class CampaignReport:
     """What came out of a campaign."""
 
     trials: tuple[Trial, ...]

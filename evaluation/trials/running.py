@@ -144,6 +144,7 @@ def resume_task(
                 _say(observers, words)
             past = gone_on(past, check, confirm)
         judge = Judge(prepared, folder)
+        judge.go_on()
         if claim is not None:
             claim.begin(folder)
         chosen = replace(options, observers=(judge, *observers), interrupts=heard, checkpoints=True)

@@ -13,10 +13,8 @@ from handcart.primitives.knowledge.world_model import WorldModel
 from handcart.robotics.navigation.following.pose_regulator import PoseTolerance
 
 from .at_most import at_most
-from .figures_survey import FiguresSurvey
 from .sensor_sigmas import SIGMAS
-from .survey import Claim, Survey
-from .surveyed_run import SurveyedRun
+from .survey import Claim, FiguresSurvey, Survey, SurveyedRun
 
 STOOD_MM, STOOD_DEG = 5.0, 0.3  # that a base creeps which stands
 UNFELT_MM = 60.0  # that it may slide beside, which looks at nothing near it

@@ -12,11 +12,11 @@ from handcart.backends.simulation.body.arm_contact import HELD
 from handcart.primitives.contract.action_primitive import ActionPrimitive
 from handcart.primitives.contract.meant_contact import RobotPart
 from handcart.primitives.contract.outcome import Outcome, Success
+from handcart.robotics.kinematics.arm_model import ArmModel
 
-from .robot_links import RobotLinks
-from .survey import Survey
-from .surveyed_run import SurveyedRun
+from .survey import Survey, SurveyedRun
 
+FINGERS = "fingers"  # both together, as one that pushes
 LISTED = 8  # contacts that a run's metrics tell one by one
 Pair = tuple[str, str]
 
@@ -141,3 +141,29 @@ class ContactSurvey(Survey):
 
 def _of(contacts: list[Touched], part: str) -> int:
     return sum(each.part == part for each in contacts)
+
+
+class RobotLinks:
+    """Sorts the names that contacts give to bodies of the robot."""
+
+    def __init__(self, arm: ArmModel | None) -> None:
+        """Of a robot with this arm, or none."""
+        self._arm = set() if arm is None else _moved(arm, 0)
+        self._hand = {FINGERS} if arm is None else {FINGERS, "hand", *_moved(arm, arm.dof - 1)}
+
+    def part(self, body: str) -> RobotPart:
+        """Of a body by its name in a contact; what stands on the robot counts as its base."""
+        if body == HELD:
+            return "held"
+        if body in self._hand:
+            return "hand"
+        return "arm" if body in self._arm else "base"
+
+
+def _moved(arm: Any, first: int) -> set[str]:
+    """Links that some joint from number `first` on moves."""
+    here = 0.5 * (arm.lower + arm.upper)
+    there = here + np.where(np.arange(arm.dof) >= first, 0.1, 0.0)
+    names = [shape.name for shape in arm.link_shapes(here)]
+    poses = zip(names, arm.link_poses(here).copy(), arm.link_poses(there), strict=True)
+    return {name for name, one, other in poses if not np.allclose(one, other)}

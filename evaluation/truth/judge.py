@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -12,8 +13,8 @@ from handcart.networks.coordination.run_end import RunEnd
 from handcart.networks.run_observer import RunObserver
 from handcart.networks.task.preparing import Prepared
 
+from .survey import SurveyedRun
 from .survey_notes import SurveyNotes, as_noted
-from .surveyed_run import SurveyedRun
 from .surveys import Surveys
 
 NOTES = "judged.jsonl"
@@ -29,7 +30,6 @@ class Judge(RunObserver):
 
         Raises:
             NoSurvey: a domain names a survey that is none.
-            NotAState: what was noted there makes no sense.
         """
         run = SurveyedRun.of(prepared, folder)
         self.surveys = Surveys(run)
@@ -37,8 +37,10 @@ class Judge(RunObserver):
         """Outcomes that the ground truth contradicts, in words."""
         self._run = run
         self._path = None if folder is None or run.scene is None else folder / NOTES
-        self._notes = None if self._path is None else SurveyNotes(self._path.parent, NOTES)
-        self._go_on()
+
+    @cached_property
+    def _notes(self) -> SurveyNotes | None:
+        return None if self._path is None else SurveyNotes(self._path.parent, NOTES)
 
     def period(self, robot: Robot) -> None:
         """See `RunObserver`."""
@@ -56,8 +58,12 @@ class Judge(RunObserver):
                 note = {"untrue": self.untrue, "surveys": self.surveys.notes()}
                 self._notes.add(self._run.world.time, note)
 
-    def _go_on(self) -> None:
-        """Take up what was noted of the run that this one goes on with."""
+    def go_on(self) -> None:
+        """Take up what was noted of the run that this one goes on with.
+
+        Raises:
+            NotAState: what was noted there makes no sense.
+        """
         if self._notes is None or self._path is None:
             return
         if not (noted := self._notes.until(self._run.world.time)):

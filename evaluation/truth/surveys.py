@@ -18,12 +18,10 @@ from handcart.primitives.contract.outcome import Fail, Outcome, Success
 from handcart.tasks.domain import domains, imported
 
 from .arrival_survey import ArrivalSurvey
+from .base_surveys import LocalisationSurvey, PathSurvey
 from .contact_survey import ContactSurvey
-from .localisation_survey import LocalisationSurvey
-from .path_survey import PathSurvey
-from .survey import Claim, Survey
+from .survey import Claim, Survey, SurveyedRun
 from .survey_notes import as_noted
-from .surveyed_run import SurveyedRun
 from .true_changes import disturbed, not_restored
 
 GENERAL = (PathSurvey, ContactSurvey, LocalisationSurvey, ArrivalSurvey)

@@ -17,8 +17,13 @@ from handcart.files.models.model import FileModel
 from handcart.files.picture import Grey, read_grey
 from handcart.files.suggest import nearest
 from handcart.files.yaml.yaml_document import Document, read_document
-from handcart.robotics.navigation.maps.grid_map import GridMap, from_occupancy, unknown_read_as_free
-from handcart.robotics.navigation.maps.ros_occupancy import Mode, ros_occupancy
+from handcart.robotics.navigation.maps.grid_map import (
+    GridMap,
+    Mode,
+    from_occupancy,
+    ros_occupancy,
+    unknown_read_as_free,
+)
 
 from .movingai_map import SUFFIX, read_movingai
 

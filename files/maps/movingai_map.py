@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from handcart.files.errors import FileError, Finding
 from handcart.files.picture import MAX_PIXELS
 from handcart.files.regular_file import decode_text, read_regular_file
-from handcart.robotics.navigation.maps.ros_occupancy import FREE, OCCUPIED, UNKNOWN
+from handcart.robotics.navigation.maps.grid_map import FREE, OCCUPIED, UNKNOWN
 
 SUFFIX = ".map"
 MAX_BYTES = MAX_PIXELS + (1 << 20)

@@ -7,7 +7,7 @@ from pydantic import TypeAdapter, ValidationError
 from pydantic_core.core_schema import ErrorType
 
 from handcart.files.errors import Finding
-from handcart.files.models.schema_walk import Place, SchemaWalk
+from handcart.files.models.schema_walk import SchemaPlace, SchemaWalk
 from handcart.files.models.schema_words import described, names_of, shown
 from handcart.files.suggest import nearest, suggest
 from handcart.files.yaml.yaml_document import Document
@@ -32,7 +32,7 @@ def findings_of(
     return [_Wording(walk, document, at).finding(place, each) for place, each in _meant(placed)]
 
 
-_Placed = tuple[Place, Any]
+_Placed = tuple[SchemaPlace, Any]
 
 
 def _meant(errors: list[_Placed]) -> Iterable[_Placed]:
@@ -56,7 +56,7 @@ def _other_kind(path: KeyPath, errors: list[_Placed]) -> bool:
 
 def _none_of(path: KeyPath, errors: list[_Placed]) -> _Placed:
     choices = [place.schema for place, _ in errors]
-    return Place(path, {"type": "union", "choices": choices}, errors[0][0].parent), errors[0][1]
+    return SchemaPlace(path, {"type": "union", "choices": choices}, errors[0][0].parent), errors[0][1]
 
 
 class _Wording:
@@ -67,7 +67,7 @@ class _Wording:
         self._document = document
         self._at = at
 
-    def finding(self, place: Place, error: Any) -> Finding:
+    def finding(self, place: SchemaPlace, error: Any) -> Finding:
         path = (*self._at, *place.path)
         match error["type"]:
             case "missing":
@@ -81,7 +81,7 @@ class _Wording:
                 return self._document.finding(path, words, at_key=place.key)
         return self._document.finding(path, self._unfit(place, path, error), at_key=place.key)
 
-    def _missing(self, place: Place) -> str:
+    def _missing(self, place: SchemaPlace) -> str:
         missing = place.path[-1]
         if isinstance(missing, int):
             allowed = described(self._walk, place.parent)
@@ -90,11 +90,11 @@ class _Wording:
         needed = one_of + described(self._walk, place.schema, missing)
         return f"the key {missing!r} is missing; needed: {needed or 'a value'}"
 
-    def _unknown(self, place: Place) -> str:
+    def _unknown(self, place: SchemaPlace) -> str:
         fields = self._walk.fields(place.parent)
         return f"unknown key {place.path[-1]!r}{suggest(str(place.path[-1]), fields)}"
 
-    def _kind(self, place: Place, path: KeyPath, value: Any) -> Finding:
+    def _kind(self, place: SchemaPlace, path: KeyPath, value: Any) -> Finding:
         key, kinds = place.schema["discriminator"], [str(kind) for kind in place.schema["choices"]]
         if not isinstance(key, str) or not isinstance(value, dict):
             return self._document.finding(path, f"{_name(path)} is of no known kind{suggest('', kinds)}")
@@ -103,7 +103,7 @@ class _Wording:
         unknown = f"{key} is {shown(value[key])}{suggest(str(value[key]), kinds)}"
         return self._document.finding((*path, key), unknown)
 
-    def _unfit(self, place: Place, path: KeyPath, error: Any) -> str:
+    def _unfit(self, place: SchemaPlace, path: KeyPath, error: Any) -> str:
         value, words = error["input"], names_of(place.schema)
         allowed = described(self._walk, place.schema, _key(path))
         if error["type"] not in _PYDANTICS_OWN:

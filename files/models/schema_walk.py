@@ -20,7 +20,7 @@ _ANY: Schema = {"type": "any"}
 
 
 @dataclass(frozen=True)
-class Place:
+class SchemaPlace:
     """Where an error is: the `path` in the file, the schema of the value that belongs there.
 
     `parent` is the schema of the list or mapping around it. `unions` holds, for each union without
@@ -44,13 +44,13 @@ class SchemaWalk:
         if schema["type"] == "definitions":
             self._definitions = {part["ref"]: part for part in schema["definitions"]}
 
-    def place(self, location: tuple[str | int, ...]) -> Place:
+    def place(self, location: tuple[str | int, ...]) -> SchemaPlace:
         """The place that pydantic calls `location`."""
-        place = Place((), self.bare(self._root), _ANY)
+        place = SchemaPlace((), self.bare(self._root), _ANY)
         if location and location[-1] == "[key]":
             mapping = self.place(location[:-2])
             keys = self.bare(_schema(mapping.schema, "keys_schema"))
-            return Place((*mapping.path, location[-2]), keys, mapping.schema, mapping.unions, key=True)
+            return SchemaPlace((*mapping.path, location[-2]), keys, mapping.schema, mapping.unions, key=True)
         for item in location:
             place = self._step(place, item)
         return place
@@ -74,17 +74,17 @@ class SchemaWalk:
             for name, field in schema["fields"].items()
         }
 
-    def _step(self, place: Place, item: str | int) -> Place:
+    def _step(self, place: SchemaPlace, item: str | int) -> SchemaPlace:
         schema = place.schema
         match schema["type"]:
             case "tagged-union":
                 chosen = _choice(schema, item)
-                return Place(place.path, self.bare(chosen), place.parent, place.unions)
+                return SchemaPlace(place.path, self.bare(chosen), place.parent, place.unions)
             case "union":
                 chosen = self._member(schema, str(item))
-                return Place(place.path, chosen, place.parent, (*place.unions, (place.path, str(item))))
+                return SchemaPlace(place.path, chosen, place.parent, (*place.unions, (place.path, str(item))))
         child = self.bare(self._child(schema, item))
-        return Place((*place.path, item), child, schema, place.unions)
+        return SchemaPlace((*place.path, item), child, schema, place.unions)
 
     def _child(self, schema: Schema, item: str | int) -> Schema:
         match schema["type"]:

@@ -5,23 +5,27 @@ duplicate keys, and without words that readers disagree on (files/yaml/scalars.p
 """
 
 import hashlib
+import re
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any
 
+import yaml
+from ruamel.yaml import YAML
 from ruamel.yaml.error import YAMLError
-from yaml import YAMLError as FastYAMLError
 
 from handcart.files.errors import FileError, Finding
 from handcart.files.regular_file import decode_text, read_regular_file
 from handcart.files.yaml.yaml_builder import TreeBuilder
-from handcart.files.yaml.yaml_events import exact_events, fast_events
 from handcart.files.yaml.yaml_node import KeyPath, Node
 from handcart.files.yaml.yaml_syntax import syntax_error
 
 MAX_BYTES = 1 << 20
 MAX_NODES = 50_000
+# libyaml follows YAML 1.1: other line breaks, tabs where 1.2 has none, other words behind these signs.
+_READ_DIFFERENTLY = re.compile("[\t\r\x85\u2028\u2029\ufeff&*!%?]")
 
 
 @dataclass(frozen=True)
@@ -96,7 +100,7 @@ def _fast_tree(text: str, file: str, max_nodes: int) -> Node | None:
     try:
         for event in events or ():
             builder.take(event)
-    except FastYAMLError:
+    except yaml.YAMLError:
         return None
     return builder.tree() if events is not None else None
 
@@ -112,3 +116,18 @@ def _tree(text: str, file: str, max_nodes: int) -> Node:
     except (YAMLError, ValueError, OverflowError, AssertionError) as error:
         builder.findings.take(syntax_error(file, error, builder.latest))
     return builder.tree()
+
+
+def fast_events(text: str) -> Iterator[Any] | None:
+    """The events of `text` by libyaml, thirty times as fast; None where it isn't there, or reads otherwise.
+
+    Raises yaml.YAMLError, on the way, where libyaml takes it for no YAML; `exact_events` has the last word.
+    """
+    if not hasattr(yaml, "CLoader") or _READ_DIFFERENTLY.search(text):
+        return None
+    return iter(yaml.parse(text, Loader=yaml.CLoader))
+
+
+def exact_events(text: str) -> Iterator[Any]:
+    """The events of `text` as YAML 1.2 has them; raises ruamel.yaml.error.YAMLError on the way."""
+    return iter(YAML(typ="safe", pure=True).parse(text))

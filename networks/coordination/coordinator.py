@@ -6,13 +6,11 @@ from collections.abc import Callable, Generator, Sequence
 from contextlib import suppress
 
 from handcart.backends.robot.robot import Robot
-from handcart.networks.graph.binding import NotBound
-from handcart.networks.graph.network import Action, ActionNetwork
-from handcart.networks.graph.planner import NoWay, Plan, Planner
-from handcart.networks.graph.route import Route
+from handcart.networks.graph.network import Action, ActionNetwork, NotBound
+from handcart.networks.graph.planner import Elsewhere, NotStarted, NoWay, Plan, Planner, Route
 from handcart.networks.journal.journal import Journal
 from handcart.networks.journal.measured import in_words, measure, moved
-from handcart.networks.journal.retracing import Standing
+from handcart.networks.journal.retracing import RunPosition
 from handcart.networks.journal.run_log import Keep, RunLog
 from handcart.primitives.contract.action_primitive import ActionPrimitive
 from handcart.primitives.contract.attempt import attempt
@@ -20,7 +18,7 @@ from handcart.primitives.contract.outcome import GiveUp, Outcome, Success
 from handcart.primitives.knowledge.world_model import WorldModel
 from handcart.primitives.restoring.snapshot import Snapshot
 
-from .events import Elsewhere, Event, NotStarted
+from .events import Event
 from .run_end import RunEnd, RunOutcome
 from .run_life import RunLife
 from .supervision import Interrupted, Request, Supervision
@@ -46,7 +44,7 @@ class Coordinator:
         journal: Journal | None = None,
         observers: Sequence[Callable[[Event], None]] = (),
         permission: Permission | None = None,
-        standing: Standing | None = None,
+        standing: RunPosition | None = None,
         keep: Keep | None = None,
     ) -> None:
         """Nothing is planned or moved before `run` is iterated.

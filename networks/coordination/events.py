@@ -15,20 +15,6 @@ from .run_end import RunEnd
 
 
 @dataclass(frozen=True)
-class NotStarted:
-    """An action that could not be started: refused, or a parameter isn't known. Counts as a Fail."""
-
-    reason: str
-
-
-@dataclass(frozen=True)
-class Elsewhere(NotStarted):
-    """An action that was not started, because somebody changed the world: another situation holds."""
-
-    situation: str
-
-
-@dataclass(frozen=True)
 class Planned:
     """A plan was made, or there is none."""
 

@@ -9,10 +9,7 @@ from typing import Any
 
 from handcart.primitives.contract.action_primitive import ActionPrimitive
 
-from .binding import Binding
-from .network import Action, ActionNetwork, Situation
-
-_KEYS = ("do", "from", "to", "on_fail", "cost_s", "attempts", "uses")
+from .network import Action, ActionNetwork, Binding, Situation
 
 
 @dataclass(frozen=True)
@@ -28,23 +25,6 @@ class NamedBinding(Binding):
         return self.name
 
 
-def network_fields(network: ActionNetwork) -> dict[str, Any]:
-    """A network, ready for JSON: `keys` names the columns of `actions`, `uses` among them: the entries of
-    the world model that a primitive may read. A skip has no `do`."""
-    rows = [
-        (a.binding and a.do, a.source, a.target, a.on_fail, a.cost_s, a.attempts, _uses(a))
-        for a in network.actions
-    ]
-    facts = {each.name: dict(each.facts) for each in network.situations.values()}
-    return {
-        "start": network.start,
-        "goal": network.goal,
-        "situations": facts,
-        "keys": _KEYS,
-        "actions": rows,
-    }
-
-
 @dataclass(frozen=True)
 class JournaledNetwork:
     """A network that a journal kept."""
@@ -55,7 +35,7 @@ class JournaledNetwork:
 
 
 def network_of(fields: Mapping[str, Any]) -> JournaledNetwork:
-    """The network that `network_fields` told.
+    """The network that a journal's header told.
 
     Raises:
         LookupError, TypeError, ValueError: the fields tell no sound network.
@@ -75,10 +55,3 @@ def network_of(fields: Mapping[str, Any]) -> JournaledNetwork:
     situations = [Situation(name, facts) for name, facts in fields["situations"].items()]
     network = ActionNetwork.build(situations, actions, fields["start"], fields["goal"])
     return JournaledNetwork(network, tuple(tuple(row["uses"]) for row in rows))
-
-
-def _uses(action: Action) -> list[str]:
-    if action.binding is None:
-        return []
-    kind = action.binding.kind
-    return sorted({*kind.reads, *kind.writes, *(key.split(".")[0] for key in action.binding.late.values())})

@@ -1,7 +1,9 @@
-"""Writing what a primitive saw into the run's folder."""
+"""Writing what a primitive saw and found into the run's folder."""
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
+from contextlib import suppress
 from io import BytesIO
 from pathlib import Path
 from typing import Any
@@ -12,6 +14,7 @@ import numpy as np
 from handcart.files.whole_file import write_whole
 from handcart.networks.coordination.events import Ended, Event
 from handcart.networks.run_observer import RunObserver
+from handcart.primitives.contract.calibrated import Calibrated
 from handcart.primitives.contract.evidence import Evidence
 from handcart.primitives.contract.outcome import Outcome, Success
 
@@ -27,21 +30,27 @@ def stem(number: int, do: str, outcome: Outcome) -> str:
 class EvidenceFiles(RunObserver):
     """An observer that keeps the pictures and points which decided how each action ended.
 
-    `evidence/003_SEARCH_Fail_front.png` is the picture `front` of the third action.
+    `evidence/003_SEARCH_Fail_front.png` is the picture `front` of the third action. What a successful one
+    found of the robot is kept as well.
     """
 
-    def __init__(self, run_dir: Path) -> None:
-        self._folder = run_dir / FOLDER
+    def __init__(self, run_dir: Path, keep_calibrated: Callable[[Mapping[str, Calibrated]], None]) -> None:
+        """Keeps them in a run's folder; `keep_calibrated` what was found of the robot."""
+        self._folder, self._keep_calibrated = run_dir / FOLDER, keep_calibrated
         self.lost: str | None = None
         """Why nothing more is kept, where the disk took no more; the run goes on without."""
 
     def event(self, event: Event) -> None:
         """Write what an action that has ended leaves."""
         if isinstance(event, Ended):
+            evidence = event.primitive.evidence
             try:
-                self._write(stem(event.number, event.action.do, event.outcome), event.primitive.evidence)
+                self._write(stem(event.number, event.action.do, event.outcome), evidence)
             except OSError as error:
                 self.lost = error.strerror
+            if evidence.calibrated and isinstance(event.outcome, Success):
+                with suppress(OSError):  # a disk that takes no more doesn't keep the run from going on
+                    self._keep_calibrated(evidence.calibrated)
 
     def _write(self, name: str, evidence: Evidence) -> None:
         if self.lost is not None or not (evidence.pictures or evidence.points):

@@ -64,7 +64,7 @@ class Journal:
         except OSError as error:
             raise JournalError(path, f"can't be created: {error.strerror}") from None
         self._size = 0
-        self._disk = DiskSync(self._file, sync)
+        self._disk = None if sync == "never" else DiskSync(self._file, sync)
 
     @classmethod
     def go_on(
@@ -101,7 +101,7 @@ class Journal:
             os.close(self._file)
             raise
         self._size = os.fstat(self._file).st_size
-        self._disk = DiskSync(self._file, sync)
+        self._disk = None if sync == "never" else DiskSync(self._file, sync)
         return self
 
     def _quarantine(self, offset: int) -> None:
@@ -157,14 +157,15 @@ class Journal:
             JournalError: they can't be brought to the disk; the journal is poisoned.
         """
         try:
-            return self._disk.done
+            return self._disk is None or self._disk.done
         except OSError as error:
             raise self._poison(f"can't be written: {error.strerror}") from None
 
     def close(self) -> None:
         """Let go of the file; a second call does nothing."""
         if self._file >= 0:
-            self._disk.close()
+            if self._disk is not None:
+                self._disk.close()
             os.close(self._file)
             self._file = -1
 
@@ -181,7 +182,8 @@ class Journal:
             if _identity(os.stat(self.path)) != self._identity:
                 raise self._poison("was replaced while it was written")
             self._write_whole(line)
-            self._disk.ask()
+            if self._disk is not None:
+                self._disk.ask()
         except OSError as error:
             raise self._poison(f"can't be written: {error.strerror}") from None
         self._size += len(line)

@@ -125,11 +125,23 @@ def read_run(folder: Path) -> PastRun:
         actions = []
         for record in contents.records:
             if record["kind"] == "START":
-                actions.append(_action(record, contents.records))
+                action = _action(record, contents.records)
+                _check_action(action, network)
+                actions.append(action)
     except (LookupError, TypeError, ValueError, AttributeError) as error:
         wrong = f"record {record['q']} ({record['kind']}) makes no sense: {type(error).__name__}: {error}"
         raise JournalError(folder / JOURNAL, wrong) from None
     return PastRun(folder, header, contents.records, tuple(actions), network, contents.torn_at)
+
+
+def _check_action(action: PastAction, kept: JournaledNetwork | None) -> None:
+    if kept is None:
+        return
+    there = kept.network.actions
+    known = there[action.index] if 0 <= action.index < len(there) else None
+    if known is None or (known.do, known.source, known.target) != (action.do, action.source, action.target):
+        said = f"{action.do} from {action.source} to {action.target}"
+        raise ValueError(f"the journal's network has no such action {action.index}: {said}")
 
 
 def _action(start: Record, records: Sequence[Record]) -> PastAction:

@@ -8,9 +8,8 @@ from typing import Any
 
 from handcart.files.errors import HandcartError
 from handcart.files.printable import printable
-from handcart.networks.coordination.events import Elsewhere
 from handcart.networks.graph.network import ActionNetwork
-from handcart.networks.graph.route import Route
+from handcart.networks.graph.planner import Elsewhere, Route
 from handcart.primitives.contract.outcome import Success
 from handcart.primitives.restoring.snapshot import Snapshot
 
@@ -29,7 +28,7 @@ class NeedsOperator(HandcartError):
 
 
 @dataclass
-class Standing:
+class RunPosition:
     """Where a run stands, by its journal alone."""
 
     route: Route
@@ -52,7 +51,7 @@ class Standing:
     seen: dict[str, Snapshot] = field(default_factory=dict)
     """How it stood in situations that the run was in, the last one at the end."""
 
-    def followed(self, records: Sequence[Record]) -> Standing:
+    def followed(self, records: Sequence[Record]) -> RunPosition:
         """Itself, after these records too; raises `NeedsOperator` for one that doesn't fit."""
         for record in records:
             try:
@@ -63,7 +62,7 @@ class Standing:
         return self
 
 
-def standing(network: ActionNetwork, records: Sequence[Record]) -> Standing:
+def standing(network: ActionNetwork, records: Sequence[Record]) -> RunPosition:
     """Follow a journal through the network that it was written for.
 
     Raises:
@@ -71,10 +70,10 @@ def standing(network: ActionNetwork, records: Sequence[Record]) -> Standing:
     """
     if not records or records[0].get("network") != network.fingerprint():
         raise NeedsOperator("the task is not the one that was run: its network is another one")
-    return Standing(Route(network)).followed(records[1:])
+    return RunPosition(Route(network)).followed(records[1:])
 
 
-def _follow(found: Standing, record: Record) -> None:
+def _follow(found: RunPosition, record: Record) -> None:
     route, kind = found.route, record["kind"]
     _check(found, record)
     if kind == "PLAN":
@@ -107,7 +106,7 @@ def _follow(found: Standing, record: Record) -> None:
         found.seen[route.situation] = found.at
 
 
-def _check(found: Standing, record: Record) -> None:
+def _check(found: RunPosition, record: Record) -> None:
     """Raise `ValueError` for a record that can't follow those before it."""
     kind, route = record["kind"], found.route
     if "situation" in record and record["situation"] not in (None, *route.network.situations):
@@ -124,7 +123,7 @@ def _check(found: Standing, record: Record) -> None:
         raise ValueError(f"action {record['n']} is not the one that was started")
 
 
-def _take(found: Standing, record: Record) -> None:
+def _take(found: RunPosition, record: Record) -> None:
     if record["outcome"] == "GiveUp":
         found.gave_up = record
         return
@@ -136,14 +135,14 @@ def _take(found: Standing, record: Record) -> None:
         found.route.failed(record["reason"], record["permanent"])
 
 
-def _look(found: Standing, record: Record) -> None:
+def _look(found: RunPosition, record: Record) -> None:
     if record["situation"] is not None:
         found.fails += 1
         found.route.took(Elsewhere(record["reason"], record["situation"]))
         _stands(found, record)
 
 
-def _acknowledge(found: Standing, record: Record) -> None:
+def _acknowledge(found: RunPosition, record: Record) -> None:
     found.gave_up, found.over, found.in_doubt = None, None, None
     if record["of"] == TORN and not found.route.planned:
         return
@@ -152,6 +151,6 @@ def _acknowledge(found: Standing, record: Record) -> None:
         found.route.failed(record["reason"])
 
 
-def _stands(found: Standing, record: Record) -> None:
+def _stands(found: RunPosition, record: Record) -> None:
     if "at" in record:
         found.at = snapshot_of(record["at"])

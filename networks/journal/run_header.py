@@ -10,11 +10,12 @@ from pathlib import Path
 from typing import Any
 
 from handcart.backends.description.robot_file import RobotFile
-from handcart.networks.graph.journaled_network import network_fields
+from handcart.networks.graph.network import Action, ActionNetwork
 from handcart.networks.task.preparing import Prepared
 
 from .journal import SCHEMA
 
+_KEYS = ("do", "from", "to", "on_fail", "cost_s", "attempts", "uses")
 _BOOT = Path("/proc/sys/kernel/random/boot_id")
 
 
@@ -42,6 +43,30 @@ def header(prepared: Prepared) -> dict[str, Any]:
         "seed": prepared.seed,
         "errors": prepared.errors,
     }
+
+
+def network_fields(network: ActionNetwork) -> dict[str, Any]:
+    """A network, ready for JSON: `keys` names the columns of `actions`, `uses` among them: the entries of
+    the world model that a primitive may read. A skip has no `do`."""
+    rows = [
+        (a.binding and a.do, a.source, a.target, a.on_fail, a.cost_s, a.attempts, _uses(a))
+        for a in network.actions
+    ]
+    facts = {each.name: dict(each.facts) for each in network.situations.values()}
+    return {
+        "start": network.start,
+        "goal": network.goal,
+        "situations": facts,
+        "keys": _KEYS,
+        "actions": rows,
+    }
+
+
+def _uses(action: Action) -> list[str]:
+    if action.binding is None:
+        return []
+    kind = action.binding.kind
+    return sorted({*kind.reads, *kind.writes, *(key.split(".")[0] for key in action.binding.late.values())})
 
 
 def robot_fingerprint(spec: RobotFile) -> str:

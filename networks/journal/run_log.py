@@ -13,7 +13,6 @@ from handcart.networks.coordination.events import (
     Ended,
     Event,
     LeftOut,
-    NotStarted,
     Planned,
     Restoring,
     RunEnded,
@@ -21,7 +20,7 @@ from handcart.networks.coordination.events import (
 )
 from handcart.networks.coordination.run_end import RunEnd
 from handcart.networks.graph.network import Action
-from handcart.networks.graph.planner import NoWay, Plan
+from handcart.networks.graph.planner import NotStarted, NoWay, Plan
 from handcart.primitives.contract.action_primitive import ActionPrimitive
 from handcart.primitives.contract.cause import Cause
 from handcart.primitives.contract.evidence import Evidence
@@ -33,7 +32,7 @@ from handcart.primitives.restoring.snapshot import Snapshot
 from . import run_records as records
 from .journal import Journal
 from .measured import measured_fields
-from .retracing import Standing
+from .retracing import RunPosition
 
 Keep = Callable[[Mapping[str, Any], str], str | None]
 """Keeps a checkpoint; called with an action's result before the journal has it, and the checksum of the
@@ -52,7 +51,7 @@ class RunLog(Intents):
         model: WorldModel,
         journal: Journal | None,
         observers: Sequence[Callable[[Event], None]],
-        standing: Standing | None = None,
+        standing: RunPosition | None = None,
         keep: Keep | None = None,
     ) -> None:
         self.started = standing.started if standing else 0

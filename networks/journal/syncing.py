@@ -14,20 +14,11 @@ brings them there, and who must not go on before asks whether they are: the cont
 """
 
 
-def sync_for(simulated: bool, wanted: bool | None = None) -> Sync:
-    """What a run gets: None stands for what its backend needs, a real robot's journal on the disk."""
-    if wanted is None:
-        wanted = not simulated
-    if not wanted:
-        return "never"
-    return "always" if simulated else "beside"
-
-
 class DiskSync:
     """Brings a file's content to the disk; after a failure never tries again (row D8)."""
 
     def __init__(self, file: int, sync: Sync) -> None:
-        """Do it for an open file."""
+        """Do it for an open file; `never` needs none of this."""
         self._file, self._sync = file, sync
         self._pool = ThreadPoolExecutor(1, "journal") if sync == "beside" else None
         self._latest: Future[None] | None = None

@@ -10,7 +10,9 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
+from handcart.files.models.loading import load
 from handcart.files.models.model import FileModel
+from handcart.files.whole_file import write_whole
 from handcart.primitives.contract.calibrated import Calibrated
 
 NAME = "calibration.yaml"
@@ -90,3 +92,27 @@ def _length(value: float | tuple[float, ...]) -> int:
 def calibration_path(run: Path) -> Path:
     """Of a run's folder, or that very file."""
     return run / NAME if run.is_dir() else run
+
+
+def keep_calibrated(run: Path, robot: str, backend: str, calibrated: Mapping[str, Calibrated]) -> None:
+    """Put what an action found into a run's `calibration.yaml`; the last that was found counts.
+
+    Args:
+        run: the run's folder.
+        robot: as the task names it.
+        backend: its name.
+        calibrated: by key in the robot's file.
+
+    Raises:
+        OSError: the disk takes no more.
+    """
+    path = run / NAME
+    before = dict(load(path, Calibration).found) if path.exists() else {}
+    by_path = robot.endswith((".yaml", ".yml"))
+    whole = Calibration(
+        format="handcart-calibration/1",
+        robot=str(Path(robot).resolve()) if by_path else robot,
+        backend=backend,
+        found=before | rounded(calibrated),
+    )
+    write_whole(path, whole.text())

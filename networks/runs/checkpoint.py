@@ -59,60 +59,57 @@ class Checkpoint:
         prepared.model.set_state(self.model)
 
 
-class CheckpointKeeper:
-    """Keeps the latest checkpoint of a run in its folder; before the journal has the action's RESULT.
+def keep_checkpoint(
+    folder: Path, prepared: Prepared, durable: bool, result: Mapping[str, Any], after: str
+) -> str | None:
+    """Put the latest checkpoint of a run into its folder in one step, before the journal has the RESULT.
 
     A GiveUp is not kept: who acknowledges it has put everything back as it was before that action.
+
+    Args:
+        folder: the run's.
+        prepared: the run.
+        durable: whether it is on the disk before its action's result is.
+        result: of the action that has ended, as the journal is to hold it.
+        after: checksum of the journal's last record.
+
+    Returns:
+        The checkpoint's digest, by which the journal names it; None where a simulated world can't be kept.
+
+    Raises:
+        NotKeptError: it can't be written.
     """
+    backend = prepared.backend.state()
+    if (backend is None and prepared.backend.simulated) or result["outcome"] == "GiveUp":
+        return None
+    content = pack(
+        {
+            "format": _FORMAT,
+            "after": after,
+            "result": plain_json(result),
+            "time_s": prepared.robot.time,
+            "backend": backend,
+            "robot": prepared.robot.state(),
+            "model": prepared.model.state(),
+        }
+    )
+    try:
+        _replace(folder / NAME, content, durable)
+    except OSError as error:
+        raise NotKeptError(printable(f"{folder / NAME} can't be written: {error.strerror}")) from None
+    return digest(content)
 
-    def __init__(self, folder: Path, prepared: Prepared, durable: bool = False) -> None:
-        """`durable`: each is on the disk before its action's result is."""
-        self._path, self._prepared, self._durable = folder / NAME, prepared, durable
 
-    def keep(self, result: Mapping[str, Any], after: str) -> str | None:
-        """Replace the checkpoint in one step; None where a simulated world can't be kept.
-
-        Args:
-            result: of the action that has ended, as the journal is to hold it.
-            after: checksum of the journal's last record.
-
-        Returns:
-            The checkpoint's digest, by which the journal names it.
-
-        Raises:
-            NotKeptError: it can't be written.
-        """
-        backend = self._prepared.backend.state()
-        if (backend is None and self._prepared.backend.simulated) or result["outcome"] == "GiveUp":
-            return None
-        robot, model = self._prepared.robot, self._prepared.model
-        content = pack(
-            {
-                "format": _FORMAT,
-                "after": after,
-                "result": plain_json(result),
-                "time_s": robot.time,
-                "backend": backend,
-                "robot": robot.state(),
-                "model": model.state(),
-            }
-        )
-        try:
-            self._replace(content)
-        except OSError as error:
-            raise NotKeptError(printable(f"{self._path} can't be written: {error.strerror}")) from None
-        return digest(content)
-
-    def _replace(self, content: bytes) -> None:
-        new = self._path.with_suffix(".new")
-        new.unlink(missing_ok=True)
-        file = os.open(new, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC | os.O_NOFOLLOW, 0o600)
-        with os.fdopen(file, "wb") as stream:
-            stream.write(content)
-            stream.flush()
-            if self._durable:
-                os.fsync(file)
-        os.replace(new, self._path)
+def _replace(path: Path, content: bytes, durable: bool) -> None:
+    new = path.with_suffix(".new")
+    new.unlink(missing_ok=True)
+    file = os.open(new, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC | os.O_NOFOLLOW, 0o600)
+    with os.fdopen(file, "wb") as stream:
+        stream.write(content)
+        stream.flush()
+        if durable:
+            os.fsync(file)
+    os.replace(new, path)
 
 
 def load_checkpoint(folder: Path) -> Checkpoint | None:

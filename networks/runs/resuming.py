@@ -15,7 +15,7 @@ from handcart.networks.graph.network import ActionNetwork
 from handcart.networks.graph.planner import NoWay
 from handcart.networks.journal.journal import SCHEMA, check_not_alive
 from handcart.networks.journal.journal_record import JournalContents
-from handcart.networks.journal.retracing import NeedsOperator, Standing, standing
+from handcart.networks.journal.retracing import NeedsOperator, RunPosition, standing
 from handcart.networks.journal.waiting import may_have_begun
 
 from .checkpoint import NAME, Checkpoint, load_checkpoint
@@ -43,7 +43,7 @@ class Past:
 
     folder: Path
     contents: JournalContents
-    standing: Standing
+    standing: RunPosition
     checkpoint: Checkpoint | None
     recovered: Mapping[str, Any] | None
     """The RESULT that the checkpoint holds and the journal lacks: a crash came in between."""
@@ -165,7 +165,7 @@ def _named(contents: JournalContents) -> str | None:
 
 
 def _recovered(
-    folder: Path, checkpoint: Checkpoint, here: Standing, contents: JournalContents
+    folder: Path, checkpoint: Checkpoint, here: RunPosition, contents: JournalContents
 ) -> Mapping[str, Any]:
     """The result of the action in doubt: its checkpoint was kept, and a crash came before the journal had it.
 
@@ -185,7 +185,7 @@ def _recovered(
     return checkpoint.result
 
 
-def _maybe_begun(here: Standing, contents: JournalContents) -> Mapping[str, Any] | None:
+def _maybe_begun(here: RunPosition, contents: JournalContents) -> Mapping[str, Any] | None:
     """The START that a damaged last record may have been (row D3)."""
     route = here.route
     if not route.planned or not may_have_begun(contents.records):

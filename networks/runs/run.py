@@ -6,6 +6,7 @@ import time
 import traceback
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, suppress
+from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -25,7 +26,7 @@ from handcart.networks.journal.evidence_files import EvidenceFiles
 from handcart.networks.journal.journal import Journal
 from handcart.networks.journal.journal_record import JournalError
 from handcart.networks.journal.run_header import header, process_facts
-from handcart.networks.journal.syncing import Sync, sync_for
+from handcart.networks.journal.syncing import Sync
 from handcart.networks.operator.operation import Operation
 from handcart.networks.operator.permits import Permits
 from handcart.networks.run_observer import RunObserver
@@ -33,8 +34,8 @@ from handcart.networks.run_options import RunOptions
 from handcart.networks.task.preparing import Prepared
 from handcart.networks.task.preparing import prepare as prepare
 
-from .calibration_keeper import CalibrationKeeper
-from .checkpoint import CheckpointKeeper
+from .calibration import keep_calibrated
+from .checkpoint import keep_checkpoint
 from .flight_recorder import FlightRecorder
 from .recording_keeper import RecordingKeeper
 from .resuming import Past
@@ -112,6 +113,14 @@ def _permits(prepared: Prepared, options: RunOptions) -> Permits:
     return options.permits or Permits("always" if prepared.backend.simulated else "never")
 
 
+def _sync(prepared: Prepared, options: RunOptions) -> Sync:
+    """How the journal comes to the disk: a real robot's does, unless that isn't wanted."""
+    simulated = prepared.backend.simulated
+    if not (options.sync or (options.sync is None and not simulated)):
+        return "never"
+    return "always" if simulated else "beside"
+
+
 def _coordinator(
     stack: ExitStack,
     prepared: Prepared,
@@ -121,7 +130,7 @@ def _coordinator(
     observers: Sequence[RunObserver],
 ) -> Coordinator:
     """With its journal, which is closed with `stack`."""
-    sync = sync_for(prepared.backend.simulated, options.sync)
+    sync = _sync(prepared, options)
     return Coordinator(
         prepared.task.network,
         prepared.robot,
@@ -130,14 +139,14 @@ def _coordinator(
         [each.event for each in observers],
         _permits(prepared, options),
         standing=past.standing if past else None,
-        keep=CheckpointKeeper(run_dir, prepared, sync == "always").keep if options.checkpoints else None,
+        keep=partial(keep_checkpoint, run_dir, prepared, sync == "always") if options.checkpoints else None,
     )
 
 
 def _recorders(prepared: Prepared, run_dir: Path) -> Iterator[RunObserver]:
     """Who looks on at every run, before those who were asked for."""
-    yield EvidenceFiles(run_dir)
-    yield CalibrationKeeper(run_dir, prepared)
+    robot = prepared.task.robot, prepared.backend_name
+    yield EvidenceFiles(run_dir, partial(keep_calibrated, run_dir, *robot))
     yield FlightRecorder(run_dir, prepared.robot)
     if prepared.backend.recording is not None:
         yield RecordingKeeper(prepared.backend.recording)

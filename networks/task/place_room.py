@@ -1,20 +1,24 @@
-"""What can be said of each place of a task before anything moves: the room there, and the way to it."""
+"""What can be said of each place of a task before anything moves: is it free, is there room and a way."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Collection, Iterator
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any, NamedTuple
+
+import numpy as np
 
 from handcart.backends.capabilities.base import Base
 from handcart.backends.description.robot_file import RobotFile
 from handcart.files.errors import Finding
 from handcart.files.models.loading import Loaded
 from handcart.networks.graph.network import Action
-from handcart.primitives.knowledge.place import Places
+from handcart.primitives.knowledge.place import Place, Places
 from handcart.primitives.knowledge.world_model import WorldModel
 from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.navigation.maps.grid_map import GridMap
 from handcart.robotics.navigation.routes.ways import Way, Ways
 
 from .primitive_parameters import named_entry
@@ -84,6 +88,26 @@ class _Named(NamedTuple):
     names: set[str]
     any: bool
     """Whether it may be any: one is named only when its action starts."""
+
+
+def place_findings(places: Loaded[Places], grid: GridMap, chart: Path) -> Iterator[Finding]:
+    """Places that lie outside the free space of a map; `chart` is the map's file."""
+    for name, place in places.value.places.items():
+        where = _where(place, grid)
+        if where:
+            wrong = f"place {name!r} stands {where} {chart.name}; allowed: the free space of the map"
+            yield places.finding(("places", name), wrong, at_key=True)
+
+
+def _where(place: Place, grid: GridMap) -> str:
+    """Empty where the place is free."""
+    point = np.array([[place.x_m, place.y_m]])
+    if not grid.inside(point)[0]:
+        return "outside"
+    row, column = grid.to_cell(point)[0]
+    if grid.occupied[row, column]:
+        return "in an obstacle of"
+    return "in unknown space of" if grid.unknown[row, column] else ""
 
 
 def place_rooms(task: Task, robot: RobotFile, model: WorldModel, start: Pose2) -> PlaceRooms:

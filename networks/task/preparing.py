@@ -27,8 +27,7 @@ from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.maps.grid_map import GridMap
 from handcart.robotics.navigation.maps.keepout import with_keepout
 
-from .place_findings import place_findings
-from .place_room import PlaceRoom, PlaceRooms, place_rooms
+from .place_room import PlaceRoom, PlaceRooms, place_findings, place_rooms
 from .task_file import MASK, Primitives, Task, load_task
 
 T = TypeVar("T")
@@ -170,15 +169,15 @@ def _read(
     situation: str | None,
     errors: bool,
     resumed: bool = False,
+    only_looked: bool = False,
 ) -> _Read:
     task = load_task(task_path, settings, primitives)
     if situation is not None:
         task = replace(task, network=beginning_at(task.network, situation))
-    findings = Findings()
-    spec = _collected(findings, lambda: load_robot(task.robot))
+    findings, name = Findings(), backend or task.file.backend
+    spec = _collected(findings, lambda: load_robot(task.robot, only_looked or _has_drives(name)))
     spec = spec if errors or spec is None else spec.without_errors()
     known = _collected(findings, lambda: load_model(task))
-    name = backend or task.file.backend
     if backend is None and name not in backend_names():
         findings.add(task.document.finding(("backend",), str(UnknownBackend(name))))
     world = task.path("world")
@@ -201,6 +200,14 @@ def _read(
     return _Read(task, name, spec, known, world, findings, rooms)
 
 
+def _has_drives(name: str) -> bool:
+    """Whether a backend drives by CAN; one that can't be had might."""
+    try:
+        return backend_class(name).has_drives
+    except InputError:
+        return True
+
+
 def check(
     task_path: Path | str,
     backend: str | None = None,
@@ -221,7 +228,7 @@ def check(
         UnknownSituation: the task has no such situation.
         FileError: with every finding in all of the files but those of places, which are given.
     """
-    read = _read(task_path, backend, settings, primitive_class, situation, True)
+    read = _read(task_path, backend, settings, primitive_class, situation, True, only_looked=True)
     if read.spec is None or read.known is None or read.findings:
         read.findings.raise_all()
     assert read.spec is not None

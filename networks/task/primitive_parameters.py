@@ -18,13 +18,12 @@ from handcart.files.models.loading import load_part
 from handcart.files.suggest import suggest
 from handcart.files.yaml.yaml_document import Document
 from handcart.files.yaml.yaml_node import Node
-from handcart.networks.graph.binding import Binding
+from handcart.networks.graph.network import Binding
 from handcart.primitives.contract.action_primitive import ActionPrimitive
 from handcart.primitives.knowledge.place_name import Names
 from handcart.primitives.knowledge.world_model import UnknownFact, WorldModel
 
-from .parameter_values import reference
-from .parameters import with_element
+from .parameters import reference, with_element
 from .repetition import Element
 
 

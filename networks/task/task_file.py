@@ -13,6 +13,7 @@ from handcart.backends.backend import Backend
 from handcart.backends.capabilities.capability import Capability
 from handcart.backends.description.robot_loading import ROBOTS, robot_names
 from handcart.files.errors import FileError, UnsafePath
+from handcart.files.extras import extra_of, lack
 from handcart.files.findings import Findings
 from handcart.files.inside import resolve_inside
 from handcart.files.maps.map_file import map_path
@@ -22,8 +23,7 @@ from handcart.files.models.settings import SECTION, setting_value, with_settings
 from handcart.files.suggest import suggest
 from handcart.files.yaml.yaml_document import Document, read_document
 from handcart.files.yaml.yaml_node import KeyPath
-from handcart.networks.graph.binding import Binding
-from handcart.networks.graph.network import Action, ActionNetwork, Fact, Situation, faults_of
+from handcart.networks.graph.network import Action, ActionNetwork, Binding, Fact, Situation, faults_of
 from handcart.primitives.contract.action_primitive import ActionPrimitive
 from handcart.primitives.registry import primitive_class
 
@@ -107,6 +107,7 @@ class _Reader:
         self._findings = Findings()
         self._document = with_listed_repeats(with_parameters(document, self._findings))
         self._primitives = primitives
+        self._lacking: set[str] = set()
         self._knowledge = read_knowledge(self._document, self._findings, _resolved)
         self._names = self._knowledge.names()
         places = self._knowledge.places
@@ -236,7 +237,15 @@ class _Reader:
             return self._primitives(name)
         except KeyError as unknown:
             self._add(("actions", number, "do"), str(unknown.args[0]))
-            return None
+        except ImportError as missing:
+            extra = extra_of(missing)
+            wrong = None if extra is None else lack(name, extra)
+            if extra is None or wrong is None:  # it is there, and broken
+                raise
+            if extra not in self._lacking:  # told once, not for each action
+                self._add(("actions", number, "do"), wrong)
+            self._lacking.add(extra)
+        return None
 
     def _check_start_place(self, names: list[str] | None) -> None:
         node, there = self._document.root.deepest(("knowledge", "start"))
@@ -289,7 +298,8 @@ class _Reader:
                 f"no actions lead from {network.start} to {goal}; allowed: a goal that can be reached",
             )
         entries = tuple(copied.entry for copied in copies.actions)
-        self._check_late(file, network, entries)
+        if any(action.binding is not None and action.binding.late for action in every):
+            self._check_late(file, network, entries)
         self._findings.raise_all()
         return Task(file, self._document, network, entries, self._knowledge)
 
@@ -319,7 +329,7 @@ def _set(document: Document, settings: dict[str, str]) -> Document:
     declared = document.root.deepest((*SECTION, "robot"))[1]
     if "robot" in settings and not declared and document.root.child("robot"):
         document = document.with_value(("robot",), setting_value("robot", settings.pop("robot")))
-    return with_settings(document, settings)
+    return with_settings(document, settings) if settings else document
 
 
 def _robot(document: Document, name: str) -> str:

@@ -11,8 +11,7 @@ from handcart.files.findings import Findings
 from handcart.files.models.loading import Loaded
 from handcart.files.yaml.yaml_document import Document
 from handcart.files.yaml.yaml_node import KeyPath
-from handcart.primitives.knowledge.place import Place, Places
-from handcart.primitives.knowledge.place_file import load_places
+from handcart.primitives.knowledge.place import Place, Places, load_places
 from handcart.primitives.knowledge.section import NamedFiles, Section
 from handcart.primitives.knowledge.sections import section_class
 from handcart.robotics.geometry.pose2 import Pose2
@@ -91,8 +90,8 @@ def read_sections(
         own = {
             key: paths[key] for key in (domain.knowledge.files if domain.knowledge else ()) if key in paths
         }
-        kind = section_class(domain)
-        if own and kind is not None:
+        kind = section_class(domain) if own else None
+        if kind is not None:
             found[domain.name] = kind.load(NamedFiles(own, start, document, findings))
     return found
 

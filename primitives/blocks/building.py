@@ -21,7 +21,7 @@ BlockNumber = Annotated[int, Field(ge=1), Names("blocks")]
 """The number of a block of the building plan, from 1."""
 
 
-class Standing(FileModel):
+class LevelPose(FileModel):
     """A pose on something level: on the map, or on the robot's own table."""
 
     x_m: float
@@ -41,7 +41,7 @@ class Standing(FileModel):
         return self.floor.lift(self.height_m)
 
 
-class LandmarkPlan(Standing):
+class LandmarkPlan(LevelPose):
     """A landmark, on the map."""
 
     side_mm: Positive = 60.0
@@ -49,20 +49,20 @@ class LandmarkPlan(Standing):
     """From which place of the base it is looked at."""
 
 
-class Slot(Standing):
+class BlockPlace(LevelPose):
     """Where a block goes, on the map."""
 
     landmark: str | None = None
     """One that stands beside it, if any."""
 
 
-class BoardPlan(Standing, BoardLayout):
+class BoardPlan(LevelPose, BoardLayout):
     """A calibration board, on the map; good to a few centimetres."""
 
     square_mm: Positive = 20.0
 
 
-class Table(Standing):
+class Table(LevelPose):
     """A table, on the map; its height is that of its top."""
 
     size_m: tuple[Positive, Positive]
@@ -84,11 +84,11 @@ class Building(FileModel):
     tables: dict[str, Table]
     boards: Annotated[dict[str, BoardPlan], Field(default_factory=dict)]
     """To calibrate the camera with."""
-    supply: tuple[Standing, ...] = ()
+    supply: tuple[LevelPose, ...] = ()
     """Where the blocks wait, on the map; the first one is block 1."""
-    carried: tuple[Standing, ...] = ()
+    carried: tuple[LevelPose, ...] = ()
     """Where they stand on the robot's own table, in the base frame, in the same order, again and again."""
-    goals: tuple[Slot, ...] = ()
+    goals: tuple[BlockPlace, ...] = ()
     """Where they go."""
 
     @property
@@ -102,7 +102,7 @@ class Building(FileModel):
         """Of the blocks, from 1."""
         return range(1, max(len(self.supply), len(self.carried), len(self.goals)) + 1)
 
-    def seat(self, number: int) -> Standing:
+    def seat(self, number: int) -> LevelPose:
         """Where block `number`, from 1, stands on the robot's own table."""
         return self.carried[(number - 1) % len(self.carried)]
 

@@ -30,7 +30,7 @@ from handcart.robotics.manipulation.suspension.suspension_model import Suspensio
 
 from .base_turn import fused, turn_by_gyros, turn_by_model
 from .block_view import see_block
-from .building import Building, LandmarkPlan, Standing
+from .building import Building, LandmarkPlan, LevelPose
 from .fixate import landmark_of
 from .fixating import Rule, fixate, fixed_by, planned_view, sought
 from .hand_down import (
@@ -124,7 +124,7 @@ class Stack(ActionPrimitive):
             return (own,)
         return own, *held_on(plan, plan.goals[self.number - 1], plan.goals)
 
-    def _goal(self, plan: Building) -> Standing:
+    def _goal(self, plan: Building) -> LevelPose:
         if self.onto == "robot":
             return plan.seat(self.number)
         if self.number > len(plan.goals):
@@ -134,7 +134,7 @@ class Stack(ActionPrimitive):
         return plan.goals[self.number - 1]
 
     def _over(
-        self, robot: Robot, model: ModelView, plan: Building, goal: Standing, around: Sequence[Box]
+        self, robot: Robot, model: ModelView, plan: Building, goal: LevelPose, around: Sequence[Box]
     ) -> Generator[None, None, Transform]:
         """Bring the block over its goal; gives base_T_hand (4, 4) where it will touch down."""
         blocks = model.of(Blocks)
@@ -149,7 +149,7 @@ class Stack(ActionPrimitive):
         return grip
 
     def _corrected(
-        self, robot: Robot, model: ModelView, plan: Building, goal: Standing, swings_to_come: int = 0
+        self, robot: Robot, model: ModelView, plan: Building, goal: LevelPose, swings_to_come: int = 0
     ) -> Transform:
         """base_T_block (4, 4) at the goal; on the way there the base is still to turn by `swings_to_come`."""
         if self.onto == "robot":
@@ -252,7 +252,7 @@ class Stack(ActionPrimitive):
         yield from relax(robot)
         self.found(touched_mm=round(1e3 * touched, 2))
 
-    def _check(self, robot: Robot, model: ModelView, plan: Building, goal: Standing) -> Periods:
+    def _check(self, robot: Robot, model: ModelView, plan: Building, goal: LevelPose) -> Periods:
         """Look where the block stands."""
         blocks = model.of(Blocks)
         expected = self._corrected(robot, model, plan, goal)

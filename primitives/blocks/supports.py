@@ -8,13 +8,13 @@ from handcart.primitives.blocks.building import name_of_block
 from handcart.primitives.contract.meant_contact import MeantContact
 from handcart.robotics.geometry.pose2 import Pose2
 
-from .building import Building, Standing
+from .building import Building, LevelPose
 
 LEVEL = 0.005  # [m] that a support's top may be off the foot of what it carries
 TRAY = "tray"
 
 
-def held_on(plan: Building, foot: Standing, among: Sequence[Standing]) -> tuple[MeantContact, ...]:
+def held_on(plan: Building, foot: LevelPose, among: Sequence[LevelPose]) -> tuple[MeantContact, ...]:
     """The contacts of a held block with what carries it at `foot`.
 
     Args:

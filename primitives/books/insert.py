@@ -3,10 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Generator, Sequence
-from typing import ClassVar, Literal
+from collections.abc import Generator
+from collections.abc import Sequence as Several
+from functools import partial
+from typing import ClassVar, Literal, NamedTuple
 
 import numpy as np
+from py_trees.behaviour import Behaviour
+from py_trees.composites import Selector, Sequence
 from pydantic import PrivateAttr
 
 from handcart.backends.capabilities.arm import Arm
@@ -16,9 +20,10 @@ from handcart.backends.robot.robot import Robot
 from handcart.primitives.books.book_boxes import held_box
 from handcart.primitives.books.book_grip import hand_to_spine, holds, opening
 from handcart.primitives.books.books import Books
-from handcart.primitives.contract.action_primitive import ActionPrimitive, Periods
+from handcart.primitives.contract.action_primitive import Periods
 from handcart.primitives.contract.discrepancy import Discrepancy, Measured, NeedsPerson
 from handcart.primitives.contract.meant_contact import MeantContact
+from handcart.primitives.contract.tree_primitive import Step, TreePrimitive, leaves
 from handcart.primitives.knowledge.place_name import PlaceName
 from handcart.primitives.knowledge.world_model import ModelView, WorldModel
 from handcart.primitives.motions.arm_motion import move_straight, move_to_joints
@@ -29,6 +34,7 @@ from handcart.primitives.restoring.retrace import retrace
 from handcart.primitives.restoring.snapshot import Snapshot
 from handcart.primitives.restoring.trace import Trace
 from handcart.robotics.geometry.transform import Transform, inverse, transform
+from handcart.robotics.kinematics.shapes import Box
 
 from .book_row import row_contacts
 from .shelf_front import measure_shelf
@@ -37,13 +43,32 @@ TIPS_BEFORE = 0.007  # [m] that the finger tips stay before the shelf's front: s
 SPEED = 0.02  # [m/s]
 JAM = 7.0  # [N]: sliding in takes 2
 PUSHES_BACK = 10.0  # [N]: a neighbour gives way from here on, and the hand's camera doesn't see it
-WIGGLES = ((0.0, 0.0), (0.003, 0.035), (-0.003, -0.035))  # to the left in [m], turned left by [rad]
+STRAIGHT = "straight"
+WIGGLES = {
+    STRAIGHT: (0.0, 0.0),
+    "a little further left, turned left": (0.003, 0.035),
+    "a little further right, turned right": (-0.003, -0.035),
+}
+"""Ways to push: to the left in [m], turned left by [rad]."""
 SIDE_FORCE = 1.5  # [N] from the slot's sides that the hand yields to
 ASIDE, MOST_ASIDE = 0.0005, 0.008  # [m]: a step, and how far the hand yields at most
 REACHED = 0.004  # [m]
 
 
-class Insert(ActionPrimitive):
+class _Course(NamedTuple):
+    """Of all pushes, as measured before the first."""
+
+    start: Transform
+    """base_T_hand (4, 4)."""
+    end: Transform
+    """The same; in the slot the hand yields aside."""
+    edge: float
+    """From the hand to the book's leading edge, in [m]."""
+    held: Box
+    """The book, in the hand's frame."""
+
+
+class Insert(TreePrimitive):
     """Push the held book straight into its slot, until the finger tips stand just before the spines.
 
     Where it enters is where APPROACH brought it; how far it goes is measured on the shelf's front. A book
@@ -62,7 +87,11 @@ class Insert(ActionPrimitive):
     needs: ClassVar = (Arm, Gripper, RangeSensor)
     reads: ClassVar = ("places", "book")
 
+    _course: _Course = PrivateAttr()
     _base_T_end: Transform | None = PrivateAttr(default=None)
+    """base_T_hand (4, 4) where the push ends, once the book is in the slot."""
+    _resists: float = PrivateAttr(default=0.0)
+    """What the last push met, in [N]."""
     _strongest: float = PrivateAttr(default=0.0)
 
     def unmet_precondition(self, robot: Robot, model: ModelView) -> str:
@@ -70,27 +99,48 @@ class Insert(ActionPrimitive):
         books = model.of(Books)
         return "" if books.book and holds(robot, books.book) else "the hand doesn't hold the book"
 
-    def motion(self, robot: Robot, model: ModelView) -> Periods:
+    def tree(self, robot: Robot, model: ModelView) -> Behaviour:
+        """What comes before, and the ways to push: the first in which the book goes in ends it."""
+        begin = {
+            "measure how far it goes": lambda: self._measure(robot, model),
+            "note what is about to be done": lambda: self.intend("the book is pushed between its neighbours"),
+        }
+        ways = WIGGLES if self.wiggle and self.method == "planned" else (STRAIGHT,)
+        tries: dict[str, Step] = {
+            way: partial(self._try, robot, way, number) for number, way in enumerate(ways, start=1)
+        }
+        pushing = leaves(tries | {"say that it jams": self._say_that_it_jams})
+        push_in = Selector("push it in, one way or another", memory=True, children=pushing)
+        return Sequence("insert the book", memory=True, children=[*leaves(begin), push_in])
+
+    def _measure(self, robot: Robot, model: ModelView) -> Periods:
         books = model.of(Books)
         if books.book is None or not holds(robot, books.book):
             raise Discrepancy("the hand doesn't hold the book", measured=opening(robot, books.book))
         end = yield from self._end(robot, model)
         start = robot.arm_model.forward(robot.arm.command())
-        edge, held = hand_to_spine(robot) + books.book.depth_mm / 1e3, held_box(robot, books.book)
-        ways = WIGGLES if self.wiggle and self.method == "planned" else WIGGLES[:1]
-        yield from self.intend("the book is pushed between its neighbours")
-        for number, (aside, turn) in enumerate(ways, start=1):
-            yield from move_straight(robot, start @ _about(edge, aside, turn), held)
-            pushed = yield from self._try(robot, end)
-            self.found(force_n=round(self._strongest, 1), tries=number)
-            if not pushed.met:
-                return
-            yield from relax(robot)
-            yield from move_straight(robot, start, held)
+        edge = hand_to_spine(robot) + books.book.depth_mm / 1e3
+        self._course = _Course(start, end, edge, held_box(robot, books.book))
+
+    def _try(self, robot: Robot, way: str, number: int) -> Generator[None, None, bool]:
+        """Whether the book goes in; one that jams is pulled out again."""
+        start, end, edge, held = self._course
+        yield from move_straight(robot, start @ _about(edge, *WIGGLES[way]), held)
+        pushed = yield from self._push(robot, end)
+        self.found(force_n=round(self._strongest, 1), tries=number)
+        if not pushed.met:
+            return True
+        self._resists = pushed.force
+        yield from relax(robot)
+        yield from move_straight(robot, start, held)
+        return False
+
+    def _say_that_it_jams(self) -> Periods:
         raise Discrepancy(
-            f"the book jams: it resists with {pushed.force:.0f} N",
-            measured=Measured("Arm", "force that resists the push", pushed.force, JAM, "N"),
+            f"the book jams: it resists with {self._resists:.0f} N",
+            measured=Measured("Arm", "force that resists the push", self._resists, JAM, "N"),
         )
+        yield
 
     def _end(self, robot: Robot, model: ModelView) -> Generator[None, None, Transform]:
         """base_T_hand (4, 4) where the push ends; taught, the hand goes to the posture before it."""
@@ -102,7 +152,7 @@ class Insert(ActionPrimitive):
             yield from move_to_joints(robot, posture)
         return robot.arm_model.forward(last)
 
-    def _try(self, robot: Robot, end: Transform) -> Generator[None, None, Pushed]:
+    def _push(self, robot: Robot, end: Transform) -> Generator[None, None, Pushed]:
         """Half the way straight ahead, which brings the book into the slot; then on to `end`."""
         start = robot.arm_model.forward(robot.arm.command())
         ahead = (end[:3, 3] - start[:3, 3]) @ end[:3, 0] / 2
@@ -137,7 +187,7 @@ class Insert(ActionPrimitive):
         return holds(robot, books.book)
         yield
 
-    def meant_contacts(self, model: WorldModel) -> Sequence[MeantContact]:
+    def meant_contacts(self, model: WorldModel) -> Several[MeantContact]:
         """The book, held: the board and what bounds its slot."""
         return row_contacts(model, self.shelf)
 

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Generator, Sequence
+from collections.abc import Generator
+from collections.abc import Sequence as Several
 from typing import ClassVar, Literal
 
+from py_trees.behaviour import Behaviour
+from py_trees.composites import Sequence
 from pydantic import PrivateAttr
 
 from handcart.backends.capabilities.arm import Arm
@@ -15,9 +18,10 @@ from handcart.primitives.books.book_boxes import held_box
 from handcart.primitives.books.book_grip import GRIP_HEIGHT, close_on, hand_to_spine, holds, opening
 from handcart.primitives.books.books import Books
 from handcart.primitives.books.catalogue import Book, name_of_book
-from handcart.primitives.contract.action_primitive import ActionPrimitive, Periods
+from handcart.primitives.contract.action_primitive import Periods
 from handcart.primitives.contract.discrepancy import Discrepancy, Measured
 from handcart.primitives.contract.meant_contact import MeantContact
+from handcart.primitives.contract.tree_primitive import Step, TreePrimitive, leaves
 from handcart.primitives.knowledge.world_model import ModelView, WorldModel
 from handcart.primitives.motions.arm_motion import (
     move_straight,
@@ -43,7 +47,7 @@ LOOKS = 3  # pictures in which the tag is looked for
 TAG_SIDE = 0.010  # [m] of the tag's black square
 
 
-class PickUp(ActionPrimitive):
+class PickUp(TreePrimitive):
     """Take the book from the tray: grip the rear of its covers, beside the spine, lift it and carry it.
 
     Planned, the hand comes in line with the book where RECOGNIZE saw it; taught, it plays back postures
@@ -57,6 +61,9 @@ class PickUp(ActionPrimitive):
     needs: ClassVar = (Arm, Gripper, Camera)
     reads: ClassVar = ("book", "book_pose", "catalogue")
 
+    _book: Book = PrivateAttr()
+    _base_T_grip: Transform = PrivateAttr()
+    """(4, 4), planned: of the hand that grips the book."""
     _stands: bool = PrivateAttr(default=False)
     _held: bool = PrivateAttr(default=False)
 
@@ -77,45 +84,62 @@ class PickUp(ActionPrimitive):
                     return {"book": (float(place[0]), float(place[1]), float(place[2]))}
         return {}
 
-    def motion(self, robot: Robot, model: ModelView) -> Periods:
+    def tree(self, robot: Robot, model: ModelView) -> Behaviour:
+        """The steps, one after the other; how the hand comes there and goes away is planned or taught."""
+        ways = {"planned": (self._go, self._carry), "taught": (self._go_as_taught, self._carry_as_taught)}
+        there, away = ways[self.method]
+        steps: dict[str, Step] = {
+            "make sure that it is seen, and open the fingers": lambda: self._open(robot, model),
+            "go to the grip": lambda: there(robot, model),
+            "close the fingers on it": lambda: self._close(robot),
+            "lift and carry it": lambda: away(robot),
+            "measure how wide it is": lambda: self._measure(robot),
+        }
+        return Sequence("pick the book up", memory=True, children=leaves(steps))
+
+    def _open(self, robot: Robot, model: ModelView) -> Periods:
         books = model.of(Books)
-        book, pose = books.book, books.book_pose
-        if book is None or pose is None or not self._stands:
+        if books.book is None or books.book_pose is None or not self._stands:
             unseen = Measured("Camera", "pictures in which the book's tag was read", 0, 1)
             raise Discrepancy("the book isn't seen on the tray", measured=unseen)
+        self._book, at_grip = books.book, transform((-hand_to_spine(robot), 0.0, GRIP_HEIGHT))
+        self._base_T_grip = books.book_pose.lift(_tray(robot)) @ at_grip
         yield from open_to(robot, None)
-        if self.method == "taught":
-            yield from self._taught(robot, book)
-        else:
-            base_T_grip = pose.lift(_tray(robot)) @ transform((-hand_to_spine(robot), 0.0, GRIP_HEIGHT))
-            before = base_T_grip @ transform((-BEFORE, 0.0, 0.0))
-            yield from move_to_pose(robot, before, around=_standing(robot, model))
-            yield from self._planned(robot, book, base_T_grip)
-        self.found(width_mm=round(1e3 * robot.gripper.width(), 1))
 
-    def _planned(self, robot: Robot, book: Book, base_T_grip: Transform) -> Periods:
-        pushed = yield from push(robot, base_T_grip, SPEED, TOUCH)
+    def _go(self, robot: Robot, model: ModelView) -> Periods:
+        """In line with the book, then straight."""
+        before = self._base_T_grip @ transform((-BEFORE, 0.0, 0.0))
+        yield from move_to_pose(robot, before, around=_standing(robot, model))
+        pushed = yield from push(robot, self._base_T_grip, SPEED, TOUCH)
         if pushed.met:
             felt = Measured("Arm", "force that resists the hand", pushed.force, TOUCH, "N")
             raise Discrepancy("a finger runs into the book: it stands crooked on the tray", measured=felt)
-        yield from self._close(robot, book)
-        lifted = base_T_grip.copy()
-        lifted[2, 3] += LIFT
-        yield from move_straight(robot, lifted, held_box(robot, book))
-        yield from move_to_posture(robot, "carry", held=held_box(robot, book))
 
-    def _taught(self, robot: Robot, book: Book) -> Periods:
-        before, grip, *lifted = taught_postures(robot, "pick_up", 3)
+    def _go_as_taught(self, robot: Robot, model: ModelView) -> Periods:
+        before, grip, *_ = taught_postures(robot, "pick_up", 3)
         yield from move_to_joints(robot, before)
         yield from move_to_joints(robot, grip)
-        yield from self._close(robot, book)
-        for posture in lifted:
-            yield from move_to_joints(robot, posture, held=held_box(robot, book))
 
-    def _close(self, robot: Robot, book: Book) -> Periods:
+    def _close(self, robot: Robot) -> Periods:
         yield from self.intend("the fingers close on the book")
-        yield from close_on(robot, book)
+        yield from close_on(robot, self._book)
         self._held = True
+
+    def _carry(self, robot: Robot) -> Periods:
+        lifted, held = self._base_T_grip.copy(), held_box(robot, self._book)
+        lifted[2, 3] += LIFT
+        yield from move_straight(robot, lifted, held)
+        yield from move_to_posture(robot, "carry", held=held)
+
+    def _carry_as_taught(self, robot: Robot) -> Periods:
+        _, _, *lifted = taught_postures(robot, "pick_up", 3)
+        for posture in lifted:
+            yield from move_to_joints(robot, posture, held=held_box(robot, self._book))
+
+    def _measure(self, robot: Robot) -> Periods:
+        self.found(width_mm=round(1e3 * robot.gripper.width(), 1))
+        return
+        yield
 
     def watch(self, robot: Robot, model: ModelView) -> None:
         """A book that slips out of the hand."""
@@ -130,7 +154,7 @@ class PickUp(ActionPrimitive):
         return books.book is not None and holds(robot, books.book)
         yield
 
-    def meant_contacts(self, model: WorldModel) -> Sequence[MeantContact]:
+    def meant_contacts(self, model: WorldModel) -> Several[MeantContact]:
         """Its book, which stands on the tray."""
         books = model.of(Books)
         book = "" if books.book is None else name_of_book(books.book)

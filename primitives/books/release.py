@@ -23,7 +23,7 @@ from handcart.primitives.books.catalogue import name_of_book
 from handcart.primitives.contract.action_primitive import Periods
 from handcart.primitives.contract.discrepancy import Discrepancy, Measured
 from handcart.primitives.contract.meant_contact import MeantContact
-from handcart.primitives.contract.tree_primitive import GeneratorBehaviour, TreePrimitive
+from handcart.primitives.contract.tree_primitive import TreePrimitive, leaves
 from handcart.primitives.knowledge.place_name import PlaceName
 from handcart.primitives.knowledge.world_model import ModelView, WorldModel
 from handcart.primitives.motions.arm_motion import move_straight, move_to_posture
@@ -91,8 +91,7 @@ class Release(TreePrimitive):
             "withdraw": lambda: self._withdraw(robot),
             "look at the shelf": lambda: self._look(robot),
         }
-        leaves: list[Behaviour] = [GeneratorBehaviour(name, step) for name, step in steps.items()]
-        return Sequence("release the book", memory=True, children=leaves)
+        return Sequence("release the book", memory=True, children=leaves(steps))
 
     def _measure(self, robot: Robot, model: ModelView) -> Periods:
         books = model.of(Books)

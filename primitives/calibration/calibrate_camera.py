@@ -6,7 +6,6 @@ from collections.abc import Generator, Sequence
 from typing import Annotated, ClassVar, NamedTuple
 
 import numpy as np
-import pinocchio as pin
 from pydantic import Field
 
 from handcart.backends.capabilities.arm import Arm
@@ -23,6 +22,7 @@ from handcart.primitives.knowledge.world_model import ModelView
 from handcart.primitives.motions.arm_motion import move_to_pose
 from handcart.primitives.restoring.snapshot import settle
 from handcart.robotics.geometry.transform import Transform, difference, inverse
+from handcart.robotics.kinematics.libraries import pin
 from handcart.robotics.perception.cameras.calibration_board import CalibrationBoard
 from handcart.robotics.perception.cameras.camera_calibration import CameraCalibration, calibrate_camera
 from handcart.robotics.perception.cameras.hand_eye_calibration import (

@@ -42,7 +42,7 @@ RAISED = 0.03  # [m]
 Names = Annotated[tuple[LandmarkName, ...], Field(min_length=3)]
 
 
-class Scene(NamedTuple):
+class Surroundings(NamedTuple):
     """What the hand moves among, in the base frame."""
 
     marks: list[LandmarkPlan]
@@ -94,13 +94,15 @@ class CalibrateSuspension(ActionPrimitive):
             width = Measured("Gripper", "opening", 1e3 * robot.gripper.width(), unit="mm")
             raise Discrepancy("the block slipped out of the hand", measured=width)
 
-    def _scene(self, robot: Robot, model: ModelView) -> Scene:
+    def _scene(self, robot: Robot, model: ModelView) -> Surroundings:
         marks = [landmark_of(model, name) for name in self.landmarks]
         base_T_map = inverse(standing(robot, model).lift())
         held = held_block(robot, building(model))
-        return Scene(marks, [base_T_map @ mark.pose for mark in marks], held, surroundings(robot, model))
+        return Surroundings(
+            marks, [base_T_map @ mark.pose for mark in marks], held, surroundings(robot, model)
+        )
 
-    def _look_around(self, robot: Robot, scene: Scene) -> Generator[None, None, list[Sighting]]:
+    def _look_around(self, robot: Robot, scene: Surroundings) -> Generator[None, None, list[Sighting]]:
         """Each landmark from each height, again and again."""
         reference = robot.base_T("hand")
         sheet_T_map = inverse(scene.marks[0].pose)
@@ -115,7 +117,9 @@ class CalibrateSuspension(ActionPrimitive):
                 sightings.append(Sighting(swing, printed, seen.landmark.rays))
         return sightings
 
-    def _swing(self, robot: Robot, scene: Scene) -> Generator[None, None, tuple[NDArray[np.float64], int]]:
+    def _swing(
+        self, robot: Robot, scene: Surroundings
+    ) -> Generator[None, None, tuple[NDArray[np.float64], int]]:
         """Headings (n, m) of the base over the first landmark, and the swings between rows."""
         mark, base_T_mark = scene.marks[0], scene.base_T_marks[0]
         here = above(robot, base_T_mark, HEIGHTS[0])
@@ -152,7 +156,7 @@ class CalibrateSuspension(ActionPrimitive):
         self.found(heading_noise_mrad=round(1e3 * yaw.noise, 3), frames=frames)
 
 
-def _farthest(robot: Robot, scene: Scene, here: Transform) -> Transform:
+def _farthest(robot: Robot, scene: Surroundings, here: Transform) -> Transform:
     """base_T_hand (4, 4) over the landmark that is farthest from `here`; it must be a swing away."""
     views = [above(robot, each, HEIGHTS[0]) for each in scene.base_T_marks]
     far = [float(np.linalg.norm(view[:2, 3] - here[:2, 3])) for view in views]
@@ -163,7 +167,7 @@ def _farthest(robot: Robot, scene: Scene, here: Transform) -> Transform:
     return views[int(np.argmax(far))]
 
 
-def _fitted(robot: Robot, scene: Scene, sightings: Sequence[Sighting], yaw: float) -> SuspensionFit:
+def _fitted(robot: Robot, scene: Surroundings, sightings: Sequence[Sighting], yaw: float) -> SuspensionFit:
     """How the base leans; raises ValueError where the sightings don't tell it."""
     known = {"yaw_per_swing": yaw}
     assert robot.spec.arm is not None

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import abstractmethod
-from collections.abc import Callable, Generator
+from collections.abc import Callable, Generator, Mapping
 
 from py_trees.behaviour import Behaviour
 from py_trees.common import Status
@@ -16,6 +16,8 @@ from .cause import FRAMEWORK
 from .discrepancy import Discrepancy
 
 FRAMEWORK.add(__name__)
+Step = Callable[[], Generator[None, None, bool | None]]
+"""Begins a motion that is a leaf of a tree; one that ends with False has failed."""
 
 
 class TreePrimitive(ActionPrimitive):
@@ -28,7 +30,10 @@ class TreePrimitive(ActionPrimitive):
 
     @abstractmethod
     def tree(self, robot: Robot, model: ModelView) -> Behaviour:
-        """A new tree for this attempt."""
+        """A new tree for this attempt.
+
+        It is only built here, and asks robot and model in its leaves: then `handcart describe` shows it.
+        """
 
     def motion(self, robot: Robot, model: ModelView) -> Periods:
         """Tick the tree to its end."""
@@ -38,7 +43,7 @@ class TreePrimitive(ActionPrimitive):
 class GeneratorBehaviour(Behaviour):
     """A generator of periods as a leaf: RUNNING while it yields, FAILURE if it returns False."""
 
-    def __init__(self, name: str, factory: Callable[[], Generator[None, None, bool | None]]) -> None:
+    def __init__(self, name: str, factory: Step) -> None:
         """Name the leaf; `factory` is called each time that the leaf starts anew."""
         super().__init__(name)
         self._factory = factory
@@ -63,6 +68,14 @@ class GeneratorBehaviour(Behaviour):
         if self._periods is not None and new_status != Status.RUNNING:
             self._periods.close()
             self._periods = None
+
+
+def leaves(steps: Mapping[str, Step]) -> list[Behaviour]:
+    """A leaf for each step, by its name.
+
+    In a composite with memory they take as long as one generator would: as one ends, the next begins.
+    """
+    return [GeneratorBehaviour(name, step) for name, step in steps.items()]
 
 
 def ticked(root: Behaviour) -> Periods:

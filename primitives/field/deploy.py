@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Generator
+from collections.abc import Sequence as Several
 from typing import Annotated, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
+from py_trees.behaviour import Behaviour
+from py_trees.composites import Selector, Sequence
 from pydantic import Field as Limited
 from pydantic import PrivateAttr
 
@@ -15,9 +18,10 @@ from handcart.backends.capabilities.arm import Arm
 from handcart.backends.capabilities.gripper import Gripper
 from handcart.backends.capabilities.imu import Imu
 from handcart.backends.robot.robot import Robot
-from handcart.primitives.contract.action_primitive import ActionPrimitive, Periods
+from handcart.primitives.contract.action_primitive import Periods
 from handcart.primitives.contract.discrepancy import Discrepancy, Measured
 from handcart.primitives.contract.meant_contact import MeantContact
+from handcart.primitives.contract.tree_primitive import Step, TreePrimitive, leaves
 from handcart.primitives.field.target import TargetName
 from handcart.primitives.knowledge.world_model import ModelView, WorldModel
 from handcart.primitives.motions.grip import open_to
@@ -41,7 +45,7 @@ LIFTED = 0.20  # [m] that the open fingers are lifted off the sensor before the 
 Vector = NDArray[np.float64]
 
 
-class Deploy(ActionPrimitive):
+class Deploy(TreePrimitive):
     """Lay a sensor on its target: the base stands to the left of it (Ohki et al. 2012, section V-B).
 
     The fingers close on the sensor that the magazine gives them. The base stands until it is known well
@@ -68,7 +72,8 @@ class Deploy(ActionPrimitive):
     reads: ClassVar = ("targets", "field")
     writes: ClassVar = ("laid",)
 
-    _arm: SensorArm | None = PrivateAttr(default=None)
+    _arm: SensorArm = PrivateAttr()
+    _target: Target = PrivateAttr()
 
     def unmet_precondition(self, robot: Robot, model: ModelView) -> str:
         """No such target, or it is laid already."""
@@ -79,25 +84,48 @@ class Deploy(ActionPrimitive):
             return f"the sensor of target {self.target!r} is laid already"
         return ""
 
-    def motion(self, robot: Robot, model: ModelView) -> Periods:
-        work = model.of(FieldWork)
-        field, target = self._field_and_target(model)
-        arm = self._arm = SensorArm(robot, field)
-        yield from arm.take()
-        yield from self._be_sure(robot, target)
+    def tree(self, robot: Robot, model: ModelView) -> Behaviour:
+        """The steps, one after the other; in the end only the fingers are lifted, or the arm comes home."""
+        steps: dict[str, Step] = {
+            "take the sensor from the magazine": lambda: self._take(robot, model),
+            "stand until the target is known well enough": lambda: self._be_sure(robot, self._target),
+            "bring the sensor over the target": lambda: self._reach(self._arm, self._target),
+            "lower it until it touches the ground": lambda: self._lower(robot, self._arm, self._target),
+            "let it go": lambda: self._let_go(robot, model, self._arm),
+        }
+        back: dict[str, Step] = {
+            "lift the fingers, where the next drive brings the arm back": lambda: self._lift(robot, model),
+            "bring the arm home": lambda: self._arm.stow(),
+        }
+        leave = Selector("leave it", memory=True, children=leaves(back))
+        return Sequence("lay the sensor on its target", memory=True, children=[*leaves(steps), leave])
+
+    def _take(self, robot: Robot, model: ModelView) -> Periods:
+        field, self._target = self._field_and_target(model)
+        self._arm = SensorArm(robot, field)
+        yield from self._arm.take()
+
+    def _reach(self, arm: SensorArm, target: Target) -> Periods:
         yield from arm.reach(arm.place_of(np.array([target.x, target.y])))
-        yield from self._lower(robot, arm, target)
+
+    def _let_go(self, robot: Robot, model: ModelView, arm: SensorArm) -> Periods:
+        work = model.of(FieldWork)
+        field, _ = self._field_and_target(model)
         yield from self.intend("the fingers let the sensor go")
         self.point_of_no_return("the sensor is let go")
         robot.localization.mark()
         work.laid = (*work.laid, self._laid(robot, arm))
         yield from open_to(robot, field.sensor_mm[1] / 1e3 + ROOM)
-        if self.together and len(work.laid) < len(work.targets):
-            yield from arm.slide(max(0.0, float(robot.arm.command()[2]) - LIFTED))
-        else:
-            yield from arm.stow()
 
-    def meant_contacts(self, model: WorldModel) -> Sequence[MeantContact]:
+    def _lift(self, robot: Robot, model: ModelView) -> Generator[None, None, bool]:
+        """Whether that was all: the base may drive on, to one more target."""
+        work = model.of(FieldWork)
+        if not self.together or len(work.laid) >= len(work.targets):
+            return False
+        yield from self._arm.slide(max(0.0, float(robot.arm.command()[2]) - LIFTED))
+        return True
+
+    def meant_contacts(self, model: WorldModel) -> Several[MeantContact]:
         """The sensor, and the ground that it is put on."""
         return model.of(FieldWork).sensor_contact(self.target), *(
             MeantContact("held", name) for name in GROUND
@@ -106,8 +134,7 @@ class Deploy(ActionPrimitive):
     def finish(self, robot: Robot, model: ModelView) -> Periods:
         """Lift the slide and bring the arm back."""
         yield from settle(robot)
-        if self._arm is not None:
-            yield from self._arm.stow()
+        yield from self._arm.stow()
 
     def _field_and_target(self, model: ModelView) -> tuple[Field, Target]:
         work = model.of(FieldWork)

@@ -3,15 +3,20 @@
 from __future__ import annotations
 
 import math
+from pathlib import Path
 from typing import Annotated, Literal
 
 import numpy as np
 from pydantic import Field
 
 from handcart.files.maps.map_file import load_map as load_map
+from handcart.files.models.loading import Loaded, load_document
 from handcart.files.models.model import FileModel
+from handcart.files.yaml.yaml_document import Document, read_document
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import Transform
+
+from .ros_goals import LISTS, goals_as_places
 
 Positive = Annotated[float, Field(gt=0.0)]
 
@@ -74,3 +79,17 @@ class Places(FileModel):
 
     format: Literal["handcart-places/1"]
     places: dict[str, Place]
+
+
+def load_places(path: Path) -> Loaded[Places]:
+    """The places in a file of places, or of goals for nav2; raises `FileError` with every finding."""
+    document = read_document(path)
+    return load_document(goals_as_places(document) if is_goals(document) else document, Places)
+
+
+def is_goals(document: Document) -> bool:
+    """Whether a file holds goals: a list, or one under `waypoints`, `goals` or `poses`, and no `format`."""
+    content = document.root.content
+    if isinstance(content, dict):
+        return "format" not in content and any(key in content for key in LISTS)
+    return isinstance(content, list)

@@ -19,14 +19,6 @@ UPRIGHT = math.radians(5.0)
 UNIT = 0.02  # by which the length of a quaternion may differ from 1: ROS prints few digits
 
 
-def is_goals(document: Document) -> bool:
-    """Whether a file holds goals: a list, or one under `waypoints`, `goals` or `poses`, and no `format`."""
-    content = document.root.content
-    if isinstance(content, dict):
-        return "format" not in content and any(key in content for key in LISTS)
-    return isinstance(content, list)
-
-
 def goals_as_places(document: Document) -> Document:
     """The same file as one of places, every value where it stood.
 

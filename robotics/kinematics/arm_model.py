@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Collection, Mapping, Sequence
 
 import numpy as np
-import pinocchio as pin
 from numpy.typing import NDArray
 
 from handcart.robotics.geometry.transform import Transform
-from handcart.robotics.kinematics.coal_bodies import MESHES, hull_of_mesh, shape_of
+from handcart.robotics.kinematics.coal_bodies import hull_of_mesh, meshes, shape_of
+from handcart.robotics.kinematics.libraries import pin
 from handcart.robotics.kinematics.shapes import Shape
 from handcart.robotics.kinematics.urdf_tree import urdf_of_arm
 
@@ -50,7 +50,7 @@ class ArmModel:
         reduced = urdf_of_arm(urdf_text, self.joint_names, self._others)
         self._model = pin.buildModelFromXML(reduced, True)
         self._geometry = pin.buildGeomFromUrdfString(
-            self._model, reduced, pin.GeometryType.COLLISION, None, [], MESHES
+            self._model, reduced, pin.GeometryType.COLLISION, None, [], meshes()
         )
         for body in self._geometry.geometryObjects:
             if isinstance(body.geometry, pin.coal.BVHModelBase):

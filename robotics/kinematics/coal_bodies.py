@@ -2,21 +2,25 @@
 
 from __future__ import annotations
 
-from functools import lru_cache
+from functools import cache, lru_cache
+from typing import Any
 
 import numpy as np
-import pinocchio as pin
 from numpy.typing import NDArray
 
 from handcart.robotics.geometry.transform import Transform
+from handcart.robotics.kinematics.libraries import pin
 from handcart.robotics.kinematics.shapes import Box, Cylinder, Hull, Shape, Sphere
-
-MESHES = pin.coal.CachedMeshLoader()
-"""A mesh is read once, however many models have it."""
 
 _LEAST = 4  # corners of a body
 _WORDS = 200  # of what the library says
 _CELLS = (200, 100, 50, 25)  # that a mesh is divided into along its longest side
+
+
+@cache
+def meshes() -> Any:
+    """Coal's loader: a mesh is read once, however many models have it."""
+    return pin.coal.CachedMeshLoader()
 
 
 def coal_body(shape: Shape) -> object:
@@ -59,7 +63,7 @@ def read_mesh(path: str, scale: tuple[float, float, float] = (1.0, 1.0, 1.0)) ->
         ValueError: it can't be read.
     """
     try:
-        return MESHES.load(path, np.array(scale))
+        return meshes().load(path, np.array(scale))
     except (RuntimeError, ValueError, TypeError) as error:
         said = " ".join(str(error).split()).rpartition(path)[2].partition("Hint:")[0]
         why = said.strip(' ."')[:_WORDS] or "no mesh is in it"

@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from typing import NamedTuple
 from xml.etree import ElementTree
 
-from handcart.robotics.kinematics.urdf_reading import known_urdf, read_urdf
+from handcart.robotics.kinematics.urdf_reading import read_urdf
 
 _REFERENCES = (("parent", "link"), ("child", "link"), ("mimic", "joint"))
 
@@ -23,11 +23,6 @@ class Part(NamedTuple):
     """Its roll, pitch and yaw there, in [rad], as in a URDF."""
     prefix: str = ""
     """Put before the names of its links and joints."""
-
-
-def link_names(urdf_text: str) -> list[str]:
-    """The names of all links; raises ValueError where the text is no URDF."""
-    return _names(known_urdf(urdf_text), "link")
 
 
 def with_part(urdf_text: str, part: Part) -> str:
@@ -82,8 +77,6 @@ def with_names(
     Raises:
         ValueError: the text is no URDF.
     """
-    if not links and not joints:
-        return urdf_text, {}, {}
     robot = read_urdf(urdf_text)
     now: dict[str, Names] = {"link": {}, "joint": {}}
     for old, new in joints:

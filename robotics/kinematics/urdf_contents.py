@@ -6,14 +6,15 @@ from typing import NamedTuple
 from xml.etree import ElementTree
 
 import numpy as np
-import pinocchio as pin
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from handcart.robotics.kinematics.coal_bodies import MESHES, hull_of_mesh, shape_of
-from handcart.robotics.kinematics.shapes import Shape
+from handcart.robotics.geometry.transform import Transform
+from handcart.robotics.kinematics.coal_bodies import hull_of_mesh, read_mesh, shape_of
+from handcart.robotics.kinematics.shapes import Box, Cylinder, Shape, Sphere
+from handcart.robotics.kinematics.urdf_frames import origin_of, triple
 from handcart.robotics.kinematics.urdf_reading import known_urdf
-from handcart.robotics.kinematics.urdf_tree import MOVABLE, kinematic_urdf
+from handcart.robotics.kinematics.urdf_tree import MOVABLE
 
 
 class JointFacts(NamedTuple):
@@ -55,6 +56,11 @@ class MeshUse(NamedTuple):
     scale: tuple[float, float, float] = (1.0, 1.0, 1.0)
 
 
+def link_names(urdf_text: str) -> list[str]:
+    """The names of all links; raises ValueError where the text is no URDF."""
+    return [each.get("name", "") for each in known_urdf(urdf_text).findall("link")]
+
+
 def joints_of(urdf_text: str) -> list[JointFacts]:
     """The joints that move, in the file's order; raises ValueError where the text is no URDF."""
     moving = [each for each in known_urdf(urdf_text).findall("joint") if each.get("type") in MOVABLE]
@@ -82,19 +88,25 @@ def bodies_of(urdf_text: str) -> list[Shape]:
     Raises:
         ValueError: a mesh can't be read, or encloses nothing.
     """
-    plain = kinematic_urdf(urdf_text)
-    model = pin.buildModelFromXML(plain)
-    geometry = pin.buildGeomFromUrdfString(model, plain, pin.GeometryType.COLLISION, None, [], MESHES)
-    return [_body(model, each) for each in geometry.geometryObjects]
+    return [
+        _body(solid, origin_of(collision), link.get("name", ""))
+        for link in known_urdf(urdf_text).findall("link")
+        for collision in link.findall("collision")
+        for solid in collision.iterfind("geometry/*")
+    ]
 
 
-def _body(model: pin.Model, body: pin.GeometryObject) -> Shape:
-    frame = model.frames[body.parentFrame]
-    pose = (frame.placement.inverse() * body.placement).homogeneous
-    solid = body.geometry
-    if isinstance(solid, pin.coal.BVHModelBase):
-        solid = hull_of_mesh(solid, frame.name)
-    return shape_of(solid, pose, frame.name)
+def _body(solid: ElementTree.Element, pose: Transform, link: str) -> Shape:
+    """Of the four kinds that a sound URDF has; for a mesh alone coal is asked."""
+    match solid.tag:
+        case "box":
+            return Box(pose, triple(solid, "size"), link)
+        case "cylinder":
+            return Cylinder(pose, _number(solid, "radius"), _number(solid, "length"), link)
+        case "sphere":
+            return Sphere(pose, _number(solid, "radius"), link)
+    mesh = read_mesh(solid.get("filename", ""), _scale(solid))
+    return shape_of(hull_of_mesh(mesh, link), pose, link)
 
 
 def _joint(joint: ElementTree.Element) -> JointFacts:
@@ -118,10 +130,10 @@ def _link(link: ElementTree.Element) -> LinkFacts:
         return LinkFacts(link.get("name", ""), None, np.zeros(3), np.zeros((3, 3)))
     origin, inertia = inertial.find("origin"), inertial.find("inertia")
     xx, xy, xz, yy, yz, zz = (_number(inertia, f"i{axes}") for axes in ("xx", "xy", "xz", "yy", "yz", "zz"))
-    turn = Rotation.from_euler("xyz", _triple(origin, "rpy")).as_matrix()
+    turn = Rotation.from_euler("xyz", triple(origin, "rpy")).as_matrix()
     own = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
     mass = _number(inertial.find("mass"), "value")
-    return LinkFacts(link.get("name", ""), mass, _triple(origin, "xyz"), turn @ own @ turn.T)
+    return LinkFacts(link.get("name", ""), mass, np.array(triple(origin, "xyz")), turn @ own @ turn.T)
 
 
 def _scale(mesh: ElementTree.Element) -> tuple[float, float, float]:
@@ -134,8 +146,3 @@ def _scale(mesh: ElementTree.Element) -> tuple[float, float, float]:
 
 def _number(element: ElementTree.Element | None, key: str) -> float:
     return 0.0 if element is None else float(element.get(key, "0"))
-
-
-def _triple(element: ElementTree.Element | None, key: str) -> NDArray[np.float64]:
-    words = "0 0 0" if element is None else element.get(key, "0 0 0")
-    return np.array([float(word) for word in words.split()])

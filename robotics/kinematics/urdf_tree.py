@@ -8,9 +8,9 @@ from functools import lru_cache
 from xml.etree import ElementTree
 
 import numpy as np
-import pinocchio as pin
 from numpy.typing import NDArray
 
+from handcart.robotics.kinematics.libraries import pin
 from handcart.robotics.kinematics.urdf_reading import known_urdf
 
 MOVABLE = ("revolute", "continuous", "prismatic")

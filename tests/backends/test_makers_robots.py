@@ -11,8 +11,7 @@ import pytest
 from handcart.backends.description.robot_loading import load_robot
 from handcart.backends.urdf.driven_wheels import driven_wheels
 from handcart.files.errors import FileError
-from handcart.robotics.kinematics.urdf_assembly import link_names
-from handcart.robotics.kinematics.urdf_contents import joints_of
+from handcart.robotics.kinematics.urdf_contents import joints_of, link_names
 from handcart.robotics.manipulation.motions.collision_model import CollisionModel
 
 ROBOT = """\

@@ -11,21 +11,24 @@ import pytest
 
 from handcart.backends.description.robot_file import RobotFile
 from handcart.backends.description.robot_loading import ROBOTS, load_robot
-from handcart.backends.description.simulated_errors import Errors
 from handcart.backends.registry import make_backend
 
 WORLD = ROBOTS.parents[1] / "tasks" / "return_book" / "world.yaml"
 
 
+def librarian(folder: Path, errors: str) -> RobotFile:
+    """Its file with these errors."""
+    path = Path(shutil.copytree(ROBOTS / "librarian", folder)) / "robot.yaml"
+    before, _, after = path.read_text(encoding="utf-8").partition("errors:")
+    rest = after[after.index("\ntolerance:") :]
+    path.write_text(f"{before}errors: {errors}\n{rest}", encoding="utf-8")
+    return load_robot(str(path))
+
+
 @pytest.fixture
 def ideal(tmp_path: Path) -> RobotFile:
     """The librarian, its file saying that nothing errs."""
-    folder = shutil.copytree(ROBOTS / "librarian", tmp_path / "ideal")
-    path = folder / "robot.yaml"
-    before, _, after = path.read_text(encoding="utf-8").partition("errors:")
-    rest = after[after.index("\ntolerance:") :]
-    path.write_text(f"{before}errors: {{none: true}}\n{rest}", encoding="utf-8")
-    return load_robot(str(path))
+    return librarian(tmp_path / "ideal", "{none: true}")
 
 
 def test_none_makes_all_errors_zero_also_that_of_the_ranges(ideal: RobotFile) -> None:
@@ -37,9 +40,9 @@ def test_none_makes_all_errors_zero_also_that_of_the_ranges(ideal: RobotFile) ->
     assert ideal.range_sensor.sigma_mm == 0.0
 
 
-def test_errors_that_stand_beside_none_count_as_zero() -> None:
-    assert Errors.model_validate({"none": True, "start_mm": 20.0}).start_mm == 0.0
-    assert Errors.model_validate({"none": False, "start_mm": 20.0}).start_mm == 20.0
+def test_errors_that_stand_beside_none_count_as_zero(tmp_path: Path) -> None:
+    assert librarian(tmp_path / "a", "{none: true, start_mm: 20}").errors.start_mm == 0.0
+    assert librarian(tmp_path / "b", "{none: false, start_mm: 20}").errors.start_mm == 20.0
 
 
 @pytest.mark.slow

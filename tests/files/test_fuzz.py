@@ -10,8 +10,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from handcart.files.errors import FileError
-from handcart.files.yaml.yaml_document import Document, parse_document
-from handcart.files.yaml.yaml_events import fast_events
+from handcart.files.yaml.yaml_document import Document, fast_events, parse_document
 
 ROOT = Path(__file__).resolve().parents[2]
 SHIPPED = [

@@ -17,8 +17,7 @@ from handcart.backends.description.robot_file import RobotFile
 from handcart.backends.robot.robot import Robot
 from handcart.networks.coordination.coordinator import Coordinator
 from handcart.networks.coordination.run_end import RunEnd
-from handcart.networks.graph.binding import Binding
-from handcart.networks.graph.network import Action, ActionNetwork, Situation
+from handcart.networks.graph.network import Action, ActionNetwork, Binding, Situation
 from handcart.networks.task.task_file import Task, load_task
 from handcart.primitives.contract.action_primitive import ActionPrimitive, Periods
 from handcart.primitives.contract.discrepancy import Discrepancy, NeedsPerson

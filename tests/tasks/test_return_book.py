@@ -12,7 +12,7 @@ from typing import Any
 import pytest
 
 from handcart.evaluation.books.library_files import Libraries
-from handcart.evaluation.trials.campaign import Setting, Trial, run_trial
+from handcart.evaluation.trials.campaign import CampaignSetting, Trial, run_trial
 from handcart.networks.journal.journal_record import read_journal, without_wall
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -20,7 +20,8 @@ TASK = ROOT / "tasks" / "return_book" / "task.yaml"
 
 
 def trial(tmp_path: Path, seed: int, settings: dict[str, str] | None = None, **library: Any) -> Trial:
-    return run_trial(Setting(TASK, None, settings, Libraries(library) if library else None, tmp_path), seed)
+    worlds = Libraries.model_validate(library) if library else None
+    return run_trial(CampaignSetting(TASK, None, settings, worlds, tmp_path), seed)
 
 
 @pytest.mark.slow
@@ -98,7 +99,7 @@ def test_n11_same_seed_same_journal_whatever_the_hash_seed(tmp_path: Path) -> No
 @pytest.mark.slow
 def test_two_books_one_after_the_other(tmp_path: Path) -> None:
     task = TASK.parent.parent / "return_books" / "task.yaml"
-    done = run_trial(Setting(task, None, {"books": "[1, 2]"}, Libraries({"books": 2}), tmp_path), 6)
+    done = run_trial(CampaignSetting(task, None, {"books": "[1, 2]"}, Libraries(books=2), tmp_path), 6)
     assert done.status == 0
     assert done.summary["actions"] == 16
     assert done.summary["metrics"]["slot_correct"]

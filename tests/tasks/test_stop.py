@@ -10,8 +10,7 @@ import numpy as np
 import pytest
 
 from handcart.backends.description.robot_loading import load_robot
-from handcart.backends.robot.robot import Robot
-from handcart.backends.robot.stopping import LATEST, stopping_ramp
+from handcart.backends.robot.robot import LATEST, Robot
 from handcart.evaluation.trials.running import resume_task, run_task
 from handcart.networks.coordination.events import Event, Started
 from handcart.networks.journal.journal_record import read_journal
@@ -69,7 +68,7 @@ def test_stopped_in_every_primitive_of_return_book(tmp_path: Path) -> None:
         else:
             _, status = resume_task(folder, None, RunOptions(observers=(told,)))
         assert status == 130
-        ramp = stopping_ramp(told.robot)
+        ramp = _stopping_ramp(told.robot)
         *_, start, stop, end = (
             each
             for each in read_journal(folder / "journal.jsonl").records
@@ -81,3 +80,12 @@ def test_stopped_in_every_primitive_of_return_book(tmp_path: Path) -> None:
         assert last_motion(folder, stop["sent_s"]) <= stop["sent_s"] + ramp + period
     assert stopped == PRIMITIVES
     assert max(waits) <= LATEST + 1e-6
+
+
+def _stopping_ramp(robot: Robot) -> float:
+    """The longest that anything moves on after the stop command has left, in [s]: from top speed."""
+    drive = robot.spec.drive
+    base = drive.top_speed_m_s / drive.acceleration_m_s2
+    turn = drive.top_turn_deg_s / drive.turn_acceleration_deg_s2
+    ramps = robot.spec.joint_speeds() / robot.spec.joint_accelerations()
+    return max([base, turn, *map(float, ramps)])

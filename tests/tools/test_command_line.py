@@ -12,7 +12,7 @@ from typing import Any
 
 import pytest
 
-from handcart.tools.command_line import COMMANDS
+from handcart.tools.command_line import all_commands
 from tests.tools.conftest import Said
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -27,14 +27,14 @@ def test_help_imports_nothing_heavy() -> None:
     )
     said = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, cwd=ROOT, check=True)
     assert said.stdout.splitlines()[-1] == "[]"
-    assert all(name in said.stdout for name in COMMANDS)
+    assert all(name in said.stdout for name in all_commands())
 
 
-@pytest.mark.parametrize("name", list(COMMANDS))
+@pytest.mark.parametrize("name", list(all_commands()))
 def test_every_subcommand_has_help(handcart: Callable[..., Said], name: str) -> None:
     said = handcart(name, "--help")
     assert said.status == 0
-    assert COMMANDS[name][2] in said.out
+    assert all_commands()[name][1] in said.out
 
 
 @pytest.mark.parametrize("what", ["primitives", "backends", "robots", "tasks"])
@@ -53,6 +53,34 @@ def test_describe_names_parameters_with_their_meaning(handcart: Callable[..., Sa
     assert "wait_s" in said.out
     assert "passer-by" in said.out
     assert "RangeSensor" in said.out
+
+
+def test_describe_ends_with_the_tree_as_the_docs_have_it(handcart: Callable[..., Said]) -> None:
+    page = (ROOT / "docs" / "primitives.md").read_text(encoding="utf-8")
+    shown = page.partition("`handcart describe INSERT`")[2].split("```")[1].strip()
+    assert handcart("describe", "INSERT").out.split("\n\n")[-1].strip() == shown
+
+
+@pytest.mark.parametrize("name", ["RELEASE", "PICK_UP", "DEPLOY"])
+def test_describe_shows_every_tree_of_ours(handcart: Callable[..., Said], name: str) -> None:
+    root, *steps = handcart("describe", name).out.split("\n\n")[-1].rstrip().splitlines()
+    assert root.startswith("{-} ")
+    assert len(steps) >= 5
+    assert all(step.startswith("    ") for step in steps)
+
+
+def test_a_tree_that_asks_the_robot_while_it_is_built_is_not_shown(
+    handcart: Callable[..., Said], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from py_trees.behaviours import Success
+
+    from handcart.primitives.contract.behaviour_primitive import behaviour_primitive
+
+    kind = behaviour_primitive("Asking", lambda robot, model: Success(f"at {robot.pose.x}"))
+    monkeypatch.setattr("handcart.primitives.registry.primitive_class", lambda name: kind)
+    said = handcart("describe", "ASKING")
+    assert said.status == 0
+    assert said.out.endswith("writes: nothing\n")
 
 
 @pytest.mark.parametrize("kind", ["task", "robot", "world", "places", "catalogue"])
@@ -101,12 +129,12 @@ def test_do_takes_what_a_task_tells(handcart: Callable[..., Said]) -> None:
 
 
 def test_the_fixtures_for_users_tests(
-    set_stage: Callable[..., Any], do_primitive: Callable[..., Any]
+    build_rig: Callable[..., Any], do_primitive: Callable[..., Any]
 ) -> None:
     from handcart.primitives.contract.outcome import Success
     from handcart.primitives.driving.modify import Modify
 
-    assert isinstance(set_stage(seed=3).do(Modify(place="shelf_2")), Success)
+    assert isinstance(build_rig(seed=3).do(Modify(place="shelf_2")), Success)
     assert isinstance(do_primitive(Modify(place="shelf_2"), seed=3), Success)
 
 

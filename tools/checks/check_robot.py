@@ -15,7 +15,6 @@ from handcart.tools.terminal.tables import table_of
 from handcart.tools.terminal.writing import NotWritable
 
 if TYPE_CHECKING:
-    from rich.console import Group
     from rich.table import Table
 
     from handcart.evaluation.robot_report.reach import Reach
@@ -99,7 +98,7 @@ def _lines(report: RobotReport, every: bool) -> list[str]:
     if report.contact is not None:
         parts.append(report.contact.words)
     if report.reach is not None:
-        parts += [_reach(report.reach), ""]
+        parts += [_reach_words(report.reach), *_told_by_domains(report), ""]
     if report.camera is not None:
         camera = report.camera
         parts.append(
@@ -161,27 +160,12 @@ def _joint(joint: JointFacts) -> tuple[str, ...]:
     )
 
 
-def _reach(reach: Reach) -> Group:
-    from rich.console import Group
-
-    from handcart.evaluation.robot_report.reach import BEFORE_SHELF
-
+def _reach_words(reach: Reach) -> str:
     (near, far), (low, high) = reach.radii, reach.heights
-    words = (
-        f"reach: the hand gets {near:.2f} to {far:.2f} m from the base's axis, {low:.2f} to {high:.2f} m up"
-    )
-    if not reach.grasps:
-        return Group(words)
-    rows = [
-        (f"{row.board_m:.2f} m", f"{_span(row.ahead_m)}, y = {row.line_m:.2f}", _span(row.aside_m))
-        for row in reach.grasps
-    ]
-    return Group(
-        f"{words};",
-        "upright, pointing ahead and holding a book on a board, its finger tips get to",
-        table_of("board at", "x, straight ahead", f"y, {BEFORE_SHELF} m ahead", rows=rows),
-    )
+    away = f"{near:.2f} to {far:.2f} m from the base's axis"
+    return f"reach: the hand gets {away}, {low:.2f} to {high:.2f} m up"
 
 
-def _span(span: tuple[float, float] | None) -> str:
-    return "nowhere" if span is None else f"{span[0]:.2f} to {span[1]:.2f} m"
+def _told_by_domains(report: RobotReport) -> list[Any]:
+    tables = [table for facts in report.domains.values() for table in facts.tables]
+    return [part for each in tables for part in (each.heading, table_of(*each.columns, rows=each.rows))]

@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from handcart.evaluation.trials.action_shares import ActionShare
-    from handcart.evaluation.trials.campaign import Report, Setting, Trial
+    from handcart.evaluation.trials.campaign import CampaignReport, CampaignSetting, Trial, WorldGenerator
 
 
 def campaign(
@@ -25,9 +27,11 @@ def campaign(
     settings: Annotated[
         list[str] | None, typer.Option("--set", help="KEY=VALUE: a parameter that the task declares")
     ] = None,
-    library: Annotated[
+    generate: Annotated[
         list[str] | None,
-        typer.Option(help="KEY=VALUE: a generated library for each seed, such as blocked=way_around"),
+        typer.Option(
+            help="NAME or NAME.KEY=VALUE: a generated world for each seed, such as library.blocked=way_around"
+        ),
     ] = None,
     as_json: Annotated[bool, typer.Option("--json", help="end with one JSON object on stdout")] = False,
     runs: Annotated[Path, typer.Option(help="where the runs' folders are made")] = Path("runs"),
@@ -35,14 +39,12 @@ def campaign(
     """Run seeded trials of a task side by side, and count how they end."""
     from rich.progress import track
 
-    from handcart.evaluation.books.library_files import Libraries
-    from handcart.evaluation.trials.campaign import Report, Setting, run_campaign
+    from handcart.evaluation.trials.campaign import CampaignReport, CampaignSetting, run_campaign
     from handcart.files.models.settings import split_setting
 
     settings = [*(settings or []), *([f"robot={robot}"] if robot else [])]
     chosen = dict(split_setting(each) for each in settings)
-    options = _options([split_setting(each) for each in library or []]) if library else None
-    setting = Setting(task, backend, chosen, None if options is None else Libraries(options), runs)
+    setting = CampaignSetting(task, backend, chosen, _worlds(generate) if generate else None, runs)
     running = run_campaign(setting, range(first, first + trials), jobs)
     from rich.console import Console
 
@@ -53,22 +55,35 @@ def campaign(
     except KeyboardInterrupt:
         interrupted = True
         print(f"interrupted after {len(done)} of {trials} trials", file=sys.stderr)
-    report = Report(tuple(sorted(done, key=lambda each: each.seed)))
+    report = CampaignReport(tuple(sorted(done, key=lambda each: each.seed)))
     if as_json:
         _print_json(report, trials, interrupted)
     elif done:
-        _print_table(report, setting)
+        _print_table(report, setting, generate or ())
     if interrupted:
         sys.exit(130)
     sys.exit(0 if not report.untrue else 5)
 
 
-def _options(pairs: list[tuple[str, str]]) -> dict[str, Any]:
-    words: dict[str, Any] = {"true": True, "false": False}
-    return {key: words.get(value, value) for key, value in pairs}
+def _worlds(words: Sequence[str]) -> WorldGenerator:
+    """What makes them, of the domain that has worlds of that name."""
+    from handcart.files.suggest import suggest
+    from handcart.tasks.domain import domains, imported
+    from handcart.tools.terminal.typed_model import typed_model
+
+    known = {name: path for domain in domains() for name, path in domain.worlds.items()}
+    named = [word.partition(".") for word in words]
+    name = named[0][0]
+    if other := next((each for each, _, _ in named if each != name), None):
+        raise typer.BadParameter(f"--generate {name} and {other}; allowed: worlds of one kind")
+    if name not in known:
+        raise typer.BadParameter(f"--generate {name}: no worlds of that name{suggest(name, known)}")
+    options = [option for _, _, option in named if option]
+    worlds: WorldGenerator = typed_model(imported(known[name]), options, f"--generate {name}")
+    return worlds
 
 
-def _print_table(report: Report, setting: Setting) -> None:
+def _print_table(report: CampaignReport, setting: CampaignSetting, generate: Sequence[str]) -> None:
     low, high = report.wilson
     count = len(report.trials)
     print(f"Success {report.successes} of {count}; by Wilson {100 * low:.1f} to {100 * high:.1f} % (95 %)")
@@ -87,26 +102,24 @@ def _print_table(report: Report, setting: Setting) -> None:
         print(f"{share.action:<56}{share.attempts:>9}{ends}")
     for trial in report.worst():
         print(f"\nseed {trial.seed}: {'; '.join(trial.untrue) or trial.summary['reason'] or 'with Fails'}")
-        print(f"  {_rerun(setting, trial.seed)}")
+        print(f"  {_rerun(setting, trial.seed, generate)}")
 
 
-def _shares(report: Report) -> list[ActionShare]:
+def _shares(report: CampaignReport) -> list[ActionShare]:
     from handcart.evaluation.trials.action_shares import action_shares
 
     return action_shares(Path(trial.summary["run_dir"]) for trial in report.trials)
 
 
-def _rerun(setting: Setting, seed: int) -> str:
-    from handcart.evaluation.books.library_files import Libraries
-
+def _rerun(setting: CampaignSetting, seed: int, generate: Sequence[str]) -> str:
     chosen = "".join(f" --set {key}={value}" for key, value in (setting.settings or {}).items())
-    if not isinstance(setting.world, Libraries):
+    if not generate:
         return f"handcart run {setting.task} --seed {seed}{chosen}"
-    options = "".join(f" --library {key}={value}" for key, value in setting.world.options.items())
-    return f"handcart campaign {setting.task} --trials 1 --first {seed} --jobs 1{options}{chosen}"
+    worlds = "".join(f" --generate {each}" for each in generate)
+    return f"handcart campaign {setting.task} --trials 1 --first {seed} --jobs 1{worlds}{chosen}"
 
 
-def _print_json(report: Report, asked: int, interrupted: bool) -> None:
+def _print_json(report: CampaignReport, asked: int, interrupted: bool) -> None:
     import orjson
 
     low, high = report.wilson

@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable
 
     from handcart.files.errors import FileError, Finding, InputError
+    from handcart.networks.task.task_file import Task
 
 MOST = 12  # lines of faults beyond which those that are alike are told in one
 
@@ -136,7 +137,7 @@ def file_facts(file: Path, settings: dict[str, str], asked: Asked = Asked()) -> 
     from handcart.files.models.loading import load
     from handcart.files.suggest import suggest
     from handcart.files.yaml.yaml_document import read_document
-    from handcart.primitives.knowledge.ros_goals import is_goals
+    from handcart.primitives.knowledge.place import is_goals
     from handcart.tools.checks.file_kinds import is_urdf, kinds, model_of
 
     if is_urdf(file):
@@ -188,7 +189,7 @@ def _map_facts(file: Path) -> dict[str, Any]:
 
 
 def _goals_facts(file: Path) -> dict[str, Any]:
-    from handcart.primitives.knowledge.place_file import load_places
+    from handcart.primitives.knowledge.place import load_places
 
     return {"format": "goals for nav2", "places": list(load_places(file).value.places)}
 
@@ -203,16 +204,26 @@ def _task_facts(file: Path, settings: dict[str, str], quick: bool) -> dict[str, 
     checked = check_task(file, settings=settings)
     with share_shown(f"{file}: how runs end") as watch:
         facts = task_facts(checked.task, watch)
-    if not quick and checked.task.path("knowledge", "seam"):
-        from handcart.evaluation.seam.seam_check import seam_facts  # what it needs takes a second to import
-
-        facts |= seam_facts(checked.task)
+    if not quick:
+        facts |= _told_by_domains(checked.task)
     robot = checked.task.robot
     postures = map(str, posture_findings(robot, load_robot(robot)))
     lines = [*(each.words() for each in checked.places), *facts.get("lines", ())]
     places = {"places": [each.for_programs() for each in checked.places]} if checked.places else {}
     facts |= {"lines": lines, "warnings": [*checked.warnings, *postures, *facts["warnings"]]}
     return {**facts, **places, "errors": list(checked.errors)}
+
+
+def _told_by_domains(task: Task) -> dict[str, Any]:
+    """What the domains tell of it whose files it names."""
+    from handcart.tasks.domain import domains, imported
+
+    facts: dict[str, Any] = {}
+    for domain in domains():
+        named = domain.knowledge.files if domain.knowledge else ()
+        if domain.task_facts and any(task.path("knowledge", key) for key in named):
+            facts |= imported(domain.task_facts)(task)
+    return facts
 
 
 def _table_facts(file: Path) -> dict[str, Any]:

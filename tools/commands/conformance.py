@@ -14,7 +14,7 @@ import typer
 if TYPE_CHECKING:
     from rich.console import Console
 
-    from handcart.evaluation.conformance.kit import Setting
+    from handcart.evaluation.conformance.kit import KitSetting
 
 BROKEN_PROMISE = 5
 SELDOM = 30.0  # [s] between two lines of progress, at least
@@ -42,10 +42,10 @@ def conformance(
     as_json: Annotated[bool, typer.Option("--json", help="end with one JSON object on stdout")] = False,
 ) -> None:
     """Check what the backend declares, break it at many instants, and plant liars; status 0 if all holds."""
-    from handcart.evaluation.conformance.kit import Setting, run_kit
+    from handcart.evaluation.conformance.kit import KitSetting, run_kit
 
     chosen = _chosen(parts or [], primitives or [], tasks or [])
-    setting = Setting(backend, robot, quick, chosen, primitives or (), instants, seeds, tasks or ())
+    setting = KitSetting(backend, robot, quick, chosen, primitives or (), instants, seeds, tasks or ())
     _check(setting)
     with _progress() as tell:
         report = run_kit(setting, jobs, tell)
@@ -101,7 +101,7 @@ def _chosen(parts: list[str], primitives: list[str], tasks: list[str]) -> tuple[
     return tuple(parts)
 
 
-def _check(setting: Setting) -> None:
+def _check(setting: KitSetting) -> None:
     """Refuse what can't be tried, before anything is."""
     from handcart.backends.registry import backend_class
     from handcart.files.suggest import suggest

@@ -1,9 +1,9 @@
-"""`handcart describe`: what a primitive takes, needs and does, or what a backend simulates."""
+"""`handcart describe`: what a primitive takes, needs and does, step by step, or what a backend simulates."""
 
 from __future__ import annotations
 
 import inspect
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -28,6 +28,8 @@ def describe(name: Annotated[str, typer.Argument(help="a primitive, such as MOVE
     print(f"\nneeds:  {', '.join(each.__name__ for each in kind.needs) or 'nothing'}")
     print(f"reads:  {', '.join(kind.reads) or 'nothing'}")
     print(f"writes: {', '.join(kind.writes) or 'nothing'}")
+    if tree := _tree(kind):
+        print(f"\n{tree}")
 
 
 def _parameters(kind: type[ActionPrimitive]) -> list[str]:
@@ -41,3 +43,18 @@ def _parameters(kind: type[ActionPrimitive]) -> list[str]:
         description = f": {field.description}" if field.description else ""
         lines.append(f"  {key} ({described(walk, walk.place((key,)).schema, key)}; {default}){description}")
     return lines
+
+
+def _tree(kind: type[ActionPrimitive]) -> str:
+    """Its behaviour tree, parameters left as they are by default; empty where none can be shown."""
+    from py_trees.display import ascii_tree
+
+    from handcart.primitives.contract.tree_primitive import TreePrimitive
+
+    if not issubclass(kind, TreePrimitive):
+        return ""
+    nobody: Any = None
+    try:
+        return ascii_tree(kind.model_construct().tree(nobody, nobody)).rstrip()
+    except Exception:  # somebody's tree that asks robot, model or a required parameter while it is built
+        return ""

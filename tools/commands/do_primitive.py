@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -33,20 +33,20 @@ def do(
     """Run one primitive alone, and tell its outcome; by itself in the library of return_book."""
     from dataclasses import replace
 
-    from handcart.evaluation.trials.stage import StageFiles, set_stage
+    from handcart.evaluation.trials.rig import RigFiles, build_rig
     from handcart.networks.runs.robot_claim import claimed
     from handcart.networks.task.task_file import load_task
     from handcart.primitives.contract.outcome import Success
 
     made = _made(primitive, parameters or [])
     task = load_task(knowledge) if knowledge else None
-    own = StageFiles() if task is None else StageFiles.of(task)
+    own = RigFiles() if task is None else RigFiles.of(task)
     given = {"world": world, "map": map, "places": places, "start": start}
     files = replace(own, **{name: value for name, value in given.items() if value is not None})  # type: ignore[arg-type]
     whose = robot or (DEFAULT if task is None else task.robot)
-    with set_stage(files, whose, backend, seed) as stage, claimed(stage.backend):
-        _check_names(made, stage.knowledge)
-        outcome = stage.do(made)
+    with build_rig(files, whose, backend, seed) as rig, claimed(rig.backend):
+        _check_names(made, rig.knowledge)
+        outcome = rig.do(made)
     word = type(outcome).__name__
     print(word if isinstance(outcome, Success) else f"{word}: {outcome.reason}")
     facts = outcome.evidence if isinstance(outcome, Success) else {**made.facts, **outcome.residuals}
@@ -57,41 +57,14 @@ def do(
 
 def _made(name: str, parameters: list[str]) -> ActionPrimitive:
     """The primitive with its parameters, checked as in a task file."""
-    from handcart.files.errors import FileError
     from handcart.primitives.registry import primitive_class
+    from handcart.tools.terminal.typed_model import typed_model
 
     try:
         kind = primitive_class(name)
     except KeyError as unknown:
         raise typer.BadParameter(str(unknown.args[0])) from None
-    try:
-        return _read(name, kind, parameters)
-    except FileError as error:
-        raise FileError(_as_typed(error)) from None
-
-
-def _read(name: str, kind: type[ActionPrimitive], parameters: list[str]) -> ActionPrimitive:
-    from handcart.files.models.loading import load_part
-    from handcart.files.models.settings import setting_value, split_setting
-    from handcart.files.yaml.yaml_document import Document
-    from handcart.files.yaml.yaml_node import Node
-
-    content = {}
-    for key, value in map(split_setting, parameters):
-        field = kind.model_fields.get(key)
-        is_text = field is not None and field.annotation is str and value[:1] not in ("'", '"')
-        content[key] = (
-            Node(value, f"--set {key}={value}", 0, 0, 0, 0) if is_text else setting_value(key, value)
-        )
-    command = f"handcart do {name}"
-    return load_part(Document(command, b"", Node(content, command, 0, 0, 0, 0)), (), kind)
-
-
-def _as_typed(error: Any) -> list[Any]:
-    """Findings without the `--set` that a task's parameters have."""
-    from dataclasses import replace
-
-    return [replace(each, file=each.file.removeprefix("--set ")) for each in error.findings]
+    return typed_model(kind, parameters, f"handcart do {name}")
 
 
 def _check_names(made: ActionPrimitive, knowledge: TaskKnowledge) -> None:

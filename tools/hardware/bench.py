@@ -110,7 +110,7 @@ def _scans(bench: Bench, port: int) -> RangeServer:
 
 
 def _library() -> Path:
-    from handcart.evaluation.trials.stage import LIBRARY
+    from handcart.evaluation.trials.rig import LIBRARY
 
     return LIBRARY / "world.yaml"
 

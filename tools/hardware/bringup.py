@@ -41,7 +41,7 @@ def bringup(
     from handcart.backends.registry import bench_class
     from handcart.evaluation.bringup.ladder import RUNGS, Ladder
     from handcart.evaluation.bringup.site import Site
-    from handcart.evaluation.trials.stage import LIBRARY
+    from handcart.evaluation.trials.rig import LIBRARY
     from handcart.tools.terminal.writing import check_folder
 
     spec = load_robot(robot)

@@ -30,7 +30,7 @@ def jog(
     from handcart.evaluation.bringup.jog import HAND_SPEED, Jogger, UnknownAxis, slides
     from handcart.evaluation.bringup.operator import BenchOperator, Operator
     from handcart.evaluation.bringup.site import Site
-    from handcart.evaluation.trials.stage import LIBRARY
+    from handcart.evaluation.trials.rig import LIBRARY
     from handcart.tools.terminal.terminal_operator import TerminalOperator
 
     if not math.isfinite(way):

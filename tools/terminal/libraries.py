@@ -1,20 +1,22 @@
-"""Whether the libraries are there that handcart needs."""
+"""Whether the libraries are there that handcart needs, and that they keep quiet."""
 
 from __future__ import annotations
 
 import os
 import re
 import sys
+import warnings
 from collections.abc import Iterable, Iterator
-from importlib.util import find_spec
 from pathlib import Path
 from typing import NamedTuple
 
 from handcart.files.errors import InputError
+from handcart.files.extras import EXTRAS, extra_of, is_there
 
 MODULES = {
     "opencv-python-headless": "cv2",
     "pin": "pinocchio",
+    "python-fcl": "fcl",
     "python-can": "can",
     "pyserial": "serial",
     "pillow": "PIL",
@@ -23,7 +25,15 @@ MODULES = {
     "ruamel-yaml": "ruamel.yaml",
 }
 """Where a library is imported under another name than it is installed."""
-_REQUIRED = re.compile(r"Requires-Dist: ([\w.-]+)(?:\[[\w,]*\])?([<>=!~\d.,]*)$", re.MULTILINE)
+_SILENT = {
+    "OPENCV_LOG_LEVEL": "SILENT",  # its C++ code tells stderr of each picture that it can't read
+    "OPENCV_FFMPEG_LOGLEVEL": "-8",  # as does the encoder of videos
+    "PYTHONWARNINGS": "ignore",  # in processes that are begun by this one
+}
+"""Against what libraries say to programmers."""
+_REQUIRED = re.compile(
+    r'Requires-Dist: ([\w.-]+)(?:\[[\w,]*\])?([<>=!~\d.,]*)(?:;.*extra == "(\w+)")?$', re.MULTILINE
+)
 
 
 class NoLibrary(InputError):
@@ -41,6 +51,9 @@ class NoLibrary(InputError):
         root = (error.name or "").partition(".")[0]
         if root == "handcart":
             return None
+        extra = extra_of(error)
+        if extra is not None:
+            return cls([f"the library {root} can't be imported: {error}"], [f"handcart[{extra}]"])
         found = {_module(each.name).partition(".")[0]: each for each in required()}
         install = str(found[root]) if root in found else root or "handcart"
         return cls([f"the library {root or '?'} can't be imported: {error}"], [install])
@@ -52,6 +65,8 @@ class Requirement(NamedTuple):
     name: str
     versions: str
     """Such as `>=2.0,<3`."""
+    extra: str = ""
+    """Of handcart, that asks for it; empty: everybody needs it."""
 
     def __str__(self) -> str:
         return self.name + self.versions
@@ -66,8 +81,8 @@ def check_libraries() -> None:
     installed, wrong, install = dict(_installed()), [], []
     for each in required():
         version = installed.get(_plain(each.name))
-        if version is None and _is_there(_module(each.name)):
-            continue  # from a distribution of another name
+        if version is None and (each.extra or is_there(_module(each.name))):
+            continue  # asked for where it is needed; or from a distribution of another name
         if version is None:
             wrong.append(f"the library {each.name} is missing")
         elif not _fits(version, each.versions):
@@ -84,7 +99,8 @@ def required() -> list[Requirement]:
     for folder in sys.path:
         for found in Path(folder or ".").glob("handcart-*.dist-info/METADATA"):
             head = found.read_text(encoding="utf-8").partition("\n\n")[0]
-            return [Requirement(*each) for each in _REQUIRED.findall(head)]
+            every = (Requirement(*each) for each in _REQUIRED.findall(head))
+            return [each for each in every if not each.extra or each.extra in EXTRAS]
     return []
 
 
@@ -108,13 +124,6 @@ def _module(name: str) -> str:
     return MODULES.get(_plain(name), _plain(name).replace("-", "_"))
 
 
-def _is_there(module: str) -> bool:
-    try:
-        return find_spec(module) is not None
-    except (ImportError, ValueError):
-        return False
-
-
 def _fits(version: str, wanted: str) -> bool:
     has = _numbers(version)
     for each in filter(None, wanted.split(",")):
@@ -131,3 +140,13 @@ def _numbers(version: str) -> tuple[int, ...]:
     while numbers and not numbers[-1]:
         numbers.pop()  # 2.0 is 2
     return tuple(numbers)
+
+
+def quiet_libraries() -> None:
+    """Before any of them is imported; what was chosen by environment or `python -W` stays."""
+    chosen = bool(sys.warnoptions)
+    for name, value in _SILENT.items():
+        if not (chosen and name == "PYTHONWARNINGS"):
+            os.environ.setdefault(name, value)
+    if not chosen:
+        warnings.simplefilter("ignore")

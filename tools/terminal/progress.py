@@ -12,7 +12,6 @@ from rich.console import Console
 from rich.markup import escape
 
 from handcart.backends.robot.robot import Robot
-from handcart.backends.robot.stopping import stopping_distance
 from handcart.files.printable import printable
 from handcart.networks.coordination.events import Ended, Event, LeftOut, Planned, Restoring, RunEnded, Started
 from handcart.networks.graph.network import Action
@@ -82,7 +81,7 @@ class Progress(RunObserver):
         """Tell what the user should know before the run starts."""
         for words in prepared.warnings:
             self._print(f"[yellow]warning: {escape(words)}[/yellow]")
-        far = stopping_distance(prepared.robot)
+        far = prepared.robot.stopping_distance
         words = f"{run_dir}: Ctrl-C or `handcart stop` with that folder stops the base within {far:.2f} m"
         self._print(f"[dim]{escape(words)}[/dim]")
 

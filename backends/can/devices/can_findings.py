@@ -6,6 +6,8 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 from handcart.backends.can.bus.cyclic_frames import bus_load
+from handcart.backends.description.can_spec import VIRTUAL
+from handcart.files.suggest import suggest
 
 if TYPE_CHECKING:
     from handcart.backends.description.can_spec import AxisSpec, CanSpec, JointDriveSpec
@@ -22,9 +24,33 @@ def can_findings(robot: RobotFile, document: Document) -> list[Finding]:
     spec = robot.can
     if spec is None:
         return []
-    own = (_load(robot, spec), _nodes(spec), _counts(robot, spec), _periods(robot, spec), _files(robot, spec))
+    own = (
+        *(_interface(spec), _load(robot, spec), _nodes(spec), _held(spec)),
+        *(_counts(robot, spec), _periods(robot, spec), _files(robot, spec)),
+    )
     found = [document.finding(("can", *place), words) for each in own for place, words in each]
     return [*found, *_eds_findings(robot, spec, document)]
+
+
+def _interface(spec: CanSpec) -> Iterator[tuple[Place, str]]:
+    if spec.interface == VIRTUAL:
+        return
+    from can.interfaces import VALID_INTERFACES
+
+    if spec.interface not in VALID_INTERFACES:
+        allowed = suggest(spec.interface, VALID_INTERFACES)
+        yield ("interface",), f"unknown interface {spec.interface!r}{allowed}"
+
+
+def _held(spec: CanSpec) -> Iterator[tuple[Place, str]]:
+    """What would fall when it is stopped."""
+    for place, axis in placed_axes(spec):
+        if axis.gravity and not axis.brake and axis.stop != "hold":
+            words = f"an axis under gravity without a brake would fall with stop: {axis.stop}"
+            yield place, f"{words}; allowed: stop: hold, or brake: true, or gravity: false"
+        elif axis.gravity and not axis.brake and "quick_stop_option" in axis.without:
+            words = "an axis under gravity without a brake may fall at a stop without: [quick_stop_option]"
+            yield place, f"{words}; allowed: brake: true, or gravity: false"
 
 
 def _load(robot: RobotFile, spec: CanSpec) -> Iterator[tuple[Place, str]]:
@@ -86,6 +112,9 @@ def _joint(joint: JointDriveSpec, slides: bool) -> Iterator[tuple[Place, str]]:
 
 
 def _periods(robot: RobotFile, spec: CanSpec) -> Iterator[tuple[Place, str]]:
+    if spec.heartbeat_timeout_ms < 2 * spec.heartbeat_ms:
+        words = f"heartbeat_timeout_ms is {spec.heartbeat_timeout_ms}"
+        yield (), f"{words}; allowed: from twice heartbeat_ms, {2 * spec.heartbeat_ms}"
     period_ms = 1e3 * robot.period_s
     if spec.heartbeat_timeout_ms < 2.0 * period_ms:
         words = (

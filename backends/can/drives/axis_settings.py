@@ -27,7 +27,7 @@ _IF_THERE = (
 
 
 @dataclass(frozen=True)
-class Setting:
+class ObjectValue:
     """An object and its value."""
 
     index: int
@@ -35,7 +35,7 @@ class Setting:
     value: int
 
 
-def settings(axis: Axis, spec: CanSpec, period: float) -> list[Setting]:
+def settings(axis: Axis, spec: CanSpec, period: float) -> list[ObjectValue]:
     """All settings of a drive but its PDOs, for a period in [s] between two SYNCs."""
     planned = [*_communication(spec, period), *_stopping(axis), *_ramps(axis), *_mode(axis, period)]
     wanted = [each for each in planned if each.index not in axis.left_out]
@@ -43,61 +43,61 @@ def settings(axis: Axis, spec: CanSpec, period: float) -> list[Setting]:
     return [each for each in wanted if each not in optional or _has(axis, each)]
 
 
-def mapping(axis: Axis) -> Iterator[Setting]:
+def mapping(axis: Axis) -> Iterator[ObjectValue]:
     """What its PDOs have to read back as."""
     for first, mapped, pdos in (
         (0x1400, 0x1600, axis.layout.commands),
         (0x1800, 0x1A00, axis.layout.answers),
     ):
         for pdo in pdos:
-            yield Setting(first + pdo.number - 1, 2, pdo.transmission)
+            yield ObjectValue(first + pdo.number - 1, 2, pdo.transmission)
             record = mapped + pdo.number - 1
-            yield Setting(record, 0, len(pdo.objects))
+            yield ObjectValue(record, 0, len(pdo.objects))
             for place, index in enumerate(pdo.objects, 1):
-                yield Setting(record, place, index << 16 | BITS[index])
+                yield ObjectValue(record, place, index << 16 | BITS[index])
 
 
-def _communication(spec: CanSpec, period: float) -> Iterator[Setting]:
-    yield Setting(0x1006, 0, round(period * 1e6))
-    yield Setting(0x1016, 1, spec.our_node << 16 | spec.heartbeat_timeout_ms)
-    yield Setting(0x1017, 0, spec.heartbeat_ms)
-    yield Setting(0x1029, 1, _PRE_OPERATIONAL)
+def _communication(spec: CanSpec, period: float) -> Iterator[ObjectValue]:
+    yield ObjectValue(0x1006, 0, round(period * 1e6))
+    yield ObjectValue(0x1016, 1, spec.our_node << 16 | spec.heartbeat_timeout_ms)
+    yield ObjectValue(0x1017, 0, spec.heartbeat_ms)
+    yield ObjectValue(0x1029, 1, _PRE_OPERATIONAL)
     # Commands may be as old as heartbeats.
-    yield Setting(0x1400, 5, max(spec.heartbeat_timeout_ms, math.ceil(3e3 * period)))
+    yield ObjectValue(0x1400, 5, max(spec.heartbeat_timeout_ms, math.ceil(3e3 * period)))
 
 
-def _stopping(axis: Axis) -> Iterator[Setting]:
+def _stopping(axis: Axis) -> Iterator[ObjectValue]:
     stays = axis.spec.stop == HOLD
-    yield Setting(0x6007, 0, _QUICK_STOP)
-    yield Setting(0x605A, 0, QUICK_STOP_AND_STAY if stays else QUICK_STOP_AND_DISABLE)
-    yield Setting(0x605E, 0, _SLOW_DOWN)
+    yield ObjectValue(0x6007, 0, _QUICK_STOP)
+    yield ObjectValue(0x605A, 0, QUICK_STOP_AND_STAY if stays else QUICK_STOP_AND_DISABLE)
+    yield ObjectValue(0x605E, 0, _SLOW_DOWN)
 
 
-def _ramps(axis: Axis) -> Iterator[Setting]:
+def _ramps(axis: Axis) -> Iterator[ObjectValue]:
     units, limits = axis.units, axis.limits
     speed = units.size(limits.speed)
-    yield Setting(0x607F, 0, speed + 1)
-    yield Setting(0x6080, 0, math.ceil(60.0 * speed / axis.spec.counts_per_rev))
-    yield Setting(0x6083, 0, units.size(limits.acceleration))
-    yield Setting(0x6084, 0, units.size(limits.acceleration))
-    yield Setting(0x6085, 0, units.size(limits.braking))
+    yield ObjectValue(0x607F, 0, speed + 1)
+    yield ObjectValue(0x6080, 0, math.ceil(60.0 * speed / axis.spec.counts_per_rev))
+    yield ObjectValue(0x6083, 0, units.size(limits.acceleration))
+    yield ObjectValue(0x6084, 0, units.size(limits.acceleration))
+    yield ObjectValue(0x6085, 0, units.size(limits.braking))
     if not axis.positioned:
         return
-    yield Setting(0x6081, 0, speed)
-    yield Setting(0x6072, 0, limits.torque)
+    yield ObjectValue(0x6081, 0, speed)
+    yield ObjectValue(0x6072, 0, limits.torque)
     lowest, highest = sorted((units.counts(limits.lower), units.counts(limits.upper)))
-    yield Setting(0x607D, 1, lowest)
-    yield Setting(0x607D, 2, highest)
-    yield Setting(0x6065, 0, units.size(limits.window) if math.isfinite(limits.window) else _ANY)
-    yield Setting(0x6066, 0, axis.spec.following_ms)
+    yield ObjectValue(0x607D, 1, lowest)
+    yield ObjectValue(0x607D, 2, highest)
+    yield ObjectValue(0x6065, 0, units.size(limits.window) if math.isfinite(limits.window) else _ANY)
+    yield ObjectValue(0x6066, 0, axis.spec.following_ms)
 
 
-def _mode(axis: Axis, period: float) -> Iterator[Setting]:
-    yield Setting(0x6060, 0, axis.mode)
+def _mode(axis: Axis, period: float) -> Iterator[ObjectValue]:
+    yield ObjectValue(0x6060, 0, axis.mode)
     if axis.mode in (CYCLIC_POSITION, CYCLIC_VELOCITY):
         value, index = interpolation_time(period)
-        yield Setting(0x60C2, 1, value)
-        yield Setting(0x60C2, 2, index)
+        yield ObjectValue(0x60C2, 1, value)
+        yield ObjectValue(0x60C2, 2, index)
 
 
 def interpolation_time(period: float) -> tuple[int, int]:
@@ -113,6 +113,6 @@ def interpolation_time(period: float) -> tuple[int, int]:
     raise ValueError(f"a period of {period} s doesn't fit into 60C2h; allowed: two and a half digits")
 
 
-def _has(axis: Axis, setting: Setting) -> bool:
+def _has(axis: Axis, setting: ObjectValue) -> bool:
     found = axis.object_dictionary.get(setting.index)
     return found is not None and (setting.subindex == 0 or setting.subindex in found)

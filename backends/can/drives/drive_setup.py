@@ -19,7 +19,7 @@ from handcart.backends.can.errors import Difference, ReadBackDiffers, WrongDrive
 from handcart.backends.description.can_spec import CanSpec
 
 from .axis import Axis
-from .axis_settings import Setting, mapping, settings
+from .axis_settings import ObjectValue, mapping, settings
 
 _SERVO = 402  # low word of the device type (1000h)
 _SUPPORTED = {
@@ -60,7 +60,7 @@ def look(axes: Iterable[Axis]) -> None:
     """See where drives stand; raises `CanFault`."""
     for axis in axes:
         readings = [
-            0 if each in axis.left_out else _known(axis, Setting(each, 0, 0))
+            0 if each in axis.left_out else _known(axis, ObjectValue(each, 0, 0))
             for each in (0x6064, 0x606C, 0x6077)
         ]
         axis.place(*readings)
@@ -76,29 +76,29 @@ def read_back(axis: Axis, spec: CanSpec, period: float) -> Iterator[Difference]:
 
 
 def _check_kind(axis: Axis) -> None:
-    kind = _known(axis, Setting(0x1000, 0, 0)) & 0xFFFF
+    kind = _known(axis, ObjectValue(0x1000, 0, 0)) & 0xFFFF
     if kind != _SERVO:
         raise WrongDrive(axis.name, "the device profile (1000h)", str(kind), f"{_SERVO}, drives")
-    modes, wanted = _known(axis, Setting(0x6502, 0, 0)), _SUPPORTED[axis.mode]
+    modes, wanted = _known(axis, ObjectValue(0x6502, 0, 0)), _SUPPORTED[axis.mode]
     if not modes & OperationMode.SUPPORTED[wanted]:
         raise WrongDrive(axis.name, "supported drive modes (6502h)", f"{modes:#x}", wanted.lower())
     for subindex, what, allowed in (
         (1, "vendor-ID (1018h:1)", axis.spec.vendor_id),
         (2, "product code (1018h:2)", axis.spec.product_code),
     ):
-        got = _known(axis, Setting(0x1018, subindex, 0)) if allowed is not None else None
+        got = _known(axis, ObjectValue(0x1018, subindex, 0)) if allowed is not None else None
         if got != allowed:
             raise WrongDrive(axis.name, what, f"{got:#x}", f"{allowed:#x}, as the robot's file has it")
 
 
-def _known(axis: Axis, what: Setting) -> int:
+def _known(axis: Axis, what: ObjectValue) -> int:
     got = _read(axis, what)
     if isinstance(got, str):
         raise WrongDrive(axis.name, f"{_name(axis, what).lower()} ({what.index:04X}h)", got, "an answer")
     return got
 
 
-def _write(axis: Axis, setting: Setting) -> None:
+def _write(axis: Axis, setting: ObjectValue) -> None:
     """Write an object; one that is refused is told when it is read back."""
     with suppress(SdoAbortedError, KeyError):
         axis.write(setting.index, setting.subindex, setting.value)
@@ -111,7 +111,7 @@ def _save_pdos(axis: Axis) -> None:
         raise WrongDrive(axis.name, "the mapping of its PDOs", f"refused: {abort}", "as planned") from None
 
 
-def _read(axis: Axis, setting: Setting) -> int | str:
+def _read(axis: Axis, setting: ObjectValue) -> int | str:
     """What an object is, or why nobody knows."""
     try:
         return axis.read(setting.index, setting.subindex)
@@ -121,7 +121,7 @@ def _read(axis: Axis, setting: Setting) -> int | str:
         return f"not in its EDS file{accepting(setting.index)}"
 
 
-def _name(axis: Axis, setting: Setting) -> str:
+def _name(axis: Axis, setting: ObjectValue) -> str:
     found = axis.object_dictionary.get(setting.index)
     if found is None:
         return "object"

@@ -12,7 +12,7 @@ from handcart.backends.capabilities.range_sensor import RangeSensor
 from handcart.backends.description.can_sensor_spec import SensorsSpec
 from handcart.backends.description.robot_file import RobotFile
 from handcart.backends.robot.mounted_camera import known_camera
-from handcart.backends.simulation.sensors.mounts import base_T_frame
+from handcart.robotics.kinematics.urdf_frames import base_T_frame
 
 from .errors import NoSensor
 from .live_sensor import Clock, LiveSensor

@@ -8,7 +8,7 @@ from typing import ClassVar
 import numpy as np
 
 from handcart.backends.description.robot_file import RobotFile
-from handcart.backends.simulation.body.simulated_arm import SimulatedArm, Vector
+from handcart.backends.simulation.body.simulated_parts import SimulatedArm, Vector
 from handcart.robotics.kinematics.arm_model import ArmModel
 from handcart.robotics.kinematics.urdf_tree import joint_leaders
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from handcart.backends.capabilities.base import WheelTravel
 from handcart.backends.description.robot_file import RobotFile
-from handcart.backends.simulation.commanded_base import CommandedBase
+from handcart.backends.simulation.body.simulated_parts import CommandedBase
 from handcart.backends.simulation.keyed_noise import keyed
 
 from .robot_body import RobotBody

@@ -8,7 +8,7 @@ import numpy as np
 
 from handcart.backends.description.robot_file import GripperSpec
 from handcart.backends.description.simulated_errors import Errors
-from handcart.backends.simulation.body.simulated_gripper import SimulatedGripper
+from handcart.backends.simulation.body.simulated_parts import SimulatedGripper
 
 from .robot_body import RobotBody
 from .surface import Surface

@@ -1,7 +1,8 @@
-"""Where the base is, by whichever of a robot's sensors tell: the face that `Robot` asks."""
+"""Where the base is, by whichever of a robot's sensors tell: what `Robot` asks, and the usual one."""
 
 from __future__ import annotations
 
+import math
 from abc import ABC, abstractmethod
 from typing import Any, ClassVar
 
@@ -15,11 +16,12 @@ from handcart.backends.plain_values import Kinds, attributes, set_attributes
 from handcart.backends.saved_state import NotAState
 from handcart.robotics.far import FarArray
 from handcart.robotics.geometry.pose2 import Pose2
-from handcart.robotics.navigation.localization.localizer import Localizer
+from handcart.robotics.navigation.localization.localizer import Localizer, ScanLocalizer
 from handcart.robotics.navigation.outdoors.smoothing import Belief
 
 STILL_SCANS = 20  # periods at rest after which further scans tell nothing new
 LOOK_AGAIN = 10  # periods at rest between scans that tell whether somebody moved the base
+SCAN_SIGMA = (0.004, 0.0015)  # [m], [rad]: spread of scan matches about one place
 STALE = 1e-3  # [m], [rad] of motion in which a scan can't stay the same to the last bit
 
 
@@ -181,3 +183,38 @@ class Localization(ABC):
             "wheels": (self._wheels, self._wheels.STATE),
             "odometry": (self._wheels.odometry, self._wheels.odometry.STATE),
         }
+
+
+class ScanLocalization(Localization):
+    """Wheels carry the pose on, scans correct it."""
+
+    def __init__(self, backend: Backend, matching: ScanLocalizer) -> None:
+        """Of a robot that stands, and looks round at once."""
+        super().__init__(backend, matching)
+        self._matching = matching
+        assert self._range_sensor is not None, "scans come from a range sensor"
+        matching.correct(self._range_sensor.scan().points())
+
+    @property
+    def sigma(self) -> tuple[float, float]:
+        """See `Localization`: the map's own error is the same in both poses. A lost robot knows nothing; if
+        the last scan wasn't believed, it is all that has been added up since."""
+        if self.lost:
+            return math.inf, math.inf
+        return SCAN_SIGMA if self._matching.sure else super().sigma
+
+    @property
+    def dead_reckoned(self) -> bool:
+        """See `Localization`."""
+        return False
+
+    @property
+    def lost(self) -> bool:
+        """See `Localization`."""
+        return self._matching.lost
+
+    @property
+    def explained(self) -> float:
+        """See `Localization`."""
+        match = self._matching.last_match
+        return super().explained if match is None else match.inliers

@@ -15,11 +15,10 @@ from handcart.robotics.navigation.localization.positioning_localizer import Posi
 from handcart.robotics.navigation.localization.scan_matching import LikelihoodField
 from handcart.robotics.navigation.maps.grid_map import GridMap
 
-from .localization import Localization
+from .localization import Localization, ScanLocalization
 from .noise_model import field_localizer
 from .outdoor_localization import OutdoorLocalization
 from .positioning_localization import PositioningLocalization
-from .scan_localization import ScanLocalization
 from .wheel_localization import WheelLocalization
 
 START_SIGMA = np.diag([0.05**2, 0.05**2, 0.035**2])  # [m², rad²] of where a task says the robot starts
@@ -42,9 +41,9 @@ def localization_of(backend: Backend, spec: RobotFile, start: Pose2, grid: GridM
         )
     scans = grid is not None and backend.get(RangeSensor) is not None  # type: ignore[type-abstract]
     field = LikelihoodField(grid) if grid is not None and scans else None
+    if field is not None and spec.localizer not in ("odometry", *OUTDOORS):
+        return ScanLocalization(backend, ScanLocalizer(field, start, tread, covariance=START_SIGMA))
     wheels = OdometryLocalizer(start, tread, covariance=START_SIGMA, field=field)
     if spec.localizer in OUTDOORS:
         return OutdoorLocalization(backend, wheels, field_localizer(spec, start, spec.antenna))
-    if spec.localizer == "odometry" or field is None:
-        return WheelLocalization(backend, wheels)
-    return ScanLocalization(backend, ScanLocalizer(field, start, tread, covariance=START_SIGMA))
+    return WheelLocalization(backend, wheels)

@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
 from typing import NamedTuple, Self
 
 import numpy as np
-import pinocchio as pin
 from numpy.typing import NDArray
+from scipy.spatial import ConvexHull
 
 from handcart.robotics.geometry.transform import Transform
 from handcart.robotics.kinematics.coal_bodies import coal_body
-from handcart.robotics.kinematics.fcl_bodies import fcl_body, touch
-from handcart.robotics.kinematics.shapes import Box, Shape
+from handcart.robotics.kinematics.libraries import fcl, pin
+from handcart.robotics.kinematics.shapes import Box, Cylinder, Hull, Shape, Sphere
 
 BARELY = 1e-9  # [m]
 
@@ -43,11 +44,41 @@ def overlap(one: RigidBody, pose: Transform, other: RigidBody, other_pose: Trans
         return 0.0
     request, result = pin.coal.CollisionRequest(), pin.coal.CollisionResult()
     if not pin.coal.collide(
-        one.measuring, _placed(pose), other.measuring, _placed(other_pose), request, result
+        one.measuring, _for_coal(pose), other.measuring, _for_coal(other_pose), request, result
     ):
         return BARELY
     return max(BARELY, -float(result.getContact(0).penetration_depth))
 
 
-def _placed(pose: Transform) -> object:
+def _for_coal(pose: Transform) -> object:
     return pin.coal.Transform3s(pose[:3, :3], pose[:3, 3])
+
+
+def fcl_body(shape: Shape) -> object:
+    """A shape as FCL's geometry, about the origin of its frame."""
+    match shape:
+        case Box():
+            return fcl.Box(*shape.size)
+        case Cylinder():
+            return fcl.Cylinder(shape.radius, shape.length)
+        case Sphere():
+            return fcl.Sphere(shape.radius)
+        case Hull():
+            return _convex(shape.points.tobytes(), len(shape.points))
+
+
+def touch(one: object, pose: Transform, other: object, other_pose: Transform) -> bool:
+    """Whether two geometries of FCL overlap, or touch, at these poses (4, 4)."""
+    return bool(fcl.collide(_for_fcl(one, pose), _for_fcl(other, other_pose)))
+
+
+def _for_fcl(geometry: object, pose: Transform) -> object:
+    return fcl.CollisionObject(geometry, fcl.Transform(pose[:3, :3], pose[:3, 3]))
+
+
+@lru_cache(maxsize=256)
+def _convex(points: bytes, count: int) -> object:
+    corners: NDArray[np.float64] = np.frombuffer(points).reshape(count, 3)
+    hull = ConvexHull(corners, qhull_options="QJ")
+    sides = np.insert(hull.simplices, 0, 3, axis=1)  # FCL wants how many corners a side has before them
+    return fcl.Convex(corners.copy(), len(sides), sides.ravel())

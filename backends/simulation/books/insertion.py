@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 from handcart.backends.simulation.keyed_noise import keyed
 
-from .row import Member, Slot, slots
+from .row import FreeInterval, Member, slots
 from .shelf import Shelf
 
 CHAMFER = 0.003
@@ -24,7 +24,7 @@ class Entry:
     """A held book's leading edge that has passed the front of the row."""
 
     shelf: Shelf
-    slot: Slot
+    slot: FreeInterval
     admitted: bool
     """Else it jams."""
 
@@ -70,7 +70,7 @@ class Entrance:
             default=math.inf,
         )
         if nearest is None or abs(y - nearest.middle) > thickness:
-            return Entry(shelf, Slot(y, y, front), False) if x > front else None
+            return Entry(shelf, FreeInterval(y, y, front), False) if x > front else None
         if x <= min(front, nearest.front):
             return None
         self.count += 1

@@ -12,14 +12,14 @@ from handcart.robotics.geometry.transform import inverse, transform
 from .book import Book
 from .book_lean import lean_in_row
 from .books_there import BooksThere
-from .row import Slot, members, slots
+from .row import FreeInterval, members, slots
 from .shelf import DEPTH, Shelf
 
 HIGHEST_DROP = 0.020  # onto a support; from higher up a book falls over and off [m]
 _BELOW = 0.003
 
 
-def put_down(books: BooksThere, book: Book, slot: Slot | None, aside: float = 0.0) -> None:
+def put_down(books: BooksThere, book: Book, slot: FreeInterval | None, aside: float = 0.0) -> None:
     """Let a book drop from where it is.
 
     On a shelf's board or the tray, if one carries its middle and is at most 20 mm below its foot, it stands
@@ -48,7 +48,7 @@ def put_down(books: BooksThere, book: Book, slot: Slot | None, aside: float = 0.
         _fall(book)
 
 
-def _carries(books: BooksThere, shelf: Shelf, book: Book, slot: Slot | None) -> bool:
+def _carries(books: BooksThere, shelf: Shelf, book: Book, slot: FreeInterval | None) -> bool:
     pose = shelf.inverse_pose @ book.pose
     x, y, z = pose[:3, 3]
     middle = x + pose[0, 0] * book.depth / 2

@@ -30,7 +30,7 @@ class Member(NamedTuple):
     """None: a panel or the book end, which nothing moves."""
 
 
-class Slot(NamedTuple):
+class FreeInterval(NamedTuple):
     """A free interval of the row, in S in [m], between two members."""
 
     right: float
@@ -80,9 +80,13 @@ def members(books: BooksThere, shelf: Shelf, without: Thing | None) -> list[Memb
     return sorted(row, key=lambda member: member.right)
 
 
-def slots(row: Sequence[Member]) -> list[Slot]:
+def slots(row: Sequence[Member]) -> list[FreeInterval]:
     """The free intervals between the members."""
-    return [Slot(a.left, b.right, min(a.front, b.front)) for a, b in pairwise(row) if b.right - a.left > 1e-4]
+    return [
+        FreeInterval(a.left, b.right, min(a.front, b.front))
+        for a, b in pairwise(row)
+        if b.right - a.left > 1e-4
+    ]
 
 
 def push(books: BooksThere, shelf: Shelf, row: Sequence[Member], pusher: Pusher, start: float) -> Push:

@@ -17,7 +17,7 @@ from handcart.robotics.kinematics.arm_model import ArmModel
 from .book import Book
 from .books_there import BooksThere
 from .insertion import Entrance, Entry
-from .row import JAM_FRICTION, PUSH_FRICTION, Member, Pusher, Slot, members, push
+from .row import JAM_FRICTION, PUSH_FRICTION, FreeInterval, Member, Pusher, members, push
 from .shelf import Shelf
 
 SLOT_FRICTION = 2.0  # of a book that slides in its slot [N]
@@ -40,7 +40,11 @@ class RowRule(HandRule):
     pushed too far into the shelf: nothing but friction holds it.
     """
 
-    STATE: ClassVar[Kinds] = {"entered": tuple[str, Slot, bool] | None, "entries": int, "strain": float}
+    STATE: ClassVar[Kinds] = {
+        "entered": tuple[str, FreeInterval, bool] | None,
+        "entries": int,
+        "strain": float,
+    }
     strained_by = "the sides of its slot"
 
     def __init__(self, books: BooksThere, arm: ArmModel) -> None:
@@ -50,12 +54,12 @@ class RowRule(HandRule):
         self._entrance = Entrance(books.seed)
 
     @property
-    def entered(self) -> tuple[str, Slot, bool] | None:
+    def entered(self) -> tuple[str, FreeInterval, bool] | None:
         """`entry` in a checkpoint: the shelf by its name."""
         return None if self.entry is None else (self.entry.shelf.name, self.entry.slot, self.entry.admitted)
 
     @entered.setter
-    def entered(self, kept: tuple[str, Slot, bool] | None) -> None:
+    def entered(self, kept: tuple[str, FreeInterval, bool] | None) -> None:
         if kept is not None and kept[0] not in self._books.shelves:
             raise NotAState(f"no saved state: there is no shelf {kept[0]!r} in this world")
         self.entry = None if kept is None else Entry(self._books.shelves[kept[0]], *kept[1:])
@@ -123,7 +127,7 @@ class RowRule(HandRule):
         if isinstance(thing, Book) and thing.rest is Rest.TABLE and thing.shelf is not None:
             self.entry = self._slot_of(thing, self._books.shelves[thing.shelf])
 
-    def left(self) -> Slot | None:
+    def left(self) -> FreeInterval | None:
         """The fingers let go: the slot that a book was in, if it was in one."""
         slot = self.entry.slot if self.entry is not None and self.entry.admitted else None
         self.entry = None
@@ -156,7 +160,7 @@ class RowRule(HandRule):
         left = min((m for m in row if m.right >= y + half - 1e-4), key=lambda m: m.right)
         edge = float((shelf.inverse_pose @ book.pose)[0, 3]) + book.depth
         front = min(right.front, left.front)
-        return Entry(shelf, Slot(right.left, left.right, front), True) if edge > front else None
+        return Entry(shelf, FreeInterval(right.left, left.right, front), True) if edge > front else None
 
     def _stop_at_row(self, front: Front, start: Vector, target: Vector) -> Met:
         scene, shelf = self._scene, front.shelf

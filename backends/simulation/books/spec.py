@@ -6,7 +6,7 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
-from handcart.backends.simulation.world.world_file import Name, Place, each_once
+from handcart.backends.simulation.world.world_file import FloorPose, Name, each_once
 from handcart.files.models.model import FileModel
 from handcart.robotics.perception.landmarks.tag_family import USUAL, TagFamily, tags_of
 
@@ -43,7 +43,7 @@ class GapSpec(FileModel):
     gap_mm: Annotated[float, Field(gt=0.0, le=1000.0)]
 
 
-class ShelfSpec(Place):
+class ShelfSpec(FloorPose):
     """One row of books; its pose is that of frame S: middle of the board's front edge, x into the shelf."""
 
     name: Name

@@ -7,11 +7,11 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from handcart.backends.description.board_layout import BoardLayout
-from handcart.backends.simulation.world.world_file import Place
+from handcart.backends.simulation.world.world_file import FloorPose
 from handcart.files.models.model import FileModel
 
 
-class MarkSpec(Place):
+class MarkSpec(FloorPose):
     """Something painted on a level surface; its pose is that of its middle."""
 
     kind: Literal["landmark", "square", "disc", "frame", "board"] = "landmark"

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import cached_property
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -20,7 +22,10 @@ class SceneCamera(SimulatedCamera):
             raise ValueError("the camera needs an arm that carries it")
         super().__init__(robot, spec, scene.arm, seed)
         self._scene = scene
-        self._renderer = Renderer(self._true.model, robot.errors, seed)
+
+    @cached_property
+    def _renderer(self) -> Renderer:
+        return Renderer(self._true.model, self._scene.robot.errors, self._seed)
 
     def _take(self) -> NDArray[np.uint8]:
         pose = self._scene.world_T("hand") @ self._true.hand_T_camera

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from abc import abstractmethod
+from functools import cached_property
 from typing import ClassVar
 
 import numpy as np
@@ -12,7 +13,7 @@ from handcart.backends.capabilities.camera import Camera
 from handcart.backends.description.robot_file import RobotFile
 from handcart.backends.description.sensor_specs import CameraSpec
 from handcart.backends.plain_values import Kinds
-from handcart.backends.robot.mounted_camera import known_camera
+from handcart.backends.robot.mounted_camera import MountedCamera, known_camera
 from handcart.backends.simulation.sensors.true_camera import true_camera
 from handcart.robotics.geometry.transform import Transform
 from handcart.robotics.kinematics.arm_model import ArmModel
@@ -27,10 +28,17 @@ class SimulatedCamera(Camera):
 
     def __init__(self, robot: RobotFile, spec: CameraSpec, arm: ArmModel, seed: int) -> None:
         """Mounted at the URDF's link `camera`, unless `errors` has its mount or focal length off."""
-        self._known = known_camera(spec, arm)
-        self._true = true_camera(spec, arm, robot.errors, seed)
+        self._errors, self._spec, self._arm, self._seed = robot.errors, spec, arm, seed
         self._now = 0
         self._last: tuple[int, NDArray[np.uint8]] | None = None
+
+    @cached_property
+    def _known(self) -> MountedCamera:
+        return known_camera(self._spec, self._arm)
+
+    @cached_property
+    def _true(self) -> MountedCamera:
+        return true_camera(self._spec, self._arm, self._errors, self._seed)
 
     @abstractmethod
     def _take(self) -> NDArray[np.uint8]:

@@ -15,7 +15,7 @@ from handcart.robotics.geometry.pose2 import Pose2, wrap
 from handcart.robotics.navigation.maps.grid_map import GridMap
 from handcart.robotics.navigation.maps.map_walls import map_walls
 
-from .world_file import Furniture, Place, WorldFile
+from .world_file import FloorPose, Furniture, WorldFile
 from .world_model import world_model
 
 HEIGHT = 2.0  # of what stands on a map [m]
@@ -38,8 +38,8 @@ def load_world_or_map(path: Path, start: Pose2) -> WorldFile:
     """
     if not is_map_file(path):
         return load_world(path)
-    place = Place(x_m=start.x, y_m=start.y, heading_deg=math.degrees(wrap(start.theta)))
-    return on_the_map(world_model()(format="handcart-world/1", start=place), load_map(path)[0])
+    place = FloorPose(x_m=start.x, y_m=start.y, heading_deg=math.degrees(wrap(start.theta)))
+    return on_the_map(WorldFile(format="handcart-world/1", start=place), load_map(path)[0])
 
 
 def read_world(path: Path) -> tuple[Loaded[WorldFile], WorldFile]:

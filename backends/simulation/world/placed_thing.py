@@ -13,10 +13,10 @@ from handcart.backends.simulation.scene import Scene
 from handcart.robotics.geometry.transform import transform
 
 from .thing import Rest, Thing
-from .world_file import Millimetres, Name, Place
+from .world_file import FloorPose, Millimetres, Name
 
 
-class PlacedSpec(Place):
+class PlacedSpec(FloorPose):
     """A thing, and where a person sets it down: the middle of its foot."""
 
     name: Name

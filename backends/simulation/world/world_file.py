@@ -26,7 +26,7 @@ Seconds = Annotated[float, Field(ge=0.0)]
 Name = Annotated[str, Field(min_length=1, max_length=60)]
 
 
-class Place(FileModel):
+class FloorPose(FileModel):
     """A pose on the floor."""
 
     x_m: Coordinate
@@ -48,7 +48,7 @@ class Wall(FileModel):
         return self
 
 
-class Furniture(Place):
+class Furniture(FloorPose):
     """A solid box, on the floor or above it; its pose is that of its middle."""
 
     name: Name
@@ -72,7 +72,7 @@ class Surprise(Furniture):
         return self
 
 
-class TableSpec(Place):
+class TableSpec(FloorPose):
     """A table: a slab on a pedestal in its middle. Its pose is that of the slab's middle on the floor."""
 
     name: Name
@@ -120,7 +120,7 @@ class WorldFile(FileModel):
     """
 
     format: Literal["handcart-world/1"]
-    start: Place
+    start: FloorPose
     """Where a person puts the robot at first, within `errors.start_mm` and `start_deg` of its file."""
     map: MapPlace | None = None
     """A map in ROS format: what is occupied on it stands here as well, 2 m high."""

@@ -3,6 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import cache
+from types import MappingProxyType
+
+from handcart.tasks.domain import domains, imported
 
 from . import (
     capability_checks,
@@ -26,4 +30,11 @@ MODULES = (
     imu_checks,
     gps_checks,
 )
-CHECKS: Mapping[str, Check] = {check.name: check for module in MODULES for check in module.CHECKS}
+
+
+@cache
+def checks() -> Mapping[str, Check]:
+    """The framework's, then those of the domains."""
+    own = [check for module in MODULES for check in module.CHECKS]
+    others = [check for domain in domains() if domain.checks for check in imported(domain.checks)]
+    return MappingProxyType({check.name: check for check in (*own, *others)})

@@ -29,7 +29,7 @@ from handcart.evaluation.conformance.rig.periods import (
 )
 from handcart.evaluation.conformance.rig.skipped import Skipped
 
-from .check import Check, Finding
+from .check import Check, CheckResult
 
 NEAR = 0.10  # share by which a simulated robot may differ from its file: radii, tread, slip, starting up
 FORCE_AT_REST = 3.0  # [N]
@@ -38,23 +38,23 @@ STEERS = 0.7  # share of a car's turn that is lost while it steers
 FLIPS = 0.02  # [rad] that a joint is moved for its sign
 
 
-def declared(bench: Bench, finding: Finding) -> None:
+def declared(bench: Bench, finding: CheckResult) -> None:
     """The capabilities that the robot's file promises are there, and no others of these kinds."""
     spec = bench.spec()
-    with bench.stage() as stage:
+    with bench.rig() as rig:
         for kind in CAPABILITIES:
             wanted = kind.FILE_KEY is None or getattr(spec, kind.FILE_KEY) is not None
-            there = stage.backend.get(kind) is not None
+            there = rig.backend.get(kind) is not None
             finding.expect(there or not wanted, f"the robot's file has a {kind.__name__}, the backend none")
             finding.expect(wanted or not there, f"the backend has a {kind.__name__}, the robot's file none")
-        finding.measured.append(f"{len(stage.backend.capabilities())} capabilities")
+        finding.measured.append(f"{len(rig.backend.capabilities())} capabilities")
 
 
-def readings(bench: Bench, finding: Finding) -> None:
+def readings(bench: Bench, finding: CheckResult) -> None:
     """Shapes, units and ranges of readings at rest."""
     spec = bench.spec()
-    with bench.stage() as stage:
-        backend = stage.backend
+    with bench.rig() as rig:
+        backend = rig.backend
         steps(backend, 2)
         travel = needed(backend, Base).wheel_travel()
         finding.at_most("wheel travel at rest", max(map(abs, travel)), 1e-3, "m")
@@ -84,24 +84,24 @@ def readings(bench: Bench, finding: Finding) -> None:
             finding.expect(bool((np.diff(scan.angles) > 0.0).all()), "the beams don't go counter-clockwise")
 
 
-def signs_of_the_base(bench: Bench, finding: Finding) -> None:
+def signs_of_the_base(bench: Bench, finding: CheckResult) -> None:
     """Forward is forward, left is left, in wheels, scans and truth, with speeds in [m/s] and [rad/s]."""
     spec, tread = bench.spec(), bench.spec().drive.tread_m
     speed, turn_rate, car = 0.2, 0.5, spec.drive.kind == "ackermann"
-    with bench.stage() as stage:
+    with bench.rig() as rig:
         curve = speed if car else 0.0  # there and back: rooms are small
         ways = [(speed, 0.0), (-speed, 0.0), (curve, turn_rate), (-curve, -turn_rate)]
         for forward, turn in (drivable(spec, *way) for way in ways):
             periods = STEERING if car and turn else 20
             seconds = periods * spec.period_s
             steers = STEERS * abs(turn) * seconds if car else 0.0
-            before = stage.backend.ground_truth()
-            left, right = driven(stage.backend, forward, turn, periods)
+            before = rig.backend.ground_truth()
+            left, right = driven(rig.backend, forward, turn, periods)
             far, round_ = 0.5 * (left + right), (right - left) / tread
             words = f"{forward:g} m/s and {turn:g} rad/s for {seconds:g} s"
             _near(finding, f"wheels by {words}", far, forward * seconds, 0.02, "m")
             _near(finding, f"wheels turn by {words}", round_, turn * seconds, max(steers, 0.03), "rad")
-            after = stage.backend.ground_truth()
+            after = rig.backend.ground_truth()
             if before is not None and after is not None:
                 went = after.base.relative_to(before.base)
                 _near(finding, f"truly by {words}", went.x, forward * seconds, 0.03, "m")
@@ -109,36 +109,36 @@ def signs_of_the_base(bench: Bench, finding: Finding) -> None:
                 _near(finding, f"truly turned by {words}", went.theta, turn * seconds, room, "rad")
 
 
-def signs_of_the_scan(bench: Bench, finding: Finding) -> None:
+def signs_of_the_scan(bench: Bench, finding: CheckResult) -> None:
     """Turning left moves what is seen to the right, by as much."""
     if bench.spec().drive.kind == "ackermann":
         raise Skipped("a car can't turn where it stands")
-    with bench.stage() as stage:
-        sensor = needed(stage.backend, RangeSensor)
-        steps(stage.backend, 1)
+    with bench.rig() as rig:
+        sensor = needed(rig.backend, RangeSensor)
+        steps(rig.backend, 1)
         before = sensor.scan()
-        left, right = driven(stage.backend, 0.0, 0.5, 20)
+        left, right = driven(rig.backend, 0.0, 0.5, 20)
         turn = (right - left) / bench.spec().drive.tread_m
         after = sensor.scan()
         seen = best_turn(before.ranges, after.ranges, before.angles)
         _near(finding, "the scan turned", seen, -turn, 0.06, "rad")
 
 
-def signs_of_the_joints(bench: Bench, finding: Finding) -> None:
+def signs_of_the_joints(bench: Bench, finding: CheckResult) -> None:
     """Each joint goes where it is told, in [rad], the others stay."""
-    with bench.stage() as stage:
-        arm = needed(stage.backend, Arm)
+    with bench.rig() as rig:
+        arm = needed(rig.backend, Arm)
         start, gives = arm.command(), _gives(bench.spec().errors)
         worst = truly = 0.0
         for number in range(len(start)):
             for sign in (1.0, -1.0):
                 goal = beside(bench.spec(), start, number, sign * (FLIPS + 2.0 * gives))
-                move_joints(stage.backend, arm, goal)
+                move_joints(rig.backend, arm, goal)
                 worst = max(worst, float(np.abs(arm.joints() - goal).max()))
-                truth = stage.backend.ground_truth()
+                truth = rig.backend.ground_truth()
                 if truth is not None:
                     truly = max(truly, float(np.abs(truth.joints - goal).max()))
-            move_joints(stage.backend, arm, start)
+            move_joints(rig.backend, arm, start)
         finding.at_most("joints off their command", 1e3 * worst, 5.0, "mrad")
         finding.at_most("joints truly off", 1e3 * truly, 5.0 + 1e3 * gives, "mrad")
 
@@ -149,41 +149,41 @@ def _gives(errors: Errors) -> float:
     return off / 1e3 / SHORT
 
 
-def fingers(bench: Bench, finding: Finding) -> None:
+def fingers(bench: Bench, finding: CheckResult) -> None:
     """The fingers go to the opening that they are told, in [m], and press on each other when closed."""
     spec = bench.spec().gripper
-    with bench.stage() as stage:
-        gripper = needed(stage.backend, Gripper)
+    with bench.rig() as rig:
+        gripper = needed(rig.backend, Gripper)
         assert spec is not None
         opening = spec.opening_mm / 1e3
-        periods = round(1.5 * opening / (spec.speed_mm_s / 1e3) / stage.backend.period) + 10
+        periods = round(1.5 * opening / (spec.speed_mm_s / 1e3) / rig.backend.period) + 10
         for width in (0.5 * opening, opening, 0.0):
             gripper.move(width)
-            steps(stage.backend, periods)
+            steps(rig.backend, periods)
             finding.at_most(f"opening of {1e3 * width:g}, off", 1e3 * abs(gripper.width() - width), 1.0, "mm")
         finding.expect(gripper.closed_on_something(), "closed fingers don't press on each other")
 
 
-def mounts(bench: Bench, finding: Finding) -> None:
+def mounts(bench: Bench, finding: CheckResult) -> None:
     """Camera and range sensor are mounted where the URDF has them, or a calibration found them."""
-    with bench.stage() as stage:
-        robot = stage.robot
-        if (camera := part_of(stage.backend, Camera)) is not None:
+    with bench.rig() as rig:
+        robot = rig.robot
+        if (camera := part_of(rig.backend, Camera)) is not None:
             assert robot.spec.camera is not None
             mount = known_camera(robot.spec.camera, robot.arm_model).hand_T_camera
             finding.at_most("camera off", float(np.abs(camera.hand_T_camera - mount).max()), 1e-6)
-        if (sensor := part_of(stage.backend, RangeSensor)) is not None:
-            from handcart.backends.simulation.sensors.mounts import base_T_frame
+        if (sensor := part_of(rig.backend, RangeSensor)) is not None:
+            from handcart.robotics.kinematics.urdf_frames import base_T_frame
 
             urdf = base_T_frame(robot.spec.urdf_text(), "range_sensor")
             off = np.abs(np.array(sensor.scan().base_T_sensor[:2]) - urdf[:2, 3]).max()
             finding.at_most("range sensor off", float(off), 1e-6, "m")
 
 
-def rates(bench: Bench, finding: Finding) -> None:
+def rates(bench: Bench, finding: CheckResult) -> None:
     """A reading is one a period: asked again it is the same, in the next period it is a new one."""
-    with bench.stage() as stage:
-        backend = stage.backend
+    with bench.rig() as rig:
+        backend = rig.backend
         steps(backend, 1)
         seen = all_readings(backend)
         again = all_readings(backend)
@@ -214,7 +214,7 @@ def best_turn(before: NDArray[np.float64], after: NDArray[np.float64], angles: N
     return float(turns[int(np.argmin(costs))] * spacing)
 
 
-def _near(finding: Finding, what: str, found: float, wanted: float, room: float, unit: str) -> None:
+def _near(finding: CheckResult, what: str, found: float, wanted: float, room: float, unit: str) -> None:
     allowed = max(room, NEAR * abs(wanted))
     finding.expect(
         abs(found - wanted) <= allowed,

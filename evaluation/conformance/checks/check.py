@@ -11,7 +11,7 @@ from handcart.evaluation.conformance.rig.skipped import Skipped
 
 
 @dataclass
-class Finding:
+class CheckResult:
     """What a check found: `wrong` says in words what doesn't hold, `measured` what was seen.
 
     A check that couldn't be made, because the robot lacks what it looks at, is `skipped` with the reason.
@@ -48,11 +48,11 @@ class Check:
     name: str
     holds: str
     """In words, for the table."""
-    look: Callable[[Bench, Finding], None]
+    look: Callable[[Bench, CheckResult], None]
 
-    def __call__(self, bench: Bench) -> Finding:
+    def __call__(self, bench: Bench) -> CheckResult:
         """Look; an exception of the backend is a finding too."""
-        finding = Finding(self.name, self.holds)
+        finding = CheckResult(self.name, self.holds)
         try:
             with warnings.catch_warnings():
                 warnings.simplefilter("error", RuntimeWarning)  # a sum of NaN, an overflow

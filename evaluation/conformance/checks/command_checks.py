@@ -15,22 +15,22 @@ from handcart.backends.description.robot_file import RobotFile
 from handcart.evaluation.conformance.rig.bench import Bench
 from handcart.evaluation.conformance.rig.parts import needed, part_of
 from handcart.evaluation.conformance.rig.periods import SETTLES, all_readings, beside, drivable, steps
-from handcart.evaluation.conformance.rig.standing import HELD, Standing
+from handcart.evaluation.conformance.rig.standing import HELD, TrueState
 
-from .check import Check, Finding
+from .check import Check, CheckResult
 
 BAD = (math.nan, math.inf, -math.inf, 1e308, -1e308)
 COASTS = 0.02  # [m] that a base may roll on after its last command
 
 
-def limits(bench: Bench, finding: Finding) -> None:
+def limits(bench: Bench, finding: CheckResult) -> None:
     """NaN, infinity, 1e308 and what is just beyond a limit is refused, and nothing moves."""
-    with bench.stage() as stage:
-        commands = _bad_commands(bench, stage.backend)
+    with bench.rig() as rig:
+        commands = _bad_commands(bench, rig.backend)
         finding.measured.append(f"{len(commands)} tried")
         for words, command in commands:
-            steps(stage.backend, 1)
-            before = Standing.of(stage.backend)
+            steps(rig.backend, 1)
+            before = TrueState.of(rig.backend)
             try:
                 command()
             except CommandError:
@@ -39,8 +39,8 @@ def limits(bench: Bench, finding: Finding) -> None:
                 finding.wrong.append(f"{words}: {type(error).__name__} instead of CommandError")
             else:
                 finding.wrong.append(f"{words} is taken")
-            steps(stage.backend, 2)
-            finding.wrong += [f"{words}: {each}" for each in before.moved(Standing.of(stage.backend))]
+            steps(rig.backend, 2)
+            finding.wrong += [f"{words}: {each}" for each in before.moved(TrueState.of(rig.backend))]
 
 
 def _bad_commands(bench: Bench, backend: Backend) -> list[tuple[str, Callable[[], None]]]:
@@ -67,17 +67,17 @@ def _bad_commands(bench: Bench, backend: Backend) -> list[tuple[str, Callable[[]
     return result
 
 
-def after_a_step(bench: Bench, finding: Finding) -> None:
+def after_a_step(bench: Bench, finding: CheckResult) -> None:
     """A command changes nothing before the next step, and something with it."""
-    with bench.stage() as stage:
-        backend = stage.backend
+    with bench.rig() as rig:
+        backend = rig.backend
         steps(backend, 1)
-        before, standing = all_readings(backend), Standing.of(backend)
+        before, standing = all_readings(backend), TrueState.of(backend)
         _command_all(bench.spec(), backend)
         now = all_readings(backend)
         changed = [name for name in now if not np.array_equal(now[name], before[name])]
         finding.wrong += [f"{name} changes without a step" for name in changed]
-        finding.wrong += [f"without a step {each}" for each in standing.truly_moved(Standing.of(backend))]
+        finding.wrong += [f"without a step {each}" for each in standing.truly_moved(TrueState.of(backend))]
         for _ in range(SETTLES):
             _command_all(bench.spec(), backend)
             backend.step()
@@ -89,10 +89,10 @@ def after_a_step(bench: Bench, finding: Finding) -> None:
                 finding.expect(far > 2 * HELD[name], f"{name} don't follow a command of {SETTLES} periods")
 
 
-def one_period(bench: Bench, finding: Finding) -> None:
+def one_period(bench: Bench, finding: CheckResult) -> None:
     """Not renewed, the base stops; arm and gripper hold."""
-    with bench.stage() as stage:
-        backend = stage.backend
+    with bench.rig() as rig:
+        backend = rig.backend
         for _ in range(SETTLES):
             _command_all(bench.spec(), backend)
             backend.step()
@@ -103,19 +103,19 @@ def one_period(bench: Bench, finding: Finding) -> None:
         if (gripper := part_of(backend, Gripper)) is not None:
             gripper.move(gripper.width())
             steps(backend, SETTLES)
-        before = Standing.of(backend)
+        before = TrueState.of(backend)
         steps(backend, 2 * SETTLES)
-        finding.wrong += [f"without a command {each}" for each in before.moved(Standing.of(backend))]
+        finding.wrong += [f"without a command {each}" for each in before.moved(TrueState.of(backend))]
 
 
-def stop(bench: Bench, finding: Finding) -> None:
+def stop(bench: Bench, finding: CheckResult) -> None:
     """After `stop` nothing that was commanded before moves the robot, soon or later."""
     seconds = 2.0
     for when in ("before its step", "in motion"):
-        with bench.stage() as stage:
-            backend = stage.backend
+        with bench.rig() as rig:
+            backend = rig.backend
             steps(backend, 1)
-            before = Standing.of(backend)
+            before = TrueState.of(backend)
             for _ in range(1 if when == "before its step" else SETTLES):
                 _command_all(bench.spec(), backend)
                 if when == "in motion":
@@ -123,17 +123,17 @@ def stop(bench: Bench, finding: Finding) -> None:
             backend.stop()
             if when == "in motion":
                 steps(backend, SETTLES)
-                before = Standing.of(backend)
+                before = TrueState.of(backend)
             steps(backend, round(seconds / backend.period))
-            wrong = before.moved(Standing.of(backend))
+            wrong = before.moved(TrueState.of(backend))
             finding.wrong += [f"{when} stopped, yet within {seconds:g} s {each}" for each in wrong]
 
 
-def close_twice(bench: Bench, finding: Finding) -> None:
+def close_twice(bench: Bench, finding: CheckResult) -> None:
     """Closed twice, nothing happens."""
-    stage = bench.stage()
-    stage.backend.close()
-    stage.backend.close()
+    rig = bench.rig()
+    rig.backend.close()
+    rig.backend.close()
 
 
 def _command_all(spec: RobotFile, backend: Backend) -> None:

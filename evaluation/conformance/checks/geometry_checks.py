@@ -1,4 +1,4 @@
-"""Checks of geometry: pixels, ranges and frames agree with the world."""
+"""Checks of geometry: ranges and frames agree with the world."""
 
 from __future__ import annotations
 
@@ -6,80 +6,28 @@ import numpy as np
 from numpy.typing import NDArray
 
 from handcart.backends.capabilities.arm import Arm
-from handcart.backends.capabilities.camera import Camera
 from handcart.backends.capabilities.range_sensor import RangeSensor
-from handcart.backends.simulation.books.book_props import BookProps
 from handcart.backends.simulation.sensors.ranges import cast_rays
 from handcart.backends.simulation.world.solids import FloorPlan
 from handcart.evaluation.conformance.rig.bench import Bench
 from handcart.evaluation.conformance.rig.parts import needed
 from handcart.evaluation.conformance.rig.periods import move_joints, steps
 from handcart.evaluation.conformance.rig.skipped import Skipped
-from handcart.evaluation.trials.stage import Stage
-from handcart.evaluation.truth.simulated_world import simulated_world
-from handcart.robotics.geometry.transform import apply, inverse
+from handcart.evaluation.trials.rig import Rig
+from handcart.evaluation.truth.survey import simulated_world
 from handcart.robotics.kinematics.arm_model import ArmModel
-from handcart.robotics.perception.landmarks.tag_reader import read_tags
 
-from .check import Check, Finding
+from .check import Check, CheckResult
 
-PIXELS = {"kinematic": 0.1}
-OTHER_PIXELS = 0.25  # a renderer that draws triangles
-SEEDS = (0, 1, 2)
-TAG_FROM_HEAD, HALF_TAG = 0.014, 0.005  # [m] on a spine
-TILTS = tuple((a, b) for a in (-0.03, -0.01, 0.01, 0.03) for b in (-0.03, 0.0, 0.03))  # [rad]
 SCANS = 30
 RANGE_MM, OUTLIERS = 10.0, 0.05  # beams further off may be a share of all: those that graze an edge
 SAME = 1e-6  # [m] and of matrix elements
 
 
-def landmark(bench: Bench, finding: Finding) -> None:
-    """The tag on a spine is seen where it projects, by the true joints and the camera's model."""
-    errors = np.vstack([_tag_errors(bench, seed) for seed in SEEDS])
-    if not len(errors):
-        raise Skipped("no tag could be read")
-    most = PIXELS.get(bench.backend, OTHER_PIXELS)
-    for axis, mean in zip("xy", np.abs(errors.mean(axis=0)), strict=True):
-        finding.at_most(f"off in {axis}", float(mean), most, "px")
-    finding.measured.append(f"{len(errors)} pictures")
-
-
-def _tag_errors(bench: Bench, seed: int) -> NDArray[np.float64]:
-    """(n, 2) seen minus projected middle of the tag, in [px], in pictures from slightly different tilts."""
-    with bench.stage(seed) as stage:
-        backend, spec = stage.backend, stage.robot.spec
-        scene, arm, camera = simulated_world(backend), needed(backend, Arm), needed(backend, Camera)
-        book = None if scene is None else scene.of(BookProps).tray_book()
-        if scene is None or book is None:
-            raise Skipped("no book's true place is known")
-        if spec.arm is None or "look_at_tag" not in spec.arm.postures:
-            raise Skipped("the robot's file has no posture look_at_tag")
-        posture = np.array(spec.posture("look_at_tag"))
-        errors = []
-        for bend, twist in TILTS:
-            goal = posture.copy()
-            goal[-3], goal[-1] = goal[-3] + bend, goal[-1] + twist
-            move_joints(backend, arm, goal)
-            seen = [tag for tag in read_tags(camera.image()) if tag.id == book.accession]
-            if seen:
-                corners = _tag_corners(book.height)
-                camera_T_book = inverse(scene.world_T("hand") @ camera.hand_T_camera) @ book.pose
-                expected = camera.model.project(apply(camera_T_book, corners))
-                errors.append((seen[0].corners - expected).mean(axis=0))
-        return np.array(errors).reshape(-1, 2)
-
-
-def _tag_corners(height: float) -> NDArray[np.float64]:
-    """(4, 3) in the book's frame, in [m]."""
-    middle = height - TAG_FROM_HEAD
-    signs = ((1, 1), (-1, 1), (-1, -1), (1, -1))
-    return np.array([[0.0, y * HALF_TAG, middle + z * HALF_TAG] for y, z in signs])
-
-
-def ranges(bench: Bench, finding: Finding) -> None:
+def ranges(bench: Bench, finding: CheckResult) -> None:
     """Ranges agree with the outlines of the world about the true place of the sensor."""
-    with bench.stage() as stage:
-        backend, spec = stage.backend, stage.robot.spec.range_sensor
+    with bench.rig() as rig:
+        backend, spec = rig.backend, rig.robot.spec.range_sensor
         scene, sensor = simulated_world(backend), needed(backend, RangeSensor)
         if scene is None or spec is None:
             raise Skipped("no world's true shape is known")
@@ -88,7 +36,7 @@ def ranges(bench: Bench, finding: Finding) -> None:
             steps(backend, 1)
             taken.append(sensor.scan().ranges)
         read = np.array(taken)
-        true = _true_ranges(stage, spec.reach_m)
+        true = _true_ranges(rig, spec.reach_m)
         met = np.isfinite(true) & np.isfinite(read).all(axis=0)
         off = 1e3 * np.abs(read[:, met].mean(axis=0) - true[met])
         grazing = float((off > RANGE_MM).mean())
@@ -99,20 +47,20 @@ def ranges(bench: Bench, finding: Finding) -> None:
         finding.at_most("noise", spread, 1.5 * spec.sigma_mm + 1.0, "mm")
 
 
-def _true_ranges(stage: Stage, reach: float) -> NDArray[np.float64]:
-    from handcart.backends.simulation.sensors.mounts import base_T_frame
+def _true_ranges(rig: Rig, reach: float) -> NDArray[np.float64]:
+    from handcart.robotics.kinematics.urdf_frames import base_T_frame
 
-    scene, scan = simulated_world(stage.backend), stage.robot.range_sensor.scan()
+    scene, scan = simulated_world(rig.backend), rig.robot.range_sensor.scan()
     assert scene is not None, "the check has asked for it"
-    height = float(base_T_frame(stage.robot.spec.urdf_text(), "range_sensor")[2, 3])
+    height = float(base_T_frame(rig.robot.spec.urdf_text(), "range_sensor")[2, 3])
     plan = FloorPlan(scene.solids, height, height)
     return cast_rays(plan, scene.base.compose(scan.base_T_sensor), scan.angles, scene.time, reach)
 
 
-def frames(bench: Bench, finding: Finding) -> None:
+def frames(bench: Bench, finding: CheckResult) -> None:
     """The hand is where the URDF's kinematics put it."""
-    with bench.stage() as stage:
-        backend, spec = stage.backend, stage.robot.spec
+    with bench.rig() as rig:
+        backend, spec = rig.backend, rig.robot.spec
         scene, arm = simulated_world(backend), needed(backend, Arm)
         if scene is None or spec.arm is None:
             raise Skipped("nothing is simulated")
@@ -128,7 +76,6 @@ def frames(bench: Bench, finding: Finding) -> None:
 
 
 CHECKS = (
-    Check("landmark", "a tag is seen where it projects (OpenCV: a pixel's middle is whole)", landmark),
     Check("ranges", "ranges agree with the world", ranges),
     Check("frames", "the hand is where the URDF's kinematics put it", frames),
 )

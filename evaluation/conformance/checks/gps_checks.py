@@ -11,20 +11,20 @@ from handcart.backends.capabilities.gps import Gps
 from handcart.evaluation.conformance.rig.bench import Bench
 from handcart.evaluation.conformance.rig.parts import needed
 from handcart.evaluation.conformance.rig.skipped import Skipped
-from handcart.evaluation.truth.simulated_world import simulated_world
+from handcart.evaluation.truth.survey import simulated_world
 
-from .check import Check, Finding
+from .check import Check, CheckResult
 
 FIXES = 30
 SPEED = 0.2  # [m/s]
 OFF = 3.0  # sigmas that the median of fixes may be off, of two axes; outliers and reflections come beside
 
 
-def gps(bench: Bench, finding: Finding) -> None:
+def gps(bench: Bench, finding: CheckResult) -> None:
     """Fixes come at their rate, and tell where the antenna truly is, in [m]."""
     robot = bench.spec()
-    with bench.stage() as stage:
-        backend, receiver = stage.backend, needed(stage.backend, Gps)
+    with bench.rig() as rig:
+        backend, receiver = rig.backend, needed(rig.backend, Gps)
         scene, spec = simulated_world(backend), robot.gps
         if scene is None or spec is None:
             raise Skipped("no antenna's true place is known")

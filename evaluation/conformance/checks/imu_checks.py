@@ -12,7 +12,7 @@ from handcart.evaluation.conformance.rig.bench import Bench
 from handcart.evaluation.conformance.rig.parts import needed
 from handcart.evaluation.conformance.rig.periods import SETTLES, STEERING, drivable, steps
 
-from .check import Check, Finding
+from .check import Check, CheckResult
 
 GRAVITY = 9.81  # [m/s²]
 REST = 40  # periods that are averaged
@@ -21,11 +21,11 @@ LEANS = 0.02 * GRAVITY  # [m/s²] along x and y of a robot that doesn't stand qu
 TURN_RATE, PERIODS = 0.4, 30  # [rad/s]
 
 
-def imu(bench: Bench, finding: Finding) -> None:
+def imu(bench: Bench, finding: CheckResult) -> None:
     """At rest gravity alone is felt, upwards; turning left is positive about z, in [rad/s]."""
     spec = bench.spec().imu
-    with bench.stage() as stage:
-        unit, backend = needed(stage.backend, Imu), stage.backend
+    with bench.rig() as rig:
+        unit, backend = needed(rig.backend, Imu), rig.backend
         assert spec is not None, "the check of capabilities tells that"
         felt, turned = [], []
         for _ in range(REST):
@@ -43,10 +43,10 @@ def imu(bench: Bench, finding: Finding) -> None:
         _turns(bench, finding, float(rest[2]))
 
 
-def _turns(bench: Bench, finding: Finding, bias: float) -> None:
+def _turns(bench: Bench, finding: CheckResult, bias: float) -> None:
     """Both ways, by the gyro about z less what it reads at rest; a car drives circles."""
-    with bench.stage() as stage:
-        unit, base, backend = needed(stage.backend, Imu), needed(stage.backend, Base), stage.backend
+    with bench.rig() as rig:
+        unit, base, backend = needed(rig.backend, Imu), needed(rig.backend, Base), rig.backend
         for way, sign in (("left", 1.0), ("right", -1.0)):
             turn, car = 0.0, bench.spec().drive.kind == "ackermann"
             count = STEERING if car else PERIODS

@@ -9,20 +9,20 @@ from handcart.backends.capabilities.positioning import PoseReading, Positioning
 from handcart.evaluation.conformance.rig.bench import Bench
 from handcart.evaluation.conformance.rig.parts import needed
 from handcart.evaluation.conformance.rig.skipped import Skipped
-from handcart.evaluation.truth.simulated_world import simulated_world
+from handcart.evaluation.truth.survey import simulated_world
 
-from .check import Check, Finding
+from .check import Check, CheckResult
 
 PERIODS = 60
 SPEED, TURN_RATE = 0.2, 0.3  # [m/s], [rad/s]
 SIGMAS = 5.0
 
 
-def positioning(bench: Bench, finding: Finding) -> None:
+def positioning(bench: Bench, finding: CheckResult) -> None:
     """Readings come at their rate, and tell where the base truly was as long ago as they say."""
     spec = bench.spec().positioning
-    with bench.stage() as stage:
-        backend, system, period = stage.backend, needed(stage.backend, Positioning), stage.backend.period
+    with bench.rig() as rig:
+        backend, system, period = rig.backend, needed(rig.backend, Positioning), rig.backend.period
         scene = simulated_world(backend)
         if scene is None or spec is None:
             raise Skipped("no base's true place is known")

@@ -13,73 +13,73 @@ from handcart.evaluation.conformance.rig.bench import Bench
 from handcart.evaluation.conformance.rig.parts import part_of
 from handcart.evaluation.conformance.rig.periods import beside, move_joints, steps
 from handcart.evaluation.conformance.rig.reach import Reach
-from handcart.evaluation.trials.stage import Stage
+from handcart.evaluation.trials.rig import Rig
 from handcart.evaluation.truth.true_changes import not_restored
 from handcart.primitives.contract.outcome import Fail
 from handcart.primitives.restoring.snapshot import Snapshot, limits, residuals, take_snapshot
 
-from .check import Check, Finding
+from .check import Check, CheckResult
 
 LOOKS = 20  # readings of what stands
 FAILS, FAILS_QUICK = 100, 20
 
 
-def covers(bench: Bench, finding: Finding) -> None:
+def covers(bench: Bench, finding: CheckResult) -> None:
     """Whatever is moved beyond its tolerance is seen: base, each joint, fingers."""
-    with bench.stage() as stage:
-        backend = stage.backend
-        _wait(stage, LOOKS)
-        start = take_snapshot(stage.robot, {})
+    with bench.rig() as rig:
+        backend = rig.backend
+        _wait(rig, LOOKS)
+        start = take_snapshot(rig.robot, {})
         truth = backend.ground_truth()
         if truth is not None:
             joints = len(truth.joints)
             finding.expect(len(start.joints) == joints, f"{len(start.joints)} of {joints} joints")
             finding.measured.append(f"{joints} joints, {len(truth.bodies)} bodies")
-        seen = _beyond(stage, start)
+        seen = _beyond(rig, start)
         finding.expect(not seen, f"nothing was moved, yet {', '.join(seen)} is")
-        tolerance = stage.robot.spec.tolerance
+        tolerance = rig.robot.spec.tolerance
         arm, gripper = part_of(backend, Arm), part_of(backend, Gripper)
         if arm is not None:
             home = arm.command()
             for number in range(len(home)):
-                slides = stage.robot.spec.joint_units.slides[number]
+                slides = rig.robot.spec.joint_units.slides[number]
                 way = 2e-3 * tolerance.slides_mm if slides else math.radians(2.0 * tolerance.joints_deg)
                 goal = beside(bench.spec(), home, number, way)
                 move_joints(backend, arm, goal)
                 residual = "slides_mm" if slides else "joints_deg"
-                finding.expect(residual in _beyond(stage, start), f"joint {number + 1} moves unseen")
+                finding.expect(residual in _beyond(rig, start), f"joint {number + 1} moves unseen")
                 move_joints(backend, arm, home)
         if gripper is not None:
             before = gripper.command()
             gripper.move(max(0.0, before - 3e-3 * tolerance.gripper_mm))
             steps(backend, LOOKS)
-            finding.expect("gripper_mm" in _beyond(stage, start), "the fingers move unseen")
+            finding.expect("gripper_mm" in _beyond(rig, start), "the fingers move unseen")
             gripper.move(before)
             steps(backend, LOOKS)
         speed = 0.1
-        drive_seen(stage, speed, 2e-3 * tolerance.base_mm / speed)
-        finding.expect("base_mm" in _beyond(stage, start), "the base moves unseen")
+        drive_seen(rig, speed, 2e-3 * tolerance.base_mm / speed)
+        finding.expect("base_mm" in _beyond(rig, start), "the base moves unseen")
 
 
-def drive_seen(stage: Stage, speed: float, seconds: float) -> None:
+def drive_seen(rig: Rig, speed: float, seconds: float) -> None:
     """Drive, the estimates brought up to date."""
-    for _ in range(math.ceil(seconds / stage.robot.period)):
-        stage.robot.base.drive(speed, 0.0)
-        stage.robot.step()
-    _wait(stage, LOOKS)
+    for _ in range(math.ceil(seconds / rig.robot.period)):
+        rig.robot.base.drive(speed, 0.0)
+        rig.robot.step()
+    _wait(rig, LOOKS)
 
 
-def tolerances(bench: Bench, finding: Finding) -> None:
+def tolerances(bench: Bench, finding: CheckResult) -> None:
     """Three sigma of what repeated readings of a standing robot spread is within the tolerance."""
-    with bench.stage() as stage:
-        drive_seen(stage, 0.1, 0.5)
-        first = take_snapshot(stage.robot, {})
+    with bench.rig() as rig:
+        drive_seen(rig, 0.1, 0.5)
+        first = take_snapshot(rig.robot, {})
         spread: dict[str, list[float]] = {}
         for _ in range(LOOKS):
-            _wait(stage, 1)
-            for name, size in _plain(stage, first).items():
+            _wait(rig, 1)
+            for name, size in _plain(rig, first).items():
                 spread.setdefault(name, []).append(size)
-        allowed = limits(stage.robot, dict.fromkeys(spread, 0.0))
+        allowed = limits(rig.robot, dict.fromkeys(spread, 0.0))
         for name, sizes in spread.items():
             if name != "held":
                 unit = name.rsplit("_", 1)[-1]
@@ -87,18 +87,18 @@ def tolerances(bench: Bench, finding: Finding) -> None:
                 finding.at_most(f"3 sigma of {name}", sigma, allowed[name], unit)
 
 
-def drift(bench: Bench, finding: Finding, kind: type[Reach] = Reach) -> None:
+def drift(bench: Bench, finding: CheckResult, kind: type[Reach] = Reach) -> None:
     """Many Fails in a row don't add up: the last ends where the first began."""
     times = FAILS_QUICK if bench.quick else FAILS
-    with bench.stage() as stage:
-        first = stage.backend.ground_truth()
+    with bench.rig() as rig:
+        first = rig.backend.ground_truth()
         spec = bench.spec()
         for number in range(times):
-            outcome = stage.do(kind(fails=True))
+            outcome = rig.do(kind(fails=True))
             if not isinstance(outcome, Fail):
                 finding.wrong.append(f"Fail {number + 1} is {type(outcome).__name__}: {outcome}")
                 return
-        last = stage.backend.ground_truth()
+        last = rig.backend.ground_truth()
         finding.measured.append(f"{times} Fails")
         if first is None or last is None:
             finding.measured.append("no ground truth")
@@ -107,21 +107,21 @@ def drift(bench: Bench, finding: Finding, kind: type[Reach] = Reach) -> None:
         finding.wrong += not_restored(first, last, spec)
 
 
-def _wait(stage: Stage, periods: int) -> None:
+def _wait(rig: Rig, periods: int) -> None:
     for _ in range(periods):
-        stage.robot.step()
+        rig.robot.step()
 
 
-def _plain(stage: Stage, start: Snapshot) -> dict[str, float]:
+def _plain(rig: Rig, start: Snapshot) -> dict[str, float]:
     """Residuals without how unsure the base's are."""
-    now = replace(take_snapshot(stage.robot, {}), pose_sigma=(0.0, 0.0))
-    found = residuals(start, now, stage.robot.spec.joint_units.slides)
+    now = replace(take_snapshot(rig.robot, {}), pose_sigma=(0.0, 0.0))
+    found = residuals(start, now, rig.robot.spec.joint_units.slides)
     return {name: size for name, size in found.items() if "unsure" not in name}
 
 
-def _beyond(stage: Stage, start: Snapshot) -> list[str]:
-    found = _plain(stage, start)
-    allowed = limits(stage.robot, found)
+def _beyond(rig: Rig, start: Snapshot) -> list[str]:
+    found = _plain(rig, start)
+    allowed = limits(rig.robot, found)
     return [name for name, size in found.items() if not size <= allowed[name]]
 
 

@@ -17,20 +17,20 @@ from handcart.backends.capabilities.gripper import Gripper
 from handcart.evaluation.conformance.rig.bench import Bench
 from handcart.evaluation.conformance.rig.parts import needed, part_of
 from handcart.evaluation.conformance.rig.periods import all_readings, beside, drivable, steps
-from handcart.evaluation.truth.simulated_world import simulated_world
+from handcart.evaluation.truth.survey import simulated_world
 
-from .check import Check, Finding
+from .check import Check, CheckResult
 
 Record = list[dict[str, NDArray[np.float64]]]
 LONG = 40  # periods of the script
 DAYS = 1e6  # [s] by which a clock is put forward at each look
 
 
-def period(bench: Bench, finding: Finding) -> None:
+def period(bench: Bench, finding: CheckResult) -> None:
     """A step is one period of the robot's file: what is driven in N of them says so."""
     spec = bench.spec()
-    with bench.stage() as stage:
-        backend, count, speed = stage.backend, 40, 0.2
+    with bench.rig() as rig:
+        backend, count, speed = rig.backend, 40, 0.2
         finding.expect(backend.period == spec.period_s, f"{backend.period} s, not {spec.period_s} s")
         base = needed(backend, Base)
         for _ in range(20):  # until the speed is reached
@@ -48,23 +48,23 @@ def period(bench: Bench, finding: Finding) -> None:
         )
 
 
-def monotonic(bench: Bench, finding: Finding) -> None:
+def monotonic(bench: Bench, finding: CheckResult) -> None:
     """The simulated clock goes on by one period with each step, and not otherwise."""
-    with bench.stage() as stage:
-        scene = simulated_world(stage.backend)
+    with bench.rig() as rig:
+        scene = simulated_world(rig.backend)
         if scene is None:
             finding.skipped = "nothing is simulated"
             return
         for _ in range(10):
             before = scene.time
-            all_readings(stage.backend)
+            all_readings(rig.backend)
             finding.expect(scene.time == before, "the clock goes on while readings are taken")
-            stage.backend.step()
+            rig.backend.step()
             ahead = scene.time - before
-            finding.expect(abs(ahead - stage.backend.period) < 1e-9, f"a step takes {ahead:g} s")
+            finding.expect(abs(ahead - rig.backend.period) < 1e-9, f"a step takes {ahead:g} s")
 
 
-def same_seed(bench: Bench, finding: Finding) -> None:
+def same_seed(bench: Bench, finding: CheckResult) -> None:
     """The same seed gives the same readings, bit for bit; another seed others."""
     first, second, other = (_script(bench, seed) for seed in (3, 3, 4))
     finding.wrong += [f"the same seed, another reading: {each}" for each in _different(first, second)]
@@ -72,7 +72,7 @@ def same_seed(bench: Bench, finding: Finding) -> None:
     finding.measured.append(f"{len(first)} periods")
 
 
-def looking_on(bench: Bench, finding: Finding) -> None:
+def looking_on(bench: Bench, finding: CheckResult) -> None:
     """Who takes more readings doesn't change the run."""
     quiet = _script(bench, 3, look=lambda backend, number: number % 10 == 9)
     busy = _script(bench, 3)
@@ -80,7 +80,7 @@ def looking_on(bench: Bench, finding: Finding) -> None:
     finding.wrong += [f"a reading that nobody needed changed {each}" for each in _different(quiet, kept)]
 
 
-def wall_clock(bench: Bench, finding: Finding) -> None:
+def wall_clock(bench: Bench, finding: CheckResult) -> None:
     """Whatever the wall clock does, the readings are the same."""
     if scene_of_bench(bench) is None:
         finding.skipped = "nothing is simulated"
@@ -101,8 +101,8 @@ def _dawdle(backend: Backend, number: int) -> bool:
 
 def scene_of_bench(bench: Bench) -> object:
     """The scene of a backend on the bench, None where nothing is simulated."""
-    with bench.stage() as stage:
-        scene: object = simulated_world(stage.backend)
+    with bench.rig() as rig:
+        scene: object = simulated_world(rig.backend)
         return scene
 
 
@@ -111,8 +111,8 @@ def _script(
 ) -> Record:
     """Base, arm and fingers move together; gives the readings of the periods that were looked at."""
     record: Record = []
-    with bench.stage(seed) as stage:
-        backend = stage.backend
+    with bench.rig(seed) as rig:
+        backend = rig.backend
         arm, gripper = part_of(backend, Arm), part_of(backend, Gripper)
         for number in range(LONG):
             if number < LONG // 2:

@@ -14,7 +14,7 @@ from .rehearsal import Rehearsal, Solo
 from .underway import Ending, Underway
 
 
-class Trial(NamedTuple):
+class FaultTrial(NamedTuple):
     """One fault at one instant of one primitive's run."""
 
     primitive: str
@@ -53,11 +53,11 @@ class Batch:
     def __str__(self) -> str:
         return f"faults in action {self.action}, part {self.part + 1} of {self.parts}"
 
-    def __call__(self) -> list[Trial]:
+    def __call__(self) -> list[FaultTrial]:
         """All trials."""
         return list(self.trials())
 
-    def trials(self) -> Iterator[Trial]:
+    def trials(self) -> Iterator[FaultTrial]:
         """Bring the robot to each instant, and try each fault there in a copy of the process."""
         with forkable():
             for number, name, underway in self.rehearsal.attempts():
@@ -66,11 +66,11 @@ class Batch:
                     return
         raise ValueError(f"there is no action {self.action}")
 
-    def _trials(self, name: str, underway: Underway) -> Iterator[Trial]:
+    def _trials(self, name: str, underway: Underway) -> Iterator[FaultTrial]:
         nominal = self._tried(underway, None)
         if nominal.outcome != "Success" or nominal.wrong:
             wrong = nominal.wrong or ("nothing is broken, yet it doesn't succeed",)
-            yield Trial(name, self.action, 0, NOTHING, NOTHING, replace(nominal, wrong=wrong))
+            yield FaultTrial(name, self.action, 0, NOTHING, NOTHING, replace(nominal, wrong=wrong))
             return
         period = 0
         for number, instant in enumerate(spread(self.instants, nominal.periods)):
@@ -81,7 +81,7 @@ class Batch:
                 period += 1
             for fault in self.faults(name, number, nominal.sensors or SENSORS):
                 ending = self._tried(underway, fault)
-                yield Trial(name, self.action, period, str(fault), fault.kind.value, ending)
+                yield FaultTrial(name, self.action, period, str(fault), fault.kind.value, ending)
 
     def faults(self, name: str, number: int, sensors: Sequence[str]) -> list[Fault]:
         """What is tried at an instant, by its number: one of each kind, and all of the domain's own."""

@@ -19,7 +19,7 @@ from handcart.evaluation.conformance.rig.layered_backend import Kind, LayeredBac
 from handcart.evaluation.conformance.rig.numbers import broken
 from handcart.evaluation.conformance.rig.parts import part_of
 from handcart.evaluation.conformance.rig.periods import SETTLES
-from handcart.evaluation.truth.simulated_world import simulated_world
+from handcart.evaluation.truth.survey import simulated_world
 
 from .fault import SENSORS, Fault, FaultKind
 

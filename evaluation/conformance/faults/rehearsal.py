@@ -85,11 +85,11 @@ class Solo:
 
     def attempts(self) -> Iterator[tuple[int, str, Underway]]:
         """As for `Rehearsal`; its number is 0."""
-        with self.bench.stage(self.seed) as stage:
-            faulty = FaultyBackend(stage.backend)
-            robot = self.bench.around(stage, faulty).robot
+        with self.bench.rig(self.seed) as rig:
+            faulty = FaultyBackend(rig.backend)
+            robot = self.bench.around(rig, faulty).robot
             primitive = self.primitive.model_copy()
-            underway = Underway(primitive, robot, faulty, stage.model, self.bench.spec(), self.seed)
+            underway = Underway(primitive, robot, faulty, rig.model, self.bench.spec(), self.seed)
             yield 0, primitive.label(), underway
 
 

@@ -8,9 +8,8 @@ from dataclasses import dataclass, field
 from handcart.backends.description.robot_file import RobotFile
 from handcart.backends.robot.robot import Robot
 from handcart.evaluation.conformance.rig.periods import SETTLES, steps
-from handcart.evaluation.conformance.rig.standing import Standing
-from handcart.evaluation.truth.simulated_world import simulated_world
-from handcart.evaluation.truth.surveyed_run import SurveyedRun
+from handcart.evaluation.conformance.rig.standing import TrueState
+from handcart.evaluation.truth.survey import SurveyedRun, simulated_world
 from handcart.evaluation.truth.surveys import Surveys
 from handcart.primitives.contract.action_primitive import ActionPrimitive
 from handcart.primitives.contract.attempt import LONGEST_RESTORE, attempt
@@ -151,11 +150,11 @@ class Underway:
         """What moves although the attempt has ended."""
         if self.backend.stay():
             steps(self.backend, SETTLES)  # a slide of the kit's own that a drive brakes
-        ended = Standing.of(self.backend.inner)
+        ended = TrueState.of(self.backend.inner)
         for _ in range(round(QUIET / self.robot.period)):
             self.backend.step()
         word = type(outcome).__name__
-        moving = ended.moved(Standing.of(self.backend.inner))
+        moving = ended.moved(TrueState.of(self.backend.inner))
         return [f"after {word} it doesn't stand still: {each}" for each in moving]
 
     def _whole(self, fault: Fault | None) -> bool:

@@ -12,8 +12,8 @@ from handcart.backends.capabilities.capability import Capability
 from handcart.backends.capabilities.gripper import Gripper
 from handcart.backends.capabilities.range_sensor import RangeSensor
 from handcart.evaluation.conformance.checks import snapshot_checks
-from handcart.evaluation.conformance.checks.all_checks import CHECKS
-from handcart.evaluation.conformance.checks.check import Finding
+from handcart.evaluation.conformance.checks.all_checks import checks
+from handcart.evaluation.conformance.checks.check import CheckResult
 from handcart.evaluation.conformance.faults.fail_is_true import Batch
 from handcart.evaluation.conformance.faults.fault import FaultKind
 from handcart.evaluation.conformance.faults.rehearsal import RETURN_BOOK, Rehearsal, Solo
@@ -69,15 +69,15 @@ def try_mutant(name: str, bench: Bench) -> Caught:
 
 def _plantable(mutant: Mutant, bench: Bench) -> None:
     """Raises `Skipped` where the liar couldn't lie, or nobody could know."""
-    with bench.stage() as stage:
+    with bench.rig() as rig:
         for kind in mutant.needs:
-            needed(stage.backend, kind)
-        if mutant.by_truth and stage.backend.ground_truth() is None:
+            needed(rig.backend, kind)
+        if mutant.by_truth and rig.backend.ground_truth() is None:
             raise Skipped("no ground truth is known")
 
 
 def _backend(name: str, check: str, bench: Bench) -> list[str]:
-    finding = CHECKS[check](replace(bench, liar=name))
+    finding = checks()[check](replace(bench, liar=name))
     if finding.skipped:
         raise Skipped(finding.skipped)
     return [f"{check}: {each}" for each in finding.wrong]
@@ -101,7 +101,7 @@ def _first(batch: Batch) -> list[str]:
 
 
 def _drift(kind: type[Reach], bench: Bench) -> list[str]:
-    finding = Finding("drift", "")
+    finding = CheckResult("drift", "")
     snapshot_checks.drift(replace(bench, quick=True), finding, kind)
     return [f"drift: {each}" for each in finding.wrong]
 
@@ -157,7 +157,7 @@ _ALL = (
     _in_backend("WrongUnits", "tells wheel travel in mm", "base"),
     _in_backend("EchoesCommands", "encoders read what was commanded", "joints"),
     _in_backend("RollsDice", "ranges waver with the wall clock", "rates"),
-    _in_backend("HalfPixel", "pictures are half a pixel off", "landmark"),
+    _in_backend("HalfPixel", "pictures are half a pixel off", "tag"),
     _in_backend("Undelayed", "tells where the base was as where it is", "positioning"),
     _in_backend("TurnsOtherWay", "its gyros' axes point down", "imu"),
     _in_backend("FixInMillimetres", "tells fixes in mm", "gps"),

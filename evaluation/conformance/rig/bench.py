@@ -10,7 +10,7 @@ from handcart.backends.capabilities.capability import Capability
 from handcart.backends.description.robot_file import RobotFile
 from handcart.backends.description.robot_loading import load_robot
 from handcart.backends.robot.robot import Robot
-from handcart.evaluation.trials.stage import Stage, StageFiles, set_stage
+from handcart.evaluation.trials.rig import Rig, RigFiles, build_rig
 
 C = TypeVar("C", bound=Capability)
 
@@ -21,7 +21,7 @@ class Bench:
 
     backend: str
     robot: str = "librarian"
-    files: StageFiles = field(default_factory=StageFiles)
+    files: RigFiles = field(default_factory=RigFiles)
     liar: str | None = None
     """A liar put around the backend, by its name in `backend_liars.LIARS`; None: the backend as it is."""
     quick: bool = True
@@ -30,17 +30,17 @@ class Bench:
         """The robot's file, as nobody has changed it."""
         return load_robot(self.robot)
 
-    def stage(self, seed: int = 0) -> Stage:
+    def rig(self, seed: int = 0) -> Rig:
         """A robot in the world, at its start."""
-        stage = set_stage(self.files, self.robot, self.backend, seed)
+        rig = build_rig(self.files, self.robot, self.backend, seed)
         if self.liar is None:
-            return stage
-        return self.around(stage, liar_around(self.liar, stage.backend, stage.robot.spec))
+            return rig
+        return self.around(rig, liar_around(self.liar, rig.backend, rig.robot.spec))
 
-    def around(self, stage: Stage, backend: Backend) -> Stage:
-        """The same stage with another backend around its own."""
-        start = stage.model.places[self.files.start].pose
-        return Stage(Robot(backend, stage.robot.spec, start, stage.model.map), stage.model, backend)
+    def around(self, rig: Rig, backend: Backend) -> Rig:
+        """The same rig with another backend around its own."""
+        start = rig.model.places[self.files.start].pose
+        return Rig(Robot(backend, rig.robot.spec, start, rig.model.map), rig.model, backend)
 
 
 def liar_around(name: str, backend: Backend, spec: RobotFile) -> Backend:

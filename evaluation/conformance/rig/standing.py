@@ -21,14 +21,14 @@ HELD = {"wheels": 2e-3, "joints": 2e-3, "width": 5e-4}
 
 
 @dataclass(frozen=True)
-class Standing:
+class TrueState:
     """Where everything that can move is at one instant."""
 
     readings: dict[str, NDArray[np.float64]]
     truth: GroundTruth | None
 
     @classmethod
-    def of(cls, backend: Backend) -> Standing:
+    def of(cls, backend: Backend) -> TrueState:
         """As the backend has it now."""
         base, arm, gripper = part_of(backend, Base), part_of(backend, Arm), part_of(backend, Gripper)
         readings: dict[str, NDArray[np.float64]] = {}
@@ -40,7 +40,7 @@ class Standing:
             readings["width"] = np.array([gripper.width()])
         return cls(readings, backend.ground_truth())
 
-    def moved(self, after: Standing) -> list[str]:
+    def moved(self, after: TrueState) -> list[str]:
         """What moved until `after`, in words."""
         wrong = []
         for name, room in HELD.items():
@@ -50,7 +50,7 @@ class Standing:
                     wrong.append(f"{name} move by {far:.3g}")
         return wrong + self.truly_moved(after)
 
-    def truly_moved(self, after: Standing) -> list[str]:
+    def truly_moved(self, after: TrueState) -> list[str]:
         """What moved until `after` by the truth, in words; nothing where nothing is simulated."""
         if self.truth is None or after.truth is None:
             return []

@@ -6,12 +6,12 @@ from collections.abc import Collection, Sequence
 from itertools import pairwise
 
 import numpy as np
-import pinocchio as pin
 from numpy.typing import NDArray
 
 from handcart.robotics.geometry.transform import Transform
 from handcart.robotics.kinematics.arm_model import ArmModel
 from handcart.robotics.kinematics.coal_bodies import coal_body
+from handcart.robotics.kinematics.libraries import pin
 from handcart.robotics.kinematics.shapes import Shape
 
 Vector = NDArray[np.float64]

@@ -6,7 +6,6 @@ from collections.abc import Callable
 from itertools import pairwise
 
 import numpy as np
-import pinocchio as pin
 from numpy.typing import NDArray
 from ompl import base as ob
 from ompl import geometric as og
@@ -14,6 +13,7 @@ from ompl import util as ou
 
 from handcart.robotics.geometry.transform import Transform
 from handcart.robotics.kinematics.arm_model import ArmModel
+from handcart.robotics.kinematics.libraries import pin
 from handcart.robotics.manipulation.motions.collision_model import CollisionModel
 
 Vector = NDArray[np.float64]

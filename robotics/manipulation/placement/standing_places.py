@@ -6,12 +6,12 @@ from collections.abc import Sequence
 
 import cv2
 import numpy as np
-import pinocchio as pin
 from numpy.typing import NDArray
 from scipy import ndimage
 
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.kinematics.coal_bodies import coal_body
+from handcart.robotics.kinematics.libraries import pin
 from handcart.robotics.kinematics.shapes import Shape, radius_about
 from handcart.robotics.navigation.maps.grid_map import GridMap
 

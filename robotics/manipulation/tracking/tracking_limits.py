@@ -5,10 +5,10 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-import pinocchio as pin
 from numpy.typing import NDArray
 
 from handcart.robotics.kinematics.arm_model import ArmModel
+from handcart.robotics.kinematics.libraries import pin
 
 Floats = NDArray[np.float64]
 

@@ -1,23 +1,22 @@
-"""Occupancy grids."""
+"""Occupancy grids, and what the grey levels of a map picture mean to ROS (nav2's map_server)."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterable
-from typing import NamedTuple
+from typing import Literal, NamedTuple
 
 import cv2
 import numpy as np
 from numpy.typing import NDArray
 
 from handcart.robotics.geometry.pose2 import Pose2
-from handcart.robotics.navigation.maps.ros_occupancy import (
-    FREE,
-    OCCUPIED,
-    UNKNOWN_GREY,
-    occupancy_of_levels,
-    ros_occupancy,
-)
+
+Mode = Literal["trinary", "scale", "raw"]
+UNKNOWN = -1
+OCCUPIED = 100
+FREE = 0
+UNKNOWN_GREY = 205  # what map_saver writes where nothing was measured
 
 
 class GridMap(NamedTuple):
@@ -164,3 +163,53 @@ def _draw(grid: GridMap, box: Box) -> None:
     touch_turned = np.abs(local) < np.array([box.length, box.width]) / 2 + half * (cos + sin) - 1e-9
     overlap = np.all(touch & touch_turned, axis=1).reshape(rows.shape)
     grid.occupied[low[0] : high[0], low[1] : high[1]] |= overlap
+
+
+def occupancy_of_levels(negate: bool) -> NDArray[np.float64]:
+    """(256,): the occupancy 0 to 1 that each grey level stands for; dark is occupied, unless `negate`."""
+    level = np.arange(256) / 255.0
+    return level if negate else 1.0 - level
+
+
+def ros_occupancy(
+    image: NDArray[np.uint8],
+    mode: Mode,
+    occupied_thresh: float,
+    free_thresh: float,
+    negate: bool = False,
+    opaque: NDArray[np.bool_] | None = None,
+) -> NDArray[np.int8]:
+    """Occupancy (h, w) in percent, -1 for unknown, row 0 at the bottom: an OccupancyGrid's data.
+
+    After nav2_map_server/src/map_io.cpp: `trinary` knows 0, 100 and unknown; `scale` also what lies between
+    the thresholds; `raw` takes levels of 0 to 100 as they are, and others for unknown.
+
+    Args:
+        image: (h, w) grey, row 0 on top, as in the file.
+        mode: of the three.
+        occupied_thresh: from this occupancy on a cell is occupied.
+        free_thresh: up to this occupancy a cell is free.
+        negate: dark means free.
+        opaque: (h, w); where a picture is transparent nothing is known, but in mode `raw`.
+    """
+    if mode == "raw":
+        levels = np.arange(256)
+        table = np.where(levels <= OCCUPIED, levels, UNKNOWN).astype(np.int8)
+        opaque = None
+    else:
+        table = _table(occupancy_of_levels(negate), mode, occupied_thresh, free_thresh)
+    values = table[image]
+    if opaque is not None:
+        values[~opaque] = UNKNOWN
+    return values[::-1]
+
+
+def _table(
+    level: NDArray[np.float64], mode: Mode, occupied_thresh: float, free_thresh: float
+) -> NDArray[np.int8]:
+    between = np.full(256, float(UNKNOWN))
+    if mode == "scale":
+        between = np.floor(100.0 * (level - free_thresh) / (occupied_thresh - free_thresh) + 0.5)
+    found = np.where(level >= occupied_thresh, OCCUPIED, between)
+    table: NDArray[np.int8] = np.where(level <= free_thresh, FREE, found).astype(np.int8)
+    return table

@@ -16,6 +16,9 @@ from handcart.robotics.perception.books.call_number_decoder import CallNumberDec
 from handcart.robotics.perception.books.label_reader import LabelReader, Reading
 from handcart.robotics.perception.cameras.camera_model import GreyImage
 
+if find_spec("rapidocr") is None:  # told when this is imported, not when the first label is to be read
+    raise ModuleNotFoundError("No module named 'rapidocr'", name="rapidocr")
+
 _STEP_PX = 8  # the recogniser gives one column of probabilities for this many of its input
 
 
@@ -55,8 +58,8 @@ class OcrLabelReader(LabelReader):
 def _model_file() -> Path:
     """The recogniser inside the installed rapidocr. Importing rapidocr itself would set up its loggers."""
     spec = find_spec("rapidocr")
-    if spec is None or spec.origin is None:
-        raise FileNotFoundError("rapidocr is not installed: it carries the text recogniser")
+    assert spec is not None
+    assert spec.origin is not None
     models = sorted((Path(spec.origin).parent / "models").glob("*_rec_*.onnx"))
     if not models:
         raise FileNotFoundError(f"rapidocr at {spec.origin} carries no text recogniser")

@@ -10,9 +10,9 @@ import pytest
 
 from handcart.backends.description.can_spec import CanSpec
 from handcart.backends.description.robot_loading import ROBOTS, load_robot
-from handcart.evaluation.conformance.checks.all_checks import CHECKS
+from handcart.evaluation.conformance.checks.all_checks import checks
 from handcart.evaluation.conformance.rig.bench import Bench
-from handcart.evaluation.trials.stage import set_stage
+from handcart.evaluation.trials.rig import build_rig
 from handcart.files.errors import FileError
 from handcart.primitives.contract.outcome import Success
 from handcart.primitives.driving.move_to import MoveTo
@@ -20,10 +20,10 @@ from handcart.primitives.driving.move_to import MoveTo
 
 @pytest.mark.slow
 def test_move_to_ends_at_the_right_place() -> None:
-    with set_stage(robot="cart", backend="can", seed=1) as stage:
-        outcome = stage.do(MoveTo(place="shelf_3"))
-        inner: Any = stage.backend.inner
-        place, scene = stage.model.places["shelf_3"].pose, inner.scene
+    with build_rig(robot="cart", backend="can", seed=1) as rig:
+        outcome = rig.do(MoveTo(place="shelf_3"))
+        inner: Any = rig.backend.inner
+        place, scene = rig.model.places["shelf_3"].pose, inner.scene
         assert isinstance(outcome, Success)
         assert scene.base.distance(place) < 0.01
         assert scene.base.turn(place) < 0.005
@@ -35,10 +35,10 @@ LONG = ("drift",)
 
 
 @pytest.mark.parametrize(
-    "name", [pytest.param(each, marks=pytest.mark.slow) if each in LONG else each for each in CHECKS]
+    "name", [pytest.param(each, marks=pytest.mark.slow) if each in LONG else each for each in checks()]
 )
 def test_the_kit_finds_nothing_wrong(name: str) -> None:
-    assert CHECKS[name](Bench("can", "cart")).wrong == []
+    assert checks()[name](Bench("can", "cart")).wrong == []
 
 
 @pytest.mark.parametrize(

@@ -7,8 +7,8 @@ from typing import Any
 
 import pytest
 
+from handcart.evaluation.trials.rig import LIBRARY
 from handcart.evaluation.trials.running import run_task
-from handcart.evaluation.trials.stage import LIBRARY
 from handcart.networks.run_options import RunOptions
 
 

@@ -15,7 +15,7 @@ from handcart.backends.capabilities.arm import Arm
 from handcart.backends.capabilities.base import Base
 from handcart.backends.capabilities.gripper import Gripper
 from handcart.backends.description.robot_file import RobotFile
-from handcart.backends.kinematic.kinematic_gripper import KinematicGripper
+from handcart.backends.kinematic.kinematic_parts import KinematicGripper
 
 from .conftest import LEFT, RIGHT, Make
 from .faulty import BEFORE, JOINT_1, fault_of, move

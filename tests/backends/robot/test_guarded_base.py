@@ -74,7 +74,7 @@ def test_held_back_it_gains_speed_no_faster_than_it_can(spec: RobotFile) -> None
     rolling, top = Rolling(spec, 1.0, lambda _: ahead[0]), spec.drive.top_speed_m_s
     rolling.base.drive(0.0, 0.0)
     assert rolling.drive(top)[0] < 0.2 * top
-    held = rolling.base.taken_held()
+    _, held = rolling.base.taken()
     assert held is not None
     assert held.shown_by == "scan"
     ahead[0] = NOTHING

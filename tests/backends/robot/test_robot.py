@@ -9,21 +9,21 @@ import numpy as np
 import pytest
 
 from handcart.backends.robot.robot import Robot
-from handcart.evaluation.trials.stage import Stage, StageFiles, set_stage
-from handcart.evaluation.truth.simulated_world import simulated_world
+from handcart.evaluation.trials.rig import Rig, RigFiles, build_rig
+from handcart.evaluation.truth.survey import simulated_world
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import transform
 
 SEAM = Path(__file__).parents[3] / "tasks" / "track_seam"
-HALL = StageFiles(SEAM / "world.yaml", SEAM / "map.yaml", SEAM / "places.yaml", {})
+HALL = RigFiles(SEAM / "world.yaml", SEAM / "map.yaml", SEAM / "places.yaml", {})
 
 
 @pytest.fixture
-def make_stage() -> Iterator[Callable[..., Stage]]:
+def make_stage() -> Iterator[Callable[..., Rig]]:
     made = []
 
-    def one(robot: str, files: StageFiles = StageFiles()) -> Stage:
-        made.append(set_stage(files, robot=robot))
+    def one(robot: str, files: RigFiles = RigFiles()) -> Rig:
+        made.append(build_rig(files, robot=robot))
         return made[-1]
 
     yield one
@@ -32,7 +32,7 @@ def make_stage() -> Iterator[Callable[..., Stage]]:
 
 
 @pytest.fixture
-def robot(make_stage: Callable[..., Stage]) -> Robot:
+def robot(make_stage: Callable[..., Rig]) -> Robot:
     return make_stage("librarian").robot
 
 
@@ -81,7 +81,7 @@ def test_a_lowered_hand_hides_itself_from_the_scan_and_a_raised_one_nothing(
 
 
 def test_a_base_that_was_shifted_while_it_drove_was_not_pushed_while_it_stood(
-    make_stage: Callable[..., Stage],
+    make_stage: Callable[..., Rig],
 ) -> None:
     """By an indoor positioning; it takes the place over in either case."""
     robot = make_stage("atrv", HALL).robot

@@ -11,7 +11,7 @@ from handcart.backends.description.robot_loading import load_robot
 from handcart.files.errors import FileError
 from handcart.robotics.kinematics.arm_model import ArmModel
 from handcart.robotics.kinematics.shapes import Hull
-from handcart.robotics.kinematics.urdf_assembly import link_names
+from handcart.robotics.kinematics.urdf_contents import link_names
 
 ROBOT = """\
 format: handcart-robot/1

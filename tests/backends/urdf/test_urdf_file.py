@@ -7,7 +7,7 @@ import pytest
 
 from handcart.backends.description.robot_loading import load_robot, shipped_path
 from handcart.backends.urdf.mesh_path import is_mesh, mesh_path
-from handcart.backends.urdf.urdf_file import read_urdf_file
+from handcart.backends.urdf.robot_parts import read_urdf_file
 from handcart.files.errors import FileError, UnsafePath
 
 LINK = "<robot name='r'>\n<link name='a'>\n<inertial>{}</inertial></link></robot>"

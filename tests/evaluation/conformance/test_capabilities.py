@@ -127,8 +127,8 @@ def test_a_new_capability_s_commands_can_be_refused(faulty: FaultyBackend) -> No
 
 def test_imu_and_gps_are_in_the_kit_like_the_others() -> None:
     assert {"imu", "gps", "positioning"} < set(SENSORS)
-    with Bench("kinematic", "el_verde").stage() as stage:
-        faulty = FaultyBackend(stage.backend)
+    with Bench("kinematic", "el_verde").rig() as rig:
+        faulty = FaultyBackend(rig.backend)
         for _ in range(40):
             faulty.step()
             needed(faulty, Imu).rates()

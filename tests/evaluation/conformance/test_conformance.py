@@ -6,10 +6,10 @@ from typing import Any
 
 import pytest
 
-from handcart.evaluation.conformance.checks.all_checks import CHECKS
-from handcart.evaluation.conformance.checks.check import Finding
+from handcart.evaluation.conformance.checks.all_checks import checks
+from handcart.evaluation.conformance.checks.check import CheckResult
 from handcart.evaluation.conformance.faults import fault
-from handcart.evaluation.conformance.faults.fail_is_true import Batch, Trial
+from handcart.evaluation.conformance.faults.fail_is_true import Batch, FaultTrial
 from handcart.evaluation.conformance.faults.fault import (
     EVERYWHERE,
     SENSORS,
@@ -22,13 +22,13 @@ from handcart.evaluation.conformance.faults.faulty_backend import FaultyBackend
 from handcart.evaluation.conformance.faults.forked import Died, Hung, forked
 from handcart.evaluation.conformance.faults.rehearsal import DRIVE_MAP, RETURN_BOOK, Rehearsal, Solo
 from handcart.evaluation.conformance.faults.underway import Ending
-from handcart.evaluation.conformance.kit import Setting, jobs_of, run_kit
+from handcart.evaluation.conformance.kit import KitSetting, jobs_of, run_kit
 from handcart.evaluation.conformance.planted.mutants import MUTANTS, try_mutant
-from handcart.evaluation.conformance.report import Report
+from handcart.evaluation.conformance.report import KitReport
 from handcart.evaluation.conformance.rig.bench import Bench
 from handcart.evaluation.conformance.rig.reach import Reach
 from handcart.evaluation.conformance.task_runs import Ran, compared
-from handcart.evaluation.truth.simulated_world import simulated_world
+from handcart.evaluation.truth.survey import simulated_world
 from handcart.files.errors import FileError
 from handcart.networks.task.task_file import load_task
 from handcart.robotics.geometry.pose2 import Pose2
@@ -47,15 +47,15 @@ SAMPLE = (
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", ["capabilities", "limits", "stop", "rates", "landmark", "frames"])
+@pytest.mark.parametrize("name", ["capabilities", "limits", "stop", "rates", "tag", "frames"])
 def test_the_kinematic_backend_passes(name: str) -> None:
-    finding = CHECKS[name](BENCH)
+    finding = checks()[name](BENCH)
     assert finding.ok, finding.wrong
     assert not finding.skipped
 
 
 def test_what_a_robot_lacks_is_left_out_with_the_reason() -> None:
-    finding = CHECKS["joints"](Bench("kinematic", robot="cart"))
+    finding = checks()["joints"](Bench("kinematic", robot="cart"))
     assert finding.skipped == "the robot has no arm"
 
 
@@ -71,7 +71,7 @@ def test_a_liar_is_caught(name: str) -> None:
 @pytest.mark.parametrize(("name", "liar"), [("imu", "TurnsOtherWay"), ("gps", "FixInMillimetres")])
 def test_gyros_and_receivers_are_checked_and_their_liars_caught(name: str, liar: str) -> None:
     car = Bench("kinematic", robot="el_verde")
-    finding = CHECKS[name](car)
+    finding = checks()[name](car)
     assert finding.ok, finding.wrong
     assert not finding.skipped
     assert try_mutant(liar, car).by.startswith(f"{name}: ")
@@ -81,7 +81,7 @@ def test_gyros_and_receivers_are_checked_and_their_liars_caught(name: str, liar:
 @pytest.mark.parametrize("name", ["base", "joints", "one period", "imu", "gps"])
 def test_a_car_passes_too(name: str) -> None:
     """It turns only while it drives, and its first joint stands at its limit."""
-    finding = CHECKS[name](Bench("kinematic", robot="el_verde"))
+    finding = checks()[name](Bench("kinematic", robot="el_verde"))
     assert finding.ok, finding.wrong
 
 
@@ -94,12 +94,12 @@ def test_there_are_23_liars_and_each_tells_its_lie() -> None:
 def test_a_robot_with_an_indoor_positioning() -> None:
     bench = Bench("kinematic", robot="atrv")
     for name in ("capabilities", "positioning", "joints", "frames"):
-        finding = CHECKS[name](bench)
+        finding = checks()[name](bench)
         assert finding.ok, finding.wrong
         assert not finding.skipped
     assert try_mutant("Undelayed", bench).by.startswith("positioning: off ")
     assert try_mutant("Undelayed", BENCH).skipped == "the robot has no positioning"
-    assert Setting("kinematic", "atrv").tried() == ["DIVIDE", "MOVE_TO", "REACH", "TRACK"]
+    assert KitSetting("kinematic", "atrv").tried() == ["DIVIDE", "MOVE_TO", "REACH", "TRACK"]
 
 
 @pytest.mark.slow
@@ -118,14 +118,14 @@ def test_a_rehearsal_has_every_primitive_of_the_task() -> None:
 
 
 def test_what_is_tried_depends_on_what_the_robot_can_do() -> None:
-    with_arm, without = Setting("kinematic"), Setting("kinematic", robot="cart")
+    with_arm, without = KitSetting("kinematic"), KitSetting("kinematic", robot="cart")
     assert {"REACH", "MOVE_TO", "RELEASE"} <= set(with_arm.tried())
     assert without.tried() == ["MODIFY", "MOVE_TO", "REACH"]
     assert [found.task for found in without.rehearsals] == [DRIVE_MAP]
 
 
 def test_full_mode_injects_more_than_2500_faults_on_the_kinematic_backend() -> None:
-    batches = Setting("kinematic").batches()
+    batches = KitSetting("kinematic").batches()
     assert {each.instants for each in batches} == {40}
     moving = {each.action for each in batches} - {3, 9}  # MODIFY takes a few periods
     assert len(moving) * 40 * len(EVERYWHERE) >= 2500
@@ -152,10 +152,10 @@ def test_a_copy_of_the_process_may_hang_or_die() -> None:
 
 
 def test_a_report_tells_what_is_wrong() -> None:
-    wrong = Finding("limits", "what is beyond is refused", ["drive(nan, 0) is taken"])
+    wrong = CheckResult("limits", "what is beyond is refused", ["drive(nan, 0) is taken"])
     untrue = Ending("Fail", "it was only to be tried", 9, wrong=("Fail, but base mm 60.00 (at most 45.00)",))
-    trial = Trial("REACH", 0, 7, "cancel", "cancel", untrue)
-    report = Report.of("mine", "librarian", True, [wrong, [trial]])
+    trial = FaultTrial("REACH", 0, 7, "cancel", "cancel", untrue)
+    report = KitReport.of("mine", "librarian", True, [wrong, [trial]])
     told = "\n".join(report.lines())
     assert not report.ok
     assert "WRONG limits" in told
@@ -191,16 +191,16 @@ def test_an_untrue_outcome_is_wrong_at_any_rate() -> None:
 
 
 def test_whole_tasks_are_run_on_both_backends() -> None:
-    told = [str(each) for each in Setting("pybullet", seeds=2).task_runs()]
+    told = [str(each) for each in KitSetting("pybullet", seeds=2).task_runs()]
     assert "return_book on pybullet without errors" in told
     assert "drive_map on kinematic with seed 1" in told
     assert len(told) == 3 * 2 * 3
-    assert "tasks" not in Setting("pybullet", quick=True).chosen_parts
+    assert "tasks" not in KitSetting("pybullet", quick=True).chosen_parts
 
 
 @pytest.mark.slow
 def test_a_shipped_task_for_real() -> None:
-    report = run_kit(Setting("kinematic", "cart", parts=("tasks",), seeds=1), 1)
+    report = run_kit(KitSetting("kinematic", "cart", parts=("tasks",), seeds=1), 1)
     assert report.ok
     assert [each.measured for each in report.tasks] == [
         ["kinematic: Success in toured"],
@@ -213,12 +213,12 @@ def test_pybullet_passes_where_physics_matters() -> None:
     pytest.importorskip("pybullet", reason="PyBullet has no wheel for this Python")
     bench = Bench("pybullet")
     for name in ("one period", "stop", "frames"):
-        finding = CHECKS[name](bench)
+        finding = checks()[name](bench)
         assert finding.ok, finding.wrong
 
 
 def test_a_primitive_of_somebody_else_is_found_by_its_name() -> None:
-    jobs = jobs_of(Setting("kinematic", quick=True, parts=("faults",), primitives=("REACH",)))
+    jobs = jobs_of(KitSetting("kinematic", quick=True, parts=("faults",), primitives=("REACH",)))
     assert len(jobs) == 1
 
 
@@ -232,7 +232,7 @@ def test_the_fixture_tries_a_backend(conformance: Any) -> None:
 @pytest.mark.slow
 def test_a_robot_that_is_not_there_is_told_at_once() -> None:
     with pytest.raises(FileError, match=r"/nowhere/robot\.yaml:1:1: the file does not exist"):
-        run_kit(Setting("kinematic", "/nowhere/robot.yaml", True, ("mutants",)), 1)
+        run_kit(KitSetting("kinematic", "/nowhere/robot.yaml", True, ("mutants",)), 1)
 
 
 def push(world: Any) -> None:
@@ -254,8 +254,8 @@ def test_a_domain_declares_what_may_happen_in_its_world(monkeypatch: pytest.Monk
 
 
 def test_a_fault_in_the_world_happens_for_its_periods() -> None:
-    with BENCH.stage() as stage:
-        backend, scene = FaultyBackend(stage.backend), simulated_world(stage.backend)
+    with BENCH.rig() as rig:
+        backend, scene = FaultyBackend(rig.backend), simulated_world(rig.backend)
         assert scene is not None
         before = scene.base
         backend.inject(PUSH)

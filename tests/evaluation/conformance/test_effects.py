@@ -16,7 +16,7 @@ from handcart.evaluation.blocks.block_survey import BlockSurvey
 from handcart.evaluation.calibration.calibration_survey import CalibrationSurvey
 from handcart.evaluation.field.field_survey import FieldSurvey
 from handcart.evaluation.truth.arrival_survey import ArrivalSurvey
-from handcart.evaluation.truth.localisation_survey import LocalisationSurvey
+from handcart.evaluation.truth.base_surveys import LocalisationSurvey
 from handcart.evaluation.truth.survey import Claim, Survey
 from handcart.evaluation.truth.surveys import survey_kinds
 from handcart.evaluation.truth.true_changes import disturbed, moved

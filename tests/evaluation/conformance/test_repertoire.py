@@ -8,8 +8,8 @@ import pytest
 
 from handcart.backends.description.robot_loading import shipped_path
 from handcart.evaluation.conformance.faults.repertoire import repertoire
-from handcart.evaluation.conformance.kit import Setting
-from handcart.evaluation.trials.stage import StageFiles
+from handcart.evaluation.conformance.kit import KitSetting
+from handcart.evaluation.trials.rig import RigFiles
 from handcart.primitives.registry import primitive_names
 
 TASKS = Path(__file__).resolve().parents[3] / "tasks"
@@ -24,7 +24,7 @@ TRIED = {
 
 @pytest.mark.parametrize("robot", TRIED)
 def test_faults_are_tried_in_all_that_a_robot_is_made_for(robot: str) -> None:
-    assert Setting("kinematic", robot).tried() == sorted([*TRIED[robot].split(), "REACH"])
+    assert KitSetting("kinematic", robot).tried() == sorted([*TRIED[robot].split(), "REACH"])
 
 
 def test_faults_are_tried_in_every_registered_primitive() -> None:
@@ -33,11 +33,11 @@ def test_faults_are_tried_in_every_registered_primitive() -> None:
 
 
 def test_a_variant_is_tried_in_what_its_robot_is_made_for() -> None:
-    assert Setting("kinematic", "toyama/h1").tasks == Setting("kinematic", "toyama").tasks
+    assert KitSetting("kinematic", "toyama/h1").tasks == KitSetting("kinematic", "toyama").tasks
 
 
 def test_a_robot_that_nothing_is_made_for_is_tried_in_all_that_it_can_do() -> None:
-    assert [path.parent.name for path in Setting("kinematic", "cart").tasks] == ["drive_map"]
+    assert [path.parent.name for path in KitSetting("kinematic", "cart").tasks] == ["drive_map"]
 
 
 @pytest.mark.slow
@@ -48,8 +48,8 @@ def test_a_robot_of_somebodys_own_is_tried_in_all_that_it_can_do() -> None:
 
 
 def test_checks_are_made_where_the_first_task_is_done() -> None:
-    assert Setting("kinematic").bench.files == StageFiles()
-    files = Setting("kinematic", "toyama").bench.files
+    assert KitSetting("kinematic").bench.files == RigFiles()
+    files = KitSetting("kinematic", "toyama").bench.files
     assert files.world == TASKS / "stack_blocks" / "unload_world.yaml"
     assert files.start == "stacking"
-    assert Setting("kinematic", "el_verde").bench.files == StageFiles()
+    assert KitSetting("kinematic", "el_verde").bench.files == RigFiles()

@@ -106,8 +106,8 @@ def test_the_librarian_is_without_fault(librarian: RobotReport) -> None:
 def test_its_reach_is_where_its_work_is(librarian: RobotReport) -> None:
     reach = librarian.reach
     assert reach is not None
-    rows = {(row.board_m, row.line_m): row for row in reach.grasps}
-    ahead, aside = rows[0.7, 0.0].ahead_m, rows[0.7, 0.0].aside_m
+    rows = {(row["board_m"], row["line_m"]): row for row in librarian.domains["books"].figures["grasps"]}
+    ahead, aside = rows[0.7, 0.0]["ahead_m"], rows[0.7, 0.0]["aside_m"]
     assert ahead is not None
     assert aside is not None
     assert ahead[0] <= 0.1 < 0.47 <= ahead[1]  # tray and shelf

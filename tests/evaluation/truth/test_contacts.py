@@ -15,7 +15,7 @@ from handcart.backends.simulation.books.book_props import BookProps
 from handcart.backends.simulation.world.world_file import WorldFile
 from handcart.backends.simulation.world.world_model import world_model
 from handcart.evaluation.truth.contact_survey import ContactSurvey
-from handcart.evaluation.truth.surveyed_run import SurveyedRun
+from handcart.evaluation.truth.survey import SurveyedRun
 from handcart.files.models.loading import load
 from handcart.primitives.books.books import Slot
 from handcart.primitives.books.catalogue import Book

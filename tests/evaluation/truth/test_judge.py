@@ -39,8 +39,8 @@ actions:
 """
 
 
-def test_a_fail_that_did_not_restore_is_found(set_stage: Callable[..., Any]) -> None:
-    backend, robot = set_stage().backend, load_robot("librarian")
+def test_a_fail_that_did_not_restore_is_found(build_rig: Callable[..., Any]) -> None:
+    backend, robot = build_rig().backend, load_robot("librarian")
     scene, before = backend.scene, backend.ground_truth()
     assert before is not None
 
@@ -63,8 +63,8 @@ def test_a_fail_that_did_not_restore_is_found(set_stage: Callable[..., Any]) -> 
     assert any("book" in each for each in wrong())
 
 
-def test_a_book_on_the_tray_is_not_in_its_slot(set_stage: Callable[..., Any]) -> None:
-    books = set_stage().backend.scene.of(BookProps)
+def test_a_book_on_the_tray_is_not_in_its_slot(build_rig: Callable[..., Any]) -> None:
+    books = build_rig().backend.scene.of(BookProps)
     judged = shelving(books, (books.tray_book().accession,)).judge(books)
     assert not judged.slot_correct
     assert not judged.right

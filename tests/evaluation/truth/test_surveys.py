@@ -144,6 +144,7 @@ def test_a_run_that_goes_on_takes_up_what_was_noted(
     also(Puddles)
     drive(prepared, tmp_path)
     again = Judge(prepared, tmp_path)
+    again.go_on()
     assert "1. MOVE_TO Success: 3 puddles were gone through" in again.untrue
     assert again.surveys.figures()["puddles"] == 3
 
@@ -174,8 +175,9 @@ def test_notes_of_another_shape_are_refused_in_a_sentence(
     spoil, words = wrong_notes()[number]
     spoil(note)
     (tmp_path / NOTES).write_bytes(orjson.dumps(note) + b"\n")
+    again = Judge(prepared, tmp_path)
     with pytest.raises(NotAState) as refused:
-        Judge(prepared, tmp_path)
+        again.go_on()
     assert str(refused.value).startswith(f"{tmp_path / NOTES}: {words}")
 
 

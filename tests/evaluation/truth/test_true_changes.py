@@ -7,15 +7,15 @@ from typing import Any
 import pytest
 
 from handcart.evaluation.conformance.faults.faulty_backend import FaultyBackend
-from handcart.evaluation.trials.stage import set_stage
-from handcart.evaluation.truth.simulated_world import simulated_world
+from handcart.evaluation.trials.rig import build_rig
+from handcart.evaluation.truth.survey import simulated_world
 from handcart.evaluation.truth.true_changes import moved
 from handcart.robotics.geometry.pose2 import Pose2
 
 
 def test_it_is_the_same_through_all_that_is_put_around_a_backend() -> None:
-    with set_stage() as stage:
-        inner: Any = stage.backend
+    with build_rig() as rig:
+        inner: Any = rig.backend
         layered = FaultyBackend(FaultyBackend(inner))
         one, other = inner.ground_truth(), layered.ground_truth()
         assert other is not None

@@ -23,10 +23,8 @@ from handcart.networks.chains.policy import TooLarge, policy
 from handcart.networks.chains.stage import Stage
 from handcart.networks.chains.stages import stages
 from handcart.networks.coordination.coordinator import Coordinator
-from handcart.networks.graph.binding import Binding
-from handcart.networks.graph.network import Action, ActionNetwork, Situation
-from handcart.networks.graph.planner import NoWay
-from handcart.networks.graph.route import Route
+from handcart.networks.graph.network import Action, ActionNetwork, Binding, Situation
+from handcart.networks.graph.planner import NoWay, Route
 from handcart.primitives.contract.outcome import Success
 from handcart.primitives.driving.modify import Modify
 from tests.networks.conftest import Stand

@@ -16,8 +16,7 @@ from handcart.networks.analysis.worst_cases import worst_cases
 from handcart.networks.coordination.coordinator import Coordinator
 from handcart.networks.coordination.events import Ended, Event, LeftOut, Planned, Started
 from handcart.networks.coordination.supervision import Request
-from handcart.networks.graph.binding import Binding
-from handcart.networks.graph.network import Action, ActionNetwork, NetworkError, Situation
+from handcart.networks.graph.network import Action, ActionNetwork, Binding, NetworkError, Situation
 from handcart.networks.journal.journal import Journal
 from handcart.networks.journal.journal_record import read_journal, without_wall
 from handcart.primitives.contract.action_primitive import ActionPrimitive, Periods

@@ -15,8 +15,7 @@ from handcart.networks.coordination.coordinator import Coordinator
 from handcart.networks.coordination.events import Ended, Event, LeftOut, Started
 from handcart.networks.coordination.run_end import RunEnd
 from handcart.networks.coordination.world_watch import WorldWatch
-from handcart.networks.graph.binding import Binding
-from handcart.networks.graph.network import Action, ActionNetwork, Situation
+from handcart.networks.graph.network import Action, ActionNetwork, Binding, Situation
 from handcart.networks.graph.planner import Planner
 from handcart.networks.journal.journal import Journal
 from handcart.networks.journal.journal_record import read_journal

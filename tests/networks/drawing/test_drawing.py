@@ -7,8 +7,7 @@ import pytest
 
 from handcart.networks.drawing.drawing import FORMATS
 from handcart.networks.drawing.layout import BOX, lay_out, lines_of
-from handcart.networks.graph.binding import Binding
-from handcart.networks.graph.network import Action, ActionNetwork, Situation
+from handcart.networks.graph.network import Action, ActionNetwork, Binding, Situation
 from tests.networks.conftest import Stand
 
 

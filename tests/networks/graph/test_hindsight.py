@@ -10,12 +10,13 @@ from typing import TypeVar
 import pytest
 
 from handcart.networks.graph.hindsight import choice_of
-from handcart.networks.graph.journaled_network import network_fields, network_of
+from handcart.networks.graph.journaled_network import network_of
 from handcart.networks.graph.network import ActionNetwork
 from handcart.networks.graph.planner import SKIP_WEIGHT
 from handcart.networks.journal.journal import Journal
 from handcart.networks.journal.journal_record import read_journal
 from handcart.networks.journal.past_run import PastRun, read_run
+from handcart.networks.journal.run_header import network_fields
 from handcart.networks.runs.run import execute
 from handcart.networks.task.preparing import Prepared
 from handcart.networks.task.task_file import load_task

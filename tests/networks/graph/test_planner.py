@@ -6,8 +6,7 @@ import sys
 
 import pytest
 
-from handcart.networks.graph.binding import Binding
-from handcart.networks.graph.network import Action, ActionNetwork, NetworkError, Situation
+from handcart.networks.graph.network import Action, ActionNetwork, Binding, NetworkError, Situation
 from handcart.networks.graph.planner import NoWay, Plan, Planner
 from tests.networks.conftest import Stand
 

@@ -17,8 +17,7 @@ from handcart.networks.coordination.coordinator import Coordinator
 from handcart.networks.coordination.events import Ended, Event, Started
 from handcart.networks.coordination.run_end import RunEnd
 from handcart.networks.coordination.supervision import Request
-from handcart.networks.graph.binding import Binding
-from handcart.networks.graph.network import Action, ActionNetwork, Situation
+from handcart.networks.graph.network import Action, ActionNetwork, Binding, Situation
 from handcart.networks.journal.journal import Journal
 from handcart.networks.journal.journal_record import JournalError, read_journal
 from handcart.primitives.contract.action_primitive import ActionPrimitive, Periods

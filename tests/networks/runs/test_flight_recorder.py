@@ -35,7 +35,7 @@ def drive(stand: Stand, tmp_path: Path) -> Callable[..., dict[str, Any]]:
                 if error is not None:
                     raise error
 
-        from handcart.networks.graph.binding import Binding
+        from handcart.networks.graph.network import Binding
 
         network = ActionNetwork.build(
             [Situation("a"), Situation("z")], [Action("a", "z", Binding.of(Drive()), attempts=1)], "a", "z"

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -18,7 +19,7 @@ from handcart.networks.journal.journal_record import read_journal
 from handcart.networks.journal.retracing import NeedsOperator, standing
 from handcart.networks.journal.waiting import waiting
 from handcart.networks.run_options import RunOptions
-from handcart.networks.runs.checkpoint import NAME, CheckpointKeeper, load_checkpoint
+from handcart.networks.runs.checkpoint import NAME, keep_checkpoint, load_checkpoint
 from handcart.networks.runs.resuming import NothingToResume, Past, read_past, task_of
 from handcart.networks.runs.run import execute
 from handcart.networks.runs.run_folder import read_run_journal
@@ -214,10 +215,10 @@ def test_what_is_not_known_is_not_in_place(run: Run) -> None:
 def test_a_give_up_leaves_the_checkpoint_before_it(run: Run) -> None:
     """Who acknowledges it has put everything back as it was before that action."""
     before = (run.folder / NAME).read_bytes()
-    keeper = CheckpointKeeper(run.folder, run.prepare())
-    assert keeper.keep({"n": 4, "outcome": "GiveUp", "reason": "stuck"}, "x") is None
+    keep = partial(keep_checkpoint, run.folder, run.prepare(), False)
+    assert keep({"n": 4, "outcome": "GiveUp", "reason": "stuck"}, "x") is None
     assert (run.folder / NAME).read_bytes() == before
-    assert keeper.keep({"n": 4, "outcome": "Success"}, "x")
+    assert keep({"n": 4, "outcome": "Success"}, "x")
     assert (run.folder / NAME).read_bytes() != before
 
 

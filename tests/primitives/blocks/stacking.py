@@ -6,7 +6,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from handcart.evaluation.trials.stage import Stage, StageFiles, set_stage
+from handcart.evaluation.trials.rig import Rig, RigFiles, build_rig
 from handcart.primitives.blocks.fixate import Fixate
 from handcart.primitives.blocks.pick_up_block import PickUpBlock
 from handcart.primitives.contract.action_primitive import ActionPrimitive
@@ -20,29 +20,29 @@ def at_the_wall(
     robot: str = "toyama/h1",
     seed: int = 0,
     building: Path = TASK / "building.yaml",
-) -> Stage:
+) -> Rig:
     """The robot stands about where it should, five blocks on its own table."""
-    files = StageFiles(world, TASK / "map.yaml", TASK / "places.yaml", {"building": building}, "stacking")
-    return set_stage(files, robot=robot, seed=seed)
+    files = RigFiles(world, TASK / "map.yaml", TASK / "places.yaml", {"building": building}, "stacking")
+    return build_rig(files, robot=robot, seed=seed)
 
 
-def with_block(stage: Stage, number: int = 1) -> Stage:
+def with_block(rig: Rig, number: int = 1) -> Rig:
     """The landmark was seen, and the hand holds a block."""
     for primitive in (Fixate(landmark="stacking"), PickUpBlock(number=number, at="robot")):
-        assert isinstance(stage.do(primitive), Success)
-    return stage
+        assert isinstance(rig.do(primitive), Success)
+    return rig
 
 
-def scene_of(stage: Stage) -> Any:
+def scene_of(rig: Rig) -> Any:
     """The ground truth."""
-    return stage.backend.scene  # type: ignore[attr-defined]
+    return rig.backend.scene  # type: ignore[attr-defined]
 
 
 def do_with(
-    stage: Stage, primitive: ActionPrimitive, once: Callable[[Any], bool], change: Callable[[Any], None]
+    rig: Rig, primitive: ActionPrimitive, once: Callable[[Any], bool], change: Callable[[Any], None]
 ) -> Outcome:
     """Run a primitive; as soon as `once` holds of the scene, `change` it."""
-    scene, step = scene_of(stage), stage.robot.step
+    scene, step = scene_of(rig), rig.robot.step
     done: list[bool] = []
 
     def stepping(paused: bool = False) -> None:
@@ -51,5 +51,5 @@ def do_with(
             change(scene)
         step(paused)
 
-    stage.robot.step = stepping  # type: ignore[method-assign]
-    return stage.do(primitive)
+    rig.robot.step = stepping  # type: ignore[method-assign]
+    return rig.do(primitive)

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from handcart.evaluation.trials.stage import Stage, StageFiles, set_stage
+from handcart.evaluation.trials.rig import Rig, RigFiles, build_rig
 from handcart.primitives.blocks.blocks import Blocks
 from handcart.primitives.blocks.fixate import Fixate, landmark_of
 from handcart.primitives.blocks.fixating import fixate, fixed_by, planned_view, sought
@@ -20,17 +20,17 @@ from handcart.robotics.geometry.pose2 import Pose2
 from .stacking import TASK, at_the_wall, scene_of
 
 
-def moved_base(stage: Stage, x: float, y: float, turn: float) -> None:
+def moved_base(rig: Rig, x: float, y: float, turn: float) -> None:
     """Put the base elsewhere than it believes to be."""
-    scene = scene_of(stage)
+    scene = scene_of(rig)
     scene.move_base(scene.base.compose(Pose2(x, y, turn)))
 
 
 @pytest.mark.parametrize("seed", [0, 1, 2])
 def test_the_travelling_error_is_measured(seed: int) -> None:
-    with at_the_wall(seed=seed) as stage:
-        outcome = stage.do(Fixate(landmark="stacking"))
-        fixed, truth = stage.model.of(Blocks).fixed, scene_of(stage).base
+    with at_the_wall(seed=seed) as rig:
+        outcome = rig.do(Fixate(landmark="stacking"))
+        fixed, truth = rig.model.of(Blocks).fixed, scene_of(rig).base
     assert isinstance(outcome, Success)
     # The base also leans: that displaces what is at the table's height by up to a millimetre.
     assert fixed is not None
@@ -39,10 +39,10 @@ def test_the_travelling_error_is_measured(seed: int) -> None:
 
 
 def test_the_robot_then_knows_where_it_is() -> None:
-    with at_the_wall(seed=3) as stage:
-        before = stage.robot.pose.distance(scene_of(stage).base)
-        stage.do(Fixate(landmark="stacking"))
-        after = stage.robot.pose.distance(scene_of(stage).base)
+    with at_the_wall(seed=3) as rig:
+        before = rig.robot.pose.distance(scene_of(rig).base)
+        rig.do(Fixate(landmark="stacking"))
+        after = rig.robot.pose.distance(scene_of(rig).base)
     assert before > 0.01
     assert after < 0.0025
 
@@ -50,35 +50,35 @@ def test_the_robot_then_knows_where_it_is() -> None:
 @pytest.mark.parametrize("turn", [0.006, -0.006])
 def test_a_base_that_is_turned_once_it_was_found_is_a_fail(turn: float) -> None:
     """The wheels stand still, the gyros feel it; what was found is no longer so."""
-    with at_the_wall(seed=1) as stage:
+    with at_the_wall(seed=1) as rig:
         found: list[bool] = []
-        robot: Any = stage.robot
-        step = stage.robot.step
+        robot: Any = rig.robot
+        step = rig.robot.step
 
         def stepping(paused: bool = False) -> None:
-            if stage.model.of(Blocks).fixed is not None and not found:
+            if rig.model.of(Blocks).fixed is not None and not found:
                 found.append(True)
-                moved_base(stage, 0.0, 0.0, turn)
+                moved_base(rig, 0.0, 0.0, turn)
             step(paused)
 
         robot.step = stepping
-        outcome = stage.do(Fixate(landmark="stacking"))
+        outcome = rig.do(Fixate(landmark="stacking"))
         assert found
         assert isinstance(outcome, Fail), outcome
-        assert stage.model.of(Blocks).fixed is None
+        assert rig.model.of(Blocks).fixed is None
 
 
 @pytest.mark.parametrize(("x", "y"), [(0.11, 0.0), (-0.13, 0.06), (0.02, -0.12), (0.13, 0.09)])
 def test_a_landmark_out_of_view_is_searched_for(x: float, y: float) -> None:
-    with at_the_wall(seed=1) as stage:
-        moved_base(stage, x, y, 0.05)
-        outcome = stage.do(Fixate(landmark="stacking"))
+    with at_the_wall(seed=1) as rig:
+        moved_base(rig, x, y, 0.05)
+        outcome = rig.do(Fixate(landmark="stacking"))
         assert isinstance(outcome, Success)
-        frames, fixed = outcome.evidence["frames"], stage.model.of(Blocks).fixed
+        frames, fixed = outcome.evidence["frames"], rig.model.of(Blocks).fixed
         assert not isinstance(frames, str)
         assert frames > 5
         assert fixed is not None
-        assert fixed.pose.distance(scene_of(stage).base) < 0.003
+        assert fixed.pose.distance(scene_of(rig).base) < 0.003
 
 
 def world_without(path: Path, landmark: bool) -> Path:
@@ -93,23 +93,23 @@ def world_without(path: Path, landmark: bool) -> Path:
 
 @pytest.mark.parametrize("landmark", [True, False], ids=["nothing there", "another mark there"])
 def test_no_landmark_is_a_fail_and_the_arm_is_back(tmp_path: Path, landmark: bool) -> None:
-    with at_the_wall(world_without(tmp_path / "world.yaml", landmark)) as stage:
-        joints = scene_of(stage).joints.copy()
-        outcome = stage.do(Fixate(landmark="stacking"))
+    with at_the_wall(world_without(tmp_path / "world.yaml", landmark)) as rig:
+        joints = scene_of(rig).joints.copy()
+        outcome = rig.do(Fixate(landmark="stacking"))
         assert isinstance(outcome, Fail)
         assert "landmark is not found" in outcome.reason
-        assert np.abs(scene_of(stage).joints - joints).max() < 0.005
+        assert np.abs(scene_of(rig).joints - joints).max() < 0.005
 
 
 def test_without_the_search_a_landmark_out_of_view_is_a_fail() -> None:
-    with at_the_wall(seed=1) as stage:
-        moved_base(stage, 0.11, 0.0, 0.05)
-        assert isinstance(stage.do(Fixate(landmark="stacking", search=False)), Fail)
+    with at_the_wall(seed=1) as rig:
+        moved_base(rig, 0.11, 0.0, 0.05)
+        assert isinstance(rig.do(Fixate(landmark="stacking", search=False)), Fail)
 
 
 def test_a_landmark_that_the_plan_doesnt_have() -> None:
-    with at_the_wall() as stage:
-        outcome = stage.do(Fixate(landmark="stackin"))
+    with at_the_wall() as rig:
+        outcome = rig.do(Fixate(landmark="stackin"))
     assert isinstance(outcome, Fail)
     assert outcome.permanent
     assert "did you mean" in outcome.reason or "stacking" in outcome.reason
@@ -118,20 +118,20 @@ def test_a_landmark_that_the_plan_doesnt_have() -> None:
 @pytest.mark.parametrize("aside", [0.0, 0.055, -0.055])
 def test_of_landmarks_beside_each_other_the_right_one_is_taken(aside: float) -> None:
     """They are 9 cm apart; where the hand is to look past the wanted one, another is nearer to its middle."""
-    files = StageFiles(
+    files = RigFiles(
         TASK / "servo_world.yaml",
         TASK / "map.yaml",
         TASK / "places.yaml",
         {"building": TASK / "servo_building.yaml"},
         "stacking",
     )
-    with set_stage(files, robot="toyama/h1", seed=1) as stage:
-        planned, found = looked_at(stage, 1, name="goal_3", aside=aside)
-        assert planned.compose(found.planned_T_base).distance(scene_of(stage).base) < 0.004
+    with build_rig(files, robot="toyama/h1", seed=1) as rig:
+        planned, found = looked_at(rig, 1, name="goal_3", aside=aside)
+        assert planned.compose(found.planned_T_base).distance(scene_of(rig).base) < 0.004
 
 
 def looked_at(
-    stage: Stage,
+    rig: Rig,
     looks: int,
     at: Callable[[int], None] = lambda picture: None,
     name: str = "stacking",
@@ -141,14 +141,14 @@ def looked_at(
 
     `aside`: how far beside the landmark the hand is to look from, in [m].
     """
-    robot: Any = stage.robot
-    model: Any = stage.model
+    robot: Any = rig.robot
+    model: Any = rig.model
     mark = landmark_of(model, name)
-    planned = stage.model.places[mark.place].pose
+    planned = rig.model.places[mark.place].pose
     hand = planned_view(robot, mark, planned).base_T_hand.copy()
     hand[1, 3] += aside
     view = planned_view(robot, mark, planned, hand)
-    building = stage.model.of(Blocks).building
+    building = rig.model.of(Blocks).building
     assert building is not None
     wanted = sought(name, building.landmarks, planned, robot.pose, robot.localization.covariance)
     looking = fixate(robot, view, wanted, "residual", Evidence(), looks=looks)
@@ -170,25 +170,25 @@ def looked_at(
 
 
 def test_what_was_seen_before_the_base_was_moved_is_over() -> None:
-    with at_the_wall(seed=1) as stage:
+    with at_the_wall(seed=1) as rig:
 
         def shifted(picture: int) -> None:
             if picture == 3:
-                moved_base(stage, 0.006, -0.004, 0.0)
+                moved_base(rig, 0.006, -0.004, 0.0)
 
-        planned, found = looked_at(stage, 3, shifted)
+        planned, found = looked_at(rig, 3, shifted)
         assert found.looks == 3
         assert found.frames > 4
-        assert planned.compose(found.planned_T_base).distance(scene_of(stage).base) < 0.0025
+        assert planned.compose(found.planned_T_base).distance(scene_of(rig).base) < 0.0025
 
 
 def test_what_is_looked_at_more_often_is_surer() -> None:
-    with at_the_wall(seed=1) as stage:
-        planned, found = looked_at(stage, 4)
-        assert stage.robot.spec.arm is not None
-        accuracy_mm = stage.robot.spec.arm.accuracy_mm
-        once = fixed_by(stage.robot, "stacking", "stacking", planned, found._replace(looks=1))
-        often = fixed_by(stage.robot, "stacking", "stacking", planned, found)
+    with at_the_wall(seed=1) as rig:
+        planned, found = looked_at(rig, 4)
+        assert rig.robot.spec.arm is not None
+        accuracy_mm = rig.robot.spec.arm.accuracy_mm
+        once = fixed_by(rig.robot, "stacking", "stacking", planned, found._replace(looks=1))
+        often = fixed_by(rig.robot, "stacking", "stacking", planned, found)
         assert found.looks == 4
         assert once.sigma[0] == pytest.approx(accuracy_mm / 1e3)
         assert often.sigma[0] == pytest.approx(once.sigma[0] / 2)

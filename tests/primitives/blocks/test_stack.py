@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 
 from handcart.backends.simulation.blocks.block_props import BlockProps
-from handcart.evaluation.trials.stage import Stage
+from handcart.evaluation.trials.rig import Rig
 from handcart.primitives.blocks.base_turn import turn_by_gyros
 from handcart.primitives.blocks.blocks import Blocks
 from handcart.primitives.blocks.building import Building
@@ -22,59 +22,59 @@ from handcart.robotics.geometry.transform import inverse
 from .stacking import at_the_wall, do_with, scene_of, with_block
 
 
-def building_of(stage: Stage) -> Building:
-    building = stage.model.of(Blocks).building
+def building_of(rig: Rig) -> Building:
+    building = rig.model.of(Blocks).building
     assert building is not None
     return building
 
 
-def error_mm(stage: Stage, number: int) -> Any:
+def error_mm(rig: Rig, number: int) -> Any:
     """How far a block stands from its goal."""
-    goal = building_of(stage).goals[number - 1].pose
-    off = inverse(goal) @ scene_of(stage).of(BlockProps).blocks[str(number)].pose
+    goal = building_of(rig).goals[number - 1].pose
+    off = inverse(goal) @ scene_of(rig).of(BlockProps).blocks[str(number)].pose
     return 1e3 * float((off[0, 3] ** 2 + off[1, 3] ** 2) ** 0.5)
 
 
 def test_a_block_is_taken_centred_between_the_fingers() -> None:
-    with at_the_wall() as stage:
-        stage.do(Fixate(landmark="stacking"))
-        outcome = stage.do(PickUpBlock(number=2, at="robot"))
+    with at_the_wall() as rig:
+        rig.do(Fixate(landmark="stacking"))
+        outcome = rig.do(PickUpBlock(number=2, at="robot"))
         assert isinstance(outcome, Success)
-        assert scene_of(stage).held is scene_of(stage).of(BlockProps).blocks["2"]
-        assert scene_of(stage).hand_T_held[1, 3] == pytest.approx(0.0, abs=1e-12)
+        assert scene_of(rig).held is scene_of(rig).of(BlockProps).blocks["2"]
+        assert scene_of(rig).hand_T_held[1, 3] == pytest.approx(0.0, abs=1e-12)
 
 
 @pytest.mark.parametrize("look", [False, True])
 def test_looking_first_the_block_is_taken_at_its_middle(look: bool) -> None:
-    with at_the_wall() as stage:
-        stage.do(Fixate(landmark="stacking"))
-        scene = scene_of(stage)
+    with at_the_wall() as rig:
+        rig.do(Fixate(landmark="stacking"))
+        scene = scene_of(rig)
         scene.of(BlockProps).blocks["2"].base_T_thing[1, 3] += 0.003
         scene.changes += 1
-        assert isinstance(stage.do(PickUpBlock(number=2, at="robot", look=look)), Success)
+        assert isinstance(rig.do(PickUpBlock(number=2, at="robot", look=look)), Success)
         along_the_fingers = abs(scene.hand_T_held[2, 3])
         assert (along_the_fingers < 0.001) == look
 
 
 def test_looking_first_a_missing_block_is_a_fail_with_the_arm_back() -> None:
-    with at_the_wall() as stage:
-        stage.do(Fixate(landmark="stacking"))
-        del scene_of(stage).of(BlockProps).blocks["3"]
-        before = stage.robot.arm.joints()
-        outcome = stage.do(PickUpBlock(number=3, at="robot", look=True))
+    with at_the_wall() as rig:
+        rig.do(Fixate(landmark="stacking"))
+        del scene_of(rig).of(BlockProps).blocks["3"]
+        before = rig.robot.arm.joints()
+        outcome = rig.do(PickUpBlock(number=3, at="robot", look=True))
         assert isinstance(outcome, Fail)
         assert "block 3 isn't seen where it should stand" in outcome.reason
-        assert stage.robot.arm.joints() == pytest.approx(before, abs=1e-3)
+        assert rig.robot.arm.joints() == pytest.approx(before, abs=1e-3)
 
 
 def test_the_gyros_tell_how_far_the_base_turned() -> None:
     """What the model says of a swing is wrong by its spread; the gyros feel the turn itself."""
-    with with_block(at_the_wall(seed=3)) as stage:
-        before, stood = stage.model.of(Blocks).fixed, scene_of(stage).base.theta
-        assert isinstance(stage.do(Stack(number=1, onto="goal", method="fix_once")), Success)
-        turned = scene_of(stage).base.theta - stood
+    with with_block(at_the_wall(seed=3)) as rig:
+        before, stood = rig.model.of(Blocks).fixed, scene_of(rig).base.theta
+        assert isinstance(rig.do(Stack(number=1, onto="goal", method="fix_once")), Success)
+        turned = scene_of(rig).base.theta - stood
         assert before is not None
-        felt = turn_by_gyros(stage.robot, before)
+        felt = turn_by_gyros(rig.robot, before)
         assert abs(turned) > 2e-4
         assert felt.yaw == pytest.approx(turned, abs=3 * felt.sigma)
         assert felt.sigma < 3e-4
@@ -82,10 +82,10 @@ def test_the_gyros_tell_how_far_the_base_turned() -> None:
 
 def test_where_no_block_is_the_fingers_close_on_nothing() -> None:
     """S10: nothing tells where the block is."""
-    with at_the_wall() as stage:
-        stage.do(Fixate(landmark="stacking"))
-        del scene_of(stage).of(BlockProps).blocks["3"]
-        outcome = stage.do(PickUpBlock(number=3, at="robot"))
+    with at_the_wall() as rig:
+        rig.do(Fixate(landmark="stacking"))
+        del scene_of(rig).of(BlockProps).blocks["3"]
+        outcome = rig.do(PickUpBlock(number=3, at="robot"))
         assert isinstance(outcome, GiveUp)  # nothing tells where the block is
         assert "block 3 isn't seen" in outcome.reason
         assert "the fingers don't hold a block" in outcome.reason
@@ -95,61 +95,59 @@ def test_where_no_block_is_the_fingers_close_on_nothing() -> None:
     "method", ["fix_once", "model", "imu", "fix_again", "fix_again_model", "fix_again_imu"]
 )
 def test_each_method_puts_a_block_where_it_goes(method: Any) -> None:
-    with with_block(at_the_wall(seed=1)) as stage:
-        outcome = stage.do(Stack(number=1, onto="goal", method=method))
+    with with_block(at_the_wall(seed=1)) as rig:
+        outcome = rig.do(Stack(number=1, onto="goal", method=method))
         assert isinstance(outcome, Success), outcome
-        assert error_mm(stage, 1) < 1.5
-        assert scene_of(stage).held is None
+        assert error_mm(rig, 1) < 1.5
+        assert scene_of(rig).held is None
         seen_x_mm = outcome.evidence["seen_x_mm"]
         assert not isinstance(seen_x_mm, str)
         assert abs(seen_x_mm) < 2.0
 
 
 def test_a_seat_on_the_robot_is_taken_too() -> None:
-    with with_block(at_the_wall(seed=1)) as stage:
-        assert isinstance(stage.do(Stack(number=1, onto="robot")), Success)
-        assert scene_of(stage).of(BlockProps).blocks["1"].rest.value == "tray"
+    with with_block(at_the_wall(seed=1)) as rig:
+        assert isinstance(rig.do(Stack(number=1, onto="robot")), Success)
+        assert scene_of(rig).of(BlockProps).blocks["1"].rest.value == "tray"
 
 
 def test_without_a_landmark_seen_nothing_is_stacked() -> None:
-    with at_the_wall() as stage:
-        assert isinstance(stage.do(PickUpBlock(number=1, at="robot")), Success)
-        outcome = stage.do(Stack(number=1, onto="goal", method="fix_once"))
+    with at_the_wall() as rig:
+        assert isinstance(rig.do(PickUpBlock(number=1, at="robot")), Success)
+        outcome = rig.do(Stack(number=1, onto="goal", method="fix_once"))
         assert isinstance(outcome, Fail)
         assert "no landmark was seen" in outcome.reason
-        assert scene_of(stage).held is scene_of(stage).of(BlockProps).blocks["1"]
+        assert scene_of(rig).held is scene_of(rig).of(BlockProps).blocks["1"]
 
 
 @pytest.mark.parametrize("method", ["imu", "fix_again_imu"])
 def test_without_inertial_sensors_their_methods_are_refused(method: Any) -> None:
-    with with_block(at_the_wall()) as stage:
-        stage.robot.spec = stage.robot.spec.model_copy(update={"imu": None})
-        outcome = stage.do(Stack(number=1, onto="goal", method=method))
+    with with_block(at_the_wall()) as rig:
+        rig.robot.spec = rig.robot.spec.model_copy(update={"imu": None})
+        outcome = rig.do(Stack(number=1, onto="goal", method=method))
         assert isinstance(outcome, Fail)
         assert f"the method {method} needs inertial sensors" in outcome.reason
-        assert scene_of(stage).held is scene_of(stage).of(BlockProps).blocks["1"]
+        assert scene_of(rig).held is scene_of(rig).of(BlockProps).blocks["1"]
 
 
 def test_no_support_where_one_should_be_is_a_fail_with_the_block_in_hand() -> None:
-    with with_block(at_the_wall()) as stage:
-        goals = building_of(stage).goals
+    with with_block(at_the_wall()) as rig:
+        goals = building_of(rig).goals
         raised = goals[0].model_copy(update={"height_m": 0.44})  # there is no row below
-        stage.model.of(Blocks).building = building_of(stage).model_copy(
-            update={"goals": (raised, *goals[1:])}
-        )
-        outcome = stage.do(Stack(number=1, onto="goal", method="fix_once"))
+        rig.model.of(Blocks).building = building_of(rig).model_copy(update={"goals": (raised, *goals[1:])})
+        outcome = rig.do(Stack(number=1, onto="goal", method="fix_once"))
         assert isinstance(outcome, Fail)
         assert "doesn't touch down" in outcome.reason
-        assert scene_of(stage).held is scene_of(stage).of(BlockProps).blocks["1"]
+        assert scene_of(rig).held is scene_of(rig).of(BlockProps).blocks["1"]
 
 
 def test_something_in_the_goals_place_is_a_fail_with_the_block_in_hand() -> None:
-    with with_block(at_the_wall()) as stage:
-        scene = scene_of(stage)
+    with with_block(at_the_wall()) as rig:
+        scene = scene_of(rig)
         other = scene.of(BlockProps).blocks["5"]
-        other.rest, other.pose = type(other.rest).TABLE, building_of(stage).goals[0].pose
+        other.rest, other.pose = type(other.rest).TABLE, building_of(rig).goals[0].pose
         scene.changes += 1
-        outcome = stage.do(Stack(number=1, onto="goal", method="fix_once"))
+        outcome = rig.do(Stack(number=1, onto="goal", method="fix_once"))
         assert isinstance(outcome, Fail)
         assert "something stands where the block goes" in outcome.reason
         assert scene.held is scene.of(BlockProps).blocks["1"]
@@ -160,9 +158,9 @@ def test_a_block_that_is_taken_away_once_placed_is_no_success() -> None:
         del scene.of(BlockProps).blocks["1"]
         scene.changes += 1
 
-    with with_block(at_the_wall()) as stage:
+    with with_block(at_the_wall()) as rig:
         outcome = do_with(
-            stage,
+            rig,
             Stack(number=1, onto="goal", method="fix_once"),
             lambda scene: scene.of(BlockProps).blocks["1"].rest.value == "table",
             vanish,
@@ -176,9 +174,9 @@ def test_a_block_pushed_aside_once_placed_is_seen() -> None:
         scene.of(BlockProps).blocks["1"].pose[1, 3] += 0.011
         scene.changes += 1
 
-    with with_block(at_the_wall()) as stage:
+    with with_block(at_the_wall()) as rig:
         outcome = do_with(
-            stage,
+            rig,
             Stack(number=1, onto="goal", method="fix_once"),
             lambda scene: scene.of(BlockProps).blocks["1"].rest.value == "table",
             push,
@@ -189,10 +187,10 @@ def test_a_block_pushed_aside_once_placed_is_seen() -> None:
 
 def test_a_block_that_was_put_back_and_stands_elsewhere_is_for_a_person() -> None:
     """A picture tells, whatever the hand has felt."""
-    with at_the_wall() as stage:
-        assert isinstance(stage.do(Fixate(landmark="stacking")), Success)
-        scene, gripper, outcome = scene_of(stage), stage.robot.gripper, None
-        periods = attempt(PickUpBlock(number=1, at="robot"), stage.robot, stage.model)
+    with at_the_wall() as rig:
+        assert isinstance(rig.do(Fixate(landmark="stacking")), Success)
+        scene, gripper, outcome = scene_of(rig), rig.robot.gripper, None
+        periods = attempt(PickUpBlock(number=1, at="robot"), rig.robot, rig.model)
         cancelled = pushed = False
         while outcome is None:
             try:
@@ -207,17 +205,17 @@ def test_a_block_that_was_put_back_and_stands_elsewhere_is_for_a_person() -> Non
                 pushed = True
                 scene.of(BlockProps).blocks["1"].base_T_thing[1, 3] += 0.012
                 scene.move_base(scene.base)
-            stage.robot.step()
+            rig.robot.step()
     assert isinstance(outcome, GiveUp), outcome
     assert "block 1 doesn't stand where it stood" in outcome.reason
 
 
 def test_the_base_is_still_to_turn_when_the_block_is_yet_to_swing() -> None:
     """By the suspension's model, the same for each swing that was and that is to come."""
-    with with_block(at_the_wall()) as stage:
-        fixed, stack = stage.model.of(Blocks).fixed, Stack(number=1, onto="goal", method="model")
+    with with_block(at_the_wall()) as rig:
+        fixed, stack = rig.model.of(Blocks).fixed, Stack(number=1, onto="goal", method="model")
         assert fixed is not None
-        swing = stage.robot.spec.suspension.model.yaw_per_swing
-        turned = [stack._turned(stage.robot, fixed._replace(swings=3), more) for more in (0, 1, 2)]
+        swing = rig.robot.spec.suspension.model.yaw_per_swing
+        turned = [stack._turned(rig.robot, fixed._replace(swings=3), more) for more in (0, 1, 2)]
         assert turned == pytest.approx([3 * swing, 4 * swing, 5 * swing])
         assert swing != 0.0

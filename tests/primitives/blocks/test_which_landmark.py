@@ -20,12 +20,12 @@ def test_a_neighbour_nearer_to_the_middle_of_the_picture_is_not_taken(
     off: tuple[float, float, float],
 ) -> None:
     """The base stands so far off that the next block's landmark is where this one should be."""
-    with at_the_wall(TASK / "servo_world.yaml", building=TASK / "servo_building.yaml", seed=4) as stage:
-        scene = scene_of(stage)
-        scene.move_base(stage.model.places["stacking"].pose.compose(Pose2(*off)))
-        outcome = stage.do(Fixate(landmark="stacking"))
+    with at_the_wall(TASK / "servo_world.yaml", building=TASK / "servo_building.yaml", seed=4) as rig:
+        scene = scene_of(rig)
+        scene.move_base(rig.model.places["stacking"].pose.compose(Pose2(*off)))
+        outcome = rig.do(Fixate(landmark="stacking"))
         assert isinstance(outcome, Success)
-        fixed = stage.model.of(Blocks).fixed
+        fixed = rig.model.of(Blocks).fixed
         assert fixed is not None
         assert fixed.pose.distance(scene.base) < 0.0025
 

@@ -58,9 +58,17 @@ def test_without_the_wiggle_it_is_pulled_back_and_a_fail(at_slot: Callable[..., 
 
 
 def test_where_no_slot_is_no_wiggle_helps(at_slot: Callable[..., Rig]) -> None:
-    rig = at_slot(0.030)
+    rig, insert = at_slot(0.030), Insert(shelf="shelf_1")
     before = fronts(rig)
-    assert isinstance(rig.run(Insert(shelf="shelf_1")), Fail)
+    outcome = rig.run(insert)
+    assert isinstance(outcome, Fail)
+    assert insert.evidence.facts["tries"] == 3
+    (cause,) = insert.evidence.causes
+    assert cause.reason == outcome.reason
+    assert cause.measured is not None
+    assert cause.measured.value is not None
+    assert f"it resists with {cause.measured.value:.0f} N" in outcome.reason
+    assert cause.measured.value > 7.0
     assert fronts(rig) == before
 
 

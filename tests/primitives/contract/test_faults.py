@@ -14,7 +14,7 @@ from handcart.evaluation.conformance.faults.rehearsal import Solo
 from handcart.evaluation.conformance.faults.underway import Ending, Underway
 from handcart.evaluation.conformance.rig.bench import Bench
 from handcart.evaluation.conformance.rig.reach import Reach
-from handcart.evaluation.truth.simulated_world import simulated_world
+from handcart.evaluation.truth.survey import simulated_world
 from handcart.primitives.contract.action_primitive import ActionPrimitive, Periods
 from handcart.primitives.driving.move_to import MoveTo
 from handcart.primitives.knowledge.world_model import ModelView
@@ -49,8 +49,8 @@ def test_a_base_that_is_moved_while_it_stands_needs_a_person(speed: float, turn_
 
 @pytest.mark.parametrize(("aside_m", "pushes"), [(0.04, 1), (0.0, 0)])
 def test_a_base_whose_wheels_roll_as_it_is_pushed_is_noticed_too(aside_m: float, pushes: int) -> None:
-    with BENCH.stage() as stage:
-        robot, scene = stage.robot, simulated_world(stage.backend)
+    with BENCH.rig() as rig:
+        robot, scene = rig.robot, simulated_world(rig.backend)
         assert scene is not None
         for _ in range(25):
             robot.step()
@@ -103,9 +103,9 @@ def test_a_base_that_is_stuck_close_to_its_goal_is_not_waited_for_for_good() -> 
 
 def test_an_old_picture_is_not_taken_for_a_new_one() -> None:
     """S11: though the camera has moved."""
-    with BENCH.stage() as stage:
-        faulty = FaultyBackend(stage.backend)
-        robot = BENCH.around(stage, faulty).robot
+    with BENCH.rig() as rig:
+        faulty = FaultyBackend(rig.backend)
+        robot = BENCH.around(rig, faulty).robot
         robot.step()
         first = robot.picture()
         assert robot.picture() is first

@@ -12,7 +12,7 @@ from py_trees.behaviours import Failure, Running, TickCounter
 from py_trees.behaviours import Success as Always
 from py_trees.common import ParallelPolicy, Status
 from py_trees.composites import Parallel, Selector, Sequence
-from py_trees.decorators import Inverter
+from py_trees.decorators import Inverter, Retry
 
 from handcart.backends.capabilities.base import Base
 from handcart.backends.robot.robot import Robot
@@ -20,7 +20,7 @@ from handcart.primitives.books.books import Books
 from handcart.primitives.contract.behaviour_primitive import behaviour_primitive
 from handcart.primitives.contract.discrepancy import Discrepancy, NeedsPerson
 from handcart.primitives.contract.outcome import Fail, GiveUp, Success
-from handcart.primitives.contract.tree_primitive import GeneratorBehaviour, TreePrimitive, ticked
+from handcart.primitives.contract.tree_primitive import GeneratorBehaviour, TreePrimitive, leaves, ticked
 from handcart.primitives.knowledge.world_model import ModelView, UndeclaredAccess
 from tests.primitives.conftest import Rig
 
@@ -92,6 +92,17 @@ def test_a_selector_takes_a_failure_for_one() -> None:
     root = Selector("any", memory=True, children=[steps(1, log, "a", value=False), steps(1, log, "b")])
     assert periods(root) == 2
     assert "b ends" in log
+
+
+def test_only_a_retry_lets_a_period_pass_before_the_next_try() -> None:
+    ends = iter([False, True] * 2)
+
+    def once() -> Generator[None, None, bool]:
+        yield
+        return next(ends)
+
+    assert periods(Selector("any", memory=True, children=leaves({"one": once, "other": once}))) == 2
+    assert periods(Retry("again", GeneratorBehaviour("once", once), 2)) == 3
 
 
 @pytest.mark.parametrize("error", [NeedsPerson("a cable is torn"), Discrepancy("the light went out")])

@@ -11,11 +11,12 @@ import numpy as np
 import pytest
 
 from handcart.backends.simulation.field.field_props import FieldProps
-from handcart.evaluation.trials.stage import Stage
+from handcart.evaluation.trials.rig import Rig
 from handcart.networks.task.preparing import prepare
 from handcart.primitives.contract.outcome import Fail, Success
 from handcart.primitives.field.deploy import Deploy, _spread
 from handcart.primitives.field.field_work import FieldWork
+from handcart.primitives.field.target import Laid
 from handcart.robotics.geometry.pose2 import Pose2
 
 TASK = Path(__file__).parents[3] / "tasks" / "deploy_straight" / "task.yaml"
@@ -29,32 +30,32 @@ sensors: {count: 2}
 
 
 @pytest.fixture
-def stage(tmp_path: Path) -> Iterator[Stage]:
+def rig(tmp_path: Path) -> Iterator[Rig]:
     (tmp_path / "targets.csv").write_text(TARGETS, encoding="utf-8")
     (tmp_path / "world.yaml").write_text(WORLD, encoding="utf-8")
     settings = {"targets": str(tmp_path / "targets.csv"), "world": str(tmp_path / "world.yaml")}
     with prepare(TASK, None, settings, 2) as prepared:
-        yield Stage(prepared.robot, prepared.model, prepared.backend)
+        yield Rig(prepared.robot, prepared.model, prepared.backend)
 
 
-def lying(stage: Stage) -> Any:
-    return stage.backend.scene.of(FieldProps).sensors["1"]  # type: ignore[attr-defined]
+def lying(rig: Rig) -> Any:
+    return rig.backend.scene.of(FieldProps).sensors["1"]  # type: ignore[attr-defined]
 
 
-def test_a_sensor_is_laid_where_it_is_believed_to_be(stage: Stage, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_sensor_is_laid_where_it_is_believed_to_be(rig: Rig, monkeypatch: pytest.MonkeyPatch) -> None:
     """Its ellipse is what the pose's errors make of it; where it lies no other is laid."""
-    robot, noted, deploy = stage.robot, [], Deploy(target="here")
-    model: Any = stage.model
+    robot, noted, deploy = rig.robot, [], Deploy(target="here")
+    model: Any = rig.model
     where = robot.localization
     monkeypatch.setattr(where, "mark", lambda: noted.append((where.pose, where.covariance)))
     assert deploy.unmet_precondition(robot, model) == ""
-    assert isinstance(stage.do(deploy), Success)
+    assert isinstance(rig.do(deploy), Success)
     assert deploy.unmet_precondition(robot, model) == "the sensor of target 'here' is laid already"
     assert Deploy(target="far").unmet_precondition(robot, model) == ""
     assert "no target 'there'" in Deploy(target="there").unmet_precondition(robot, model)
-    (laid,) = stage.model.of(FieldWork).laid
-    truly = stage.backend.scene.base.inverse().apply(lying(stage).pose[None, :2, 3])[0]  # type: ignore[attr-defined]
-    assert lying(stage).rest.value == "table"
+    (laid,) = rig.model.of(FieldWork).laid
+    truly = rig.backend.scene.base.inverse().apply(lying(rig).pose[None, :2, 3])[0]  # type: ignore[attr-defined]
+    assert lying(rig).rest.value == "table"
     assert truly == pytest.approx(laid.beside, abs=0.03)
     ((pose, covariance),) = noted
     assert pose.apply(np.array([laid.beside]))[0] == pytest.approx((laid.x, laid.y))
@@ -64,15 +65,29 @@ def test_a_sensor_is_laid_where_it_is_believed_to_be(stage: Stage, monkeypatch: 
     assert laid.spread == pytest.approx(spread, abs=0.03 * float(np.trace(spread)))
 
 
-def test_without_ground_below_it_the_sensor_is_not_let_go(
-    stage: Stage, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_without_ground_below_it_the_sensor_is_not_let_go(rig: Rig, monkeypatch: pytest.MonkeyPatch) -> None:
     """A pit that is deeper than the arm looks for ground."""
     monkeypatch.setattr("handcart.primitives.field.deploy.UNEVEN", -0.06)
-    failed = stage.do(Deploy(target="here"))
+    failed = rig.do(Deploy(target="here"))
     assert isinstance(failed, Fail), failed
     assert failed.reason == "there is no ground below the sensor"
-    assert stage.model.of(FieldWork).laid == ()
+    assert rig.model.of(FieldWork).laid == ()
+
+
+@pytest.mark.parametrize("last", [False, True])
+def test_together_only_the_last_sensor_brings_the_arm_home(rig: Rig, last: bool) -> None:
+    """Else the fingers are lifted off the sensor, and the next drive does the rest."""
+    work, robot = rig.model.of(FieldWork), rig.robot
+    if last:
+        work.laid = (Laid("far", 14.0, -0.75, (1.0, 0.0, 1.0), (14.0, -0.75), 0.0),)
+    deploy = Deploy(target="here", together=True)
+    assert isinstance(rig.do(deploy), Success)
+    joints, home = robot.arm.command(), np.array(robot.spec.posture("home"))
+    if last:
+        assert np.allclose(joints, home)
+    else:
+        assert abs(joints[0] - home[0]) > 0.5
+        assert joints[2] == pytest.approx(float(deploy.facts["lowered_mm"]) / 1e3 - 0.20, abs=1e-3)
 
 
 @pytest.mark.parametrize("away", [(0.6, -0.8), (-0.7, 0.4), (0.0, 1.0)])

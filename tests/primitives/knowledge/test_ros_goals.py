@@ -7,8 +7,7 @@ import pytest
 
 from handcart.files.errors import FileError
 from handcart.files.models.loading import Loaded
-from handcart.primitives.knowledge.place import Places
-from handcart.primitives.knowledge.place_file import load_places
+from handcart.primitives.knowledge.place import Places, load_places
 
 STAMPED = """\
 - header: {frame_id: map, stamp: {sec: 0, nanosec: 0}}

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from handcart.backends.description.robot_loading import ROBOTS
-from handcart.evaluation.trials.stage import Stage, StageFiles, set_stage
+from handcart.evaluation.trials.rig import Rig, RigFiles, build_rig
 from handcart.primitives.contract.outcome import Fail, Success
 from handcart.primitives.seam.divide import Divide
 from handcart.primitives.seam.seam import Seam
@@ -30,10 +30,10 @@ LAST = 12
 
 
 @pytest.fixture
-def make_stage(tmp_path: Path) -> Callable[..., Stage]:
+def make_stage(tmp_path: Path) -> Callable[..., Rig]:
     """A robot that stands where it tracks the first points of the shipped seam."""
 
-    def made(old: str = "", new: str = "") -> Stage:
+    def made(old: str = "", new: str = "") -> Rig:
         place = f"x_m: {HERE.x}, y_m: {HERE.y}, heading_deg: {math.degrees(HERE.theta)}"
         for name, before, after in (
             ("world.yaml", "start: {x_m: 1.2, y_m: 1.2, heading_deg: 0.0}", f"start: {{{place}}}"),
@@ -46,27 +46,27 @@ def make_stage(tmp_path: Path) -> Callable[..., Stage]:
         assert old in robot
         (tmp_path / "robot.yaml").write_text(robot.replace(old, new), encoding="utf-8")
         (tmp_path / "atrv.urdf").write_bytes((ROBOTS / "atrv" / "atrv.urdf").read_bytes())
-        files = StageFiles(tmp_path / "world.yaml", TASK / "map.yaml", tmp_path / "places.yaml", {}, "here")
-        stage = set_stage(files, robot=str(tmp_path / "robot.yaml"))
-        stage.model.of(Seam).seam = load_seam(TASK / "seam.csv").part(0, LAST)
-        stage.model.of(Seam).seam_work = SeamWork(0, SeamPart("place_1", HERE, 0, LAST, 0.1), (), 1)
-        return stage
+        files = RigFiles(tmp_path / "world.yaml", TASK / "map.yaml", tmp_path / "places.yaml", {}, "here")
+        rig = build_rig(files, robot=str(tmp_path / "robot.yaml"))
+        rig.model.of(Seam).seam = load_seam(TASK / "seam.csv").part(0, LAST)
+        rig.model.of(Seam).seam_work = SeamWork(0, SeamPart("place_1", HERE, 0, LAST, 0.1), (), 1)
+        return rig
 
     return made
 
 
-def test_a_part_is_tracked_and_counts_as_done(make_stage: Callable[..., Stage]) -> None:
-    stage = make_stage()
-    ended = stage.do(Track())
+def test_a_part_is_tracked_and_counts_as_done(make_stage: Callable[..., Rig]) -> None:
+    rig = make_stage()
+    ended = rig.do(Track())
     assert isinstance(ended, Success), ended
     assert float(str(ended.evidence["off_mm"])) < 1.5
-    assert stage.model.of(Seam).seam_work.tracked == LAST
-    assert stage.model.of(Seam).seam_work.rest == ()
+    assert rig.model.of(Seam).seam_work.tracked == LAST
+    assert rig.model.of(Seam).seam_work.rest == ()
 
 
 @pytest.mark.parametrize("key", [" sigma_mm", "heading_sigma_mrad"])
 def test_a_base_whose_place_or_heading_is_unsure_tracks_nothing(
-    make_stage: Callable[..., Stage], key: str
+    make_stage: Callable[..., Rig], key: str
 ) -> None:
     """A heading is as bad as a place: the tool is a metre away."""
     failed = make_stage(f"{key}: 0.3", f"{key}: 20.0").do(Track())
@@ -75,24 +75,24 @@ def test_a_base_whose_place_or_heading_is_unsure_tracks_nothing(
 
 
 def test_what_the_tool_touches_ends_it(
-    make_stage: Callable[..., Stage], monkeypatch: pytest.MonkeyPatch
+    make_stage: Callable[..., Rig], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    stage, track = make_stage(), Track()
+    rig, track = make_stage(), Track()
     pressed = np.array([0.0, 12.0, 12.0])
     monkeypatch.setattr(
-        type(stage.robot.arm), "hand_force", lambda _: pressed if track.tracking is not None else 0 * pressed
+        type(rig.robot.arm), "hand_force", lambda _: pressed if track.tracking is not None else 0 * pressed
     )
-    failed = stage.do(track)
+    failed = rig.do(track)
     assert isinstance(failed, Fail), failed
     assert failed.reason == "the tool touches something"
 
 
 def test_a_tool_that_leaves_the_seam_ends_it(
-    make_stage: Callable[..., Stage], monkeypatch: pytest.MonkeyPatch
+    make_stage: Callable[..., Rig], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """By what its joints read: a gear that slips by a quarter of a degree, at more than a metre."""
-    stage, track = make_stage(), Track()
-    arm = type(stage.robot.arm)
+    rig, track = make_stage(), Track()
+    arm = type(rig.robot.arm)
     plain = arm.joints
 
     def slipped(self: Any) -> Any:
@@ -101,7 +101,7 @@ def test_a_tool_that_leaves_the_seam_ends_it(
         return plain(self) + off
 
     monkeypatch.setattr(arm, "joints", slipped)
-    failed = stage.do(track)
+    failed = rig.do(track)
     assert isinstance(failed, Fail), failed
     assert failed.reason == "the tool leaves the seam"
 
@@ -118,10 +118,10 @@ def test_parts_follow_each_other_and_the_last_one_leaves_nothing() -> None:
 
 
 def test_a_rest_is_divided_by_the_numbers_of_the_whole_seam(
-    make_stage: Callable[..., Stage], monkeypatch: pytest.MonkeyPatch
+    make_stage: Callable[..., Rig], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    stage = make_stage()
-    stage.model.of(Seam).seam_work = SeamWork(5, None, (), 2)
+    rig = make_stage()
+    rig.model.of(Seam).seam_work = SeamWork(5, None, (), 2)
     asked = []
 
     def place(rest: Any, *_: Any) -> Placements:
@@ -130,11 +130,11 @@ def test_a_rest_is_divided_by_the_numbers_of_the_whole_seam(
         return Placements(bases, (Segment(0, 0, 3), Segment(1, 3, LAST - 5)), (0.1, 0.2))
 
     monkeypatch.setattr("handcart.primitives.seam.divide.placer_of", lambda _: SimpleNamespace(place=place))
-    assert isinstance(stage.do(Divide(placements=2)), Success)
-    work = stage.model.of(Seam).seam_work
+    assert isinstance(rig.do(Divide(placements=2)), Success)
+    work = rig.model.of(Seam).seam_work
     assert asked == [LAST - 5 + 1]
     assert [(each.place, each.first, each.last) for each in work.rest] == [
         ("place_3", 5, 8),
         ("place_4", 8, LAST),
     ]
-    assert {"place_3", "place_4"} <= stage.model.places.keys()
+    assert {"place_3", "place_4"} <= rig.model.places.keys()

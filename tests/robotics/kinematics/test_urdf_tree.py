@@ -8,8 +8,8 @@ import pytest
 from handcart.robotics.kinematics.arm_model import ArmModel
 from handcart.robotics.kinematics.coal_bodies import hull_of_mesh, shape_of
 from handcart.robotics.kinematics.shapes import Hull
-from handcart.robotics.kinematics.urdf_assembly import link_names, with_names
-from handcart.robotics.kinematics.urdf_contents import bodies_of
+from handcart.robotics.kinematics.urdf_assembly import with_names
+from handcart.robotics.kinematics.urdf_contents import bodies_of, link_names
 from handcart.robotics.kinematics.urdf_reading import read_urdf
 from handcart.robotics.kinematics.urdf_tree import kinematic_urdf
 

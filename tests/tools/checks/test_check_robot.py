@@ -32,7 +32,7 @@ def test_programs_get_the_same(handcart: Callable[..., Said]) -> None:
     told = json.loads(handcart("check", ROBOTS / "librarian" / "robot.yaml", "--json").out)
     assert told["ok"]
     assert told["robot"]["joints"][4]["name"] == "joint_3"
-    assert {row["board_m"] for row in told["robot"]["reach"]["grasps"]} >= {0.62, 0.7}
+    assert {row["board_m"] for row in told["robot"]["books"]["grasps"]} >= {0.62, 0.7}
     assert told["robot"]["links"][0] == {"name": "base", "mass_kg": 38.0, "faults": []}
 
 

@@ -17,7 +17,7 @@ from typing import Any
 
 import pytest
 
-from handcart.evaluation.trials.campaign import Setting, Trial, _end, run_campaign
+from handcart.evaluation.trials.campaign import CampaignSetting, Trial, _end, run_campaign
 from handcart.networks.run_options import RunOptions
 from tests.tools.conftest import Said
 
@@ -47,7 +47,7 @@ class Trials:
         self.seeds: list[int] = []
         self.untrue: dict[int, list[str]] = {}
 
-    def __call__(self, setting: Setting, seed: int) -> Trial:
+    def __call__(self, setting: CampaignSetting, seed: int) -> Trial:
         self.seeds.append(seed)
         summary = {"outcome": "Success", "reason": "", "run_dir": "none", "seed": seed}
         summary["metrics"] = {"untrue": self.untrue.get(seed, [])}
@@ -77,14 +77,14 @@ def test_an_interrupt_ends_a_campaign_at_once(
     told = trials("interrupted", () if kind is None else (kind,))
     done: list[Trial] = []
     with pytest.raises(KeyboardInterrupt):
-        done.extend(run_campaign(Setting(tmp_path / "task.yaml"), range(5), 1))
+        done.extend(run_campaign(CampaignSetting(tmp_path / "task.yaml"), range(5), 1))
     assert [each.seed for each in done] == [0, 1]
     assert told.seeds == [0, 1, 2]
 
 
 def test_a_trial_that_somebody_stopped_is_left_out(trials: Callable[..., Trials], tmp_path: Path) -> None:
     trials("stopped by request")
-    done = list(run_campaign(Setting(tmp_path / "task.yaml"), range(5), 1))
+    done = list(run_campaign(CampaignSetting(tmp_path / "task.yaml"), range(5), 1))
     assert [each.seed for each in done] == [0, 1, 3, 4]
 
 
@@ -137,7 +137,7 @@ def test_a_signal_after_a_trials_last_action_ends_the_campaign_too(
         return {"outcome": "Success", "reason": "", "metrics": {}}, 0
 
     monkeypatch.setattr("handcart.evaluation.trials.campaign.run_task", run)
-    trials = run_campaign(Setting(tmp_path / "task.yaml"), range(500), 1)
+    trials = run_campaign(CampaignSetting(tmp_path / "task.yaml"), range(500), 1)
     assert next(trials).success
     with pytest.raises(KeyboardInterrupt):
         next(trials)
@@ -240,3 +240,23 @@ def test_a_repeated_action_is_one_row_named_as_in_the_file(
     assert said.status == 0
     shares = [(each["action"], each["attempts"]) for each in json.loads(said.out)["actions"]]
     assert shares == [("MOVE_TO (here to there)", 2), ("MOVE_TO (there to done)", 2)]
+
+
+@pytest.mark.parametrize(
+    ("generate", "wrong"),
+    [
+        (["librari"], "no worlds of that name; did you mean 'library'?"),
+        (["library.blockd=closed"], "unknown key 'blockd'; did you mean 'blocked'?"),
+        (["library.blocked=shut"], "allowed: none, way_around, closed"),
+        (["library.books=0"], "books=0"),
+        (["library", "field.length=3"], "worlds of one kind"),
+    ],
+)
+def test_generated_worlds_are_asked_for_by_name_and_options(
+    handcart: Callable[..., Said], generate: list[str], wrong: str
+) -> None:
+    task = str(ROOT / "tasks" / "return_book" / "task.yaml")
+    words = [each for word in generate for each in ("--generate", word)]
+    said = handcart("campaign", task, "--trials", "1", *words)
+    assert said.status == 2
+    assert wrong in said.err

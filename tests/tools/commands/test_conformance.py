@@ -10,8 +10,8 @@ from typing import Any
 import pytest
 
 import handcart.evaluation.conformance.kit as kit
-from handcart.evaluation.conformance.checks.check import Finding
-from handcart.evaluation.conformance.report import Report
+from handcart.evaluation.conformance.checks.check import CheckResult
+from handcart.evaluation.conformance.report import KitReport
 from tests.tools.conftest import Said
 
 
@@ -19,8 +19,10 @@ from tests.tools.conftest import Said
 def test_status_0_only_if_all_holds(
     handcart: Callable[..., Said], monkeypatch: pytest.MonkeyPatch, wrong: list[str]
 ) -> None:
-    def run(setting: kit.Setting, processes: int, tell: Any) -> Report:
-        return Report.of(setting.backend, setting.robot, setting.quick, [Finding("stop", "it stops", wrong)])
+    def run(setting: kit.KitSetting, processes: int, tell: Any) -> KitReport:
+        return KitReport.of(
+            setting.backend, setting.robot, setting.quick, [CheckResult("stop", "it stops", wrong)]
+        )
 
     monkeypatch.setattr(kit, "run_kit", run)
     for words in ((), ("--json",)):
@@ -36,11 +38,11 @@ def test_off_a_terminal_progress_is_told_at_first_now_and_then_and_at_last(
     now = [0.0]
     monkeypatch.setattr(time, "monotonic", lambda: now[0])
 
-    def run(setting: kit.Setting, processes: int, tell: Any) -> Report:
+    def run(setting: kit.KitSetting, processes: int, tell: Any) -> KitReport:
         for done in range(1, 12):
             tell(done, 11)
             now[0] += 8.0
-        return Report.of(setting.backend, setting.robot, setting.quick, [Finding("stop", "it stops")])
+        return KitReport.of(setting.backend, setting.robot, setting.quick, [CheckResult("stop", "it stops")])
 
     monkeypatch.setattr(kit, "run_kit", run)
     told = handcart("conformance").err.splitlines()

@@ -15,7 +15,7 @@ import pytest
 
 from handcart.evaluation.books.library_files import Libraries
 from handcart.evaluation.explanation.explanation import explain
-from handcart.evaluation.trials.campaign import Setting, run_trial
+from handcart.evaluation.trials.campaign import CampaignSetting, run_trial
 from handcart.networks.journal.journal import Journal
 from handcart.networks.journal.past_run import read_run
 from handcart.networks.runs.flight_recorder import load_readings
@@ -37,7 +37,8 @@ def runs(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Path]:
 
     def folder(name: str) -> Path:
         if name not in made:
-            setting = Setting(TASK, None, None, Libraries(LIBRARIES[name]), tmp_path_factory.mktemp(name))
+            worlds = Libraries.model_validate(LIBRARIES[name])
+            setting = CampaignSetting(TASK, None, None, worlds, tmp_path_factory.mktemp(name))
             made[name] = Path(run_trial(setting, 0).summary["run_dir"])
         return made[name]
 
@@ -229,6 +230,26 @@ def test_a_journal_that_somebody_chained_anew_is_told_in_words(
     said = handcart("explain", forged(tmp_path / "run", {}))
     assert said.status == 5
     assert "makes no sense: KeyError" in said.err
+    assert "Traceback" not in said.err
+
+
+@pytest.mark.parametrize(("index", "source"), [(0, "nowhere"), (1, "a")])
+def test_an_action_that_its_network_does_not_have_is_told_in_words(
+    handcart: Callable[..., Said], tmp_path: Path, index: int, source: str
+) -> None:
+    """D15: whoever chained it anew."""
+    keys = ("do", "from", "to", "on_fail", "cost_s", "attempts", "uses")
+    network: dict[str, Any] = {"start": "a", "goal": "b", "situations": {"a": {}, "b": {}}, "keys": keys}
+    network["actions"] = [("MOVE_TO", "a", "b", None, 1.0, 3, [])]
+    folder = tmp_path / "run"
+    folder.mkdir()
+    with Journal(folder / "journal.jsonl") as journal:
+        journal.append("RUN", 0.0, {"schema": "handcart-journal/1", "plan_on": network})
+        action = {"index": index, "do": "MOVE_TO", "from": source, "to": "b", "with": {}}
+        journal.append("START", 0.0, {"n": 1, "action": action})
+    said = handcart("explain", folder)
+    assert said.status == 5
+    assert f"no such action {index}: MOVE_TO from {source} to b" in said.err
     assert "Traceback" not in said.err
 
 

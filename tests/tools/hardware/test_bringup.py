@@ -14,7 +14,7 @@ from handcart.evaluation.bringup.ladder import RUNGS, BenchFirst, Ladder
 from handcart.evaluation.bringup.operator import BenchOperator, ScriptedOperator
 from handcart.evaluation.bringup.record import read
 from handcart.evaluation.bringup.site import Site
-from handcart.evaluation.trials.stage import LIBRARY
+from handcart.evaluation.trials.rig import LIBRARY
 from tests.tools.conftest import Said
 
 NAMES = [each.name for each in RUNGS]

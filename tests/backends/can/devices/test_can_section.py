@@ -10,6 +10,9 @@ import pytest
 from handcart.backends.description.can_spec import JointDriveSpec
 from handcart.backends.description.robot_loading import ROBOTS, load_robot
 from handcart.files.errors import FileError
+from handcart.networks.task.preparing import check, prepare
+
+ROOT = Path(__file__).resolve().parents[4]
 
 JOINT_6 = "    - {node: 16, counts_per_rev: 65536, gear_ratio: 50, rated_torque_nm: 30}\n"
 
@@ -32,6 +35,7 @@ JOINT_6 = "    - {node: 16, counts_per_rev: 65536, gear_ratio: 50, rated_torque_
         ("period_s: 0.05", "period_s: 0.0501", "allowed: whole milliseconds up to 255"),
         ("{node: 21,", "{node: 21, eds: gone.eds,", "there is no file 'gone.eds'"),
         ("{node: 21,", "{node: 21, mode: csp,", "profile"),
+        ("interface: socketcan", "interface: sockatcan", "unknown interface 'sockatcan'; did you mean"),
     ],
 )
 def test_it_is_told_with_line_and_column(tmp_path: Path, before: str, after: str, told: str) -> None:
@@ -70,3 +74,18 @@ def test_a_brake_lets_an_axis_under_gravity_be_disabled(tmp_path: Path) -> None:
     spec = load_robot(str(path)).can
     assert spec is not None
     assert spec.joints[5].brake
+
+
+def test_only_who_drives_by_can_or_looks_is_told_all_of_it(tmp_path: Path) -> None:
+    """A drive in simulation asks nothing of the bus."""
+    text = (ROBOTS / "librarian" / "robot.yaml").read_text(encoding="utf-8")
+    path = tmp_path / "robot.yaml"
+    path.write_text(text.replace("{node: 21,", "{node: 16,"), encoding="utf-8")
+    (tmp_path / "librarian.urdf").write_bytes((ROBOTS / "librarian" / "librarian.urdf").read_bytes())
+    task, settings = ROOT / "tasks" / "drive_map" / "task.yaml", {"robot": str(path)}
+    with prepare(task, "kinematic", settings) as prepared:
+        assert prepared.robot.spec.can is not None
+    with pytest.raises(FileError, match="joint 6 and gripper have the node 16"):
+        prepare(task, "can", settings, bench="kinematic")
+    with pytest.raises(FileError, match="joint 6 and gripper have the node 16"):
+        check(task, "kinematic", settings)

@@ -26,7 +26,7 @@ from handcart.backends.capabilities.gripper import Gripper
 from handcart.backends.description.can_spec import Without
 from handcart.backends.description.robot_file import RobotFile
 from handcart.backends.description.robot_loading import ROBOTS, load_robot
-from handcart.backends.kinematic.kinematic_gripper import KinematicGripper
+from handcart.backends.kinematic.kinematic_parts import KinematicGripper
 from handcart.evaluation.bringup.bus_rungs import ReadBackRung
 from handcart.evaluation.bringup.operator import BenchOperator
 from handcart.evaluation.bringup.site import Site

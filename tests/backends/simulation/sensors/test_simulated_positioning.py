@@ -9,9 +9,9 @@ from handcart.backends.capabilities.positioning import PoseReading
 from handcart.backends.description.robot_loading import load_robot
 from handcart.backends.description.sensor_specs import PositioningSpec
 from handcart.backends.plain_values import attributes, set_attributes
-from handcart.backends.simulation.build_scene import build_scene
 from handcart.backends.simulation.scene import Scene
 from handcart.backends.simulation.sensors.simulated_positioning import SimulatedPositioning
+from handcart.backends.simulation.simulated_backend import build_scene
 from handcart.backends.simulation.world.world_model import world_model
 from handcart.robotics.geometry.pose2 import Pose2
 

@@ -63,4 +63,5 @@ def test_a_map_in_place_of_a_world_is_the_same_read_and_as_a_file(
     world = load_world_or_map(tmp_path / "map.yaml", start)
     assert len(world.furniture) == 1
     with as_world_file(tmp_path / "map.yaml", start) as path:
-        assert load_world(path) == world
+        read_from_file = load_world(path).model_dump(include=set(WorldFile.model_fields))
+    assert read_from_file == world.model_dump()

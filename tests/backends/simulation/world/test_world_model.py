@@ -13,9 +13,9 @@ import pytest
 from pydantic import model_validator
 
 from handcart.backends.description.robot_loading import load_robot
-from handcart.backends.simulation.build_scene import build_scene
 from handcart.backends.simulation.props import Props
 from handcart.backends.simulation.rendering.renderer import Renderer
+from handcart.backends.simulation.simulated_backend import build_scene
 from handcart.backends.simulation.world.solids import Solid
 from handcart.backends.simulation.world.world_model import world_model
 from handcart.files.models.model import FileModel

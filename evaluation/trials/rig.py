@@ -22,8 +22,7 @@ from handcart.networks.task.task_knowledge import ORIGIN, TaskKnowledge, domain_
 from handcart.primitives.contract.action_primitive import ActionPrimitive
 from handcart.primitives.contract.attempt import attempt
 from handcart.primitives.contract.outcome import Outcome
-from handcart.primitives.knowledge.place import load_map
-from handcart.primitives.knowledge.place_file import load_places
+from handcart.primitives.knowledge.place import load_map, load_places
 from handcart.primitives.knowledge.world_model import WorldModel
 
 LIBRARY = Path(__file__).parent.parent.parent / "tasks" / "return_book"
@@ -34,8 +33,8 @@ class NoSuchPlace(InputError):
 
 
 @dataclass(frozen=True)
-class StageFiles:
-    """What a stage is built from; by default the library of the task return_book."""
+class RigFiles:
+    """What a rig is built from; by default the library of the task return_book."""
 
     world: Path = LIBRARY / "world.yaml"
     map: Path | None = LIBRARY / "map.yaml"
@@ -46,7 +45,7 @@ class StageFiles:
     """The place where the robot stands at first."""
 
     @classmethod
-    def of(cls, task: Task) -> StageFiles:
+    def of(cls, task: Task) -> RigFiles:
         """Those of a task.
 
         Raises:
@@ -61,7 +60,7 @@ class StageFiles:
 
 
 @dataclass
-class Stage:
+class Rig:
     """A robot in a world, with what it is told beforehand; leaving it as a context closes the backend."""
 
     robot: Robot
@@ -89,7 +88,7 @@ class Stage:
                 return outcome
             self.robot.step()
 
-    def __enter__(self) -> Stage:
+    def __enter__(self) -> Rig:
         return self
 
     def __exit__(
@@ -98,10 +97,10 @@ class Stage:
         self.backend.close()
 
 
-def set_stage(
-    files: StageFiles = StageFiles(), robot: str = "librarian", backend: str = "kinematic", seed: int = 0
-) -> Stage:
-    """Build a stage.
+def build_rig(
+    files: RigFiles = RigFiles(), robot: str = "librarian", backend: str = "kinematic", seed: int = 0
+) -> Rig:
+    """Build a rig.
 
     Args:
         files: world and knowledge.
@@ -124,4 +123,4 @@ def set_stage(
     grid = load_map(files.map)[0] if files.map else nowhere()
     model = WorldModel(grid, knowledge.all_places(), sections=knowledge.fresh_sections())
     made = make_backend(backend, spec, files.world, seed, start)
-    return Stage(Robot(made, spec, start, grid), model, made, knowledge)
+    return Rig(Robot(made, spec, start, grid), model, made, knowledge)

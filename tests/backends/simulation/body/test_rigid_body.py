@@ -7,9 +7,9 @@ import pinocchio as pin
 import pytest
 from numpy.typing import NDArray
 
+from handcart.backends.simulation.body.rigid_body import fcl_body, touch
 from handcart.robotics.geometry.transform import Transform
 from handcart.robotics.kinematics.coal_bodies import coal_body
-from handcart.robotics.kinematics.fcl_bodies import fcl_body, touch
 from handcart.robotics.kinematics.shapes import Box, Cylinder, Hull, Shape, Sphere
 
 HERE = np.eye(4)

@@ -1,13 +1,13 @@
-"""How far from where it is the robot believed to be, by ground truth."""
+"""How far the base went, and how far from where it is it believed to be, by ground truth."""
 
 from __future__ import annotations
 
 import math
+from typing import Any
 
 from handcart.backends.robot.robot import Robot
 
-from .survey import Survey
-from .surveyed_run import SurveyedRun
+from .survey import Survey, SurveyedRun
 
 
 class LocalisationSurvey(Survey):
@@ -58,3 +58,37 @@ class LocalisationSurvey(Survey):
             "localisation_mm_max": round(1e3 * self.farthest, 2),
             "localisation_deg_max": round(math.degrees(self.turned), 3),
         }
+
+
+class PathSurvey(Survey):
+    """Adds up the way; needs no ground truth."""
+
+    name = "path"
+    noted = float
+
+    def __init__(self, run: SurveyedRun) -> None:
+        """See `Survey`."""
+        super().__init__(run)
+        self._at, self._driven = run.robot.localization.odometry_pose, 0.0
+
+    @classmethod
+    def applies(cls, run: SurveyedRun) -> bool:
+        """See `Survey`."""
+        return True
+
+    def look(self, robot: Robot) -> None:
+        """See `Survey`."""
+        self._driven += robot.localization.odometry_pose.distance(self._at)
+        self._at = robot.localization.odometry_pose
+
+    def notes(self) -> float:
+        """See `Survey`."""
+        return self._driven
+
+    def go_on(self, noted: float) -> None:
+        """See `Survey`."""
+        self._driven = noted
+
+    def figures(self) -> dict[str, Any]:
+        """See `Survey`."""
+        return {"path_length_m": round(self._driven, 3)}

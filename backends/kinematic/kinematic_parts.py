@@ -1,0 +1,152 @@
+"""The parts of the kinematic robot: wheels, arm, gripper, camera, range sensor."""
+
+from __future__ import annotations
+
+import math
+from functools import cached_property
+from typing import ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from handcart.backends.capabilities.base import WheelTravel
+from handcart.backends.description.robot_file import GripperSpec, RobotFile
+from handcart.backends.description.sensor_specs import RangeSpec
+from handcart.backends.simulation.body.fingers import Fingers
+from handcart.backends.simulation.body.hand import Hand
+from handcart.backends.simulation.body.simulated_parts import (
+    CommandedBase,
+    SimulatedArm,
+    SimulatedGripper,
+    Vector,
+)
+from handcart.backends.simulation.keyed_noise import keyed
+from handcart.backends.simulation.scene import Scene
+from handcart.backends.simulation.sensors.ranges import cast_rays
+from handcart.backends.simulation.sensors.simulated_range_sensor import SimulatedRangeSensor
+from handcart.backends.simulation.world.solids import FloorPlan
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.geometry.transform import Transform
+
+_PRESSES = 2e-4  # commanded this far beyond where they stand, the fingers press [m]
+
+
+class KinematicBase(CommandedBase):
+    """Two wheels that turn as commanded; true radii, tread and slip differ from the file's."""
+
+    def __init__(self, robot: RobotFile, seed: int) -> None:
+        super().__init__(robot)
+        self._rolling = Rolling(robot, seed)
+
+    def advance(self, period: int) -> Pose2:
+        """Turn the wheels for a period; gives how the base truly moves if nothing is in its way."""
+        speed, turn_rate = self._take_command()
+        half = turn_rate * self._drive.tread_m / 2
+        left, right = (speed - half) * self._period, (speed + half) * self._period
+        self._travel = WheelTravel(self._travel.left + left, self._travel.right + right)
+        return self._rolling.motion(left, right, period)
+
+
+class Rolling:
+    """Wheels whose true radii, tread and slip differ from the robot's file, by its `errors` and a seed."""
+
+    def __init__(self, robot: RobotFile, seed: int) -> None:
+        """Draw what stays the same for a run."""
+        self._seed, errors = seed, robot.errors
+        left, right, tread = keyed(seed, "wheels").standard_normal(3)
+        self._left_scale = 1.0 + errors.wheel_radius_percent / 100 * left
+        self._right_scale = 1.0 + errors.wheel_radius_percent / 100 * right
+        self._true_tread = robot.drive.tread_m * (1.0 + errors.tread_percent / 100 * tread)
+        self._slip = errors.slip_percent / 100
+
+    def motion(self, left: float, right: float, period: int) -> Pose2:
+        """Pose of the base after a period in that before it, if nothing is in its way.
+
+        Args:
+            left: rolled by the left wheel at its nominal radius, in [m].
+            right: by the right one.
+            period: its number, on which slip depends.
+        """
+        if left == 0.0 and right == 0.0:
+            return Pose2(0.0, 0.0, 0.0)
+        slips = self._slip * keyed(self._seed, "slip", period).standard_normal(2)
+        left, right = left * self._left_scale * (1.0 - slips[0]), right * self._right_scale * (1.0 - slips[1])
+        return _arc(float(left + right) / 2, float((right - left) / self._true_tread))
+
+
+def _arc(length: float, turn: float) -> Pose2:
+    if abs(turn) < 1e-9:
+        return Pose2(length, 0.0, turn)
+    return Pose2(length / turn * math.sin(turn), length / turn * (1.0 - math.cos(turn)), turn)
+
+
+class KinematicArm(SimulatedArm):
+    """Joints that reach their command within the period, but for a contact and for `ArmError`."""
+
+    STATE: ClassVar = {**SimulatedArm.STATE, "_settled": bool, "_touching": frozenset[tuple[str, str]]}
+
+    def __init__(self, robot: RobotFile, hand: Hand, seed: int) -> None:
+        super().__init__(robot, hand.arm, hand.scene.joints, seed)
+        self._hand, self._settled = hand, False
+        hand.scene.joints = self._command + self._offset
+        self._touching: frozenset[tuple[str, str]] = frozenset()
+
+    def true_joints(self) -> Vector:
+        """See `SimulatedArm`."""
+        return self._hand.scene.joints
+
+    def _true_force(self) -> Vector:
+        return self._hand.scene.felt_force()
+
+    def advance(self, period: int, disturbed: bool) -> frozenset[tuple[str, str]]:
+        """Move for a period; gives what touches. `disturbed`: the fingers have moved."""
+        changed = self._begin(period, loaded=self._hand.scene.held is not None)
+        self._from = self._command.copy()
+        if not changed and not disturbed and self._settled:
+            return self._touching
+        self._settled = not changed
+        self._touching = self._hand.move(self._command + self._offset)
+        return self._touching
+
+
+class KinematicGripper(SimulatedGripper):
+    """Fingers that close at constant speed, and hold what is between them as if it were glued."""
+
+    def __init__(self, spec: GripperSpec, hand: Hand, period: float, seed: int) -> None:
+        super().__init__(spec, hand.scene.robot.errors, hand.scene.width, seed)
+        self._step = spec.speed_mm_s / 1e3 * period
+        self._scene, self._hand = hand.scene, hand
+
+    @cached_property
+    def _fingers(self) -> Fingers:
+        return Fingers(self._hand)
+
+    def true_width(self) -> float:
+        """See `SimulatedGripper`."""
+        return self._scene.width
+
+    def advance(self, period: int) -> bool:
+        """Move for a period; gives whether anything moved."""
+        self._now = period
+        before, held = self._scene.width, self._scene.held
+        way = max(-self._step, min(self._step, self._command - before))
+        if way != 0.0:
+            self._fingers.set_width(before + way)
+        after = self._scene.width
+        stands = abs(after - before) < 1e-9
+        self._pressing = stands and (self._command < after - _PRESSES or self._command <= 0.0)
+        return not stands or held is not self._scene.held
+
+
+class KinematicRangeSensor(SimulatedRangeSensor):
+    """Casts rays in the floor plan at its height."""
+
+    def __init__(self, spec: RangeSpec, base_T_sensor: Transform, scene: Scene, seed: int) -> None:
+        super().__init__(spec, base_T_sensor, seed)
+        self._scene = scene
+        height = float(base_T_sensor[2, 3])
+        self._plan = FloorPlan(scene.solids, height, height)
+
+    def _cast(self) -> NDArray[np.float64]:
+        sensor = self._scene.base.compose(self._mount)
+        return cast_rays(self._plan, sensor, self._angles, self._scene.time, self._spec.reach_m)

@@ -1,0 +1,230 @@
+"""What wheels, arms and grippers of all simulated backends share: commands, and readings with errors."""
+
+from __future__ import annotations
+
+import math
+from abc import abstractmethod
+from typing import ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from handcart.backends.capabilities.arm import Arm
+from handcart.backends.capabilities.base import Base, WheelTravel
+from handcart.backends.capabilities.gripper import Gripper
+from handcart.backends.description.robot_file import GripperSpec, RobotFile
+from handcart.backends.description.simulated_errors import Errors
+from handcart.backends.limits import checked_drive, checked_joints, checked_width
+from handcart.backends.plain_values import Kinds
+from handcart.backends.simulation.body.swing import is_swing, swing_yaw
+from handcart.backends.simulation.keyed_noise import keyed
+from handcart.robotics.kinematics.arm_model import ArmModel
+
+_SQUARED_DAMPING = 1e-4
+
+Vector = NDArray[np.float64]
+
+
+class CommandedBase(Base):
+    """Wheels that are simulated: a command counts for the period that comes, and only for it."""
+
+    STATE: ClassVar[Kinds] = {"_command": tuple[float, float], "_travel": WheelTravel}
+    """Attributes that a checkpoint keeps, with their types."""
+
+    def __init__(self, robot: RobotFile) -> None:
+        self._drive, self._period = robot.drive, robot.period_s
+        self._command = (0.0, 0.0)
+        self._travel = WheelTravel(0.0, 0.0)
+
+    def drive(self, speed: float, turn_rate: float) -> None:
+        """See `Base`."""
+        self._command = checked_drive(self._drive, speed, turn_rate)
+
+    def wheel_travel(self) -> WheelTravel:
+        """See `Base`."""
+        return self._travel
+
+    def halt(self) -> None:
+        """Forget the command."""
+        self._command = (0.0, 0.0)
+
+    def _take_command(self) -> tuple[float, float]:
+        """Speed in [m/s] and turn rate in [rad/s] of the period that begins."""
+        command, self._command = self._command, (0.0, 0.0)
+        return command
+
+
+class SimulatedArm(Arm):
+    """Takes commands, tells motions apart, and reads encoders and force with noise.
+
+    The joints stand off what their encoders read by `ArmError`, an offset that is drawn anew whenever the arm
+    sets out from rest: gears and links give, which no encoder sees.
+    """
+
+    STATE: ClassVar[Kinds] = {
+        "_command": Vector,
+        "_from": Vector,
+        "_motions": int,
+        "_moving": bool,
+        "_set_out": Vector,
+        "swung": bool,
+        "_offset": Vector,
+        "_readings": dict[str, tuple[int, Vector]],
+        "_now": int,
+    }
+    """Attributes that a checkpoint keeps, with their types."""
+
+    def __init__(self, robot: RobotFile, model: ArmModel, stands: Vector, seed: int) -> None:
+        """`stands` (n,) in [rad] is what its encoders should read at first."""
+        self._model, self._errors, self._seed = model, robot.errors, seed
+        top = np.inf if robot.arm is None else robot.joint_speeds()
+        self._most = np.minimum(model.velocity, top) * robot.period_s
+        self._command, self._from = stands.copy(), stands.copy()
+        self._motions, self._moving = 0, False
+        self._set_out = self._hand_on_floor()
+        """Where the hand was when the arm last set out."""
+        self.swung = False
+        """Whether a swing of the arm ended in this period: `is_swing`."""
+        self._error = ArmError(robot.errors, model, seed)
+        self._offset = self._error.offset(self._command, 0)
+        self._readings = dict[str, tuple[int, Vector]]()
+        self._now = 0
+
+    @abstractmethod
+    def true_joints(self) -> Vector:
+        """Where the joints are, (n,) in [rad]."""
+
+    @abstractmethod
+    def _true_force(self) -> Vector:
+        """What acts on the hand, (3,) in [N] in its frame."""
+
+    def move(self, joints: Vector) -> None:
+        """See `Arm`."""
+        self._command = checked_joints(self._model, joints, self._from, self._most)
+
+    def command(self) -> Vector:
+        """See `Arm`."""
+        return self._command.copy()
+
+    def joints(self) -> Vector:
+        """See `Arm`."""
+        return self._read("joints", self.true_joints() - self._offset, self._errors.encoder_mrad / 1e3)
+
+    def hand_force(self) -> Vector:
+        """See `Arm`."""
+        return self._read("hand force", self._true_force(), self._errors.hand_force_n)
+
+    def halt(self) -> None:
+        """Forget a command that hasn't begun; hold."""
+        self._command = self._from.copy()
+
+    def swing_yaw(self) -> float:
+        """By how much the swing that has ended turned the base, in [rad]."""
+        return swing_yaw(self._errors, self._seed, self._motions)
+
+    def _begin(self, period: int, loaded: bool) -> bool:
+        """A period begins; gives whether the arm moves in it. `loaded`: the hand holds something."""
+        self._now = period
+        changed = bool((self._command != self._from).any())
+        if changed and not self._moving:
+            self._motions += 1
+            self._set_out = self._hand_on_floor()
+        if changed:
+            self._offset = self._error.offset(self._command, self._motions)
+        ended = self._moving and not changed
+        self.swung = ended and is_swing(self._errors, loaded, self._set_out, self._hand_on_floor())
+        self._moving = changed
+        return changed
+
+    def _hand_on_floor(self) -> Vector:
+        """x and y (2,) of the hand in the base frame where it is commanded to, in [m]."""
+        return self._model.forward(self._from)[:2, 3].copy()
+
+    def _read(self, sensor: str, truth: Vector, sigma: float) -> Vector:
+        last = self._readings.get(sensor)
+        if last is None or last[0] != self._now:
+            noise = sigma * keyed(self._seed, sensor, self._now).standard_normal(len(truth))
+            last = self._readings[sensor] = (self._now, truth + noise)
+        return last[1].copy()
+
+
+class SimulatedGripper(Gripper):
+    """Takes commands, and reads the opening with noise."""
+
+    STATE: ClassVar[Kinds] = {"_command": float, "_now": int, "_pressing": bool}
+    """Attributes that a checkpoint keeps, with their types."""
+
+    def __init__(self, spec: GripperSpec, errors: Errors, width: float, seed: int) -> None:
+        """`width` is the opening at first, in [m]."""
+        self._spec, self._seed = spec, seed
+        self._sigma = errors.opening_mm / 1e3
+        self._command = width
+        self._now, self._pressing = 0, False
+
+    @abstractmethod
+    def true_width(self) -> float:
+        """The opening, in [m]."""
+
+    def command(self) -> float:
+        """See `Gripper`."""
+        return self._command
+
+    def move(self, width: float) -> None:
+        """See `Gripper`."""
+        self._command = checked_width(self._spec, width)
+
+    def width(self) -> float:
+        """See `Gripper`."""
+        noise = self._sigma * keyed(self._seed, "width", self._now).standard_normal()
+        return float(max(0.0, self.true_width() + noise))
+
+    def closed_on_something(self) -> bool:
+        """See `Gripper`."""
+        return self._pressing
+
+    def halt(self) -> None:
+        """Hold: fingers that press go on pressing, those that move stop."""
+        if not self._pressing:
+            self._command = min(max(0.0, self.true_width()), self._spec.opening_mm / 1e3)
+
+
+class ArmError:
+    """The joints' offset from what their encoders read: gears and links give, which no encoder sees.
+
+    Drawn anew whenever the arm sets out from rest: Gaussian in the joints, Gaussian and uniform in the
+    hand's position. Systematic, drawn once for a seed: a field over the positions of the hand, smooth, along
+    each axis a sine.
+    """
+
+    def __init__(self, errors: Errors, arm: ArmModel, seed: int) -> None:
+        self._errors, self._arm, self._seed = errors, arm, seed
+        rng = keyed(seed, "arm's systematic error")
+        ways = rng.standard_normal((3, 3))
+        ways /= np.linalg.norm(ways, axis=1, keepdims=True)
+        self._waves = 2 * math.pi / errors.hand_systematic_wave_m * ways
+        self._phases = rng.uniform(-math.pi, math.pi, 3)
+        self._drawn = (-1, np.zeros(0), np.zeros(3))
+        self._of_hand = max(errors.hand_systematic_mm, errors.hand_repeat_mm, errors.hand_uniform_mm) > 0.0
+
+    def offset(self, joints: Vector, motion: int) -> Vector:
+        """(n,) in [rad] at the commanded `joints` (n,), in the arm's motion of that number."""
+        _, offset, wrong = self._draw(motion, len(joints))
+        if not self._of_hand:
+            return offset
+        hand = self._arm.forward(joints)[:3, 3]
+        systematic = self._errors.hand_systematic_mm / math.sqrt(3.0)
+        off = wrong + systematic * np.sin(self._waves @ hand + self._phases)
+        J = self._arm.jacobian(joints)
+        twist = np.concatenate([off / 1e3, np.zeros(3)])
+        damped = J @ J.T + _SQUARED_DAMPING * np.eye(6) * 1e-4
+        return np.asarray(offset + J.T @ np.linalg.solve(damped, twist))
+
+    def _draw(self, motion: int, dof: int) -> tuple[int, Vector, Vector]:
+        """What belongs to one motion: of the joints in [rad], of the hand in [mm]."""
+        if self._drawn[0] != motion:
+            errors, rng = self._errors, keyed(self._seed, "joint repeatability", motion)
+            offset = errors.joint_repeatability_mrad / 1e3 * rng.standard_normal(dof)
+            wrong = errors.hand_repeat_mm * rng.standard_normal(3)
+            wrong += errors.hand_uniform_mm * rng.uniform(-1.0, 1.0, 3)
+            self._drawn = (motion, offset, wrong)
+        return self._drawn

@@ -1,0 +1,52 @@
+"""How much CPU time `import handcart` and `handcart --help` take beyond a bare Python.
+
+Each is run in processes of its own; told is the median of their user and system time, less that of
+`python -c pass`.
+"""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from collections.abc import Callable, Sequence
+from statistics import median
+
+REPEATS = 20
+MOST_MS = {"import handcart": 60.0, "handcart --help": 150.0}
+"""What either may take, in [ms]."""
+CODE = {
+    "bare": "pass",
+    "import handcart": "import handcart",
+    "handcart --help": "from handcart.tools.main import main; main(['--help'])",
+}
+
+
+def cpu_ms(words: Sequence[str]) -> float:
+    """User and system time of one process, in [ms]."""
+    with subprocess.Popen(words, stdout=subprocess.DEVNULL) as process:
+        _, status, usage = os.wait4(process.pid, 0)
+        process.returncode = os.waitstatus_to_exitcode(status)
+    if process.returncode:
+        raise RuntimeError(f"{words[-1]!r} ended with status {process.returncode}")
+    return 1e3 * (usage.ru_utime + usage.ru_stime)
+
+
+def beyond_bare_ms(
+    repeats: int = REPEATS, middle: Callable[[Sequence[float]], float] = median
+) -> dict[str, float]:
+    """By what is run, in [ms]; the three take turns, so that a busy machine is busy for all.
+
+    With `min` for the middle, what a crowded processor adds to CPU times is left out.
+    """
+    times: dict[str, list[float]] = {name: [] for name in CODE}
+    for _ in range(repeats):
+        for name, code in CODE.items():
+            times[name].append(cpu_ms([sys.executable, "-c", code]))
+    bare = middle(times.pop("bare"))
+    return {name: middle(each) - bare for name, each in times.items()}
+
+
+if __name__ == "__main__":
+    for name, took in beyond_bare_ms().items():
+        print(f"{name:<16} {took:6.1f} ms, at most {MOST_MS[name]:.0f}")

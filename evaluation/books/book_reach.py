@@ -1,0 +1,99 @@
+"""Where a robot can hold books, and what it lacks to return them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from handcart.backends.description.robot_file import RobotFile
+from handcart.evaluation.robot_report.domain_facts import DomainFacts, FactTable
+from handcart.evaluation.robot_report.reach import Reach
+from handcart.primitives.books.book_grip import GRIP_HEIGHT
+
+BEFORE_SHELF = 0.46  # [m] ahead of the base that the tips are for `aside`: shelves of return_book are at 0.47
+BOARDS = (0.1, 0.3, 0.5, 0.7, 0.9, 1.1, 1.3, 1.5)  # heights of boards that are tried [m]
+AHEAD = np.arange(-0.4, 1.41, 0.05)  # [m]
+ASIDE = np.arange(-1.0, 1.01, 0.1)  # [m]
+POSTURES = ("home", "look_at_tag", "carry")
+
+Span = tuple[float, float] | None
+
+
+@dataclass(frozen=True)
+class GraspRow:
+    """Where the hand, upright and pointing ahead, can hold a book that stands at some height."""
+
+    board_m: float
+    """Height of what the book stands on."""
+    ahead_m: Span
+    """From and to: x of the finger tips in the base frame, straight ahead (`aside_at_m` tells y)."""
+    line_m: float
+    """y of that line."""
+    aside_m: Span
+    """From and to: y of the finger tips, `BEFORE_SHELF` ahead."""
+
+
+def book_facts(robot: RobotFile, reach: Reach | None) -> DomainFacts:
+    """Where the hand can hold books, for a robot with a tray, and what one lacks that is to return them."""
+    remarks = _lacking(robot)
+    if reach is None or not robot.has_tray:
+        return DomainFacts(remarks)
+    grasps = _grasps(robot, reach)
+    rows = [
+        (f"{row.board_m:.2f} m", f"{_words(row.ahead_m)}, y = {row.line_m:.2f}", _words(row.aside_m))
+        for row in grasps
+    ]
+    heading = "upright, pointing ahead and holding a book on a board, its finger tips get to"
+    columns = ("board at", "x, straight ahead", f"y, {BEFORE_SHELF} m ahead")
+    figures = {"grasps": [asdict(each) for each in grasps]}
+    return DomainFacts(remarks, figures, (FactTable(heading, columns, rows),))
+
+
+def _lacking(robot: RobotFile) -> list[str]:
+    """Of a robot with a tray, or that looks for tags on one."""
+    if robot.arm is None:
+        return []
+    if not robot.has_tray:
+        looks = "look_at_tag" in robot.arm.postures
+        return ["no link 'tray': RECOGNIZE and PICK_UP take a book from one"] if looks else []
+    missing = [name for name in POSTURES if name not in robot.arm.postures]
+    return [f"no posture {name!r}: return_book needs it" for name in missing]
+
+
+def _words(span: Span) -> str:
+    return "nowhere" if span is None else f"{span[0]:.2f} to {span[1]:.2f} m"
+
+
+def _grasps(robot: RobotFile, reach: Reach) -> list[GraspRow]:
+    tip = robot.finger_shape.tip if robot.gripper is not None else 0.0
+    rows = [_row(reach, board, tip, 0.0) for board in BOARDS]
+    tray = robot.tray_shape
+    rows.append(_row(reach, tray.top, tip, tray.middle[1]))
+    return sorted(rows, key=lambda row: (row.board_m, row.line_m))
+
+
+def _row(reach: Reach, board: float, tip: float, line: float) -> GraspRow:
+    z = board + GRIP_HEIGHT
+    ahead = [(x - tip, line, z) for x in AHEAD]
+    aside = [(BEFORE_SHELF - tip, y, z) for y in ASIDE]
+    reached = reach.reached(ahead)
+    beside = reach.reached(aside)
+    return GraspRow(board, _longest(AHEAD, reached), line, _longest(ASIDE, beside))
+
+
+def _longest(values: NDArray[np.float64], good: Sequence[bool]) -> Span:
+    """The longest stretch of good values."""
+    best: Span = None
+    start: int | None = None
+    for index, each in enumerate([*good, False]):
+        if each and start is None:
+            start = index
+        elif not each and start is not None:
+            span = (float(values[start]), float(values[index - 1]))
+            if best is None or span[1] - span[0] > best[1] - best[0]:
+                best = span
+            start = None
+    return None if best is None else (round(best[0], 2) + 0.0, round(best[1], 2) + 0.0)  # no -0.0

@@ -1,0 +1,35 @@
+"""Libraries that not every robot and task needs: pip installs them as extras of handcart."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from importlib.util import find_spec
+
+EXTRAS: dict[str, Sequence[str]] = {
+    "arm": ("pinocchio", "ompl", "toppra", "fcl"),
+    "labels": ("onnxruntime", "rapidocr"),
+    "sim": ("pybullet",),
+}
+"""By the name of an extra in pyproject.toml: the modules that come with it."""
+
+
+def extra_of(error: ImportError) -> str | None:
+    """The extra that brings what couldn't be imported; None where none does."""
+    module = (error.name or "").partition(".")[0]
+    return next((extra for extra, modules in EXTRAS.items() if module in modules), None)
+
+
+def lack(who: str, extra: str) -> str | None:
+    """Says that somebody needs an extra, and how to install it; None where all of it is there."""
+    missing = [module for module in EXTRAS[extra] if not is_there(module)]
+    if not missing:
+        return None
+    return f"{who} needs {', '.join(missing)}, not installed; install with: pip install 'handcart[{extra}]'"
+
+
+def is_there(module: str) -> bool:
+    """Whether a module can be found; nothing is imported but what it is in."""
+    try:
+        return find_spec(module) is not None
+    except (ImportError, ValueError):
+        return False

@@ -1,0 +1,57 @@
+"""Where the links of a URDF stand while all its joints are at zero: by their origins, asking no library."""
+
+from __future__ import annotations
+
+from xml.etree import ElementTree
+
+import numpy as np
+
+from handcart.robotics.geometry.transform import Transform, inverse, transform
+from handcart.robotics.kinematics.urdf_reading import known_urdf
+
+Triple = tuple[float, float, float]
+
+
+def origin_of(element: ElementTree.Element) -> Transform:
+    """Pose (4, 4) that a joint, a collision or an inertial states as its `origin`."""
+    origin = element.find("origin")
+    return np.eye(4) if origin is None else transform(triple(origin, "xyz"), triple(origin, "rpy"))
+
+
+def link_poses(urdf_text: str) -> dict[str, Transform]:
+    """Pose (4, 4) of each link in the root link; raises ValueError where the text is no URDF."""
+    robot = known_urdf(urdf_text)
+    above = {_end(joint, "child"): joint for joint in robot.findall("joint")}
+    found: dict[str, Transform] = {}
+    for link in robot.findall("link"):
+        name, way = link.get("name", ""), []
+        while name not in found and name in above:
+            way.append(name)
+            name = _end(above[name], "parent")
+        pose = found.setdefault(name, np.eye(4))
+        for name in reversed(way):
+            pose = found[name] = pose @ origin_of(above[name])
+    return found
+
+
+def base_T_frame(urdf_text: str, frame: str, base: str = "base") -> Transform:
+    """Pose (4, 4) of a URDF's link in the link `base`, all joints at zero.
+
+    Raises:
+        ValueError: the URDF has no such link.
+    """
+    poses = link_poses(urdf_text)
+    if missing := [name for name in (frame, base) if name not in poses]:
+        raise ValueError(f"the URDF has no link {missing[0]!r}")
+    return inverse(poses[base]) @ poses[frame]
+
+
+def triple(element: ElementTree.Element | None, key: str) -> Triple:
+    """Three numbers of an attribute; zeros where it is missing."""
+    x, y, z = map(float, ("0 0 0" if element is None else element.get(key, "0 0 0")).split())
+    return x, y, z
+
+
+def _end(joint: ElementTree.Element, tag: str) -> str:
+    found = joint.find(tag)
+    return "" if found is None else found.get("link", "")

@@ -1,0 +1,164 @@
+"""Without the libraries of arms and labels: what needs none of them runs, all else says what to install."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+import tomllib
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+import pytest
+
+from handcart.files.extras import EXTRAS, lack
+from handcart.tools.terminal.libraries import MODULES, Requirement, check_libraries, required
+from tests.tools.conftest import Said
+
+ROOT = Path(__file__).resolve().parents[2]
+DRIVE_MAP, RETURN_BOOK = (str(ROOT / "tasks" / name / "task.yaml") for name in ("drive_map", "return_book"))
+ARM, LABELS = EXTRAS["arm"], EXTRAS["labels"]
+WITHOUT = """
+import sys
+
+class Missing:
+    def find_spec(self, name, path=None, target=None):
+        if name.partition(".")[0] in {names!r}:
+            raise ModuleNotFoundError(f"No module named {{name!r}}", name=name)
+
+sys.meta_path.insert(0, Missing())
+from handcart.tools.main import main
+main({words!r})
+"""
+NEEDS_ARM = "needs pinocchio, ompl, toppra, fcl, not installed; install with: pip install 'handcart[arm]'\n"
+
+
+def without(names: Sequence[str], *words: str) -> subprocess.CompletedProcess[str]:
+    """`handcart ...` where these modules can't be imported."""
+    code = WITHOUT.format(names=(*names, "coal"), words=list(words))
+    return subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+
+
+def test_the_extras_are_those_of_the_project() -> None:
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    extras = project["optional-dependencies"]
+    modules = {"pin": "pinocchio", "python-fcl": "fcl"}
+    for extra, brought in EXTRAS.items():
+        names = [each.partition(">")[0] for each in extras[extra]]
+        assert sorted(modules.get(each, each) for each in names) == sorted(brought)
+    assert f"handcart[{','.join(EXTRAS)}]" in extras["dev"]
+    assert MODULES["python-fcl"] == "fcl"
+
+
+def test_a_base_drives_without_the_libraries_of_arms_and_labels(tmp_path: Path) -> None:
+    said = without(
+        (*ARM, *LABELS), "run", DRIVE_MAP, "--robot", "cart", "--set", "tour=[desk]", "--runs", str(tmp_path)
+    )
+    assert said.returncode == 0, said.stderr
+    assert said.stdout.startswith("Success")
+
+
+@pytest.mark.slow
+def test_a_base_imports_none_of_them_where_they_are_installed(tmp_path: Path) -> None:
+    words = ["run", DRIVE_MAP, "--robot", "cart", "--set", "tour=[desk]", "--runs", str(tmp_path)]
+    code = f"""
+import sys
+from handcart.tools.main import main
+try:
+    main({words!r})
+except SystemExit as end:
+    print(end.code, sorted(set({[*ARM, *LABELS]!r}) & sys.modules.keys()))
+"""
+    said = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert said.stdout.splitlines()[-1] == "0 []"
+
+
+@pytest.mark.parametrize("command", ["check", pytest.param("run", marks=[pytest.mark.slow])])
+def test_a_task_for_an_arm_says_what_to_install(command: str) -> None:
+    said = without((*ARM, *LABELS), command, RETURN_BOOK)
+    assert (said.returncode, said.stdout) == (2, "")
+    assert said.stderr == f"{RETURN_BOOK}:43:10: RECOGNIZE {NEEDS_ARM}"
+
+
+def test_a_robot_with_an_arm_says_what_to_install() -> None:
+    said = without(ARM, "run", DRIVE_MAP)
+    file = ROOT / "backends" / "robots" / "librarian" / "robot.yaml"
+    assert (said.returncode, said.stdout) == (2, "")
+    assert said.stderr.startswith(f"{file}:")
+    assert said.stderr.endswith(f": an arm {NEEDS_ARM}")
+    assert said.stderr.count("\n") == 1
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("library", LABELS)
+def test_labels_say_what_to_install(library: str) -> None:
+    said = without([library], "check", RETURN_BOOK)
+    how = f"SEARCH needs {library}, not installed; install with: pip install 'handcart[labels]'\n"
+    assert (said.returncode, said.stdout) == (2, "")
+    assert said.stderr.endswith(how)
+    assert said.stderr.count("\n") == 1
+
+
+@pytest.mark.slow
+def test_a_primitive_that_lacks_a_library_hides_no_others() -> None:
+    said = without(ARM, "list", "primitives")
+    told = dict(line.split(maxsplit=1) for line in said.stdout.splitlines())
+    assert told["PICK_UP"].startswith("can't be imported: No module named 'ompl'")
+    assert told["MOVE_TO"].startswith("Drive the base to a named place")
+    said = without(ARM, "describe", "PICK_UP")
+    assert said.returncode == 2
+    assert "the library ompl can't be imported: No module named 'ompl'; to install: " in said.stderr
+    assert said.stderr.endswith("-m pip install 'handcart[arm]'\n")
+
+
+@pytest.mark.slow
+def test_a_mesh_that_collides_says_what_to_install(tmp_path: Path) -> None:
+    urdf = (ROOT / "backends" / "robots" / "cart" / "cart.urdf").read_text(encoding="utf-8")
+    solid = '<collision><origin xyz="0 0 0.415"/><geometry><cylinder radius="0.33" length="0.27"/></geometry>'
+    mesh = '<collision><geometry><mesh filename="body.obj"/></geometry>'
+    assert solid in urdf
+    (tmp_path / "cart.urdf").write_text(urdf.replace(solid, mesh), encoding="utf-8")
+    (tmp_path / "body.obj").write_text("v 0 0 0\n", encoding="utf-8")
+    robot = ROOT / "backends" / "robots" / "cart" / "robot.yaml"
+    (tmp_path / "robot.yaml").write_bytes(robot.read_bytes())
+    said = without(ARM, "check", str(tmp_path / "robot.yaml"))
+    assert said.returncode == 2
+    assert f"link 'base': mesh 'body.obj': a mesh that collides {NEEDS_ARM}" in said.stderr
+
+
+@pytest.mark.slow
+def test_a_library_that_is_there_but_broken_is_not_called_missing(tmp_path: Path) -> None:
+    (tmp_path / "ompl.py").write_text("raise ImportError('broken', name=__name__)", encoding="utf-8")
+    code = f"import sys; sys.path.insert(0, {str(tmp_path)!r}); from handcart.tools.main import main; "
+    code += f"main(['check', {RETURN_BOOK!r}])"
+    said = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    assert said.returncode == 2
+    assert said.stderr.startswith("the library ompl can't be imported: broken; to install: ")
+
+
+def test_of_extras_only_what_is_installed_must_be_new_enough(
+    handcart: Callable[..., Said], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "pin-2.7.dist-info").mkdir()
+    info = tmp_path / "handcart-0.1.0.dist-info"
+    info.mkdir()
+    lines = [
+        "Requires-Dist: numpy>=2.0",
+        'Requires-Dist: pin>=3.4; extra == "arm"',
+        'Requires-Dist: no-such-library>=1.0; extra == "arm"',
+        'Requires-Dist: pybullet>=3.2.7; python_version < "3.12" and extra == "sim"',
+        'Requires-Dist: no-such-tool>=1.0; extra == "dev"',
+    ]
+    (info / "METADATA").write_text("\n".join(["Name: handcart", *lines, "", "text"]), encoding="utf-8")
+    monkeypatch.syspath_prepend(tmp_path)
+    assert [each.extra for each in required()] == ["", "arm", "arm", "sim"]
+    said = handcart("list", "backends")
+    assert said.status == 2
+    assert "the library pin is 2.7; needed: >=3.4; to install: " in said.err
+    assert "no-such" not in said.err
+    (tmp_path / "pin-2.7.dist-info").rename(tmp_path / "pin-3.4.dist-info")
+    check_libraries()
+    assert str(Requirement("pin", ">=3.4", "arm")) == "pin>=3.4"
+
+
+def test_nothing_is_lacking_here() -> None:
+    assert [lack("a test", extra) for extra in ("arm", "labels")] == [None, None]
