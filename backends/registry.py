@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 
 TABLE = {
     "can": "handcart.backends.can.can_backend:CanBackend",
+    "mujoco": "handcart.backends.mujoco.mujoco_backend:MujocoBackend",
     "kinematic": "handcart.backends.kinematic.kinematic_backend:KinematicBackend",
     "pybullet": "handcart.backends.pybullet.pybullet_backend:PyBulletBackend",
 }
@@ -118,7 +119,9 @@ def bench_class(name: str, drives: str) -> type[Backend]:
         raise NoBench(f"unknown bench {name!r}{suggest(name, others)}")
     kind = backend_class(name)
     if kind.has_drives or not kind.simulated:
-        raise NoBench(f"the backend {name!r} simulates no robot; allowed: --bench kinematic, pybullet")
+        raise NoBench(
+            f"the backend {name!r} simulates no robot; allowed: --bench kinematic, mujoco, pybullet"
+        )
     return kind
 
 

@@ -17,7 +17,7 @@ import numpy as np
 from handcart.backends.capabilities.arm import Arm
 from handcart.backends.capabilities.base import Base
 from handcart.backends.description.robot_loading import load_robot
-from handcart.backends.pybullet.physics import Physics
+from handcart.backends.pybullet.bullet_engine import BulletEngine
 from handcart.backends.pybullet.pybullet_backend import PyBulletBackend
 from handcart.backends.simulation.world.load_world import load_world
 
@@ -40,14 +40,14 @@ class Clock:
 def main() -> None:
     """Print the ratio, and how many times faster than real time both are."""
     backend = PyBulletBackend(load_robot("librarian"), load_world(WORLD), 0)
-    physics: Any = backend._physics
+    engine: Any = backend._engine
     base, arm = backend.capabilities()[:2]
     assert isinstance(base, Base)
     assert isinstance(arm, Arm)
     posture, simulated = arm.command(), PERIODS * backend.period
     whole, inside = [], []
     for _ in range(ROUNDS):
-        physics.step = clock = Clock(Physics.step.__get__(physics))
+        engine.step = clock = Clock(BulletEngine.step.__get__(engine))
         began = time.perf_counter()
         for number in range(PERIODS):
             base.drive(0.1 if number < PERIODS / 2 else -0.1, 0.0)

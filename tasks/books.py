@@ -12,7 +12,7 @@ DOMAIN = Domain(
     "books",
     knowledge=Knowledge("handcart.primitives.books.books:Books", {"catalogue": "The books of a library."}),
     props="handcart.backends.simulation.books.book_props:BookProps",
-    physics={"pybullet": "handcart.backends.pybullet.books.bodies:BODIES"},
+    physics="handcart.backends.physics.books.bodies:BODIES",
     primitives={
         "RECOGNIZE": "handcart.primitives.books.recognize:Recognize",
         "PICK_UP": "handcart.primitives.books.pick_up:PickUp",

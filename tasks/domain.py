@@ -57,8 +57,9 @@ class Domain:
     knowledge: Knowledge | None = None
     props: str | None = None
     """A `handcart.backends.simulation.props:Props`: what of the domain stands in simulated worlds."""
-    physics: Mapping[str, str] = field(default_factory=dict)
-    """By a backend's name: the bodies of its props there, by the class of a thing or of the props."""
+    physics: str | None = None
+    """A mapping: the bodies of its props in physics, whatever the engine, by the class of a thing or of the
+    props."""
     survey: str | None = None
     """A `handcart.evaluation.truth.survey:Survey`: what ground truth says of the domain's outcomes."""
     faults: str | None = None

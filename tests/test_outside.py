@@ -69,7 +69,7 @@ def test_its_files_are_checked(
     assert "unknown key 'need_ml'; did you mean 'needs_ml'?" in said.stderr
 
 
-@pytest.mark.parametrize("backend", ["kinematic", "pybullet"])
+@pytest.mark.parametrize("backend", ["kinematic", "mujoco", "pybullet"])
 def test_plants_get_what_they_need(
     handcart: Callable[..., subprocess.CompletedProcess[str]], backend: str
 ) -> None:

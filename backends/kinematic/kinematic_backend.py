@@ -11,6 +11,7 @@ from handcart.backends.simulation.body.hand import Hand
 from handcart.backends.simulation.body.rough_ride import RoughRide
 from handcart.backends.simulation.body.suspension import lean_of
 from handcart.backends.simulation.sensors.field_imu import FieldImu
+from handcart.backends.simulation.sensors.scene_camera import SceneCamera
 from handcart.backends.simulation.sensors.simulated_imu import SimulatedImu
 from handcart.backends.simulation.simulated_backend import Part, SimulatedBackend
 from handcart.backends.simulation.world.world_file import WorldFile
@@ -21,7 +22,6 @@ from .kinematic_car import KinematicCar
 from .kinematic_parts import (
     KinematicArm,
     KinematicBase,
-    KinematicCamera,
     KinematicGripper,
     KinematicRangeSensor,
 )
@@ -71,7 +71,7 @@ class KinematicBackend(SimulatedBackend):
             if robot.gripper is not None:
                 self._gripper = KinematicGripper(robot.gripper, self._hand, self.period, seed)
             if robot.camera is not None:
-                self._camera = KinematicCamera(robot, robot.camera, self.scene, seed)
+                self._camera = SceneCamera(robot, robot.camera, self.scene, seed)
         if robot.range_sensor is not None:
             mount = base_T_frame(robot.urdf_text(), "range_sensor")
             self._range = KinematicRangeSensor(robot.range_sensor, mount, self.scene, seed)

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from handcart.backends.capabilities.base import WheelTravel
 from handcart.backends.description.robot_file import GripperSpec, RobotFile
-from handcart.backends.description.sensor_specs import CameraSpec, RangeSpec
+from handcart.backends.description.sensor_specs import RangeSpec
 from handcart.backends.simulation.body.fingers import Fingers
 from handcart.backends.simulation.body.hand import Hand
 from handcart.backends.simulation.body.simulated_parts import (
@@ -21,10 +21,8 @@ from handcart.backends.simulation.body.simulated_parts import (
     Vector,
 )
 from handcart.backends.simulation.keyed_noise import keyed
-from handcart.backends.simulation.rendering.renderer import Renderer
 from handcart.backends.simulation.scene import Scene
 from handcart.backends.simulation.sensors.ranges import cast_rays
-from handcart.backends.simulation.sensors.simulated_camera import SimulatedCamera
 from handcart.backends.simulation.sensors.simulated_range_sensor import SimulatedRangeSensor
 from handcart.backends.simulation.world.solids import FloorPlan
 from handcart.robotics.geometry.pose2 import Pose2
@@ -138,24 +136,6 @@ class KinematicGripper(SimulatedGripper):
         stands = abs(after - before) < 1e-9
         self._pressing = stands and (self._command < after - _PRESSES or self._command <= 0.0)
         return not stands or held is not self._scene.held
-
-
-class KinematicCamera(SimulatedCamera):
-    """Renders the scene's faces."""
-
-    def __init__(self, robot: RobotFile, spec: CameraSpec, scene: Scene, seed: int) -> None:
-        if scene.arm is None:
-            raise ValueError("the camera needs an arm that carries it")
-        super().__init__(robot, spec, scene.arm, seed)
-        self._scene = scene
-
-    @cached_property
-    def _renderer(self) -> Renderer:
-        return Renderer(self._true.model, self._scene.robot.errors, self._seed)
-
-    def _take(self) -> NDArray[np.uint8]:
-        pose = self._scene.world_T("hand") @ self._true.hand_T_camera
-        return self._renderer.render(self._scene, pose, self._now)
 
 
 class KinematicRangeSensor(SimulatedRangeSensor):

@@ -1,155 +1,49 @@
-"""A robot in a physics engine, with a real robot's errors."""
+"""A robot in Bullet."""
 
 from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Mapping, Set
 from pathlib import Path
-from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from handcart.backends.backend import NoWindow
 from handcart.backends.description.robot_file import RobotFile
-from handcart.backends.plain_values import Kinds
-from handcart.backends.pybullet.body.bullet_arm import BulletArm
-from handcart.backends.pybullet.body.bullet_base import BulletBase
-from handcart.backends.pybullet.body.bullet_car import BulletCar
-from handcart.backends.pybullet.body.bullet_gripper import BulletGripper
-from handcart.backends.pybullet.body.grip import Grip
-from handcart.backends.pybullet.body.robot_body import RobotBody
-from handcart.backends.pybullet.body.suspension_springs import SuspensionSprings
-from handcart.backends.pybullet.body.touch import Touch
-from handcart.backends.pybullet.sensors.bullet_camera import BulletCamera, looking, render
-from handcart.backends.pybullet.sensors.bullet_field_imu import BulletFieldImu
-from handcart.backends.pybullet.sensors.bullet_imu import BulletImu
-from handcart.backends.pybullet.sensors.bullet_range_sensor import BulletRangeSensor
-from handcart.backends.pybullet.world.terrain import Terrain
-from handcart.backends.pybullet.world.world_bodies import WorldBodies
-from handcart.backends.saved_state import NotAState
-from handcart.backends.simulation.simulated_backend import Part, SimulatedBackend
-from handcart.backends.simulation.world.thing import Thing
+from handcart.backends.description.sensor_specs import CameraSpec
+from handcart.backends.physics.physics_backend import PhysicsBackend
 from handcart.backends.simulation.world.world_file import WorldFile
-from handcart.backends.urdf.robot_shape import finger_shape
-from handcart.robotics.geometry.transform import Transform, inverse
-from handcart.robotics.kinematics.urdf_frames import base_T_frame
+from handcart.robotics.geometry.transform import Transform
+from handcart.robotics.kinematics.arm_model import ArmModel
 
-from .physics import Physics
-from .props_body import Pieces, PropsBody
-from .scene_sync import SceneSync
+from .bullet_body import BulletBody
+from .bullet_camera import BulletCamera, looking, render
+from .bullet_engine import BulletEngine
 
-SETTLES = 0.3  # [s] that everything gets to come to rest before time begins
-SETTLES_OUTDOORS = 1.5  # the same on rough ground, onto which the robot is let down
-LET_DOWN = 0.01  # [m] above its highest point under the wheels
-WHEELS = np.array([[x, y] for x in (0.0, 0.6) for y in (-0.3, 0.3)])  # of a car, about its rear axle [m]
 _VIEW_SIZE = (640, 480)
 _VIEW_K = np.array([[520.0, 0.0, 319.5], [0.0, 520.0, 239.5], [0.0, 0.0, 1.0]])
 _VIEW_FROM, _VIEW_TO = np.array([-1.3, 1.3, 2.0]), np.array([0.5, -0.1, 0.6])  # in the frame `base` [m]
-_FELT = 4  # of a period's chunks, the last ones in which the force on the hand is measured
 
 
-class PyBulletBackend(SimulatedBackend):
-    """A differential drive with arm, gripper, camera and range sensor in Bullet.
-
-    The same robot and world files as on the kinematic backend; what is solid there is solid here. Two driven
-    wheels and frictionless casters roll on a floor, or several wheels a side, which slide sideways where the
-    base turns; joints have drives with limited torque; fingers hold by friction, one the mirror of the other;
-    things are rigid bodies that stand, lean on each other and fall. A base that leans stands on springs.
-    A car steers its front wheels on rough ground, a height field.
-
-    How it errs, seeded: radius of each wheel, tread, the arm's errors, ranges, image noise, blur, light,
-    lens, the force reading, where a person puts robot and things. Slip, and what gives, are physics;
-    that the base turns on its tyres when the loaded arm has swung is imposed, for rigid wheels don't.
+class PyBulletBackend(PhysicsBackend):
+    """See `PhysicsBackend`.
 
     How it differs from metal: links are rigid, a floor is flat, friction is Coulomb's, one coefficient for
     a pair, light has no shadows.
-
-    `scene` is ground truth: only evaluation may read it.
     """
 
     name = "pybullet"
-    STATE: ClassVar[Kinds] = {**SimulatedBackend.STATE, "held_name": str | None}
-    _base: BulletBase | BulletCar
-    _arm: BulletArm | None
-    _gripper: BulletGripper | None
-    _camera: BulletCamera | None
+    _engine: BulletEngine
 
-    def __init__(self, robot: RobotFile, world: WorldFile, seed: int, window: bool = False) -> None:
-        """Set robot and world up; `window` shows them. The same seed gives the same run, bit for bit."""
-        super().__init__(robot, world, seed)
-        self._held: Thing | None = None
-        self._physics = Physics(self.period, window)
-        try:
-            self._build(robot, world, seed)
-        except BaseException:
-            self._physics.close()
-            raise
+    def _start_engine(self, window: bool) -> BulletEngine:
+        return BulletEngine(self.period, window)
 
-    def _build(self, robot: RobotFile, world: WorldFile, seed: int) -> None:
-        terrain = self._put_up(robot, world, seed)
-        self._build_arm(robot, seed)
-        pieces = Pieces(self._physics, self._body, self._world, self._gripper, self._grip)
-        kinds = {name: self._world.kinds.of(props, None) for name, props in self.scene.props.items()}
-        self._bodies: dict[str, PropsBody] = {
-            name: kind(self.scene.props[name], pieces) for name, kind in kinds.items() if kind is not None
-        }
-        self._base = (
-            BulletCar(robot, self._body, self._physics)
-            if robot.drive.kind == "ackermann"
-            else BulletBase(robot, self._body, self._physics, seed)
-        )
-        self._body.slide()
-        self._build_sensors(robot, seed, outdoors=terrain is not None)
-        for _ in range(round((SETTLES if terrain is None else SETTLES_OUTDOORS) / self.period)):
-            self._run_period()
-        self._base.rezero()
-        self._position()
+    def _load_robot(self, robot: RobotFile) -> BulletBody:
+        return BulletBody(self._engine, robot, self.scene.base)
 
-    def _put_up(self, robot: RobotFile, world: WorldFile, seed: int) -> Terrain | None:
-        """The world, and the robot's body in it; gives the ground where it is rough."""
-        physics, terrain = self._physics, None
-        if robot.drive.kind == "ackermann" and world.ground is not None:
-            terrain = Terrain(physics, world.ground, seed)
-        self._world = WorldBodies(physics, self.scene, terrain)
-        self._body = RobotBody(physics, robot, self.scene.base)
-        if terrain is not None:
-            under = terrain.height(*self.scene.base.apply(WHEELS).T)
-            self._body.put(self.scene.base, float(under.max()) + LET_DOWN)
-            self._world.reach(self.scene.base.x, self.scene.base.y)
-        last = robot.arm.joints[-1] if robot.arm else None
-        self._touch = Touch(physics, self._body, self._world, last)
-        self._sync = SceneSync(self.scene, self._body, self._world)
-        return terrain
-
-    def _build_arm(self, robot: RobotFile, seed: int) -> None:
-        """The arm and what it carries: gripper and camera."""
-        self._springs: SuspensionSprings | None = None
-        self._grip: Grip | None = None
-        model, body, physics = self.scene.arm, self._body, self._physics
-        if model is None:
-            return
-        for name, angle in zip(model.joint_names, self.scene.joints, strict=True):
-            body.reset(name, float(angle))
-        if body.sprung:
-            self._springs = SuspensionSprings(robot, model, body, physics)
-        self._arm = BulletArm(robot, model, body, physics, self.scene.felt_force, seed)
-        if robot.gripper is not None:
-            self._gripper = BulletGripper(robot.gripper, robot.errors, body, physics, self.period, seed)
-            self._grip = Grip(robot.gripper, finger_shape(model), physics, body)
-        if robot.camera is not None:
-            self._camera = BulletCamera(robot, robot.camera, model, body, self._world, physics, seed)
-
-    def _build_sensors(self, robot: RobotFile, seed: int, outdoors: bool) -> None:
-        """What is mounted on the base."""
-        if robot.range_sensor is not None:
-            mount = base_T_frame(robot.urdf_text(), "range_sensor")
-            self._range = BulletRangeSensor(robot.range_sensor, mount, self._body, self._physics, seed)
-        if robot.imu is not None:
-            imu = BulletFieldImu if outdoors else BulletImu
-            self._imu = imu(robot.imu, self.scene, self.period, seed)
-        self._receive()
+    def _make_camera(self, spec: CameraSpec, arm: ArmModel) -> BulletCamera:
+        return BulletCamera(self._robot, spec, arm, self._body, self._world, self._engine, self._seed)
 
     @classmethod
     def build_in_window(cls, robot: RobotFile, world: Path | WorldFile | None, seed: int) -> PyBulletBackend:
@@ -162,140 +56,11 @@ class PyBulletBackend(SimulatedBackend):
 
     def view(self) -> NDArray[np.uint8]:
         """See `Backend`."""
-        return render(self._physics, self._beside(), _VIEW_K, _VIEW_SIZE, lit=True)
+        return render(self._engine, self._beside(), _VIEW_K, _VIEW_SIZE, lit=True)
 
     def _beside(self) -> Transform:
         """world_T_camera (4, 4) of somebody behind the robot, to its left, on this side of walls."""
         world_T_base = self._body.base_pose()
         eye, middle = ((world_T_base @ (*point, 1.0))[:3] for point in (_VIEW_FROM, _VIEW_TO))
-        free = self._physics.free_share(middle, eye)
+        free = self._engine.free_share(middle, eye)
         return looking(middle + (0.95 if free < 1.0 else 1.0) * free * (eye - middle), middle)
-
-    def link_pose(self, link: str) -> Transform:
-        """True world pose (4, 4) of a link's frame, as the engine has it."""
-        return self._body.link_pose(link)
-
-    def step(self) -> None:
-        """See `Backend`."""
-        self._periods += 1
-        self.scene.time = self._periods * self.period
-        for props in self.scene.props.values():
-            props.step()
-        self._world.keep_time()
-        self._world.reach(self.scene.base.x, self.scene.base.y)
-        self._world.keep_things()
-        for each in self._bodies.values():
-            each.step()
-        self._run_period()
-
-    def _run_period(self) -> None:
-        if self._grip is not None and self._gripper is not None and self._gripper.opening:
-            self._grip.let_go()
-        self._base.begin()
-        for part in (self._arm, self._gripper):
-            if part is not None:
-                part.begin(self._periods)
-        for sensor in (self._camera, self._range):
-            if sensor is not None:
-                sensor.advance(self._periods)
-        if self._arm is not None and self._arm.swung:
-            self._base.give(self._arm.swing_yaw())
-        held = None if self._held is None else self._world.bodies[self._held.name]
-        riding = self._riding()
-        chunks, felt = self._physics.chunks, np.zeros(3)
-        touched: set[tuple[str, str]] = set()
-        for chunk in range(chunks):
-            for each in self._bodies.values():
-                each.act()
-            self._base.act()
-            if self._springs is not None:
-                self._springs.act()
-            if self._gripper is not None:
-                self._gripper.act((chunk + 1) / chunks)
-            if self._arm is not None:
-                self._arm.act(chunk / chunks, self.period)
-            self._physics.step()
-            self._touch.stepped()
-            touched |= self._touch.pairs(held, riding)
-            if self._arm is not None and chunk >= chunks - _FELT:
-                felt += self._touch.force(held) / min(_FELT, chunks)
-        self._end_period(felt, touched)
-
-    def _end_period(self, felt: np.ndarray, touched: Set[tuple[str, str]]) -> None:
-        self._base.read()
-        self._sync.base()
-        if self._springs is not None:
-            self.scene.lean = self._springs.lean
-        if self._imu is not None:
-            self._imu.advance(self._periods)
-        if self._gps is not None:
-            self._gps.advance(self._periods)
-        if self._positioning is not None:
-            self._positioning.advance(self._periods)
-        if self._gripper is not None:
-            self._gripper.end()
-            self._held = self._find_held()
-            self.scene.width = self._gripper.true_width()
-        self._sync.things(self._held)
-        if self._arm is not None:
-            self._arm.end()
-            self.scene.joints = self._arm.true_joints()
-            turn = self._body.link_pose("hand")[:3, :3]
-            self.scene.hand_force = turn.T @ felt
-            self._arm.load = self._load()
-        taken = "" if self._held is None else self._held.name
-        self.scene.touch(frozenset(pair for pair in touched if pair[1] != taken))
-
-    def _find_held(self) -> Thing | None:
-        """What is between fingers that press."""
-        if self._gripper is None or self._grip is None:
-            return None
-        body = self._touch.gripped()
-        if body is not None and self._gripper.closed_on_something():
-            self._grip.take(body)
-        elif body is None and not any(each.keeps_grip for each in self._bodies.values()):
-            self._grip.let_go()
-        body = self._grip.holds
-        if body is None:
-            return None
-        return next(each for each in self.scene.things() if self._world.bodies[each.name] == body)
-
-    def _load(self) -> tuple[float, np.ndarray]:
-        if self._held is None:
-            return 0.0, np.zeros(3)
-        middle = self._held.pose @ self._held.thing_T_middle
-        return self._held.mass, (inverse(self._body.base_pose()) @ middle)[:3, 3]
-
-    def _riding(self) -> list[int]:
-        """Bodies of what stands on the robot."""
-        return [self._world.bodies[each.name] for each in self.scene.riding()]
-
-    def state(self) -> dict[str, Any]:
-        """See `Backend`."""
-        return {**super().state(), "engine": self._physics.state()}
-
-    def set_state(self, state: object) -> None:
-        """See `Backend`."""
-        if not isinstance(state, dict) or "engine" not in state:
-            raise NotAState(
-                f"no state of this robot in {self.name}; needed: {', '.join(self._parts())}, engine"
-            )
-        super().set_state({name: part for name, part in state.items() if name != "engine"})
-        self._physics.set_state(state["engine"])
-
-    @property
-    def held_name(self) -> str | None:
-        """What is between the fingers, by its name."""
-        return None if self._held is None else self._held.name
-
-    @held_name.setter
-    def held_name(self, name: str | None) -> None:
-        self._held = self.scene.thing_named(name)
-
-    def _own_parts(self) -> Mapping[str, Part | None]:
-        bodies = {f"body {name}": each for name, each in self._bodies.items()}
-        return {"drives": self._base.drives, **bodies, "made": self._world}
-
-    def close(self) -> None:
-        """See `Backend`."""
-        self._physics.close()

@@ -8,14 +8,14 @@ from handcart.tasks import domain
 
 
 class Bodies:
-    """Classes of bodies in one backend's physics, by the class of the thing or the props they stand for."""
+    """Classes of bodies in physics, by the class of the thing or the props they stand for."""
 
-    def __init__(self, backend: str) -> None:
-        """As all domains declare them for the backend of that name."""
+    def __init__(self) -> None:
+        """As all domains declare them."""
         self._by_class: dict[type, Any] = {}
         for each in domain.domains():
-            if backend in each.physics:
-                self._by_class |= domain.imported(each.physics[backend])
+            if each.physics is not None:
+                self._by_class |= domain.imported(each.physics)
 
     def of(self, what: object, default: Any) -> Any:
         """The class for a thing or props, or for the nearest class that it is derived from."""

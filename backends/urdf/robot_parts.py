@@ -174,7 +174,7 @@ def _found(urdf: str, folder: Path) -> tuple[Path, Path, str]:
     package, _, path = urdf.removeprefix(PACKAGE).partition("/")
     spec = find_spec(package)
     if spec is None or not spec.submodule_search_locations:
-        how = "; it comes with: pip install 'handcart[sim]'" if package.startswith("pybullet") else ""
+        how = "; it comes with: pip install 'handcart[pybullet]'" if package.startswith("pybullet") else ""
         raise UrdfError(f"there is no Python package {package!r}; allowed: an installed one{how}")
     root = Path(spec.submodule_search_locations[0])
     found = resolve_inside(root, path)

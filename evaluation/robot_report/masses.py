@@ -13,16 +13,19 @@ from handcart.robotics.kinematics.urdf_contents import LinkFacts
 
 LIGHT, HEAVY = 50.0, 12000.0  # of a link, mass by volume of its bodies [kg/m³]: foam to lead
 OUTSIDE = 0.03  # [m] beside its bodies that a middle of mass may lie
-ROUNDED = 1.02  # moments of inertia in a file are rounded
+ROUNDED = 1e-6  # by this share of it a moment of inertia may be off
 
 
-def mass_faults(link: LinkFacts, bodies: Sequence[Shape]) -> list[str]:
+def mass_faults(link: LinkFacts, bodies: Sequence[Shape], moves: bool = False) -> list[str]:
     """What is implausible about a link's mass and inertia, in words.
 
     Args:
         link: as its URDF has it.
         bodies: its collision bodies, in its frame.
+        moves: whether a joint moves it.
     """
+    if link.mass is None and moves and not bodies:
+        return ["no mass, and a joint moves it: engines give it one millionth of a kilogram"]
     if link.mass is None:
         return ["no mass: an engine takes it as nearly weightless"] if bodies else []
     if link.mass <= 0.0:
@@ -34,8 +37,9 @@ def _inertia_faults(link: LinkFacts) -> list[str]:
     small, middle, large = np.linalg.eigvalsh(link.inertia)
     if small <= 0.0:
         return ["its inertia isn't that of a body: not positive"]
-    if large > ROUNDED * (small + middle):
-        return [f"its inertia isn't that of a body: {large:.3g} > {small:.3g} + {middle:.3g} kg m²"]
+    if (beyond := large - small - middle) > ROUNDED * large:
+        sum_of = f"{large:.3g} > {small:.3g} + {middle:.3g} kg m²"
+        return [f"its inertia isn't that of a body: {sum_of}, by {beyond:.2g}"]
     return []
 
 

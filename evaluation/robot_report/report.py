@@ -102,14 +102,20 @@ def contents_of(whole: RobotUrdf) -> Contents:
         ValueError: something in it can't be read.
     """
     bodies = bodies_of(whole.text)
+    joints = joints_of(whole.text)
+    moved = {each.child for each in joints}
     links = [
-        LinkRow(link.name, link.mass, mass_faults(link, [b for b in bodies if b.name == link.name]))
+        LinkRow(
+            link.name,
+            link.mass,
+            mass_faults(link, [b for b in bodies if b.name == link.name], link.name in moved),
+        )
         for link in links_of(whole.text)
     ]
     meshes = [mesh_row(each) for each in meshes_of(whole.text)]
     doubts = [Remark("", each.message, each) for each in whole.doubts]
     remarks = [*doubts, *_of_links(links, whole), *_of_meshes(meshes, whole)]
-    return Contents(joints_of(whole.text), links, meshes, remarks)
+    return Contents(joints, links, meshes, remarks)
 
 
 def report_of(robot: RobotFile, tried: bool = True) -> RobotReport:

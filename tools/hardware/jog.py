@@ -18,7 +18,8 @@ def jog(
         ),
     ],
     bench: Annotated[
-        str | None, typer.Option(help="simulated drives before this simulated backend: kinematic, pybullet")
+        str | None,
+        typer.Option(help="simulated drives before this simulated backend: kinematic, mujoco, pybullet"),
     ] = None,
     slower: Annotated[float, typer.Option(min=0.01, max=1.0, help="share of the hand's 250 mm/s")] = 1.0,
 ) -> None:

@@ -9,8 +9,8 @@ import pytest
 
 pytest.importorskip("pybullet", reason="PyBullet has no wheel for this Python")
 
+from handcart.backends.pybullet.bullet_engine import BulletEngine
 from handcart.backends.pybullet.bullet_state import CONTACTS, _chunks, check_state
-from handcart.backends.pybullet.physics import Physics
 from handcart.backends.saved_state import NotAState
 from handcart.robotics.geometry.transform import transform
 from handcart.robotics.kinematics.shapes import Box
@@ -21,7 +21,7 @@ def states() -> tuple[bytes, bytes, bytes]:
     """Of a box that falls onto a floor: at first, when it lies, and of a world with two boxes."""
     found = []
     for boxes in (1, 2):
-        physics = Physics(0.05)
+        physics = BulletEngine(0.05)
         physics.add_floor(1.0)
         for number in range(boxes):
             _falling(physics, number)
@@ -33,7 +33,7 @@ def states() -> tuple[bytes, bytes, bytes]:
     return found[0], found[1], found[3]
 
 
-def _falling(physics: Physics, number: int) -> None:
+def _falling(physics: BulletEngine, number: int) -> None:
     p, client = physics.p, physics.client
     half = [0.1, 0.1, 0.1]
     shape = p.createCollisionShape(p.GEOM_BOX, halfExtents=half, physicsClientId=client)

@@ -4,13 +4,13 @@ import sys
 
 import pytest
 
-from handcart.backends.pybullet import engine
+from handcart.backends.pybullet import bullet
 
 
 @pytest.mark.parametrize(
     ("python", "how"),
     [
-        ((3, 11), "pip install 'handcart[sim]'"),
+        ((3, 11), "pip install 'handcart[pybullet]'"),
         ((3, 12), "PyBullet has no wheel for Python 3.12"),
         ((3, 13), "PyBullet has no wheel for Python 3.13"),
     ],
@@ -18,9 +18,9 @@ from handcart.backends.pybullet import engine
 def test_where_pybullet_is_missing_the_error_says_how_to_get_it(
     monkeypatch: pytest.MonkeyPatch, python: tuple[int, int], how: str
 ) -> None:
-    monkeypatch.setattr(engine, "find_spec", lambda name: None)
+    monkeypatch.setattr(bullet, "find_spec", lambda name: None)
     monkeypatch.setattr(sys, "version_info", (*python, 0))
-    engine.bullet.cache_clear()
-    with pytest.raises(engine.MissingPyBullet, match="not installed") as missing:
-        engine.bullet()
+    bullet.bullet.cache_clear()
+    with pytest.raises(bullet.MissingPyBullet, match="not installed") as missing:
+        bullet.bullet()
     assert how in str(missing.value)

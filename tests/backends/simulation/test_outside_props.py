@@ -66,7 +66,7 @@ def world(tmp_path: Path) -> Path:
     return path
 
 
-@pytest.fixture(params=["kinematic", "pybullet"])
+@pytest.fixture(params=["kinematic", "mujoco", "pybullet"])
 def make(request: pytest.FixtureRequest, world: Path, plants: Any) -> Iterator[Callable[[], Any]]:
     if request.param == "pybullet":
         pytest.importorskip("pybullet", reason="PyBullet has no wheel for this Python")

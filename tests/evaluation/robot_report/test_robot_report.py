@@ -11,7 +11,7 @@ from handcart.backends.description.robot_loading import load_robot
 from handcart.evaluation.robot_report.masses import mass_faults
 from handcart.evaluation.robot_report.meshes import mesh_row
 from handcart.evaluation.robot_report.postures import posture_at
-from handcart.evaluation.robot_report.report import RobotReport, report_of
+from handcart.evaluation.robot_report.report import RobotReport, contents_of, report_of
 from handcart.robotics.kinematics.shapes import Box
 from handcart.robotics.kinematics.urdf_contents import LinkFacts, MeshUse
 
@@ -48,8 +48,23 @@ def test_what_is_implausible_about_a_mass_is_told(facts: LinkFacts, words: str) 
     assert words in "".join(told)
 
 
-def test_a_link_without_bodies_may_have_no_mass() -> None:
-    assert mass_faults(link(None, (0.0, 0.0, 0.0)), []) == []
+def test_a_link_without_bodies_may_have_no_mass_if_no_joint_moves_it() -> None:
+    frame = link(None, (0.0, 0.0, 0.0))
+    assert mass_faults(frame, []) == []
+    assert "a joint moves it" in "".join(mass_faults(frame, [], moves=True))
+
+
+def test_inertia_that_is_wrong_by_rounding_is_told_with_the_amount() -> None:
+    """No engine can take it as it is: see the pads of a gripper, 1.5 mm thick."""
+    (told,) = mass_faults(link(0.05, (6.68e-6, 5.71e-5, 5.04e-5)), [])
+    assert told.endswith("kg m², by 2e-08")
+    assert mass_faults(link(0.05, (6.676e-6, 5.7083e-5, 5.0426e-5)), []) == []
+
+
+@pytest.mark.parametrize("name", ["librarian", "toyama", "atrv", "cart", "el_verde"])
+def test_links_of_shipped_robots_are_bodies(name: str) -> None:
+    remarks = contents_of(load_robot(name).whole).remarks
+    assert [each for each in remarks if "inertia" in each.what or "mass" in each.what] == []
 
 
 def prism(path: Path, outline: list[tuple[int, int]], fan: list[tuple[int, ...]]) -> Path:

@@ -1,0 +1,1 @@
+"""The backend with physics, on MuJoCo."""

@@ -1,0 +1,198 @@
+"""The robot as bodies of MuJoCo's: its URDF loaded, its joints by name."""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Iterable, Iterator, Sequence
+from pathlib import Path
+from typing import Any
+from xml.etree import ElementTree
+
+import numpy as np
+
+from handcart.backends.description.robot_file import RobotFile
+from handcart.backends.physics.body.robot_body import RobotBody, held_still, on_suspension
+from handcart.backends.physics.body.surface import Surface
+from handcart.backends.urdf.driven_wheels import driven_wheels
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.geometry.transform import Transform, inverse, transform
+
+from .mujoco_engine import MujocoEngine
+from .mujoco_joints import MujocoJoints
+from .mujoco_module import mujoco
+from .urdf_repairs import repaired
+from .world_spec import HARD, ROBOT, ROBOT_GROUP, STIFF, quaternion
+
+TOP_ACCELERATION = 100.0  # of a drive that moves nothing but itself [rad/s²]
+TOP_SLIDE_ACCELERATION = 50.0  # the same of one that slides [m/s²]
+LINKS_RUB = 0.5  # Coulomb's friction of links that nothing is said about
+_FOLLOWS = 0.1  # of the way to where it belongs that a joint that is held makes in a step
+
+
+class MujocoBody(RobotBody):
+    """See `RobotBody`. Its drives have the inertia that drives have: it holds their motion steady."""
+
+    def __init__(self, engine: MujocoEngine, robot: RobotFile, base: Pose2) -> None:
+        """Load it with `base` as world_T_base."""
+        self._engine = engine
+        self.sprung = robot.errors.lean_mrad_per_m > 0.0
+        self.id = engine.grow()
+        child = _read(robot, self.sprung)
+        self.repairs = repaired(each for each in child.bodies if each.name != "world")
+        """What isn't as the URDF has it."""
+        self.effort = {joint.name: float(joint.actfrcrange[1]) for joint in child.joints}
+        self._furnish(child)
+        spec = engine.world.spec
+        spec.attach(child, prefix=ROBOT, frame=spec.worldbody.add_frame())
+        root = next(each for each in spec.bodies if each.name.startswith(ROBOT))
+        root.add_freejoint(name=f"{self.id}")
+        root.sleep = mujoco().mjtSleepPolicy.mjSLEEP_NEVER
+        self._root_name, self._root = root.name, root.name.removeprefix(ROBOT)
+        names = [each.name.removeprefix(ROBOT) for each in spec.bodies if each.name.startswith(ROBOT)]
+        self.link_index = {name: number - 1 for number, name in enumerate(names)}
+        self.link_names = {number: name for name, number in self.link_index.items()}
+        self.wheels = driven_wheels(self.effort)
+        self.wheels.check()
+        self._leave_out(robot)
+        if "hand" in self.link_index:
+            engine.pins.prepare(spec, ROBOT + "hand", self._root_name)
+        engine.name_links(self.id, {ROBOT + name: number for name, number in self.link_index.items()})
+        self._root_T_base = inverse(self.link_pose(self._root)) @ self.link_pose("base")
+        for joint, (position, force) in held_still(robot).items():
+            self.reset(joint, position)
+            self.joints([joint]).stand(np.array([position]), np.array([force]), _FOLLOWS)
+        self.put(base)
+
+    def _furnish(self, robot: Any) -> None:
+        """Give joints their drives, and links the friction that they all have."""
+        for geometry in robot.geoms:
+            geometry.group, geometry.solref = ROBOT_GROUP, STIFF
+            geometry.friction = (LINKS_RUB**2, 0.005, 0.0001)
+        for joint in robot.joints:
+            if self.effort[joint.name] <= 0.0:
+                continue
+            turns = joint.type == mujoco().mjtJoint.mjJNT_HINGE
+            joint.armature = self.effort[joint.name] / (TOP_ACCELERATION if turns else TOP_SLIDE_ACCELERATION)
+        for joint in robot.joints:
+            joint.actfrclimited = 0
+            drive = robot.add_actuator(name=joint.name, target=joint.name)
+            drive.trntype = mujoco().mjtTrn.mjTRN_JOINT
+            drive.biastype = mujoco().mjtBias.mjBIAS_AFFINE
+            drive.forcelimited, drive.forcerange = 1, (-1e-9, 1e-9)
+
+    def _leave_out(self, robot: RobotFile) -> None:
+        """Have links pass through those that carry them, and through those that may touch."""
+        spec = self._engine.world.spec
+        pairs = {frozenset(pair) for pair in robot.whole.allowed if set(pair) <= set(self.link_index)}
+        for name in self.link_index:
+            pairs |= {frozenset((name, above)) for above in self._above(name)}
+        if self.sprung:
+            rolling = (*self.wheels.all, *self.casters)
+            pairs |= {frozenset((name, each)) for name in rolling for each in self.link_index}
+        for one, other in sorted(sorted(pair) for pair in pairs if len(pair) == 2):
+            spec.add_exclude(bodyname1=ROBOT + one, bodyname2=ROBOT + other)
+
+    def _above(self, link: str) -> Iterator[str]:
+        """Links that carry a link."""
+        body = self._engine.world.spec.body(ROBOT + link).parent
+        while body.name.startswith(ROBOT):
+            yield body.name.removeprefix(ROBOT)
+            body = body.parent
+
+    # Where it is
+
+    def put(self, base: Pose2, height: float = 0.0) -> None:
+        """See `RobotBody`."""
+        pose = base.lift(height) @ inverse(self._root_T_base)
+        joint, data = self._engine.model.joint(f"{self.id}"), self._engine.data
+        at, speed = int(joint.qposadr[0]), int(joint.dofadr[0])
+        data.qpos[at : at + 7] = np.concatenate([pose[:3, 3], quaternion(pose)])
+        data.qvel[speed : speed + 6] = 0.0
+        self._engine.moved()
+
+    def standing_pose(self) -> Transform:
+        """See `RobotBody`."""
+        return self.link_pose(self._root) @ self._root_T_base
+
+    def link_pose(self, link: str) -> Transform:
+        """See `RobotBody`."""
+        data, index = self._engine.links(), self._body(link)
+        return _pose(data.xpos[index], data.xmat[index])
+
+    def middle_of_mass(self, link: str) -> Transform:
+        """See `RobotBody`."""
+        data, index = self._engine.links(), self._body(link)
+        return _pose(data.xipos[index], data.ximat[index])
+
+    def mass(self, link: str) -> float:
+        """See `RobotBody`."""
+        return float(self._engine.model.body_mass[self._body(link)])
+
+    def _body(self, link: str) -> int:
+        return self._engine.link_body(self.id, self.link_index[link])
+
+    # What it does
+
+    def joints(self, names: Sequence[str]) -> MujocoJoints:
+        """See `RobotBody`."""
+        return MujocoJoints(self._engine, [ROBOT + name for name in names])
+
+    def reset(self, joint: str, position: float) -> None:
+        """See `RobotBody`."""
+        found, data = self._engine.model.joint(ROBOT + joint), self._engine.data
+        data.qpos[found.qposadr[0]], data.qvel[found.dofadr[0]] = position, 0.0
+        self._engine.moved()
+
+    def cover(self, links: Iterable[str], surface: Surface) -> None:
+        """See `RobotBody`; MuJoCo's contacts give as `STIFF` says, and stick by themselves."""
+        spec = self._engine.world.spec
+        for geometry in (each for link in links for each in spec.body(ROBOT + link).geoms):
+            if surface.friction is not None:
+                geometry.priority = 1  # it alone tells how a pair rubs
+                if surface.sticks:
+                    geometry.solimp = HARD
+                geometry.friction = (surface.friction * surface.against, 0.005, 0.0001)
+            if surface.along_axle is not None:
+                self._engine.world.scrub(geometry, surface.along_axle)
+        self._engine.changed()
+
+    def mirror(self, joints: tuple[str, str]) -> None:
+        """See `RobotBody`."""
+        one, other = (ROBOT + name for name in joints)
+        linkage = self._engine.world.spec.add_equality(name1=one, name2=other)
+        linkage.type, linkage.objtype = mujoco().mjtEq.mjEQ_JOINT, mujoco().mjtObj.mjOBJ_JOINT
+        linkage.data[:5], linkage.solref = (0.0, 1.0, 0.0, 0.0, 0.0), STIFF
+        self._engine.changed()
+
+    def links_behind(self, joint: str) -> set[int]:
+        """See `RobotBody`."""
+        moved = self._engine.world.spec.joint(ROBOT + joint).parent
+        names = [moved.name, *(each.name for each in moved.find_all("body"))]
+        return {self.link_index[name.removeprefix(ROBOT)] for name in names}
+
+
+def _read(robot: RobotFile, suspended: bool) -> Any:
+    """The `MjSpec` of a robot's URDF, all its links being bodies."""
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "robot.urdf"
+        text = on_suspension(robot) if suspended else robot.urdf_text()
+        path.write_text(_without_a_world(text), encoding="utf-8")
+        spec = mujoco().MjSpec.from_file(str(path))
+    spec.compiler.fusestatic, spec.compiler.discardvisual = False, True
+    return spec
+
+
+def _without_a_world(urdf: str) -> str:
+    """The same robot, none of whose links has the name that MuJoCo keeps for the world's body."""
+    robot = ElementTree.fromstring(urdf)
+    for element in robot.iter():
+        key = "name" if element.tag == "link" else "link"
+        if element.tag in ("link", "parent", "child") and element.get(key) == "world":
+            element.set(key, "world_")
+    return ElementTree.tostring(robot, encoding="unicode")
+
+
+def _pose(position: Any, turn: Any) -> Transform:
+    pose = transform(tuple(position.tolist()))
+    pose[:3, :3] = turn.reshape(3, 3)
+    return pose

@@ -1,0 +1,345 @@
+"""MuJoCo: its clock, its bodies, its saved states."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from handcart.backends.physics.engine import ContactPoint, Engine, Pinned
+from handcart.backends.physics.thing_form import ThingForm
+from handcart.backends.plain_values import from_plain, to_plain
+from handcart.backends.saved_state import NotAState
+from handcart.backends.simulation.world.sheet import Sheet
+from handcart.backends.simulation.world.thing import GreyImage
+from handcart.robotics.geometry.transform import Transform, inverse
+from handcart.robotics.kinematics.shapes import Box
+
+from .mujoco_module import mujoco
+from .pins import Pins
+from .saved_data import restore, saved
+from .world_spec import ROBOT_GROUP, WorldSpec, box_inertia, quaternion
+
+Array = NDArray[np.float64]
+STAYS = 0.005  # [m/s]: slower, what slid in the hand is held again
+_KEPT = ("actuator_gainprm", "actuator_biasprm", "actuator_forcerange")
+
+
+class _Thing(NamedTuple):
+    """Where a thing's numbers stand in MuJoCo's arrays."""
+
+    body: int
+    position: int
+    """Of its seven coordinates."""
+    velocity: int
+    geometries: tuple[int, ...]
+
+
+class MujocoEngine(Engine):
+    """A model and its data of MuJoCo's. Bodies are numbered as they are made.
+
+    The model is compiled when it is first asked for; what is added later has it compiled anew, and all that
+    was there goes on as it was.
+    """
+
+    CONTACTS_CARRY = 0.5  # they know speeds, not places: what they hold in a hand that turns drifts
+
+    def __init__(self, period: float) -> None:
+        """Start the engine; see `Engine`."""
+        super().__init__(period)
+        self.mj = mujoco()
+        self.world = WorldSpec(self.chunk / self.substeps)
+        self._forms: list[ThingForm | None] = []
+        self._compiled: tuple[Any, Any] | None = None
+        self._grown = self._stale = True
+        self._pinned: Pinned | None = None
+        self.pins = Pins()
+        """What holds together where contacts alone don't."""
+        self._owner = np.zeros((0, 2), np.int64)
+        self._things: dict[int, _Thing] = {}
+        self._links: dict[int, tuple[int, int]] = {}
+        self._bodies: dict[tuple[int, int], int] = {}
+
+    # The model
+
+    @property
+    def model(self) -> Any:
+        """MuJoCo's model of all that was made."""
+        return self._both()[0]
+
+    @property
+    def data(self) -> Any:
+        """MuJoCo's data of it; poses of links in it may be those of before, see `links`."""
+        return self._both()[1]
+
+    def _both(self) -> tuple[Any, Any]:
+        if self._grown or self._compiled is None:
+            self._compile()
+        assert self._compiled is not None
+        return self._compiled
+
+    def grow(self) -> int:
+        """Something is added to `world`; gives the number of a further body."""
+        self._grown = True
+        self._forms.append(None)
+        return len(self._forms) - 1
+
+    def changed(self) -> None:
+        """What is in `world` was changed."""
+        self._grown = True
+
+    def link_body(self, number: int, link: int) -> int:
+        """MuJoCo's number of a link."""
+        return self._bodies[number, link]
+
+    def name_links(self, number: int, bodies: dict[str, int]) -> None:
+        """A body is made of MuJoCo's bodies of these names, each with its number as a link."""
+        model = self.model
+        self._links = {model.body(name).id: (number, link) for name, link in bodies.items()}
+        self._bodies = {owner: body for body, owner in self._links.items()}
+        self._find_owners()
+
+    def _compile(self) -> None:
+        before = self._compiled
+        if before is None:
+            model = self.world.spec.compile()
+            self._compiled = model, self.mj.MjData(model)
+        else:
+            self._compiled = self.world.spec.recompile(*before)
+            model = self._compiled[0]
+            for name in _KEPT:
+                old, new = getattr(before[0], name), getattr(model, name)
+                if old.shape == new.shape:
+                    new[:] = old
+        self._grown, self._stale = False, True
+        self._find_owners()
+
+    def _find_owners(self) -> None:
+        """Whose the geometries are, and where things' coordinates stand."""
+        assert self._compiled is not None
+        model = self._compiled[0]
+        owner, self._things = np.full((model.ngeom, 2), -1), {}
+        mine: dict[int, list[int]] = {}
+        for geometry in range(model.ngeom):
+            body, name = int(model.geom_bodyid[geometry]), model.geom(geometry).name
+            if body in self._links:
+                owner[geometry] = self._links[body]
+            elif name.partition(".")[0].isdigit():
+                owner[geometry] = int(name.partition(".")[0]), -1
+                mine.setdefault(owner[geometry, 0], []).append(geometry)
+        for number, form in enumerate(self._forms):
+            if form is not None:
+                joint = model.joint(f"{number}")
+                self._things[number] = _Thing(
+                    int(joint.bodyid[0]), int(joint.qposadr[0]), int(joint.dofadr[0]), tuple(mine[number])
+                )
+        self._owner = owner
+
+    def links(self) -> Any:
+        """MuJoCo's data, poses of all links as of now."""
+        data = self.data
+        if self._stale:
+            self.mj.mj_kinematics(self.model, data)
+            self._stale = False
+        return data
+
+    def moved(self) -> None:
+        """Coordinates were changed: poses follow when they are asked for."""
+        self._stale = True
+
+    def step(self) -> None:
+        """See `Engine`."""
+        model, data = self._both()
+        self.mj.mj_step(model, data, self.substeps)
+        self._stale = True
+        if self._pinned is not None:
+            self._slip(self._pinned)
+
+    def _slip(self, pinned: Pinned) -> None:
+        """Let what is held slide while more pulls at it than holds it, and hold it again where it stays."""
+        model, data = self.model, self.data
+        if self.pins.closed(model, data):
+            # While they hold, contacts carry next to nothing: what is still can pull at these points alone.
+            if self.pins.pull(model, data) > pinned.force_n / (1.0 - self.CONTACTS_CARRY):
+                self.pins.open(model, data)
+            return
+        there = self._points_now(pinned)
+        slid = float(np.linalg.norm(there - np.array(pinned.other_points), axis=1).max())
+        points = tuple((float(x), float(y), float(z)) for x, y, z in there)
+        self._pinned = replace(pinned, other_points=points)
+        if slid < STAYS * self.chunk:
+            self.pin(self._pinned)
+
+    def _points_now(self, pinned: Pinned) -> Array:
+        """Where the hand's points are in the frame of what is held, (n, 3) in [m]."""
+        data, link = self.links(), self.link_body(pinned.body, pinned.link)
+        middle = np.eye(4)
+        middle[:3, :3], middle[:3, 3] = data.ximat[link].reshape(3, 3), data.xipos[link]
+        other_T_hand = inverse(self.pose(pinned.other)) @ middle
+        return np.asarray(np.array(pinned.points) @ other_T_hand[:3, :3].T + other_T_hand[:3, 3])
+
+    def close(self) -> None:
+        """See `Engine`."""
+        self._compiled, self._grown = None, True
+
+    # Bodies
+
+    def add_floor(self, friction: float) -> int:
+        """See `Engine`."""
+        number = self.grow()
+        self.world.floor(number, friction)
+        return number
+
+    def add_box(self, box: Box, friction: float, grey: int, moves: bool = False) -> int:
+        """See `Engine`."""
+        number = self.grow()
+        self.world.box(number, box, friction, moves)
+        return number
+
+    def add_tile(self, corner: Array, cell: float, heights: Array, friction: float) -> int:
+        """See `Engine`."""
+        number = self.grow()
+        self.world.tile(number, corner, cell, heights, friction)
+        return number
+
+    def add_sheet(self, sheet: Sheet) -> None:
+        """See `Engine`: the scene's renderer shows it."""
+
+    def add_thing(self, form: ThingForm) -> int:
+        """See `Engine`."""
+        number = self.grow()
+        self._forms[number] = form
+        self.world.thing(number, form)
+        return number
+
+    def show(self, body: int, picture: GreyImage) -> None:
+        """See `Engine`: the scene's renderer shows it."""
+
+    def weigh(self, body: int, mass: float) -> None:
+        """See `Engine`."""
+        form = self._forms[body]
+        assert form is not None
+        inertia = box_inertia(mass, form.size)
+        model, index = self.model, self._things[body].body
+        model.body_mass[index], model.body_inertia[index] = mass, inertia
+        spec = self.world.spec.body(f"{body}")
+        spec.mass, spec.inertia = mass, inertia
+
+    def pose(self, body: int) -> Transform:
+        """See `Engine`; of things."""
+        at = self.thing_at(body).position
+        return _matrix(self.data.qpos[at : at + 7])
+
+    def thing_at(self, body: int) -> _Thing:
+        """Where a thing stands in MuJoCo's arrays."""
+        self._both()
+        return self._things[body]
+
+    def set_pose(self, body: int, pose: Transform) -> None:
+        """See `Engine`."""
+        model, data = self._both()
+        placed = np.concatenate([pose[:3, 3], quaternion(pose)])
+        if body in self._things:
+            thing = self._things[body]
+            data.qpos[thing.position : thing.position + 7] = placed
+            data.qvel[thing.velocity : thing.velocity + 6] = 0.0
+        else:
+            mocap = int(model.body(f"{body}").mocapid[0])
+            data.mocap_pos[mocap], data.mocap_quat[mocap] = placed[:3], placed[3:]
+        self._stale = True
+
+    def touches(self, body: int, anything: bool) -> None:
+        """See `Engine`."""
+        bits, model = int(anything), self.model
+        for geometry in self._things[body].geometries:
+            model.geom_contype[geometry] = model.geom_conaffinity[geometry] = bits
+            spec = self.world.spec.geom(model.geom(geometry).name)
+            spec.contype = spec.conaffinity = bits
+
+    @property
+    def pinned(self) -> Pinned | None:
+        """See `Engine`."""
+        return self._pinned
+
+    def pin(self, wanted: Pinned | None) -> None:
+        """See `Engine`."""
+        self._pinned = wanted
+        if wanted is None:
+            self.pins.open(self.model, self.data)
+            return
+        link = self.link_body(wanted.body, wanted.link)
+        self.pins.close(self.model, self.data, wanted, link, self._things[wanted.other].body)
+
+    # What is there
+
+    def contacts(self, body: int) -> list[ContactPoint]:
+        """See `Engine`."""
+        data = self.data
+        contact = data.contact
+        owner = self._owner[contact.geom]  # (n, 2, 2): of both sides, number and link
+        index, side = np.nonzero((owner[:, :, 0] == body) & (contact.efc_address >= 0)[:, None])
+        forces = data.efc_force[contact.efc_address[index][:, None] + np.arange(3)]
+        presses = forces[:, 0] > 0.0
+        index, side, forces = index[presses], side[presses], forces[presses]
+        # A contact's frame has its normal first, which points from the first to the second geometry.
+        frames = np.where(side == 1, 1.0, -1.0)[:, None, None] * contact.frame[index].reshape(-1, 3, 3)
+        pushed = (forces[:, None] @ frames)[:, 0]
+        return [
+            ContactPoint(link, other, other_link, tuple(normal), tuple(force))
+            for link, (other, other_link), normal, force in zip(
+                owner[index, side, 1].tolist(),
+                owner[index, 1 - side].tolist(),
+                frames[:, 0].tolist(),
+                pushed.tolist(),
+                strict=True,
+            )
+        ]
+
+    def free_shares(self, start: Array, ends: Array) -> Array:
+        """See `Engine`."""
+        model, data = self.model, self.links()
+        ways = np.ascontiguousarray(ends - start)
+        met, share = np.full(len(ways), -1, np.int32), np.zeros(len(ways))
+        groups = np.ones(6, np.uint8)
+        groups[ROBOT_GROUP] = 0
+        self.mj.mj_multiRay(
+            model, data, start, ways.ravel(), groups, True, -1, met, share, None, len(ways), 1.0
+        )
+        return np.where((met >= 0) & (share <= 1.0), share, np.inf)
+
+    # States
+
+    def state(self) -> dict[str, Any]:
+        """See `Engine`: to the last bit."""
+        return {**saved(self.model, self.data), "pinned": to_plain(self._pinned, Pinned | None)}
+
+    def set_state(self, state: object) -> None:
+        """See `Engine`."""
+        self._both()
+        if not isinstance(state, dict) or "pinned" not in state:
+            raise NotAState("no state of this engine; needed: mujoco, asleep, pinned")
+        pinned = from_plain(state["pinned"], Pinned | None, "pinned")
+        self._check_pinned(pinned)
+        restore(self.model, self.data, {name: state[name] for name in state if name != "pinned"})
+        self.pin(pinned)
+        self._stale = True
+
+    def _check_pinned(self, pinned: Pinned | None) -> None:
+        if pinned is None:
+            return
+        if pinned.other not in self._things or (pinned.body, pinned.link) not in self._links.values():
+            raise NotAState("no saved state: what is held together isn't there")
+        if len(pinned.points) != len(pinned.other_points):
+            raise NotAState("no saved state: what is held together has other points")
+
+
+def _matrix(coordinates: Array) -> Transform:
+    """The pose (4, 4) of a position and a quaternion w, x, y, z (7,)."""
+    from scipy.spatial.transform import Rotation
+
+    result = np.eye(4)
+    result[:3, 3] = coordinates[:3]
+    result[:3, :3] = Rotation.from_quat(coordinates[[4, 5, 6, 3]]).as_matrix()
+    return result

@@ -1,0 +1,32 @@
+"""MuJoCo's Python module: found, or told how to get it."""
+
+from __future__ import annotations
+
+import logging
+from functools import cache
+from importlib import import_module
+from importlib.util import find_spec
+from types import ModuleType
+
+from handcart.files.errors import InputError
+
+
+class MissingMuJoCo(InputError):
+    """MuJoCo isn't installed."""
+
+    def __init__(self) -> None:
+        super().__init__(
+            "the backend 'mujoco' needs MuJoCo, which is not installed; "
+            "install it with: pip install 'handcart[sim]'"
+        )
+
+
+@cache
+def mujoco() -> ModuleType:
+    """The module `mujoco`; raises `MissingMuJoCo`."""
+    if find_spec("mujoco") is None:
+        raise MissingMuJoCo
+    module = import_module("mujoco")
+    # Else it writes them into a file, MUJOCO_LOG.TXT, wherever a run was begun.
+    module.set_mju_user_warning(logging.getLogger(__name__).info)
+    return module

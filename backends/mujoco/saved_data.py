@@ -1,0 +1,63 @@
+"""MuJoCo's data kept, and brought back to the last bit."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from handcart.backends.plain_values import from_plain
+from handcart.backends.saved_state import NotAState
+
+from .mujoco_module import mujoco
+
+_FREE = 7  # coordinates of a body that moves as it will
+
+
+def saved(model: Any, data: Any) -> dict[str, Any]:
+    """All that MuJoCo integrates, and what of it sleeps."""
+    kind = mujoco().mjtState.mjSTATE_INTEGRATION
+    values = np.zeros(mujoco().mj_stateSize(model, kind))
+    mujoco().mj_getState(model, data, values, kind)
+    return {"mujoco": values, "asleep": data.tree_asleep.astype(np.int64)}
+
+
+def restore(model: Any, data: Any, state: dict[str, Any]) -> None:
+    """Bring back what `saved` gave of a model like this.
+
+    Raises:
+        NotAState: it is of another one.
+    """
+    if state.keys() != {"mujoco", "asleep"}:
+        raise NotAState("no state of this engine; needed: mujoco, asleep, pinned")
+    values = from_plain(state["mujoco"], NDArray[np.float64], "engine")
+    asleep = from_plain(state["asleep"], NDArray[np.int64], "engine")
+    mj, kind = mujoco(), mujoco().mjtState.mjSTATE_INTEGRATION
+    if values.shape != (mj.mj_stateSize(model, kind),) or asleep.shape != (model.ntree,):
+        raise NotAState("no saved state: the engine's world has other bodies")
+    sleepers = np.flatnonzero(asleep >= 0)
+    if not np.array_equal(np.sort(asleep[sleepers]), sleepers):  # MuJoCo follows each round of them
+        raise NotAState("no saved state: those that sleep don't name each other in rounds")
+    _send_to_sleep(model, data, values, asleep)
+    mj.mj_setState(model, data, values, kind)
+    data.tree_asleep[:] = asleep
+    data.qacc[:] = data.qacc_smooth[:] = data.qacc_warmstart  # of sleepers a step hands it on as it is
+
+
+def _send_to_sleep(model: Any, data: Any, values: NDArray[np.float64], asleep: NDArray[np.int64]) -> None:
+    """Have what sleeps sleep where it is.
+
+    MuJoCo wakes what is put elsewhere while it sleeps. It works out where sleepers are when it starts anew:
+    where they are at first, as the model has it.
+    """
+    mj = mujoco()
+    first, policy = model.qpos0.copy(), model.tree_sleep_policy.copy()
+    mj.mj_setState(model, data, values, mj.mjtState.mjSTATE_INTEGRATION)
+    for joint in np.flatnonzero(model.jnt_type == mj.mjtJoint.mjJNT_FREE):
+        at = int(model.jnt_qposadr[joint])
+        model.qpos0[at : at + _FREE] = data.qpos[at : at + _FREE]
+    model.tree_sleep_policy[policy == mj.mjtSleepPolicy.mjSLEEP_INIT] = mj.mjtSleepPolicy.mjSLEEP_ALLOWED
+    model.tree_sleep_policy[asleep >= 0] = mj.mjtSleepPolicy.mjSLEEP_INIT
+    mj.mj_resetData(model, data)
+    model.qpos0[:], model.tree_sleep_policy[:] = first, policy

@@ -1,0 +1,1 @@
+"""What backends with physics share: all that isn't one engine's."""

@@ -1,0 +1,9 @@
+"""Which classes stand for what in physics; see `handcart.tasks.domain`."""
+
+from __future__ import annotations
+
+from handcart.backends.simulation.blocks.block import Block
+
+from .block_body import BlockBody
+
+BODIES = {Block: BlockBody}

@@ -1,0 +1,79 @@
+"""What holds a thing between the pads."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from handcart.backends.description.robot_file import GripperSpec
+from handcart.backends.physics.engine import Engine, Pinned, Point
+from handcart.backends.physics.world.thing_body import THING_FRICTION
+from handcart.backends.urdf.robot_shape import FingerShape
+from handcart.robotics.geometry.transform import inverse
+
+from .robot_body import RobotBody
+from .surface import PAD_FRICTION, PADS, Surface
+
+BEHIND_TIP = (0.01, 0.04)  # of the points along a finger [m]
+ACROSS = 0.375  # of a finger's height, above and below its middle
+SLIPS = 0.0005  # [m] by which a point that slips runs ahead of the pads
+FIRM = 500.0  # with which a constraint holds at each point [N]
+
+
+class Grip:
+    """Holds a thing at points of the pads while both fingers press on it.
+
+    With `friction` as soft fingers do (Howe and Cutkosky 1996): these points and the engine's own contacts
+    together carry Coulomb's share of the fingers' force, along the pads and about their normal, and slip
+    beyond it; how much the contacts have of it is the engine's. With `constraint` nothing slips.
+    """
+
+    def __init__(self, spec: GripperSpec, finger: FingerShape, engine: Engine, body: RobotBody) -> None:
+        self._engine, self._body = engine, body
+        self._hand = body.link_index["hand"]
+        self._kind: Literal["friction", "constraint"] = spec.grasp
+        coulomb = (1.0 - engine.CONTACTS_CARRY) * PAD_FRICTION * THING_FRICTION * 2 * spec.force_n
+        up = ACROSS * finger.height
+        hand = np.array([(finger.tip - back, 0.0, z, 1.0) for back in BEHIND_TIP for z in (up, -up)])
+        self._force = coulomb / len(hand) if spec.grasp == "friction" else FIRM
+        middle_T_hand = inverse(body.middle_of_mass("hand")) @ body.link_pose("hand")
+        self._points = (hand @ middle_T_hand.T)[:, :3]
+
+    @property
+    def holds(self) -> int | None:
+        """The body that is held."""
+        pinned = self._engine.pinned
+        return None if pinned is None else pinned.other
+
+    def take(self, other: int) -> None:
+        """Hold a body where it is in the hand."""
+        there = self._there(other)
+        pinned = self._engine.pinned
+        if pinned is not None and pinned.other == other:
+            run = np.linalg.norm(there - np.array(pinned.other_points), axis=1).max()
+            if self._kind == "constraint" or run < SLIPS:
+                return
+        self._engine.pin(
+            Pinned(self._body.id, self._hand, other, _tuples(self._points), _tuples(there), self._force)
+        )
+
+    def let_go(self) -> None:
+        """Hold nothing."""
+        if self.holds is not None:
+            self._engine.pin(None)
+
+    def _there(self, other: int) -> NDArray[np.float64]:
+        """The pads' points (n, 3) in the frame of the other body."""
+        other_T_hand = inverse(self._engine.pose(other)) @ self._body.middle_of_mass("hand")
+        return np.asarray((np.c_[self._points, np.ones(len(self._points))] @ other_T_hand.T)[:, :3])
+
+
+def pads_in(engine: Engine) -> Surface:
+    """What fingers are covered with, where `Grip` has the rest of its friction."""
+    return PADS._replace(friction=engine.CONTACTS_CARRY * PAD_FRICTION)
+
+
+def _tuples(points: NDArray[np.float64]) -> tuple[Point, ...]:
+    return tuple((float(x), float(y), float(z)) for x, y, z in points)

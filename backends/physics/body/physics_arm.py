@@ -1,0 +1,98 @@
+"""The arm of the simulated robot."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import ClassVar
+
+import numpy as np
+
+from handcart.backends.description.robot_file import RobotFile
+from handcart.backends.simulation.body.simulated_parts import SimulatedArm, Vector
+from handcart.robotics.kinematics.arm_model import ArmModel
+from handcart.robotics.kinematics.urdf_tree import joint_leaders
+
+from .robot_body import RobotBody
+
+GIVES = 0.03  # off its command by this, a drive gives all its torque [rad]
+DAMPING = 0.03  # a speed that is off counts as this much angle that is off [s]
+BREAKAWAY = 0.03  # share of its torque that a drive always has to give
+CATCHES_UP = 0.02  # time constant of the position loop [s]
+FOLLOWS = 0.1  # of the way to where it belongs that a joint that mimics another makes in a step of the solver
+
+
+class PhysicsArm(SimulatedArm):
+    """Joints under position control with torque limits, their own weight and the load's compensated.
+
+    Between two commands the set-point moves evenly. A drive is a velocity servo whose torque is limited by
+    how far it is off, up to the URDF's effort: it gives like a spring where something is in its way.
+    """
+
+    STATE: ClassVar = {**SimulatedArm.STATE, "load": tuple[float, Vector]}
+
+    def __init__(
+        self,
+        robot: RobotFile,
+        model: ArmModel,
+        body: RobotBody,
+        felt: Callable[[], Vector],
+        seed: int,
+    ) -> None:
+        """Take the arm's joints over, where they stand; `felt` gives what truly acts on the hand, (3,)."""
+        self._drives = body.joints(model.joint_names)
+        super().__init__(robot, model, self._drives.states()[0], seed)
+        self._effort = np.array([body.effort[name] for name in model.joint_names])
+        leaders = joint_leaders(robot.urdf_text())
+        self._followers = {name: led for name, led in leaders.items() if led[0] in model.joint_names}
+        self._following = {
+            name: (body.joints([name]), np.array([body.effort[name]])) for name in self._followers
+        }
+        for name, angle in zip(model.joint_names, self._command + self._offset, strict=True):
+            body.reset(name, float(angle))
+        for name, (leader, factor, offset) in self._followers.items():
+            stands = self._command[model.joint_names.index(leader)]
+            body.reset(name, factor * float(stands) + offset)
+        self._felt = felt
+        self.load: tuple[float, Vector] = (0.0, np.zeros(3))
+        """Mass in [kg] of what is held, and its middle of mass in the base frame, (3,) in [m]."""
+
+    def true_joints(self) -> Vector:
+        """See `SimulatedArm`."""
+        return self._drives.states()[0]
+
+    def _true_force(self) -> Vector:
+        return self._felt()
+
+    def begin(self, period: int) -> None:
+        """A period begins."""
+        self._begin(period, loaded=self.load[0] > 0.0)
+
+    def act(self, share: float, period: float) -> None:
+        """Command the drives for the next chunk, when `share` of the `period` in [s] has passed."""
+        way = self._command - self._from
+        angles, speeds = self._drives.states()
+        rate = way / period
+        off = self._from + share * way + self._offset - angles
+        wanted = rate + off / CATCHES_UP
+        strain = np.abs(off) + DAMPING * np.abs(rate - speeds)
+        most = self._effort * np.minimum(strain / GIVES + BREAKAWAY, 1.0)  # never negative
+        self._drives.turn(wanted, most)
+        self._drives.push(self._weight(angles))
+        self._lead(angles)
+
+    def _lead(self, angles: Vector) -> None:
+        """Have the joints that mimic one of the arm's stand where it has them."""
+        for name, (leader, factor, offset) in self._followers.items():
+            there = factor * float(angles[self._model.joint_names.index(leader)]) + offset
+            joint, most = self._following[name]
+            joint.stand(np.array([there]), most, FOLLOWS)
+
+    def end(self) -> None:
+        """A period has ended."""
+        self._from = self._command.copy()
+
+    def _weight(self, angles: Vector) -> Vector:
+        """Torques (n,) in [Nm] that carry arm and load."""
+        torque = self._model.gravity_torque(angles)
+        mass, middle = self.load
+        return torque + self._model.load_torque(angles, middle, mass) if mass > 0.0 else torque

@@ -1,0 +1,69 @@
+"""The wheels of the simulated robot."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from handcart.backends.capabilities.base import WheelTravel
+from handcart.backends.description.robot_file import RobotFile
+from handcart.backends.simulation.body.simulated_parts import CommandedBase
+from handcart.backends.simulation.keyed_noise import keyed
+
+from .robot_body import RobotBody
+from .surface import SCRUBBING
+from .wheel_drives import WheelDrives
+
+
+class PhysicsBase(CommandedBase):
+    """Driven wheels on a floor that they roll on, and slip on; those of a side turn together.
+
+    The file's errors of radius and tread are put onto the speeds, as if the wheels and where they stand were
+    not quite as the file has them; slip is the engine's. That tyres give is imposed (`give`): the engine's
+    are rigid.
+    """
+
+    def __init__(self, robot: RobotFile, body: RobotBody, chunk: float, seed: int) -> None:
+        """Take the driven wheels over; other links must slide on the floor.
+
+        `chunk` in [s] is how often the drives act.
+        """
+        super().__init__(robot)
+        errors = robot.errors
+        left, right, tread = keyed(seed, "wheels").standard_normal(3)
+        wheels = body.wheels
+        self._lefts = len(wheels.left)
+        self._right = np.repeat([False, True], [len(wheels.left), len(wheels.right)])
+        """(n,): which of the wheels are on the right side."""
+        self._scale = 1.0 + errors.wheel_radius_percent / 100 * np.where(self._right, right, left)
+        self._tread_scale = 1.0 + errors.tread_percent / 100 * float(tread)
+        self.drives = WheelDrives(body, chunk, wheels.all)
+        if len(wheels.all) > 2:
+            body.cover(wheels.all, SCRUBBING)
+
+    def begin(self) -> None:
+        """A period begins."""
+        speed, turn_rate = self._take_command()
+        half = turn_rate / self._tread_scale * self._drive.tread_m / 2
+        rims = np.where(self._right, speed + half, speed - half)
+        self.drives.speeds = rims * self._scale / self._drive.wheel_radius_m
+
+    def give(self, turn: float) -> None:
+        """Turn the standing base by an angle in [rad] on its tyres: no encoder sees it."""
+        rim = turn * self._drive.tread_m / 2 / self._drive.wheel_radius_m
+        self.drives.give(np.where(self._right, rim, -rim))
+
+    def act(self) -> None:
+        """Command the drives for the next chunk of the period."""
+        self.drives.follow()
+
+    def read(self) -> None:
+        """Take the encoders' readings at the end of a period."""
+        travel = self.drives.turned(self._scale) * self._drive.wheel_radius_m
+        lefts, wheels = self._lefts, len(travel)
+        left, right = sum(travel[:lefts]) / lefts, sum(travel[lefts:]) / (wheels - lefts)
+        self._travel = WheelTravel(float(left), float(right))
+
+    def rezero(self) -> None:
+        """Count from here on."""
+        self.drives.rezero()
+        self.read()

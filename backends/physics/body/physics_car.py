@@ -1,0 +1,76 @@
+"""The wheels of a simulated robot that steers like a car."""
+
+from __future__ import annotations
+
+import math
+from typing import ClassVar
+
+import numpy as np
+
+from handcart.backends.capabilities.base import WheelTravel
+from handcart.backends.description.robot_file import RobotFile
+from handcart.backends.simulation.body.simulated_parts import CommandedBase
+from handcart.robotics.geometry.transform import inverse
+
+from .robot_body import RobotBody
+from .surface import SOFT_TYRES
+from .wheel_drives import WheelDrives
+
+REAR, FRONT = ("left_wheel", "right_wheel"), ("front_left_wheel", "front_right_wheel")
+STEERING = ("left_steering", "right_steering")
+"""Joints of the URDF: the rear wheels' stand for the base's frame."""
+STEERS = 0.05  # time constant of the steering [s]
+
+
+class PhysicsCar(CommandedBase):
+    """Four driven wheels on ground that they roll on and slip on; those in front steer (Ackermann).
+
+    The wheels' speeds are those of a body that doesn't slip. Wheel travel is that of the rear wheels. Slip is
+    the engine's.
+    """
+
+    STATE: ClassVar = {**CommandedBase.STATE, "_bend": float}
+
+    def __init__(self, robot: RobotFile, body: RobotBody, chunk: float) -> None:
+        """Take wheels and steering over; `chunk` in [s] is how often the drives act."""
+        super().__init__(robot)
+        wheels = (*REAR, *FRONT)
+        self._steering = body.joints(STEERING)
+        self._turns = np.array([body.effort[name] for name in STEERING])
+        base = inverse(body.base_pose())
+        self._ahead, self._left = np.array([(base @ body.link_pose(name))[:2, 3] for name in wheels]).T
+        self.drives = WheelDrives(body, chunk, wheels)
+        body.cover(wheels, SOFT_TYRES)
+        self._bend = 0.0
+
+    def begin(self) -> None:
+        """A period begins."""
+        speed, turn_rate = self._take_command()
+        if speed != 0.0:
+            most = self._drive.steering_per_m_s * self._period
+            self._bend += max(-most, min(most, turn_rate / speed - self._bend))
+        rims = speed * np.hypot(1.0 - self._bend * self._left, self._bend * self._ahead)
+        self.drives.speeds = rims / self._drive.wheel_radius_m
+
+    def give(self, turn: float) -> None:
+        """A car's wheels give nothing to a swing of its arm."""
+
+    def act(self) -> None:
+        """Command the drives for the next chunk of the period."""
+        self.drives.follow()
+        wanted = [
+            math.atan2(self._bend * ahead, 1.0 - self._bend * left)
+            for ahead, left in zip(self._ahead[2:], self._left[2:], strict=True)
+        ]
+        off = np.array(wanted) - self._steering.states()[0]
+        self._steering.turn(off / STEERS, self._turns)
+
+    def read(self) -> None:
+        """Take the encoders' readings at the end of a period."""
+        left, right = self.drives.turned()[:2] * self._drive.wheel_radius_m
+        self._travel = WheelTravel(float(left), float(right))
+
+    def rezero(self) -> None:
+        """Count from here on."""
+        self.drives.rezero()
+        self.read()

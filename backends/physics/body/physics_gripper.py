@@ -1,0 +1,69 @@
+"""The gripper of the simulated robot."""
+
+from __future__ import annotations
+
+from typing import ClassVar
+
+import numpy as np
+
+from handcart.backends.description.robot_file import GripperSpec
+from handcart.backends.description.simulated_errors import Errors
+from handcart.backends.simulation.body.simulated_parts import SimulatedGripper
+
+from .robot_body import RobotBody
+from .surface import Surface
+
+FINGERS = ("left_finger", "right_finger")
+PRESSES = 3e-4  # commanded this far beyond where they stand, the fingers press [m]
+AHEAD = 2e-3  # [m] that the drive's set-point runs into what the fingers press on: they open at once
+STANDS = 3e-4  # [m] in a period: slower fingers stand
+CLOSES = 0.3  # of the way to where they belong that the fingers make in a step of the solver
+
+
+class PhysicsGripper(SimulatedGripper):
+    """Two fingers with pads of rubber, one drive, and a linkage by which one mirrors the other."""
+
+    STATE: ClassVar = {**SimulatedGripper.STATE, "_target": float, "_stood": float}
+
+    def __init__(
+        self, spec: GripperSpec, errors: Errors, body: RobotBody, pads: Surface, period: float, seed: int
+    ) -> None:
+        """Take the joints `left_finger` and `right_finger` over, cover them with `pads`, and open them."""
+        opening = spec.opening_mm / 1e3
+        super().__init__(spec, errors, opening, seed)
+        self._joints = body.joints(FINGERS)
+        self._most = np.full(len(FINGERS), spec.force_n)
+        self._step = spec.speed_mm_s / 1e3 * period
+        for name in FINGERS:
+            body.reset(name, opening / 2)
+        body.cover(FINGERS, pads)
+        self._target = self._stood = opening
+        body.mirror(FINGERS)
+
+    def true_width(self) -> float:
+        """See `SimulatedGripper`."""
+        return float(self._joints.states()[0].sum())
+
+    @property
+    def opening(self) -> bool:
+        """Whether it is told to open."""
+        return self._command > self._target + PRESSES
+
+    def begin(self, period: int) -> None:
+        """A period begins."""
+        self._now = period
+
+    def act(self, share: float) -> None:
+        """Command the drive for a chunk at whose end `share` of the period has passed."""
+        way = max(-self._step, min(self._step, self._command - self._target))
+        goal = (self._target + share * way) / 2
+        self._joints.stand(np.array([goal, goal]), self._most, CLOSES)
+
+    def end(self) -> None:
+        """A period has ended."""
+        self._target += max(-self._step, min(self._step, self._command - self._target))
+        width = self.true_width()
+        self._target = max(self._target, width - AHEAD)
+        stands = abs(width - self._stood) < STANDS
+        self._pressing = stands and (self._target < width - PRESSES or self._target <= 0.0)
+        self._stood = width

@@ -1,0 +1,125 @@
+"""The robot in a physics engine: its links and joints by name."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Collection, Iterable, Sequence
+from xml.etree import ElementTree
+
+from handcart.backends.description.robot_file import RobotFile
+from handcart.backends.urdf.driven_wheels import DrivenWheels, driven_wheels
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.geometry.transform import Transform
+from handcart.robotics.kinematics.urdf_contents import joints_of
+from handcart.robotics.kinematics.urdf_tree import joint_leaders
+
+from .joint_group import JointGroup
+from .sprung import CHASSIS, sprung
+from .surface import Surface
+
+MOVED = ("left_finger", "right_finger", "left_steering", "right_steering")
+"""Joints that are moved, besides the arm's and the wheels'."""
+HOLDS = 1000.0  # what a joint that stands is held with, where the URDF doesn't say [Nm] or [N]
+
+
+class RobotBody(ABC):
+    """The URDF of a robot's file, standing on the floor.
+
+    Where the file has the base lean, it stands on a chassis with a suspension; see `sprung`.
+    """
+
+    id: int
+    """The engine's number of it."""
+    sprung: bool
+    """Whether it has a suspension."""
+    wheels: DrivenWheels
+    effort: dict[str, float]
+    """What joints can give, in [Nm] or [N], by name."""
+    link_index: dict[str, int]
+    link_names: dict[int, str]
+
+    @abstractmethod
+    def put(self, base: Pose2, height: float = 0.0) -> None:
+        """Put the base elsewhere, on the floor or at a `height` above it in [m]."""
+
+    @abstractmethod
+    def standing_pose(self) -> Transform:
+        """world_T_base (4, 4) as it would be if it didn't lean on a suspension."""
+
+    def base_pose(self) -> Transform:
+        """world_T_base (4, 4), as it truly stands."""
+        return self.link_pose("base") if self.sprung else self.standing_pose()
+
+    @abstractmethod
+    def link_pose(self, link: str) -> Transform:
+        """World pose (4, 4) of a link's frame."""
+
+    @abstractmethod
+    def middle_of_mass(self, link: str) -> Transform:
+        """World pose (4, 4) of the frame at a link's middle of mass."""
+
+    @abstractmethod
+    def mass(self, link: str) -> float:
+        """Of a link, in [kg]."""
+
+    @abstractmethod
+    def joints(self, names: Sequence[str]) -> JointGroup:
+        """Joints, to read and to drive."""
+
+    @abstractmethod
+    def reset(self, joint: str, position: float) -> None:
+        """Put a joint elsewhere, at rest."""
+
+    @abstractmethod
+    def cover(self, links: Iterable[str], surface: Surface) -> None:
+        """Give links a surface."""
+
+    @abstractmethod
+    def mirror(self, joints: tuple[str, str]) -> None:
+        """Join two joints by a linkage: they stand at the same position."""
+
+    @abstractmethod
+    def links_behind(self, joint: str) -> set[int]:
+        """The engine's numbers of the links that a joint moves."""
+
+    def sprung_masses(self) -> dict[str, float]:
+        """Masses in [kg] of all links that the suspension carries, by name."""
+        wheels = (CHASSIS, *self.wheels.all, *self.casters)
+        return {name: self.mass(name) for name in self.link_index if name not in wheels}
+
+    @property
+    def casters(self) -> list[str]:
+        """Links that slide on the floor."""
+        return casters(self.link_index)
+
+
+def on_suspension(robot: RobotFile) -> str:
+    """The URDF of a robot whose base stands on a chassis with a suspension."""
+    text = robot.urdf_text()
+    links = [link.get("name", "") for link in ElementTree.fromstring(text).findall("link")]
+    return sprung(text, robot.errors.lean_pivot_m, (*driven_wheels(links).all, *casters(links)))
+
+
+def casters(links: Iterable[str]) -> list[str]:
+    """Those of these links that slide on the floor."""
+    return [name for name in links if "caster" in name]
+
+
+def without_mass(urdf: str) -> list[str]:
+    """Links that are only frames."""
+    links = ElementTree.fromstring(urdf).findall("link")
+    return [link.get("name", "") for link in links if link.find("inertial") is None]
+
+
+def held_still(robot: RobotFile) -> dict[str, tuple[float, float]]:
+    """Limited joints that nobody moves (a head, another arm), by name: where kinematics has them stand, and
+    what they are held with, in [Nm] or [N].
+    """
+    leaders = joint_leaders(robot.urdf_text())
+    moved: Collection[str] = {*(robot.arm.joints if robot.arm else ()), *MOVED}
+    found = {}
+    for joint in joints_of(robot.urdf_text()):
+        leader, _, offset = leaders.get(joint.name, (joint.name, 1.0, 0.0))
+        if leader not in moved and joint.kind != "continuous":
+            found[joint.name] = (offset, HOLDS if joint.effort <= 0.0 else joint.effort)
+    return found

@@ -1,0 +1,37 @@
+"""What links of the robot are covered with."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+
+class Surface(NamedTuple):
+    """How a link touches others. What is None stays as it is."""
+
+    friction: float | None = None
+    """Coulomb's."""
+    stiffness: float | None = None
+    """Of each point at which it touches, in [N/m]; it gives, as rubber does."""
+    damping: float | None = None
+    """[Ns/m]"""
+    sticks: bool = False
+    """Whether what it touches stays where it is on it while friction holds it."""
+    along_axle: float | None = None
+    """Share of the friction that it has along its y."""
+    against: float = 1.0
+    """Friction of what it mostly touches: an engine may have one figure for a pair."""
+
+
+TYRES = Surface(friction=1.0)
+"""Rubber."""
+CASTER = Surface(friction=0.0, stiffness=1e6, damping=2e4)
+"""Slides without friction, on springs: it stands for a wheel that turns any way. It gives by 0.2 mm under
+200 N. One as hard as the wheels might take all the weight off them, and the base would slide on."""
+SCRUBBING = Surface(stiffness=CASTER.stiffness, damping=CASTER.damping, sticks=True, along_axle=0.1)
+"""A wheel that must slide sideways for its base to turn: one of several a side. They share the base's weight
+as they give a little, and at rest they stick."""
+SOFT_TYRES = Surface(stiffness=3e5, damping=6e3, sticks=True)
+"""Of a car on rough ground; at rest they stick."""
+PAD_FRICTION = 1.5
+PADS = Surface(friction=PAD_FRICTION, stiffness=1e5, damping=1000.0, sticks=True, against=0.65)
+"""Rubber, at each corner: rigid pads would press with one corner each."""

@@ -1,0 +1,92 @@
+"""The springs that a robot's body stands on."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from handcart.backends.description.robot_file import RobotFile
+from handcart.backends.physics.engine import GRAVITY
+from handcart.backends.simulation.keyed_noise import keyed
+from handcart.robotics.geometry.transform import Transform, inverse
+from handcart.robotics.kinematics.arm_model import ArmModel
+
+from .robot_body import RobotBody
+from .sprung import PITCH, ROLL
+
+DAMPING_RATIO = 0.6
+_POSTURES = 200
+
+Vector = NDArray[np.float64]
+
+
+class SuspensionSprings:
+    """Springs and dampers in roll and pitch, at the height that the robot's file states.
+
+    They are physics: the body leans where its weight, the load's and what the hand presses against are.
+    Their stiffness is what is made to fit the file: on the mean over the arm's postures, the weight of the
+    arm alone leans the body by `lean_mrad_per_m` for each metre that the hand is off the base's centre. In a
+    single posture the lean differs from that, for the arm's middle of mass isn't where the hand is. They are
+    set so that with the hand over the centre the body stands upright.
+    """
+
+    def __init__(self, robot: RobotFile, arm: ArmModel, body: RobotBody) -> None:
+        """Find stiffness and damping; the body comes to stand as it leans with the arm where it is."""
+        self._joints = body.joints((ROLL, PITCH))
+        here = body.joints(arm.joint_names).states()[0]
+        rate, self._trim = _weight_by_reach(arm, body)
+        for name, angle in zip(arm.joint_names, here, strict=True):
+            body.reset(name, float(angle))
+        moment, topples, inertia = _load(body, robot.errors.lean_pivot_m)
+        self._stiffness = rate / (robot.errors.lean_mrad_per_m / 1e3) + topples
+        self._damping = 2 * DAMPING_RATIO * np.sqrt(self._stiffness * inertia)
+        lean = (moment - self._trim) / (self._stiffness - topples)
+        for name, angle in zip((ROLL, PITCH), lean, strict=True):
+            body.reset(name, float(angle))
+
+    @property
+    def lean(self) -> tuple[float, float]:
+        """Roll and pitch, in [rad]."""
+        roll, pitch = self._joints.states()[0]
+        return float(roll), float(pitch)
+
+    def act(self) -> None:
+        """Let the springs work for the next chunk."""
+        angles, speeds = self._joints.states()
+        self._joints.push(-self._stiffness * angles - self._damping * speeds - self._trim)
+
+
+def _weight_by_reach(arm: ArmModel, body: RobotBody) -> tuple[float, Vector]:
+    """How the arm's weight turns the upright body, a straight line fitted over postures all about.
+
+    Gives the torque in [N] for each metre that the hand is off the centre, and that about roll and pitch
+    (2,) in [Nm] with the hand over the centre. The arm is left elsewhere.
+    """
+    rng = keyed(0, "suspension's postures")
+    reaches, moments = [], []
+    for _ in range(_POSTURES):
+        joints = rng.uniform(arm.lower, arm.upper)
+        for name, angle in zip(arm.joint_names, joints, strict=True):
+            body.reset(name, float(angle))
+        reaches.append(arm.forward(joints)[:2, 3])
+        moments.append(_load(body, 0.0)[0])
+    reach, moment = np.array(reaches), np.array(moments)
+    # Roll is by weight to the left, the other way round; pitch by weight in front.
+    off, turns = reach - reach.mean(axis=0), (moment - moment.mean(axis=0)) * (-1.0, 1.0)
+    rate = float((off * turns[:, ::-1]).sum() / (off**2).sum())
+    trim = moment.mean(axis=0) - rate * reach.mean(axis=0)[::-1] * (-1.0, 1.0)
+    return rate, trim
+
+
+def _load(body: RobotBody, pivot: float) -> tuple[Vector, float, Vector]:
+    """Of all that is sprung, in its posture: torque about roll and pitch (2,) in [Nm], how much that grows
+    with the lean in [Nm/rad], and moments of inertia (2,) in [kg m²].
+    """
+    base_T_world: Transform = inverse(body.base_pose())
+    moment, topples, inertia = np.zeros(2), 0.0, np.zeros(2)
+    for link, mass in body.sprung_masses().items():
+        x, y, z = (base_T_world @ body.middle_of_mass(link))[:3, 3]
+        moment += mass * GRAVITY * np.array([-y, x])
+        topples += mass * GRAVITY * float(z - pivot)
+        inertia += mass * (np.array([y, x]) ** 2 + (z - pivot) ** 2)
+    return moment, topples, inertia

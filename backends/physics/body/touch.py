@@ -1,0 +1,84 @@
+"""What the robot touches, and with what force."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from handcart.backends.physics.engine import ContactPoint, Engine
+from handcart.backends.physics.world.world_bodies import WorldBodies
+from handcart.backends.simulation.body.arm_contact import HELD
+
+from .robot_body import RobotBody
+
+Pairs = frozenset[tuple[str, str]]
+FINGERS = ("left_finger", "right_finger")
+_ACROSS = 0.7  # of a contact's normal; less is a push with the tips
+
+
+class Touch:
+    """Reads the engine's contact points. To the hand belongs all that the arm's last joint moves."""
+
+    def __init__(self, engine: Engine, body: RobotBody, world: WorldBodies, last_joint: str | None) -> None:
+        self._engine, self._body, self._world = engine, body, world
+        self._hand = set() if last_joint is None else body.links_behind(last_joint)
+        self._rolling = {*body.casters, *(name for name in body.link_index if name.endswith("wheel"))}
+        self._fingers = [body.link_index[name] for name in FINGERS if name in body.link_index]
+        self._read: dict[int, Sequence[ContactPoint]] = {}
+
+    def stepped(self) -> None:
+        """The engine has moved on: what was read of it is old."""
+        self._read.clear()
+
+    def gripped(self) -> int | None:
+        """Body of the thing that both fingers touch from its two sides."""
+        if not self._fingers:
+            return None
+        across = self._body.link_pose("hand")[:3, 1]
+        points = self._points(self._body.id)
+        sides = [
+            {each.other for each in points if each.link == finger and abs(across @ each.normal) > _ACROSS}
+            for finger in self._fingers
+        ]
+        both = set.intersection(*sides)
+        return min(both & set(self._world.bodies.values()), default=None)
+
+    def force(self, held: int | None) -> NDArray[np.float64]:
+        """What the surroundings put on the hand and what it holds, (3,) in [N], in the world."""
+        total = np.zeros(3)
+        for point in self._points(self._body.id):
+            if point.link in self._hand and point.other not in (held, self._body.id):
+                total += point.force
+        if held is not None:
+            for point in self._points(held):
+                if point.other != self._body.id or point.other_link not in self._hand:
+                    total += point.force
+        return total
+
+    def pairs(self, held: int | None, riding: Collection[int]) -> Pairs:
+        """Names of what touches now: a link, "base" or what is held, and what it ran into.
+
+        Args:
+            held: the body in the hand.
+            riding: bodies that stand on the robot.
+        """
+        found = set()
+        for point in self._points(self._body.id):
+            link, other = self._body.link_names[point.link], point.other
+            if other in (held, self._body.id) or (
+                link in self._rolling and self._world.names[other] == "floor"
+            ):
+                continue
+            if other not in riding or point.link in self._hand:
+                found.add((link, self._world.names[other]))
+        for point in self._points(held) if held is not None else ():
+            if point.other != self._body.id:
+                found.add((HELD, self._world.names[point.other]))
+        return frozenset(found)
+
+    def _points(self, body: int) -> Sequence[ContactPoint]:
+        if body not in self._read:
+            self._read[body] = self._engine.contacts(body)
+        return self._read[body]

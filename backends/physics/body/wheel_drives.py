@@ -1,0 +1,63 @@
+"""The drives of wheels, and their encoders."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .robot_body import RobotBody
+from .surface import TYRES
+
+COUNTS = 65536  # of an encoder, a turn
+CATCHES_UP = 0.02  # time constant of the drives' position loop [s]
+MOST_LAG = 0.05  # that a blocked wheel makes up for later [rad]
+
+Floats = NDArray[np.float64]
+
+
+class WheelDrives:
+    """Velocity drives that follow the angle, not only the speed, and encoders that count whole steps."""
+
+    STATE: ClassVar = {"speeds": Floats, "_goal": Floats, "_first": Floats, "_given": Floats}
+
+    def __init__(self, body: RobotBody, chunk: float, names: Sequence[str]) -> None:
+        """Take the wheels at these joints over, each `chunk` in [s]; they rub on the floor as tyres do."""
+        self._chunk, self._joints = chunk, body.joints(names)
+        self._most = np.array([body.effort[name] for name in names])
+        body.cover(names, TYRES)
+        self.speeds = np.zeros(len(names))
+        """(n,), wanted in this period, in [rad/s]."""
+        self._first = self._goal = self._angles()
+        self._given = np.zeros(len(names))
+
+    def give(self, rolled: Floats) -> None:
+        """The rims have moved on the floor by angles (n,) in [rad] that no encoder sees."""
+        self._given = self._given + rolled
+        self._goal = self._goal + rolled
+
+    def follow(self) -> None:
+        """Command the next chunk of the period."""
+        angles = self._angles()
+        lag = np.minimum(np.maximum(self._goal - angles, -MOST_LAG), MOST_LAG)
+        self._goal = angles + lag + self.speeds * self._chunk
+        self._joints.turn(self.speeds + lag / CATCHES_UP, self._most)
+
+    def turned(self, scale: Floats | float = 1.0) -> Floats:
+        """(n,): by how much the wheels have turned, in whole steps, in [rad].
+
+        Args:
+            scale: (n,) or one for all: how much larger the wheels are than the encoders take them to be.
+        """
+        turned = (self._angles() - self._given - self._first) / scale
+        return np.asarray(np.round(turned * (COUNTS / (2 * math.pi))) * (2 * math.pi / COUNTS))
+
+    def rezero(self) -> None:
+        """Count from here on."""
+        self._first = self._angles() - self._given
+
+    def _angles(self) -> Floats:
+        return np.asarray(self._joints.states()[0])

@@ -1,0 +1,82 @@
+"""A book as a body."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from handcart.backends.physics.thing_form import Cuboid, Uvs, Wedge
+from handcart.backends.physics.world.thing_body import ThingBody
+from handcart.backends.simulation.books.book import Book
+from handcart.backends.simulation.books.painted_books import spine_levels
+
+CHAMFER = 0.003  # of the leading edges of a book that is returned: covers are rounded [m]
+_COVER = 0.2  # of the spine's grey: no light falls between the books of a row
+_STRIP = 32  # width of the plain strips beside the spine in the picture [px]
+_PAGES = 60
+_FROM_AFAR = np.full((4, 4), 110, np.uint8)
+_PRINTS = 1.5  # spines nearer than this to the camera are printed [m]
+
+
+class BookBody(ThingBody):
+    """A box with a printed spine; one to be returned has rounded edges.
+
+    Plain from afar, its picture is made when a camera first comes near. What stands in a row sleeps until
+    something touches it.
+    """
+
+    thing: Book
+    _printed = False
+
+    def pieces(self) -> tuple[Cuboid | Wedge, ...]:
+        """See `ThingBody`: where edges away from the spine are cut off, a box with a blunt wedge before it.
+
+        Fingers then hold the box, whose contacts an engine knows to be flat, while of a hull it may find one
+        point at a time, about which a gripped book would turn and on which it would hook.
+        """
+        depth, thickness, height = self.thing.size
+        if self.thing.shelf is not None:
+            return super().pieces()
+        core = Cuboid((depth - CHAMFER, thickness, height), -CHAMFER / 2)
+        return core, Wedge(depth / 2 - CHAMFER, depth / 2, thickness, height, CHAMFER)
+
+    def uvs(self) -> tuple[Uvs, ...]:
+        """See `ThingBody`."""
+        width = int(spine_levels(self.thing.spec)[1][0].shape[1]) + 2 * _STRIP
+        return tuple(_uvs(face, width) for face in range(6))
+
+    def first_picture(self) -> NDArray[np.uint8]:
+        """See `ThingBody`."""
+        return _FROM_AFAR
+
+    def asleep(self) -> bool:
+        """See `ThingBody`."""
+        return self.thing.shelf is not None
+
+    def look(self, eye: NDArray[np.float64]) -> None:
+        """See `ThingBody`: printed or plain as near or far as it is now, whoever looked before."""
+        printed = self._is_near(eye)
+        if printed != self._printed:
+            self._printed = printed
+            self.engine.show(self.id, _picture(self.thing) if printed else _FROM_AFAR)
+
+    def _is_near(self, eye: NDArray[np.float64]) -> bool:
+        return bool(np.linalg.norm(self.engine.pose(self.id)[:3, 3] - eye) < _PRINTS)
+
+
+def _uvs(face: int, width: int) -> list[tuple[float, float]]:
+    """Where a side's corners lie in the picture, which is `width` [px] wide."""
+    spine = (width - 2 * _STRIP) / width
+    if face == 0:
+        # Seen from before the spine, +y is left, and up is up; the picture's first row is the head.
+        return [(0.0, 0.0), (spine, 0.0), (spine, 1.0), (0.0, 1.0)]
+    strip = 0.5 if face < 4 else 1.5
+    u = spine + strip * _STRIP / width
+    return [(u, 0.25), (u, 0.25), (u, 0.75), (u, 0.75)]
+
+
+def _picture(book: Book) -> NDArray[np.uint8]:
+    """The spine, then strips for cover and pages."""
+    spine = spine_levels(book.spec)[1][0]
+    cover = np.full((spine.shape[0], _STRIP), round(_COVER * book.spec.grey), np.uint8)
+    return np.hstack((spine, cover, np.full((spine.shape[0], _STRIP), _PAGES, np.uint8)))

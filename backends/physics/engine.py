@@ -1,0 +1,165 @@
+"""What is asked of a physics engine."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, ClassVar, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from handcart.backends.simulation.world.sheet import Sheet
+from handcart.backends.simulation.world.thing import GreyImage
+from handcart.robotics.geometry.transform import Transform
+from handcart.robotics.kinematics.shapes import Box
+
+from .thing_form import ThingForm
+
+STEP = 0.0025  # of the solver, at most [s]
+CHUNK = 0.005  # [s]: how often the drives' electronics look at their encoders
+GRAVITY = 9.81  # [m/s²]
+
+Array = NDArray[np.float64]
+Point = tuple[float, float, float]
+
+
+@dataclass(frozen=True)
+class Pinned:
+    """Two bodies held together at points, given (n, 3) in [m] in the frames of their middles of mass."""
+
+    body: int
+    link: int
+    """Of `body`."""
+    other: int
+    points: tuple[Point, ...]
+    other_points: tuple[Point, ...]
+    force_n: float
+    """With which each point is held, at most."""
+
+
+class ContactPoint(NamedTuple):
+    """A point where a body presses against another one."""
+
+    link: int
+    """Of the body."""
+    other: int
+    other_link: int
+    normal: Point
+    """From the other body towards it, in the world."""
+    force: Point
+    """On the body, in the world, in [N]."""
+
+
+class Engine(ABC):
+    """A physics engine of one's own: its clock, its bodies, its saved states. Bodies have numbers.
+
+    The solver's step divides the drives' period (`chunk`), which divides the control period.
+    """
+
+    CONTACTS_CARRY: ClassVar[float]
+    """Of the friction of the fingers' pads, the share that its contacts have. Where what is held would creep
+    although they carry it, the rest is that of `Grip`'s points."""
+
+    def __init__(self, period: float) -> None:
+        """Of a world in which a control period is that long, in [s]."""
+        self.chunks = max(1, round(period / CHUNK))
+        """How often the drives act in a control period."""
+        self.chunk = period / self.chunks
+        """[s]"""
+        self.substeps = max(1, int(np.ceil(self.chunk / STEP - 1e-9)))
+        """Steps of the solver in a chunk."""
+
+    @property
+    @abstractmethod
+    def pinned(self) -> Pinned | None:
+        """What is held together now."""
+
+    @abstractmethod
+    def step(self) -> None:
+        """Let `chunk` seconds pass."""
+
+    @abstractmethod
+    def close(self) -> None:
+        """Let go of the engine; a second call does nothing."""
+
+    # Bodies
+
+    @abstractmethod
+    def add_floor(self, friction: float) -> int:
+        """A plane through the origin."""
+
+    @abstractmethod
+    def add_box(self, box: Box, friction: float, grey: int, moves: bool = False) -> int:
+        """A box that nothing moves; only one that `moves` may be put elsewhere."""
+
+    @abstractmethod
+    def add_tile(self, corner: Array, cell: float, heights: Array, friction: float) -> int:
+        """Rough ground.
+
+        Args:
+            corner: (2,) where x and y are least, in [m].
+            cell: between points whose heights are given, in [m].
+            heights: (n, n) in [m], a row for each y.
+            friction: Coulomb's.
+        """
+
+    @abstractmethod
+    def add_sheet(self, sheet: Sheet) -> None:
+        """A printed sheet that can be seen and not touched."""
+
+    @abstractmethod
+    def add_thing(self, form: ThingForm) -> int:
+        """A rigid body that moves as it will."""
+
+    @abstractmethod
+    def show(self, body: int, picture: GreyImage) -> None:
+        """Have a thing's faces show parts of another picture."""
+
+    @abstractmethod
+    def weigh(self, body: int, mass: float) -> None:
+        """Give a thing another mass, in [kg]."""
+
+    @abstractmethod
+    def pose(self, body: int) -> Transform:
+        """World pose (4, 4) of a body's middle of mass."""
+
+    @abstractmethod
+    def set_pose(self, body: int, pose: Transform) -> None:
+        """Put a body's middle of mass elsewhere, at rest."""
+
+    @abstractmethod
+    def touches(self, body: int, anything: bool) -> None:
+        """Let a thing touch what comes to it, or nothing at all."""
+
+    @abstractmethod
+    def pin(self, wanted: Pinned | None) -> None:
+        """Hold this together, and nothing else; None lets go."""
+
+    # What is there
+
+    @abstractmethod
+    def contacts(self, body: int) -> Sequence[ContactPoint]:
+        """Where a body presses against others, and the robot against itself."""
+
+    @abstractmethod
+    def free_shares(self, start: Array, ends: Array) -> Array:
+        """(n,): how far the ways from a point (3,) to others (n, 3) are free of all but the robot.
+
+        Shares of the ways; infinite where all of it is free.
+        """
+
+    # States
+
+    @abstractmethod
+    def state(self) -> dict[str, Any]:
+        """Plain data: where all bodies are and how they move, and what is held together."""
+
+    @abstractmethod
+    def set_state(self, state: object) -> None:
+        """Bring back what `state` gave, of this engine or of one whose bodies were made in the same order.
+
+        Raises:
+            NotAState: it is no such state.
+        """

@@ -1,0 +1,1 @@
+"""What lays sensors in physics."""

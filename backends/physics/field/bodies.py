@@ -1,0 +1,11 @@
+"""Which classes stand for what in physics; see `handcart.tasks.domain`."""
+
+from __future__ import annotations
+
+from handcart.backends.physics.blocks.block_body import BlockBody
+from handcart.backends.simulation.field.field_props import FieldProps
+from handcart.backends.simulation.field.sensor import Sensor
+
+from .magazine import Magazine
+
+BODIES = {Sensor: BlockBody, FieldProps: Magazine}

@@ -1,0 +1,54 @@
+"""The magazine of a robot in physics."""
+
+from __future__ import annotations
+
+from typing import ClassVar
+
+from handcart.backends.physics.props_body import Pieces, PropsBody
+from handcart.backends.plain_values import Kinds
+from handcart.backends.simulation.field.field_props import FieldProps
+from handcart.backends.simulation.field.sensor import Sensor
+from handcart.backends.simulation.world.thing import Rest
+
+CLOSED = 0.0005  # [m] between fingers and sensor, from where on they hold it
+FRESH = 8  # periods that they get to press on it
+
+
+class Magazine(PropsBody):
+    """Holds the next sensor between the open fingers until they close on it; till then it touches nothing."""
+
+    STATE: ClassVar[Kinds] = {"_given": int}
+
+    def __init__(self, props: FieldProps, pieces: Pieces) -> None:
+        super().__init__(props, pieces)
+        self._field = props
+        self._given = FRESH
+
+    @property
+    def keeps_grip(self) -> bool:
+        """See `PropsBody`: just given a sensor, the fingers needn't press on it yet."""
+        return self._given < FRESH
+
+    def step(self) -> None:
+        """See `PropsBody`."""
+        self._given += 1
+        sensor, (engine, _, world, gripper, grip) = self._waiting(), self.pieces
+        if sensor is None or gripper is None or grip is None:
+            return
+        body = world.bodies[sensor.name]
+        closed = gripper.true_width() < sensor.size[1] + CLOSED
+        engine.touches(body, closed)
+        if closed:
+            self.act()
+            grip.take(body)
+            sensor.rest, self._given = Rest.HAND, 0
+
+    def act(self) -> None:
+        """See `PropsBody`: keep what waits where it is on the robot, however the robot moves."""
+        sensor, (engine, body, world, *_) = self._waiting(), self.pieces
+        if sensor is not None and sensor.name in world.bodies:
+            pose = body.base_pose() @ sensor.base_T_thing @ sensor.thing_T_middle
+            engine.set_pose(world.bodies[sensor.name], pose)
+
+    def _waiting(self) -> Sensor | None:
+        return self._field.waiting()

@@ -1,0 +1,45 @@
+"""What acts for a domain's props in physics."""
+
+from __future__ import annotations
+
+from typing import ClassVar, NamedTuple
+
+from handcart.backends.physics.body.grip import Grip
+from handcart.backends.physics.body.physics_gripper import PhysicsGripper
+from handcart.backends.physics.body.robot_body import RobotBody
+from handcart.backends.physics.world.world_bodies import WorldBodies
+from handcart.backends.plain_values import Kinds
+from handcart.backends.simulation.scene_props import SceneProps
+
+from .engine import Engine
+
+
+class Pieces(NamedTuple):
+    """What it may act upon."""
+
+    engine: Engine
+    body: RobotBody
+    world: WorldBodies
+    gripper: PhysicsGripper | None
+    grip: Grip | None
+
+
+class PropsBody:
+    """Named by `Domain.physics`; by default it does nothing."""
+
+    STATE: ClassVar[Kinds] = {}
+    """Attributes that a checkpoint keeps, with their types."""
+
+    def __init__(self, props: SceneProps, pieces: Pieces) -> None:
+        self.props, self.pieces = props, pieces
+
+    def step(self) -> None:
+        """A period begins; `Props.step` was asked before."""
+
+    def act(self) -> None:
+        """A chunk of the period begins."""
+
+    @property
+    def keeps_grip(self) -> bool:
+        """Whether the hand keeps what it holds although its fingers don't press on it."""
+        return False

@@ -1,0 +1,45 @@
+"""From the engine to the scene: the ground truth that evaluation reads."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from handcart.backends.physics.body.robot_body import RobotBody
+from handcart.backends.physics.world.world_bodies import WorldBodies
+from handcart.backends.simulation.scene import Scene
+from handcart.backends.simulation.world.thing import Thing
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.geometry.transform import inverse
+
+
+class SceneSync:
+    """Writes where everything truly is into the scene, after each period."""
+
+    def __init__(self, scene: Scene, body: RobotBody, world: WorldBodies) -> None:
+        self._scene, self._body, self._world = scene, body, world
+
+    def base(self) -> None:
+        """Where the base stands, and how it leans."""
+        scene = self._scene
+        scene.tilted_base = self._body.base_pose()
+        standing = self._body.standing_pose()
+        heading = float(np.arctan2(standing[1, 0], standing[0, 0]))
+        scene.base = Pose2(float(standing[0, 3]), float(standing[1, 3]), heading)
+
+    def things(self, held: Thing | None) -> None:
+        """Where those things are that may have moved, and what carries them."""
+        scene = self._scene
+        world_T_hand = self._body.link_pose("hand") if "hand" in self._body.link_index else np.eye(4)
+        for props in scene.props.values():
+            for thing in props.awake(world_T_hand[:3, 3]):
+                if thing.name not in self._world.bodies:
+                    continue
+                thing.pose = self._world.pose(thing)
+                if thing is held:
+                    props.taken(thing)
+                else:
+                    props.rested(thing)
+        scene.held = held
+        if held is not None:
+            scene.hand_T_held = inverse(world_T_hand) @ held.pose
+        scene.changes += 1

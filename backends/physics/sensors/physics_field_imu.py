@@ -1,0 +1,25 @@
+"""The inertial measurement unit of a robot that rides over rough ground in physics."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from handcart.backends.simulation.sensors.field_imu import FieldImu
+from handcart.backends.simulation.sensors.simulated_imu import SimulatedImu
+
+STANDS = 2e-3  # [m/s]: slower, a base stands
+
+
+class PhysicsFieldImu(FieldImu):
+    """As `FieldImu`, for a base that never stands quite still."""
+
+    def advance(self, period: int) -> None:
+        """A period has passed."""
+        self._wander(period)
+        SimulatedImu.advance(self, period)
+        now, before = self._scene.base, self._speed
+        moved, self._place = now.relative_to(self._place), now
+        speed = moved.x / self._period
+        self._speed = speed if abs(speed) > STANDS else 0.0
+        speeding = (self._speed - before) / self._period
+        self._felt = np.array([speeding, self._speed * moved.theta / self._period, 0.0])

@@ -1,0 +1,34 @@
+"""The inertial measurement unit of the robot in physics."""
+
+from __future__ import annotations
+
+from typing import ClassVar
+
+import numpy as np
+
+from handcart.backends.description.sensor_specs import ImuSpec
+from handcart.backends.simulation.scene import Scene
+from handcart.backends.simulation.sensors.simulated_imu import SimulatedImu, Vector
+
+
+class PhysicsImu(SimulatedImu):
+    """Its accelerometers also feel how the base's motion changes, on the mean over two periods."""
+
+    STATE: ClassVar = {**SimulatedImu.STATE, "_place": Vector, "_speed": Vector, "_sped": Vector}
+
+    def __init__(self, spec: ImuSpec, scene: Scene, period: float, seed: int) -> None:
+        super().__init__(spec, scene, period, seed)
+        self._place = self._scene.world_T_base[:3, 3].copy()
+        self._speed = np.zeros(3)
+        self._sped = np.zeros(3)
+
+    def advance(self, period: int) -> None:
+        """A period has passed."""
+        super().advance(period)
+        place = self._scene.world_T_base[:3, 3].copy()
+        speed = (place - self._place) / self._period
+        self._sped = (speed - self._speed) / self._period
+        self._place, self._speed = place, speed
+
+    def _carried(self) -> Vector:
+        return np.asarray(super()._carried() + self._sped)

@@ -1,0 +1,62 @@
+"""What an engine is told of a thing to make a body of it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+from handcart.backends.simulation.world.thing import GreyImage
+from handcart.robotics.geometry.transform import Transform
+
+Uvs = Sequence[tuple[float, float]]
+"""Where a face's corners lie in the picture: u to the right, v up, both from 0 to 1."""
+
+
+class Cuboid(NamedTuple):
+    """A box, its sides along the axes of the thing's middle."""
+
+    size: tuple[float, float, float]
+    """[m]"""
+    ahead: float = 0.0
+    """Of its middle along x, in [m]."""
+
+
+class Wedge(NamedTuple):
+    """A prism whose face at x = `base` narrows along y by `chamfer` on each side up to x = `end`, in [m]."""
+
+    base: float
+    end: float
+    thickness: float
+    height: float
+    chamfer: float
+
+
+class Sticks(NamedTuple):
+    """Of a body that stays where it stands, however little pushes it: each point at which it touches."""
+
+    stiffness: float
+    """[N/m]"""
+    damping: float
+    """[Ns/m]"""
+
+
+class ThingForm(NamedTuple):
+    """A rigid body, where it is and how it looks."""
+
+    middle: Transform
+    """World pose (4, 4) of its middle, which is that of its mass."""
+    size: tuple[float, float, float]
+    """Of the box about it, in [m]."""
+    mass: float
+    """[kg]"""
+    pieces: tuple[Cuboid | Wedge, ...]
+    friction: float
+    uvs: tuple[Uvs, ...]
+    """Of the faces -x, +x, -y, +y, +z, -z of the box about it: four corners each, counter-clockwise from
+    outside; of the sides from the foot on their left, of the upper one from (-x, -y), of the lower one
+    from (-x, +y)."""
+    picture: GreyImage
+    """That the faces show parts of, at first."""
+    sticks: Sticks | None = None
+    asleep: bool = False
+    """Whether it sleeps until something touches it, from the beginning."""

@@ -1,0 +1,67 @@
+"""Rough ground in physics."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from handcart.backends.description.ground_spec import GroundSpec
+from handcart.backends.physics.engine import Engine
+from handcart.backends.simulation.keyed_noise import keyed
+
+CELL = 0.25  # [m] between points whose heights are given
+CELLS = 80  # of a tile's side
+AHEAD = 12.0  # [m] from the robot to ground that isn't there yet, at least
+WAVES = 48  # of which the ground is made
+LENGTHS = (2.0, 8.0)  # of them, in `roughness_length_m`
+STANDS_ON = 0.6  # [m]: length and width between the wheels over which roll and pitch are counted
+FRICTION = 1.0
+
+Array = NDArray[np.float64]
+
+
+class Terrain:
+    """Waves of all directions, so that a base with wheels 0.6 m apart rolls and pitches as the world says.
+
+    It is made of tiles, height fields of 20 m, as the robot comes near; heights follow from the seed alone.
+    """
+
+    def __init__(self, engine: Engine, ground: GroundSpec, seed: int) -> None:
+        """Nothing is there yet; see `reach`."""
+        self._engine = engine
+        rng = keyed(seed, "terrain")
+        low, high = (math.log(length * ground.roughness_length_m) for length in LENGTHS)
+        long = np.exp(rng.uniform(low, high, WAVES))
+        course = rng.uniform(0.0, 2.0 * math.pi, WAVES)
+        self._waves = 2.0 * math.pi / long * np.array([np.cos(course), np.sin(course)])
+        self._phases = rng.uniform(0.0, 2.0 * math.pi, WAVES)
+        across = np.sin(0.5 * self._waves[0] * STANDS_ON) * np.cos(0.5 * self._waves[1] * STANDS_ON)
+        slope = math.sqrt(float((across**2).sum()) / 2.0) * 2.0 / STANDS_ON
+        self._size = math.tan(math.radians(ground.roughness_deg)) / max(slope, 1e-9)
+        self.tiles: list[tuple[int, int]] = []
+        """What is there, in the order in which it was made."""
+        self.bodies: list[int] = []
+
+    def height(self, x: Array, y: Array) -> Array:
+        """(...,) at places (...,), all in [m]."""
+        phases = x[..., None] * self._waves[0] + y[..., None] * self._waves[1] + self._phases
+        return np.asarray(self._size * np.cos(phases).sum(axis=-1))
+
+    def reach(self, x: float, y: float) -> list[tuple[int, int]]:
+        """The tiles that are missing about a place, in [m]."""
+        side = CELLS * CELL
+        low, high = ([math.floor((value + off) / side) for value in (x, y)] for off in (-AHEAD, AHEAD))
+        near = [(i, j) for i in range(low[0], high[0] + 1) for j in range(low[1], high[1] + 1)]
+        return [tile for tile in near if tile not in self.tiles]
+
+    def add(self, tile: tuple[int, int]) -> int:
+        """Make a tile; gives its body."""
+        along = CELL * np.arange(CELLS + 1)
+        corner = np.array(tile) * CELLS * CELL
+        heights = self.height(*np.meshgrid(corner[0] + along, corner[1] + along))  # a row each y
+        body = self._engine.add_tile(corner * 1.0, CELL, heights, FRICTION)
+        self.tiles.append(tile)
+        self.bodies.append(body)
+        return body

@@ -1,0 +1,98 @@
+"""A thing as a body."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from handcart.backends.physics.engine import Engine
+from handcart.backends.physics.thing_form import Cuboid, Sticks, ThingForm, Uvs, Wedge
+from handcart.backends.simulation.world.thing import GreyImage, Side, Thing
+
+THING_FRICTION = 0.65  # squared, 0.42: paper on paper, paper on wood, wood on wood
+SIDES: tuple[Side, ...] = ("-x", "+x", "-y", "+y", "+z", "-z")
+_SHADE = (0.6, 0.6, 0.75, 0.75, 1.1, 0.4)  # of the sides, as if light came from above
+_STRIP = 32  # of a picture, a side's part of it is as wide and high, if all of them are plain [px]
+_MOST = 512  # the same of one that is printed, at most
+_INSET = 0.002  # of a side's part: not shown at its left and right, where another side's begins
+
+
+class ThingBody:
+    """A rigid box with the thing's mass, each side in a grey of its own or printed.
+
+    Subclasses, named by `Domain.physics`, make another shape or look of it, for every engine.
+    """
+
+    STICKS: ClassVar[Sticks | None] = None
+    """How it touches others, if not as hard as the engine has it."""
+
+    def __init__(self, engine: Engine, thing: Thing) -> None:
+        """Make it where the thing is; asleep until something touches it."""
+        self.engine, self.thing = engine, thing
+        self._mass = thing.mass
+        self.id = engine.add_thing(
+            ThingForm(
+                thing.pose @ thing.thing_T_middle,
+                thing.size,
+                self._mass,
+                self.pieces(),
+                THING_FRICTION,
+                self.uvs(),
+                self.first_picture(),
+                self.STICKS,
+                self.asleep(),
+            )
+        )
+
+    def pieces(self) -> tuple[Cuboid | Wedge, ...]:
+        """What it is made of, about the thing's middle."""
+        return (Cuboid(self.thing.size),)
+
+    def uvs(self) -> tuple[Uvs, ...]:
+        """Where its faces lie in its picture; see `ThingForm`."""
+        faces = self.thing.faces()
+        return tuple(_part_of(number, side in faces) for number, side in enumerate(SIDES))
+
+    def first_picture(self) -> GreyImage:
+        """What its faces show when it is made."""
+        return _picture(self.thing.faces(), self.thing.grey)
+
+    def asleep(self) -> bool:
+        """Whether it sleeps until something touches it, from the beginning."""
+        return False
+
+    def look(self, eye: NDArray[np.float64]) -> None:
+        """A picture is taken from `eye` (3,) in [m]; have it look as it should."""
+        self.engine.show(self.id, self.first_picture())
+
+    def keep(self) -> None:
+        """A period begins: see that it weighs what the thing weighs."""
+        if self.thing.mass != self._mass:
+            self._mass = self.thing.mass
+            self.engine.weigh(self.id, self._mass)
+
+
+def _part_of(number: int, printed: bool) -> Uvs:
+    """Where the corners of a side lie in the picture of all: in the middle of its part if it is plain."""
+    if not printed:
+        return (((number + 0.5) / len(SIDES), 0.5),) * 4
+    left, right = (number + _INSET) / len(SIDES), (number + 1 - _INSET) / len(SIDES)
+    return ((left, 0.0), (right, 0.0), (right, 1.0), (left, 1.0))
+
+
+def _picture(faces: Mapping[Side, GreyImage], grey: int) -> GreyImage:
+    """All sides beside each other, each as wide and high as the largest picture of one."""
+    shades = [min(255, round(grey * share)) for share in _SHADE]
+    size = min(_MOST, max((max(each.shape) for each in faces.values()), default=_STRIP))
+    return np.hstack([_part(faces.get(side), shade, size) for side, shade in zip(SIDES, shades, strict=True)])
+
+
+def _part(picture: GreyImage | None, shade: int, size: int) -> GreyImage:
+    import cv2
+
+    if picture is None:
+        return np.full((size, size), shade, np.uint8)
+    return cv2.resize(picture, (size, size), interpolation=cv2.INTER_AREA).astype(np.uint8, copy=False)

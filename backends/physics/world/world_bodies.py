@@ -1,0 +1,134 @@
+"""What stands around the robot, as bodies."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import ClassVar
+
+import numpy as np
+
+from handcart.backends.physics.engine import Engine
+from handcart.backends.saved_state import NotAState
+from handcart.backends.simulation.bodies import Bodies
+from handcart.backends.simulation.scene import Scene
+from handcart.backends.simulation.world.solids import THE_GROUND, Solid
+from handcart.backends.simulation.world.thing import Thing
+from handcart.robotics.geometry.transform import Transform, inverse, transform
+
+from .terrain import Terrain
+from .thing_body import ThingBody
+
+FLOOR = "floor"
+FARTHEST = 10_000  # tile of the ground
+MOST = 1000  # tiles and things that come after the beginning
+FLOOR_FRICTION = 1.0
+SOLID_FRICTION = 0.65
+_AWAY = transform((0.0, 0.0, -50.0))
+_WALL, _FURNITURE, _WOOD = 165, 110, 130
+
+
+class WorldBodies:
+    """Floor, solids, printed sheets and things.
+
+    Surprises come and go; things are rigid bodies that stand, lean and fall.
+    """
+
+    STATE: ClassVar = {"made": list[tuple[int, int] | str]}
+    """Attributes that a checkpoint keeps, with their types."""
+
+    def __init__(self, engine: Engine, scene: Scene, terrain: Terrain | None = None) -> None:
+        """Build them as the scene has them; `terrain` is there instead of a level floor."""
+        self._engine, self._scene, self._terrain = engine, scene, terrain
+        self.names: dict[int, str] = {}
+        if terrain is None:
+            self.names[engine.add_floor(FLOOR_FRICTION)] = FLOOR
+        self._made: list[tuple[int, int] | str] = []
+        self._surprises: list[tuple[int, Solid]] = []
+        for solid in scene.solids:
+            if solid is THE_GROUND and terrain is not None:
+                continue
+            passes = solid.appears > 0.0 or bool(np.isfinite(solid.leaves))
+            body = engine.add_box(solid.box, SOLID_FRICTION, _grey(solid), moves=passes)
+            self.names[body] = solid.box.name
+            if passes:
+                self._surprises.append((body, solid))
+        for sheet in (sheet for props in scene.props.values() for sheet in props.sheets()):
+            engine.add_sheet(sheet)
+        self.kinds = Bodies()
+        self.things: dict[str, ThingBody] = {}
+        """Bodies of things, by their names."""
+        self.bodies: dict[str, int] = {}
+        """Their numbers."""
+        for thing in scene.things():
+            self.add(thing)
+        self._made.clear()
+        self.keep_time()
+
+    def add(self, thing: Thing) -> None:
+        """A thing as a body where it is."""
+        kind: type[ThingBody] = self.kinds.of(thing, ThingBody)
+        made = self.things[thing.name] = kind(self._engine, thing)
+        self.bodies[thing.name] = made.id
+        self.names[made.id] = thing.name
+        self._made.append(thing.name)
+
+    def keep_things(self) -> None:
+        """A period begins: things that are new get a body, and all weigh what they weigh."""
+        for thing in self._scene.things():
+            if thing.name in self.things:
+                self.things[thing.name].keep()
+            else:
+                self.add(thing)
+
+    def reach(self, x: float, y: float) -> None:
+        """See that there is ground about a place, in [m]."""
+        for tile in self._terrain.reach(x, y) if self._terrain is not None else ():
+            self._add_tile(tile)
+
+    @property
+    def made(self) -> list[tuple[int, int] | str]:
+        """What came after the beginning, in this order: tiles of the terrain, and things by name."""
+        return list(self._made)
+
+    @made.setter
+    def made(self, wanted: Sequence[tuple[int, int] | str]) -> None:
+        """Make what is missing of what another run had made, in its order; the scene has the things."""
+        begun = list(wanted[: len(self._made)]) == self._made
+        if not begun or len(set(wanted)) != len(wanted) or len(wanted) > MOST:
+            raise NotAState("no saved state: its world was made in another order")
+        for each in wanted[len(self._made) :]:
+            if isinstance(each, str):
+                self._add_named(each)
+            else:
+                self._add_tile(each)
+
+    def _add_named(self, name: str) -> None:
+        thing = self._scene.thing_named(name)
+        assert thing is not None
+        if name in self.bodies:
+            raise NotAState(f"no saved state: {name} was made twice")
+        self.add(thing)
+
+    def _add_tile(self, tile: tuple[int, int]) -> None:
+        if self._terrain is None or max(map(abs, tile)) > FARTHEST:
+            raise NotAState(f"no saved state: there is no ground at the tile {tile}")
+        self.names[self._terrain.add(tile)] = FLOOR
+        self._made.append(tile)
+
+    def pose(self, thing: Thing) -> Transform:
+        """world_T_thing (4, 4), as it truly is."""
+        return self._engine.pose(self.bodies[thing.name]) @ inverse(thing.thing_T_middle)
+
+    def keep_time(self) -> None:
+        """Put surprises where they are at the scene's time."""
+        for body, solid in self._surprises:
+            there = solid.appears <= self._scene.time < solid.leaves
+            self._engine.set_pose(body, solid.box.pose if there else _AWAY)
+
+
+def _grey(solid: Solid) -> int:
+    if solid.grey is not None:
+        return solid.grey
+    if solid.box.name.startswith("wall"):
+        return _WALL
+    return _WOOD if " of " in solid.box.name else _FURNITURE

@@ -1,9 +1,0 @@
-"""Which classes stand for what in Bullet; see `handcart.tasks.domain`."""
-
-from __future__ import annotations
-
-from handcart.backends.simulation.blocks.block import Block
-
-from .block_body import BlockBody
-
-BODIES = {Block: BlockBody}

@@ -1,9 +1,0 @@
-"""Which classes stand for what in Bullet; see `handcart.tasks.domain`."""
-
-from __future__ import annotations
-
-from handcart.backends.simulation.books.book import Book
-
-from .book_body import BookBody
-
-BODIES = {Book: BookBody}

@@ -1,0 +1,56 @@
+"""The look of a box: a mesh whose faces show parts of one picture."""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from handcart.backends.physics.thing_form import Uvs
+
+from .bullet import bullet, quiet
+
+_FACES = (
+    # -x, +x, -y, +y, +z, -z: corners counter-clockwise from outside
+    ((-1, 1, -1), (-1, -1, -1), (-1, -1, 1), (-1, 1, 1)),
+    ((1, -1, -1), (1, 1, -1), (1, 1, 1), (1, -1, 1)),
+    ((-1, -1, -1), (1, -1, -1), (1, -1, 1), (-1, -1, 1)),
+    ((1, 1, -1), (-1, 1, -1), (-1, 1, 1), (1, 1, 1)),
+    ((-1, -1, 1), (1, -1, 1), (1, 1, 1), (-1, 1, 1)),
+    ((-1, 1, -1), (1, 1, -1), (1, -1, -1), (-1, -1, -1)),
+)
+_NORMALS = ((-1, 0, 0), (1, 0, 0), (0, -1, 0), (0, 1, 0), (0, 0, 1), (0, 0, -1))
+
+
+def box_mesh(client: int, size: Sequence[float], uvs: Sequence[Uvs]) -> int:
+    """Bullet's visual shape of a box of a size (3,) in [m], about its middle.
+
+    `uvs` has the four corners of each face, as `ThingForm` says.
+    """
+    p = bullet()
+    with tempfile.TemporaryDirectory() as folder, quiet():
+        path = Path(folder) / "box.obj"
+        path.write_text(_obj(np.array(size) / 2, uvs), encoding="utf-8")
+        return int(
+            p.createVisualShape(
+                p.GEOM_MESH,
+                fileName=str(path),
+                rgbaColor=(1.0, 1.0, 1.0, 1.0),
+                specularColor=(0.0, 0.0, 0.0),
+                physicsClientId=client,
+            )
+        )
+
+
+def _obj(half: NDArray[np.float64], uvs: Sequence[Uvs]) -> str:
+    """The box as Wavefront OBJ: Bullet's EGL renderer takes meshes from files only."""
+    lines = [f"v {x} {y} {z}" for face in _FACES for x, y, z in half * np.array(face)]
+    lines += [f"vt {u} {v}" for face in uvs for u, v in face]
+    lines += [f"vn {x} {y} {z}" for x, y, z in _NORMALS]
+    for number in range(len(_FACES)):
+        a, b, c, d = (f"{4 * number + i}/{4 * number + i}/{number + 1}" for i in (1, 2, 3, 4))
+        lines += [f"f {a} {b} {c}", f"f {a} {c} {d}"]
+    return "\n".join(lines) + "\n"

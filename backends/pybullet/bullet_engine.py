@@ -1,0 +1,376 @@
+"""Bullet: its clock, its bodies, its saved states."""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Sequence
+from importlib.util import find_spec
+from pathlib import Path
+from typing import Any
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+from handcart.backends.physics.engine import GRAVITY, ContactPoint, Engine, Pinned, Point
+from handcart.backends.physics.thing_form import ThingForm
+from handcart.backends.plain_values import from_plain, to_plain
+from handcart.backends.saved_state import NotAState
+from handcart.backends.simulation.world.sheet import Sheet
+from handcart.backends.simulation.world.thing import GreyImage
+from handcart.robotics.geometry.transform import Transform, transform
+from handcart.robotics.kinematics.shapes import Box
+
+from .box_mesh import box_mesh
+from .bullet import bullet, quiet
+from .bullet_shapes import floor_look, plain_box, thing_shape, tile_shape
+from .bullet_state import check_state
+
+ROBOT_GROUP = 64  # collision group of the robot: no beam of its range sensor meets it
+_ITERATIONS = 100
+_STICKS = 0.8  # of what a contact that sticks has slid is taken back in a step
+_WARM_UP = 3  # pictures
+_SUN = (-0.5, 0.4, 1.0)  # where light comes from in a picture for people
+_UNLIT = 0.5  # of its own brightness is what the EGL renderer shows of a face that no light falls on
+
+_OFF = 2e-4  # [m] that a sheet lies above what it is painted on
+_FLAT = ((0.5, 0.5),) * 4
+_LEVEL = 1  # of its pictures: the renderer takes the nearest points of a finer one
+
+Array = NDArray[np.float64]
+
+
+class BulletEngine(Engine):
+    """A Bullet client of its own. Numbers of bodies are Bullet's.
+
+    Bullet takes impulses of motors and contacts for those of a chunk while they are those of a step: what it
+    is told of forces is divided by `substeps`, what it tells multiplied.
+    """
+
+    CONTACTS_CARRY = 0.5  # they creep
+
+    def __init__(self, period: float, window: bool = False) -> None:
+        """Start the engine.
+
+        Args:
+            period: the control period, in [s].
+            window: whether to show the world; needs a display.
+        """
+        super().__init__(period)
+        self.p = bullet()
+        with quiet():
+            self.client = self.p.connect(self.p.GUI if window else self.p.DIRECT)
+        self._connected = True
+        self._pins: list[int] = []
+        self._textures: dict[tuple[tuple[int, ...], bytes], int] = {}
+        self._shown: dict[int, int] = {}
+        self._pinned: Pinned | None = None
+        self.renderer = self._start_renderer(window)
+        """Bullet's number of the renderer: its EGL plug-in where there is one, else TinyRenderer."""
+        self._cold = _WARM_UP if self.renderer == self.p.ER_BULLET_HARDWARE_OPENGL else 0
+        self.p.setGravity(0.0, 0.0, -GRAVITY, physicsClientId=self.client)
+        self.p.setPhysicsEngineParameter(
+            fixedTimeStep=self.chunk,
+            numSubSteps=self.substeps,
+            numSolverIterations=_ITERATIONS,
+            frictionERP=_STICKS,
+            enableConeFriction=0,  # with it, what is held creeps out of the hand
+            deterministicOverlappingPairs=1,
+            physicsClientId=self.client,
+        )
+
+    def _start_renderer(self, window: bool) -> int:
+        plugin = None if window else find_spec("eglRenderer")
+        if plugin is not None and plugin.origin is not None:
+            # Before any shape is made: the renderer shows what was made after it.
+            with quiet():
+                loaded = self.p.loadPlugin(plugin.origin, "_eglRendererPlugin", physicsClientId=self.client)
+            if loaded >= 0:
+                return int(self.p.ER_BULLET_HARDWARE_OPENGL)
+        return int(self.p.ER_BULLET_HARDWARE_OPENGL if window else self.p.ER_TINY_RENDERER)
+
+    @property
+    def pinned(self) -> Pinned | None:
+        """See `Engine`."""
+        return self._pinned
+
+    def step(self) -> None:
+        """See `Engine`."""
+        self.p.stepSimulation(physicsClientId=self.client)
+
+    def close(self) -> None:
+        """See `Engine`."""
+        if self._connected:
+            self._connected = False
+            with quiet():
+                self.p.disconnect(physicsClientId=self.client)
+
+    # Bodies
+
+    def add_floor(self, friction: float) -> int:
+        """See `Engine`; what is shown of it ends 40 m away."""
+        shape = self.p.createCollisionShape(self.p.GEOM_PLANE, physicsClientId=self.client)
+        body = self.p.createMultiBody(0.0, shape, floor_look(self.client), physicsClientId=self.client)
+        return self._rub(body, friction)
+
+    def add_box(self, box: Box, friction: float, grey: int, moves: bool = False) -> int:
+        """See `Engine`."""
+        shapes = plain_box(self.client, box.size, grey)
+        body = self.p.createMultiBody(0.0, *shapes, *placed(box.pose), physicsClientId=self.client)
+        return self._rub(body, friction)
+
+    def add_tile(self, corner: Array, cell: float, heights: Array, friction: float) -> int:
+        """See `Engine`."""
+        shapes = tile_shape(self.client, cell, heights)
+        x, y = corner + cell * (len(heights) - 1) / 2
+        middle = (float(heights.min()) + float(heights.max())) / 2  # Bullet has a field about its middle
+        body = self.p.createMultiBody(0.0, *shapes, (x, y, middle), physicsClientId=self.client)
+        return self._rub(body, friction)
+
+    def _rub(self, body: int, friction: float) -> int:
+        self.p.changeDynamics(body, -1, lateralFriction=friction, physicsClientId=self.client)
+        return int(body)
+
+    def add_sheet(self, sheet: Sheet) -> None:
+        """See `Engine`."""
+        picture, metres = sheet.levels[min(_LEVEL, len(sheet.levels) - 1)]
+        height, width = (size * metres for size in picture.shape)
+        faces = [_FLAT] * 4 + [((0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)), _FLAT]
+        visual = box_mesh(self.client, (width, height, _OFF), faces)
+        pose = sheet.pose @ transform((0.0, 0.0, _OFF / 2))
+        body = self.p.createMultiBody(0.0, -1, visual, *placed(pose), physicsClientId=self.client)
+        self.show(int(body), picture)
+
+    def add_thing(self, form: ThingForm) -> int:
+        """See `Engine`."""
+        p, client = self.p, self.client
+        shape, visual = thing_shape(client, form.pieces), box_mesh(client, form.size, form.uvs)
+        body = int(p.createMultiBody(form.mass, shape, visual, *placed(form.middle), physicsClientId=client))
+        self.show(body, form.picture)
+        if form.sticks is not None:
+            p.changeDynamics(
+                body,
+                -1,
+                frictionAnchor=1,
+                contactStiffness=form.sticks.stiffness,
+                contactDamping=form.sticks.damping,
+                physicsClientId=client,
+            )
+        asleep = p.ACTIVATION_STATE_SLEEP if form.asleep else 0
+        p.changeDynamics(
+            body,
+            -1,
+            lateralFriction=form.friction,
+            activationState=p.ACTIVATION_STATE_ENABLE_SLEEPING | asleep,
+            physicsClientId=client,
+        )
+        return body
+
+    def show(self, body: int, picture: GreyImage) -> None:
+        """See `Engine`."""
+        texture = self.texture(picture)
+        if texture != self._shown.get(body):
+            self._shown[body] = texture
+            self.p.changeVisualShape(body, -1, textureUniqueId=texture, physicsClientId=self.client)
+
+    def weigh(self, body: int, mass: float) -> None:
+        """See `Engine`."""
+        self.p.changeDynamics(body, -1, mass=mass, physicsClientId=self.client)
+
+    def texture(self, picture: NDArray[np.uint8]) -> int:
+        """Number of a grey picture, which the renderer is given once."""
+        key = (picture.shape, picture.tobytes())
+        if key not in self._textures:
+            self._textures[key] = self._load_texture(picture)
+        return self._textures[key]
+
+    def _load_texture(self, picture: NDArray[np.uint8]) -> int:
+        with tempfile.TemporaryDirectory() as folder:
+            path = str(Path(folder) / "texture.png")
+            cv2.imwrite(path, cv2.cvtColor(picture, cv2.COLOR_GRAY2BGR))
+            return int(self.p.loadTexture(path, physicsClientId=self.client))
+
+    def pose(self, body: int) -> Transform:
+        """See `Engine`."""
+        position, turn = self.p.getBasePositionAndOrientation(body, physicsClientId=self.client)
+        return matrix(position, turn)
+
+    def set_pose(self, body: int, pose: Transform) -> None:
+        """See `Engine`."""
+        self.p.resetBasePositionAndOrientation(body, *placed(pose), physicsClientId=self.client)
+        self.p.resetBaseVelocity(body, (0.0,) * 3, (0.0,) * 3, physicsClientId=self.client)
+
+    def touches(self, body: int, anything: bool) -> None:
+        """See `Engine`."""
+        group, mask = (1, -1) if anything else (0, 0)
+        self.p.setCollisionFilterGroupMask(body, -1, group, mask, physicsClientId=self.client)
+
+    def contacts(self, body: int) -> list[ContactPoint]:
+        """See `Engine`."""
+        points = self.p.getContactPoints(bodyA=body, physicsClientId=self.client)
+        return [self._contact(point) for point in points if point[9] > 0.0]
+
+    def _contact(self, point: Sequence[Any]) -> ContactPoint:
+        """Bullet's contact point, its first body being the one that is asked about."""
+        other, link, other_link, normal = point[2], point[3], point[4], point[7]
+        (pressed, one, first, two, second), times = point[9:14], self.substeps
+        x, y, z = (
+            times * (pressed * n + one * a + two * b) for n, a, b in zip(normal, first, second, strict=True)
+        )
+        return ContactPoint(link, other, other_link, normal, (x, y, z))
+
+    def free_shares(self, start: Array, ends: Array) -> Array:
+        """See `Engine`: in one batch."""
+        starts = np.broadcast_to(start, ends.shape)
+        hits = self.p.rayTestBatch(
+            starts.tolist(),
+            ends.tolist(),
+            numThreads=1,
+            collisionFilterMask=~ROBOT_GROUP,
+            physicsClientId=self.client,
+        )
+        return np.array([hit[2] if hit[0] >= 0 else np.inf for hit in hits])
+
+    def free_share(self, start: Array, end: Array) -> float:
+        """How far it is free of all but the robot from a point (3,) towards another: 1 for all the way."""
+        mask = ~ROBOT_GROUP
+        hit = self.p.rayTest(
+            start.tolist(), end.tolist(), collisionFilterMask=mask, physicsClientId=self.client
+        )
+        return float(hit[0][2])
+
+    # Pictures
+
+    def picture(
+        self, view: Transform, projection: Transform, size: tuple[int, int], lit: bool = False
+    ) -> NDArray[np.uint8]:
+        """What is seen, (height, width, 3) in RGB.
+
+        Args:
+            view: (4, 4) from the world to OpenGL's camera frame.
+            projection: (4, 4), OpenGL's.
+            size: width and height in [px].
+            lit: for people, with light from above and shadows; else all is as bright as it is painted.
+        """
+        width, height = size
+        # The EGL renderer always has one light and shadows: from behind what is seen it falls on nothing.
+        light = _SUN if lit else tuple((-view[2, :3]).tolist())
+        with quiet():
+            for _ in range(self._cold):  # the first pictures of the EGL renderer are lit otherwise
+                self._render(view, projection, size, light)
+            self._cold = 0
+            image = self._render(view, projection, size, light)
+        picture = np.asarray(image, dtype=np.uint8).reshape(height, width, 4)[..., :3]
+        if lit or self.renderer != self.p.ER_BULLET_HARDWARE_OPENGL:
+            return picture
+        return cv2.convertScaleAbs(picture, alpha=1 / _UNLIT).astype(np.uint8, copy=False)
+
+    def _render(self, view: Transform, projection: Transform, size: tuple[int, int], light: Point) -> Any:
+        return self.p.getCameraImage(
+            *size,
+            view.T.ravel().tolist(),
+            projection.T.ravel().tolist(),
+            lightDirection=light,
+            shadow=0,
+            lightAmbientCoeff=1.0,
+            lightDiffuseCoeff=0.0,
+            lightSpecularCoeff=0.0,
+            renderer=self.renderer,
+            flags=self.p.ER_NO_SEGMENTATION_MASK,
+            physicsClientId=self.client,
+        )[2]
+
+    # What is held together
+
+    def pin(self, wanted: Pinned | None) -> None:
+        """See `Engine`."""
+        for number in self._pins:
+            self.p.removeConstraint(number, physicsClientId=self.client)
+        self._pins, self._pinned = [], wanted
+        if wanted is None:
+            return
+        for point, other in zip(wanted.points, wanted.other_points, strict=True):
+            number = self.p.createConstraint(
+                wanted.body,
+                wanted.link,
+                wanted.other,
+                -1,
+                self.p.JOINT_POINT2POINT,
+                (0, 0, 0),
+                point,
+                other,
+                physicsClientId=self.client,
+            )
+            force = wanted.force_n / self.substeps
+            self.p.changeConstraint(number, maxForce=force, physicsClientId=self.client)
+            self._pins.append(int(number))
+
+    # States
+
+    def state(self) -> dict[str, Any]:
+        """See `Engine`: as Bullet writes it into a file, and what is held together: Bullet keeps no
+        constraints.
+        """
+        return {"bullet": self._saved(), "pinned": to_plain(self._pinned, Pinned | None)}
+
+    def _saved(self) -> bytes:
+        """The file that the engine writes now."""
+        with tempfile.TemporaryDirectory() as folder, quiet():
+            path = Path(folder) / "state.bullet"
+            self.p.saveBullet(str(path), physicsClientId=self.client)
+            return path.read_bytes()
+
+    def set_state(self, state: object) -> None:
+        """See `Engine`.
+
+        Where a body stands on one of several shapes, what follows may differ in the last digits: Bullet keeps
+        such contacts, but not as they were.
+        """
+        if not isinstance(state, dict) or state.keys() != {"bullet", "pinned"}:
+            raise NotAState("no state of this engine; needed: bullet, pinned")
+        content = from_plain(state["bullet"], bytes, "engine")
+        pinned = from_plain(state["pinned"], Pinned | None, "pinned")
+        self._check_pinned(pinned)
+        self.pin(None)
+        check_state(content, self._saved())
+        with tempfile.TemporaryDirectory() as folder, quiet():
+            path = Path(folder) / "state.bullet"
+            path.write_bytes(content)
+            try:
+                self.p.restoreState(fileName=str(path), physicsClientId=self.client)
+                self.pin(pinned)
+            except self.p.error as error:
+                raise NotAState(f"no saved state: the engine refuses it: {error}") from None
+
+    def _check_pinned(self, pinned: Pinned | None) -> None:
+        """Whether there are such bodies, and a link; raises `NotAState`."""
+        if pinned is None:
+            return
+        there = {self.p.getBodyUniqueId(n, physicsClientId=self.client) for n in range(self._bodies())}
+        if not {pinned.body, pinned.other} <= there or len(pinned.points) != len(pinned.other_points):
+            raise NotAState("no saved state: what is held together isn't there")
+        if not -1 <= pinned.link < self.p.getNumJoints(pinned.body, physicsClientId=self.client):
+            raise NotAState("no saved state: what is held together has no such link")
+
+    def _bodies(self) -> int:
+        return int(self.p.getNumBodies(physicsClientId=self.client))
+
+
+def placed(pose: Transform) -> tuple[list[float], list[float]]:
+    """A pose (4, 4) as Bullet wants it: position, and quaternion x, y, z, w."""
+    return pose[:3, 3].tolist(), Rotation.from_matrix(pose[:3, :3]).as_quat().tolist()
+
+
+def matrix(position: Sequence[float], quaternion: Sequence[float]) -> Transform:
+    """The pose (4, 4) of a position and a quaternion x, y, z, w."""
+    x, y, z, w = quaternion
+    result: NDArray[np.float64] = np.array(
+        [
+            [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w), position[0]],
+            [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w), position[1]],
+            [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y), position[2]],
+            [0.0, 0.0, 0.0, 1.0],
+        ]
+    )
+    return result

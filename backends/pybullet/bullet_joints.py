@@ -1,0 +1,58 @@
+"""Joints of the robot in Bullet."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from handcart.backends.physics.body.joint_group import JointGroup, Vector
+
+from .bullet_engine import BulletEngine
+
+
+class BulletJoints(JointGroup):
+    """See `JointGroup`; Bullet's motors are constraints whose impulses are limited."""
+
+    def __init__(self, engine: BulletEngine, body: int, joints: Sequence[int]) -> None:
+        """Those of a body by Bullet's numbers."""
+        self._p, self._client, self._substeps = engine.p, engine.client, engine.substeps
+        self._body, self._joints = body, list(joints)
+
+    def states(self) -> tuple[Vector, Vector]:
+        """See `JointGroup`."""
+        read = self._p.getJointStates(self._body, self._joints, physicsClientId=self._client)
+        return np.array([each[0] for each in read]), np.array([each[1] for each in read])
+
+    def turn(self, speeds: Vector, most: Vector) -> None:
+        """See `JointGroup`."""
+        self._p.setJointMotorControlArray(
+            self._body,
+            self._joints,
+            self._p.VELOCITY_CONTROL,
+            targetVelocities=speeds.tolist(),
+            forces=(most / self._substeps).tolist(),
+            physicsClientId=self._client,
+        )
+
+    def stand(self, positions: Vector, most: Vector, share: float) -> None:
+        """See `JointGroup`."""
+        self._p.setJointMotorControlArray(
+            self._body,
+            self._joints,
+            self._p.POSITION_CONTROL,
+            targetPositions=positions.tolist(),
+            forces=(most / self._substeps).tolist(),
+            positionGains=[share] * len(self._joints),
+            physicsClientId=self._client,
+        )
+
+    def push(self, torques: Vector) -> None:
+        """See `JointGroup`."""
+        self._p.setJointMotorControlArray(
+            self._body,
+            self._joints,
+            self._p.TORQUE_CONTROL,
+            forces=torques.tolist(),
+            physicsClientId=self._client,
+        )

@@ -1,0 +1,94 @@
+"""Shapes of Bullet's bodies."""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from handcart.backends.physics.thing_form import Cuboid, Wedge
+
+from .bullet import bullet, quiet
+from .wedge_mesh import wedge_mesh
+
+_FLOOR = 0.37  # grey
+
+
+def floor_look(client: int) -> int:
+    """Bullet's visual shape of a level floor."""
+    p = bullet()
+    return int(
+        p.createVisualShape(
+            p.GEOM_BOX,
+            halfExtents=(40.0, 40.0, 0.005),
+            visualFramePosition=(0.0, 0.0, -0.005),
+            rgbaColor=(_FLOOR, _FLOOR, _FLOOR, 1.0),
+            specularColor=(0.0, 0.0, 0.0),
+            physicsClientId=client,
+        )
+    )
+
+
+def plain_box(client: int, size: Sequence[float], grey: int) -> tuple[int, int]:
+    """Bullet's collision and visual shape of a box of a size (3,) in [m]."""
+    p, half, shade = bullet(), [length / 2 for length in size], grey / 255
+    shape = p.createCollisionShape(p.GEOM_BOX, halfExtents=half, physicsClientId=client)
+    visual = p.createVisualShape(
+        p.GEOM_BOX,
+        halfExtents=half,
+        rgbaColor=(shade, shade, shade, 1.0),
+        specularColor=(0.0, 0.0, 0.0),
+        physicsClientId=client,
+    )
+    return int(shape), int(visual)
+
+
+def tile_shape(client: int, cell: float, heights: NDArray[np.float64]) -> tuple[int, int]:
+    """Bullet's collision and visual shape of rough ground; see `Engine.add_tile`."""
+    p, count = bullet(), len(heights)
+    side = (count - 1) * cell
+    shape = p.createCollisionShape(
+        p.GEOM_HEIGHTFIELD,
+        meshScale=(cell, cell, 1.0),
+        heightfieldData=heights.ravel().tolist(),
+        numHeightfieldRows=count,
+        numHeightfieldColumns=count,
+        physicsClientId=client,
+    )
+    seen = p.createVisualShape(p.GEOM_BOX, halfExtents=(side / 2, side / 2, 0.001), physicsClientId=client)
+    return int(shape), int(seen)
+
+
+def thing_shape(client: int, pieces: Sequence[Cuboid | Wedge]) -> int:
+    """Bullet's collision shape of all pieces of a thing, about its middle."""
+    p = bullet()
+    if len(pieces) == 1 and isinstance(pieces[0], Cuboid) and pieces[0].ahead == 0.0:
+        half = [length / 2 for length in pieces[0].size]
+        return int(p.createCollisionShape(p.GEOM_BOX, halfExtents=half, physicsClientId=client))
+    with tempfile.TemporaryDirectory() as folder, quiet():
+        kinds, halves, files, places = [], [], [], []
+        for number, piece in enumerate(pieces):
+            if isinstance(piece, Cuboid):
+                kinds.append(p.GEOM_BOX)
+                halves.append(tuple(length / 2 for length in piece.size))
+                files.append("")
+                places.append((piece.ahead, 0.0, 0.0))
+            else:
+                path = Path(folder) / f"wedge_{number}.obj"
+                path.write_text(wedge_mesh(piece), encoding="utf-8")
+                kinds.append(p.GEOM_MESH)
+                halves.append((0.0, 0.0, 0.0))
+                files.append(str(path))
+                places.append((0.0, 0.0, 0.0))
+        return int(
+            p.createCollisionShapeArray(
+                shapeTypes=kinds,
+                halfExtents=halves,
+                fileNames=files,
+                collisionFramePositions=places,
+                physicsClientId=client,
+            )
+        )

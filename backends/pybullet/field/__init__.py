@@ -1,1 +1,0 @@
-"""What lays sensors in Bullet."""

@@ -1,1 +1,0 @@
-"""What the robot's sensors read in Bullet."""
