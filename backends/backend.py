@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, ClassVar, Self, TypeVar
 
@@ -57,6 +57,8 @@ class Backend(ABC):
     """Whether the world behind it is made anew by `build`; a real one stands as it was left."""
     address: str = ""
     """Which robot it is, where several of its kind are in reach of this machine, such as `socketcan can0`."""
+    remarks: Sequence[str] = ()
+    """What of the robot isn't as its files say, in words; told before a run."""
     recording: Recording | None = None
     """Keeps what passes between program and robot beside the journal; None where there is nothing to keep."""
 

@@ -8,7 +8,8 @@ from importlib.util import find_spec
 EXTRAS: dict[str, Sequence[str]] = {
     "arm": ("pinocchio", "ompl", "toppra", "fcl"),
     "labels": ("onnxruntime", "rapidocr"),
-    "sim": ("pybullet",),
+    "sim": ("mujoco",),
+    "pybullet": ("pybullet",),
 }
 """By the name of an extra in pyproject.toml: the modules that come with it."""
 

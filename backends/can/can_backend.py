@@ -134,10 +134,12 @@ class CanBackend(Backend):
             inner = bench.build(robot, world, seed)
         stand = Bench(robot, robot.can, inner)
         try:
-            return cls(robot, stand)
+            backend = cls(robot, stand)
         except BaseException:
             stand.close()
             raise
+        backend.remarks = () if inner is None else inner.remarks
+        return backend
 
     @classmethod
     def kinds(cls, robot: RobotFile) -> tuple[type[Capability], ...] | None:

@@ -11,7 +11,7 @@ from xml.etree import ElementTree
 import numpy as np
 
 from handcart.backends.description.robot_file import RobotFile
-from handcart.backends.physics.body.robot_body import RobotBody, held_still, on_suspension
+from handcart.backends.physics.body.robot_body import RobotBody, held_still, sound_urdf
 from handcart.backends.physics.body.surface import Surface
 from handcart.backends.urdf.driven_wheels import driven_wheels
 from handcart.robotics.geometry.pose2 import Pose2
@@ -20,7 +20,6 @@ from handcart.robotics.geometry.transform import Transform, inverse, transform
 from .mujoco_engine import MujocoEngine
 from .mujoco_joints import MujocoJoints
 from .mujoco_module import mujoco
-from .urdf_repairs import repaired
 from .world_spec import HARD, ROBOT, ROBOT_GROUP, STIFF, quaternion
 
 TOP_ACCELERATION = 100.0  # of a drive that moves nothing but itself [rad/s²]
@@ -37,9 +36,8 @@ class MujocoBody(RobotBody):
         self._engine = engine
         self.sprung = robot.errors.lean_mrad_per_m > 0.0
         self.id = engine.grow()
-        child = _read(robot, self.sprung)
-        self.repairs = repaired(each for each in child.bodies if each.name != "world")
-        """What isn't as the URDF has it."""
+        urdf, self.repairs = sound_urdf(robot)
+        child = _read(urdf)
         self.effort = {joint.name: float(joint.actfrcrange[1]) for joint in child.joints}
         self._furnish(child)
         spec = engine.world.spec
@@ -171,12 +169,11 @@ class MujocoBody(RobotBody):
         return {self.link_index[name.removeprefix(ROBOT)] for name in names}
 
 
-def _read(robot: RobotFile, suspended: bool) -> Any:
+def _read(urdf: str) -> Any:
     """The `MjSpec` of a robot's URDF, all its links being bodies."""
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "robot.urdf"
-        text = on_suspension(robot) if suspended else robot.urdf_text()
-        path.write_text(_without_a_world(text), encoding="utf-8")
+        path.write_text(_without_a_world(urdf), encoding="utf-8")
         spec = mujoco().MjSpec.from_file(str(path))
     spec.compiler.fusestatic, spec.compiler.discardvisual = False, True
     return spec

@@ -118,6 +118,7 @@ class PhysicsBackend(SimulatedBackend):
             terrain = Terrain(engine, world.ground, seed)
         self._world = WorldBodies(engine, self.scene, terrain)
         self._body = self._load_robot(robot)
+        self.remarks = [robot.whole.remark("link", *each) for each in self._body.repairs]
         if terrain is not None:
             under = terrain.height(*self.scene.base.apply(WHEELS).T)
             self._body.put(self.scene.base, float(under.max()) + LET_DOWN)

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from handcart.backends.description.robot_file import RobotFile
-from handcart.backends.physics.body.robot_body import RobotBody, held_still, on_suspension, without_mass
+from handcart.backends.physics.body.robot_body import RobotBody, held_still, sound_urdf
 from handcart.backends.physics.body.surface import Surface
 from handcart.backends.urdf.driven_wheels import driven_wheels
 from handcart.robotics.geometry.pose2 import Pose2
@@ -22,7 +22,6 @@ from .bullet_joints import BulletJoints
 
 _ALL = -1
 _GEAR_FORCE = 500.0  # with which a linkage keeps two joints alike [N]
-_SPECK = 1e-6  # mass of a link that is only a frame [kg], and its inertia [kg m²]; Bullet would take 1
 
 
 class BulletBody(RobotBody):
@@ -38,12 +37,10 @@ class BulletBody(RobotBody):
             | p.URDF_USE_SELF_COLLISION_EXCLUDE_ALL_PARENTS
         )
         self.sprung = robot.errors.lean_mrad_per_m > 0.0
-        urdf = on_suspension(robot) if self.sprung else robot.urdf_text()
+        urdf, self.repairs = sound_urdf(robot)
         with tempfile.TemporaryDirectory() as folder, quiet():
-            path = robot.urdf_path()
-            if self.sprung:
-                path = Path(folder) / "robot.urdf"
-                path.write_text(urdf, encoding="utf-8")
+            path = Path(folder) / "robot.urdf"
+            path.write_text(urdf, encoding="utf-8")
             self.id = int(p.loadURDF(str(path), flags=flags, physicsClientId=client))
         count = p.getNumJoints(self.id, physicsClientId=client)
         infos = [p.getJointInfo(self.id, i, physicsClientId=client) for i in range(count)]
@@ -58,14 +55,6 @@ class BulletBody(RobotBody):
         self.link_index[root], self.link_names[-1] = -1, root
         self._root_T_middle = matrix(*p.getDynamicsInfo(self.id, -1, physicsClientId=client)[3:5])
         self._middle_T_base = inverse(self._root_T_middle) @ self._root_T_base()
-        for name in without_mass(urdf):
-            p.changeDynamics(
-                self.id,
-                self.link_index[name],
-                mass=_SPECK,
-                localInertiaDiagonal=(_SPECK, _SPECK, _SPECK),
-                physicsClientId=client,
-            )
         for link in range(-1, count):
             p.setCollisionFilterGroupMask(self.id, link, ROBOT_GROUP, _ALL, physicsClientId=client)
         for info in infos:

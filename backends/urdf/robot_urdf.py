@@ -50,6 +50,10 @@ class RobotUrdf:
         place = self.places.get((kind, name))
         return None if place is None else place.finding(f"{kind} {name!r}: {message}")
 
+    def remark(self, kind: str, name: str, message: str) -> str:
+        """The same in words; without a place for one that we have added."""
+        return str(self.finding(kind, name, message) or f"{kind} {name!r}: {message}")
+
 
 def robot_urdf(
     specs: Sequence[PartSpec],

@@ -13,7 +13,7 @@ from handcart.robotics.kinematics.urdf_contents import LinkFacts
 
 LIGHT, HEAVY = 50.0, 12000.0  # of a link, mass by volume of its bodies [kg/m³]: foam to lead
 OUTSIDE = 0.03  # [m] beside its bodies that a middle of mass may lie
-ROUNDED = 1e-6  # by this share of it a moment of inertia may be off
+ROUNDED = 1e-9  # by this share of it a moment of inertia may be off
 
 
 def mass_faults(link: LinkFacts, bodies: Sequence[Shape], moves: bool = False) -> list[str]:

@@ -125,7 +125,7 @@ def _built(
     assert made is not None
     assert spec is not None
     assert known is not None
-    model, warnings = known[0], (*spec.warnings, *known[1])
+    model, warnings = known[0], (*spec.warnings, *known[1], *made.remarks)
     try:
         task.check_capabilities(made)
         robot = make_robot(task, made, spec, model)

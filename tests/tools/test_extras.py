@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import subprocess
 import sys
 import tomllib
@@ -43,7 +44,7 @@ def test_the_extras_are_those_of_the_project() -> None:
     extras = project["optional-dependencies"]
     modules = {"pin": "pinocchio", "python-fcl": "fcl"}
     for extra, brought in EXTRAS.items():
-        names = [each.partition(">")[0] for each in extras[extra]]
+        names = [re.split("[>;]", each)[0] for each in extras[extra]]
         assert sorted(modules.get(each, each) for each in names) == sorted(brought)
     assert f"handcart[{','.join(EXTRAS)}]" in extras["dev"]
     assert MODULES["python-fcl"] == "fcl"

@@ -4,18 +4,18 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Collection, Iterable, Sequence
-from xml.etree import ElementTree
 
 from handcart.backends.description.robot_file import RobotFile
 from handcart.backends.urdf.driven_wheels import DrivenWheels, driven_wheels
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import Transform
-from handcart.robotics.kinematics.urdf_contents import joints_of
+from handcart.robotics.kinematics.urdf_contents import joints_of, link_names
 from handcart.robotics.kinematics.urdf_tree import joint_leaders
 
 from .joint_group import JointGroup
 from .sprung import CHASSIS, sprung
 from .surface import Surface
+from .urdf_repairs import Repair, repaired
 
 MOVED = ("left_finger", "right_finger", "left_steering", "right_steering")
 """Joints that are moved, besides the arm's and the wheels'."""
@@ -37,6 +37,8 @@ class RobotBody(ABC):
     """What joints can give, in [Nm] or [N], by name."""
     link_index: dict[str, int]
     link_names: dict[int, str]
+    repairs: Sequence[Repair]
+    """What isn't as the URDF has it."""
 
     @abstractmethod
     def put(self, base: Pose2, height: float = 0.0) -> None:
@@ -93,22 +95,22 @@ class RobotBody(ABC):
         return casters(self.link_index)
 
 
-def on_suspension(robot: RobotFile) -> str:
-    """The URDF of a robot whose base stands on a chassis with a suspension."""
-    text = robot.urdf_text()
-    links = [link.get("name", "") for link in ElementTree.fromstring(text).findall("link")]
-    return sprung(text, robot.errors.lean_pivot_m, (*driven_wheels(links).all, *casters(links)))
+def sound_urdf(robot: RobotFile) -> tuple[str, list[Repair]]:
+    """The URDF that engines get, with what isn't as the robot's files say.
+
+    Where the base leans, it stands on a chassis with a suspension.
+    """
+    text, repairs = repaired(robot.urdf_text())
+    if robot.errors.lean_mrad_per_m > 0.0:
+        links = link_names(text)
+        rolling = (*driven_wheels(links).all, *casters(links))
+        text, _ = repaired(sprung(text, robot.errors.lean_pivot_m, rolling))
+    return text, repairs
 
 
 def casters(links: Iterable[str]) -> list[str]:
     """Those of these links that slide on the floor."""
     return [name for name in links if "caster" in name]
-
-
-def without_mass(urdf: str) -> list[str]:
-    """Links that are only frames."""
-    links = ElementTree.fromstring(urdf).findall("link")
-    return [link.get("name", "") for link in links if link.find("inertial") is None]
 
 
 def held_still(robot: RobotFile) -> dict[str, tuple[float, float]]:

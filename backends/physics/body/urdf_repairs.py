@@ -1,0 +1,70 @@
+"""What of a robot's URDF no physics engine can take, and what is made of it."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+from xml.etree import ElementTree
+from xml.etree.ElementTree import Element, SubElement
+
+import numpy as np
+
+from handcart.robotics.kinematics.urdf_contents import LinkFacts, joints_of, links_of
+
+LIGHTEST = 1e-6  # of a link without mass [kg], and its inertia [kg m²]
+ROUNDED = 1e-9  # of its largest moment: by so much an inertia may be off without a word
+
+
+class Repair(NamedTuple):
+    """A link that isn't as its maker wrote it."""
+
+    link: str
+    what: str
+
+
+def repaired(urdf: str) -> tuple[str, list[Repair]]:
+    """The same robot, with masses and inertia that bodies can have; with what was done that matters.
+
+    A frame without mass that is fixed to its parent becomes nearly weightless without a word.
+    """
+    robot = ElementTree.fromstring(urdf)
+    links = {each.get("name", ""): each for each in robot.findall("link")}
+    moved = {each.child for each in joints_of(urdf)}
+    done = []
+    for facts in links_of(urdf):
+        link = links[facts.name]
+        what = _repair(link, facts, facts.name in moved or link.find("collision") is not None)
+        done += [Repair(facts.name, what)] if what else []
+    return ElementTree.tostring(robot, encoding="unicode"), done
+
+
+def _repair(link: Element, facts: LinkFacts, matters: bool) -> str:
+    if facts.mass is None or facts.mass <= 0.0:
+        _make_light(link)
+        has = "no mass" if facts.mass is None else f"a mass of {facts.mass:g} kg"
+        return f"{has}; given {LIGHTEST:g} kg and {LIGHTEST:g} kg m²" if matters else ""
+    small, middle, large = np.linalg.eigvalsh(facts.inertia)
+    lacking = max(large - middle - small, LIGHTEST - small if small <= 0.0 else -large)
+    if lacking > -ROUNDED * large:
+        _widen(link, lacking + ROUNDED * large)
+    if lacking <= ROUNDED * large:
+        return ""
+    return f"no body has its inertia; {lacking:.2g} kg m² put on each of its moments"
+
+
+def _make_light(link: Element) -> None:
+    for old in link.findall("inertial"):
+        link.remove(old)
+    inertial = SubElement(link, "inertial")
+    SubElement(inertial, "mass", value=repr(LIGHTEST))
+    moments = {f"i{axis}{axis}": repr(LIGHTEST) for axis in "xyz"}
+    SubElement(inertial, "inertia", {**moments, "ixy": "0", "ixz": "0", "iyz": "0"})
+
+
+def _widen(link: Element, by: float) -> None:
+    """Put as much, in [kg m²], on each moment of inertia."""
+    inertial = next(link.iter("inertial"))
+    inertia = inertial.find("inertia")
+    if inertia is None:
+        inertia = SubElement(inertial, "inertia")
+    for name in ("ixx", "iyy", "izz"):
+        inertia.set(name, repr(float(inertia.get(name, "0")) + float(by)))
