@@ -120,6 +120,7 @@ class PhysicsBackend(SimulatedBackend):
         self._body = self._load_robot(robot)
         self.remarks = [robot.whole.remark("link", *each) for each in self._body.repairs]
         if terrain is not None:
+            self.scene.ground_height = terrain.height_at
             under = terrain.height(*self.scene.base.apply(WHEELS).T)
             self._body.put(self.scene.base, float(under.max()) + LET_DOWN)
             self._world.reach(self.scene.base.x, self.scene.base.y)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import ClassVar, NamedTuple, TypeVar
@@ -35,6 +36,11 @@ class Contact(NamedTuple):
     """What of the robot: "base", a link, "load" (what is held), "fingers"."""
     other: str
     """What it ran into."""
+
+
+def level(x: float, y: float) -> float:
+    """The height of a floor."""
+    return 0.0
 
 
 @dataclass(eq=False)
@@ -83,6 +89,8 @@ class Scene:
     """What touches in this period: pairs as in `Contact`."""
     open_ground: bool = False
     """Whether it stands outdoors: what is let go stands on the ground."""
+    ground_height: Callable[[float, float], float] = level
+    """Of the ground at a place, all in [m]."""
     tilted_base: Transform | None = None
     """world_T_base (4, 4) where physics lets the base tilt; None: it stands level."""
     changes: int = 0

@@ -49,6 +49,10 @@ class Terrain:
         phases = x[..., None] * self._waves[0] + y[..., None] * self._waves[1] + self._phases
         return np.asarray(self._size * np.cos(phases).sum(axis=-1))
 
+    def height_at(self, x: float, y: float) -> float:
+        """At one place, all in [m]."""
+        return float(self.height(np.array(x), np.array(y)))
+
     def reach(self, x: float, y: float) -> list[tuple[int, int]]:
         """The tiles that are missing about a place, in [m]."""
         side = CELLS * CELL

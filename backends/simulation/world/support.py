@@ -48,8 +48,8 @@ def put_down(scene: Scene, thing: Thing) -> None:
 
 
 def rest_of(scene: Scene, thing: Thing) -> Rest:
-    """What carries a box that stands where physics has put it: the robot's own table, one of the world, or
-    nothing of use.
+    """What carries a box that stands where physics has put it: the robot's own table, one of the world, open
+    ground, or nothing of use.
 
     What stands on another box is carried by what carries that one. One that toppled is lost to the robot,
     wherever it lies.
@@ -67,7 +67,8 @@ def rest_of(scene: Scene, thing: Thing) -> Rest:
         length, width, height = solid.box.size
         if abs(x) < length / 2 and abs(y) < width / 2 and z > height / 2 - SUNK:
             return Rest.TABLE
-    return Rest.FLOOR
+    x, y, z = thing.pose[:3, 3]
+    return Rest.TABLE if scene.open_ground and z > scene.ground_height(x, y) - SUNK else Rest.FLOOR
 
 
 def _supports(scene: Scene, thing: Thing) -> list[tuple[float, Points, bool]]:

@@ -33,6 +33,10 @@ class PoseRegulator:
     A differential drive can't move sideways, so a sideways error needs a move along another direction: aim at
     the goal (with the front or the back, whichever turns less), drive there, turn to the goal's heading. Each
     of the three is a stable one-dimensional loop; if position is off after the last turn, it begins again.
+
+    Where only millimetres are left, direction and length of the drive are those seen before the first turn: a
+    base that doesn't turn about its very origin shifts as it turns, and would chase a bearing that turns with
+    it. When it has turned back, it has moved by just the drive.
     """
 
     def __init__(
@@ -58,6 +62,9 @@ class PoseRegulator:
         self._ramp = Ramp(limits) if ramp is None else ramp
         self._phase = _Phase.ALIGN
         self._backwards = False
+        self._heading: float | None = None
+        self._ahead = 0.0
+        self._stop = goal
 
     def finished(self, pose: Pose2) -> bool:
         """Whether the robot stands at the goal, within tolerance, at rest."""
@@ -77,10 +84,11 @@ class PoseRegulator:
             turn = 0.0 if self._any_heading else goal.theta
             return self._ramp.towards(0.0, self._turn_rate(turn), dt)
         if self._phase is _Phase.AIM:
-            return self._ramp.towards(0.0, self._turn_rate(self._bearing(goal)), dt)
+            return self._ramp.towards(0.0, self._turn_rate(self._aim(pose, goal)), dt)
         far = math.hypot(goal.x, goal.y) > STEERED
         turn_rate = self._turn_rate(self._bearing(goal)) if far else 0.0
-        return self._ramp.towards(rate_to_stop(goal.x, limits.speed, limits.acceleration), turn_rate, dt)
+        rest = self._stop.relative_to(pose).x
+        return self._ramp.towards(rate_to_stop(rest, limits.speed, limits.acceleration), turn_rate, dt)
 
     def _choose_phase(self, pose: Pose2, goal: Pose2) -> None:
         distance = pose.distance(
@@ -91,12 +99,22 @@ class PoseRegulator:
             far = distance > 5.0 * self.tolerance.position
             if distance > self.tolerance.position and (far or (aligned and self._ramp.at_rest)):
                 self._phase, self._backwards = _Phase.AIM, goal.x < 0.0
+                self._heading = None if far else wrap(pose.theta + self._bearing(goal))
+                self._ahead = math.copysign(distance, goal.x)
         elif self._phase is _Phase.AIM:
             fine = 0.25 * self.tolerance.position / max(distance, self.tolerance.position)
-            if abs(self._bearing(goal)) < max(fine, 0.01) and abs(self._ramp.turn_rate) < 0.05:
+            if abs(self._aim(pose, goal)) < max(fine, 0.01) and abs(self._ramp.turn_rate) < 0.05:
                 self._phase = _Phase.DRIVE
-        elif abs(goal.x) < 0.2 * self.tolerance.position and abs(self._ramp.speed) < 0.02:
-            self._phase = _Phase.ALIGN
+                straight = pose.compose(Pose2(self._ahead, 0.0, 0.0))
+                self._stop = self.goal if self._heading is None else straight
+        else:
+            rest = self._stop.relative_to(pose).x
+            if abs(rest) < 0.2 * self.tolerance.position and abs(self._ramp.speed) < 0.02:
+                self._phase = _Phase.ALIGN
+
+    def _aim(self, pose: Pose2, goal: Pose2) -> float:
+        """Turn that is left before it drives."""
+        return self._bearing(goal) if self._heading is None else wrap(self._heading - pose.theta)
 
     def _bearing(self, goal: Pose2) -> float:
         """Turn that points the front, or the back, at the goal."""

@@ -133,3 +133,24 @@ def test_regulator_does_not_wait_for_itself_at_the_edge_of_its_tolerance() -> No
     goal = Pose2(1.0, -1.0, 0.008)
     poses, _ = run(PoseRegulator(goal), Pose2(1.008, -1.0, 0.008), seconds=40.0)
     assert poses[-1].distance(goal) <= 0.008
+
+
+@settings(max_examples=60, deadline=None)
+@given(st.floats(0.0, 0.006), st.floats(-math.pi, math.pi), st.floats(-0.02, 0.02), st.integers(0, 9))
+def test_regulator_does_not_chase_a_bearing_that_turns_with_the_base(
+    off: float, way: float, sideways: float, seed: int
+) -> None:
+    """A base that turns about a point beside its origin, near a goal that lies within that circle."""
+    middle = Pose2(off * math.cos(way), off * math.sin(way), 0.0)
+    origin = Pose2(0.0, 0.0, 0.0).relative_to(middle)
+    goal, tolerance = Pose2(1.0, -1.0, 0.5), PoseTolerance(0.003, 0.002)
+    regulator, rng = PoseRegulator(goal, tolerance=tolerance), np.random.default_rng(seed)
+    pose = seen = goal.compose(Pose2(0.004, sideways, 0.0))
+    turned = 0.0
+    while not regulator.finished(seen):
+        speed, turn_rate = regulator.command(seen, DT)
+        turned += abs(turn_rate) * DT
+        assert turned < 25.0, f"it turns and turns, {pose.distance(goal):.4f} m beside the goal"
+        pose = moved(pose.compose(middle), speed, turn_rate).compose(origin)
+        seen = Pose2(*(np.array(pose) + rng.normal(0.0, (5e-4, 5e-4, 3e-4))))
+    assert pose.distance(goal) < 0.005
