@@ -14,8 +14,13 @@ from handcart.backends.capabilities.imu import Imu
 from handcart.backends.description.robot_file import RobotFile
 from handcart.backends.description.robot_loading import load_robot
 from handcart.backends.kinematic.kinematic_backend import KinematicBackend
+from handcart.backends.simulation.field.sensor import Sensor
+from handcart.backends.simulation.world.placed_thing import PlacedSpec
+from handcart.backends.simulation.world.support import rest_of
+from handcart.backends.simulation.world.thing import Rest
 from handcart.backends.simulation.world.world_model import world_model
 from handcart.primitives.field.scara_arm import scara_of
+from handcart.robotics.geometry.transform import transform
 from handcart.robotics.manipulation.arms.scara import Scara
 
 GROUND = {"format": "handcart-world/1", "start": {"x_m": 0.0, "y_m": 0.0}, "ground": {}}
@@ -110,3 +115,22 @@ def test_the_arm_of_the_file_is_that_of_the_paper(robot: RobotFile) -> None:
     rng = np.random.default_rng(0)
     for joints in rng.uniform(_Robot.arm_model.lower, _Robot.arm_model.upper, (20, 3)):
         assert arm.base_tip(joints) == pytest.approx(_Robot.arm_model.forward(joints)[:3, 3], abs=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("height", "tilt", "rest"),
+    [
+        (-0.020, 0.0, Rest.TABLE),
+        (-0.023, 0.05, Rest.TABLE),
+        (-0.030, 0.0, Rest.FLOOR),
+        (-0.020, 0.3, Rest.FLOOR),
+    ],
+)
+def test_what_stands_in_a_dip_stands_on_the_ground(
+    robot: RobotFile, height: float, tilt: float, rest: Rest
+) -> None:
+    made = backend(robot)
+    made.scene.ground_height = lambda x, y: -0.02 if x > 2.0 else 0.02
+    pose = transform((3.0, 1.0, height), (tilt, 0.0, 0.0))
+    spec = PlacedSpec(name="1", x_m=0.0, y_m=0.0, height_m=0.0, size_mm=(60.0, 60.0, 90.0))
+    assert rest_of(made.scene, Sensor(pose, Rest.HAND, spec)) is rest
