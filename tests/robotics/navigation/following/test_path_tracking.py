@@ -154,3 +154,11 @@ def test_regulator_does_not_chase_a_bearing_that_turns_with_the_base(
         pose = moved(pose.compose(middle), speed, turn_rate).compose(origin)
         seen = Pose2(*(np.array(pose) + rng.normal(0.0, (5e-4, 5e-4, 3e-4))))
     assert pose.distance(goal) < 0.005
+
+
+@pytest.mark.parametrize("ahead", [0.008, -0.008])
+def test_regulator_drives_the_last_millimetres_the_way_they_lie(ahead: float) -> None:
+    tolerance = PoseTolerance(0.003, 0.002)
+    poses, _ = run(PoseRegulator(Pose2(0, 0, 0), tolerance=tolerance), Pose2(-ahead, 0.0, 0.0), seconds=10.0)
+    assert max(abs(pose.x) for pose in poses) < abs(ahead) + 1e-3
+    assert max(abs(pose.theta) for pose in poses) < 0.05
