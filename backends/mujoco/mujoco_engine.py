@@ -224,6 +224,7 @@ class MujocoEngine(Engine):
         inertia = box_inertia(mass, form.size)
         model, index = self.model, self._things[body].body
         model.body_mass[index], model.body_inertia[index] = mass, inertia
+        self.mj.mj_setConst(model, self.mj.MjData(model))  # how hard contacts push follows from the masses
         spec = self.world.spec.body(f"{body}")
         spec.mass, spec.inertia = mass, inertia
 

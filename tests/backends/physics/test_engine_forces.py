@@ -1,0 +1,53 @@
+"""What weighs, what drives give, and what is too heavy to hold."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from handcart.backends.physics.physics_backend import PhysicsBackend
+from handcart.backends.physics.thing_form import Cuboid, ThingForm
+from handcart.backends.simulation.books.book_props import BookProps
+from handcart.robotics.geometry.transform import transform
+
+from .conftest import Hand, Make
+
+
+def test_a_drive_gives_no_more_than_it_can(make: Make) -> None:
+    for share, moves in ((1e-9, False), (1.0, True)):
+        backend = make()
+        arm = backend.scene.arm
+        assert arm is not None
+        joint = arm.joint_names[0]
+        group = backend._body.joints([joint])
+        for _ in range(20):
+            group.turn(np.array([0.5]), np.array([share * backend._body.effort[joint]]))
+            backend._engine.step()
+        assert bool(abs(group.states()[1][0] - 0.5) < 0.1) is moves
+
+
+@pytest.mark.parametrize("mass", [1.0, 3.0])
+def test_what_is_weighed_anew_presses_with_its_new_weight(make: Make, mass: float) -> None:
+    engine = make()._engine
+    middle, size = transform((0.6, 2.2, 0.05)), (0.1, 0.1, 0.1)
+    face = ((0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0))
+    form = ThingForm(middle, size, 1.0, (Cuboid(size),), 0.5, (face,) * 6, np.zeros((4, 4), np.uint8))
+    number = engine.add_thing(form)
+    engine.weigh(number, mass)
+    for _ in range(6):  # not long enough to go to sleep
+        engine.step()
+    assert sum(each.force[2] for each in engine.contacts(number)) == pytest.approx(9.81 * mass, rel=0.05)
+
+
+@pytest.mark.parametrize(("mass", "slips"), [(0.5, False), (40.0, True)])
+def test_what_is_too_heavy_slips_from_the_hand(hand: Hand, mass: float, slips: bool) -> None:
+    backend: PhysicsBackend = hand.backend
+    book = backend.scene.of(BookProps).books[117]
+    hand.take_book()
+    here = hand.model.forward(hand.arm.command())[:3, 3]
+    hand.line(here[0], here[1], here[2] + 0.08)
+    before = book.pose[2, 3]
+    backend._engine.weigh(backend._world.bodies[book.name], mass)
+    for _ in range(20):
+        backend.step()
+    assert bool(0.02 < before - book.pose[2, 3] < 1.0) is slips
