@@ -224,7 +224,9 @@ class MujocoEngine(Engine):
         inertia = box_inertia(mass, form.size)
         model, index = self.model, self._things[body].body
         model.body_mass[index], model.body_inertia[index] = mass, inertia
+        pinned = model.eq_data.copy()
         self.mj.mj_setConst(model, self.mj.MjData(model))  # how hard contacts push follows from the masses
+        model.eq_data[:] = pinned  # it has things held where they were at first
         spec = self.world.spec.body(f"{body}")
         spec.mass, spec.inertia = mass, inertia
 
