@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Generator
 from functools import cached_property
-from typing import Any, TypeVar
+from typing import Any, ClassVar, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,7 +19,7 @@ from handcart.backends.capabilities.imu import Imu
 from handcart.backends.capabilities.range_sensor import RangeSensor
 from handcart.backends.description.ground_spec import OUTDOORS
 from handcart.backends.description.robot_file import RobotFile
-from handcart.backends.plain_values import attributes, set_attributes
+from handcart.backends.plain_values import Kinds, attributes, set_attributes
 from handcart.backends.saved_state import NotAState
 from handcart.files.errors import HandcartError
 from handcart.robotics.geometry.pose2 import Pose2
@@ -68,6 +68,8 @@ class Robot:
     above all backends, so the same for all of them.
     """
 
+    STATE: ClassVar[Kinds] = {"time": float, "failed_from": Pose2 | None}
+
     def __init__(self, backend: Backend, spec: RobotFile, start: Pose2, grid: GridMap | None = None) -> None:
         """Take a backend over.
 
@@ -87,6 +89,8 @@ class Robot:
         """Speed in [m/s] and turn rate in [rad/s] that the base was commanded in the last period."""
         self.held: Held | None = None
         """What the base was held back from in the last period: it would have touched that."""
+        self.failed_from: Pose2 | None = None
+        """map_T_base where the first of several Fails in a row began; None after any other end."""
         if spec.localizer in OUTDOORS:
             self.get(Imu)  # type: ignore[type-abstract]
         self.localization = localization_of(backend, spec, start, grid)
@@ -227,7 +231,7 @@ class Robot:
     def state(self) -> dict[str, Any]:
         """What was estimated so far, for a checkpoint, as plain data."""
         return {
-            "time": self.time,
+            "robot": attributes(self, self.STATE),
             "attitude": attributes(self.attitude, self.attitude.STATE),
             "localization": self.localization.state(),
         }
@@ -238,9 +242,9 @@ class Robot:
         Raises:
             NotAState: it is of something else.
         """
-        if not isinstance(state, dict) or state.keys() != {"time", "attitude", "localization"}:
-            raise NotAState("no state of this robot; needed: time, attitude, localization")
-        set_attributes(self, {"time": float}, {"time": state["time"]})
+        if not isinstance(state, dict) or state.keys() != {"robot", "attitude", "localization"}:
+            raise NotAState("no state of this robot; needed: robot, attitude, localization")
+        set_attributes(self, self.STATE, state["robot"])
         set_attributes(self.attitude, self.attitude.STATE, state["attitude"])
         self.localization.set_state(state["localization"])
 

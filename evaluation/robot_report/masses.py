@@ -9,11 +9,10 @@ import numpy as np
 from scipy.spatial import ConvexHull
 
 from handcart.robotics.kinematics.shapes import Box, Cylinder, Hull, Shape, Sphere
-from handcart.robotics.kinematics.urdf_contents import LinkFacts
+from handcart.robotics.kinematics.urdf_contents import INERTIA_ROUNDED, LinkFacts
 
 LIGHT, HEAVY = 50.0, 12000.0  # of a link, mass by volume of its bodies [kg/m³]: foam to lead
 OUTSIDE = 0.03  # [m] beside its bodies that a middle of mass may lie
-ROUNDED = 1e-9  # by this share of it a moment of inertia may be off
 
 
 def mass_faults(link: LinkFacts, bodies: Sequence[Shape], moves: bool = False) -> list[str]:
@@ -37,7 +36,7 @@ def _inertia_faults(link: LinkFacts) -> list[str]:
     small, middle, large = np.linalg.eigvalsh(link.inertia)
     if small <= 0.0:
         return ["its inertia isn't that of a body: not positive"]
-    if (beyond := large - small - middle) > ROUNDED * large:
+    if (beyond := large - small - middle) > INERTIA_ROUNDED * large:
         sum_of = f"{large:.3g} > {small:.3g} + {middle:.3g} kg m²"
         return [f"its inertia isn't that of a body: {sum_of}, by {beyond:.2g}"]
     return []

@@ -9,14 +9,14 @@ from handcart.backends.robot.robot import Robot
 from handcart.networks.graph.network import Action, ActionNetwork, NotBound
 from handcart.networks.graph.planner import Elsewhere, NotStarted, NoWay, Plan, Planner, Route
 from handcart.networks.journal.journal import Journal
-from handcart.networks.journal.measured import in_words, measure, moved
+from handcart.networks.journal.measured import in_words, measure
 from handcart.networks.journal.retracing import RunPosition
 from handcart.networks.journal.run_log import Keep, RunLog
 from handcart.primitives.contract.action_primitive import ActionPrimitive
 from handcart.primitives.contract.attempt import attempt
 from handcart.primitives.contract.outcome import GiveUp, Outcome, Success
 from handcart.primitives.knowledge.world_model import WorldModel
-from handcart.primitives.restoring.snapshot import Snapshot
+from handcart.primitives.restoring.snapshot import Snapshot, moved
 
 from .events import Event
 from .run_end import RunEnd, RunOutcome

@@ -10,11 +10,11 @@ from enum import Enum
 
 from handcart.backends.robot.robot import Robot
 from handcart.networks.graph.planner import NotStarted
-from handcart.networks.journal.measured import in_words, moved
+from handcart.networks.journal.measured import in_words
 from handcart.primitives.contract.cause import FRAMEWORK
 from handcart.primitives.contract.discrepancy import Discrepancy
 from handcart.primitives.contract.outcome import Outcome
-from handcart.primitives.restoring.snapshot import settle, take_snapshot
+from handcart.primitives.restoring.snapshot import moved, settle, take_snapshot
 
 from .run_life import RunLife, RunState
 

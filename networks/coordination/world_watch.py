@@ -6,8 +6,7 @@ from collections.abc import Mapping
 
 from handcart.backends.robot.robot import Robot
 from handcart.networks.graph.network import ActionNetwork
-from handcart.networks.journal.measured import moved
-from handcart.primitives.restoring.snapshot import Snapshot, limits, residuals
+from handcart.primitives.restoring.snapshot import Snapshot, limits, moved, residuals
 
 _BASE = frozenset({"base_mm", "base_deg"})
 """Residuals of a base that was pushed, and of nothing else."""

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from handcart.backends.robot.robot import Robot
-from handcart.primitives.restoring.snapshot import Snapshot, limits, residuals, take_snapshot
+from handcart.primitives.restoring.snapshot import Snapshot, take_snapshot
 from handcart.robotics.geometry.pose2 import Pose2
 
 from .run_records import At
@@ -54,16 +53,6 @@ def snapshot_of(fields: Mapping[str, Any]) -> Snapshot:
         bool(fields.get("holding", False)),
         {},
     )
-
-
-def moved(robot: Robot, stood: Snapshot, now: Snapshot) -> dict[str, float]:
-    """What stands elsewhere than before, beyond the robot's tolerance: the residuals of `snapshot.residuals`.
-
-    That a pose isn't surely known is no motion.
-    """
-    found = residuals(stood, replace(now, pose_sigma=(0.0, 0.0)), robot.spec.joint_units.slides)
-    allowed = limits(robot, found)
-    return {name: size for name, size in found.items() if not size <= allowed[name]}
 
 
 def in_words(off: Mapping[str, float]) -> str:

@@ -11,7 +11,15 @@ from typing import TypeVar
 from handcart.backends.robot.robot import Robot
 from handcart.primitives.knowledge.world_model import ModelView, WorldModel
 from handcart.primitives.restoring.retrace import reach_pose, retrace
-from handcart.primitives.restoring.snapshot import Seen, Snapshot, limits, residuals, settle, take_snapshot
+from handcart.primitives.restoring.snapshot import (
+    Seen,
+    Snapshot,
+    limits,
+    moved,
+    residuals,
+    settle,
+    take_snapshot,
+)
 from handcart.primitives.restoring.trace import Trace
 
 from .action_primitive import ActionPrimitive, Periods
@@ -58,7 +66,7 @@ def attempt(
         while not intents.kept:
             yield
         rests = yield from settle(robot)
-        start = take_snapshot(robot, {})
+        start = _begun(robot)
         robot.base.starts_here()
     except Exception as early:  # nothing was commanded yet
         robot.stop()
@@ -100,6 +108,19 @@ def attempt(
     if primitive._no_return is not None:
         return (yield from _finish(primitive, robot, view, reason))
     return (yield from _restore(primitive, robot, view, start, trace, reason, permanent))
+
+
+def _begun(robot: Robot) -> Snapshot:
+    """The robot at its start; after a Fail, the base where the first of several in a row began.
+
+    What each of them leaves, within the tolerance, would add up else.
+    """
+    now, first = take_snapshot(robot, {}), robot.failed_from
+    robot.failed_from = None
+    if first is None or now.dead_reckoned:
+        return now
+    start = replace(now, pose=first)
+    return now if moved(robot, start, now) else start
 
 
 def _think(primitive: ActionPrimitive, robot: Robot, view: ModelView) -> Generator[None, None, Outcome]:
@@ -195,6 +216,7 @@ def _restore(
         primitive.evidence.limits = limits(robot, found)
         verdict = fail_if_restored(reason, permanent, found, primitive.evidence.limits)
         if isinstance(verdict, Fail):
+            robot.failed_from = start.pose
             break
     robot.stop()
     return verdict

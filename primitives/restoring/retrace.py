@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Generator, Sequence
 from itertools import pairwise
 
@@ -25,8 +24,6 @@ from .trace import Moment, Trace
 
 TOLERANCE = PoseTolerance(position=0.006, heading=0.004)
 FINE = PoseTolerance(position=0.003, heading=0.002)
-NUDGE = 10  # periods for what is left then
-LOOK = 0.5  # [s] at rest for the estimate of the pose to be its best
 COARSE = 0.02  # [m] between points of the way back
 SHORT = 0.05  # [m]: less travel than this is regulated, not tracked
 LONGEST_REACH = 60.0  # [s] that the base gets to a pose near by
@@ -44,27 +41,13 @@ def retrace(
     if robot.spec.drive.kind == "ackermann":
         yield from car_retrace(robot, start, trace)
         return
-    stretches = _stretches(trace.moments)
-    for stretch in reversed(stretches):
+    for stretch in reversed(_stretches(trace.moments)):
         if _travelled(stretch):
             yield from _drive_back(robot, stretch, allowed)
         else:
             yield from _play_back(robot, stretch)
     yield from _command(robot, Moment(start.pose, start.joint_command, start.gripper_command))
     yield from reach_pose(robot, start.pose, FINE)
-    if any(_travelled(stretch) for stretch in stretches):
-        yield from _nudge(robot, start.pose)
-
-
-def _nudge(robot: Robot, goal: Pose2) -> Generator[None, None, None]:
-    """Take back what a regulator leaves, always to the same side: it would add up from Fail to Fail."""
-    yield from robot.wait(LOOK)
-    left, seconds = goal.relative_to(robot.pose), NUDGE * robot.period
-    if math.hypot(left.x, left.y) > TOLERANCE.position or abs(left.theta) > TOLERANCE.heading:
-        return
-    for _ in range(NUDGE):
-        robot.base.drive(left.x / seconds, left.theta / seconds)
-        yield
 
 
 def reach_pose(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Generator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -132,6 +132,16 @@ def limits(robot: Robot, names: Mapping[str, float]) -> dict[str, float]:
         "held": 0.0,
     }
     return {name: known.get(name, tolerance.object_mm) for name in names}
+
+
+def moved(robot: Robot, stood: Snapshot, now: Snapshot) -> dict[str, float]:
+    """What stands elsewhere than before, beyond the robot's tolerance: the residuals of `residuals`.
+
+    That a pose isn't surely known is no motion.
+    """
+    found = residuals(stood, replace(now, pose_sigma=(0.0, 0.0)), robot.spec.joint_units.slides)
+    allowed = limits(robot, found)
+    return {name: size for name, size in found.items() if not size <= allowed[name]}
 
 
 def _readings(robot: Robot) -> NDArray[np.float64]:

@@ -16,6 +16,9 @@ from handcart.robotics.kinematics.urdf_frames import origin_of, triple
 from handcart.robotics.kinematics.urdf_reading import known_urdf
 from handcart.robotics.kinematics.urdf_tree import MOVABLE
 
+INERTIA_ROUNDED = 1e-9
+"""By this share of its largest moment an inertia may not be that of a body: rounding took it."""
+
 
 class JointFacts(NamedTuple):
     """A joint that moves."""

@@ -8,10 +8,9 @@ from xml.etree.ElementTree import Element, SubElement
 
 import numpy as np
 
-from handcart.robotics.kinematics.urdf_contents import LinkFacts, joints_of, links_of
+from handcart.robotics.kinematics.urdf_contents import INERTIA_ROUNDED, LinkFacts, joints_of, links_of
 
 LIGHTEST = 1e-6  # of a link without mass [kg], and its inertia [kg m²]
-ROUNDED = 1e-9  # of its largest moment: by so much an inertia may be off without a word
 
 
 class Repair(NamedTuple):
@@ -44,9 +43,9 @@ def _repair(link: Element, facts: LinkFacts, matters: bool) -> str:
         return f"{has}; given {LIGHTEST:g} kg and {LIGHTEST:g} kg m²" if matters else ""
     small, middle, large = np.linalg.eigvalsh(facts.inertia)
     lacking = max(large - middle - small, LIGHTEST - small if small <= 0.0 else -large)
-    if lacking > -ROUNDED * large:
-        _widen(link, lacking + ROUNDED * large)
-    if lacking <= ROUNDED * large:
+    if lacking > -INERTIA_ROUNDED * large:
+        _widen(link, lacking + INERTIA_ROUNDED * large)
+    if lacking <= INERTIA_ROUNDED * large:
         return ""
     return f"no body has its inertia; {lacking:.2g} kg m² put on each of its moments"
 

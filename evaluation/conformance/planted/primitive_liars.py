@@ -67,13 +67,14 @@ class MovesLater(Reach):
 
 
 class RelativeUndo(Reach):
-    """Goes back by what it knows to have driven, and always a little less."""
+    """Goes back by what it knows to have driven, always a little less, and takes that for where it began."""
 
     def restore(self, robot: Robot, model: ModelView, start: Snapshot, trace: Trace) -> Periods:
         yield from retrace(robot, start, trace)
         for _ in range(5):
             robot.base.drive(CREEP / (5 * robot.period), 0.0)
             yield
+        object.__setattr__(start, "pose", robot.pose)
 
 
 class EditsSnapshot(Reach):

@@ -19,14 +19,13 @@ from handcart.networks.graph.network import Action, ActionNetwork, Binding, Situ
 from handcart.networks.graph.planner import Planner
 from handcart.networks.journal.journal import Journal
 from handcart.networks.journal.journal_record import read_journal
-from handcart.networks.journal.measured import moved
 from handcart.networks.journal.retracing import standing
 from handcart.primitives.contract.action_primitive import ActionPrimitive, Periods
 from handcart.primitives.contract.attempt import NOT_ALONE, attempt
 from handcart.primitives.contract.discrepancy import Discrepancy
 from handcart.primitives.contract.outcome import Fail, GiveUp
 from handcart.primitives.knowledge.world_model import ModelView
-from handcart.primitives.restoring.snapshot import take_snapshot
+from handcart.primitives.restoring.snapshot import moved, take_snapshot
 from tests.networks.conftest import Stand
 
 HOME, FAR = {"base": "home", "book": "in hand"}, {"base": "far", "book": "in hand"}
