@@ -137,8 +137,8 @@ def loop_cost() -> dict[str, float]:
     wall, cpu = time.perf_counter() - began, time.process_time() - spent
     figures = pace.figures()
     backend.close()
-    told = {"drives": drives, "cpu_percent": round(100.0 * cpu / wall, 1), "periods": figures["periods"]}
-    return told | {name: figures[name] for name in ("missed", "late_p50_ms", "late_p99_ms", "late_max_ms")}
+    load = {"drives": drives, "cpu_percent": round(100.0 * cpu / wall, 1), "periods": figures["periods"]}
+    return load | {name: figures[name] for name in ("missed", "late_p50_ms", "late_p99_ms", "late_max_ms")}
 
 
 def stops(count: int, say: Callable[[str], None]) -> dict[str, float]:
@@ -174,10 +174,9 @@ def main() -> None:
         print(json.dumps({"stop": stopping | {"holds": within}, "loop": cost | {"holds": cheap}}))
         return
     p50, p99, most = (stopping[each] for each in ("p50_ms", "p99_ms", "max_ms"))
-    told = f"a stop has left {p50} ms (p50), {p99} ms (p99), {most} ms (max) after the fault shows"
-    print(
-        f"{told}; {given.faults} faults, period {1e3 * PERIOD:g} ms: {'holds' if within else 'does not hold'}"
-    )
+    latency = f"a stop has left {p50} ms (p50), {p99} ms (p99), {most} ms (max) after the fault shows"
+    ends = "holds" if within else "does not hold"
+    print(f"{latency}; {given.faults} faults, period {1e3 * PERIOD:g} ms: {ends}")
     print(f"{cost['drives']} drives at 100 Hz: {cost['cpu_percent']} % of one core, {cost}")
 
 

@@ -53,10 +53,10 @@ def test_it_is_listed_and_one_that_is_broken_hides_no_others(tmp_path: Path) -> 
     install(tmp_path, "README.md")
     said = handcart(tmp_path, "list", "primitives")
     assert said.returncode == 0, said.stderr
-    told = dict(line.split(maxsplit=1) for line in said.stdout.splitlines())
-    assert told["FORWARD"] == "Drive straight on for a while."
-    assert told["GONE"] == "can't be imported: No module named 'gone'"
-    assert "MOVE_TO" in told
+    listed = dict(line.split(maxsplit=1) for line in said.stdout.splitlines())
+    assert listed["FORWARD"] == "Drive straight on for a while."
+    assert listed["GONE"] == "can't be imported: No module named 'gone'"
+    assert "MOVE_TO" in listed
 
 
 @pytest.mark.parametrize(
@@ -81,8 +81,10 @@ def test_a_broken_domain_is_told_with_its_package(tmp_path: Path, code: str, wro
     (info / "METADATA").write_text("Metadata-Version: 2.1\nName: outside\nVersion: 1.0\n", encoding="utf-8")
     (info / "entry_points.txt").write_text("[handcart.domains]\nplants = garden:DOMAIN\n", encoding="utf-8")
     said = handcart(tmp_path, "list", "primitives")
-    told = f"the domain 'plants' of the package outside can't be used: {wrong}; allowed: to mend the package"
-    assert (said.returncode, said.stdout, told in said.stderr) == (2, "", True), said.stderr
+    message = (
+        f"the domain 'plants' of the package outside can't be used: {wrong}; allowed: to mend the package"
+    )
+    assert (said.returncode, said.stdout, message in said.stderr) == (2, "", True), said.stderr
 
 
 @pytest.mark.slow

@@ -76,11 +76,11 @@ def test_plants_get_what_they_need(
     if backend == "pybullet":
         pytest.importorskip("pybullet", reason="PyBullet has no wheel for this Python")
     said = handcart("run", TASK, "--backend", backend, "--json")
-    told = json.loads(said.stdout.splitlines()[-1])
-    assert (said.returncode, told["outcome"], told["metrics"]["untrue"]) == (0, "Success", [])
-    assert told["metrics"]["basil_ml"] == pytest.approx(80.0, abs=25.0)
-    assert told["metrics"]["mint_ml"] == pytest.approx(60.0, abs=25.0)
-    assert told["metrics"]["spilt_ml"] == 0.0
+    report = json.loads(said.stdout.splitlines()[-1])
+    assert (said.returncode, report["outcome"], report["metrics"]["untrue"]) == (0, "Success", [])
+    assert report["metrics"]["basil_ml"] == pytest.approx(80.0, abs=25.0)
+    assert report["metrics"]["mint_ml"] == pytest.approx(60.0, abs=25.0)
+    assert report["metrics"]["spilt_ml"] == 0.0
 
 
 def test_one_plant_is_watered_alone(handcart: Callable[..., subprocess.CompletedProcess[str]]) -> None:
@@ -118,6 +118,6 @@ def test_a_killed_run_goes_on(
     said = handcart("resume", run, "--json")
     if "is over" in said.stderr:
         pytest.skip("the run was faster than the signal")
-    told = json.loads(said.stdout.splitlines()[-1])
-    assert (said.returncode, told["outcome"]) == (0, "Success"), said.stderr
-    assert told["metrics"]["mint_ml"] == pytest.approx(60.0, abs=25.0)
+    report = json.loads(said.stdout.splitlines()[-1])
+    assert (said.returncode, report["outcome"]) == (0, "Success"), said.stderr
+    assert report["metrics"]["mint_ml"] == pytest.approx(60.0, abs=25.0)

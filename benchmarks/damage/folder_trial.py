@@ -209,16 +209,16 @@ class _Tried:
 
     def all(self) -> list[str]:
         """What is wrong."""
-        self._told("explain", self._explain)
-        self._told("status", lambda: ask(self._folder, {"do": "status"}, 1.0))
-        self.ended = self._told("resume", self._resume)
+        self._answered("explain", self._explain)
+        self._answered("status", lambda: ask(self._folder, {"do": "status"}, 1.0))
+        self.ended = self._answered("resume", self._resume)
         if self._attack is nothing and (self.ended == "put back") is not (self._original.kind == LEFT):
             self._wrong.append(f"resume: a sound folder ends with {self.ended}")
-        self._told("adopt", self._adopt)
-        self._told("ack", lambda: acknowledge(self._folder, self._rng.randrange(12)))
+        self._answered("adopt", self._adopt)
+        self._answered("ack", lambda: acknowledge(self._folder, self._rng.randrange(12)))
         return self._wrong
 
-    def _told(self, face: str, act: Callable[[], object]) -> str:
+    def _answered(self, face: str, act: Callable[[], object]) -> str:
         try:
             ended = act()
         except HandcartError as error:
@@ -236,13 +236,13 @@ class _Tried:
     def _explain(self) -> None:
         run = read_run(self._folder)
         numbers = [each.number for each in run.actions]
-        told = explain(run, self._rng.choice([None, *numbers]))
-        in_words(told, None)
-        as_json(told, None)
+        explanation = explain(run, self._rng.choice([None, *numbers]))
+        in_words(explanation, None)
+        as_json(explanation, None)
         if self._number % _CHARTS == 0:
             path = self._folder / "chart.svg"
             path.unlink(missing_ok=True)
-            draw_chart(told, path)
+            draw_chart(explanation, path)
 
     def _resume(self) -> str:
         to_the_end = self._original.recipe == "blocks" and self._number % _ENDS < _ENDS // 100

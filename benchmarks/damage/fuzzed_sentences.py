@@ -139,8 +139,8 @@ def _sound(rng: random.Random, now: float) -> bytes:
 def _fix_of(rng: random.Random, utc: float) -> bytes:
     time = _clock(utc)
     place = f"48{59.9 * rng.random():07.4f},N,011{59.9 * rng.random():07.4f},E"
-    told = f"GPGGA,{time},{place},{rng.randrange(9)},08,{rng.random():.1f},545.4,M,46.9,M,,"
-    return told.encode()
+    sentence = f"GPGGA,{time},{place},{rng.randrange(9)},08,{rng.random():.1f},545.4,M,46.9,M,,"
+    return sentence.encode()
 
 
 def _clock(utc: float) -> str:

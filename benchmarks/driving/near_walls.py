@@ -57,7 +57,7 @@ class Stood(NamedTuple):
 
 
 @dataclass
-class Told:
+class Trial:
     """What came of one world."""
 
     seed: int
@@ -78,13 +78,13 @@ class Told:
 class Eye(RunObserver):
     """Takes the ground truth down."""
 
-    def __init__(self, scene: Any, robot: Robot, places: Any, told: Told) -> None:
-        self._scene, self._robot, self._places, self._told = scene, robot, places, told
+    def __init__(self, scene: Any, robot: Robot, places: Any, result: Trial) -> None:
+        self._scene, self._robot, self._places, self._result = scene, robot, places, result
 
     def period(self, robot: Robot) -> None:
         scene = self._scene
         room = scene.body_plan.clearance(scene.base.x, scene.base.y, scene.time)[0]
-        self._told.nearest_mm = min(self._told.nearest_mm, 1e3 * (room - robot.spec.footprint_radius_m))
+        self._result.nearest_mm = min(self._result.nearest_mm, 1e3 * (room - robot.spec.footprint_radius_m))
 
     def event(self, event: Event) -> None:
         if not isinstance(event, Ended) or not isinstance(event.primitive, MoveTo):
@@ -92,31 +92,31 @@ class Eye(RunObserver):
         reached, name = isinstance(event.outcome, Success), event.primitive.place
         off = 1e3 * self._scene.base.distance(self._places[name].pose)
         lost = 1e3 * self._scene.base.distance(self._robot.pose)
-        self._told.stood.append(Stood(name, reached, getattr(event.outcome, "reason", ""), off, lost))
+        self._result.stood.append(Stood(name, reached, getattr(event.outcome, "reason", ""), off, lost))
 
     def end(self) -> None:
-        self._told.contacts += [f"{c.time:.2f} s: {c.body} and {c.other}" for c in self._scene.contacts]
+        self._result.contacts += [f"{c.time:.2f} s: {c.body} and {c.other}" for c in self._scene.contacts]
 
 
-def try_world(seed: int, nearer: bool) -> Told:
+def try_world(seed: int, nearer: bool) -> Trial:
     """Make a world, ask `check` about its places, drive to those that it allows."""
     begun, room = time.process_time(), Room(seed)
-    told = Told(seed, room.cell, room.body, bool(room.surprises))
+    result = Trial(seed, room.cell, room.body, bool(room.surprises))
     with TemporaryDirectory(prefix="near-walls-") as name:
         folder = Path(name)
         settings = write(room, folder, room.start())
         home = check(TASK, settings=settings).places[0]
         assert home.way.component is not None, seed
-        places = _places(room, folder, settings, told)
+        places = _places(room, folder, settings, result)
         if nearer:
-            _try_nearer(room, folder, settings, told)
+            _try_nearer(room, folder, settings, result)
         elif places:
-            _drive(folder, settings, places, told)
-    told.seconds = time.process_time() - begun
-    return told
+            _drive(folder, settings, places, result)
+    result.seconds = time.process_time() - begun
+    return result
 
 
-def _places(room: Room, folder: Path, settings: dict[str, str], told: Told) -> list[str]:
+def _places(room: Room, folder: Path, settings: dict[str, str], result: Trial) -> list[str]:
     """Put places beside things; which of them `check` allows and calls reachable."""
     own, own_place = (folder / "places.yaml").read_text(), _home(folder)[:2]
     wanted: dict[str, tuple[float, float, float]] = {}
@@ -126,7 +126,7 @@ def _places(room: Room, folder: Path, settings: dict[str, str], told: Told) -> l
         wanted[f"near_{number}"] = (*next(allowed), room.rng.uniform(-180.0, 180.0))
     for number in range(TOO_NEAR):
         wanted[f"too_near_{number}"] = (*next(refused), room.rng.uniform(-180.0, 180.0))
-    told.places = NEAR
+    result.places = NEAR
     write_places(folder, wanted)
     (folder / "places.yaml").write_text(own + (folder / "places.yaml").read_text().split("places:\n")[1])
     checked = check(TASK, settings=settings)
@@ -135,11 +135,11 @@ def _places(room: Room, folder: Path, settings: dict[str, str], told: Told) -> l
     for each in wanted:
         way = found[each].way
         if way.fits == each.startswith("too_near") or (way.route is None) != (each in refused_names):
-            told.wrongly.append(f"{each}: {found[each].words()}")
+            result.wrongly.append(f"{each}: {found[each].words()}")
     kept = [each for each in wanted if found[each].way.route is not None]
     write_places(folder, {each: wanted[each] for each in kept})
     (folder / "places.yaml").write_text(own + (folder / "places.yaml").read_text().split("places:\n")[1])
-    told.allowed = len(kept)
+    result.allowed = len(kept)
     return _tour(own_place, {each: wanted[each] for each in kept})
 
 
@@ -152,16 +152,16 @@ def _tour(at: tuple[float, float], places: dict[str, tuple[float, float, float]]
     return tour
 
 
-def _drive(folder: Path, settings: dict[str, str], tour: list[str], told: Told) -> None:
+def _drive(folder: Path, settings: dict[str, str], tour: list[str], result: Trial) -> None:
     """As `handcart run` does it."""
     settings = {**settings, "tour": f"[{', '.join(tour)}]"}
-    with prepare(TASK, settings=settings, seed=told.seed) as prepared:
+    with prepare(TASK, settings=settings, seed=result.seed) as prepared:
         scene = prepared.backend.scene  # type: ignore[attr-defined]
-        eye = Eye(scene, prepared.robot, prepared.model.places, told)
+        eye = Eye(scene, prepared.robot, prepared.model.places, result)
         execute(prepared, folder / "run", RunOptions(observers=(eye,)))
 
 
-def _try_nearer(room: Room, folder: Path, settings: dict[str, str], told: Told) -> None:
+def _try_nearer(room: Room, folder: Path, settings: dict[str, str], result: Trial) -> None:
     """Places that `check` refuses, as `handcart do` drives to them: none of them may be driven to."""
     places = {"home": _home(folder)}
     for number in range(NEAR):
@@ -171,14 +171,14 @@ def _try_nearer(room: Room, folder: Path, settings: dict[str, str], told: Told) 
     write_places(folder, places)
     world, chart, told_places = (folder / f"{each}.yaml" for each in ("world", "map", "places"))
     files = RigFiles(world, chart, told_places, {})
-    with build_rig(files, settings["robot"], seed=told.seed) as rig:
+    with build_rig(files, settings["robot"], seed=result.seed) as rig:
         scene = rig.backend.scene  # type: ignore[attr-defined]
         for name in list(places)[1:]:
             outcome = rig.do(MoveTo(place=name))
             off = 1e3 * scene.base.distance(rig.model.places[name].pose)
             reached = isinstance(outcome, Success)
-            told.stood.append(Stood(name, reached, getattr(outcome, "reason", ""), off, 0.0))
-        told.contacts += [f"{c.time:.2f} s: {c.body} and {c.other}" for c in scene.contacts]
+            result.stood.append(Stood(name, reached, getattr(outcome, "reason", ""), off, 0.0))
+        result.contacts += [f"{c.time:.2f} s: {c.body} and {c.other}" for c in scene.contacts]
 
 
 def _home(folder: Path) -> tuple[float, float, float]:
@@ -189,7 +189,7 @@ def _home(folder: Path) -> tuple[float, float, float]:
     return home.x_m, home.y_m, home.heading_deg
 
 
-def report(results: list[Told], nearer: bool) -> str:
+def report(results: list[Trial], nearer: bool) -> str:
     """What came of all of them."""
     results = sorted(results, key=lambda each: each.seed)
     lines = [f"{len(results)} worlds"]

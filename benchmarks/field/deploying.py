@@ -156,7 +156,7 @@ COURSES: dict[str, Callable[[Path, int], dict[str, str]]] = {
 }
 
 
-def told(rows: list[Laying]) -> str:
+def in_words(rows: list[Laying]) -> str:
     """A line of the table."""
     runs: dict[int, list[Laying]] = {}
     for row in rows:
@@ -219,7 +219,7 @@ def main() -> None:
         _write(given.raw, rows)
     print("course   way            runs  laid  s/target    r95 true [mm]  contacts  nearest  met")
     for course, way in sorted({row[:2] for row in rows}):
-        print(told([row for row in rows if row[:2] == (course, way)]))
+        print(in_words([row for row in rows if row[:2] == (course, way)]))
 
 
 if __name__ == "__main__":

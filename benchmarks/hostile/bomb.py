@@ -30,11 +30,11 @@ def main() -> None:
             try:
                 read_document(path)
             except FileError as error:
-                told = str(error).splitlines()[0]
+                refusal = str(error).splitlines()[0]
             spent.append(time.perf_counter() - began)
         first, most = 1e3 * spent[0], 1e3 * max(spent[1:])
         print(f"{path.stat().st_size} bytes, refused in {first:.1f} ms, then at most {most:.1f} ms")
-        print(told.replace(folder, ""))
+        print(refusal.replace(folder, ""))
 
 
 if __name__ == "__main__":

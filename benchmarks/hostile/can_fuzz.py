@@ -32,8 +32,8 @@ def main() -> None:
             print(f"\nset-up {attack.number}, noise in {attack.phase}, {attack.fault!r}:\n{attack.wrong}")
         if number % 20 == 0:
             print(f"\r{number} set-ups, {frames} frames, {failures} failures", end="", flush=True)
-    told = ", ".join(f"{count} {what}" for what, count in sorted(ends.items()))
-    print(f"\r{number} set-ups ({told}), {frames} frames, {failures} failures")
+    counts = ", ".join(f"{count} {what}" for what, count in sorted(ends.items()))
+    print(f"\r{number} set-ups ({counts}), {frames} frames, {failures} failures")
     sys.exit(1 if failures else 0)
 
 

@@ -206,13 +206,13 @@ def main(
     if fifo:
         os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(20))
     results = run(kills, lambda words: print(words, file=sys.stderr, flush=True), seed)
-    told = figures(results)
+    found = figures(results)
     if as_json:
-        print(json.dumps({**told, "trials": [asdict(each) for each in results]}))
+        print(json.dumps({**found, "trials": [asdict(each) for each in results]}))
     else:
-        for name, value in told.items():
+        for name, value in found.items():
             print(f"{name:<34} {value}")
-    sys.exit(1 if told["too_late"] else 0)
+    sys.exit(1 if found["too_late"] else 0)
 
 
 if __name__ == "__main__":

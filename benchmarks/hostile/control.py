@@ -72,8 +72,8 @@ def _answered(folder: Path, message: bytes) -> bool:
             if not new:
                 return False
             answer += new
-    told = json.loads(answer)
-    return isinstance(told["ok"], bool) and "fault" not in told.get("error", "")
+    reply = json.loads(answer)
+    return isinstance(reply["ok"], bool) and "fault" not in reply.get("error", "")
 
 
 class Run:

@@ -244,13 +244,13 @@ def _for_people(status: int, path: Path, wrong: list[str]) -> tuple[str, str]:
 
 def _of_json(status: int, out: str, urdf: str) -> Iterator[str]:
     try:
-        told = json.loads(out.splitlines()[-1])
+        report = json.loads(out.splitlines()[-1])
     except (ValueError, IndexError):
         yield f"no JSON: {out[:100]!r}"
         return
     if status == 2:
-        findings = told.get("findings", [])
-        if told.get("ok") or not findings:
+        findings = report.get("findings", [])
+        if report.get("ok") or not findings:
             yield "status 2 without a finding"
         for each in findings:
             if each["line"] < 1 or not str(each["file"]).endswith((urdf, ".yaml")):

@@ -91,16 +91,16 @@ class MovingTracking:
         """Drive and track once; None: open loop."""
         rng = np.random.default_rng(seed)
         strays = self._strayed(rng)
-        told = plain = self._angles(np.zeros_like(strays))
+        commanded = plain = self._angles(np.zeros_like(strays))
         if feedback is not None:
             corrected = self._angles(self._known(strays, feedback, rng))
-            told = plain + _lagged(corrected - plain, feedback.bandwidth)
+            commanded = plain + _lagged(corrected - plain, feedback.bandwidth)
         error = ArmError(self._spec.errors, self._arm, seed)
-        tips = np.empty((len(told), 3))
-        for index, (q, way, stray) in enumerate(zip(told, self._ways, strays, strict=True)):
+        tips = np.empty((len(commanded), 3))
+        for index, (q, way, stray) in enumerate(zip(commanded, self._ways, strays, strict=True)):
             tips[index] = (_base(way, stray) @ self._arm.forward(q + error.offset(q, 0)))[:3, 3]
         off = np.linalg.norm(tips - self._tools[:, :3, 3], axis=1)
-        speeds = np.abs(np.diff(told, axis=0)) / STEP / self._arm.velocity
+        speeds = np.abs(np.diff(commanded, axis=0)) / STEP / self._arm.velocity
         return MovingRun(self._times, off, float(speeds.max()))
 
     def _strayed(self, rng: np.random.Generator) -> Floats:
@@ -128,14 +128,14 @@ class MovingTracking:
         ahead = (late + every - 1) * STEP if feedback.ahead else 0.0
         # It was seen before it set out.
         observer = _Observer(self._straying, every * STEP, ahead, sigma, strays[0])
-        told, done = np.tile(strays[0], (len(strays), 1)), strays[0]
+        corrected, done = np.tile(strays[0], (len(strays), 1)), strays[0]
         left = _left(feedback.bandwidth) ** every if feedback.ahead else 0.0
         for index in range(0, len(strays), every):
             observer.see(strays[index] + sigma * rng.standard_normal(3))
             wanted = observer.ahead()
-            told[index + late : index + late + every] = (wanted - left * done) / (1.0 - left)
+            corrected[index + late : index + late + every] = (wanted - left * done) / (1.0 - left)
             done = wanted
-        return told
+        return corrected
 
     def _angles(self, strays: Floats) -> Floats:
         """(k, n): joint angles that keep the tool on the seam, the base where it is believed to be."""

@@ -132,19 +132,19 @@ def report_of(robot: RobotFile, tried: bool = True) -> RobotReport:
     arm = robot.arm_model() if tried and robot.arm is not None else None
     contact = None if arm is None else self_contact(arm)
     reach = None if contact is None or arm is None else _reach(robot, arm, contact)
-    told = _told_by_domains(robot, reach)
+    of_domains = _told_by_domains(robot, reach)
     return RobotReport(
         contents,
         () if robot.arm is None else robot.arm.joints,
         None if robot.camera is None else _camera(robot.camera),
         contact,
         reach,
-        told,
+        of_domains,
         [
             *contents.remarks,
             *_of_contact(contact, reach),
             *_of_robot(robot, contents.joints),
-            *(Remark("", words) for facts in told.values() for words in facts.remarks),
+            *(Remark("", words) for facts in of_domains.values() for words in facts.remarks),
             *_of_drives(robot),
         ],
     )

@@ -39,9 +39,9 @@ def test_a_base_that_does_not_stray_leaves_the_arms_own_error(seam: ToolPath) ->
 
 def test_feedback_takes_most_of_the_error_away(tracking: MovingTracking) -> None:
     runs = [(tracking.run(seed), tracking.run(seed, FAST)) for seed in range(3)]
-    blind, told = (np.median([run.errors.max() for run in each]) for each in zip(*runs, strict=True))
+    blind, corrected = (np.median([run.errors.max() for run in each]) for each in zip(*runs, strict=True))
     assert 0.008 < blind < 0.04
-    assert told < 0.2 * blind
+    assert corrected < 0.2 * blind
     assert max(run.speed_use for pair in runs for run in pair) < 1.0
 
 

@@ -28,7 +28,7 @@ def bomb(path: Path, width: int, height: int, rows: int) -> Path:
     return path
 
 
-def told(path: Path) -> str:
+def error_of(path: Path) -> str:
     with pytest.raises(FileError) as error:
         read_grey(path)
     return str(error.value)
@@ -59,7 +59,7 @@ def test_colour_is_greyed_16_bits_are_cut_and_what_is_clear_is_told(tmp_path: Pa
 @pytest.mark.parametrize("side", [5001, 30_000, 60_000, 2_000_000_000])
 def test_a_picture_that_unpacks_to_gigabytes_is_refused(tmp_path: Path, side: int) -> None:
     """T2"""
-    words = told(bomb(tmp_path / "a.png", side, side, 0 if side > 9999 else 100))
+    words = error_of(bomb(tmp_path / "a.png", side, side, 0 if side > 9999 else 100))
     assert f"a.png:1:1: the picture has {side} x {side} pixels" in words or "far too many pixels" in words
     assert f"allowed: {MAX_PIXELS} in all" in words
 
@@ -79,12 +79,12 @@ def test_a_picture_that_unpacks_to_gigabytes_is_refused(tmp_path: Path, side: in
 )
 def test_a_broken_picture_is_told(tmp_path: Path, content: bytes, words: str) -> None:
     (tmp_path / "a.pgm").write_bytes(content)
-    assert words in told(tmp_path / "a.pgm")
+    assert words in error_of(tmp_path / "a.pgm")
 
 
 def test_a_pipe_and_a_huge_file_are_not_read(tmp_path: Path) -> None:
     os.mkfifo(tmp_path / "pipe.png")
     (tmp_path / "huge.png").touch()
     os.truncate(tmp_path / "huge.png", 10**11)
-    assert "is a pipe" in told(tmp_path / "pipe.png")
-    assert "has 100000000000 bytes" in told(tmp_path / "huge.png")
+    assert "is a pipe" in error_of(tmp_path / "pipe.png")
+    assert "has 100000000000 bytes" in error_of(tmp_path / "huge.png")

@@ -15,7 +15,7 @@ from handcart.files.xml_file import MAX_DEPTH, MAX_NODES, checked_xml, read_xml_
 ENTITIES = '<!DOCTYPE r [<!ENTITY a "ha"><!ENTITY b "&a;&a;&a;">]>\n<r>&b;</r>'
 
 
-def told(content: bytes | str, check: Any = None) -> str:
+def error_of(content: bytes | str, check: Any = None) -> str:
     with pytest.raises(FileError) as error:
         checked_xml(content if isinstance(content, bytes) else content.encode(), "f.urdf", check)
     return str(error.value)
@@ -52,7 +52,7 @@ def test_the_largest_that_is_read() -> None:
     ],
 )
 def test_what_is_not_is_refused(content: bytes | str, words: str) -> None:
-    assert words in told(content)
+    assert words in error_of(content)
 
 
 def test_a_check_is_asked_of_each_element() -> None:
@@ -60,7 +60,7 @@ def test_a_check_is_asked_of_each_element() -> None:
         if tag.name == "b":
             yield f"<b> in <{tag.parents[-1].name}>; allowed: <c>"
 
-    assert told("<r>\n<a>\n <b/><b/></a></r>", no_b).splitlines() == [
+    assert error_of("<r>\n<a>\n <b/><b/></a></r>", no_b).splitlines() == [
         "f.urdf:3:2: <b> in <a>; allowed: <c>",
         "f.urdf:3:6: <b> in <a>; allowed: <c>",
     ]

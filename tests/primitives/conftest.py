@@ -132,10 +132,10 @@ def make_rig(tmp_path: Path) -> Callable[..., Rig]:
         more: str = "", seed: int = 0, walls: tuple[Box, ...] = (), furniture: str = "", start_y: float = 1.0
     ) -> Rig:
         world = tmp_path / "world.yaml"
-        told = WORLD.replace("shelves:\n", furniture + "shelves:\n").replace(
+        text = WORLD.replace("shelves:\n", furniture + "shelves:\n").replace(
             "y_m: 1.0,", f"y_m: {start_y},", 1
         )
-        world.write_text(told + more, encoding="utf-8")
+        world.write_text(text + more, encoding="utf-8")
         spec = load_robot("librarian")
         backend = make_backend("kinematic", spec, world, seed)
         grid = from_boxes(MAPPED + walls, 0.02, (-0.3, -0.3), (8.6, 6.6))

@@ -50,8 +50,8 @@ def test_two_sensors_are_laid_and_told_of(tmp_path: Path, small: dict[str, str])
     with (folder / "as_laid.csv").open(encoding="utf-8") as file:
         rows = list(csv.DictReader(file))
     assert [row["name"] for row in rows] == ["first", "second"]
-    told = json.loads((folder / "as_laid.geojson").read_text(encoding="utf-8"))
-    kinds = [feature["geometry"]["type"] for feature in told["features"]]
+    laid = json.loads((folder / "as_laid.geojson").read_text(encoding="utf-8"))
+    kinds = [feature["geometry"]["type"] for feature in laid["features"]]
     assert kinds == ["Point", "Polygon"] * 2
     assert (folder / "as_laid.svg").stat().st_size > 10_000
 

@@ -90,21 +90,21 @@ def test_as_it_stands_it_drives_through_an_office_and_draws_it(tmp_path: Path) -
 
 
 def test_a_place_without_room_is_refused_at_its_line(places: Callable[[str], str]) -> None:
-    told = places("""
+    places_file = places("""
   home: {x_m: 1.0, y_m: 5.2, heading_deg: 0.0}
   nook: {x_m: 15.85, y_m: 0.8, heading_deg: 0.0}
   desk: {x_m: 2.0, y_m: 2.4, heading_deg: -90.0}
 """)
     with pytest.raises(FileError) as refused:
-        prepare(TASK, settings={"places": told, "tour": "[nook, desk]"})
+        prepare(TASK, settings={"places": places_file, "tour": "[nook, desk]"})
     assert "places.yaml:4:3: the robot can't stand at the place 'nook': something at (" in str(refused.value)
-    prepare(TASK, settings={"places": told, "tour": "[desk]"}).backend.close()  # nothing drives there
+    prepare(TASK, settings={"places": places_file, "tour": "[desk]"}).backend.close()  # nothing drives there
 
 
 def test_a_place_that_something_stands_at_is_left_out_and_the_rest_is_driven(
     tmp_path: Path, places: Callable[[str], str]
 ) -> None:
-    told = places("""
+    places_file = places("""
   home: {x_m: 1.0, y_m: 5.2, heading_deg: 0.0}
   taken: {x_m: 3.0, y_m: 5.2, heading_deg: 0.0}
   desk: {x_m: 2.0, y_m: 2.4, heading_deg: -90.0}
@@ -117,7 +117,7 @@ def test_a_place_that_something_stands_at_is_left_out_and_the_rest_is_driven(
         "surprises: [{name: pallet, x_m: 3.0, y_m: 5.2, size_m: [0.6, 0.6, 0.5]}]\n",
         encoding="utf-8",
     )
-    settings = {"world": str(world), "places": told, "tour": "[taken, desk]", "wait_s": "1.0"}
+    settings = {"world": str(world), "places": places_file, "tour": "[taken, desk]", "wait_s": "1.0"}
     summary, status = run_task(TASK, tmp_path / "runs", RunOptions(settings=settings, seed=1))
     assert status == 3
     assert summary["skipped"] == ["place[1] (taken)"]
@@ -155,9 +155,9 @@ def test_what_the_map_does_not_show_is_driven_around(tmp_path: Path) -> None:
 def test_a_place_outside_the_free_space_is_told_with_its_line(
     places: Callable[[str], str], place: str, words: str
 ) -> None:
-    told = places(f"\n  home: {{x_m: 1.0, y_m: 5.2, heading_deg: 0.0}}\n  here: {place}\n")
+    places_file = places(f"\n  home: {{x_m: 1.0, y_m: 5.2, heading_deg: 0.0}}\n  here: {place}\n")
     with pytest.raises(FileError) as refused:
-        prepare(TASK, settings={"places": told})
+        prepare(TASK, settings={"places": places_file})
     assert f"places.yaml:4:3: place {words}" in str(refused.value)
 
 

@@ -27,11 +27,11 @@ def test_its_metrics_are_those_of_a_run_that_was_not_killed(
     tmp_path: Path, copier: type[Copier], task: str, after: int, settings: dict[str, str]
 ) -> None:
     left = tmp_path / "left"
-    told = copier(after, left)
+    copying = copier(after, left)
     whole, _ = run_task(
         TASKS / task,
         tmp_path / "runs",
-        RunOptions(settings=settings, seed=2, checkpoints=True, observers=(told,)),
+        RunOptions(settings=settings, seed=2, checkpoints=True, observers=(copying,)),
     )
     again, status = resume_task(left, None, RunOptions(observers=(copier(0, left),)))
     assert status == 0

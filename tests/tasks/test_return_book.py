@@ -87,10 +87,18 @@ def test_n11_same_seed_same_journal_whatever_the_hash_seed(tmp_path: Path) -> No
             text=True,
             check=True,
         )
-        told = json.loads(said.stdout.splitlines()[-1])
-        assert {"outcome", "situation", "reason", "actions", "fails", "replans", "sim_time_s"} <= told.keys()
-        assert {"wall_time_s", "seed", "backend", "run_dir", "metrics"} <= told.keys()
-        folder = Path(told["run_dir"])
+        report = json.loads(said.stdout.splitlines()[-1])
+        assert {
+            "outcome",
+            "situation",
+            "reason",
+            "actions",
+            "fails",
+            "replans",
+            "sim_time_s",
+        } <= report.keys()
+        assert {"wall_time_s", "seed", "backend", "run_dir", "metrics"} <= report.keys()
+        folder = Path(report["run_dir"])
         assert (folder / "overview.svg").stat().st_size > 10_000
         journals.append([without_wall(each) for each in read_journal(folder / "journal.jsonl").records])
     assert journals[0] == journals[1]

@@ -62,13 +62,13 @@ def test_stopped_in_every_primitive_of_return_book(tmp_path: Path) -> None:
     rng, period = random.Random(5), load_robot("librarian").period_s
     folder, stopped, waits = tmp_path / "return_book-0", set(), []
     for number in range(1, 9):
-        told = Impatient(rng.uniform(0.2, 2.5), number)
+        operator = Impatient(rng.uniform(0.2, 2.5), number)
         if number == 1:
-            _, status = run_task(TASK, tmp_path, RunOptions(observers=(told,), checkpoints=True))
+            _, status = run_task(TASK, tmp_path, RunOptions(observers=(operator,), checkpoints=True))
         else:
-            _, status = resume_task(folder, None, RunOptions(observers=(told,)))
+            _, status = resume_task(folder, None, RunOptions(observers=(operator,)))
         assert status == 130
-        ramp = _stopping_ramp(told.robot)
+        ramp = _stopping_ramp(operator.robot)
         *_, start, stop, end = (
             each
             for each in read_journal(folder / "journal.jsonl").records

@@ -85,9 +85,9 @@ def test_a_tree_that_asks_the_robot_while_it_is_built_is_not_shown(
 
 @pytest.mark.parametrize("kind", ["task", "robot", "world", "places", "catalogue"])
 def test_schema_is_json(handcart: Callable[..., Said], kind: str) -> None:
-    told = json.loads(handcart("schema", kind).out)
-    assert told["$schema"]
-    assert "format" in told["properties"]
+    schema = json.loads(handcart("schema", kind).out)
+    assert schema["$schema"]
+    assert "format" in schema["properties"]
 
 
 @pytest.mark.parametrize("ending", ["svg", "mmd", "dot"])
@@ -156,12 +156,17 @@ def test_run_ends_with_how_it_ended_and_where(handcart: Callable[..., Said], tou
 
 def test_run_as_json(handcart: Callable[..., Said], tour: Path) -> None:
     said = handcart("run", tour, "--runs", tour.parent / "runs", "--seed", 5, "--json")
-    told = json.loads(said.out.splitlines()[-1])
+    report = json.loads(said.out.splitlines()[-1])
     fields = (
         "outcome situation reason actions fails replans sim_time_s wall_time_s seed backend run_dir metrics"
     )
-    assert set(fields.split()) <= told.keys()
-    assert (said.status, told["outcome"], told["seed"], told["backend"]) == (0, "Success", 5, "kinematic")
+    assert set(fields.split()) <= report.keys()
+    assert (said.status, report["outcome"], report["seed"], report["backend"]) == (
+        0,
+        "Success",
+        5,
+        "kinematic",
+    )
 
 
 def test_a_goal_that_no_way_leads_to_is_status_3(handcart: Callable[..., Said], tour: Path) -> None:

@@ -102,9 +102,9 @@ def test_labels_say_what_to_install(library: str) -> None:
 @pytest.mark.slow
 def test_a_primitive_that_lacks_a_library_hides_no_others() -> None:
     said = without(ARM, "list", "primitives")
-    told = dict(line.split(maxsplit=1) for line in said.stdout.splitlines())
-    assert told["PICK_UP"].startswith("can't be imported: No module named 'ompl'")
-    assert told["MOVE_TO"].startswith("Drive the base to a named place")
+    listed = dict(line.split(maxsplit=1) for line in said.stdout.splitlines())
+    assert listed["PICK_UP"].startswith("can't be imported: No module named 'ompl'")
+    assert listed["MOVE_TO"].startswith("Drive the base to a named place")
     said = without(ARM, "describe", "PICK_UP")
     assert said.returncode == 2
     assert "the library ompl can't be imported: No module named 'ompl'; to install: " in said.stderr

@@ -210,7 +210,7 @@ def test_nobody_listens_and_it_stops_all_the_same(tour: Path, tmp_path: Path, st
     os.close(reading)
     process.send_signal(signal.SIGINT)
     process.wait(timeout=LATEST_S)
-    (told,) = (tmp_path / "runs").rglob("journal.jsonl")
-    last = json.loads(told.read_bytes().splitlines()[-1])
+    (journal,) = (tmp_path / "runs").rglob("journal.jsonl")
+    last = json.loads(journal.read_bytes().splitlines()[-1])
     assert last["kind"] == "END"
     assert last["outcome"] in ("Cancelled", "Error")

@@ -34,9 +34,9 @@ def fault_of(backend: Any, name: str, node: int | None = None, within: int = 20)
     """What a injected_fault under way ends in."""
     move(backend, BEFORE)
     inject(backend.bench, name, backend.bench.time, node)
-    with pytest.raises(CanFault) as told:
+    with pytest.raises(CanFault) as raised:
         move(backend, within)
-    return told.value
+    return raised.value
 
 
 def assert_stopped(backend: Any, fault: CanFault, gone: Collection[int] = ()) -> None:

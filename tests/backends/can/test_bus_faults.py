@@ -44,11 +44,11 @@ def test_a_warning_of_the_controller_is_waited_out_for_a_second(make: Make, robo
 
 def test_what_the_interface_says_of_itself_is_heard(make: Make, robot: RobotFile) -> None:
     """C3 C4: interfaces without error frames."""
-    for state, told in ((can.BusState.PASSIVE, "error-passive"), (can.BusState.ERROR, "bus-off")):
+    for state, message in ((can.BusState.PASSIVE, "error-passive"), (can.BusState.ERROR, "bus-off")):
         backend = make(robot=robot, room=False)
         move(backend, 2)
         backend.bench.master.condition = state
-        with pytest.raises(ControllerFault, match=told):
+        with pytest.raises(ControllerFault, match=message):
             move(backend, 1)
 
 
@@ -94,7 +94,7 @@ def test_what_was_queued_moves_nothing_when_the_cable_is_back(
         bus.flush_tx_buffer = lambda: None
     move(backend, 1)
     assert len(commands(bus)) >= 2  # both wheels'
-    with pytest.raises(SilentDrive) as told:
+    with pytest.raises(SilentDrive) as first:
         move(backend, 10)
     assert bool(commands(bus)) is not flushes
     for _ in range(60):
@@ -108,7 +108,7 @@ def test_what_was_queued_moves_nothing_when_the_cable_is_back(
     assert "OPERATION ENABLED" not in {drive.life.state for drive in drives.values()}
     with pytest.raises(CanFault) as again:
         backend.step()
-    assert again.value is told.value
+    assert again.value is first.value
 
 
 def test_a_stop_throws_away_what_is_queued(make: Make, robot: RobotFile) -> None:
@@ -134,8 +134,8 @@ def test_what_is_queued_stays_what_it_was(make: Make) -> None:
     for speed in (0.1, 0.2):
         backend.axes.left.command(speed)
         backend.axes.left.send()
-    told = [bytes(frame.data) for frame in bus.held if frame.arbitration_id == 0x201]
-    assert len(told) == len(set(told)) == 2
+    commands = [bytes(frame.data) for frame in bus.held if frame.arbitration_id == 0x201]
+    assert len(commands) == len(set(commands)) == 2
 
 
 def test_random_frames_raise_nothing_but_a_count(make: Make, robot: RobotFile) -> None:

@@ -42,7 +42,7 @@ def test_the_kit_finds_nothing_wrong(name: str) -> None:
 
 
 @pytest.mark.parametrize(
-    ("before", "after", "told"),
+    ("before", "after", "message"),
     [
         ("{node: 2,", "{node: 1,", "left wheel and right wheel have the node 1; allowed: each its own"),
         ("{node: 2,", "{node: 128,", "127"),
@@ -52,13 +52,13 @@ def test_the_kit_finds_nothing_wrong(name: str) -> None:
     ],
 )
 def test_what_is_wrong_in_the_section_can_is_told_with_its_place(
-    tmp_path: Path, before: str, after: str, told: str
+    tmp_path: Path, before: str, after: str, message: str
 ) -> None:
     path = Path(shutil.copytree(ROBOTS / "cart", tmp_path / "cart")) / "robot.yaml"
     text = path.read_text(encoding="utf-8")
     assert before in text
     path.write_text(text.replace(before, after), encoding="utf-8")
-    with pytest.raises(FileError, match=told) as error:
+    with pytest.raises(FileError, match=message) as error:
         load_robot(str(path))
     assert f"{path}:" in str(error.value)
 

@@ -30,7 +30,7 @@ from .faulty import BEFORE, JOINT_1, assert_stopped, assert_told, fault_of, move
 
 
 @pytest.mark.parametrize(
-    ("name", "kind", "told"),
+    ("name", "kind", "message"),
     [
         ("error-passive", ControllerFault, "error-passive"),
         ("bus-off", ControllerFault, r"off the bus \(bus-off\)"),
@@ -57,13 +57,13 @@ from .faulty import BEFORE, JOINT_1, assert_stopped, assert_told, fault_of, move
     ],
 )
 def test_a_fault_on_the_bus_stops_all_axes_in_words(
-    make: Make, robot: RobotFile, name: str, kind: type[CanFault] | tuple[type[CanFault], ...], told: str
+    make: Make, robot: RobotFile, name: str, kind: type[CanFault] | tuple[type[CanFault], ...], message: str
 ) -> None:
     """B6 B7 C3 C4 C7 C11 C12 C13 C15 C16 C17 C18 C19 C20 C22 S1 S2 S4 S6 S9: one fault, all axes stop."""
     backend = make(robot=robot, room=False)
     fault = fault_of(backend, name)
     assert isinstance(fault, kind)
-    assert_told(told, fault)
+    assert_told(message, fault)
     gone = {1} if name in ("reboot", "stranger", "replay", "silent") else ()
     gone = set(backend.bench.drives) if name == "e-stop" else gone
     assert_stopped(backend, fault, gone)
@@ -96,7 +96,7 @@ def test_two_periods_of_lateness_are_tolerated_and_more_are_not(make: Make, robo
 
 
 @pytest.mark.parametrize(
-    ("keeps", "told"),
+    ("keeps", "message"),
     [
         ({(0x1016, 1): 0}, r"consumer heartbeat time 1 \(1016h:1\) is 0; wanted: 8323222"),
         ({(0x1017, 0): 0}, r"\(1017h\) is 0; wanted: 50"),
@@ -115,7 +115,7 @@ def test_a_drive_that_is_not_set_as_it_should_be_gets_no_torque(
     robot: RobotFile,
     monkeypatch: pytest.MonkeyPatch,
     keeps: dict[tuple[int, int], int],
-    told: str,
+    message: str,
 ) -> None:
     """C9 C10: object, wanted, got; read back before anything is enabled."""
     made: list[Bench] = []
@@ -128,7 +128,7 @@ def test_a_drive_that_is_not_set_as_it_should_be_gets_no_torque(
         return plain(self)
 
     monkeypatch.setattr(Bench, "open", opened)
-    with pytest.raises(ReadBackDiffers, match=told):
+    with pytest.raises(ReadBackDiffers, match=message):
         make(robot=robot, room=False)
     assert {drive.life.state for drive in made[0].drives.values()} == {"SWITCH ON DISABLED"}
 

@@ -100,25 +100,25 @@ def test_a_fault_ends_a_command_with_status_4_and_without_a_traceback(
     with pytest.raises(SystemExit) as end:
         main([*(run if command == "run" else do), "--robot", "cart", "--backend", "can"])
     assert end.value.code == 4
-    told = capsys.readouterr()
-    assert "the left wheel drive (node 1) is silent" in told.out + told.err
-    assert "Traceback" not in told.err
-    assert ("GiveUp in situation" in told.out) == (command == "run")
+    printed = capsys.readouterr()
+    assert "the left wheel drive (node 1) is silent" in printed.out + printed.err
+    assert "Traceback" not in printed.err
+    assert ("GiveUp in situation" in printed.out) == (command == "run")
 
 
 @pytest.mark.parametrize(
-    ("index", "value", "error", "told"),
+    ("index", "value", "error", "message"),
     [
         (0x1000, 0x191, WrongDrive, r"device profile \(1000h\) is 401; allowed: 402"),
         (0x6502, 0x01, WrongDrive, r"drive modes \(6502h\) is 0x1; allowed: profiled velocity"),
     ],
 )
 def test_a_drive_that_is_none_is_told(
-    make: Make, monkeypatch: pytest.MonkeyPatch, index: int, value: int, error: type[WrongDrive], told: str
+    make: Make, monkeypatch: pytest.MonkeyPatch, index: int, value: int, error: type[WrongDrive], message: str
 ) -> None:
     plain = DriveNode._value
     monkeypatch.setattr(DriveNode, "_value", lambda self, i: value if i == index else plain(self, i))
-    with pytest.raises(error, match=told):
+    with pytest.raises(error, match=message):
         make()
 
 
@@ -131,10 +131,10 @@ def test_settings_that_differ_are_told_all_at_once(make: Make, monkeypatch: pyte
 
     monkeypatch.setattr(DriveNode, "_power_on", stubborn)
     monkeypatch.setattr(DriveNode, "__init__", _early(DriveNode.__init__))
-    with pytest.raises(ReadBackDiffers) as told:
+    with pytest.raises(ReadBackDiffers) as raised:
         make()
-    lines = str(told.value).splitlines()
-    assert len(lines) == len(told.value.differences) == 4
+    lines = str(raised.value).splitlines()
+    assert len(lines) == len(raised.value.differences) == 4
     assert lines[0] == "the left wheel drive (node 1): producer heartbeat time (1017h) is 0; wanted: 50"
     assert lines[3].startswith("the right wheel drive (node 2): profile acceleration (6083h) is 7; wanted: ")
 
@@ -216,7 +216,7 @@ def test_a_line_waits_no_longer_than_told() -> None:
 
 
 @pytest.mark.parametrize(
-    ("backend", "bench", "told"),
+    ("backend", "bench", "message"),
     [
         ("kinematic", "kinematic", "the backend 'kinematic' has no drives; allowed"),
         ("can", "can", "the backend 'can' simulates no robot"),
@@ -228,14 +228,14 @@ def test_a_line_waits_no_longer_than_told() -> None:
     ],
 )
 def test_a_bench_that_cannot_be_is_refused_with_status_2(
-    backend: str, bench: str, told: str, capsys: pytest.CaptureFixture[str]
+    backend: str, bench: str, message: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
     from handcart.tools.main import main
 
     with pytest.raises(SystemExit) as end:
         main(["run", "tasks/return_book/task.yaml", "--backend", backend, "--bench", bench])
     assert end.value.code == 2
-    assert told in capsys.readouterr().err
+    assert message in capsys.readouterr().err
 
 
 def test_a_fault_that_nobody_knows_is_refused(make: Make) -> None:

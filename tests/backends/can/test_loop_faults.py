@@ -56,9 +56,9 @@ def test_a_late_loop_ramps_to_a_stop(make: Make, robot: RobotFile) -> None:
     backend._pace = Late()
     move(backend, 2)
     backend._pace.trouble = "a period ended 63 ms late; allowed: 50 ms"
-    with pytest.raises(LateLoop, match="the control loop is too slow: a period ended 63 ms late") as told:
+    with pytest.raises(LateLoop, match="the control loop is too slow: a period ended 63 ms late") as raised:
         move(backend, 1)
-    assert_stopped(backend, told.value)
+    assert_stopped(backend, raised.value)
 
 
 def test_wall_clocks_are_not_asked(make: Make, robot: RobotFile, monkeypatch: pytest.MonkeyPatch) -> None:

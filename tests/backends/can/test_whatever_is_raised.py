@@ -51,7 +51,7 @@ def lies(drive: Any, data: bytes) -> None:
 
 
 @pytest.mark.parametrize(
-    ("data", "told"),
+    ("data", "message"),
     [
         (b"", "an answer of 0 bytes"),
         (b"\x4b", "an answer of 1 bytes"),
@@ -65,7 +65,7 @@ def lies(drive: Any, data: bytes) -> None:
 )
 @pytest.mark.parametrize("when", ["set-up", "enabling"])
 def test_sdo_answers_that_are_none_are_told(
-    make: Make, monkeypatch: pytest.MonkeyPatch, data: bytes, told: str, when: str
+    make: Make, monkeypatch: pytest.MonkeyPatch, data: bytes, message: str, when: str
 ) -> None:
     """C14 C20: of any length, about something else; nothing stays enabled."""
     if when == "set-up":
@@ -76,7 +76,7 @@ def test_sdo_answers_that_are_none_are_told(
             lies(self, data)
 
         monkeypatch.setattr(DriveNode, "associate_network", associate)
-        with pytest.raises(WrongDrive, match=told):
+        with pytest.raises(WrongDrive, match=message):
             make(room=False)
         return
     backend = make(room=False)
@@ -149,9 +149,9 @@ def test_whatever_ends_a_period_ends_the_torque(
     monkeypatch.setattr(backend.axes, "end_handshakes", raises)
     with pytest.raises(type(error)):
         move(backend, 1)
-    with pytest.raises(BrokenOff, match=f"driving was broken off: {type(error).__name__}") as told:
+    with pytest.raises(BrokenOff, match=f"driving was broken off: {type(error).__name__}") as raised:
         move(backend, 1)
-    assert_stopped(backend, told.value)
+    assert_stopped(backend, raised.value)
 
 
 def test_whatever_ends_the_enabling_ends_the_torque(
@@ -209,9 +209,9 @@ def test_a_stop_that_fails_stops_for_good(make: Make) -> None:
         plain(frame, timeout)
 
     backend.bench.master.send = fails
-    with pytest.raises(CanFault, match="while stopping: bus off") as told:
+    with pytest.raises(CanFault, match="while stopping: bus off") as raised:
         backend.stop()
-    assert_stopped(backend, told.value)
+    assert_stopped(backend, raised.value)
 
 
 def test_sensors_and_bus_are_let_go_of_even_if_the_stop_raises(

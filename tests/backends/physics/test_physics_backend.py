@@ -162,9 +162,9 @@ def test_a_wall_stops_the_base_and_is_told_as_contact(make: Make) -> None:
 
 def test_the_hand_is_where_kinematics_say(hand: Hand) -> None:
     hand.joints(hand.arm.command() + np.array([0.2, -0.1, 0.1, 0.0, 0.1, 0.2]))
-    told = hand.model.forward(hand.backend.scene.joints)
+    measured = hand.model.forward(hand.backend.scene.joints)
     body = hand.backend._body
-    assert np.abs(told - np.linalg.solve(body.base_pose(), body.link_pose("hand"))).max() < 1e-6
+    assert np.abs(measured - np.linalg.solve(body.base_pose(), body.link_pose("hand"))).max() < 1e-6
 
 
 def test_the_arm_goes_where_it_is_told_as_exactly_as_its_repeatability(hand: Hand, spec: RobotFile) -> None:

@@ -83,9 +83,9 @@ def test_what_isnt_as_the_file_says_is_told_with_its_line(
 ) -> None:
     robot = spoiled(tmp_path)
     with physics(robot, world, 0) as backend:
-        (told,) = backend.remarks
-    assert told.startswith(f"{tmp_path / 'robot' / 'librarian.urdf'}:{line_of(robot, 'base')}:")
-    assert "link 'base': no body has its inertia; " in told
+        (remark,) = backend.remarks
+    assert remark.startswith(f"{tmp_path / 'robot' / 'librarian.urdf'}:{line_of(robot, 'base')}:")
+    assert "link 'base': no body has its inertia; " in remark
 
 
 def spoiled(folder: Path) -> RobotFile:

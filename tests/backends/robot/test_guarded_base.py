@@ -25,10 +25,10 @@ class Wheels(Base):
     """Wheels that are told a speed and a turn rate, and do nothing by themselves."""
 
     def __init__(self) -> None:
-        self.told = (0.0, 0.0)
+        self.command = (0.0, 0.0)
 
     def drive(self, speed: float, turn_rate: float) -> None:
-        self.told = (speed, turn_rate)
+        self.command = (speed, turn_rate)
 
     def wheel_travel(self) -> WheelTravel:
         return WheelTravel(0.0, 0.0)
@@ -47,9 +47,9 @@ class Rolling:
     def drive(self, speed: float, turn_rate: float = 0.0) -> tuple[float, float]:
         """A period; gives what was passed on."""
         self.base.drive(speed, turn_rate)
-        told, turn = self.wheels.told
-        self.pose = self.pose.compose(Pose2(told * self.period, 0.0, turn * self.period))
-        return told, turn
+        forward, turn = self.wheels.command
+        self.pose = self.pose.compose(Pose2(forward * self.period, 0.0, turn * self.period))
+        return forward, turn
 
 
 @pytest.fixture
@@ -59,12 +59,12 @@ def spec() -> RobotFile:
 
 def test_it_is_never_faster_than_it_can_brake_from(spec: RobotFile) -> None:
     rolling, braking = Rolling(spec, 3.0, lambda _: NOTHING), spec.drive.acceleration_m_s2
-    top, told = spec.drive.top_speed_m_s, []
+    top, speeds = spec.drive.top_speed_m_s, []
     for _ in range(200):
-        told.append(rolling.drive(top)[0])
+        speeds.append(rolling.drive(top)[0])
         left = WALL_AT - rolling.pose.x - spec.footprint_radius_m - BESIDE
-        assert told[-1] ** 2 / (2.0 * braking) <= left + 1e-6
-    assert told[0] == top
+        assert speeds[-1] ** 2 / (2.0 * braking) <= left + 1e-6
+    assert speeds[0] == top
     assert left < 0.03  # and it gets near
 
 
@@ -103,9 +103,9 @@ def test_a_car_that_is_slowed_stays_on_its_curve() -> None:
     ahead = np.array([[spec.footprint_radius_m + 0.15, 0.0]])
     rolling, speed = Rolling(spec, 1.0, lambda _: ahead), spec.drive.top_speed_m_s
     turn = 0.5 * spec.drive.sharpest_per_m * speed
-    told, turned = rolling.drive(speed, turn)
-    assert 0.0 < told < speed
-    assert turned / told == pytest.approx(turn / speed)
+    slowed, turned = rolling.drive(speed, turn)
+    assert 0.0 < slowed < speed
+    assert turned / slowed == pytest.approx(turn / speed)
 
 
 def test_a_lone_reading_is_noise_two_beside_each_other_are_not() -> None:

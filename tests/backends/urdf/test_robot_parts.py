@@ -54,7 +54,7 @@ def robot(tmp_path: Path) -> Path:
     return tmp_path / "robot.yaml"
 
 
-def told(path: Path) -> str:
+def error_of(path: Path) -> str:
     """What is told of a robot that is wrong."""
     with pytest.raises(FileError) as error:
         load_robot(str(path))
@@ -113,18 +113,18 @@ def test_a_urdf_without_parts_and_meshes_is_taken_as_it_is() -> None:
 )
 def test_a_wrong_part_is_told_with_its_place(robot: Path, old: str, new: str, wrong: str) -> None:
     robot.write_text(ROBOT.replace(old, new, 1), encoding="utf-8")
-    assert wrong in told(robot)
+    assert wrong in error_of(robot)
 
 
 def test_a_missing_collision_mesh_is_told(robot: Path) -> None:
     (robot.parent / "stick_shop" / "solid.obj").unlink()
-    said = told(robot)
+    said = error_of(robot)
     assert "stick.urdf:2:43: link 'stick': mesh 'package://stick_shop/solid.obj': it isn't there" in said
 
 
 def test_a_mesh_without_volume_is_told(robot: Path) -> None:
     (robot.parent / "stick_shop" / "solid.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", "utf-8")
-    said = told(robot)
+    said = error_of(robot)
     assert "stick.urdf:2:43: link 'stick'" in said
     assert "it encloses nothing; allowed: a closed surface" in said
 
@@ -140,7 +140,7 @@ def test_a_missing_frame_is_told(tmp_path: Path, link: str, key: str) -> None:
     renamed = renamed.replace(f'link="{link}"', f'link="other_{link}"')
     (tmp_path / "librarian.urdf").write_text(renamed, encoding="utf-8")
     (tmp_path / "robot.yaml").write_bytes((source / "robot.yaml").read_bytes())
-    assert f"the URDF has no link '{link}'" in told(tmp_path / "robot.yaml")
+    assert f"the URDF has no link '{link}'" in error_of(tmp_path / "robot.yaml")
 
 
 def test_fingers_must_tell_their_size(tmp_path: Path) -> None:
@@ -151,4 +151,4 @@ def test_fingers_must_tell_their_size(tmp_path: Path) -> None:
     assert box in urdf
     (tmp_path / "librarian.urdf").write_text(urdf.replace(box, ""), encoding="utf-8")
     (tmp_path / "robot.yaml").write_bytes((source / "robot.yaml").read_bytes())
-    assert "the link 'left_finger' has no collision box" in told(tmp_path / "robot.yaml")
+    assert "the link 'left_finger' has no collision box" in error_of(tmp_path / "robot.yaml")

@@ -23,7 +23,7 @@ def robot(tmp_path: Path) -> Path:
     return tmp_path / "robot.yaml"
 
 
-def told(robot: Path) -> str:
+def error_of(robot: Path) -> str:
     with pytest.raises(FileError) as error:
         load_robot(str(robot))
     return str(error.value)
@@ -62,14 +62,14 @@ def test_a_robot_whose_urdf_is_a_pipe_is_refused(robot: Path) -> None:
     """T1: it doesn't wait for a writer."""
     (robot.parent / "librarian.urdf").unlink()
     os.mkfifo(robot.parent / "librarian.urdf")
-    assert "robot.yaml:" in told(robot)
-    assert "there is no text file 'librarian.urdf'" in told(robot)
+    assert "robot.yaml:" in error_of(robot)
+    assert "there is no text file 'librarian.urdf'" in error_of(robot)
 
 
 def test_a_huge_urdf_is_not_read(robot: Path) -> None:
     """T2"""
     os.truncate(robot.parent / "librarian.urdf", 10**9)
-    assert "librarian.urdf:1:1: the file has 1000000000 bytes; allowed: at most" in told(robot)
+    assert "librarian.urdf:1:1: the file has 1000000000 bytes; allowed: at most" in error_of(robot)
 
 
 def test_entities_are_refused(robot: Path) -> None:
@@ -78,7 +78,7 @@ def test_entities_are_refused(robot: Path) -> None:
     text = urdf.read_text(encoding="utf-8")
     bomb = '<!DOCTYPE robot [<!ENTITY a "aaaa">]>'
     urdf.write_text(text.replace("<robot", bomb + "<robot", 1), encoding="utf-8")
-    assert "a document type (DOCTYPE)" in told(robot)
+    assert "a document type (DOCTYPE)" in error_of(robot)
 
 
 @pytest.fixture
@@ -152,7 +152,7 @@ def test_a_mesh_that_leads_out_is_told_at_its_link(robot: Path) -> None:
         '<joint name="on_x" type="fixed"><parent link="base"/><child link="x"/></joint></robot>'
     )
     urdf.write_text(text.replace("</robot>", mesh), encoding="utf-8")
-    assert "link 'x': mesh '../../x.stl': the path '../../x.stl' leads out of" in told(robot)
+    assert "link 'x': mesh '../../x.stl': the path '../../x.stl' leads out of" in error_of(robot)
 
 
 def test_only_regular_files_are_meshes(tmp_path: Path) -> None:

@@ -9,14 +9,16 @@ from benchmarks.driving.near_walls import report, try_world
 
 @pytest.mark.parametrize("seed", [8, pytest.param(11, marks=pytest.mark.slow)])
 def test_what_check_calls_reachable_is_reached_without_contact(seed: int) -> None:
-    told = try_world(seed, nearer=False)
-    assert (told.contacts, told.wrongly) == ([], [])
-    assert told.stood
-    assert [each.reason for each in told.stood if not each.reached] == []
-    assert f"{len(told.stood)} places driven to, 0 not reached, 0 contacts" in report([told], nearer=False)
+    result = try_world(seed, nearer=False)
+    assert (result.contacts, result.wrongly) == ([], [])
+    assert result.stood
+    assert [each.reason for each in result.stood if not each.reached] == []
+    assert f"{len(result.stood)} places driven to, 0 not reached, 0 contacts" in report(
+        [result], nearer=False
+    )
 
 
 def test_what_check_refuses_is_not_driven_to() -> None:
-    told = try_world(2, nearer=True)
-    assert told.contacts == []
-    assert {each.reason.split(" at ")[0] for each in told.stood} == {"the base can't stand"}
+    result = try_world(2, nearer=True)
+    assert result.contacts == []
+    assert {each.reason.split(" at ")[0] for each in result.stood} == {"the base can't stand"}

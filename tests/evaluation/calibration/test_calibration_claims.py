@@ -21,9 +21,9 @@ def found(**off: float) -> dict[str, Calibrated]:
     true, stated = true_camera(ROBOT.camera, arm, ROBOT.errors, 3), stated_camera(ROBOT.camera, arm)
     x, y, z = (1e3 * (inverse(stated.hand_T_camera) @ true.hand_T_camera)[:3, 3]).tolist()
     values = {"focal_px": true.model.K[1, 1], "cx_px": true.model.K[0, 2], "k1": true.model.distortion[0]}
-    told = {name: Calibrated(float(value) + off.get(name, 0.0), 0.2) for name, value in values.items()}
-    told["xyz_mm"] = Calibrated((x + off.get("xyz_mm", 0.0), y, z), (0.1, 0.1, 0.1))
-    return {f"camera.calibrated.{name}": each for name, each in told.items()}
+    claims = {name: Calibrated(float(value) + off.get(name, 0.0), 0.2) for name, value in values.items()}
+    claims["xyz_mm"] = Calibrated((x + off.get("xyz_mm", 0.0), y, z), (0.1, 0.1, 0.1))
+    return {f"camera.calibrated.{name}": each for name, each in claims.items()}
 
 
 def test_the_truth_is_taken() -> None:
@@ -38,8 +38,8 @@ def test_what_is_off_is_told(name: str, off: float) -> None:
 
 def test_a_suspension_is_held_against_the_spots() -> None:
     spots = {"laser_yaw_mrad_per_swing": -0.8, "laser_roll_mrad_per_m": -8.0, "laser_pitch_mrad_per_m": 8.0}
-    told = {"yaw_mrad_per_swing": -0.85, "roll_mrad_per_m": -8.3, "pitch_mrad_per_m": 7.9, "pivot_m": 0.1}
-    values = {f"suspension.{name}": Calibrated(value, 0.05) for name, value in told.items()}
+    claims = {"yaw_mrad_per_swing": -0.85, "roll_mrad_per_m": -8.3, "pitch_mrad_per_m": 7.9, "pivot_m": 0.1}
+    values = {f"suspension.{name}": Calibrated(value, 0.05) for name, value in claims.items()}
     assert suspension_faults(spots, values) == []
     values["suspension.roll_mrad_per_m"] = Calibrated(-11.0, 0.05)
     (wrong,) = suspension_faults(spots, values)

@@ -156,12 +156,12 @@ def test_a_report_tells_what_is_wrong() -> None:
     untrue = Ending("Fail", "it was only to be tried", 9, wrong=("Fail, but base mm 60.00 (at most 45.00)",))
     trial = FaultTrial("REACH", 0, 7, "cancel", "cancel", untrue)
     report = KitReport.of("mine", "librarian", True, [wrong, [trial]])
-    told = "\n".join(report.lines())
+    text = "\n".join(report.lines())
     assert not report.ok
-    assert "WRONG limits" in told
-    assert "drive(nan, 0) is taken" in told
-    assert "VIOLATION  REACH, period 7, cancel: Fail: Fail, but base mm 60.00" in told
-    assert "1 checks, 1 wrong; 1 faults, 1 violations" in told
+    assert "WRONG limits" in text
+    assert "drive(nan, 0) is taken" in text
+    assert "VIOLATION  REACH, period 7, cancel: Fail: Fail, but base mm 60.00" in text
+    assert "1 checks, 1 wrong; 1 faults, 1 violations" in text
     assert report.as_dict()["faults"]["violations"][0]["period"] == 7
 
 
@@ -191,10 +191,10 @@ def test_an_untrue_outcome_is_wrong_at_any_rate() -> None:
 
 
 def test_whole_tasks_are_run_on_both_backends() -> None:
-    told = [str(each) for each in KitSetting("pybullet", seeds=2).task_runs()]
-    assert "return_book on pybullet without errors" in told
-    assert "drive_map on kinematic with seed 1" in told
-    assert len(told) == 3 * 2 * 3
+    names = [str(each) for each in KitSetting("pybullet", seeds=2).task_runs()]
+    assert "return_book on pybullet without errors" in names
+    assert "drive_map on kinematic with seed 1" in names
+    assert len(names) == 3 * 2 * 3
     assert "tasks" not in KitSetting("pybullet", quick=True).chosen_parts
 
 

@@ -63,8 +63,8 @@ def test_a_calibration_is_held_against_the_truth() -> None:
     wrong = {"camera.calibrated.k1": Calibrated(9.0, 0.01)}
     primitive = SimpleNamespace(evidence=SimpleNamespace(calibrated=wrong))
     spec = load_robot("toyama/uncalibrated")
-    (told,) = false(CalibrationSurvey, "CALIBRATE_CAMERA", claimed(primitive), spec=spec, seed=3)
-    assert told.startswith("k1 is 9")
+    (untrue,) = false(CalibrationSurvey, "CALIBRATE_CAMERA", claimed(primitive), spec=spec, seed=3)
+    assert untrue.startswith("k1 is 9")
 
 
 def test_a_base_that_stood_stood() -> None:
@@ -113,8 +113,8 @@ def test_arrival_is_held_against_what_is_claimed(
     )
     model: Any = SimpleNamespace(places={"there": SimpleNamespace(pose=goal, docks=docks)})
     claim = claimed(SimpleNamespace(place="there"))
-    told = false(ArrivalSurvey, "MOVE_TO", claim, robot=robot, model=model, world=scene)
-    assert (told == []) is right
+    untrue = false(ArrivalSurvey, "MOVE_TO", claim, robot=robot, model=model, world=scene)
+    assert (untrue == []) is right
 
 
 def laid_at(x: float) -> Any:
@@ -161,8 +161,8 @@ def test_a_base_stands_and_is_turned_as_it_was_found() -> None:
     assert found(1.01, 0.5) == ["the base is 10.0 mm from where it was found (at most 6.0)"]
     assert found(1.0, 0.52) == ["the base is turned 1.15 deg against how it was found (at most 0.3)"]
     nothing: Any = SimpleNamespace(of=lambda _: SimpleNamespace(fixed=None))
-    told = false(BlockSurvey, "FIXATE", claimed(), world=scene, model=nothing)
-    assert told == ["it isn't known where the base stands"]
+    untrue = false(BlockSurvey, "FIXATE", claimed(), world=scene, model=nothing)
+    assert untrue == ["it isn't known where the base stands"]
 
 
 def test_what_another_thing_carries_now_is_infinitely_far() -> None:

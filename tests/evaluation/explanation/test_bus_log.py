@@ -38,10 +38,10 @@ def test_what_python_can_writes_is_read(tmp_path: Path, kind: str) -> None:
     (tmp_path / NAMES).write_text(
         FrameNames(time="unix", nodes={1: "the left drive"}, pdos={}).model_dump_json(), encoding="utf-8"
     )
-    told = frames_around(path, tmp_path, float("inf"))
-    assert told.frames == len(FRAMES)
-    assert "the left drive" in {line.description.who for line in told.lines}
-    assert any("error 8610h" in line.description.words for line in told.lines)
+    excerpt = frames_around(path, tmp_path, float("inf"))
+    assert excerpt.frames == len(FRAMES)
+    assert "the left drive" in {line.description.who for line in excerpt.lines}
+    assert any("error 8610h" in line.description.words for line in excerpt.lines)
 
 
 def test_a_log_that_is_too_long_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

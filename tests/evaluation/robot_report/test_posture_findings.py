@@ -76,5 +76,5 @@ def test_all_bodies_of_a_link_may_stand_out(folder: Path) -> None:
 
 def test_check_tells_it(folder: Path) -> None:
     path, line = changed(folder, "look_at_tag", INTO_ITSELF)
-    told = robot_facts(Path(path), None, quick=True)
-    assert [each for each in told["warnings"] if each.startswith(f"{path}:{line}:")]
+    facts = robot_facts(Path(path), None, quick=True)
+    assert [each for each in facts["warnings"] if each.startswith(f"{path}:{line}:")]

@@ -43,9 +43,9 @@ def link(mass: float | None, inertia: tuple[float, float, float], x: float = 0.0
     ],
 )
 def test_what_is_implausible_about_a_mass_is_told(facts: LinkFacts, words: str) -> None:
-    told = mass_faults(facts, [BEAM])
-    assert len(told) == bool(words)
-    assert words in "".join(told)
+    faults = mass_faults(facts, [BEAM])
+    assert len(faults) == bool(words)
+    assert words in "".join(faults)
 
 
 def test_a_link_without_bodies_may_have_no_mass_if_no_joint_moves_it() -> None:
@@ -56,8 +56,8 @@ def test_a_link_without_bodies_may_have_no_mass_if_no_joint_moves_it() -> None:
 
 def test_inertia_that_is_wrong_by_rounding_is_told_with_the_amount() -> None:
     """No engine can take it as it is: see the pads of a gripper, 1.5 mm thick."""
-    (told,) = mass_faults(link(0.05, (6.68e-6, 5.71e-5, 5.04e-5)), [])
-    assert told.endswith("kg m², by 2e-08")
+    (fault,) = mass_faults(link(0.05, (6.68e-6, 5.71e-5, 5.04e-5)), [])
+    assert fault.endswith("kg m², by 2e-08")
     assert mass_faults(link(0.05, (6.676e-6, 5.7083e-5, 5.0426e-5)), []) == []
 
 

@@ -180,11 +180,11 @@ def test_what_runs_into_a_shelf_is_told_with_its_force(hands: Hands, holds: bool
     hands.begins(Search(shelf="shelf_1"))
     hands.hand(0.25 if holds else 0.36, 0.214, 0.80)
     assert hands.ends()
-    told = hands.survey.figures()["contacts"]
-    contact, *_ = [each for each in told if each["other"].endswith("panel of shelf_1")]
+    contacts = hands.survey.figures()["contacts"]
+    contact, *_ = [each for each in contacts if each["other"].endswith("panel of shelf_1")]
     assert contact["part"] == ("held" if holds else "hand")
     assert contact["body"] == "held book 117" or not holds
-    assert max(each["force_n"] for each in told) > 5.0, told
+    assert max(each["force_n"] for each in contacts) > 5.0, contacts
 
 
 def test_a_book_that_the_fingers_push_by_the_way_is_told(hands: Hands) -> None:

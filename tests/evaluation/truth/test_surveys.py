@@ -111,10 +111,10 @@ def test_what_a_survey_from_outside_says_counts(
     prepared: Prepared, also: Callable[[type[Survey]], None]
 ) -> None:
     also(Puddles)
-    told = metrics(prepared, drive(prepared))
-    assert told["puddles"] == 3
-    assert "1. MOVE_TO Success: 3 puddles were gone through" in told["untrue"]
-    assert "Success: the floor is wet" in told["untrue"]
+    figures = metrics(prepared, drive(prepared))
+    assert figures["puddles"] == 3
+    assert "1. MOVE_TO Success: 3 puddles were gone through" in figures["untrue"]
+    assert "Success: the floor is wet" in figures["untrue"]
 
 
 @pytest.mark.parametrize("at", ["look", "effect", "ended", "figures", "faults"])
@@ -122,10 +122,10 @@ def test_one_that_breaks_is_named_and_the_run_goes_on(
     prepared: Prepared, also: Callable[[type[Survey]], None], at: str
 ) -> None:
     also(type("Muddy", (Broken,), {"at": at}))
-    told = metrics(prepared, drive(prepared))
-    (words,) = [each for each in told["untrue"] if "broke" in each]
+    figures = metrics(prepared, drive(prepared))
+    (words,) = [each for each in figures["untrue"] if "broke" in each]
     assert re.search(r":Muddy broke and says no more: KeyError: 'pond' \(test_surveys.py, line \d+\)", words)
-    assert "path_length_m" in told
+    assert "path_length_m" in figures
 
 
 def test_a_survey_that_is_none_is_named_before_anything_moves(monkeypatch: pytest.MonkeyPatch) -> None:

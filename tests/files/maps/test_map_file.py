@@ -40,7 +40,7 @@ def changed(chart: Path, *changes: tuple[str, str]) -> Path:
     return chart
 
 
-def told(chart: Path, *changes: tuple[str, str]) -> str:
+def error_of(chart: Path, *changes: tuple[str, str]) -> str:
     with pytest.raises(FileError) as error:
         load_map(changed(chart, *changes))
     return str(error.value)
@@ -99,7 +99,7 @@ def test_a_picture_that_leads_out_of_the_maps_folder_is_refused(chart: Path, ima
     (chart.parent / "map.pgm").rename(chart.parent.parent / "secret.pgm")
     (chart.parent / "link.pgm").symlink_to("../secret.pgm")
     (chart.parent / "below").mkdir()
-    words = told(chart, ("map.pgm", repr(image)))
+    words = error_of(chart, ("map.pgm", repr(image)))
     assert "map.yaml:1:8: " in words
     assert "allowed: a relative path inside the root" in words
 
@@ -122,14 +122,14 @@ def test_a_picture_that_leads_out_of_the_maps_folder_is_refused(chart: Path, ima
     ],
 )
 def test_what_is_beyond_sense_is_refused(chart: Path, old: str, new: str, words: str) -> None:
-    assert words in told(chart, (old, new))
+    assert words in error_of(chart, (old, new))
 
 
 def test_a_picture_that_is_a_pipe_is_not_opened(chart: Path) -> None:
     """T1"""
     (chart.parent / "map.pgm").unlink()
     os.mkfifo(chart.parent / "map.pgm")
-    assert "no picture can be read" in told(chart)
+    assert "no picture can be read" in error_of(chart)
 
 
 OCTILE = "type octile\nheight 3\nwidth 5\nmap\n.GS@O\nTW...\n.....\n"

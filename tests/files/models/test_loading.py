@@ -69,7 +69,7 @@ class Shelf(FileModel):
         return self
 
 
-def told(text: str, context: object = None) -> list[str]:
+def messages(text: str, context: object = None) -> list[str]:
     with pytest.raises(FileError) as caught:
         load_document(parse_document(text.encode(), "f.yaml"), Shelf, context)
     return [str(finding).removeprefix("f.yaml:") for finding in caught.value.findings]
@@ -92,87 +92,91 @@ def test_loads_what_is_right(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("text", ["'20'", "true", "[20]", "~", "2O"])
 def test_t07_only_a_number_is_a_number(text: str) -> None:
-    (finding,) = told(f"name: a\nbooks:\n  - number: 1\n    width_mm: {text}\n")
+    (finding,) = messages(f"name: a\nbooks:\n  - number: 1\n    width_mm: {text}\n")
     assert finding.startswith("4:15: width_mm is ")
     assert finding.endswith("; allowed: a number from 15 to 45 mm")
 
 
 @pytest.mark.parametrize("text", ["1.0", "true", "'1'"])
 def test_t07_only_a_whole_number_is_one(text: str) -> None:
-    (finding,) = told(f"name: a\nbooks: [{{number: {text}, width_mm: 20}}]")
+    (finding,) = messages(f"name: a\nbooks: [{{number: {text}, width_mm: 20}}]")
     assert finding == f"2:18: number is {text}; allowed: a whole number"
 
 
 def test_a_number_for_text_needs_quotes() -> None:
-    assert told("name: 512.7") == ["1:7: name is 512.7; allowed: text in quotes"]
+    assert messages("name: 512.7") == ["1:7: name is 512.7; allowed: text in quotes"]
 
 
 def test_t10_unknown_key_at_its_place_with_the_nearest() -> None:
-    assert told("name: a\nbooks:\n  - number: 1\n    width_m: 20\n") == [
+    assert messages("name: a\nbooks:\n  - number: 1\n    width_m: 20\n") == [
         "3:5: the key 'width_mm' is missing; needed: a number from 15 to 45 mm",
         "4:5: unknown key 'width_m'; did you mean 'width_mm'? allowed: number, width_mm",
     ]
-    assert told("name: a\nstep:\n  kind: move\n  speed_m_s: 1\n  sped: 3") == [
+    assert messages("name: a\nstep:\n  kind: move\n  speed_m_s: 1\n  sped: 3") == [
         "5:3: unknown key 'sped'; did you mean 'speed_m_s'? allowed: kind, speed_m_s"
     ]
 
 
 def test_t11_range_with_the_unit_of_the_key() -> None:
-    assert told("name: a\nstep: {kind: move, speed_m_s: 3000}\nweights_kg: {a: x}") == [
+    assert messages("name: a\nstep: {kind: move, speed_m_s: 3000}\nweights_kg: {a: x}") == [
         "2:31: speed_m_s is 3000; allowed: a number above 0 and at most 2 m/s",
         "3:17: a is 'x'; allowed: a number",
     ]
 
 
 def test_words_of_an_enumeration() -> None:
-    assert told("name: a\nside: rigth") == [
+    assert messages("name: a\nside: rigth") == [
         "2:7: side is 'rigth'; did you mean 'right'? allowed: left, right"
     ]
 
 
 def test_kinds_without_jargon() -> None:
-    assert told("name: a\nstep: {kind: mov}") == [
+    assert messages("name: a\nstep: {kind: mov}") == [
         "2:14: kind is 'mov'; did you mean 'move'? allowed: move, turn"
     ]
-    assert told("name: a\nstep: {angle_deg: 1}") == ["2:7: the key 'kind' is missing; allowed: move, turn"]
-    assert told("name: a\nstep: 3") == ["2:7: step is 3; allowed: a mapping with kind: move, turn"]
+    assert messages("name: a\nstep: {angle_deg: 1}") == [
+        "2:7: the key 'kind' is missing; allowed: move, turn"
+    ]
+    assert messages("name: a\nstep: 3") == ["2:7: step is 3; allowed: a mapping with kind: move, turn"]
 
 
 def test_one_finding_for_a_choice_of_types() -> None:
-    assert told("name: a\nplace: {modl: x}") == [
+    assert messages("name: a\nplace: {modl: x}") == [
         "2:8: the key 'model' is missing; needed: text",
         "2:9: unknown key 'modl'; did you mean 'model'? allowed: model",
     ]
-    assert told("name: a\nplace: 3") == [
+    assert messages("name: a\nplace: 3") == [
         "2:8: place is 3; allowed: text in quotes or a mapping with the key model"
     ]
-    assert told("name: a\nlengths_mm: [1]") == [
+    assert messages("name: a\nlengths_mm: [1]") == [
         "2:13: lengths_mm is a list of 1; allowed: a list of at least 2 entries"
     ]
-    assert told("name: a\nlengths_mm: [1, x]") == ["2:17: lengths_mm[1] is 'x'; allowed: a number in mm"]
+    assert messages("name: a\nlengths_mm: [1, x]") == ["2:17: lengths_mm[1] is 'x'; allowed: a number in mm"]
 
 
 def test_lists_keys_and_the_whole_file() -> None:
-    assert told("name: a\ncorner_m: [1]") == ["2:11: corner_m is too short; allowed: a list of 2"]
-    assert told("name: a\nrows:\n  x: low") == ["3:3: the key 'x' does not fit; allowed: a whole number"]
-    (finding,) = told("- 1")
+    assert messages("name: a\ncorner_m: [1]") == ["2:11: corner_m is too short; allowed: a list of 2"]
+    assert messages("name: a\nrows:\n  x: low") == ["3:3: the key 'x' does not fit; allowed: a whole number"]
+    (finding,) = messages("- 1")
     assert finding.startswith("1:1: the file is a list of 1; allowed: a mapping with the keys name, side, ")
 
 
 def test_validators_of_the_model_speak_for_themselves() -> None:
-    assert told("name: b", context={"a"}) == ["1:7: name: no such shelf; allowed: those of the map"]
+    assert messages("name: b", context={"a"}) == ["1:7: name: no such shelf; allowed: those of the map"]
     book = "{number: 1, width_mm: 20}"
-    assert told(f"name: b\nbooks: [{book}, {book}, {book}]") == ["1:1: the file: too many books; allowed: 2"]
+    assert messages(f"name: b\nbooks: [{book}, {book}, {book}]") == [
+        "1:1: the file: too many books; allowed: 2"
+    ]
 
 
 def test_t13_paths_in_models() -> None:
-    assert told("name: a\nmesh: /etc/passwd") == [
+    assert messages("name: a\nmesh: /etc/passwd") == [
         "2:7: mesh: the path '/etc/passwd' is absolute; allowed: a relative path inside the root"
     ]
 
 
 def test_everything_is_told_at_once() -> None:
-    assert len(told("side: up\nplace: 3\ncorner_m: x\nopen: 1\nmesh: 'C:/x'\nzz: 1")) == 7
+    assert len(messages("side: up\nplace: 3\ncorner_m: x\nopen: 1\nmesh: 'C:/x'\nzz: 1")) == 7
 
 
 def test_a_part_of_a_type_known_later() -> None:

@@ -90,11 +90,11 @@ def every(net: ActionNetwork, chances: Sequence[Any] | None = None, most: int = 
     for _ in range(most):
         if not ahead:
             return found
-        told = ahead.pop()
-        did, end, route = follow(net, told)
+        known = ahead.pop()
+        did, end, route = follow(net, known)
         fails = "FG" if chances else "FPG"
-        for number in range(len(told), len(did)):
-            before = (*told, *("S" for _ in range(number - len(told))))
+        for number in range(len(known), len(did)):
+            before = (*known, *("S" for _ in range(number - len(known))))
             ahead += [(*before, word) for word in fails]
         p, cost = 1.0, sum(action.cost_s for action, _ in did)
         for action, word in did:

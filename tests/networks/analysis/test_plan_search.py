@@ -42,13 +42,13 @@ def test_it_plans_what_the_planner_plans(seed: int) -> None:
 
 def test_what_is_too_much_is_told_and_is_the_same_each_time() -> None:
     """By steps, not by a clock."""
-    net, told = network("grid", 100), set()
+    net, messages = network("grid", 100), set()
     for _ in range(2):
         with pytest.raises(TooLarge) as large:
             policy(net, effort=Effort(20_000))
-        told.add(str(large.value))
-    assert len(told) == 1
-    assert "the part between g0,0 and g9,9 has more than" in told.pop()
+        messages.add(str(large.value))
+    assert len(messages) == 1
+    assert "the part between g0,0 and g9,9 has more than" in messages.pop()
 
 
 def test_who_watches_hears_how_much_is_spent() -> None:

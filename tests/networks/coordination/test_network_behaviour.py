@@ -100,12 +100,12 @@ def test_give_up_stays_until_a_person_acknowledges(stand: Stand) -> None:
     stand.script["x"] = deque("G")
     tree, behaviour, _, events = tree_of(stand, stand.network("a z x 1"))
     tick(tree, stand, 1)
-    told = len(events)
+    before = len(events)
     tick(tree, stand, 1)
     tick(tree, stand, 1)
     assert status(tree) is Status.FAILURE
     assert behaviour.latched
-    assert len(events) == told
+    assert len(events) == before
     behaviour.acknowledge()
     tick(tree, stand, 1)
     assert status(tree) is Status.SUCCESS

@@ -188,12 +188,12 @@ def test_what_was_intended_stands_in_the_journal(
     with Journal(tmp_path / "j") as journal:
         stand.finish(Coordinator(network, stand.robot, stand.model, journal))
     records = read_journal(tmp_path / "j").records
-    told = {each["kind"]: each for each in records}
-    assert (told["INTENT"]["n"], told["INTENT"]["effect"]) == (1, "the lamp goes out")
-    assert (told["PNR"]["n"], told["PNR"]["what"]) == (1, "the lamp is out")
-    assert told["START"]["at"]["base"] == [0.0, 0.0, 0.0]
-    assert told["RESULT"]["at"]["base"][0] == pytest.approx(0.05)
-    assert told["END"]["at"] == told["RESULT"]["at"]
+    by_kind = {each["kind"]: each for each in records}
+    assert (by_kind["INTENT"]["n"], by_kind["INTENT"]["effect"]) == (1, "the lamp goes out")
+    assert (by_kind["PNR"]["n"], by_kind["PNR"]["what"]) == (1, "the lamp is out")
+    assert by_kind["START"]["at"]["base"] == [0.0, 0.0, 0.0]
+    assert by_kind["RESULT"]["at"]["base"][0] == pytest.approx(0.05)
+    assert by_kind["END"]["at"] == by_kind["RESULT"]["at"]
 
 
 def test_a_run_is_over_when_its_end_is_on_the_disk(stand: Stand, disk: Disk, begin: Begin) -> None:

@@ -94,9 +94,9 @@ def run(stand: Stand, folder: Path) -> Iterator[Any]:
     """A run before its first period, that listens."""
     coordinator = Coordinator(stand.network("a z go 1"), stand.robot, stand.model)
     with Operation(folder, coordinator, Permits(), stand.robot) as operation:
-        told: Any = operation
-        told.coordinator, told.stand = coordinator, stand
-        yield told
+        double: Any = operation
+        double.coordinator, double.stand = coordinator, stand
+        yield double
 
 
 @pytest.fixture
@@ -104,9 +104,9 @@ def control(folder: Path, clock: Clock) -> Iterator[Any]:
     """Answers each message with itself."""
     stops: list[None] = []
     with Control(folder, dict, lambda: stops.append(None), clock) as listening:
-        told: Any = listening
-        told.stops = stops
-        yield told
+        double: Any = listening
+        double.stops = stops
+        yield double
 
 
 def test_every_message_that_is_none_is_answered_in_words(run: Any, lines: Callable[[], Line]) -> None:
@@ -183,8 +183,8 @@ def test_a_stop_of_somebody_who_has_hung_up_is_heard(run: Any, lines: Callable[[
 
 
 def test_requests_that_may_wait_are_limited_and_a_stop_is_none_of_them(run: Any) -> None:
-    told = [run.answer({"do": word})["ok"] for _ in range(50) for word in ("pause", "continue")]
-    assert not all(told)
+    taken = [run.answer({"do": word})["ok"] for _ in range(50) for word in ("pause", "continue")]
+    assert not all(taken)
     assert run.answer({"do": "stop"})["ok"]
     assert run.stand.finish(run.coordinator).outcome == "Cancelled"
 
@@ -202,15 +202,15 @@ def test_each_line_gets_one_answer_a_period_in_order(control: Any, lines: Callab
 
 def test_who_does_not_read_makes_nobody_else_wait(control: Any, lines: Callable[[], Line]) -> None:
     deaf, calm = lines(), lines()
-    told = orjson.dumps({"n": "x" * 4000}) + b"\n"
+    request = orjson.dumps({"n": "x" * 4000}) + b"\n"
     sent = 0
     for _ in range(1000):
         try:
-            sent += deaf.socket.send(told)
+            sent += deaf.socket.send(request)
         except BlockingIOError:
             break
         control.poll()
-    assert sent < 1000 * len(told)  # it came to a halt, and nothing was lost of it
+    assert sent < 1000 * len(request)  # it came to a halt, and nothing was lost of it
     calm.send(b'{"n":1}\n')
     control.poll()
     assert calm.answers() == [{"n": 1}]

@@ -240,10 +240,10 @@ def test_places_of_the_map_in_both_parts(load: Callable[..., Task], tmp_path: Pa
 
 
 def test_editors_know_both_forms() -> None:
-    told = schema(TaskFile)["properties"]["repeat"]
-    assert [each.get("type", each.get("$ref")) for each in told["anyOf"]] == [
+    repeat = schema(TaskFile)["properties"]["repeat"]
+    assert [each.get("type", each.get("$ref")) for each in repeat["anyOf"]] == [
         "array",
         "#/$defs/Repeat",
         "null",
     ]
-    assert told["anyOf"][0]["items"] == {"$ref": "#/$defs/Repeat"}
+    assert repeat["anyOf"][0]["items"] == {"$ref": "#/$defs/Repeat"}

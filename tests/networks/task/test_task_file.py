@@ -237,7 +237,7 @@ def test_shipped_tasks_are_found_from_their_own_folder(load: Callable[..., Task]
 
 
 @pytest.mark.parametrize(
-    ("parameters", "told"),
+    ("parameters", "expected"),
     [
         ("word: {parameter: word}", "'word' stands for itself: word, word; allowed"),
         (
@@ -255,10 +255,10 @@ def test_shipped_tasks_are_found_from_their_own_folder(load: Callable[..., Task]
         ),
     ],
 )
-def test_parameters_in_a_circle_are_told(load: Callable[..., Task], parameters: str, told: str) -> None:
+def test_parameters_in_a_circle_are_told(load: Callable[..., Task], parameters: str, expected: str) -> None:
     """T12: once, where the circle closes."""
     found = findings(load, TASK.replace("word: hello, words", f"{parameters}, words"))
-    assert [line for line, message in found if told in message] == [4]
+    assert [line for line, message in found if expected in message] == [4]
 
 
 def test_a_parameter_stands_for_another_one_a_few_steps_on(load: Callable[..., Task]) -> None:
@@ -268,7 +268,7 @@ def test_a_parameter_stands_for_another_one_a_few_steps_on(load: Callable[..., T
 
 
 @pytest.mark.parametrize(
-    ("lists", "told"),
+    ("lists", "expected"),
     [
         (
             ["[" + ", ".join(["{parameter: b}"] * 300) + "]", "[" + "x, " * 300 + "x]"],
@@ -277,11 +277,13 @@ def test_a_parameter_stands_for_another_one_a_few_steps_on(load: Callable[..., T
         (["[[[[[[[[{parameter: b}]]]]]]]]", "[" * 27 + "x" + "]" * 27], "deeper than 32 levels"),
     ],
 )
-def test_parameters_in_parameters_are_no_bomb(load: Callable[..., Task], lists: list[str], told: str) -> None:
+def test_parameters_in_parameters_are_no_bomb(
+    load: Callable[..., Task], lists: list[str], expected: str
+) -> None:
     """T3, T4: of small lists in lists millions of values could be made."""
     found = findings(load, TASK.replace("word: hello", f"word: hello, a: {lists[0]}, b: {lists[1]}"))
     assert len(found) == 1
-    assert told in found[0][1]
+    assert expected in found[0][1]
     assert found[0][0] == 4
 
 

@@ -76,7 +76,7 @@ def test_each_bad_line_is_told(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("place", "told"),
+    ("place", "expected"),
     [
         ("-38.2546,140.8503", "latitude_deg has the wrong sign (hemisphere)"),
         ("38.2546,-140.8503", "longitude_deg has the wrong sign (hemisphere)"),
@@ -85,10 +85,10 @@ def test_each_bad_line_is_told(tmp_path: Path) -> None:
         ("39.0,140.8503", "outside"),
     ],
 )
-def test_degrees_elsewhere_are_refused(tmp_path: Path, place: str, told: str) -> None:
+def test_degrees_elsewhere_are_refused(tmp_path: Path, place: str, expected: str) -> None:
     ((line, _, message),) = faults(tmp_path, f"name,latitude_deg,longitude_deg\na,{place}\n")
     assert line == 2
-    assert told in message
+    assert expected in message
 
 
 def test_degrees_need_an_origin(tmp_path: Path) -> None:
@@ -130,10 +130,10 @@ def test_a_list_as_strangers_write_it_is_refused_at_its_line(
     tmp_path: Path, text: str, line: int, words: str
 ) -> None:
     """T2, T14"""
-    told = faults(tmp_path, text)
-    assert [each for each, _, _ in told] == [line]
-    assert words in told[0][2]
-    assert len(told[0][2]) < 300
+    messages = faults(tmp_path, text)
+    assert [each for each, _, _ in messages] == [line]
+    assert words in messages[0][2]
+    assert len(messages[0][2]) < 300
 
 
 def test_a_list_of_40_mb_is_not_read(tmp_path: Path) -> None:

@@ -26,12 +26,12 @@ URDF = """\
 """
 
 
-def told(text: str) -> str:
+def error_of(text: str) -> str:
     return "\n".join(f"{each.line}: {each.message}" for each in urdf_faults(text))
 
 
 def test_a_sound_urdf_is_without_fault() -> None:
-    assert told(URDF) == ""
+    assert error_of(URDF) == ""
 
 
 @pytest.mark.parametrize(
@@ -76,7 +76,7 @@ def test_a_sound_urdf_is_without_fault() -> None:
 )  # fmt: skip
 def test_a_fault_is_told_at_its_line(old: str, new: str, words: str) -> None:
     assert old in URDF
-    said = told(URDF.replace(old, new))
+    said = error_of(URDF.replace(old, new))
     assert words in said
     assert bool(said) == bool(words)
 

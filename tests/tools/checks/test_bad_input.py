@@ -128,7 +128,7 @@ def test_a_file_of_no_kind_is_refused_and_a_map_in_ros_format_is_known(
 
 
 @pytest.mark.parametrize(
-    ("words", "told"),
+    ("words", "message"),
     [
         (("rum", "task.yaml"), "did you mean 'run'"),
         (("describe", "MOVETO"), "did you mean 'MOVE_TO'"),
@@ -149,10 +149,10 @@ def test_a_file_of_no_kind_is_refused_and_a_map_in_ros_format_is_known(
         (("do", "MODIFY", "place=shelf_1", "--world", "none.yaml"), "none.yaml:1:1"),
     ],
 )
-def test_bad_words_are_refused(handcart: Callable[..., Said], words: tuple[str, ...], told: str) -> None:
+def test_bad_words_are_refused(handcart: Callable[..., Said], words: tuple[str, ...], message: str) -> None:
     said = handcart(*words)
     assert said.status == 2
-    assert told in said.err
+    assert message in said.err
     assert "Traceback" not in said.err
 
 
@@ -165,7 +165,7 @@ def test_findings_of_do_name_what_was_typed(handcart: Callable[..., Said]) -> No
 
 
 @pytest.mark.parametrize(
-    ("old", "new", "told"),
+    ("old", "new", "message"),
     [
         ("urdf: librarian.urdf", "urdf: none.urdf", "there is no text file 'none.urdf'"),
         ("urdf: librarian.urdf", "urdf: robot.yaml", "the file is not well-formed"),
@@ -175,7 +175,7 @@ def test_findings_of_do_name_what_was_typed(handcart: Callable[..., Said]) -> No
     ],
 )
 def test_a_robots_file_is_checked_against_its_urdf(
-    handcart: Callable[..., Said], tmp_path: Path, old: str, new: str, told: str
+    handcart: Callable[..., Said], tmp_path: Path, old: str, new: str, message: str
 ) -> None:
     robots = Path(__file__).resolve().parents[3] / "backends" / "robots" / "librarian"
     text = (robots / "robot.yaml").read_text(encoding="utf-8")
@@ -184,7 +184,7 @@ def test_a_robots_file_is_checked_against_its_urdf(
     (tmp_path / "librarian.urdf").write_bytes((robots / "librarian.urdf").read_bytes())
     said = handcart("check", tmp_path / "robot.yaml")
     assert said.status == 2
-    assert told in said.err
+    assert message in said.err
     assert said.err.startswith(str(tmp_path / "robot.yaml:"))
 
 

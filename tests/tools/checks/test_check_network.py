@@ -101,8 +101,8 @@ def two_ways(tour: Path) -> Path:
 
 def test_what_more_tries_would_buy(handcart: Callable[..., Said], two_ways: Path) -> None:
     said = handcart("check", two_ways, "--json")
-    told = json.loads(said.out)
-    figures = told["figures"]
+    report = json.loads(said.out)
+    figures = report["figures"]
     # The first way weighs 60 s after a Fail: the second comes between its attempts.
     goal = 0.9 + 0.08 * (0.8 + 0.2 * 0.9)
     assert figures["p_goal"] == pytest.approx(goal)
@@ -117,9 +117,9 @@ def test_what_more_tries_would_buy(handcart: Callable[..., Said], two_ways: Path
     last = 0.8 + 0.2 * (0.9 + 0.08 * 0.9)
     assert first["alternative_p_goal"] == pytest.approx(0.9 + 0.08 * (0.9 + 0.08 * last))
     assert first["slope"] > second["slope"]
-    assert told["longest run"] == "at most 3 actions"
-    assert len(told["short"]) == 1
-    assert "in 'at_home' no way may be left: MOVE_TO from at_home fails" in told["short"][0]
+    assert report["longest run"] == "at most 3 actions"
+    assert len(report["short"]) == 1
+    assert "in 'at_home' no way may be left: MOVE_TO from at_home fails" in report["short"][0]
     said = handcart("check", two_ways)
     assert "where a run may end short of the goal" in said.out
     assert f"{two_ways}:10:5: in 'at_home' no way" in said.out

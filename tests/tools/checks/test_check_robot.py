@@ -29,11 +29,11 @@ def test_a_robot_is_told_in_tables(handcart: Callable[..., Said]) -> None:
 
 @pytest.mark.slow
 def test_programs_get_the_same(handcart: Callable[..., Said]) -> None:
-    told = json.loads(handcart("check", ROBOTS / "librarian" / "robot.yaml", "--json").out)
-    assert told["ok"]
-    assert told["robot"]["joints"][4]["name"] == "joint_3"
-    assert {row["board_m"] for row in told["robot"]["books"]["grasps"]} >= {0.62, 0.7}
-    assert told["robot"]["links"][0] == {"name": "base", "mass_kg": 38.0, "faults": []}
+    report = json.loads(handcart("check", ROBOTS / "librarian" / "robot.yaml", "--json").out)
+    assert report["ok"]
+    assert report["robot"]["joints"][4]["name"] == "joint_3"
+    assert {row["board_m"] for row in report["robot"]["books"]["grasps"]} >= {0.62, 0.7}
+    assert report["robot"]["links"][0] == {"name": "base", "mass_kg": 38.0, "faults": []}
 
 
 @pytest.mark.parametrize("ending", ["svg", "png"])

@@ -60,10 +60,10 @@ def test_a_urdf_alone_is_told_of(handcart: Callable[..., Said], crane: Path) -> 
         f"--draft {crane.parent / 'robot.yaml'}",
     ):
         assert words in said.out
-    told = json.loads(handcart("check", crane, "--json").out)
-    assert told["ok"]
-    assert told["robot"]["outline"]["chains"] == [["lift", "slew", "tip"]]
-    assert [each["name"] for each in told["robot"]["joints"]] == ["lift", "slew", "tip"]
+    report = json.loads(handcart("check", crane, "--json").out)
+    assert report["ok"]
+    assert report["robot"]["outline"]["chains"] == [["lift", "slew", "tip"]]
+    assert [each["name"] for each in report["robot"]["joints"]] == ["lift", "slew", "tip"]
 
 
 def test_a_draft_is_not_written_over_a_file(handcart: Callable[..., Said], crane: Path, robot: Path) -> None:
@@ -75,11 +75,11 @@ def test_a_draft_is_not_written_over_a_file(handcart: Callable[..., Said], crane
 
 
 def test_links_that_always_touch_are_proposed_and_allowed(handcart: Callable[..., Said], robot: Path) -> None:
-    told = json.loads(handcart("check", robot, "--json").out)
-    assert told["robot"]["self_contact"]["always"] == [["base", "boom"]]
-    assert told["robot"]["self_contact"]["free"] == 0
-    assert told["robot"]["reach"] is not None
-    assert any("touch however the arm stands: base with boom;" in each for each in told["warnings"])
+    report = json.loads(handcart("check", robot, "--json").out)
+    assert report["robot"]["self_contact"]["always"] == [["base", "boom"]]
+    assert report["robot"]["self_contact"]["free"] == 0
+    assert report["robot"]["reach"] is not None
+    assert any("touch however the arm stands: base with boom;" in each for each in report["warnings"])
     said = handcart("check", robot, "--allow")
     assert said.status == 0
     assert "+  - [base, boom]" in said.err
@@ -93,9 +93,9 @@ def test_links_that_always_touch_are_proposed_and_allowed(handcart: Callable[...
 def test_only_robots_with_trays_and_tags_are_told_of_books(
     handcart: Callable[..., Said], robot: Path
 ) -> None:
-    told = json.loads(handcart("check", robot, "--json").out)
-    assert not any("'tray'" in each or "return_book" in each for each in told["warnings"])
-    assert "books" not in told["robot"]
+    report = json.loads(handcart("check", robot, "--json").out)
+    assert not any("'tray'" in each or "return_book" in each for each in report["warnings"])
+    assert "books" not in report["robot"]
     text = robot.read_text(encoding="utf-8")
     robot.write_text(text.replace("    home:", "    look_at_tag: [150, 0, 0]\n    home:"), encoding="utf-8")
     assert "no link 'tray'" in handcart("check", robot).out

@@ -94,7 +94,7 @@ def test_a_read_only_file_is_copied_where_asked(
 
 
 @pytest.mark.parametrize(
-    ("words", "told"),
+    ("words", "message"),
     [
         (("--robot", "toyamo"), "unknown robot; did you mean 'toyama'"),
         (("--robot", "cart"), "calibrated:"),  # has no camera
@@ -102,15 +102,15 @@ def test_a_read_only_file_is_copied_where_asked(
     ],
 )
 def test_what_cannot_be_adopted_is_refused(
-    handcart: Callable[..., Said], run: Path, words: tuple[str, ...], told: str
+    handcart: Callable[..., Said], run: Path, words: tuple[str, ...], message: str
 ) -> None:
     said = handcart("adopt", run, *words)
     assert said.status == 2
-    assert told in said.err
+    assert message in said.err
 
 
 @pytest.mark.parametrize(
-    ("before", "after", "told"),
+    ("before", "after", "message"),
     [
         ("sigma: 0.02", "sigma: -0.02", "calibration.yaml:9:"),
         (
@@ -123,7 +123,7 @@ def test_what_cannot_be_adopted_is_refused(
     ],
 )
 def test_findings_that_cannot_be_are_told_with_their_place(
-    handcart: Callable[..., Said], run: Path, before: str, after: str, told: str
+    handcart: Callable[..., Said], run: Path, before: str, after: str, message: str
 ) -> None:
     file = run / "calibration.yaml"
     text = file.read_text(encoding="utf-8")
@@ -131,7 +131,7 @@ def test_findings_that_cannot_be_are_told_with_their_place(
     file.write_text(text.replace(before, after), encoding="utf-8")
     said = handcart("adopt", run)
     assert said.status == 2
-    assert told in said.err
+    assert message in said.err
 
 
 def test_a_run_without_findings(handcart: Callable[..., Said], tmp_path: Path) -> None:

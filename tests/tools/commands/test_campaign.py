@@ -62,9 +62,9 @@ class Trials:
 @pytest.fixture
 def trials(monkeypatch: pytest.MonkeyPatch) -> Callable[..., Trials]:
     def made(*args: Any) -> Trials:
-        told = Trials(*args)
-        monkeypatch.setattr("handcart.evaluation.trials.campaign.run_trial", told)
-        return told
+        double = Trials(*args)
+        monkeypatch.setattr("handcart.evaluation.trials.campaign.run_trial", double)
+        return double
 
     return made
 
@@ -74,12 +74,12 @@ def test_an_interrupt_ends_a_campaign_at_once(
     trials: Callable[..., Trials], kind: signal.Signals | None, tmp_path: Path
 ) -> None:
     """K3: in a trial, which stops by itself then, and between two."""
-    told = trials("interrupted", () if kind is None else (kind,))
+    ran = trials("interrupted", () if kind is None else (kind,))
     done: list[Trial] = []
     with pytest.raises(KeyboardInterrupt):
         done.extend(run_campaign(CampaignSetting(tmp_path / "task.yaml"), range(5), 1))
     assert [each.seed for each in done] == [0, 1]
-    assert told.seeds == [0, 1, 2]
+    assert ran.seeds == [0, 1, 2]
 
 
 def test_a_trial_that_somebody_stopped_is_left_out(trials: Callable[..., Trials], tmp_path: Path) -> None:
@@ -97,8 +97,8 @@ def test_what_ended_before_an_interrupt_is_told(
     trials("interrupted")
     monkeypatch.setattr("handcart.tools.commands.campaign._shares", lambda report: [])
     said = handcart("campaign", tmp_path / "task.yaml", "--trials", "5", "--jobs", "1", "--json")
-    told = json.loads(said.out)
-    assert (said.status, told["trials"], told["asked"], told["interrupted"]) == (130, 2, 5, True)
+    summary = json.loads(said.out)
+    assert (said.status, summary["trials"], summary["asked"], summary["interrupted"]) == (130, 2, 5, True)
     assert "interrupted after 2 of 5 trials" in said.err
 
 
@@ -111,15 +111,15 @@ def test_outcomes_that_are_not_so_are_a_fault(
     as_json: bool,
 ) -> None:
     """The campaign ends with status 5, and tells which trial to look at first."""
-    told = trials("stopped by request")
+    ran = trials("stopped by request")
     monkeypatch.setattr("handcart.tools.commands.campaign._shares", lambda report: [])
     words = ("campaign", tmp_path / "task.yaml", "--trials", "6", "--jobs", "1", *["--json"] * as_json)
     assert handcart(*words).status == 0
-    told.untrue[4] = ["4. RELEASE Success: it stands beside its place"]
+    ran.untrue[4] = ["4. RELEASE Success: it stands beside its place"]
     said = handcart(*words)
     assert said.status == 5
     if as_json:
-        assert json.loads(said.out)["untrue"] == {"4": told.untrue[4]}
+        assert json.loads(said.out)["untrue"] == {"4": ran.untrue[4]}
     else:
         assert "the ground truth contradicts: 1 of 5 trials" in said.out
         assert "\nseed 4: 4. RELEASE Success: it stands beside its place\n" in said.out
@@ -202,10 +202,10 @@ def test_a_campaign_of_processes_is_ended_by_a_signal(
     else:
         process.send_signal(kind)
     out, _ = process.communicate(timeout=60.0)
-    told = json.loads(out)
-    assert (process.returncode, told["interrupted"]) == (130, True)
-    assert told["trials"] < 500
-    assert set(told["outcomes"]) <= {"Success"}
+    report = json.loads(out)
+    assert (process.returncode, report["interrupted"]) == (130, True)
+    assert report["trials"] < 500
+    assert set(report["outcomes"]) <= {"Success"}
     end = time.monotonic() + 20.0
     while left := living(process.pid):
         assert time.monotonic() < end, left

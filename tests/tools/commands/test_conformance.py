@@ -45,8 +45,8 @@ def test_off_a_terminal_progress_is_told_at_first_now_and_then_and_at_last(
         return KitReport.of(setting.backend, setting.robot, setting.quick, [CheckResult("stop", "it stops")])
 
     monkeypatch.setattr(kit, "run_kit", run)
-    told = handcart("conformance").err.splitlines()
-    assert told == [f"{done} of 11 jobs done after {8 * done - 8} s" for done in (1, 5, 9, 11)]
+    lines = handcart("conformance").err.splitlines()
+    assert lines == [f"{done} of 11 jobs done after {8 * done - 8} s" for done in (1, 5, 9, 11)]
 
 
 @pytest.mark.slow
@@ -59,7 +59,7 @@ def test_one_primitive_for_real(handcart: Callable[..., Said]) -> None:
 
 
 @pytest.mark.parametrize(
-    ("words", "told"),
+    ("words", "message"),
     [
         (("--backend", "kinematik"), "did you mean 'kinematic'"),
         (("--part", "fault"), "did you mean 'faults'"),
@@ -68,7 +68,7 @@ def test_one_primitive_for_real(handcart: Callable[..., Said]) -> None:
         (("--robot", "nowhere/robot.yaml"), "nowhere/robot.yaml"),
     ],
 )
-def test_bad_input_is_refused(handcart: Callable[..., Said], words: tuple[str, str], told: str) -> None:
+def test_bad_input_is_refused(handcart: Callable[..., Said], words: tuple[str, str], message: str) -> None:
     said = handcart("conformance", *words)
     assert said.status == 2
-    assert told in said.err
+    assert message in said.err

@@ -50,28 +50,28 @@ def test_a_blocked_way(handcart: Callable[..., Said], runs: Callable[[str], Path
     folder = runs("blocked")
     said = handcart("explain", folder, "--action", 3, "--json")
     assert said.status == 0
-    told = json.loads(said.out)
-    assert [each["outcome"] for each in told["actions"]] == ["Success", "Success", "Fail", "Fail"]
-    (cause,) = told["cause"]
+    report = json.loads(said.out)
+    assert [each["outcome"] for each in report["actions"]] == ["Success", "Success", "Fail", "Fail"]
+    (cause,) = report["cause"]
     assert (cause["check"], cause["calls"]) == ("watch", ["MoveTo.watch"])
     measured = cause["measured"]
     assert measured["sensor"] == "RangeSensor"
     assert 0.0 <= measured["value"] < measured["limit"]
-    assert all(each["within"] for each in told["residuals"])
-    assert {each["name"] for each in told["residuals"]} >= {"base_mm", "joints_deg", "held"}
-    choice = told["choice"]
+    assert all(each["within"] for each in report["residuals"])
+    assert {each["name"] for each in report["residuals"]} >= {"base_mm", "joints_deg", "held"}
+    choice = report["choice"]
     assert [each["do"] for each in choice["options"]] == ["MOVE_TO"]
     assert choice["next_best"] is None
     assert choice["after_fail"]["cost_s"] == 136.0
-    assert told["relied_on"] == {"book": 1}
-    action = told["actions"][2]
-    readings = load_readings(Path(told["readings"]))
+    assert report["relied_on"] == {"book": 1}
+    action = report["actions"][2]
+    readings = load_readings(Path(report["readings"]))
     motion = readings["time_s"][readings["time_s"] <= action["broken_off_s"] + 1e-6]
     assert motion[-1] == pytest.approx(action["broken_off_s"])
     assert motion[-1] - motion[0] == pytest.approx(9.95)
-    with np.load(told["points"]) as points:
+    with np.load(report["points"]) as points:
         assert len(points["in the way"]) == 1
-    assert Path(told["chart"]).read_text(encoding="utf-8").startswith("<?xml")
+    assert Path(report["chart"]).read_text(encoding="utf-8").startswith("<?xml")
 
 
 def test_a_blocked_way_in_words(handcart: Callable[..., Said], runs: Callable[[str], Path]) -> None:
@@ -99,13 +99,13 @@ def test_an_unreadable_tag(
 @pytest.mark.slow
 def test_a_missing_gap(handcart: Callable[..., Said], runs: Callable[[str], Path]) -> None:
     said = handcart("explain", runs("no_gap"), "--json")
-    told = json.loads(said.out)
-    assert told["actions"][told["action"] - 1]["do"] == "SEARCH"
-    assert told["cause"][0]["calls"] == ["Search.motion", "Search._conclude"]
-    assert told["cause"][0]["measured"]["sensor"] == "Camera"
+    report = json.loads(said.out)
+    assert report["actions"][report["action"] - 1]["do"] == "SEARCH"
+    assert report["cause"][0]["calls"] == ["Search.motion", "Search._conclude"]
+    assert report["cause"][0]["measured"]["sensor"] == "Camera"
     # The view on the place between the neighbours, which isn't the first one that was taken.
-    assert Path(told["picture"]).name.startswith("004_SEARCH_Fail_view_")
-    assert not told["picture"].endswith("_view_1.png")
+    assert Path(report["picture"]).name.startswith("004_SEARCH_Fail_view_")
+    assert not report["picture"].endswith("_view_1.png")
 
 
 @pytest.mark.slow
@@ -259,5 +259,5 @@ def test_evidence_is_looked_for_in_the_runs_folder_alone(tmp_path: Path) -> None
     folder = forged(tmp_path / "run", {"task": "t", "backend": "b", "seed": 0}, "/../../../001_secret")
     (folder / "evidence" / "001_").mkdir(parents=True)
     assert (folder / "evidence" / "001_/../../../001_secret_Fail_readings.npz").is_file()
-    told = explain(read_run(folder))
-    assert (told.readings, told.points, told.picture) == (None, None, None)
+    explanation = explain(read_run(folder))
+    assert (explanation.readings, explanation.points, explanation.picture) == (None, None, None)

@@ -53,13 +53,13 @@ def test_frames_around_a_drives_fault(handcart: Callable[..., Said], run: Callab
     assert said.status == 0
     head, *lines = said.out[said.out.index("Frames on the CAN bus") :].splitlines()
     assert head.startswith("Frames on the CAN bus around ")
-    told = "\n".join(lines)
+    text = "\n".join(lines)
     assert (
         "the left wheel drive (node 1)   EMCY       error 2310h, continuous over-current, register 01h"
-        in told
+        in text
     )
-    assert "FAULT" in told
-    assert "RPDO1      quick stop" in told
+    assert "FAULT" in text
+    assert "RPDO1      quick stop" in text
     times = [float(line.split()[0]) for line in lines if line.strip().endswith("register 01h")]
     assert times == [pytest.approx(3.0, abs=0.06)]
 
@@ -72,8 +72,8 @@ def test_every_frame_is_in_a_candump_log(handcart: Callable[..., Said], run: Cal
     assert {0x601, 0x581, 0x000, 0x080, 0x181, 0x77F} <= {each.arbitration_id for each in frames}
     assert sum(each.arbitration_id == 0x080 for each in frames) > 35
     assert frames[-1].timestamp > 2.0
-    told = json.loads(handcart("explain", folder, "--json").out)
-    assert told["frames"].endswith("_frames.log")
+    report = json.loads(handcart("explain", folder, "--json").out)
+    assert report["frames"].endswith("_frames.log")
     out = handcart("explain", folder).out
     assert "the left wheel drive (node 1)   TPDO1      the last one: none came after" in out
 
@@ -94,9 +94,9 @@ def test_another_recorders_log_is_told_in_the_runs_names(
         for frame in reader:
             frame.channel = 1
             writer(frame)
-    told = handcart("explain", folder, "--frames", log, "--at", 1.0)
-    assert "Frames on the CAN bus around 1.000 s" in told.out
-    assert "error 2310h, continuous over-current" in told.out
+    printed = handcart("explain", folder, "--frames", log, "--at", 1.0)
+    assert "Frames on the CAN bus around 1.000 s" in printed.out
+    assert "error 2310h, continuous over-current" in printed.out
     assert f"Frames on the CAN bus at the end of {log}" in handcart("explain", folder, "--frames", log).out
     wrong = handcart("explain", folder, "--frames", folder / "journal.jsonl")
     assert wrong.status == 2

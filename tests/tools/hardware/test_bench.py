@@ -80,7 +80,7 @@ def test_faults_are_listed(handcart: Callable[..., Said]) -> None:
 
 
 @pytest.mark.parametrize(
-    ("words", "told"),
+    ("words", "message"),
     [
         (("--fault", "falt@1"), "did you mean 'fault'"),
         (("--fault", "bus-off@1"), "happens at the program's own interface"),
@@ -89,7 +89,7 @@ def test_faults_are_listed(handcart: Callable[..., Said]) -> None:
         (("--range-port", "7000"), "nothing has a range sensor; needed: --backend kinematic"),
     ],
 )
-def test_bad_input(handcart: Callable[..., Said], words: tuple[str, ...], told: str) -> None:
+def test_bad_input(handcart: Callable[..., Said], words: tuple[str, ...], message: str) -> None:
     said = handcart("bench", "cart", "--channel", CHANNEL, *words)
     assert said.status == 2
-    assert told in said.err
+    assert message in said.err

@@ -132,8 +132,8 @@ def test_a_drive_that_doesnt_heed_the_emergency_stop(site: Site, monkeypatch: py
 
 def test_the_command(handcart: Callable[..., Said], tmp_path: Path) -> None:
     words = ("bringup", "cart", "--bench", "kinematic", "--folder", tmp_path / "b")
-    told = json.loads(handcart(*words, "--json").out)
-    assert (told["climbed"], told["next"]) == (["interface"], "identify")
+    report = json.loads(handcart(*words, "--json").out)
+    assert (report["climbed"], report["next"]) == (["interface"], "identify")
     said = handcart(*words)
     assert said.status == 0
     assert "2 of 11 rungs climbed" in said.out
@@ -163,9 +163,9 @@ def test_the_whole_ladder(handcart: Callable[..., Said], tmp_path: Path) -> None
         if each.is_file():
             (robot / each.name).write_bytes(each.read_bytes())
     words = ("bringup", robot / "robot.yaml", "--bench", "kinematic", "--all", "--folder", tmp_path / "b")
-    told = json.loads(handcart(*words, "--json").out)
-    assert (told["climbed"], told["next"]) == (NAMES, None)
-    review = next(each for each in told["tried"] if each["rung"] == "calibrate")["facts"]["review"]
+    report = json.loads(handcart(*words, "--json").out)
+    assert (report["climbed"], report["next"]) == (NAMES, None)
+    review = next(each for each in report["tried"] if each["rung"] == "calibrate")["facts"]["review"]
     found = Path(review.removeprefix("handcart adopt "))
     said = handcart("adopt", found, "--write")
     assert said.status == 0

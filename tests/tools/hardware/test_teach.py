@@ -52,7 +52,7 @@ def test_a_dry_run_writes_nothing(handcart: Callable[..., Said], robot: Path) ->
 
 
 @pytest.mark.parametrize(
-    ("words", "told"),
+    ("words", "message"),
     [
         (("wave", "--joints", "0,0,1000,0,0,0"), "joint_3 can't stand at 1000 deg"),
         (("wave", "--joints", "0,nan,0,0,0,0"), "joint_2 can't stand at nan deg"),
@@ -65,10 +65,10 @@ def test_a_dry_run_writes_nothing(handcart: Callable[..., Said], robot: Path) ->
     ],
 )
 def test_what_cant_be_recorded_is_refused(
-    handcart: Callable[..., Said], robot: Path, words: tuple[str, ...], told: str
+    handcart: Callable[..., Said], robot: Path, words: tuple[str, ...], message: str
 ) -> None:
     before = robot.read_bytes()
     said = handcart("teach", *words, "--robot", robot)
     assert said.status == 2
-    assert told in said.err
+    assert message in said.err
     assert robot.read_bytes() == before

@@ -67,14 +67,14 @@ def test_far_out_of_reach_the_nearest_is_told_too(handcart: Callable[..., Said],
 
 
 @pytest.mark.parametrize(
-    ("old", "new", "told"),
+    ("old", "new", "message"),
     [
         ("[4, 3, 2, 1]", "[2, 1]", "is as far as 2 placements get; needed: 3"),
         ("robot: atrv", "robot: toolless.yaml", "DIVIDE can't be done: the robot's file has no tool"),
     ],
 )
 def test_what_else_is_in_the_way_is_told(
-    handcart: Callable[..., Said], folder: Path, old: str, new: str, told: str
+    handcart: Callable[..., Said], folder: Path, old: str, new: str, message: str
 ) -> None:
     robots = TASK.parents[1] / "backends" / "robots" / "atrv"
     shutil.copy(robots / "atrv.urdf", folder)
@@ -85,7 +85,7 @@ def test_what_else_is_in_the_way_is_told(
     task.write_text(task.read_text(encoding="utf-8").replace(old, new), encoding="utf-8")
     said = handcart("check", task)
     assert said.status == 2
-    assert told in said.err
+    assert message in said.err
 
 
 def test_placing_writes_a_task_that_holds(

@@ -157,8 +157,8 @@ def test_a_folder_that_takes_nothing_stops_nobody(tmp_path: Path, clock: Any, ma
     ],
 )
 def test_frames_in_words(cob_id: int, data: str, who: str, what: str, words: str) -> None:
-    told = FrameWords(NAMED).describe(frame(cob_id, data))
-    assert (told.who, told.what, told.words) == (who, what, words)
+    described = FrameWords(NAMED).describe(frame(cob_id, data))
+    assert (described.who, described.what, described.words) == (who, what, words)
 
 
 def test_frames_that_are_none_of_ours_are_told() -> None:

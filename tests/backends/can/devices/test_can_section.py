@@ -18,7 +18,7 @@ JOINT_6 = "    - {node: 16, counts_per_rev: 65536, gear_ratio: 50, rated_torque_
 
 
 @pytest.mark.parametrize(
-    ("before", "after", "told"),
+    ("before", "after", "message"),
     [
         (JOINT_6, "", "5 drives for 6 joints; allowed: one for each"),
         ("{node: 16,", "{node: 16, stop: brake_then_disable,", "would fall with stop: brake_then_disable"),
@@ -38,7 +38,7 @@ JOINT_6 = "    - {node: 16, counts_per_rev: 65536, gear_ratio: 50, rated_torque_
         ("interface: socketcan", "interface: sockatcan", "unknown interface 'sockatcan'; did you mean"),
     ],
 )
-def test_it_is_told_with_line_and_column(tmp_path: Path, before: str, after: str, told: str) -> None:
+def test_it_is_told_with_line_and_column(tmp_path: Path, before: str, after: str, message: str) -> None:
     text = (ROBOTS / "librarian" / "robot.yaml").read_text(encoding="utf-8")
     assert before in text
     if before.startswith("period_s"):
@@ -48,7 +48,7 @@ def test_it_is_told_with_line_and_column(tmp_path: Path, before: str, after: str
     (tmp_path / "librarian.urdf").write_bytes((ROBOTS / "librarian" / "librarian.urdf").read_bytes())
     with pytest.raises(FileError) as error:
         load_robot(str(path))
-    assert told in str(error.value)
+    assert message in str(error.value)
     assert f"{path}:" in str(error.value)
 
 

@@ -87,7 +87,7 @@ ParameterValue=
 
 
 @pytest.mark.parametrize(
-    ("wrong", "told"),
+    ("wrong", "message"),
     [
         (
             "[6041]\nParameterName=Statusword\nAccessType=ro\n",
@@ -109,8 +109,8 @@ ParameterValue=
         ("this is no line\n", "16:1: is no line of an EDS: 'this is no line\\n'"),
     ],
 )
-def test_what_the_library_chokes_on_is_told_with_its_place(tmp_path: Path, wrong: str, told: str) -> None:
-    assert told in refused(tmp_path, HEAD + WORD + wrong)[0]
+def test_what_the_library_chokes_on_is_told_with_its_place(tmp_path: Path, wrong: str, message: str) -> None:
+    assert message in refused(tmp_path, HEAD + WORD + wrong)[0]
 
 
 def test_all_of_it_at_once(tmp_path: Path) -> None:
@@ -119,7 +119,7 @@ def test_all_of_it_at_once(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("text", "told"),
+    ("text", "message"),
     [
         (HEAD + WORD + WORD, "17:1: [6040] is there twice; allowed: once"),
         (HEAD + WORD + "AccessType=rw\n", "16:1: AccessType is there twice in [6040]; allowed: once"),
@@ -128,8 +128,8 @@ def test_all_of_it_at_once(tmp_path: Path) -> None:
         ("", "1:1: there is no section [DeviceInfo]; needed by CiA 306"),
     ],
 )
-def test_syntax(tmp_path: Path, text: str, told: str) -> None:
-    assert refused(tmp_path, text) == [told]
+def test_syntax(tmp_path: Path, text: str, message: str) -> None:
+    assert refused(tmp_path, text) == [message]
 
 
 def test_what_a_drive_needs(tmp_path: Path) -> None:

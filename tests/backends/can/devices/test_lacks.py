@@ -93,8 +93,8 @@ def test_accepting_one_thing_accepts_no_other(tmp_path: Path) -> None:
     eds = maker_eds(0x1016, 0x603F, 0x6077)
     with pytest.raises(FileError) as error:
         load_robot(written(tmp_path, eds, (LEFT,), without("error_code")))
-    told = [finding.message.rpartition("without: ")[2] for finding in error.value.findings]
-    assert sorted(told) == ["[consumer_heartbeat]", "[torque]"]
+    lacking = [finding.message.rpartition("without: ")[2] for finding in error.value.findings]
+    assert sorted(lacking) == ["[consumer_heartbeat]", "[torque]"]
 
 
 def test_what_nobody_can_do_without_is_told_in_the_eds_file(tmp_path: Path) -> None:

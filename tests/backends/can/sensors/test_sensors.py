@@ -87,8 +87,8 @@ def test_lines_come_back_as_they_were_sent() -> None:
     assert read is not None
     assert (read.kind, read.stamp) == ("RANGE", 1250)
     np.testing.assert_array_equal(read.values, [0.5, np.inf, 2.25, 3.0])
-    for told in (b"$RANGE,1250,0.512,0.514,,0.52*6A", b"$IMU,1250,0.001,0.0,-0.02,0.1,0.0,9.81*54"):
-        assert read_line(told) is not None
+    for sentence in (b"$RANGE,1250,0.512,0.514,,0.52*6A", b"$IMU,1250,0.001,0.0,-0.02,0.1,0.0,9.81*54"):
+        assert read_line(sentence) is not None
     assert checksum(b"") == 0
 
 
@@ -226,9 +226,9 @@ def receiver(device: Device, clock: Any) -> Iterator[NmeaGps]:
     made.close()
 
 
-def gga(utc: str, **told: str) -> bytes:
-    told = {"lat": "4800.1", "lon": "01100.1", "quality": "1", "hdop": "0.9"} | told
-    place = f"{told['lat']},N,{told['lon']},E,{told['quality']},08,{told['hdop']}"
+def gga(utc: str, **fields: str) -> bytes:
+    fields = {"lat": "4800.1", "lon": "01100.1", "quality": "1", "hdop": "0.9"} | fields
+    place = f"{fields['lat']},N,{fields['lon']},E,{fields['quality']},08,{fields['hdop']}"
     return nmea(f"GPGGA,{utc},{place},545.4,M,46.9,M,,")
 
 

@@ -45,13 +45,13 @@ def distance(one: Shape, pose: Transform, other: Shape, other_pose: Transform) -
 
 @pytest.mark.parametrize("seed", [0, *(pytest.param(each, marks=pytest.mark.slow) for each in range(1, 10))])
 def test_both_say_of_1000_random_pairs_whether_they_touch(seed: int) -> None:
-    rng, told = np.random.default_rng(seed), []
+    rng, pairs = np.random.default_rng(seed), []
     for _ in range(1000):
         one, other = random_shape(rng), random_shape(rng)
         pose, other_pose = random_pose(rng), random_pose(rng)
         apart = distance(one, pose, other, other_pose)
         if abs(apart) > UNSURE:
-            told.append((touch(fcl_body(one), pose, fcl_body(other), other_pose), apart < 0.0))
-    assert len(told) > 990
-    assert [each for each in told if each[0] is not each[1]] == []
-    assert 100 < sum(touches for touches, _ in told) < 900
+            pairs.append((touch(fcl_body(one), pose, fcl_body(other), other_pose), apart < 0.0))
+    assert len(pairs) > 990
+    assert [each for each in pairs if each[0] is not each[1]] == []
+    assert 100 < sum(touches for touches, _ in pairs) < 900

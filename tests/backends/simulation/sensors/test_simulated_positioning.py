@@ -37,9 +37,9 @@ def readings(
     for number in range(1, periods + 1):
         scene.move_base(Pose2(scene.base.x + speed * PERIOD, 0.0, 0.0))
         system.advance(number)
-        told = system.reading()
-        if told is not None and (not found or told.number != found[-1].number):
-            found.append(told)
+        reading = system.reading()
+        if reading is not None and (not found or reading.number != found[-1].number):
+            found.append(reading)
     return found
 
 
@@ -69,9 +69,9 @@ def test_noise_depends_on_seed_and_reading_alone(scene: Scene) -> None:
     system = made(scene, seed=3)
     for number in range(1, 51):
         system.advance(number)  # nobody looks
-    told = system.reading()
-    assert told is not None
-    assert told[:2] == first[-1][:2]
+    reading = system.reading()
+    assert reading is not None
+    assert reading[:2] == first[-1][:2]
     assert readings(made(scene, seed=4), scene, 50) != first
 
 

@@ -30,7 +30,7 @@ def room(dx: float = 0.0) -> GridMap:
     return from_boxes(walls, 0.05, (-1.0 + min(dx, 0.0), -1.0), (6.0 + abs(dx), 5.0))
 
 
-def told(
+def findings(
     folder: Path, *changes: tuple[str, str], start: Pose2 | None = HOME, grid: GridMap | None = None
 ) -> str:
     text = WORLD
@@ -46,8 +46,8 @@ def told(
 
 
 def test_a_world_as_it_is_told_is_good(tmp_path: Path) -> None:
-    assert told(tmp_path) == ""
-    assert told(tmp_path, start=None) == ""
+    assert findings(tmp_path) == ""
+    assert findings(tmp_path, start=None) == ""
 
 
 @pytest.mark.parametrize(
@@ -59,7 +59,7 @@ def test_a_world_as_it_is_told_is_good(tmp_path: Path) -> None:
     ],
 )
 def test_what_stands_where_the_robot_starts_is_told(tmp_path: Path, thing: str) -> None:
-    found = told(tmp_path, ("furniture:", thing))
+    found = findings(tmp_path, ("furniture:", thing))
     assert "world.yaml:2:8: " in found
     assert "box stands where the robot starts" in found
     assert f"allowed: beyond its footprint, {LIBRARIAN.footprint_radius_m:.2f} m" in found
@@ -73,21 +73,21 @@ def test_what_stands_where_the_robot_starts_is_told(tmp_path: Path, thing: str) 
     ],
 )
 def test_what_hangs_above_or_comes_later_is_none(tmp_path: Path, thing: str) -> None:
-    assert told(tmp_path, ("furniture:", thing)) == ""
+    assert findings(tmp_path, ("furniture:", thing)) == ""
 
 
 def test_a_robot_that_is_put_elsewhere_than_it_is_told_is_told(tmp_path: Path) -> None:
-    found = told(tmp_path, start=Pose2(2.0, 1.0, np.pi / 2))
+    found = findings(tmp_path, start=Pose2(2.0, 1.0, np.pi / 2))
     assert (
         "world.yaml:2:8: the robot is put 1.00 m and 0 deg from where it is told to start, (2.00, 1.00)"
         in found
     )
-    assert "put 0.00 m and 90 deg" in told(tmp_path, ("heading_deg: 90.0", "heading_deg: -180.0"))
-    assert told(tmp_path, ("heading_deg: 90.0", "heading_deg: -270.0")) == ""
+    assert "put 0.00 m and 90 deg" in findings(tmp_path, ("heading_deg: 90.0", "heading_deg: -180.0"))
+    assert findings(tmp_path, ("heading_deg: 90.0", "heading_deg: -270.0")) == ""
 
 
 def test_a_world_off_its_map_is_told(tmp_path: Path) -> None:
-    assert "the robot starts off the map" in told(tmp_path, ("x_m: 1.0", "x_m: -3.0"), start=None)
-    found = told(tmp_path, grid=room(-2.0))
+    assert "the robot starts off the map" in findings(tmp_path, ("x_m: 1.0", "x_m: -3.0"), start=None)
+    found = findings(tmp_path, grid=room(-2.0))
     assert "world.yaml:1:1: of what the robot's map shows only" in found
     assert "allowed: 50% at least" in found
