@@ -51,6 +51,8 @@ class MujocoBody(RobotBody):
         self.link_names = {number: name for name, number in self.link_index.items()}
         self.wheels = driven_wheels(self.effort)
         self.wheels.check()
+        for wheel in (geometry for name in self.wheels.all for geometry in spec.body(ROBOT + name).geoms):
+            engine.world.bulge(wheel)
         self._leave_out(robot)
         if "hand" in self.link_index:
             engine.pins.prepare(spec, ROBOT + "hand", self._root_name)

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from handcart.backends.physics.engine import ContactPoint, Engine, Pinned
+from handcart.backends.physics.engine import ContactPoint, Engine, Pinned, Touching
 from handcart.backends.physics.thing_form import ThingForm
 from handcart.backends.plain_values import from_plain, to_plain
 from handcart.backends.saved_state import NotAState
@@ -57,7 +58,7 @@ class MujocoEngine(Engine):
         self._pinned: Pinned | None = None
         self.pins = Pins()
         """What holds together where contacts alone don't."""
-        self._owner = np.zeros((0, 2), np.int64)
+        self._owners: list[tuple[int, int]] = []
         self._things: dict[int, _Thing] = {}
         self._links: dict[int, tuple[int, int]] = {}
         self._bodies: dict[tuple[int, int], int] = {}
@@ -120,22 +121,23 @@ class MujocoEngine(Engine):
         """Whose the geometries are, and where things' coordinates stand."""
         assert self._compiled is not None
         model = self._compiled[0]
-        owner, self._things = np.full((model.ngeom, 2), -1), {}
+        owners, self._things = [(-1, -1)] * int(model.ngeom), {}
         mine: dict[int, list[int]] = {}
         for geometry in range(model.ngeom):
             body, name = int(model.geom_bodyid[geometry]), model.geom(geometry).name
             if body in self._links:
-                owner[geometry] = self._links[body]
+                owners[geometry] = self._links[body]
             elif name.partition(".")[0].isdigit():
-                owner[geometry] = int(name.partition(".")[0]), -1
-                mine.setdefault(owner[geometry, 0], []).append(geometry)
+                number = int(name.partition(".")[0])
+                owners[geometry] = number, -1
+                mine.setdefault(number, []).append(geometry)
         for number, form in enumerate(self._forms):
             if form is not None:
                 joint = model.joint(f"{number}")
                 self._things[number] = _Thing(
                     int(joint.bodyid[0]), int(joint.qposadr[0]), int(joint.dofadr[0]), tuple(mine[number])
                 )
-        self._owner = owner
+        self._owners = owners
 
     def links(self) -> Any:
         """MuJoCo's data, poses of all links as of now."""
@@ -232,8 +234,10 @@ class MujocoEngine(Engine):
 
     def pose(self, body: int) -> Transform:
         """See `Engine`; of things."""
-        at = self.thing_at(body).position
-        return _matrix(self.data.qpos[at : at + 7])
+        index, data = self.thing_at(body).body, self.links()
+        result = np.zeros((4, 4))
+        result[:3, :3], result[:3, 3], result[3, 3] = data.xmat[index].reshape(3, 3), data.xpos[index], 1.0
+        return result
 
     def thing_at(self, body: int) -> _Thing:
         """Where a thing stands in MuJoCo's arrays."""
@@ -277,28 +281,33 @@ class MujocoEngine(Engine):
 
     # What is there
 
+    def touching(self, body: int) -> set[Touching]:
+        """See `Engine`."""
+        return {touching for touching, *_ in self._pressing(body)}
+
     def contacts(self, body: int) -> list[ContactPoint]:
         """See `Engine`."""
-        data = self.data
-        contact = data.contact
-        owner = self._owner[contact.geom]  # (n, 2, 2): of both sides, number and link
-        index, side = np.nonzero((owner[:, :, 0] == body) & (contact.efc_address >= 0)[:, None])
-        forces = data.efc_force[contact.efc_address[index][:, None] + np.arange(3)]
-        presses = forces[:, 0] > 0.0
-        index, side, forces = index[presses], side[presses], forces[presses]
+        pressing = list(self._pressing(body))
+        contact, forces = self.data.contact, self.data.efc_force
         # A contact's frame has its normal first, which points from the first to the second geometry.
-        frames = np.where(side == 1, 1.0, -1.0)[:, None, None] * contact.frame[index].reshape(-1, 3, 3)
-        pushed = (forces[:, None] @ frames)[:, 0]
+        frames = [sign * contact.frame[index].reshape(3, 3) for _, index, _, sign in pressing]
         return [
-            ContactPoint(link, other, other_link, tuple(normal), tuple(force))
-            for link, (other, other_link), normal, force in zip(
-                owner[index, side, 1].tolist(),
-                owner[index, 1 - side].tolist(),
-                frames[:, 0].tolist(),
-                pushed.tolist(),
-                strict=True,
-            )
+            ContactPoint(*touching, tuple(frame[0].tolist()), tuple((forces[row : row + 3] @ frame).tolist()))
+            for (touching, _, row, _), frame in zip(pressing, frames, strict=True)
         ]
+
+    def _pressing(self, body: int) -> Iterator[tuple[Touching, int, int, float]]:
+        """Of contacts of a body: who, its number, its first row of forces, and the sign of its frame."""
+        contact, forces, owners = self.data.contact, self.data.efc_force, self._owners
+        rows = contact.efc_address.tolist()
+        for index, (row, (first, second)) in enumerate(zip(rows, contact.geom.tolist(), strict=True)):
+            one, other = owners[first], owners[second]
+            if row < 0 or body not in (one[0], other[0]) or forces[row] <= 0.0:
+                continue
+            if one[0] == body:
+                yield Touching(one[1], *other), index, row, -1.0
+            if other[0] == body:
+                yield Touching(other[1], *one), index, row, 1.0
 
     def free_shares(self, start: Array, ends: Array) -> Array:
         """See `Engine`."""
@@ -336,13 +345,3 @@ class MujocoEngine(Engine):
             raise NotAState("no saved state: what is held together isn't there")
         if len(pinned.points) != len(pinned.other_points):
             raise NotAState("no saved state: what is held together has other points")
-
-
-def _matrix(coordinates: Array) -> Transform:
-    """The pose (4, 4) of a position and a quaternion w, x, y, z (7,)."""
-    from scipy.spatial.transform import Rotation
-
-    result = np.eye(4)
-    result[:3, 3] = coordinates[:3]
-    result[:3, :3] = Rotation.from_quat(coordinates[[4, 5, 6, 3]]).as_matrix()
-    return result

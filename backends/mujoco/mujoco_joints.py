@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
 from handcart.backends.physics.body.joint_group import JointGroup, Vector
 
@@ -21,20 +22,20 @@ class MujocoJoints(JointGroup):
         """Those of the model by their names."""
         self._engine, model = engine, engine.model
         joints = [model.joint(name) for name in names]
-        self._at = np.array([int(joint.qposadr[0]) for joint in joints])
-        self._speed = np.array([int(joint.dofadr[0]) for joint in joints])
-        self._drives = np.array([int(model.actuator(name).id) for name in names])
+        self._at = _where([int(joint.qposadr[0]) for joint in joints])
+        self._speed = _where([int(joint.dofadr[0]) for joint in joints])
+        self._drives = _where([int(model.actuator(name).id) for name in names])
         self._step = float(model.opt.timestep)
         self._gain = model.dof_M0[self._speed] / self._step
 
     def states(self) -> tuple[Vector, Vector]:
         """See `JointGroup`."""
         data = self._engine.data
-        return data.qpos[self._at], data.qvel[self._speed]
+        return data.qpos[self._at].copy(), data.qvel[self._speed].copy()
 
     def turn(self, speeds: Vector, most: Vector) -> None:
         """See `JointGroup`."""
-        self._serve(speeds, self._gain, np.zeros(len(self._drives)), most)
+        self._serve(speeds, self._gain, np.zeros(len(self._gain)), most)
 
     def stand(self, positions: Vector, most: Vector, share: float) -> None:
         """See `JointGroup`."""
@@ -53,3 +54,10 @@ class MujocoJoints(JointGroup):
     def push(self, torques: Vector) -> None:
         """See `JointGroup`."""
         self._engine.data.qfrc_applied[self._speed] = torques
+
+
+def _where(numbers: list[int]) -> slice | NDArray[np.int64]:
+    """What picks these of an array: a slice, which is quicker, where one follows the other."""
+    first = numbers[0] if numbers else 0
+    run = slice(first, first + len(numbers))
+    return run if numbers == list(range(run.start, run.stop)) else np.array(numbers)

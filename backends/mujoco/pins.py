@@ -32,28 +32,33 @@ class Pins:
 
     def closed(self, model: Any, data: Any) -> bool:
         """Whether they hold something."""
-        return bool(data.eq_active[model.equality(_NAME.format(0)).id])
+        return bool(data.eq_active[_first(model)])
 
     def pull(self, model: Any, data: Any) -> float:
         """What a point bears, on the mean over all, in [N]."""
-        rows = np.flatnonzero(data.efc_type == mujoco().mjtConstraint.mjCNSTR_EQUALITY)
-        pins = [model.equality(_NAME.format(number)).id for number in range(MOST)]
-        mine = rows[np.isin(data.efc_id[rows], pins)]
-        return float(np.linalg.norm(data.efc_force[mine].reshape(-1, 3), axis=1).sum()) / MOST
+        # MuJoCo has equalities before all else that constrains.
+        kinds, numbers = data.efc_type[: data.ne], data.efc_id[: data.ne] - _first(model)
+        mine = (kinds == mujoco().mjtConstraint.mjCNSTR_EQUALITY) & (numbers >= 0) & (numbers < MOST)
+        return float(np.linalg.norm(data.efc_force[: data.ne][mine].reshape(-1, 3), axis=1).sum()) / MOST
 
     def open(self, model: Any, data: Any) -> None:
         """Hold nothing."""
         if self._there:
-            for number in range(MOST):
-                data.eq_active[model.equality(_NAME.format(number)).id] = 0
+            first = _first(model)
+            data.eq_active[first : first + MOST] = 0
 
     def close(self, model: Any, data: Any, wanted: Pinned, hand: int, other: int) -> None:
         """Hold two of MuJoCo's bodies together."""
         turn = np.zeros(9)
         mujoco().mju_quat2Mat(turn, model.body_iquat[hand])
         for number, (point, there) in enumerate(zip(wanted.points, wanted.other_points, strict=True)):
-            pin = model.equality(_NAME.format(number)).id
+            pin = _first(model) + number
             model.eq_obj1id[pin], model.eq_obj2id[pin] = hand, other
             model.eq_data[pin, :3] = turn.reshape(3, 3) @ point + model.body_ipos[hand]
             model.eq_data[pin, 3:6] = there
             data.eq_active[pin] = 1
+
+
+def _first(model: Any) -> int:
+    """MuJoCo's number of the first of them; the others follow."""
+    return int(model.equality(_NAME.format(0)).id)

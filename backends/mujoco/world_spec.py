@@ -100,13 +100,25 @@ class WorldSpec:
             name=name, friction=(friction**2, 0.005, 0.0001), solref=STIFF, condim=3, mass=0.0, **shape
         )
 
+    def bulge(self, wheel: Any) -> None:
+        """Have a cylinder stand on one point, as a tyre that bulges does, and not on its edges.
+
+        Those of a base that turns go at different speeds, and it would hop from one to the other.
+        """
+        kinds = mujoco().mjtGeom
+        if wheel.type == kinds.mjGEOM_CYLINDER:
+            radius, half_width, _ = wheel.size
+            wheel.type, wheel.size = kinds.mjGEOM_ELLIPSOID, (radius, radius, half_width)
+
     def scrub(self, wheel: Any, along_axle: float) -> None:
         """Let a wheel slide along its axle with a share of the friction that it has across it, on the floor.
 
         Of a capsule MuJoCo has contacts' first tangent along its axis, and a pair can have two frictions. The
         capsule is as thick as the wheel, and stands on two points as far apart.
         """
-        wheel.type, wheel.name = mujoco().mjtGeom.mjGEOM_CAPSULE, f"{wheel.parent.name} rim"
+        radius, _, half_width = wheel.size  # of one that bulges
+        wheel.type, wheel.size = mujoco().mjtGeom.mjGEOM_CAPSULE, (radius, half_width, 0.0)
+        wheel.name = f"{wheel.parent.name} rim"
         friction = float(wheel.friction[0])
         pair = self.spec.add_pair(geomname1=self._floor, geomname2=wheel.name, condim=3)
         pair.friction, pair.solref = (SCRUBS * along_axle * friction, friction, 0.005, 0.0001, 0.0001), STIFF

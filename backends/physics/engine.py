@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from typing import Any, ClassVar, NamedTuple
 
@@ -37,6 +37,14 @@ class Pinned:
     other_points: tuple[Point, ...]
     force_n: float
     """With which each point is held, at most."""
+
+
+class Touching(NamedTuple):
+    """That a link of a body presses against another body."""
+
+    link: int
+    other: int
+    other_link: int
 
 
 class ContactPoint(NamedTuple):
@@ -138,6 +146,10 @@ class Engine(ABC):
         """Hold this together, and nothing else; None lets go."""
 
     # What is there
+
+    @abstractmethod
+    def touching(self, body: int) -> Collection[Touching]:
+        """What `contacts` has, without where and how: it costs less."""
 
     @abstractmethod
     def contacts(self, body: int) -> Sequence[ContactPoint]:

@@ -7,7 +7,8 @@ import numpy as np
 from handcart.backends.physics.body.robot_body import RobotBody
 from handcart.backends.physics.world.world_bodies import WorldBodies
 from handcart.backends.simulation.scene import Scene
-from handcart.backends.simulation.world.thing import Thing
+from handcart.backends.simulation.scene_props import SceneProps
+from handcart.backends.simulation.world.thing import Rest, Thing
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import inverse
 
@@ -32,14 +33,20 @@ class SceneSync:
         world_T_hand = self._body.link_pose("hand") if "hand" in self._body.link_index else np.eye(4)
         for props in scene.props.values():
             for thing in props.awake(world_T_hand[:3, 3]):
-                if thing.name not in self._world.bodies:
-                    continue
-                thing.pose = self._world.pose(thing)
-                if thing is held:
-                    props.taken(thing)
-                else:
-                    props.rested(thing)
+                if thing.name in self._world.bodies:
+                    self._place(props, thing, held)
         scene.held = held
         if held is not None:
             scene.hand_T_held = inverse(world_T_hand) @ held.pose
-        scene.changes += 1
+
+    def _place(self, props: SceneProps, thing: Thing, held: Thing | None) -> None:
+        """Put a thing where it is; what stays, stays on what carries it."""
+        pose = self._world.pose(thing)
+        stays = bool((pose == thing.pose).all())
+        if not stays:
+            thing.pose = pose
+            self._scene.changes += 1
+        if thing is held:
+            props.taken(thing)
+        elif not stays or thing.rest is Rest.HAND:
+            props.rested(thing)

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from handcart.backends.physics.engine import GRAVITY, ContactPoint, Engine, Pinned, Point
+from handcart.backends.physics.engine import GRAVITY, ContactPoint, Engine, Pinned, Point, Touching
 from handcart.backends.physics.thing_form import ThingForm
 from handcart.backends.plain_values import from_plain, to_plain
 from handcart.backends.saved_state import NotAState
@@ -206,10 +206,17 @@ class BulletEngine(Engine):
         group, mask = (1, -1) if anything else (0, 0)
         self.p.setCollisionFilterGroupMask(body, -1, group, mask, physicsClientId=self.client)
 
+    def touching(self, body: int) -> set[Touching]:
+        """See `Engine`."""
+        return {Touching(point[3], point[2], point[4]) for point in self._pressing(body)}
+
     def contacts(self, body: int) -> list[ContactPoint]:
         """See `Engine`."""
+        return [self._contact(point) for point in self._pressing(body)]
+
+    def _pressing(self, body: int) -> list[Sequence[Any]]:
         points = self.p.getContactPoints(bodyA=body, physicsClientId=self.client)
-        return [self._contact(point) for point in points if point[9] > 0.0]
+        return [point for point in points if point[9] > 0.0]
 
     def _contact(self, point: Sequence[Any]) -> ContactPoint:
         """Bullet's contact point, its first body being the one that is asked about."""

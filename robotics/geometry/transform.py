@@ -30,9 +30,8 @@ def transform(xyz: Sequence[float] = (0.0, 0.0, 0.0), rpy: Sequence[float] = (0.
 
 def inverse(a_T_b: Transform) -> Transform:
     """b_T_a of a_T_b."""
-    result = np.eye(4)
-    result[:3, :3] = a_T_b[:3, :3].T
-    result[:3, 3] = -a_T_b[:3, :3].T @ a_T_b[:3, 3]
+    result, turn = np.zeros((4, 4)), a_T_b[:3, :3].T
+    result[:3, :3], result[:3, 3], result[3, 3] = turn, -turn @ a_T_b[:3, 3], 1.0
     return result
 
 

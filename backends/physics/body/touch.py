@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+from collections.abc import Collection
 
 import numpy as np
 from numpy.typing import NDArray
 
-from handcart.backends.physics.engine import ContactPoint, Engine
+from handcart.backends.physics.engine import Engine, Touching
 from handcart.backends.physics.world.world_bodies import WorldBodies
 from handcart.backends.simulation.body.arm_contact import HELD
 
@@ -26,7 +26,7 @@ class Touch:
         self._hand = set() if last_joint is None else body.links_behind(last_joint)
         self._rolling = {*body.casters, *(name for name in body.link_index if name.endswith("wheel"))}
         self._fingers = [body.link_index[name] for name in FINGERS if name in body.link_index]
-        self._read: dict[int, Sequence[ContactPoint]] = {}
+        self._read: dict[int, Collection[Touching]] = {}
 
     def stepped(self) -> None:
         """The engine has moved on: what was read of it is old."""
@@ -37,7 +37,9 @@ class Touch:
         if not self._fingers:
             return None
         across = self._body.link_pose("hand")[:3, 1]
-        points = self._points(self._body.id)
+        if not {each.link for each in self._touching(self._body.id)} >= set(self._fingers):
+            return None
+        points = self._engine.contacts(self._body.id)
         sides = [
             {each.other for each in points if each.link == finger and abs(across @ each.normal) > _ACROSS}
             for finger in self._fingers
@@ -47,13 +49,16 @@ class Touch:
 
     def force(self, held: int | None) -> NDArray[np.float64]:
         """What the surroundings put on the hand and what it holds, (3,) in [N], in the world."""
-        total = np.zeros(3)
-        for point in self._points(self._body.id):
-            if point.link in self._hand and point.other not in (held, self._body.id):
-                total += point.force
-        if held is not None:
-            for point in self._points(held):
-                if point.other != self._body.id or point.other_link not in self._hand:
+        total, mine, hand = np.zeros(3), self._body.id, self._hand
+        if any(each.link in hand and each.other not in (held, mine) for each in self._touching(mine)):
+            for point in self._engine.contacts(mine):
+                if point.link in hand and point.other not in (held, mine):
+                    total += point.force
+        if held is not None and any(
+            each.other != mine or each.other_link not in hand for each in self._touching(held)
+        ):
+            for point in self._engine.contacts(held):
+                if point.other != mine or point.other_link not in hand:
                     total += point.force
         return total
 
@@ -65,7 +70,7 @@ class Touch:
             riding: bodies that stand on the robot.
         """
         found = set()
-        for point in self._points(self._body.id):
+        for point in self._touching(self._body.id):
             link, other = self._body.link_names[point.link], point.other
             if other in (held, self._body.id) or (
                 link in self._rolling and self._world.names[other] == "floor"
@@ -73,12 +78,12 @@ class Touch:
                 continue
             if other not in riding or point.link in self._hand:
                 found.add((link, self._world.names[other]))
-        for point in self._points(held) if held is not None else ():
+        for point in self._touching(held) if held is not None else ():
             if point.other != self._body.id:
                 found.add((HELD, self._world.names[point.other]))
         return frozenset(found)
 
-    def _points(self, body: int) -> Sequence[ContactPoint]:
+    def _touching(self, body: int) -> Collection[Touching]:
         if body not in self._read:
-            self._read[body] = self._engine.contacts(body)
+            self._read[body] = self._engine.touching(body)
         return self._read[body]
