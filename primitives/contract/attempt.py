@@ -117,7 +117,7 @@ def _begun(robot: Robot) -> Snapshot:
     """
     now, first = take_snapshot(robot, {}), robot.failed_from
     robot.failed_from = None
-    if first is None or now.dead_reckoned:
+    if first is None:
         return now
     start = replace(now, pose=first)
     return now if moved(robot, start, now) else start

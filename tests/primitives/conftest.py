@@ -129,14 +129,19 @@ def make_rig(tmp_path: Path) -> Callable[..., Rig]:
     """Builds a rig: more lines for the world's file, a seed."""
 
     def make(
-        more: str = "", seed: int = 0, walls: tuple[Box, ...] = (), furniture: str = "", start_y: float = 1.0
+        more: str = "",
+        seed: int = 0,
+        walls: tuple[Box, ...] = (),
+        furniture: str = "",
+        start_y: float = 1.0,
+        localizer: str = "scan",
     ) -> Rig:
         world = tmp_path / "world.yaml"
         text = WORLD.replace("shelves:\n", furniture + "shelves:\n").replace(
             "y_m: 1.0,", f"y_m: {start_y},", 1
         )
         world.write_text(text + more, encoding="utf-8")
-        spec = load_robot("librarian")
+        spec = load_robot("librarian").model_copy(update={"localizer": localizer})
         backend = make_backend("kinematic", spec, world, seed)
         grid = from_boxes(MAPPED + walls, 0.02, (-0.3, -0.3), (8.6, 6.6))
         model = WorldModel(grid, {"home": HOME, "shelf_1": SHELF})

@@ -275,8 +275,9 @@ def test_what_was_not_declared_is_refused(make_rig: Callable[..., Rig], end: str
     assert what in outcome.reason
 
 
-def test_what_fails_leave_does_not_add_up(make_rig: Callable[..., Rig]) -> None:
-    rig = make_rig()
+@pytest.mark.parametrize("localizer", ["scan", "odometry"])
+def test_what_fails_leave_does_not_add_up(make_rig: Callable[..., Rig], localizer: str) -> None:
+    rig = make_rig(localizer=localizer)
     before = rig.scene.base
     for _ in range(8):
         assert isinstance(rig.run(ComesShort()), Fail)
