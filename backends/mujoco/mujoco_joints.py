@@ -11,6 +11,8 @@ from handcart.backends.physics.body.joint_group import JointGroup, Vector
 
 from .mujoco_engine import MujocoEngine
 
+UNBOUND = 1e6  # [Nm]
+
 
 class MujocoJoints(JointGroup):
     """See `JointGroup`. A drive is a servo of its speed, in each step of the solver.
@@ -50,6 +52,15 @@ class MujocoJoints(JointGroup):
         model.actuator_biasprm[self._drives, 2] = -self._gain
         model.actuator_forcerange[self._drives, 0] = -most
         model.actuator_forcerange[self._drives, 1] = most
+
+    def spring(self, stiffness: float, damping: Vector, torques: Vector) -> None:
+        """See `JointGroup`; solved implicitly: dampers as strong as these would shake a chassis in the air."""
+        model = self._engine.model
+        model.actuator_gainprm[self._drives, 0] = 0.0
+        model.actuator_biasprm[self._drives, 0] = torques
+        model.actuator_biasprm[self._drives, 1] = -stiffness
+        model.actuator_biasprm[self._drives, 2] = -damping
+        model.actuator_forcerange[self._drives] = (-UNBOUND, UNBOUND)
 
     def push(self, torques: Vector) -> None:
         """See `JointGroup`."""

@@ -25,6 +25,11 @@ class JointGroup(ABC):
     def stand(self, positions: Vector, most: Vector, share: float) -> None:
         """Bring them to positions (n,) with at most `most`; in a step of the solver by `share` of the way."""
 
+    def spring(self, stiffness: float, damping: Vector, torques: Vector) -> None:
+        """Put springs, in [Nm/rad], dampers (n,), in [Nms/rad], and torques (n,) on them for the next chunk."""
+        angles, speeds = self.states()
+        self.push(torques - stiffness * angles - damping * speeds)
+
     @abstractmethod
     def push(self, torques: Vector) -> None:
         """Put torques (n,) on them for the next chunk, besides what their drives do, in [Nm] or [N]."""

@@ -18,6 +18,7 @@ GIVES = 0.03  # off its command by this, a drive gives all its torque [rad]
 DAMPING = 0.03  # a speed that is off counts as this much angle that is off [s]
 BREAKAWAY = 0.03  # share of its torque that a drive always has to give
 CATCHES_UP = 0.02  # time constant of the position loop [s]
+HEADROOM = 1.2  # times as fast as it may go, a drive can catch up
 FOLLOWS = 0.1  # of the way to where it belongs that a joint that mimics another makes in a step of the solver
 
 
@@ -41,6 +42,7 @@ class PhysicsArm(SimulatedArm):
         """Take the arm's joints over, where they stand; `felt` gives what truly acts on the hand, (3,)."""
         self._drives = body.joints(model.joint_names)
         super().__init__(robot, model, self._drives.states()[0], seed)
+        self._fastest = HEADROOM * model.velocity
         self._effort = np.array([body.effort[name] for name in model.joint_names])
         leaders = joint_leaders(robot.urdf_text())
         self._followers = {name: led for name, led in leaders.items() if led[0] in model.joint_names}
@@ -73,7 +75,7 @@ class PhysicsArm(SimulatedArm):
         angles, speeds = self._drives.states()
         rate = way / period
         off = self._from + share * way + self._offset - angles
-        wanted = rate + off / CATCHES_UP
+        wanted = np.clip(rate + off / CATCHES_UP, -self._fastest, self._fastest)
         strain = np.abs(off) + DAMPING * np.abs(rate - speeds)
         most = self._effort * np.minimum(strain / GIVES + BREAKAWAY, 1.0)  # never negative
         self._drives.turn(wanted, most)

@@ -52,8 +52,7 @@ class SuspensionSprings:
 
     def act(self) -> None:
         """Let the springs work for the next chunk."""
-        angles, speeds = self._joints.states()
-        self._joints.push(-self._stiffness * angles - self._damping * speeds - self._trim)
+        self._joints.spring(self._stiffness, self._damping, -self._trim)
 
 
 def _weight_by_reach(arm: ArmModel, body: RobotBody) -> tuple[float, Vector]:
