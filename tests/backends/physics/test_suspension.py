@@ -99,6 +99,21 @@ def test_a_base_without_springs_doesnt_lean(build: Build) -> None:
     assert backend.scene.lean == (0.0, 0.0)
 
 
+def test_what_falls_does_not_shake_on_its_springs(build: Build) -> None:
+    backend: Any = build(lean_mrad_per_m=8.0, lean_pivot_m=0.15)
+    if backend.name == "pybullet":
+        pytest.skip("PyBullet takes a damper's torque for a whole chunk: a chassis in the air shakes")
+    for _ in range(10):
+        backend.step()
+    backend._body.put(backend.scene.base, 0.03)
+    leans = []
+    for _ in range(40):
+        backend.step()
+        leans.append(backend.scene.lean)
+    assert np.abs(leans).max() < 0.05
+    assert np.ptp(leans[-10:], axis=0).max() < 1e-4
+
+
 def test_a_swing_turns_the_base_and_no_encoder_sees_it_but_the_gyro(build: Build) -> None:
     backend = build(swing_yaw_mrad=-2.0)
     go(backend, part(backend, "Arm").command())
