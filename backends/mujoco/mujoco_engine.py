@@ -260,7 +260,9 @@ class MujocoEngine(Engine):
     def touches(self, body: int, anything: bool) -> None:
         """See `Engine`."""
         bits, model = int(anything), self.model
-        for geometry in self._things[body].geometries:
+        thing = self._things[body]
+        model.body_contype[thing.body] = model.body_conaffinity[thing.body] = bits  # MuJoCo looks here first
+        for geometry in thing.geometries:
             model.geom_contype[geometry] = model.geom_conaffinity[geometry] = bits
             spec = self.world.spec.geom(model.geom(geometry).name)
             spec.contype = spec.conaffinity = bits

@@ -54,7 +54,7 @@ class MujocoJoints(JointGroup):
         model.actuator_forcerange[self._drives, 1] = most
 
     def spring(self, stiffness: float, damping: Vector, torques: Vector) -> None:
-        """See `JointGroup`; solved implicitly: dampers as strong as these would shake a chassis in the air."""
+        """See `JointGroup`; solved implicitly: dampers as strong would shake a chassis in the air."""
         model = self._engine.model
         model.actuator_gainprm[self._drives, 0] = 0.0
         model.actuator_biasprm[self._drives, 0] = torques

@@ -204,6 +204,7 @@ def _restore(
     for again in range(RESTORES):
         way_back = reach_pose(robot, start.pose) if again else primitive.restore(robot, view, start, trace)
         try:
+            yield from settle(robot)  # an arm that turns back at once jerks the base: what is on it slides
             yield from _within_time(way_back, robot, primitive, view)
             yield from settle(robot)
             seen = (yield from _look_again(primitive, robot, view, start)) if start.seen else {}

@@ -30,10 +30,13 @@ def moves_fingers(robot: Robot, moment: Moment) -> bool:
     return gripper is not None and abs(gripper.command() - moment.grip) > 1e-6
 
 
-def command_moment(robot: Robot, moment: Moment) -> Generator[None, None, None]:
-    """Bring arm and gripper to their commands of that moment."""
+def command_moment(robot: Robot, moment: Moment, periods: int = 1) -> Generator[None, None, None]:
+    """Bring arm and gripper to their commands of that moment, the arm evenly in so many periods."""
     if moves_fingers(robot, moment):
         robot.gripper.move(moment.grip)
         yield from robot.wait(GRIP_PAUSE)
-    if renew_arm(robot, moment):
-        yield
+    arm = robot.backend.get(Arm)  # type: ignore[type-abstract]
+    start = moment.joints if arm is None else arm.command()
+    for share in np.linspace(0.0, 1.0, periods + 1)[1:]:
+        if renew_arm(robot, moment._replace(joints=start + share * (moment.joints - start))):
+            yield

@@ -27,6 +27,7 @@ FINE = PoseTolerance(position=0.003, heading=0.002)
 COARSE = 0.02  # [m] between points of the way back
 SHORT = 0.05  # [m]: less travel than this is regulated, not tracked
 LONGEST_REACH = 60.0  # [s] that the base gets to a pose near by
+SPEEDS_UP = 4  # periods in which the first of an arm's steps is made; each of the next in one less
 STOOD = 1e-4  # [m], [rad]: between two periods, less is no motion
 
 
@@ -134,5 +135,6 @@ def _forwards(stretch: Sequence[Moment]) -> bool:
 
 
 def _play_back(robot: Robot, stretch: Sequence[Moment]) -> Generator[None, None, None]:
-    for moment in reversed(stretch):
-        yield from _command(robot, moment)
+    """Slowly at first: an arm that is off at full speed jerks the base, and what stands on it slides."""
+    for number, moment in enumerate(reversed(stretch)):
+        yield from _command(robot, moment, periods=max(1, SPEEDS_UP - number))

@@ -26,7 +26,7 @@ class JointGroup(ABC):
         """Bring them to positions (n,) with at most `most`; in a step of the solver by `share` of the way."""
 
     def spring(self, stiffness: float, damping: Vector, torques: Vector) -> None:
-        """Put springs, in [Nm/rad], dampers (n,), in [Nms/rad], and torques (n,) on them for the next chunk."""
+        """Put springs in [Nm/rad], dampers (n,) in [Nms/rad] and torques (n,) on them for the next chunk."""
         angles, speeds = self.states()
         self.push(torques - stiffness * angles - damping * speeds)
 

@@ -29,13 +29,30 @@ def test_a_drive_gives_no_more_than_it_can(make: Make) -> None:
         assert bool(abs(group.states()[1][0] - 0.5) < 0.1) is moves
 
 
+def cube(height: float) -> ThingForm:
+    """100 mm wide and 1 kg, its middle at that height in [m]."""
+    size = (0.1, 0.1, 0.1)
+    face = ((0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0))
+    pieces, picture = (Cuboid(size),), np.zeros((4, 4), np.uint8)
+    return ThingForm(transform((0.6, 2.2, height)), size, 1.0, pieces, 0.5, (face,) * 6, picture)
+
+
+def test_what_touched_nothing_can_be_touched_again(make: Make) -> None:
+    engine = make()._engine
+    lower, upper = engine.add_thing(cube(0.05)), engine.add_thing(cube(0.15))
+    engine.touches(upper, False)
+    engine.pose(engine.add_thing(cube(3.0)))  # the world has grown while it touched nothing
+    for touches in (False, True):
+        engine.touches(upper, touches)
+        engine.set_pose(upper, transform((0.6, 2.2, 0.15)))
+        engine.step()
+        assert any(each.other == upper for each in engine.touching(lower)) is touches
+
+
 @pytest.mark.parametrize("mass", [1.0, 3.0])
 def test_what_is_weighed_anew_presses_with_its_new_weight(make: Make, mass: float) -> None:
     engine = make()._engine
-    middle, size = transform((0.6, 2.2, 0.05)), (0.1, 0.1, 0.1)
-    face = ((0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0))
-    form = ThingForm(middle, size, 1.0, (Cuboid(size),), 0.5, (face,) * 6, np.zeros((4, 4), np.uint8))
-    number = engine.add_thing(form)
+    number = engine.add_thing(cube(0.05))
     engine.weigh(number, mass)
     for _ in range(6):  # not long enough to go to sleep
         engine.step()
