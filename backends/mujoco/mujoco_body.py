@@ -20,7 +20,7 @@ from handcart.robotics.geometry.transform import Transform, inverse, transform
 from .mujoco_engine import MujocoEngine
 from .mujoco_joints import MujocoJoints
 from .mujoco_module import mujoco
-from .world_spec import HARD, ROBOT, ROBOT_GROUP, STIFF, quaternion
+from .world_spec import HARD, ROBOT, ROBOT_GROUP, STANDS, STIFF, quaternion
 
 TOP_ACCELERATION = 100.0  # of a drive that moves nothing but itself [rad/s²]
 TOP_SLIDE_ACCELERATION = 50.0  # the same of one that slides [m/s²]
@@ -146,12 +146,12 @@ class MujocoBody(RobotBody):
     def cover(self, links: Iterable[str], surface: Surface) -> None:
         """See `RobotBody`; MuJoCo's contacts give as `STIFF` says, and stick by themselves."""
         spec = self._engine.world.spec
-        for geometry in (each for link in links for each in spec.body(ROBOT + link).geoms):
+        for link, geometry in [(name, each) for name in links for each in spec.body(ROBOT + name).geoms]:
             if surface.friction is not None:
                 geometry.priority = 1  # it alone tells how a pair rubs
-                if surface.sticks:
-                    geometry.solimp = HARD
                 geometry.friction = (surface.friction * surface.against, 0.005, 0.0001)
+            if surface.sticks:
+                geometry.solimp = STANDS if link.endswith("wheel") else HARD
             if surface.along_axle is not None:
                 self._engine.world.scrub(geometry, surface.along_axle)
         self._engine.changed()

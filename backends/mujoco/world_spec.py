@@ -25,6 +25,8 @@ Held by a hand that turns, a thing drifts, for MuJoCo's steps are along the tang
 `Grip` bring it back, against friction that gives a little: as hard as can be (0.999), or with MuJoCo's own
 remedies for slipping (`impratio` 10, `noslip_iterations` 5), friction would hold that up as well.
 """
+STANDS = (0.995, 0.999, 0.0005, 0.5, 2.0)
+"""The same of tyres that stick: with MuJoCo's own, a car on rough ground turns by 0.6 degrees in a minute."""
 SCRUBS = 2.0
 """Times as much friction along an axle as is asked for: the ATRV then turns on the spot by 0.99 to 1.02
 of what its file has, without this by 1.06 to 1.10."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 
 import numpy as np
@@ -13,7 +14,9 @@ from handcart.backends.physics.physics_backend import PhysicsBackend
 from handcart.backends.physics.world.terrain import Terrain
 from handcart.backends.simulation.world.world_model import world_model
 from handcart.evaluation.trials.running import resume_task, run_task
+from handcart.evaluation.truth.survey import simulated_world
 from handcart.networks.run_options import RunOptions
+from handcart.networks.task.preparing import prepare
 
 from ...conftest import Copier
 
@@ -44,6 +47,17 @@ def test_a_sensor_is_laid_and_a_killed_run_goes_on(
     ((first,), (second,)) = (each["metrics"]["placements"] for each in (whole, again))
     assert abs(first["true_x_mm"] - second["true_x_mm"]) < 30.0
     assert abs(first["true_y_mm"] - second["true_y_mm"]) < 30.0
+
+
+def test_a_car_stands_on_rough_ground(physics: type[PhysicsBackend]) -> None:
+    with prepare(TASK, physics.name, seed=0) as prepared:
+        scene = simulated_world(prepared.backend)
+        assert scene is not None
+        stood = scene.base
+        for _ in range(round(10.0 / prepared.backend.period)):
+            prepared.backend.step()
+        assert math.degrees(scene.base.turn(stood)) < 0.02
+        assert scene.base.distance(stood) < 1e-4
 
 
 def test_the_ground_is_as_rough_as_the_world_says(physics: type[PhysicsBackend]) -> None:
