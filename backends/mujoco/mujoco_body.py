@@ -51,7 +51,7 @@ class MujocoBody(RobotBody):
         self.link_names = {number: name for name, number in self.link_index.items()}
         self.wheels = driven_wheels(self.effort)
         self.wheels.check()
-        for wheel in (geometry for name in self.wheels.all for geometry in spec.body(ROBOT + name).geoms):
+        for wheel in (geometry for name in self.rolling for geometry in spec.body(ROBOT + name).geoms):
             engine.world.bulge(wheel)
         self._leave_out(robot)
         if "hand" in self.link_index:
@@ -151,7 +151,7 @@ class MujocoBody(RobotBody):
                 geometry.priority = 1  # it alone tells how a pair rubs
                 geometry.friction = (surface.friction * surface.against, 0.005, 0.0001)
             if surface.sticks:
-                geometry.solimp = STANDS if link.endswith("wheel") else HARD
+                geometry.solimp = STANDS if link in self.rolling else HARD
             if surface.along_axle is not None:
                 self._engine.world.scrub(geometry, surface.along_axle)
         self._engine.changed()

@@ -169,8 +169,8 @@ def _try_nearer(room: Room, folder: Path, settings: dict[str, str], result: Tria
         spot = next(room.beside(share * room.least - 0.001))
         places[f"too_near_{number}"] = (*spot, room.rng.uniform(-180.0, 180.0))
     write_places(folder, places)
-    world, chart, told_places = (folder / f"{each}.yaml" for each in ("world", "map", "places"))
-    files = RigFiles(world, chart, told_places, {})
+    world, chart, places_file = (folder / f"{each}.yaml" for each in ("world", "map", "places"))
+    files = RigFiles(world, chart, places_file, {})
     with build_rig(files, settings["robot"], seed=result.seed) as rig:
         scene = rig.backend.scene  # type: ignore[attr-defined]
         for name in list(places)[1:]:

@@ -204,7 +204,6 @@ def _restore(
     for again in range(RESTORES):
         way_back = reach_pose(robot, start.pose) if again else primitive.restore(robot, view, start, trace)
         try:
-            yield from settle(robot)  # an arm that turns back at once jerks the base: what is on it slides
             yield from _within_time(way_back, robot, primitive, view)
             yield from settle(robot)
             seen = (yield from _look_again(primitive, robot, view, start)) if start.seen else {}
@@ -235,8 +234,11 @@ def _look_again(
 
 
 def _within_time(way_back: Periods, robot: Robot, primitive: ActionPrimitive, view: ModelView) -> Periods:
-    end, tracking = robot.time + LONGEST_RESTORE, TrackingErrorMonitor(robot)
     displaced = robot.localization.displacements
+    for _ in settle(robot):  # an arm that turns back at once jerks the base, and what stands on it slides
+        _alone(robot, primitive)
+        yield
+    end, tracking = robot.time + LONGEST_RESTORE, TrackingErrorMonitor(robot)
     for _ in way_back:
         _alone(robot, primitive)
         yield

@@ -90,6 +90,11 @@ class RobotBody(ABC):
         return {name: self.mass(name) for name in self.link_index if name not in wheels}
 
     @property
+    def rolling(self) -> list[str]:
+        """Links that roll on the floor, driven or not."""
+        return [name for name in self.link_index if name.endswith("wheel")]
+
+    @property
     def casters(self) -> list[str]:
         """Links that slide on the floor."""
         return casters(self.link_index)

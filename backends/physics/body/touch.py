@@ -24,7 +24,7 @@ class Touch:
     def __init__(self, engine: Engine, body: RobotBody, world: WorldBodies, last_joint: str | None) -> None:
         self._engine, self._body, self._world = engine, body, world
         self._hand = set() if last_joint is None else body.links_behind(last_joint)
-        self._rolling = {*body.casters, *(name for name in body.link_index if name.endswith("wheel"))}
+        self._rolling = {*body.casters, *body.rolling}
         self._fingers = [body.link_index[name] for name in FINGERS if name in body.link_index]
         self._read: dict[int, Collection[Touching]] = {}
 
