@@ -39,8 +39,11 @@ UNEVEN = 0.12  # [m] by which the ground may be higher or lower there than under
 REFINED = 0.002  # [m] by which a better estimate moves the tip once more
 REFINED_MOST = 0.3  # [m] by which it may, just above the ground
 ROOM = 0.010  # [m] that the fingers open wider than the sensor
+GENTLE = 0.01  # [m/s] at which they open: the sensor comes to lie on ground that isn't level
+ABOVE = 0.02  # [m] over the sensor's top, from where closed fingers are lowered onto it
+SLANTED = 0.02  # [m] by which its top may be lower than upright
 GROUND = ("the ground", "floor")  # as worlds call it
-LIFTED = 0.20  # [m] that the open fingers are lifted off the sensor before the base drives on
+LIFTED = 0.145  # [m] that the fingers are lifted further before the base drives on
 
 Vector = NDArray[np.float64]
 
@@ -49,12 +52,12 @@ class Deploy(TreePrimitive):
     """Lay a sensor on its target: the base stands to the left of it (Ohki et al. 2012, section V-B).
 
     The fingers close on the sensor that the magazine gives them. The base stands until it is known well
-    enough where the target is; the arm goes through its middle state, its tip then on straight lines to above
-    the target by resolved rates, roll and pitch of the base taken into account; what the fixes told meanwhile
-    corrects it. The sensor is lowered until it touches the ground and let go, which can't be undone; then the
-    arm goes back the way it came. Where arm and base move together, MOVE_TO has brought the sensor over the
-    target already, and the next one brings the arm back: here it is only lifted, unless this was the last
-    sensor.
+    enough where the target is; the arm goes through its middle state, its tip then on straight lines to
+    above the target by resolved rates, roll and pitch of the base taken into account; what the fixes told
+    meanwhile corrects it. The sensor is lowered until it touches the ground and let go slowly, which can't
+    be undone; the fingers feel for its top, where it stands; then the arm goes back the way it came. Where
+    arm and base move together, MOVE_TO has brought the sensor over the target already, and the next one
+    brings the arm back: here it is only lifted, unless this was the last sensor.
     """
 
     target: TargetName
@@ -92,6 +95,7 @@ class Deploy(TreePrimitive):
             "bring the sensor over the target": lambda: self._reach(self._arm, self._target),
             "lower it until it touches the ground": lambda: self._lower(robot, self._arm, self._target),
             "let it go": lambda: self._let_go(robot, model, self._arm),
+            "feel whether it stands": lambda: self._feel(robot, model, self._arm),
         }
         back: dict[str, Step] = {
             "lift the fingers, where the next drive brings the arm back": lambda: self._lift(robot, model),
@@ -115,7 +119,26 @@ class Deploy(TreePrimitive):
         self.point_of_no_return("the sensor is let go")
         robot.localization.mark()
         work.laid = (*work.laid, self._laid(robot, arm))
-        yield from open_to(robot, field.sensor_mm[1] / 1e3 + ROOM)
+        wide = field.sensor_mm[1] / 1e3 + ROOM
+        at = robot.gripper.width()
+        while at < wide:
+            at = min(wide, at + GENTLE * robot.period)
+            robot.gripper.move(at)
+            yield
+        yield from open_to(robot, wide)
+
+    def _feel(self, robot: Robot, model: ModelView, arm: SensorArm) -> Periods:
+        """Lower the fingers, nearly closed, onto its top; of one that fell over there is none."""
+        field, _ = self._field_and_target(model)
+        top = float(robot.arm.command()[2]) - field.gripped_mm / 1e3
+        yield from arm.slide(max(0.0, top - ABOVE))
+        yield from open_to(robot, field.sensor_mm[1] / 2e3)
+        force = yield from arm.slide(top + SLANTED, SLOW)
+        if force <= TOUCHES:
+            felt = Measured("Arm", "force where the sensor's top should be", force, TOUCHES, "N")
+            raise Discrepancy("the sensor fell over", permanent=True, measured=felt)
+        self.found(top_mm=round(1e3 * (top - float(robot.arm.command()[2])), 1))
+        yield from arm.slide(max(0.0, top - ABOVE))
 
     def _lift(self, robot: Robot, model: ModelView) -> Generator[None, None, bool]:
         """Whether that was all: the base may drive on, to one more target."""

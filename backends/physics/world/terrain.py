@@ -11,8 +11,8 @@ from handcart.backends.description.ground_spec import GroundSpec
 from handcart.backends.physics.engine import Engine
 from handcart.backends.simulation.keyed_noise import keyed
 
-CELL = 0.25  # [m] between points whose heights are given
-CELLS = 80  # of a tile's side
+CELL = 0.05  # [m] between points whose heights are given; of 0.25 a foot would stand on ridges of 27 degrees
+CELLS = 200  # of a tile's side
 AHEAD = 12.0  # [m] from the robot to ground that isn't there yet, at least
 WAVES = 48  # of which the ground is made
 LENGTHS = (2.0, 8.0)  # of them, in `roughness_length_m`
@@ -25,7 +25,7 @@ Array = NDArray[np.float64]
 class Terrain:
     """Waves of all directions, so that a base with wheels 0.6 m apart rolls and pitches as the world says.
 
-    It is made of tiles, height fields of 20 m, as the robot comes near; heights follow from the seed alone.
+    It is made of tiles, height fields of 10 m, as the robot comes near; heights follow from the seed alone.
     """
 
     def __init__(self, engine: Engine, ground: GroundSpec, seed: int) -> None:

@@ -52,23 +52,34 @@ def rest_of(scene: Scene, thing: Thing) -> Rest:
     ground, or nothing of use.
 
     What stands on another box is carried by what carries that one. One that toppled is lost to the robot,
-    wherever it lies.
+    wherever it lies; on ground that slopes it stands as the ground does.
     """
-    if thing.tilt() > TOPPLED:
-        return Rest.FLOOR
-    if scene.robot.has_tray:
+    toppled = thing.tilt() > TOPPLED
+    if not toppled and scene.robot.has_tray:
         tray = scene.robot.tray_shape
         x, y, z = (inverse(scene.world_T_base) @ thing.pose)[:3, 3]
         beside = np.abs(np.array((x, y)) - tray.middle) - np.array(tray.size[:2]) / 2
         if (beside < 0.0).all() and z > tray.top - SUNK:
             return Rest.TRAY
-    for solid in scene.solids:
+    for solid in [] if toppled else scene.solids:
         x, y, z = (inverse(solid.box.pose) @ thing.pose)[:3, 3]
         length, width, height = solid.box.size
         if abs(x) < length / 2 and abs(y) < width / 2 and z > height / 2 - SUNK:
             return Rest.TABLE
+    return Rest.TABLE if scene.open_ground and _stands_on_ground(scene, thing) else Rest.FLOOR
+
+
+def _stands_on_ground(scene: Scene, thing: Thing) -> bool:
+    """On its foot, which lies as the ground below it does."""
     x, y, z = thing.pose[:3, 3]
-    return Rest.TABLE if scene.open_ground and z > scene.ground_height(x, y) - SUNK else Rest.FLOOR
+    half = max(thing.size[:2]) / 2
+    ahead, behind, left, right = (
+        scene.ground_height(x + dx, y + dy)
+        for dx, dy in ((half, 0.0), (-half, 0.0), (0.0, half), (0.0, -half))
+    )
+    normal = np.array([behind - ahead, right - left, 2.0 * half])
+    upright = float(thing.pose[:3, 2] @ normal / np.linalg.norm(normal))
+    return upright > float(np.cos(TOPPLED)) and bool(z > scene.ground_height(x, y) - SUNK)
 
 
 def _supports(scene: Scene, thing: Thing) -> list[tuple[float, Points, bool]]:

@@ -134,3 +134,16 @@ def test_what_stands_in_a_dip_stands_on_the_ground(
     pose = transform((3.0, 1.0, height), (tilt, 0.0, 0.0))
     spec = PlacedSpec(name="1", x_m=0.0, y_m=0.0, height_m=0.0, size_mm=(60.0, 60.0, 90.0))
     assert rest_of(made.scene, Sensor(pose, Rest.HAND, spec)) is rest
+
+
+@pytest.mark.parametrize(
+    ("leans_deg", "rest"), [(14.0, Rest.TABLE), (5.0, Rest.TABLE), (0.0, Rest.FLOOR), (26.0, Rest.FLOOR)]
+)
+def test_what_stands_on_a_slope_stands_as_the_slope_does(
+    robot: RobotFile, leans_deg: float, rest: Rest
+) -> None:
+    made = backend(robot)
+    made.scene.ground_height = lambda x, y: -x * math.tan(math.radians(14.0))
+    pose = transform((3.0, 1.0, made.scene.ground_height(3.0, 1.0)), (0.0, math.radians(leans_deg), 0.0))
+    spec = PlacedSpec(name="1", x_m=0.0, y_m=0.0, height_m=0.0, size_mm=(60.0, 60.0, 90.0))
+    assert rest_of(made.scene, Sensor(pose, Rest.HAND, spec)) is rest

@@ -13,11 +13,12 @@ import pytest
 from handcart.backends.simulation.field.field_props import FieldProps
 from handcart.evaluation.trials.rig import Rig
 from handcart.networks.task.preparing import prepare
-from handcart.primitives.contract.outcome import Fail, Success
+from handcart.primitives.contract.outcome import Fail, GiveUp, Success
 from handcart.primitives.field.deploy import Deploy, _spread
 from handcart.primitives.field.field_work import FieldWork
 from handcart.primitives.field.target import Laid
 from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.geometry.transform import transform
 
 TASK = Path(__file__).parents[3] / "tasks" / "deploy_straight" / "task.yaml"
 TARGETS = "name,x_m,y_m\nhere,0.05,-0.76\nfar,14,-0.75\n"
@@ -72,6 +73,33 @@ def test_without_ground_below_it_the_sensor_is_not_let_go(rig: Rig, monkeypatch:
     assert isinstance(failed, Fail), failed
     assert failed.reason == "there is no ground below the sensor"
     assert rig.model.of(FieldWork).laid == ()
+
+
+def test_a_sensor_that_falls_over_when_it_is_let_go_is_no_success(
+    rig: Rig, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Closed fingers feel for its top. One that was let go can't be taken back: a person has to look."""
+
+    def fall(sensor: Any) -> None:
+        sensor.pose = sensor.pose @ transform((0.2, 0.0, 0.03), (0.0, np.pi / 2, 0.0))
+
+    scene, fallen = rig.backend.scene, False  # type: ignore[attr-defined]
+    step = rig.robot.step
+
+    def watching(*slow: bool) -> None:
+        nonlocal fallen
+        step(*slow)
+        sensors = scene.of(FieldProps).sensors
+        if not fallen and "1" in sensors and sensors["1"].rest.value == "table":
+            fall(sensors["1"])
+            scene.changes, fallen = scene.changes + 1, True
+
+    monkeypatch.setattr(rig.robot, "step", watching)
+    ended = rig.do(Deploy(target="here"))
+    assert isinstance(ended, GiveUp), ended
+    assert ended.reason.startswith("the sensor fell over")
+    joints = np.array(rig.robot.spec.posture("home"))
+    assert np.allclose(rig.robot.arm.command(), joints)
 
 
 @pytest.mark.parametrize("last", [False, True])
