@@ -76,7 +76,7 @@ class PhysicsArm(SimulatedArm):
         rate = way / period
         off = self._from + share * way + self._offset - angles
         wanted = np.clip(rate + off / CATCHES_UP, -self._fastest, self._fastest)
-        strain = np.abs(off) + DAMPING * np.abs(rate - speeds)
+        strain = np.abs(off + DAMPING * (rate - speeds))
         most = self._effort * np.minimum(strain / GIVES + BREAKAWAY, 1.0)  # never negative
         self._drives.turn(wanted, most)
         self._drives.push(self._weight(angles))

@@ -60,6 +60,18 @@ def test_a_car_stands_on_rough_ground(physics: type[PhysicsBackend]) -> None:
         assert scene.base.distance(stood) < 1e-4
 
 
+def test_an_arm_on_a_slope_comes_to_rest(physics: type[PhysicsBackend]) -> None:
+    """Its drive counts a speed towards where it belongs against what it is off, and else would swing on."""
+    with prepare(TASK, physics.name, seed=3) as prepared:
+        scene = simulated_world(prepared.backend)
+        assert scene is not None
+        stood = []
+        for _ in range(round(3.0 / prepared.backend.period)):
+            prepared.backend.step()
+            stood.append(scene.joints.copy())
+        assert float(np.ptp(stood[-40:], axis=0).max()) < 1e-4
+
+
 def test_the_ground_is_as_rough_as_the_world_says(physics: type[PhysicsBackend]) -> None:
     """Beams from above meet it where its heights are."""
     world = world_model().model_validate({"format": "handcart-world/1", "start": {"x_m": 0.0, "y_m": 0.0}})
