@@ -22,6 +22,7 @@ from handcart.robotics.navigation.outdoors.smoothing import Belief
 STILL_SCANS = 20  # periods at rest after which further scans tell nothing new
 LOOK_AGAIN = 10  # periods at rest between scans that tell whether somebody moved the base
 SCAN_SIGMA = (0.004, 0.0015)  # [m], [rad]: spread of scan matches about one place
+STANDS = 2e-4  # [m] by which encoders of wheels that stand differ, as an arm pulls at the base
 STALE = 1e-3  # [m], [rad] of motion in which a scan can't stay the same to the last bit
 
 
@@ -32,6 +33,7 @@ class Localization(ABC):
         "displacements": int,
         "travel": WheelTravel,
         "still": int,
+        "_stood": WheelTravel,
         "_ranges": FarArray,
         "_seen_at": WheelTravel,
     }
@@ -49,7 +51,8 @@ class Localization(ABC):
         self.travel = base.wheel_travel()
         """What the wheels have travelled."""
         self.still = 0
-        """Periods for which the wheels haven't turned."""
+        """Periods for which the wheels have stood, but for what a standing base gives way."""
+        self._stood = self.travel  # what the wheels had travelled when they last turned
         self._ranges, self._seen_at = np.empty(0), self.travel
 
     # What is estimated
@@ -105,9 +108,10 @@ class Localization(ABC):
         left, right = travel.left - self.travel.left, travel.right - self.travel.right
         self.travel = travel
         self._predict(left, right)
-        if left == right == 0.0:
+        if np.abs(np.subtract(travel, self._stood)).max() <= STANDS:
             self.still += 1
         else:
+            self._stood = travel
             self.look_again()  # a roll must not hide that the base no longer stood where it stood
             self.still = 0
         self._correct()

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from handcart.backends.capabilities.base import Base, WheelTravel
 from handcart.backends.robot.robot import Robot
 from handcart.evaluation.trials.rig import Rig, RigFiles, build_rig
 from handcart.evaluation.truth.survey import simulated_world
@@ -98,6 +99,30 @@ def test_a_base_that_was_shifted_while_it_drove_was_not_pushed_while_it_stood(
         return robot.localization.displacements
 
     assert [shifted(0.1), shifted(0.0)] == [0, 1]
+
+
+def test_a_base_that_gives_way_under_its_arm_stands_and_one_that_creeps_does_not(
+    make_stage: Callable[..., Rig], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Encoders of 65,536 counts tell a hundredth of a millimetre; no scan tells that."""
+    robot = make_stage("librarian", HALL).robot
+    base: Base | None = robot.backend.get(Base)  # type: ignore[type-abstract]
+    travel = robot.base.wheel_travel()
+
+    def places(a_period: float) -> int:
+        seen = set()
+        for period in range(60):
+            told = WheelTravel(travel.left + a_period * period, travel.right + 2e-5 * (period % 3))
+            monkeypatch.setattr(base, "wheel_travel", lambda told=told: told)
+            robot.step()
+            seen.add(robot.pose)
+        return len(seen)
+
+    places(0.0)
+    assert places(0.0) <= 3
+    assert robot.localization.still > 100
+    assert places(3e-5) > 20
+    assert robot.localization.still < 20
 
 
 def test_an_old_scan_holds_no_base_back_that_drives(robot: Robot, monkeypatch: pytest.MonkeyPatch) -> None:
