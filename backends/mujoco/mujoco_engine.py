@@ -156,8 +156,16 @@ class MujocoEngine(Engine):
         model, data = self._both()
         self.mj.mj_step(model, data, self.substeps)
         self._stale = True
+        self._keep_awake(model, data)
         if self._pinned is not None:
             self._slip(self._pinned)
+
+    def _keep_awake(self, model: Any, data: Any) -> None:
+        """Let nothing count as still that leans on the robot: it would fall asleep when the robot goes away."""
+        robot = model.tree_sleep_policy == self.mj.mjtSleepPolicy.mjSLEEP_NEVER
+        island = data.tree_island
+        leans = np.isin(island, island[robot & (island >= 0)]) & ~robot
+        data.tree_asleep[leans] = -1 - self.mj.mjMINAWAKE
 
     def _slip(self, pinned: Pinned) -> None:
         """Let what is held slide while more pulls at it than holds it, and hold it again where it stays."""

@@ -39,7 +39,10 @@ UNEVEN = 0.12  # [m] by which the ground may be higher or lower there than under
 REFINED = 0.002  # [m] by which a better estimate moves the tip once more
 REFINED_MOST = 0.3  # [m] by which it may, just above the ground
 ROOM = 0.010  # [m] that the fingers open wider than the sensor
-GENTLE = 0.01  # [m/s] at which they open: the sensor comes to lie on ground that isn't level
+LOOSENED = 12  # times that they let go and catch it before they open: on a slope it turns between them
+LOOSE_S = 0.075  # [s] for which they let go
+CAUGHT_S = 0.1  # [s] for which they hold it again
+GENTLE = 0.01  # [m/s] at which they open then: it comes to lean on one of them
 ABOVE = 0.02  # [m] over the sensor's top, from where closed fingers are lowered onto it
 SLANTED = 0.02  # [m] by which its top may be lower than upright
 GROUND = ("the ground", "floor")  # as worlds call it
@@ -119,13 +122,19 @@ class Deploy(TreePrimitive):
         self.point_of_no_return("the sensor is let go")
         robot.localization.mark()
         work.laid = (*work.laid, self._laid(robot, arm))
-        wide = field.sensor_mm[1] / 1e3 + ROOM
+        wide = field.sensor_mm[1] / 1e3
+        for _ in range(LOOSENED):
+            robot.gripper.move(wide + ROOM)
+            yield from robot.wait(LOOSE_S)
+            robot.gripper.move(0.0)
+            yield from robot.wait(CAUGHT_S)
         at = robot.gripper.width()
-        while at < wide:
-            at = min(wide, at + GENTLE * robot.period)
+        while at < wide + ROOM:
+            at = min(wide + ROOM, at + GENTLE * robot.period)
             robot.gripper.move(at)
             yield
-        yield from open_to(robot, wide)
+        yield from open_to(robot, wide + ROOM)
+        yield from arm.give_way()
 
     def _feel(self, robot: Robot, model: ModelView, arm: SensorArm) -> Periods:
         """Lower the fingers, nearly closed, onto its top; of one that fell over there is none."""

@@ -25,6 +25,11 @@ TOUCHES = 5.0  # [N]
 WIDTH_ERROR = 0.004  # [m] by which a sensor may be thicker or thinner
 ARRIVED = 3e-4  # [m] of the tip from the end of its line
 LONGEST_LINE = 30.0  # [s]
+LEANS = 0.35  # [N] across a finger, from where on something leans on it
+GIVES_WAY = 0.02  # [m/s] to what leans on a finger
+FARTHEST = 0.06  # [m] that it gives way
+FREE = 0.4  # [s] without a push, until nothing leans there any more
+SMOOTHED = 0.1  # [s] over which the force is smoothed
 
 Vector = NDArray[np.float64]
 
@@ -149,6 +154,28 @@ class SensorArm:
             if goal > at and force > TOUCHES:
                 return force
         return 0.0
+
+    def give_way(self) -> Periods:
+        """Follow what leans on one of the open fingers, until it stands by itself."""
+        robot, push, gone, free = self._robot, 0.0, 0.0, 0.0
+        share = min(1.0, robot.period / SMOOTHED)
+        while free < FREE and gone < FARTHEST:
+            yield
+            push += share * (float(robot.arm.hand_force()[1]) - push)
+            free = free + robot.period if abs(push) <= LEANS else 0.0
+            if not free:
+                gone += GIVES_WAY * robot.period
+                self._shift(math.copysign(GIVES_WAY * robot.period, push))
+
+    def _shift(self, way: float) -> None:
+        """Move the tip along the fingers' stroke, by `way` in [m]."""
+        joints = self._robot.arm.command()
+        angle = self.scara.mount[3]
+        turned = np.array([[math.cos(angle), -math.sin(angle)], [math.sin(angle), math.cos(angle)]])
+        stroke = self._robot.base_T("hand")[:2, 1] @ turned
+        joints[:2] += np.linalg.solve(self.scara.jacobian(joints), way * stroke)
+        if self.scara.within(joints):
+            self._robot.arm.move(joints)
 
     def stow(self) -> Periods:
         """Up, through the middle state, home; the fingers open."""

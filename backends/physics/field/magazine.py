@@ -36,7 +36,7 @@ class Magazine(PropsBody):
         if sensor is None or gripper is None or grip is None:
             return
         body = world.bodies[sensor.name]
-        closed = gripper.true_width() < sensor.size[1] + CLOSED
+        closed = not gripper.opening and gripper.true_width() < sensor.size[1] + CLOSED
         engine.touches(body, closed)
         if closed:
             self.act()
