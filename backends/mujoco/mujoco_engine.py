@@ -161,7 +161,7 @@ class MujocoEngine(Engine):
             self._slip(self._pinned)
 
     def _keep_awake(self, model: Any, data: Any) -> None:
-        """Let nothing count as still that leans on the robot: it would fall asleep when the robot goes away."""
+        """Let nothing count as still that leans on the robot: it would sleep once the robot goes away."""
         robot = model.tree_sleep_policy == self.mj.mjtSleepPolicy.mjSLEEP_NEVER
         island = data.tree_island
         leans = np.isin(island, island[robot & (island >= 0)]) & ~robot

@@ -57,10 +57,11 @@ class Deploy(TreePrimitive):
     The fingers close on the sensor that the magazine gives them. The base stands until it is known well
     enough where the target is; the arm goes through its middle state, its tip then on straight lines to
     above the target by resolved rates, roll and pitch of the base taken into account; what the fixes told
-    meanwhile corrects it. The sensor is lowered until it touches the ground and let go slowly, which can't
-    be undone; the fingers feel for its top, where it stands; then the arm goes back the way it came. Where
-    arm and base move together, MOVE_TO has brought the sensor over the target already, and the next one
-    brings the arm back: here it is only lifted, unless this was the last sensor.
+    meanwhile corrects it. The sensor is lowered until it touches the ground and let go in small steps, which
+    can't be undone; where it leans on a finger, the hand gives way until it stands by itself; the fingers
+    feel for its top, where it stands; then the arm goes back the way it came. Where arm and base move
+    together, MOVE_TO has brought the sensor over the target already, and the next one brings the arm back:
+    here it is only lifted, unless this was the last sensor.
     """
 
     target: TargetName
@@ -122,19 +123,27 @@ class Deploy(TreePrimitive):
         self.point_of_no_return("the sensor is let go")
         robot.localization.mark()
         work.laid = (*work.laid, self._laid(robot, arm))
-        wide = field.sensor_mm[1] / 1e3
+        yield from self._loosen(robot, field.sensor_mm[1] / 1e3 + ROOM)
+        yield from arm.give_way()
+
+    def _loosen(self, robot: Robot, wide: float) -> Periods:
+        """Open the fingers to `wide` [m] so that the sensor comes to lie on a slope without a swing.
+
+        Across the fingers it falls a little each time that they let go, and is caught; along their stroke it
+        comes to lean on one of them. Let go at once it would fall over on slopes of 10 degrees, rocking from
+        one edge of its foot to the other (Housner 1963, inelastic impacts).
+        """
         for _ in range(LOOSENED):
-            robot.gripper.move(wide + ROOM)
+            robot.gripper.move(wide)
             yield from robot.wait(LOOSE_S)
             robot.gripper.move(0.0)
             yield from robot.wait(CAUGHT_S)
         at = robot.gripper.width()
-        while at < wide + ROOM:
-            at = min(wide + ROOM, at + GENTLE * robot.period)
+        while at < wide:
+            at = min(wide, at + GENTLE * robot.period)
             robot.gripper.move(at)
             yield
-        yield from open_to(robot, wide + ROOM)
-        yield from arm.give_way()
+        yield from open_to(robot, wide)
 
     def _feel(self, robot: Robot, model: ModelView, arm: SensorArm) -> Periods:
         """Lower the fingers, nearly closed, onto its top; of one that fell over there is none."""
@@ -194,16 +203,15 @@ class Deploy(TreePrimitive):
         """Down until the sensor stands on the ground."""
         point = world_to_base(robot.pose, robot.localization.tilt, np.array([target.x, target.y, 0.0]))
         down = arm.scara.mount[2] - arm.below - float(point[2])
-        if not 0.0 < down + UNEVEN / 2 <= arm.scara.slide[1]:
-            low = Measured(
-                "Arm", "what the slide would have to go down", down + UNEVEN / 2, arm.scara.slide[1], "m"
-            )
+        lowest = arm.scara.slide[1]
+        if not -UNEVEN < down <= lowest + UNEVEN:
+            low = Measured("Arm", "what the slide would have to go down", down, lowest + UNEVEN, "m")
             raise Discrepancy("the slide doesn't reach the ground", measured=low)
-        force = yield from arm.slide(down - NEAR)
+        force = yield from arm.slide(min(max(0.0, down - NEAR), lowest))
         if force > TOUCHES:
             yield from self._lift_off(robot, arm, down, force)
         yield from self._refine(robot, arm, target)
-        force = yield from arm.slide(min(down + UNEVEN, arm.scara.slide[1]), SLOW)
+        force = yield from arm.slide(min(down + UNEVEN, lowest), SLOW)
         if force <= TOUCHES:
             felt = Measured("Arm", "force from below", force, TOUCHES, "N")
             raise Discrepancy("there is no ground below the sensor", measured=felt)

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
@@ -12,11 +14,16 @@ from handcart.backends.description.ground_spec import GroundSpec
 from handcart.backends.description.robot_loading import load_robot
 from handcart.backends.physics.physics_backend import PhysicsBackend
 from handcart.backends.physics.world.terrain import Terrain
+from handcart.backends.simulation.field.field_props import FieldProps
+from handcart.backends.simulation.world.thing import Rest
 from handcart.backends.simulation.world.world_model import world_model
+from handcart.evaluation.trials.rig import Rig
 from handcart.evaluation.trials.running import resume_task, run_task
 from handcart.evaluation.truth.survey import simulated_world
 from handcart.networks.run_options import RunOptions
 from handcart.networks.task.preparing import prepare
+from handcart.primitives.contract.outcome import Fail, Success
+from handcart.primitives.field.deploy import Deploy
 
 from ...conftest import Copier
 
@@ -47,6 +54,53 @@ def test_a_sensor_is_laid_and_a_killed_run_goes_on(
     ((first,), (second,)) = (each["metrics"]["placements"] for each in (whole, again))
     assert abs(first["true_x_mm"] - second["true_x_mm"]) < 30.0
     assert abs(first["true_y_mm"] - second["true_y_mm"]) < 30.0
+
+
+@contextmanager
+def beside_a_target(backend: str, seed: int, folder: Path) -> Iterator[Rig]:
+    """A car that stands beside its target, on ground that only the seed tells."""
+    (folder / "one.csv").write_text("name,x_m,y_m\nhere,0.05,-0.76\n", encoding="utf-8")
+    (folder / "world.yaml").write_text(
+        "format: handcart-world/1\nstart: {x_m: 0.0, y_m: 0.0}\nground: {}\nsensors: {count: 1}\n",
+        encoding="utf-8",
+    )
+    settings = {"targets": str(folder / "one.csv"), "world": str(folder / "world.yaml")}
+    with prepare(TASK, backend, settings, seed) as prepared:
+        yield Rig(prepared.robot, prepared.model, prepared.backend)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", [25, 44, 49])
+def test_a_sensor_stands_on_a_slope_on_which_it_falls_over_when_it_is_let_go_at_once(
+    physics: type[PhysicsBackend], tmp_path: Path, seed: int
+) -> None:
+    """Slopes of 13, 13 and 11 degrees: along the fingers' stroke, along and across, along."""
+    with beside_a_target(physics.name, seed, tmp_path) as rig:
+        assert isinstance(rig.do(Deploy(target="here", sure_mm=1000.0)), Success)
+        scene = simulated_world(rig.backend)
+        assert scene is not None
+        (sensor,) = scene.of(FieldProps).sensors.values()
+        for _ in range(200):
+            rig.robot.step()
+        assert sensor.rest is Rest.TABLE
+        assert 9.0 < math.degrees(sensor.tilt()) < 17.0
+
+
+def test_what_the_fingers_let_go_at_home_the_magazine_takes_back(
+    physics: type[PhysicsBackend], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Without ground below it DEPLOY Fails: the same sensor is there again, and is laid next."""
+    with beside_a_target(physics.name, 2, tmp_path) as rig:
+        with monkeypatch.context() as patched:
+            patched.setattr("handcart.primitives.field.deploy.UNEVEN", -0.06)
+            assert isinstance(rig.do(Deploy(target="here", sure_mm=1000.0)), Fail)
+        scene = simulated_world(rig.backend)
+        assert scene is not None
+        (sensor,) = scene.of(FieldProps).sensors.values()
+        assert sensor.rest is Rest.TRAY
+        hand = scene.world_T("hand")[:3, 3]
+        rig.robot.step()
+        assert float(np.linalg.norm(sensor.pose[:3, 3] - hand)) < 0.3
 
 
 def test_a_car_stands_on_rough_ground(physics: type[PhysicsBackend]) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from pathlib import Path
 from types import SimpleNamespace
@@ -10,12 +11,14 @@ from typing import Any
 import numpy as np
 import pytest
 
+from handcart.backends.capabilities.arm import Arm
 from handcart.backends.simulation.field.field_props import FieldProps
 from handcart.evaluation.trials.rig import Rig
 from handcart.networks.task.preparing import prepare
 from handcart.primitives.contract.outcome import Fail, GiveUp, Success
 from handcart.primitives.field.deploy import Deploy, _spread
 from handcart.primitives.field.field_work import FieldWork
+from handcart.primitives.field.sensor_arm import FARTHEST, SensorArm
 from handcart.primitives.field.target import Laid
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import transform
@@ -100,6 +103,34 @@ def test_a_sensor_that_falls_over_when_it_is_let_go_is_no_success(
     assert ended.reason.startswith("the sensor fell over")
     joints = np.array(rig.robot.spec.posture("home"))
     assert np.allclose(rig.robot.arm.command(), joints)
+
+
+@pytest.mark.parametrize("pushed", [-0.8, 0.8])
+def test_the_hand_gives_way_to_what_leans_on_a_finger(
+    rig: Rig, monkeypatch: pytest.MonkeyPatch, pushed: float
+) -> None:
+    """As far as it is pushed, to the side to which it is pushed, and no farther than the arm may."""
+    robot = rig.robot
+    field = rig.model.of(FieldWork).field
+    assert field is not None
+    arm = SensorArm(robot, field)
+    for step in (arm.take(), arm.reach(arm.place_beside(np.array([0.05, -0.76])))):
+        for _ in step:
+            robot.step()
+    until = 0.02 if pushed > 0.0 else 1.0
+    begun = robot.base_T("hand")
+
+    def gone() -> float:
+        return float((robot.base_T("hand") - begun)[:3, 3] @ begun[:3, 1])
+
+    def force() -> Any:
+        return np.array([0.0, pushed if abs(gone()) < until else 0.0, 0.0])
+
+    monkeypatch.setattr(robot.backend.get(Arm), "hand_force", force)  # type: ignore[type-abstract]
+    for _ in arm.give_way():
+        robot.step()
+    farthest = min(until, FARTHEST)
+    assert math.copysign(1.0, pushed) * gone() == pytest.approx(farthest, abs=0.006)
 
 
 @pytest.mark.parametrize("last", [False, True])
