@@ -69,12 +69,11 @@ def beside_a_target(backend: str, seed: int, folder: Path) -> Iterator[Rig]:
         yield Rig(prepared.robot, prepared.model, prepared.backend)
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("seed", [25, 44, 49])
+@pytest.mark.parametrize("seed", [25, 37])
 def test_a_sensor_stands_on_a_slope_on_which_it_falls_over_when_it_is_let_go_at_once(
     physics: type[PhysicsBackend], tmp_path: Path, seed: int
 ) -> None:
-    """Slopes of 13, 13 and 11 degrees: along the fingers' stroke, along and across, along."""
+    """Slopes of 13 degrees along the fingers' stroke and of 15 aslant."""
     with beside_a_target(physics.name, seed, tmp_path) as rig:
         assert isinstance(rig.do(Deploy(target="here", sure_mm=1000.0)), Success)
         scene = simulated_world(rig.backend)
