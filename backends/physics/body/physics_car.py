@@ -12,7 +12,7 @@ from handcart.backends.description.robot_file import RobotFile
 from handcart.backends.simulation.body.simulated_parts import CommandedBase
 from handcart.robotics.geometry.transform import inverse
 
-from .robot_body import RobotBody
+from .robot_body import ROCKERS, RobotBody
 from .surface import SOFT_TYRES
 from .wheel_drives import WheelDrives
 
@@ -24,6 +24,8 @@ STEERS = 0.05  # time constant of the steering [s]
 
 class PhysicsCar(CommandedBase):
     """Four driven wheels on ground that they roll on and slip on; those in front steer (Ackermann).
+
+    On two rockers, where the robot has them, all of them stay on the ground.
 
     The wheels' speeds are those of a body that doesn't slip. Wheel travel is that of the rear wheels. Slip is
     the engine's.
@@ -41,6 +43,8 @@ class PhysicsCar(CommandedBase):
         self._ahead, self._left = np.array([(base @ body.link_pose(name))[:2, 3] for name in wheels]).T
         self.drives = WheelDrives(body, chunk, wheels)
         body.cover(wheels, SOFT_TYRES)
+        if set(ROCKERS) <= set(body.effort):
+            body.mirror(ROCKERS)
         self._bend = 0.0
 
     def begin(self) -> None:

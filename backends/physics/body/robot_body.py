@@ -19,6 +19,10 @@ from .urdf_repairs import Repair, repaired
 
 MOVED = ("left_finger", "right_finger", "left_steering", "right_steering")
 """Joints that are moved, besides the arm's and the wheels'."""
+ROCKERS = ("left_rocker", "right_rocker")
+"""Joints of a rocker suspension that nobody moves: a differential holds them at the same position, and the axis
+of the one points against that of the other.
+"""
 HOLDS = 1000.0  # what a joint that stands is held with, where the URDF doesn't say [Nm] or [N]
 
 
@@ -123,7 +127,7 @@ def held_still(robot: RobotFile) -> dict[str, tuple[float, float]]:
     what they are held with, in [Nm] or [N].
     """
     leaders = joint_leaders(robot.urdf_text())
-    moved: Collection[str] = {*(robot.arm.joints if robot.arm else ()), *MOVED}
+    moved: Collection[str] = {*(robot.arm.joints if robot.arm else ()), *MOVED, *ROCKERS}
     found = {}
     for joint in joints_of(robot.urdf_text()):
         leader, _, offset = leaders.get(joint.name, (joint.name, 1.0, 0.0))
