@@ -20,9 +20,7 @@ from .urdf_repairs import Repair, repaired
 MOVED = ("left_finger", "right_finger", "left_steering", "right_steering")
 """Joints that are moved, besides the arm's and the wheels'."""
 ROCKERS = ("left_rocker", "right_rocker")
-"""Joints of a rocker suspension that nobody moves: a differential holds them at the same position, and the axis
-of the one points against that of the other.
-"""
+"""Joints of a suspension that nobody moves, with opposite axes: a differential keeps their positions equal."""
 HOLDS = 1000.0  # what a joint that stands is held with, where the URDF doesn't say [Nm] or [N]
 
 

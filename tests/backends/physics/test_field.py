@@ -9,9 +9,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 from handcart.backends.description.ground_spec import GroundSpec
 from handcart.backends.description.robot_loading import load_robot
+from handcart.backends.physics.body.physics_car import FRONT, REAR
 from handcart.backends.physics.physics_backend import PhysicsBackend
 from handcart.backends.physics.world.terrain import Terrain
 from handcart.backends.simulation.field.field_props import FieldProps
@@ -100,6 +102,31 @@ def test_what_the_fingers_let_go_at_home_the_magazine_takes_back(
         hand = scene.world_T("hand")[:3, 3]
         rig.robot.step()
         assert float(np.linalg.norm(sensor.pose[:3, 3] - hand)) < 0.3
+
+
+def test_a_car_on_rockers_takes_half_of_what_one_wheel_stands_on(
+    physics: type[PhysicsBackend], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Paper 001, section III: a hump of 0.1 m under the left front wheel; all wheels stay on the ground."""
+
+    def hump(_: Terrain, x: NDArray[np.float64], y: NDArray[np.float64]) -> NDArray[np.float64]:
+        return np.asarray(0.1 * np.exp(-((x - 0.6) ** 2 + (y - 0.3) ** 2) / 0.08))
+
+    monkeypatch.setattr(Terrain, "height", hump)
+    with prepare(TASK, physics.name, seed=0) as prepared:
+        backend = prepared.backend
+        assert isinstance(backend, PhysicsBackend)
+        for _ in range(40):
+            backend.step()
+        wheels = [backend.link_pose(name)[:3, 3] for name in (*REAR, *FRONT)]
+        for at in wheels:
+            ground = hump(backend, *at[:2, None])[0]  # type: ignore[arg-type]
+            assert at[2] - 0.15 - ground == pytest.approx(0.0, abs=0.02)
+        left, right = (wheels[2 + side][2] - wheels[side][2] for side in (0, 1))
+        pitch = -math.asin(float(backend.link_pose("base")[2, 0]))
+        assert left > 0.08
+        assert abs(right) < 0.01
+        assert -pitch == pytest.approx(0.5 * (left + right) / 0.6, abs=0.006)
 
 
 def test_a_car_stands_on_rough_ground(physics: type[PhysicsBackend]) -> None:
