@@ -20,7 +20,7 @@ from .urdf_repairs import Repair, repaired
 MOVED = ("left_finger", "right_finger", "left_steering", "right_steering")
 """Joints that are moved, besides the arm's and the wheels'."""
 ROCKERS = ("left_rocker", "right_rocker")
-"""Joints of a suspension that nobody moves, with opposite axes: a differential keeps their positions equal."""
+"""Joints of a suspension that nobody moves, with opposite axes: a differential keeps them equal."""
 HOLDS = 1000.0  # what a joint that stands is held with, where the URDF doesn't say [Nm] or [N]
 
 
