@@ -84,8 +84,8 @@ def check_state(robot: Robot, past: Past) -> StateCheck:
     if robot.localization.dead_reckoned:
         found = {name: size for name, size in found.items() if name not in _BY_SCANS}
         unknown.append("where the base stands: only its wheels tell, and they were not heard meanwhile")
-    elif robot.localization.lost:
-        unknown.append("where the base stands: what it scans doesn't fit the map near where it was left")
+    elif (lost := robot.localization.lost) is not None:
+        unknown.append(f"where the base stands: {lost.why}")
     unknown.append("what stands around it that no sensor reads now")
     allowed, sure = limits(robot, found), not robot.localization.dead_reckoned
     return StateCheck(expected, now, found, allowed, tuple(unknown), sure, robot.spec.joint_units)

@@ -28,7 +28,6 @@ from handcart.robotics.navigation.following.car_tracker import CarTracker
 from handcart.robotics.navigation.following.path_tracking import PathTracker
 from handcart.robotics.navigation.following.pose_regulator import PoseTolerance
 from handcart.robotics.navigation.localization.front_line import fit_front, pose_from_front
-from handcart.robotics.navigation.localization.localizer import LEAST_INLIERS
 
 from .driving import HORIZON, FieldObstacleMonitor, ObstacleMonitor, goal_pose, make_monitor, plan_tracker
 
@@ -151,16 +150,9 @@ class MoveTo(ActionPrimitive):
 
     def watch(self, robot: Robot, model: ModelView) -> None:
         """Something unexpected in the way: hold, and after `wait_s` it is a Discrepancy."""
-        if robot.localization.lost:
-            raise NeedsPerson(
-                "the robot doesn't know where it is: its scans fit the map nowhere near",
-                Measured(
-                    "RangeSensor",
-                    "share of the scan that the map explains",
-                    robot.localization.explained,
-                    LEAST_INLIERS,
-                ),
-            )
+        lost = robot.localization.lost
+        if lost is not None:
+            raise NeedsPerson(f"the robot doesn't know where it is: {lost.why}", Measured(*lost[1:]))
         if self._monitor is None or len(self._ahead) < 2:
             return
         sensed = self._monitor.unexpected(robot)

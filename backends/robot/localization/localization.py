@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from abc import ABC, abstractmethod
-from typing import Any, ClassVar
+from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,7 +16,7 @@ from handcart.backends.plain_values import Kinds, attributes, set_attributes
 from handcart.backends.saved_state import NotAState
 from handcart.robotics.far import FarArray
 from handcart.robotics.geometry.pose2 import Pose2
-from handcart.robotics.navigation.localization.localizer import Localizer, ScanLocalizer
+from handcart.robotics.navigation.localization.localizer import LEAST_INLIERS, Localizer, ScanLocalizer
 from handcart.robotics.navigation.outdoors.smoothing import Belief
 
 STILL_SCANS = 20  # periods at rest after which further scans tell nothing new
@@ -24,6 +24,20 @@ LOOK_AGAIN = 10  # periods at rest between scans that tell whether somebody move
 SCAN_SIGMA = (0.004, 0.0015)  # [m], [rad]: spread of scan matches about one place
 STANDS = 2e-4  # [m] by which encoders of wheels that stand differ, as an arm pulls at the base
 STALE = 1e-3  # [m], [rad] of motion in which a scan can't stay the same to the last bit
+
+
+class Lost(NamedTuple):
+    """Why it isn't known where the base is."""
+
+    why: str
+    """In words."""
+    sensor: str
+    """What doesn't tell it any more, a capability."""
+    what: str
+    """What of it was measured."""
+    value: float
+    limit: float
+    unit: str = ""
 
 
 class Localization(ABC):
@@ -84,9 +98,9 @@ class Localization(ABC):
         return 0.0, 0.0
 
     @property
-    def lost(self) -> bool:
-        """Whether what is sensed no longer fits the map anywhere near."""
-        return False
+    def lost(self) -> Lost | None:
+        """Why it isn't known any more where the base is; None while it is."""
+        return None
 
     @property
     def explained(self) -> float:
@@ -203,7 +217,7 @@ class ScanLocalization(Localization):
     def sigma(self) -> tuple[float, float]:
         """See `Localization`: the map's own error is the same in both poses. A lost robot knows nothing; if
         the last scan wasn't believed, it is all that has been added up since."""
-        if self.lost:
+        if self._matching.lost:
             return math.inf, math.inf
         return SCAN_SIGMA if self._matching.sure else super().sigma
 
@@ -213,9 +227,12 @@ class ScanLocalization(Localization):
         return False
 
     @property
-    def lost(self) -> bool:
+    def lost(self) -> Lost | None:
         """See `Localization`."""
-        return self._matching.lost
+        if not self._matching.lost:
+            return None
+        share = "share of the scan that the map explains"
+        return Lost("its scans fit the map nowhere near", "RangeSensor", share, self.explained, LEAST_INLIERS)
 
     @property
     def explained(self) -> float:

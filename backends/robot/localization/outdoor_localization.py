@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from typing import ClassVar
+
 import numpy as np
 from numpy.typing import NDArray
 
 from handcart.backends.backend import Backend
+from handcart.backends.capabilities.base import WheelTravel
 from handcart.backends.capabilities.gps import Gps
 from handcart.backends.capabilities.imu import Imu
 from handcart.backends.plain_values import Kinds
@@ -14,11 +17,18 @@ from handcart.robotics.navigation.localization.localizer import Localizer
 from handcart.robotics.navigation.outdoors.field_localizer import FieldLocalizer
 from handcart.robotics.navigation.outdoors.smoothing import Belief
 
-from .localization import Localization
+from .localization import Localization, Lost
+
+Array = NDArray[np.float64]
+
+
+BLIND = 0.15  # [m] that the wheels may roll while the gyros tell nothing new
 
 
 class OutdoorLocalization(Localization):
     """A filter of all of them; what a range sensor sees tells of no map."""
+
+    STATE: ClassVar[Kinds] = {**Localization.STATE, "_felt": Array, "_felt_at": WheelTravel}
 
     def __init__(self, backend: Backend, wheels: Localizer, filtering: FieldLocalizer) -> None:
         """Of a robot that stands, and has gyros."""
@@ -28,6 +38,7 @@ class OutdoorLocalization(Localization):
         assert imu is not None, "outdoors gyros are asked"
         self._imu = imu
         self._gps = backend.get(Gps)  # type: ignore[type-abstract]
+        self._felt, self._felt_at = np.zeros(6), self.travel
 
     @property
     def pose(self) -> Pose2:
@@ -54,6 +65,15 @@ class OutdoorLocalization(Localization):
         """See `Localization`."""
         return self._gps is None or not self._filter.TAKES_FIXES
 
+    @property
+    def lost(self) -> Lost | None:
+        """See `Localization`: by its wheels alone the base doesn't know how it turns."""
+        rolled = float(np.abs(np.subtract(self.travel, self._felt_at)).max())
+        if rolled <= BLIND:
+            return None
+        why = "its gyros read nothing, or the same again and again"
+        return Lost(why, "Imu", "way since a gyro read anything new", 1e3 * rolled, 1e3 * BLIND, "mm")
+
     def mark(self) -> None:
         """See `Localization`."""
         self._filter.mark()
@@ -65,7 +85,11 @@ class OutdoorLocalization(Localization):
     def _predict(self, left: float, right: float) -> None:
         super()._predict(left, right)
         rolled = np.array([left, right])
-        self._filter.predict(self._imu.rates(), self._imu.accelerations(), rolled, self._period)
+        rates, accelerations = self._imu.rates(), self._imu.accelerations()
+        felt = np.concatenate([rates, accelerations])
+        if np.isfinite(rates).all() and not np.array_equal(felt, self._felt):
+            self._felt, self._felt_at = felt, self.travel
+        self._filter.predict(rates, accelerations, rolled, self._period)
         fix = self._gps.fix() if self._gps else None
         if fix is not None:
             self._filter.fix(fix.position)

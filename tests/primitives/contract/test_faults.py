@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import math
+from pathlib import Path
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
+from handcart.backends.capabilities.imu import Imu
 from handcart.backends.robot.robot import Robot, StaleReading
 from handcart.evaluation.conformance.faults.fault import FOR_GOOD, Fault, FaultKind
 from handcart.evaluation.conformance.faults.faulty_backend import FaultyBackend
@@ -14,13 +17,18 @@ from handcart.evaluation.conformance.faults.rehearsal import Solo
 from handcart.evaluation.conformance.faults.underway import Ending, Underway
 from handcart.evaluation.conformance.rig.bench import Bench
 from handcart.evaluation.conformance.rig.reach import Reach
+from handcart.evaluation.trials.rig import Rig
 from handcart.evaluation.truth.survey import simulated_world
+from handcart.networks.task.preparing import prepare
 from handcart.primitives.contract.action_primitive import ActionPrimitive, Periods
+from handcart.primitives.contract.outcome import GiveUp, Success
 from handcart.primitives.driving.move_to import MoveTo
 from handcart.primitives.knowledge.world_model import ModelView
 from handcart.robotics.geometry.pose2 import Pose2
 
 BENCH = Bench("kinematic")
+FIELD = Path(__file__).parents[3] / "tasks" / "deploy_straight" / "task.yaml"
+Vector = NDArray[np.float64]
 
 
 class Stand(ActionPrimitive):
@@ -73,6 +81,37 @@ def test_a_lost_robot_knows_nothing_of_its_pose() -> None:
     _, underway = ended(Reach(ahead_m=0.4), 10, Fault(FaultKind.STALE, "range", FOR_GOOD))
     assert underway.robot.localization.lost
     assert underway.robot.localization.sigma == (math.inf, math.inf)
+
+
+@pytest.mark.parametrize("read", ["nothing", "the same", "the same for a while"])
+def test_gyros_that_tell_nothing_new_are_not_believed(read: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """S2, S3: outdoors nothing else tells at once how the base turns."""
+    with prepare(FIELD, None, {}, 0) as prepared:
+        rig = Rig(prepared.robot, prepared.model, prepared.backend)
+        imu: Imu | None = rig.backend.get(Imu)  # type: ignore[type-abstract]
+        rates, accelerations = rig.robot.get(Imu).rates, rig.robot.get(Imu).accelerations  # type: ignore[type-abstract]
+        wrong: tuple[Vector, Vector] | None = None
+
+        def read_now() -> tuple[Vector, Vector]:
+            nonlocal wrong
+            rolled = rig.robot.localization.travel.left
+            if rolled < 1.0 or (read.endswith("while") and rolled > 1.1):
+                return rates(), accelerations()
+            if wrong is None:
+                wrong = rates(), accelerations()
+            return (np.full(3, np.nan), wrong[1]) if read == "nothing" else wrong
+
+        monkeypatch.setattr(imu, "rates", lambda: read_now()[0])
+        monkeypatch.setattr(imu, "accelerations", lambda: read_now()[1])
+        ended = rig.do(MoveTo(place="1"))
+        if read.endswith("while"):
+            assert isinstance(ended, Success), ended
+            return
+        assert isinstance(ended, GiveUp), ended
+        assert ended.reason.startswith(
+            "the robot doesn't know where it is: its gyros read nothing, or the same"
+        )
+        assert rig.robot.localization.travel.left < 1.6
 
 
 @pytest.mark.parametrize("kind", [FaultKind.STUCK, FaultKind.STALE, FaultKind.NAN])
