@@ -38,6 +38,8 @@ NEAR = 0.03  # [m] above the ground, from where the sensor is lowered slowly
 UNEVEN = 0.12  # [m] by which the ground may be higher or lower there than under the wheels
 REFINED = 0.002  # [m] by which a better estimate moves the tip once more
 REFINED_MOST = 0.3  # [m] by which it may, just above the ground
+RISES = 0.2  # [m/m] by which the ground may rise aside of where the sensor is
+LIFTS = 4  # times that a sensor that touches something on its way aside is lifted
 ROOM = 0.010  # [m] that the fingers open wider than the sensor
 LOOSENED = 12  # times that they let go and catch it before they open: on a slope it turns between them
 LOOSE_S = 0.075  # [s] for which they let go
@@ -241,7 +243,21 @@ class Deploy(TreePrimitive):
         if not free:
             off = Measured("Gps", "where the target is by now, off the tip", 1e3 * moved, 1e3 * REFINED, "mm")
             raise Discrepancy("by what is known now the target is out of reach from here", measured=off)
-        yield from arm.lead(better)
+        yield from self._lead_clear(robot, arm, better, moved)
+
+    def _lead_clear(self, robot: Robot, arm: SensorArm, place: Vector, way: float) -> Periods:
+        """Lead the tip to a place `way` [m] off; what touches rising ground there is lifted, not dragged."""
+        yield from arm.slide(max(0.0, float(robot.arm.command()[2]) - RISES * way))
+        for _ in range(LIFTS):
+            for _ in arm.lead(place):
+                yield
+                if (force := float(np.linalg.norm(robot.arm.hand_force()))) > TOUCHES:
+                    break
+            else:
+                return
+            yield from arm.slide(max(0.0, float(robot.arm.command()[2]) - NEAR))
+        felt = Measured("Arm", "force on the sensor above the ground", force, TOUCHES, "N")
+        raise Discrepancy("something stands where the sensor goes", measured=felt)
 
     def _laid(self, robot: Robot, arm: SensorArm) -> Laid:
         """What is believed of the sensor that is about to be let go."""

@@ -15,6 +15,7 @@ from handcart.backends.capabilities.arm import Arm
 from handcart.backends.simulation.field.field_props import FieldProps
 from handcart.evaluation.trials.rig import Rig
 from handcart.networks.task.preparing import prepare
+from handcart.primitives.contract.discrepancy import Discrepancy
 from handcart.primitives.contract.outcome import Fail, GiveUp, Success
 from handcart.primitives.field.deploy import Deploy, _spread
 from handcart.primitives.field.field_work import FieldWork
@@ -131,6 +132,40 @@ def test_the_hand_gives_way_to_what_leans_on_a_finger(
         robot.step()
     farthest = min(until, FARTHEST)
     assert math.copysign(1.0, pushed) * gone() == pytest.approx(farthest, abs=0.006)
+
+
+@pytest.mark.parametrize("free_above", [0.36, 0.0])
+def test_on_its_way_aside_a_sensor_that_touches_the_ground_is_lifted(
+    rig: Rig, monkeypatch: pytest.MonkeyPatch, free_above: float
+) -> None:
+    """It isn't dragged, which turns it in the fingers; where it can't be got free it isn't let go."""
+    robot = rig.robot
+    field = rig.model.of(FieldWork).field
+    assert field is not None
+    arm = SensorArm(robot, field)
+    here, there = (arm.place_beside(np.array([x, -0.76])) for x in (0.05, -0.07))
+
+    def follow(steps: Iterator[object]) -> None:
+        for _ in steps:
+            robot.step()
+
+    for steps in (arm.take(), arm.reach(here), arm.slide(0.4)):
+        follow(steps)
+
+    def force() -> Any:
+        rises = float(np.hypot(*(arm.scara.tip(robot.arm.command()) - here))) > 0.05
+        touches = rises and robot.arm.command()[2] > free_above
+        return np.array([-10.0 if touches else 0.0, 0.0, 0.0])
+
+    monkeypatch.setattr(robot.backend.get(Arm), "hand_force", force)  # type: ignore[type-abstract]
+    aside = Deploy(target="here")._lead_clear(robot, arm, there, 0.0)
+    if free_above:
+        follow(aside)
+        assert robot.arm.command()[2] == pytest.approx(0.34, abs=1e-3)
+        assert arm.scara.tip(robot.arm.command()) == pytest.approx(there, abs=1e-3)
+    else:
+        with pytest.raises(Discrepancy, match="something stands where the sensor goes"):
+            follow(aside)
 
 
 @pytest.mark.parametrize("last", [False, True])
