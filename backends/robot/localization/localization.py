@@ -124,6 +124,8 @@ class Localization(ABC):
         self._predict(left, right)
         if np.abs(np.subtract(travel, self._stood)).max() <= STANDS:
             self.still += 1
+            if self.still == STILL_SCANS:
+                self._stood = travel  # it has come to rest
         else:
             self._stood = travel
             self.look_again()  # a roll must not hide that the base no longer stood where it stood
