@@ -46,7 +46,7 @@ def test_two_sensors_are_laid_and_told_of(tmp_path: Path, small: dict[str, str])
     assert metrics["out_of_sight"] == 0
     assert metrics["error_mm_max"] < 900.0
     for row in metrics["placements"]:
-        assert abs(row["x_mm"] - row["true_x_mm"]) < 25.0  # the total station's 1 cm
+        assert abs(row["x_mm"] - row["true_x_mm"]) < 40.0  # four sigma of the total station
     with (folder / "as_laid.csv").open(encoding="utf-8") as file:
         rows = list(csv.DictReader(file))
     assert [row["name"] for row in rows] == ["first", "second"]
