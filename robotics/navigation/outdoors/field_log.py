@@ -39,7 +39,7 @@ def record_course(
     course: FieldCourse, noise: FieldNoise, seed: int, times: FieldTimes = FieldTimes()
 ) -> FieldLog:
     """Drive a course and record; the same seed gives the same log."""
-    ground, gyro, felt, sky = (np.random.default_rng([seed, stream]) for stream in range(4))
+    ground, gyro, felt, sky, wheel = (np.random.default_rng([seed, stream]) for stream in range(5))
     drive = drive_course(course, noise, ground, times)
     count = len(drive.poses)
     rows = np.arange(0, count, round(noise.gps_period / PERIOD))
@@ -47,7 +47,7 @@ def record_course(
     return FieldLog(
         _rates(drive, noise, gyro),
         _accelerations(drive, noise, felt),
-        drive.travel,
+        _travel(drive, noise, wheel),
         rows,
         fixes,
         float(noise.start_heading * gyro.standard_normal()),
@@ -104,12 +104,25 @@ def _accelerations(drive: FieldDrive, noise: FieldNoise, rng: np.random.Generato
     return read
 
 
+def _travel(drive: FieldDrive, noise: FieldNoise, rng: np.random.Generator) -> Array:
+    """(n, 2) what the wheels say: of the drive, of a tyre that loses air on the way, and of standing."""
+    travel = drive.travel.copy()
+    flat, wheel, size = int(rng.integers(len(travel) // 2)), int(rng.integers(2)), abs(rng.standard_normal())
+    travel[flat:, wheel] *= 1.0 + noise.tyre * size
+    if noise.creep > 0.0:
+        still = drive.driven[:, 0] == 0.0
+        creep = rng.standard_normal(2) + rng.standard_normal((len(travel), 2))
+        travel[still] += noise.creep * PERIOD * creep[still]
+    return travel
+
+
 def _fixes(
     drive: FieldDrive, rows: NDArray[np.int64], noise: FieldNoise, rng: np.random.Generator
 ) -> tuple[NDArray[np.int64], Array]:
     """Rows (m,) and positions (m, 2) of the fixes that come in."""
-    antenna = _turned(drive)[rows] @ np.array(noise.antenna)
-    position = drive.poses[rows, :2] + antenna[:, :2]
+    measured = np.maximum(0, rows - round(noise.gps_delay / PERIOD))
+    antenna = _turned(drive)[measured] @ np.array(noise.antenna)
+    position = drive.poses[measured, :2] + antenna[:, :2]
     count = len(rows)
     keep = math.exp(-noise.gps_period / noise.gps_drift_time)
     pushes = noise.gps_drift * rng.standard_normal((count, 2))
@@ -123,6 +136,9 @@ def _fixes(
     position = position + np.where(reflected[:, None] > 0, sizes[reflected], 0.0)
     odd = rng.random(count) < noise.outliers
     position = position + noise.outlier * odd[:, None] * rng.standard_normal((count, 2))
+    if not math.isinf(noise.jump_every):
+        jumps = np.cumsum(rng.random(count) < noise.gps_period / noise.jump_every)
+        position = position + noise.jump * rng.standard_normal((count + 1, 2))[jumps]
     heard = _spells(count, noise.outage_every, noise.outage_time, noise.gps_period, rng) == 0
     return rows[heard], position[heard]
 

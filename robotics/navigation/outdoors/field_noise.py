@@ -73,6 +73,16 @@ class FieldNoise(NamedTuple):
     """Share of single fixes that are `outlier` off."""
     outlier: float = 5.0
     """An axis, in [m]."""
+    jump_every: float = math.inf
+    """Mean time between jumps of the fixes to another error, which stays until the next one, in [s]."""
+    jump: float = 3.0
+    """Of the error between two jumps, an axis, in [m]."""
+    gps_delay: float = 0.0
+    """By which a fix comes later than it says, in [s]."""
+    creep: float = 0.0
+    """What the wheels tell of a base that stands, in [m/s]: as much again is new in each reading."""
+    tyre: float = 0.0
+    """Of one wheel's travel, relative, from some moment of the drive on: it has lost air."""
     antenna: tuple[float, float, float] = (0.0, 0.0, 1.0)
     """Where the antenna is in the base frame, in [m]; known, not an error."""
     start_heading: float = math.radians(1.0)
