@@ -10,6 +10,7 @@ EXTRAS: dict[str, Sequence[str]] = {
     "labels": ("onnxruntime", "rapidocr"),
     "sim": ("mujoco",),
     "pybullet": ("pybullet",),
+    "bags": ("rosbags",),
 }
 """By the name of an extra in pyproject.toml: the modules that come with it."""
 

@@ -25,6 +25,7 @@ COMMANDS = {
     "draw": ("commands.draw_network", "draw", "Draw a task's action network."),
     "list": ("commands.list_names", "list_names", "List primitives, backends, robots or tasks."),
     "describe": ("commands.describe", "describe", "Tell what a primitive takes, needs and does."),
+    "localize": ("commands.localize", "localize", "Play a recorded log to the outdoor localization."),
     "explain": ("commands.explain", "explain", "Tell why a run went as it did, from its folder."),
     "schema": ("commands.schema", "schema", "Print the JSON Schema of a kind of file."),
     "teach": ("hardware.teach", "teach", "Record a posture into a robot's file."),

@@ -25,6 +25,8 @@ class FieldTrial(NamedTuple):
     """(k, 2) in [m]: the arm goes where the target would be if the estimate were true."""
     covariances: Array
     """(k, 2, 2) of them, as the robot believes, in [m²]."""
+    consistent: NDArray[np.bool_] = np.ones(0, dtype=bool)
+    """(k,) whether fixes didn't contradict that: elsewhere DEPLOY wouldn't lay."""
 
 
 def start_pose(log: FieldLog) -> Pose2:
@@ -36,7 +38,7 @@ def try_course(log: FieldLog, localizer: FieldLocalizer) -> FieldTrial:
     """Play a log to a localizer that starts at `start_pose`."""
     fixes = dict(zip(log.fix_rows.tolist(), log.fixes, strict=True))
     placings = set(log.drive.placings.tolist())
-    poses, covariances = [], []
+    poses, covariances, consistent = [], [], []
     for row in range(max(placings) + 1):
         localizer.predict(log.rates[row], log.accelerations[row], log.wheels[row], PERIOD)
         if row in fixes:
@@ -46,7 +48,8 @@ def try_course(log: FieldLog, localizer: FieldLocalizer) -> FieldTrial:
                 localizer.mark()
             poses.append(localizer.pose)
             covariances.append(localizer.covariance)
-    return _trial(log, poses, covariances)
+            consistent.append(localizer.inconsistency is None)
+    return _trial(log, poses, covariances)._replace(consistent=np.array(consistent))
 
 
 def as_laid(log: FieldLog, smoothed: list[Belief]) -> FieldTrial:

@@ -9,6 +9,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+from handcart.evaluation.replay.drive_recorder import DriveRecorder
 from handcart.evaluation.truth.judge import Judge
 from handcart.files.errors import HandcartError
 from handcart.files.printable import printable
@@ -61,7 +62,7 @@ def run_task(task: Path, runs: Path, options: RunOptions | None = None) -> tuple
         judge = Judge(prepared, folder)
         if claim is not None:
             claim.begin(folder)
-        chosen = replace(options, observers=(judge, *observers), interrupts=heard)
+        chosen = replace(options, observers=(judge, DriveRecorder(), *observers), interrupts=heard)
         ran = execute(prepared, folder, chosen)
         _report(prepared, folder, judge, options.observers)
         if options.draw:
@@ -147,7 +148,8 @@ def resume_task(
         judge.go_on()
         if claim is not None:
             claim.begin(folder)
-        chosen = replace(options, observers=(judge, *observers), interrupts=heard, checkpoints=True)
+        heard_by = (judge, DriveRecorder(), *observers)
+        chosen = replace(options, observers=heard_by, interrupts=heard, checkpoints=True)
         ran = execute(prepared, folder, chosen, past)
         _report(prepared, folder, judge, observers)
     return ran.summary, ran.end.exit_status

@@ -27,6 +27,7 @@ from .cause import FRAMEWORK, Cause
 from .discrepancy import Discrepancy, NeedsPerson
 from .intents import UNKEPT, Intents
 from .outcome import Fail, GiveUp, Outcome, Success, fail_if_restored
+from .standstill_monitor import StandstillMonitor
 from .tracking_error_monitor import TrackingErrorMonitor
 
 T = TypeVar("T")
@@ -239,10 +240,12 @@ def _within_time(way_back: Periods, robot: Robot, primitive: ActionPrimitive, vi
         _alone(robot, primitive)
         yield
     end, tracking = robot.time + LONGEST_RESTORE, TrackingErrorMonitor(robot)
+    standstill = StandstillMonitor(robot)
     for _ in way_back:
         _alone(robot, primitive)
         yield
         tracking.check()
+        standstill.check()
         if robot.localization.displacements > displaced:
             raise NeedsPerson(PUSHED, check="push")
         primitive.watch(robot, view)

@@ -189,8 +189,14 @@ class Deploy(TreePrimitive):
         """Stand until it is known well enough where the target is."""
         yield from robot.wait(self.settle_s)
         begun = robot.time
-        while (sigma := self._sigma(robot, target)) > self.sure_mm / 1e3:
+        while True:
+            sigma, doubt = self._sigma(robot, target), robot.localization.doubt
+            if doubt is None and sigma <= self.sure_mm / 1e3:
+                break
             if robot.time - begun > self.longest_s:
+                if doubt is not None:
+                    why = f"it can't be told where the target is: {doubt.why}"
+                    raise Discrepancy(why, measured=Measured(*doubt[1:]))
                 known = Measured("Gps", "sigma of where the target is", 1e3 * sigma, self.sure_mm, "mm")
                 raise Discrepancy("it isn't known well enough where the target is", measured=known)
             yield

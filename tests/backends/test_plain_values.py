@@ -160,7 +160,8 @@ def test_a_filter_goes_on_as_the_one_that_was_kept(kind: type[ParticleFilter] | 
 
     first, again = kind(Pose2(1.0, 2.0, 0.5)), kind(Pose2(0.0, 0.0, 0.0))
     drive(first, int(rng.integers(100)))
-    for part, other in ((first, again), (first.odometry, again.odometry)):
+    parts = zip(first.parts, again.parts, strict=True)
+    for part, other in ((first, again), (first.odometry, again.odometry), *parts):
         set_attributes(other, other.STATE, unpack(pack(attributes(part, part.STATE))))
     assert drive(first, 7) == drive(again, 7)
 

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from handcart.backends.backend import Backend
 from handcart.backends.capabilities.base import Base, WheelTravel
+from handcart.backends.capabilities.gps import Fix
 from handcart.backends.capabilities.range_sensor import RangeSensor
 from handcart.backends.plain_values import Kinds, attributes, set_attributes
 from handcart.backends.saved_state import NotAState
@@ -38,6 +39,18 @@ class Lost(NamedTuple):
     value: float
     limit: float
     unit: str = ""
+
+
+class Sensed(NamedTuple):
+    """What was sensed outdoors in the last period."""
+
+    rates: NDArray[np.float64]
+    """(3,) of the gyros, in [rad/s]."""
+    accelerations: NDArray[np.float64]
+    """(3,) in [m/s²]."""
+    rolled: NDArray[np.float64]
+    """(2,) by the left and right wheel, in [m]."""
+    fix: Fix | None
 
 
 class Localization(ABC):
@@ -100,6 +113,16 @@ class Localization(ABC):
     @property
     def lost(self) -> Lost | None:
         """Why it isn't known any more where the base is; None while it is."""
+        return None
+
+    @property
+    def doubt(self) -> Lost | None:
+        """Why what it claims about where it is isn't to be relied on just now; None while it is."""
+        return self.lost
+
+    @property
+    def sensed(self) -> Sensed | None:
+        """What was sensed outdoors in the last period; None indoors."""
         return None
 
     @property
@@ -235,6 +258,16 @@ class ScanLocalization(Localization):
             return None
         share = "share of the scan that the map explains"
         return Lost("its scans fit the map nowhere near", "RangeSensor", share, self.explained, LEAST_INLIERS)
+
+    @property
+    def doubt(self) -> Lost | None:
+        """Why what it claims about where it is isn't to be relied on just now; None while it is."""
+        return self.lost
+
+    @property
+    def sensed(self) -> Sensed | None:
+        """What was sensed outdoors in the last period; None indoors."""
+        return None
 
     @property
     def explained(self) -> float:

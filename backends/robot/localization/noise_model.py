@@ -11,7 +11,6 @@ from handcart.robotics.navigation.outdoors.field_noise import REFERENCE, FieldNo
 from handcart.robotics.navigation.outdoors.gps_filter import GpsFilter
 from handcart.robotics.navigation.outdoors.gyro_only import GyroOnly
 from handcart.robotics.navigation.outdoors.particle_filter import ParticleErrors, ParticleFilter
-from handcart.robotics.navigation.outdoors.smoothing import TrackRecord
 
 if TYPE_CHECKING:
     from handcart.backends.description.robot_file import RobotFile
@@ -62,7 +61,7 @@ def field_localizer(robot: RobotFile, start: Pose2, antenna: tuple[float, float,
     """The one that the robot's file names, starting at world_T_base; see `ground_spec.OUTDOORS`."""
     noise = field_noise(robot, antenna)
     if robot.localizer == "gps_filter":
-        return GpsFilter(start, noise, START, TrackRecord())
+        return GpsFilter(start, noise, START, record=True)
     if robot.localizer == "particle":
         return ParticleFilter(start, ParticleErrors(gps=max(noise.gps_white, 0.05)))
     return GyroOnly(start, noise, START)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import ClassVar
 
 import numpy as np
@@ -15,9 +16,10 @@ from handcart.backends.plain_values import Kinds
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.localization.localizer import Localizer
 from handcart.robotics.navigation.outdoors.field_localizer import FieldLocalizer
+from handcart.robotics.navigation.outdoors.heading_search import KNOWN
 from handcart.robotics.navigation.outdoors.smoothing import Belief
 
-from .localization import Localization, Lost
+from .localization import Localization, Lost, Sensed
 
 Array = NDArray[np.float64]
 
@@ -38,6 +40,7 @@ class OutdoorLocalization(Localization):
         assert imu is not None, "outdoors gyros are asked"
         self._imu = imu
         self._gps = backend.get(Gps)  # type: ignore[type-abstract]
+        self._sensed = Sensed(np.zeros(3), np.zeros(3), np.zeros(2), None)
         self._felt, self._felt_at = np.zeros(6), self.travel
 
     @property
@@ -68,11 +71,29 @@ class OutdoorLocalization(Localization):
     @property
     def lost(self) -> Lost | None:
         """See `Localization`: by its wheels alone the base doesn't know how it turns."""
+        if not self._filter.heading_known:
+            sigma = math.degrees(math.sqrt(float(self._filter.covariance[2, 2])))
+            why = "nobody has told which way it heads, and fixes on its way haven't yet: drive it ahead with satellites in view"
+            return Lost(why, "Gps", "sigma of the heading", sigma, math.degrees(KNOWN), "deg")
         rolled = float(np.abs(np.subtract(self.travel, self._felt_at)).max())
         if rolled <= BLIND:
             return None
         why = "its gyros read nothing, or the same again and again"
         return Lost(why, "Imu", "way since a gyro read anything new", 1e3 * rolled, 1e3 * BLIND, "mm")
+
+    @property
+    def doubt(self) -> Lost | None:
+        """See `Localization`."""
+        found = self._filter.inconsistency
+        if found is None:
+            return None
+        why = "the fixes of the last minute contradict what is claimed"
+        return Lost(why, "Gps", found.what, found.value, found.limit)
+
+    @property
+    def sensed(self) -> Sensed:
+        """See `Localization`."""
+        return self._sensed
 
     def mark(self) -> None:
         """See `Localization`."""
@@ -91,6 +112,7 @@ class OutdoorLocalization(Localization):
             self._felt, self._felt_at = felt, self.travel
         self._filter.predict(rates, accelerations, rolled, self._period)
         fix = self._gps.fix() if self._gps else None
+        self._sensed = Sensed(rates, accelerations, rolled, fix)
         if fix is not None:
             self._filter.fix(fix.position)
 
@@ -103,4 +125,5 @@ class OutdoorLocalization(Localization):
             **super()._parts(),
             "filter": (self._filter, self._filter.STATE),
             "wheels and gyros": (odometry, odometry.STATE),
+            **{f"filter {k}": (each, each.STATE) for k, each in enumerate(self._filter.parts, start=1)},
         }

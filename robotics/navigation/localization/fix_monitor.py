@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import ClassVar
 
 import numpy as np
@@ -39,7 +40,7 @@ class FixMonitor:
             residual: (2,) fix less forecast, in [m].
             covariance: (2, 2) it should have, in [m²].
         """
-        white = np.linalg.solve(np.linalg.cholesky(covariance), residual)
+        white = whitened(residual, covariance)
         if float(white @ white) > GATE:
             return 1
         self._sums.append(white)
@@ -76,3 +77,12 @@ class FixMonitor:
         """The filter starts again."""
         self.doubting = False
         self._sums, self._doubted = [], []
+
+
+def whitened(residual: Array, covariance: Array) -> Array:
+    """(2,) of which each is one sigma, by the covariance's lower root."""
+    a = math.sqrt(covariance[0, 0])
+    b = covariance[1, 0] / a
+    c = math.sqrt(covariance[1, 1] - b * b)
+    first = residual[0] / a
+    return np.array([first, (residual[1] - b * first) / c])

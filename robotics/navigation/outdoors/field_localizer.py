@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 from abc import ABC, abstractmethod
-from collections.abc import Mapping
-from typing import Any, ClassVar
+from collections.abc import Mapping, Sequence
+from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +16,15 @@ from handcart.robotics.navigation.outdoors.smoothing import Belief
 
 PERIOD = 0.1  # [s] of a filter's step; gyros and wheels are integrated with each reading
 Array = NDArray[np.float64]
+
+
+class Inconsistency(NamedTuple):
+    """Fixes aren't where a filter expects them."""
+
+    what: str
+    """What of them was looked at."""
+    value: float
+    limit: float
 
 
 class FieldLocalizer(ABC):
@@ -31,6 +40,10 @@ class FieldLocalizer(ABC):
 
     def __init__(self, start: Pose2, euler: bool = True) -> None:
         """Start at a pose; for `euler` see `GyroOdometry`."""
+        self.refusal = ""
+        """Why the latest fix wasn't believed, in words; empty if it was."""
+        self.log_likelihood = math.nan
+        """Of all fixes; NaN where it isn't told."""
         self._odometry = GyroOdometry(start, euler)
         self._since = start  # dead reckoned, at the filter's last step
 
@@ -43,6 +56,21 @@ class FieldLocalizer(ABC):
     def tilt(self) -> tuple[float, float]:
         """Roll and pitch in [rad]."""
         return self._odometry.tilt
+
+    @property
+    def heading_known(self) -> bool:
+        """Whether it can be said which way the robot heads."""
+        return True
+
+    @property
+    def inconsistency(self) -> Inconsistency | None:
+        """How the fixes of the last minute contradict what the filter claims; None while they don't."""
+        return None
+
+    @property
+    def parts(self) -> Sequence[Any]:
+        """What it is made of that has a `STATE` of its own."""
+        return ()
 
     @property
     def pose(self) -> Pose2:

@@ -12,18 +12,18 @@ from handcart.robotics.navigation.outdoors.field_noise import SHARPEST, FieldNoi
 from handcart.robotics.navigation.outdoors.gyro_odometry import Advance
 from handcart.robotics.numerics.compiled import compiled
 
-X, Y, HEADING, SCALE, TURN_SLIP, SLIP, SIDE, BIAS, WARM_UP, GYRO_SCALE, GPS_X, GPS_Y = range(12)
-SIZE = 12
+X, Y, HEADING, SCALE, TURN_SLIP, SLIP, SIDE, BIAS, WARM_UP, GYRO_SCALE, GPS_X, GPS_Y, DELAY = range(13)
+SIZE = 13
 TILT = math.radians(0.17)  # what a levelled accelerometer of ordinary make leaves
 Array = NDArray[np.float64]
 
 
 class FieldModel(NamedTuple):
-    """Twelve states and how they change with what wheels and gyro say.
+    """Thirteen states and how they change with what wheels and gyro say.
 
     x, y, heading; relative error of the wheels' travel: constant, in curves (new on each leg), slow;
     direction of travel beside the heading; the vertical gyro's bias, its part that warms away, its scale;
-    slow error of the fixes in x and y.
+    slow error of the fixes in x and y, and by how many seconds they come too late.
     """
 
     noise: FieldNoise
@@ -31,7 +31,7 @@ class FieldModel(NamedTuple):
     """Sigma of the estimated roll and pitch, in [rad]: the antenna isn't where it is thought to be."""
 
     def start(self, pose: Array, position_sigma: float) -> tuple[Array, Array]:
-        """Mean (12,) and covariance (12, 12) before the first reading, at a pose (3,)."""
+        """Mean (13,) and covariance (13, 13) before the first reading, at a pose (3,)."""
         noise = self.noise
         mean = np.zeros(SIZE)
         mean[:3] = pose
@@ -41,7 +41,7 @@ class FieldModel(NamedTuple):
         sigmas[SCALE], sigmas[SLIP], sigmas[TURN_SLIP] = noise.scale, noise.slip, noise.turn_slip
         sigmas[SIDE], sigmas[BIAS], sigmas[WARM_UP] = noise.side_slip, noise.gyro_bias, noise.gyro_warm_up
         sigmas[GYRO_SCALE] = noise.gyro_scale
-        sigmas[[GPS_X, GPS_Y]] = self._drift
+        sigmas[[GPS_X, GPS_Y]], sigmas[DELAY] = self._drift, noise.gps_delay
         return mean, np.diag(sigmas**2)
 
     @property
@@ -53,7 +53,7 @@ class FieldModel(NamedTuple):
         return np.array([*ground, *gyro, self._drift, n.gps_drift_time])
 
     def step(self, mean: Array, advance: Advance, new_leg: bool) -> tuple[Array, Array, Array]:
-        """Mean (12,), transition (12, 12) and added variances (12,) of one step."""
+        """Mean (13,), transition (13, 13) and added variances (13,) of one step."""
         out: tuple[Array, Array, Array] = field_step(mean, np.array(advance), new_leg, self.figures)
         return out
 
@@ -70,8 +70,8 @@ def field_step(mean: Array, advance: Array, new_leg: bool, figures: Array) -> tu
     slip, slip_length, turn_slip, side, side_length, side_turning = figures[:6]
     white, walk, warm_up_time, gps, gps_time = figures[6:]
     mean = mean.copy()
-    transition = np.eye(12)
-    added = np.zeros(12)
+    transition = np.eye(13)
+    added = np.zeros(13)
     moving = time - rest
     if new_leg:
         mean[4], transition[4, 4], added[4] = 0.0, 0.0, turn_slip**2
@@ -119,7 +119,7 @@ def field_step(mean: Array, advance: Array, new_leg: bool, figures: Array) -> tu
 
 @compiled
 def carried(covariance: Array, transition: Array, added: Array) -> Array:
-    """The covariance (12, 12) after a step."""
+    """The covariance (13, 13) after a step."""
     out = transition @ covariance @ transition.T
     for i in range(len(added)):
         out[i, i] += added[i]
@@ -132,7 +132,7 @@ def corrected(
 ) -> tuple[Array, Array]:
     """Mean and covariance after readings with `residual` (m,) = reading - forecast, each of `variance`.
 
-    `rows` (m, 12) is how they depend on the states. In Joseph's form the covariance stays positive.
+    `rows` (m, 13) is how they depend on the states. In Joseph's form the covariance stays positive.
     """
     spread = covariance @ rows.T
     seen = rows @ spread

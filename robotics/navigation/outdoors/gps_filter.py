@@ -1,58 +1,51 @@
-"""A Kalman filter of wheels, gyros and GPS that knows what it doesn't know."""
+"""Wheels, gyros and GPS, by several Kalman filters that suppose different errors of them."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
-from typing import Any, ClassVar, NamedTuple
+from collections.abc import Mapping, Sequence
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from handcart.robotics.geometry.pose2 import Pose2, wrap
-from handcart.robotics.navigation.localization.fix_monitor import LONGEST, FixMonitor
-from handcart.robotics.navigation.localization.lost_track import LostTrack
-from handcart.robotics.navigation.outdoors import field_model as states
-from handcart.robotics.navigation.outdoors.field_localizer import FieldLocalizer
-from handcart.robotics.navigation.outdoors.field_model import FieldModel, carried, corrected
+from handcart.robotics.navigation.localization.lost_track import FoundTrack
+from handcart.robotics.navigation.outdoors.field_kalman import FieldKalman, level_lever
+from handcart.robotics.navigation.outdoors.field_localizer import FieldLocalizer, Inconsistency
 from handcart.robotics.navigation.outdoors.field_noise import REFERENCE, FieldNoise
 from handcart.robotics.navigation.outdoors.gyro_odometry import Advance
-from handcart.robotics.navigation.outdoors.smoothing import Belief, Entries, TrackRecord
+from handcart.robotics.navigation.outdoors.heading_search import HeadingSearch
+from handcart.robotics.navigation.outdoors.smoothing import Belief, TrackRecord
+from handcart.robotics.navigation.outdoors.suppositions import Supposition, suppositions
 
-BIAS_PERIOD = 1.0  # [s] at rest over which the gyro is averaged into one reading
+CAUTION = (0.015, 0.3)  # of a weight: claims suppose a worse sky than what is as told, than anything else
+BECOMES = 1e-4  # with each fix a world may become a worse one; never a better one
+WINDOW = 60.0  # [s] over which fixes are held against what was expected of them
+FEWEST = 10  # fixes to judge by
+SURE = 4.0  # standard deviations of a mean of squares, that of one is 1 where errors are normal
+REFUSED = 0.5  # share of fixes: more, and it is the filter that may be wrong
+UNKNOWN = 1.0  # [rad] of a start heading's sigma: more, and it isn't told at all
+LEAST = 1e-130  # of a weight: two hours of good fixes bring it back
 Array = NDArray[np.float64]
 
 
-class _Moment(NamedTuple):
-    """All that changes in the filter, before a fix."""
-
-    belief: Belief
-    rested: bool
-    still: Array
-    entries: Entries
-
-
 class GpsFilter(FieldLocalizer):
-    """An extended Kalman filter with the errors themselves as states (see `FieldModel`).
+    """Estimates with several suppositions at once, each weighed by how likely the fixes are by it.
 
-    A fix that its own covariance can't explain is refused; so are fixes that are off together, and those of
-    them that were believed before it showed are taken back (see `FixMonitor`). Refused fixes that agree with
-    each other and with the odometry say that the filter is wrong, not they (see `LostTrack`): it then starts
-    again from them. A reading that isn't finite is not looked at.
+    Multiple-model estimation (Magill, 1965): a filter that is told one noise claims what that noise allows,
+    whatever the world is like. Here a world that is as told is by far the most likely one before anything was
+    seen; fixes that another one explains better make that one heavier. Pose and covariance are those of the
+    mixture.
     """
 
     STATE: ClassVar[Mapping[str, Any]] = {
         **FieldLocalizer.STATE,
-        "_mean": Array,
-        "_spread": Array,
-        "_rested": bool,
-        "_still": Array,
-        "_lost": LostTrack,
-        "_monitor": FixMonitor,
-        "_past": list[tuple[_Moment, list[Advance | None]]],
-        "_record": TrackRecord | None,
-        "refused": int,
-        "restarts": int,
+        "_weights": Array,
+        "_search": HeadingSearch | None,
+        "log_likelihood": float,
+        "_clock": float,
+        "_squares": list[tuple[float, float | None]],
     }
 
     def __init__(
@@ -60,168 +53,164 @@ class GpsFilter(FieldLocalizer):
         start: Pose2,
         noise: FieldNoise = REFERENCE,
         start_position: float = 0.05,
-        record: TrackRecord | None = None,
+        record: bool = False,
+        supposed: Sequence[Supposition] | None = None,
     ) -> None:
         """Start at a pose whose position is right to `start_position` [m] an axis.
 
         Args:
             start: world_T_base.
-            noise: what to believe of wheels, gyros and GPS.
+            noise: what to believe of wheels, gyros and GPS in the first place.
             start_position: sigma in [m].
-            record: takes down what a smoother needs.
+            record: whether `smoothed` is asked for.
+            supposed: what else to suppose; `suppositions` of `noise` if None.
         """
         super().__init__(start)
-        self._noise = noise
-        self._model = FieldModel(noise)
-        self._mean, self._spread = self._model.start(np.array(start), start_position)
-        self._rested = True
-        self._still = np.zeros(2)  # turn and time since the bias was seen, at rest
-        self._lost = LostTrack()
-        self._monitor = FixMonitor()
-        self._past: list[tuple[_Moment, list[Advance | None]]] = []  # before each believed fix, and what came
-        self._record = record
-        self.refused = 0
-        """Fixes that were not believed."""
-        self.restarts = 0
-        """How often the fixes were believed against the filter."""
-        if record is not None:
-            record.start()
+        self._noise, self._begun, self._start_position = noise, start, start_position
+        self._search = HeadingSearch() if noise.start_heading > UNKNOWN else None
+        supposed = suppositions(noise) if supposed is None else supposed
+        self._clock = 0.0
+        self._squares: list[
+            tuple[float, float | None]
+        ] = []  # times of fixes, and squares as in `Fixed`; None if refused
+        shares = np.array([each.share for each in supposed])
+        self._weights = shares / shares.sum()
+        self._worse = [each.worse for each in supposed]
+        worse = np.array([[a.may_become(b) for a in supposed] for b in supposed])
+        self._becomes = np.eye(len(shares)) + BECOMES * self._weights[:, None] * worse
+        self.log_likelihood = 0.0
+        self.filters = [
+            FieldKalman(start, _computable(each.noise), start_position, TrackRecord() if record else None)
+            for each in supposed
+        ]
+        """One for each supposition."""
+
+    @property
+    def weights(self) -> Array:
+        """(k,) of the suppositions, by all that was seen."""
+        return self._weights.copy()
+
+    @property
+    def best(self) -> FieldKalman:
+        """The filter of the likeliest supposition."""
+        return self.filters[int(np.argmax(self._weights))]
+
+    @property
+    def refused(self) -> int:
+        """Fixes that the likeliest supposition didn't believe."""
+        return self.best.refused
+
+    @property
+    def restarts(self) -> int:
+        """How often the likeliest supposition believed the fixes against its filter."""
+        return self.best.restarts
+
+    @property
+    def heading_known(self) -> bool:
+        """Whether it was told, or has been found out."""
+        return self._search is None
+
+    @property
+    def inconsistency(self) -> Inconsistency | None:
+        """See `FieldLocalizer`."""
+        if len(self._squares) < FEWEST:
+            return None
+        believed = [square for _, square in self._squares if square is not None]
+        refused = 1.0 - len(believed) / len(self._squares)
+        if refused > REFUSED:
+            return Inconsistency("share of them that can't be believed", refused, REFUSED)
+        mean, limit = sum(believed) / len(believed) / 2.0, 1.0 + SURE / math.sqrt(len(believed))
+        return Inconsistency("mean square of their errors, in sigmas", mean, limit) if mean > limit else None
+
+    @property
+    def parts(self) -> list[FieldKalman]:
+        """See `FieldLocalizer`."""
+        return self.filters
 
     @property
     def covariance(self) -> Array:
         """See `FieldLocalizer`."""
-        return self._spread[:3, :3].copy()
-
-    @property
-    def mean(self) -> Array:
-        """(12,) all states."""
-        return self._mean.copy()
+        if self._search is not None:
+            away = self._start_position**2 + self._estimate().distance(self._begun) ** 2
+            return np.diag([away, away, math.pi**2 / 3.0])
+        return self._mixed([each.belief for each in self.filters]).covariance[:3, :3]
 
     def mark(self) -> Belief:
-        """This moment is wanted from the smoother; what the filter holds now."""
+        """See `FieldLocalizer`."""
         self._flush()
-        self._note(None)
-        now = Belief(self._mean.copy(), self._spread.copy())
-        if self._record is not None:
-            self._record.mark(now)
-        return now
+        return self._mixed([each.mark() for each in self.filters])
 
     def smoothed(self) -> list[Belief]:
         """The marked moments by all that was seen so far; none without a record."""
-        return [] if self._record is None else self._record.smoothed()
+        each = [one.smoothed() for one in self.filters]
+        return [self._mixed(list(moment)) for moment in zip(*each, strict=True)]
 
     def _estimate(self) -> Pose2:
-        x, y, heading = self._mean[:3].tolist()
+        if self._search is not None:
+            return self._since
+        x, y, heading = _mean([each.belief.mean for each in self.filters], self._weights)[:3].tolist()
         return Pose2(x, y, wrap(heading))
 
     def _advance(self, advance: Advance) -> None:
-        self._note(advance)
-        if advance.rest < advance.time:
-            self._see_bias()
-        new_leg = self._rested and advance.rest < advance.time
-        self._mean, transition, added = self._model.step(self._mean, advance, new_leg)
-        self._spread = carried(self._spread, transition, added)
-        self._rested = advance.rest > 0.0
-        self._still = self._still + np.array([advance.still, advance.rest])
-        if self._record is not None:
-            self._record.step(transition)
-        if self._still[1] >= BIAS_PERIOD:
-            self._see_bias()
-
-    def _see_bias(self) -> None:
-        """At rest the vertical gyro reads nothing but its bias."""
-        turned, time = self._still
-        if time <= 0.0:
-            return
-        row = np.zeros((1, states.SIZE))
-        row[0, [states.BIAS, states.WARM_UP]] = 1.0
-        residual = turned / time - self._mean[states.BIAS] - self._mean[states.WARM_UP]
-        self._correct(row, np.array([residual]), self._noise.gyro_white**2 / time)
-        self._still = np.zeros(2)
+        self._clock += advance.time
+        for each in self.filters:
+            each.advance(advance)
 
     def _fix(self, position: Array, sigma: float | None) -> bool:
-        variance = (self._noise.gps_white if sigma is None else sigma) ** 2
-        rows, residual, lever = self._forecast(position)
-        forecast = rows @ self._spread @ rows.T
-        if self._monitor.doubting:
-            believed = self._monitor.cleared(residual, forecast, variance)
-        else:
-            suspects = self._monitor.suspects(residual, forecast + variance * np.eye(2))
-            believed = suspects == 0
-            self._take_back(suspects - 1)
-        self._lost.take(self._odometry.pose, position - lever, believed)
-        if believed:
-            self._past.append((self._moment(), []))
-            del self._past[:-LONGEST]
-            self._correct(rows, residual, variance)
+        if self._search is not None:
+            self._find_heading(self._search, position, self._noise.gps_white if sigma is None else sigma)
             return True
-        self.refused += 1
-        return self._start_again(math.sqrt(variance))
+        fixed = [each.fix(position, sigma, self._odometry) for each in self.filters]
+        likely = np.array([one.log_likelihood for one in fixed])
+        weights = self._becomes @ self._weights * np.exp(likely - likely.max())
+        self._weights = np.maximum(weights / weights.sum(), LEAST)
+        best = fixed[int(np.argmax(self._weights))]
+        self.refusal = best.why
+        self.log_likelihood += best.log_likelihood
+        self._squares.append((self._clock, best.square if best.believed else None))
+        while self._squares[0][0] < self._clock - WINDOW:
+            del self._squares[0]
+        return best.believed
 
-    def _forecast(self, position: Array) -> tuple[Array, Array, Array]:
-        """How a fix depends on the states (2, 12), its residual (2,), the antenna beside the base (2,)."""
-        lever = self._lever()
-        rows = np.zeros((2, states.SIZE))
-        rows[[0, 1], [states.X, states.Y]] = rows[[0, 1], [states.GPS_X, states.GPS_Y]] = 1.0
-        rows[:, states.HEADING] = -lever[1], lever[0]
-        return rows, position - rows[:, [0, 1, 10, 11]] @ self._mean[[0, 1, 10, 11]] - lever, lever
+    def _mixed(self, beliefs: list[Belief]) -> Belief:
+        """The mixture's mean and covariance.
 
-    def _lever(self) -> Array:
-        """(2,) from the base to the antenna in the world's axes, in [m]."""
-        x, y, z = self._noise.antenna
-        (roll, pitch), heading = self.tilt, float(self._mean[states.HEADING])
-        across, up = y * math.cos(roll) - z * math.sin(roll), y * math.sin(roll) + z * math.cos(roll)
-        along = x * math.cos(pitch) + up * math.sin(pitch)
-        cos, sin = math.cos(heading), math.sin(heading)
-        return np.array([cos * along - sin * across, sin * along + cos * across])
+        For want of evidence a sky that is worse looks like the one before it for long: claims are on the safe
+        side.
+        """
+        mean = _mean([each.mean for each in beliefs], self._weights)
+        away = np.array([each.mean for each in beliefs]) - mean
+        away[:, 2] = (away[:, 2] + math.pi) % (2.0 * math.pi) - math.pi
+        moved = self._weights * np.where(np.arange(len(beliefs)) == 0, *CAUTION)
+        cautious = self._weights - moved
+        np.add.at(cautious, self._worse, moved)
+        within = np.einsum("k,kij->ij", cautious, np.array([each.covariance for each in beliefs]))
+        return Belief(mean, within + np.einsum("k,ki,kj->ij", self._weights, away, away))
 
-    def _correct(self, rows: Array, residual: Array, variance: float) -> None:
-        if self._record is not None:
-            self._record.correct(self._spread, rows, residual, variance)
-        self._mean, self._spread = corrected(self._mean, self._spread, rows, residual, variance)
-
-    def _moment(self) -> _Moment:
-        entries = Entries(0, 0, None) if self._record is None else self._record.entries
-        return _Moment(Belief(self._mean, self._spread), self._rested, self._still, entries)
-
-    def _note(self, event: Advance | None) -> None:
-        """Keep a step, or a mark (None), in case the fixes before it are taken back."""
-        if self._past:
-            self._past[-1][1].append(event)
-
-    def _take_back(self, count: int) -> None:
-        """Undo the latest `count` believed fixes; what came between them stays."""
-        count = min(count, len(self._past))
-        if count <= 0:
-            return
-        undone = self._past[-count:]
-        del self._past[-count:]
-        moment = undone[0][0]
-        (self._mean, self._spread), self._rested, self._still = moment.belief, moment.rested, moment.still
-        if self._record is not None:
-            self._record.rewind(moment.entries)
-        for event in [event for _, events in undone for event in events]:
-            if event is None:
-                self.mark()
-            else:
-                self._advance(event)
-        self.refused += count
-        self._lost.doubt(count)
-
-    def _start_again(self, sigma: float) -> bool:
-        """Take the refused fixes' word for the pose, if they have one."""
-        heading = math.sqrt(float(self._spread[states.HEADING, states.HEADING]))
-        found = self._lost.found(math.hypot(sigma, self._noise.gps_drift), self._estimate(), heading)
+    def _find_heading(self, search: HeadingSearch, position: Array, sigma: float) -> None:
+        """By this fix and those before it; the filters begin when it is found."""
+        here, begun = self._odometry.pose, np.array(self._begun[:2])
+        antenna = np.array(here[:2]) + level_lever(self._noise.antenna, self.tilt, here.theta)
+        search.take(antenna - begun, position - begun)
+        away = Pose2(here.x - self._begun.x, here.y - self._begun.y, here.theta)
+        found = search.found(away, math.hypot(sigma, self._noise.gps_drift), self._start_position)
         if found is None:
-            return False
-        known = [states.BIAS, states.WARM_UP]
-        mean, spread = self._model.start(np.array(found.pose), 0.0)
-        mean[known], spread[np.ix_(known, known)] = self._mean[known], self._spread[np.ix_(known, known)]
-        spread[:3, :3] = found.covariance
-        self._mean, self._spread = mean, spread
-        self.restarts += 1
-        self._past.clear()
-        self._monitor.reset()
-        if self._record is not None:
-            self._record.start()
-        return True
+            return
+        x, y, heading = found.pose
+        begin = FoundTrack(Pose2(x + self._begun.x, y + self._begun.y, heading), found.covariance)
+        for each in self.filters:
+            each.begin(begin)
+        self._search = None
+
+
+def _computable(noise: FieldNoise) -> FieldNoise:
+    """With a start heading that can be computed with, until one is found."""
+    return noise._replace(start_heading=min(noise.start_heading, UNKNOWN))
+
+
+def _mean(means: list[Array], weights: Array) -> Array:
+    """Of states (n,), headings on the circle."""
+    stacked = np.array(means)
+    about = stacked[int(np.argmax(weights)), 2]
+    stacked[:, 2] = about + (stacked[:, 2] - about + math.pi) % (2.0 * math.pi) - math.pi
+    return np.asarray(weights @ stacked)

@@ -18,6 +18,9 @@ from handcart.robotics.numerics.compiled import compiled
 
 WINDOW = 20  # readings that must be quiet before the base counts as standing: 0.5 s
 QUIET = 0.1  # [m/s²] standard deviation of the accelerometers at rest
+CREEP = 0.01  # [m/s] that a wheel may tell on average of a base that stands
+ALIKE = 4.0  # standard errors by which the vertical gyro may differ from its bias while the wheels creep
+WANDERS = math.radians(0.05)  # [rad/s] besides, for a bias that changes
 MEMORY = 20.0  # [s] over which a gyro's bias is averaged at rest: longer and it drifts away meanwhile
 Array = NDArray[np.float64]
 
@@ -42,8 +45,9 @@ class Advance(NamedTuple):
 class GyroOdometry:
     """Integrates wheel travel along the attitude that the gyros give; cancels their drift in each stop.
 
-    At rest (wheels still and accelerometers quiet for half a second) the gyros' mean is their bias, gravity
-    gives roll and pitch, and the heading stays as it is.
+    At rest the gyros' mean is their bias, gravity gives roll and pitch, and the heading stays as it is. A base
+    rests whose accelerometers have been quiet for half a second and whose wheels have been still; or have
+    crept, while the vertical gyro read nothing but its bias. What they crept is way all the same.
     """
 
     STATE: ClassVar = {"_state": Array, "_felt": Array, "_seen": Array}
@@ -52,9 +56,9 @@ class GyroOdometry:
     def __init__(self, start: Pose2 = Pose2(0.0, 0.0, 0.0), euler: bool = True) -> None:
         """Start at a pose; without `euler` body rates count as rates of angles, as the paper has them."""
         self._euler = euler
-        self._state = np.zeros(18)
+        self._state = np.zeros(19)
         self._state[:2], self._state[3] = start[:2], start.theta
-        self._felt = np.zeros((WINDOW, 3))
+        self._felt = np.zeros((WINDOW, 8))
         self._seen = np.zeros(12)
 
     @property
@@ -100,8 +104,8 @@ class GyroOdometry:
 
     def take(self) -> Advance:
         """What happened since the last call."""
-        sums = self._state[12:].tolist()
-        self._state[12:] = 0.0
+        sums = self._state[12:18].tolist()
+        self._state[12:18] = 0.0
         return Advance(*sums)
 
 
@@ -128,13 +132,30 @@ def _angle_rates(roll: float, pitch: float, rates: Array) -> tuple[float, float,
 
 
 @compiled
+def _levelled(force: Array) -> tuple[float, float]:
+    """Roll and pitch by gravity."""
+    return math.atan2(force[1], force[2]), math.atan2(-force[0], math.hypot(force[1], force[2]))
+
+
+@compiled
 def _quiet(felt: Array) -> bool:
-    """Whether each axis (columns of (n, 3)) varies no more than at rest."""
+    """Whether each accelerometer (the first three columns) varies no more than at rest."""
     for axis in range(3):
         mean = felt[:, axis].mean()
         if ((felt[:, axis] - mean) ** 2).mean() > QUIET * QUIET:
             return False
     return True
+
+
+@compiled
+def _creeps(felt: Array, bias: float, known: bool, dt: float) -> bool:
+    """Whether wheels (columns 3 and 4) and vertical gyro (7) tell no more than they may of a base that stands."""
+    count = len(felt)
+    if max(abs(felt[:, 3].mean()), abs(felt[:, 4].mean())) > CREEP * dt:
+        return False
+    mean = felt[:, 7].mean()
+    error = math.sqrt(((felt[:, 7] - mean) ** 2).sum() / (count - 1) / count)
+    return not known or abs(mean - bias) <= ALIKE * error + WANDERS
 
 
 @compiled
@@ -148,16 +169,29 @@ def _update(
     dt: float,
     euler: bool,
 ) -> None:
-    """One period. State: x, y, z, yaw, roll, pitch; bias (3); still readings, time at rest, row; sums (6)."""
+    """One period. State: x, y, z, yaw, roll, pitch; bias (3); still readings, time at rest, row; sums (6);
+    readings."""
     turning = _refresh(seen, 0, rates)
     force = _refresh(seen, 3, accelerations)
     rolled = _refresh(seen, 6, wheels)
     travel = 0.5 * (rolled[0] + rolled[1])
-    felt[int(state[11])] = force
+    row = felt[int(state[11])]
+    row[:3], row[3:5], row[5:] = force, rolled, turning
     state[11] = (state[11] + 1) % len(felt)
     state[9] = state[9] + 1 if rolled[0] == 0.0 and rolled[1] == 0.0 else 0.0
+    state[18] += 1
     state[15] += dt
-    if state[9] >= len(felt) and _quiet(felt):
+    still = state[9] >= len(felt)
+    known = state[6] != 0.0 or state[7] != 0.0 or state[8] != 0.0
+    if (still or (state[18] >= len(felt) and _creeps(felt, state[8], known, dt))) and _quiet(felt):
+        state[0] += travel * math.cos(state[5]) * math.cos(state[3])
+        state[1] += travel * math.cos(state[5]) * math.sin(state[3])
+        state[12] += travel * math.cos(state[5])
+        if state[10] == 0.0:
+            state[10] = (len(felt) - 1) * dt
+            for axis in range(3):
+                state[6 + axis], force[axis] = felt[:, 5 + axis].mean(), felt[:, axis].mean()
+            state[4], state[5] = _levelled(force)
         state[10] += dt
         state[16] += dt
         state[17] += dt * turning[2]
@@ -165,8 +199,7 @@ def _update(
         for axis in range(3):
             state[6 + axis] += share * (turning[axis] - state[6 + axis])
         share = dt / state[10]
-        roll = math.atan2(force[1], force[2])
-        pitch = math.atan2(-force[0], math.hypot(force[1], force[2]))
+        roll, pitch = _levelled(force)
         state[4] += share * (roll - state[4])
         state[5] += share * (pitch - state[5])
         return

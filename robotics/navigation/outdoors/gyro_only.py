@@ -4,14 +4,21 @@ from __future__ import annotations
 
 from typing import ClassVar
 
+from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.outdoors.field_localizer import Array
+from handcart.robotics.navigation.outdoors.field_noise import FieldNoise
 from handcart.robotics.navigation.outdoors.gps_filter import GpsFilter
+from handcart.robotics.navigation.outdoors.suppositions import Supposition
 
 
 class GyroOnly(GpsFilter):
     """Gyro odometry as Ohki et al. (2012) have it, with an honest covariance; fixes are not looked at."""
 
     TAKES_FIXES: ClassVar = False
+
+    def __init__(self, start: Pose2, noise: FieldNoise, start_position: float) -> None:
+        """See `GpsFilter`; nothing tells one supposition from another."""
+        super().__init__(start, noise, start_position, supposed=[Supposition(noise, 1.0, 0)])
 
     def _fix(self, position: Array, sigma: float | None) -> bool:
         return False

@@ -72,7 +72,7 @@ def _advance(drive: FieldDrive, rows: slice) -> Advance:
 
 
 def _fix_rows(mean: Array, noise: FieldNoise) -> Array:
-    """(2, 12) how a fix depends on the states."""
+    """(2, 13) how a fix depends on the states."""
     x, y, _ = noise.antenna
     cos, sin = math.cos(mean[HEADING]), math.sin(mean[HEADING])
     rows = np.zeros((2, SIZE))

@@ -10,8 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from handcart.robotics.geometry.pose2 import Pose2, wrap
+from handcart.robotics.navigation.localization.fix_monitor import FixMonitor
+from handcart.robotics.navigation.localization.lost_track import LostTrack
 from handcart.robotics.navigation.outdoors.field_localizer import FieldLocalizer
 from handcart.robotics.navigation.outdoors.gyro_odometry import Advance
+from handcart.robotics.navigation.outdoors.heading_search import KNOWN
 from handcart.robotics.numerics.compiled import compiled
 
 Array = NDArray[np.float64]
@@ -27,18 +30,19 @@ class ParticleErrors(NamedTuple):
     start_position: float = 0.05
     """An axis, in [m]."""
     start_heading: float = math.radians(1.0)
-    """In [rad]."""
+    """In [rad]; infinite: nobody knows which way it heads."""
     gps: float = 1.0
     """An axis, in [m]."""
-    jump: float = 5.0
-    """A fix farther than so many `gps` from the estimate is an unusual jump."""
 
 
 class ParticleFilter(FieldLocalizer):
     """Six phases, 1,024 particles, ten times a second.
 
     The paper goes back to the prediction without a new average when there is no new fix; this one averages in
-    every step. Headings are averaged on the circle.
+    every step. Headings are averaged on the circle. The paper's unusual jumps are fixes beyond five sigmas of
+    their own and of the particles' (see `FixMonitor`). Beyond the paper, fixes that are off together are
+    refused too; those refused that agree with each other and with the odometry start it again (see
+    `LostTrack`); and it starts without a heading, with particles that head all ways.
     """
 
     STATE: ClassVar[Mapping[str, Any]] = {
@@ -46,6 +50,9 @@ class ParticleFilter(FieldLocalizer):
         "_particles": Array,
         "_mean": Array,
         "_covariance": Array,
+        "_lost": LostTrack,
+        "_monitor": FixMonitor,
+        "restarts": int,
         "dice": tuple[int, int, int, int],
     }
 
@@ -61,11 +68,22 @@ class ParticleFilter(FieldLocalizer):
         super().__init__(start, euler)
         self._errors = errors
         self._rng = np.random.default_rng(seed)
-        spread = [errors.start_position, errors.start_position, errors.start_heading]
-        self._particles = np.array(start)[:, None] + np.array(spread)[:, None] * self._rng.standard_normal(
-            (3, count)
-        )
+        self._lost, self._monitor = LostTrack(), FixMonitor()
+        self.restarts = 0
+        """How often the fixes were believed against the filter."""
+        about = math.isinf(errors.start_heading)
+        heading = 0.0 if about else errors.start_heading
+        spread = np.array([errors.start_position, errors.start_position, heading])
+        drawn = self._rng.standard_normal((3, count))
+        self._particles = np.array(start)[:, None] + spread[:, None] * drawn
+        if about:
+            self._particles[2] = 2.0 * math.pi / count * np.arange(count)
         self._mean, self._covariance = _average(self._particles)
+
+    @property
+    def heading_known(self) -> bool:
+        """See `FieldLocalizer`: the particles head one way."""
+        return bool(self._covariance[2, 2] <= KNOWN**2)
 
     @property
     def covariance(self) -> Array:
@@ -105,11 +123,34 @@ class ParticleFilter(FieldLocalizer):
 
     def _fix(self, position: Array, sigma: float | None) -> bool:
         sigma = self._errors.gps if sigma is None else sigma
-        if math.dist(position, self._mean[:2]) > self._errors.jump * sigma:
-            return False
-        believed = bool(_resample(self._particles, self._rng, position[0], position[1], sigma))
+        away = position - self._mean[:2]
+        cloud = self._covariance[:2, :2]
+        if self._monitor.doubting:
+            believed = self._monitor.cleared(away, cloud, sigma**2)
+        else:
+            suspects = self._monitor.suspects(away, cloud + sigma**2 * np.eye(2))
+            believed = suspects == 0
+            self._lost.doubt(max(0, suspects - 1))
+        self.refusal = "" if believed else f"{float(np.hypot(*away)):.2f} m off"
+        if believed and not _resample(self._particles, self._rng, position[0], position[1], sigma):
+            believed, self.refusal = False, "no particle could have given it"
+        self._lost.take(self._odometry.pose, position, believed)
+        if not believed:
+            believed = self._start_again(sigma)
         self._mean, self._covariance = _average(self._particles)
         return believed
+
+    def _start_again(self, sigma: float) -> bool:
+        """Take the refused fixes' word for the pose, if they have one."""
+        found = self._lost.found(sigma, self._estimate(), math.sqrt(float(self._covariance[2, 2])))
+        if found is None:
+            return False
+        drawn = self._rng.standard_normal(self._particles.shape)
+        root = np.linalg.cholesky(found.covariance + 1e-9 * np.eye(3))
+        self._particles = np.array(found.pose)[:, None] + root @ drawn
+        self.restarts += 1
+        self._monitor.reset()
+        return True
 
 
 @compiled

@@ -17,8 +17,14 @@ from handcart.robotics.navigation.outdoors.gps_filter import GpsFilter
 from handcart.robotics.navigation.outdoors.information_limit import information_limit
 from handcart.robotics.navigation.outdoors.placement_errors import nees, tip_covariance
 from handcart.robotics.navigation.outdoors.smoothing import TrackRecord
+from handcart.robotics.navigation.outdoors.suppositions import Supposition
 
 RUNS = range(16)
+
+
+def only(noise: FieldNoise) -> list[Supposition]:
+    """As told, whatever the fixes say."""
+    return [Supposition(noise, 1.0, 0)]
 
 
 def limit(log: FieldLog) -> np.ndarray:
@@ -44,9 +50,10 @@ def test_it_reaches_the_limit_and_knows_how_wrong_it_is() -> None:
     """Its errors, its own covariance, and the report afterwards; the benchmark has more runs."""
     live, later, bounds = [], [], []
     for seed in RUNS:
-        log, record = record_course(zigzag_course(), REFERENCE, seed), TrackRecord()
-        live.append(try_course(log, GpsFilter(start_pose(log), record=record)))
-        later.append(as_laid(log, record.smoothed()))
+        log = record_course(zigzag_course(), REFERENCE, seed)
+        localizer = GpsFilter(start_pose(log), record=True)
+        live.append(try_course(log, localizer))
+        later.append(as_laid(log, localizer.smoothed()))
         bounds.append(limit(log))
     rms, rms_later = (
         np.sqrt(np.mean(np.concatenate([t.errors for t in ts]) ** 2, axis=0)) for ts in (live, later)
@@ -83,13 +90,12 @@ def test_a_reflection_is_refused_and_what_was_believed_of_it_taken_back(shift: f
     log = record_course(straight_course(4), REFERENCE, 3)
     rows = (log.fix_rows > 4000) & (log.fix_rows < 5600)  # 40 s
     log.fixes[rows] += shift
-    record = TrackRecord()
-    localizer = GpsFilter(start_pose(log), record=record)
+    localizer = GpsFilter(start_pose(log), record=True)
     trial = try_course(log, localizer)
     assert localizer.refused > 0.8 * rows.sum()
     assert localizer.restarts == 0
     assert np.hypot(*trial.errors.T).max() < 0.7
-    assert np.hypot(*as_laid(log, record.smoothed()).errors.T).max() < 0.5
+    assert np.hypot(*as_laid(log, localizer.smoothed()).errors.T).max() < 0.5
 
 
 def test_good_fixes_are_believed() -> None:
@@ -138,7 +144,7 @@ def test_antenna_away_from_the_middle_is_known() -> None:
 @pytest.mark.parametrize("sigma", [0.5, 4.0])
 def test_one_fix_leaves_the_position_as_unsure_as_it_is(sigma: float) -> None:
     noise = REFERENCE._replace(antenna=(0.0, 0.0, 0.0))
-    localizer = GpsFilter(Pose2(0.0, 0.0, 0.0), noise, start_position=1000.0)
+    localizer = GpsFilter(Pose2(0.0, 0.0, 0.0), noise, start_position=1000.0, supposed=only(noise))
     assert localizer.fix(np.array([3.0, -2.0]), sigma)
     assert np.sqrt(np.diag(localizer.covariance)[:2]) == pytest.approx([sigma, sigma], rel=1e-3)
     assert localizer.pose[:2] == pytest.approx((3.0, -2.0), abs=1e-3)
@@ -147,7 +153,7 @@ def test_one_fix_leaves_the_position_as_unsure_as_it_is(sigma: float) -> None:
 @pytest.mark.parametrize("heading", [0.0, math.pi / 2, -2.5])
 def test_an_antenna_far_ahead_tells_the_heading_at_rest(heading: float) -> None:
     noise = RTK._replace(antenna=(3.0, 0.0, 0.0))
-    localizer = GpsFilter(Pose2(0.0, 0.0, heading), noise, start_position=0.001)
+    localizer = GpsFilter(Pose2(0.0, 0.0, heading), noise, start_position=0.001, supposed=only(noise))
     truth = heading + noise.start_heading
     for _ in range(50):
         assert localizer.fix(3.0 * np.array([math.cos(truth), math.sin(truth)]))
@@ -155,18 +161,17 @@ def test_an_antenna_far_ahead_tells_the_heading_at_rest(heading: float) -> None:
 
 
 def test_no_marks_no_report() -> None:
-    record = TrackRecord()
-    GpsFilter(Pose2(0.0, 0.0, 0.0), record=record)
-    assert record.smoothed() == []
+    assert GpsFilter(Pose2(0.0, 0.0, 0.0), record=True).smoothed() == []
 
 
 @pytest.mark.slow
 def test_a_record_grows_with_the_moments_that_are_wanted_not_with_the_time() -> None:
     sizes = []
     for noise in (REFERENCE, REFERENCE._replace(gps_period=0.2)):
-        log, record = record_course(straight_course(5), noise, 1), TrackRecord()
-        try_course(log, GpsFilter(start_pose(log), noise, record=record))
-        assert len(record.smoothed()) == 5
-        sizes.append(len(pack(to_plain(record, TrackRecord))))
+        log = record_course(straight_course(5), noise, 1)
+        localizer = GpsFilter(start_pose(log), noise, record=True, supposed=only(noise))
+        try_course(log, localizer)
+        assert len(localizer.smoothed()) == 5
+        sizes.append(len(pack(to_plain(localizer.filters[0]._record, TrackRecord))))
     assert sizes[0] == pytest.approx(sizes[1], rel=0.01)
     assert sizes[0] < 5 * 5_000

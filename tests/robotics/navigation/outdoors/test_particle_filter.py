@@ -112,7 +112,7 @@ def test_a_fix_leaves_what_bayes_says(sigma: float, mean: float, variance: float
 
 @pytest.mark.parametrize(("away", "believed"), [(4.5, True), (5.5, False)])
 def test_a_fix_is_a_jump_beyond_five_of_its_sigmas(away: float, believed: bool) -> None:
-    localizer = ParticleFilter(Pose2(0.0, 0.0, 0.0), ParticleErrors(start_position=0.5))
+    localizer = ParticleFilter(Pose2(0.0, 0.0, 0.0), ParticleErrors(start_position=0.05))
     assert localizer.fix(np.array([away, 0.0])) == believed
     assert localizer.fix(np.array([4.5 + 0.5 * away, 0.0]), sigma=2.0)
 

@@ -1,0 +1,1 @@
+"""Recorded logs of wheels, gyros and satellites, played to the robot's outdoor localization."""

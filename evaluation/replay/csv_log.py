@@ -1,0 +1,225 @@
+"""Reading a recorded log in CSV with a header in YAML."""
+
+from __future__ import annotations
+
+import csv
+import math
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from handcart.files.csv_table import number_in
+from handcart.files.errors import FileError, Finding
+from handcart.files.findings import Findings
+from handcart.files.models.loading import Loaded, load_document
+from handcart.files.regular_file import BYTE_ORDER_MARK, decode_text, read_regular_file
+from handcart.files.suggest import listed
+from handcart.files.yaml.yaml_document import parse_document
+
+from .drive_log import DriveLog
+from .log_header import QUANTITIES, UNITS, LogHeader
+
+MAX_BYTES = 1 << 30
+MAX_ROWS = 10_000_000
+MARK = "---"
+SHOWN = 10  # bad cells that are told one by one
+GRAVITY = 9.81
+Array = NDArray[np.float64]
+
+
+def read_csv_log(path: Path) -> DriveLog:
+    """The log in a file.
+
+    Raises:
+        FileError: with everything that is wrong in header and table.
+    """
+    text = decode_text(read_regular_file(path, MAX_BYTES).removeprefix(BYTE_ORDER_MARK), str(path))
+    lines = text.splitlines()
+    if not lines or lines[0].strip() != MARK or MARK not in [line.strip() for line in lines[1:]]:
+        wrong = "no log: it doesn't begin with a header between two lines '---'; see docs/localize.md"
+        raise FileError([Finding(str(path), 1, 1, wrong)])
+    end = next(k for k, line in enumerate(lines[1:], start=1) if line.strip() == MARK)
+    header = load_document(parse_document("\n".join(["", *lines[1:end]]).encode(), str(path)), LogHeader)
+    scales = _scales(header)
+    columns = _table(path, lines[end + 1 :], end + 2, header)
+    values = {name: columns[name] * scale for name, scale in scales.items()}
+    return _log(values, header, Finding(str(path), end + 2, 1, ""))
+
+
+def _scales(header: Loaded[LogHeader]) -> dict[str, float]:
+    """How many SI units one of each column's is."""
+    findings, scales = Findings(), {}
+    for quantity, column in header.value.columns.items():
+        if quantity not in QUANTITIES:
+            allowed = f"no such quantity: {quantity!r}; allowed: {listed(QUANTITIES)}"
+            findings.add(header.finding(("columns", quantity), allowed, at_key=True))
+            continue
+        units = {unit: scale for what in QUANTITIES[quantity] for unit, scale in UNITS[what].items()}
+        if column.unit not in units:
+            allowed = f"no unit of {quantity}: {column.unit!r}; allowed: {listed(units)}"
+            findings.add(header.finding(("columns", quantity, "unit"), allowed))
+            continue
+        scales[quantity] = units[column.unit]
+    for wanted, why in _needed(header.value):
+        findings.add(header.finding(("columns",), f"{wanted}; needed: {why}", at_key=True))
+    findings.raise_all()
+    return scales
+
+
+def _needed(header: LogHeader) -> list[tuple[str, str]]:
+    """What is missing."""
+    has, missing = header.columns.keys(), []
+    if "time" not in has:
+        missing.append(("no times", "time"))
+    if not {"wheel_left", "wheel_right"} <= has and "speed" not in has:
+        missing.append(("nothing tells how far it drove", "wheel_left and wheel_right, or speed"))
+    turns = "gyro_z" in has or ("steering" in has and header.wheelbase_m is not None)
+    if not turns and not ({"wheel_left", "wheel_right"} <= has and header.tread_m is not None):
+        ways = "gyro_z, or steering and wheelbase_m, or both wheels and tread_m"
+        missing.append(("nothing tells how it turned", ways))
+    for one, other in (("gps_east", "gps_north"), ("latitude", "longitude"), ("true_x", "true_y"), _TRUE):
+        if (one in has) != (other in has):
+            missing.append((f"{one if one in has else other} alone", f"{one} and {other}"))
+    return missing
+
+
+def _table(path: Path, lines: list[str], first: int, header: Loaded[LogHeader]) -> dict[str, Array]:
+    """(n,) of each quantity, in the column's unit; `first` is the number of the table's first line."""
+    rows = csv.reader(lines)
+    titles = [title.strip() for title in next(rows, [])]
+    findings, places = Findings(), {}
+    for quantity, column in header.value.columns.items():
+        name = column.name or quantity
+        if name not in titles:
+            wrong = f"the table has no column {name!r}; it has: {listed(titles)}"
+            findings.add(header.finding(("columns", quantity), wrong, at_key=True))
+        else:
+            places[quantity] = titles.index(name)
+    findings.raise_all()
+    table: list[list[float]] = []
+    for row in rows:
+        line = first + rows.line_num - 1
+        if not any(cell.strip() for cell in row):
+            continue
+        if len(row) != len(titles):
+            findings.add(Finding(str(path), line, 1, f"{len(row)} cells; needed: {len(titles)}"))
+        else:
+            table.append([_number(row, place, path, line, findings) for place in places.values()])
+        if len(findings) >= SHOWN or len(table) > MAX_ROWS:
+            break
+    findings.raise_all()
+    if len(table) < 2:
+        raise FileError([Finding(str(path), first, 1, "no readings; needed: at least two rows")])
+    values = np.array(table).T
+    return dict(zip(places, values, strict=True))
+
+
+def _number(row: list[str], place: int, path: Path, line: int, findings: Findings) -> float:
+    cell = row[place].strip()
+    value = number_in(cell)
+    if cell and not math.isfinite(value) and cell.lower() not in ("nan", "inf", "-inf"):
+        column = 1 + sum(len(each) + 1 for each in row[:place])
+        findings.add(
+            Finding(str(path), line, column, f"no number: {cell[:40]!r}; allowed: a number, or nothing")
+        )
+    return value
+
+
+def _log(values: dict[str, Array], loaded: Loaded[LogHeader], table: Finding) -> DriveLog:
+    header, times = loaded.value, values["time"]
+    order = np.diff(times)
+    if not np.isfinite(times).all() or (order < 0.0).any():
+        row = (
+            int(np.argmax(~np.isfinite(times))) if not np.isfinite(times).all() else int(np.argmin(order)) + 1
+        )
+        wrong = f"row {row + 1}: time doesn't go on; needed: times that rise"
+        raise FileError([Finding(table.file, table.line + row + 1, 1, wrong)])
+    steps = np.concatenate([[np.median(order) if len(order) else 0.0], order])
+    nothing = np.full(len(times), math.nan)
+    wheels = _travel(values, header, steps)
+    rates, steered = _rates(values, header, wheels, steps)
+    felt = [values.get(f"accelerometer_{axis}", np.full(len(times), still)) for axis, still in _STILL]
+    reference = np.stack([values.get(name, nothing) for name in ("true_x", "true_y", "true_heading")], axis=1)
+    if _TRUE[0] in values:
+        origin = values.get("latitude", values[_TRUE[0]]), values.get("longitude", values[_TRUE[1]])
+        reference[:, :2] = plane(values[_TRUE[0]], values[_TRUE[1]], first_place(*origin))
+    start = header.start
+    heading = math.nan if start.heading_deg is None else math.radians(start.heading_deg)
+    x, y = (math.nan if each is None else each for each in (start.x_m, start.y_m))
+    return DriveLog(
+        times,
+        rates,
+        np.stack(felt, axis=1),
+        wheels,
+        _fixes(values, nothing),
+        values.get("gps_sigma", nothing),
+        reference,
+        (x, y, heading),
+        header.antenna_m,
+        steered,
+    )
+
+
+_TRUE = ("true_latitude", "true_longitude")
+_STILL = (("x", 0.0), ("y", 0.0), ("z", GRAVITY))  # what accelerometers that aren't there would read
+
+
+def _travel(values: dict[str, Array], header: LogHeader, steps: Array) -> Array:
+    """(n, 2) of each wheel since the row before, in [m]; a speed holds until the next one."""
+    travel = []
+    for name in ("wheel_left", "wheel_right"):
+        name = name if name in values else "speed"
+        is_speed = header.columns[name].unit in UNITS["speed"]
+        travel.append(_held(values[name]) * steps if is_speed else np.nan_to_num(values[name]))
+    return np.stack(travel, axis=1)
+
+
+def _held(values: Array) -> Array:
+    """(n,) with each NaN as the number before it; nothing before the first one."""
+    latest = np.maximum.accumulate(np.where(np.isfinite(values), np.arange(len(values)), 0))
+    return np.nan_to_num(values[latest], posinf=0.0, neginf=0.0)
+
+
+def _rates(values: dict[str, Array], header: LogHeader, wheels: Array, steps: Array) -> tuple[Array, bool]:
+    """(n, 3) in [rad/s], and whether steering or wheels tell them instead of a gyro."""
+    across = [values.get(f"gyro_{axis}", np.zeros(len(steps))) for axis in "xy"]
+    if "gyro_z" in values:
+        return np.stack([*across, values["gyro_z"]], axis=1), False
+    speed = np.divide(wheels.mean(axis=1), steps, out=np.zeros(len(steps)), where=steps > 0.0)
+    if "steering" in values and header.wheelbase_m is not None:
+        about = speed * np.tan(_held(values["steering"])) / header.wheelbase_m
+    else:
+        assert header.tread_m is not None
+        turned = (wheels[:, 1] - wheels[:, 0]) / header.tread_m
+        about = np.divide(turned, steps, out=np.zeros(len(steps)), where=steps > 0.0)
+    return np.stack([*across, about], axis=1), True
+
+
+def _fixes(values: dict[str, Array], nothing: Array) -> Array:
+    """(n, 2) east and north in [m]; latitude and longitude about the first fix."""
+    if "gps_east" in values:
+        return np.stack([values["gps_east"], values["gps_north"]], axis=1)
+    if "latitude" not in values:
+        return np.stack([nothing, nothing], axis=1)
+    told = values["latitude"], values["longitude"]
+    return plane(*told, first_place(*told))
+
+
+def first_place(latitudes: Array, longitudes: Array) -> tuple[float, float] | None:
+    """The first that is told of latitudes and longitudes (n,), in [deg]; None where none is."""
+    told = np.flatnonzero(np.isfinite(latitudes) & np.isfinite(longitudes))
+    return None if not len(told) else (float(latitudes[told[0]]), float(longitudes[told[0]]))
+
+
+def plane(latitudes: Array, longitudes: Array, origin: tuple[float, float] | None) -> Array:
+    """(n, 2) east and north of an origin in [m], of latitudes and longitudes (n,); degrees all of them."""
+    from pyproj import CRS, Transformer
+
+    found = np.full((len(latitudes), 2), math.nan)
+    if origin is not None:
+        told = np.isfinite(latitudes) & np.isfinite(longitudes)
+        about = f"+proj=aeqd +lat_0={origin[0]} +lon_0={origin[1]} +datum=WGS84 +units=m"
+        to_plane = Transformer.from_crs("EPSG:4326", CRS.from_proj4(about), always_xy=True)
+        found[told] = np.stack(to_plane.transform(longitudes[told], latitudes[told]), axis=1)
+    return found

@@ -1,0 +1,38 @@
+"""What a robot's sensors read on a drive outdoors, as it was recorded."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+
+class DriveLog(NamedTuple):
+    """Readings in the order of time; NaN where nothing new came.
+
+    World is x east, y north; base is x forward, y left, z up.
+    """
+
+    times: Array
+    """(n,) in [s], rising."""
+    rates: Array
+    """(n, 3) of the gyros, in [rad/s]."""
+    accelerations: Array
+    """(n, 3) in [m/s²]."""
+    wheels: Array
+    """(n, 2) travel of the left and right wheel since the row before, in [m]."""
+    fixes: Array
+    """(n, 2) of the antenna, east and north in [m]."""
+    sigmas: Array
+    """(n,) what the receiver says of a fix, an axis, in [m]; NaN where it doesn't."""
+    reference: Array
+    """(n, 3) where the base really was: x, y in [m], heading in [rad]; NaN where that isn't known."""
+    start: tuple[float, float, float]
+    """x, y in [m], heading in [rad] of the base before the first row; NaN where nobody knows."""
+    antenna: tuple[float, float, float] | None
+    """In the base frame, in [m]; None: as the robot's file says."""
+    steered: bool = False
+    """Whether `rates` are those of a steering angle: there is no gyro."""

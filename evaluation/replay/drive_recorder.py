@@ -1,0 +1,105 @@
+"""What wheels, gyros and receiver read in a run, as a log for `handcart localize`."""
+
+from __future__ import annotations
+
+import math
+from contextlib import suppress
+from pathlib import Path
+from typing import TextIO
+
+import numpy as np
+
+from handcart.backends.robot.robot import Robot
+from handcart.files.csv_table import number_in
+from handcart.networks.run_observer import RunObserver
+from handcart.networks.task.preparing import Prepared
+
+NAME = "drive.csv"
+COLUMNS = {
+    "time": "s",
+    **{f"gyro_{axis}": "rad/s" for axis in "xyz"},
+    **{f"accelerometer_{axis}": "m/s2" for axis in "xyz"},
+    "wheel_left": "m",
+    "wheel_right": "m",
+    "gps_east": "m",
+    "gps_north": "m",
+    "gps_sigma": "m",
+    "true_x": "m",
+    "true_y": "m",
+    "true_heading": "rad",
+}
+"""By name: its unit."""
+
+
+class DriveRecorder(RunObserver):
+    """Writes a row a period into the run's folder, for a robot that is outdoors; a simulated one's truth as well.
+
+    A disk that takes no more ends the log, not the run.
+    """
+
+    def __init__(self) -> None:
+        self._file: TextIO | None = None
+
+    def begin(self, prepared: Prepared, run_dir: Path) -> None:
+        """See `RunObserver`; the log of a run that goes on goes on from there."""
+        robot = prepared.robot
+        if robot.localization.sensed is None:
+            return
+        path = run_dir / NAME
+        with suppress(OSError):
+            lines = _kept(path, robot.time) if path.exists() else [_header(robot)]
+            self._file = path.open("w", encoding="utf-8")
+            self._file.writelines(lines)
+
+    def period(self, robot: Robot) -> None:
+        """See `RunObserver`."""
+        if self._file is None:
+            return
+        try:
+            self._file.write(_row(robot))
+        except OSError:
+            self.end()
+
+    def end(self) -> None:
+        """See `RunObserver`."""
+        if self._file is not None:
+            with suppress(OSError):
+                self._file.close()
+        self._file = None
+
+
+def _row(robot: Robot) -> str:
+    sensed = robot.localization.sensed
+    assert sensed is not None
+    truth = robot.backend.ground_truth()
+    place = (math.nan,) * 3 if sensed.fix is None else (*sensed.fix.position.tolist(), sensed.fix.sigma)
+    true = (math.nan,) * 3 if truth is None else tuple(truth.base)
+    values = [*sensed.rates.tolist(), *sensed.accelerations.tolist(), *sensed.rolled.tolist(), *place, *true]
+    cells = ["" if math.isnan(value) else f"{value:.6g}" for value in values]
+    return ",".join([f"{robot.time:.4f}", *cells]) + "\n"
+
+
+def _kept(path: Path, time: float) -> list[str]:
+    """Lines of a log up to the moment from which its run goes on, in [s]."""
+    lines = path.read_text(encoding="utf-8", errors="replace").splitlines(keepends=True)
+    table = next((k for k, line in enumerate(lines) if line.startswith("time,")), len(lines) - 1) + 1
+    rows = [line for line in lines[table:] if line.endswith("\n") and number_in(line.split(",")[0]) <= time]
+    return lines[:table] + rows
+
+
+def _header(robot: Robot) -> str:
+    """In YAML, and the table's first line."""
+    start, antenna = robot.pose, robot.spec.antenna
+    sigma = float(np.sqrt(robot.localization.covariance[2, 2]))
+    heading = f", heading_deg: {math.degrees(start.theta):.4f}" if sigma < 1.0 else ""
+    lines = [
+        "---",
+        "format: handcart-log/1",
+        f"start: {{x_m: {start.x:.4f}, y_m: {start.y:.4f}{heading}}}",
+        f"antenna_m: [{', '.join(f'{each:.4f}' for each in antenna)}]",
+        "columns:",
+        *(f"  {name}: {{unit: {unit}}}" for name, unit in COLUMNS.items()),
+        "---",
+        ",".join(COLUMNS),
+    ]
+    return "\n".join(lines) + "\n"

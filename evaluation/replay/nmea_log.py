@@ -1,0 +1,62 @@
+"""Fixes from a receiver's own log beside a log of wheels and gyros."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import numpy as np
+
+from handcart.backends.can.sensors.nmea_sentence import Accuracy, Position, read_sentence
+from handcart.files.errors import FileError, Finding
+from handcart.files.regular_file import read_regular_file
+
+from .csv_log import MAX_BYTES, first_place, plane
+from .drive_log import DriveLog
+
+DAY = 86_400.0  # [s]
+NEAR = 2.0  # [s] between a GGA and the GST that belongs to it
+
+
+def with_nmea(log: DriveLog, path: Path) -> DriveLog:
+    """A log with the fixes of a file of NMEA 0183 sentences (GGA, GST) instead of its own.
+
+    The receiver's clock is UTC. Where the log's times are seconds since 1970 or of the day, its clock is taken
+    to be UTC too; else the first fix is taken to have come with the first row. Sentences that are damaged are
+    left out.
+
+    Raises:
+        FileError: it can't be read, or holds no fix.
+    """
+    positions, accuracies = [], {}
+    for line in read_regular_file(path, MAX_BYTES).splitlines():
+        try:
+            sentence = read_sentence(line.strip())
+        except (ValueError, UnicodeDecodeError):
+            continue
+        if isinstance(sentence, Accuracy):
+            accuracies[round(sentence.utc, 1)] = sentence.sigma
+        elif isinstance(sentence, Position) and sentence.quality > 0:
+            positions.append(sentence)
+    if not positions:
+        wrong = "no fix in it; needed: GGA sentences of NMEA 0183 with a place and sound checksums"
+        raise FileError([Finding(str(path), 1, 1, wrong)])
+    times = np.unwrap([each.utc for each in positions], period=DAY)
+    times = times - times[0] + _first(log, positions[0].utc)
+    told = np.array([each.lat for each in positions]), np.array([each.lon for each in positions])
+    places = plane(*told, first_place(*told))
+    fixes, sigmas = np.full_like(log.fixes, math.nan), np.full_like(log.sigmas, math.nan)
+    for time, place, each in zip(times, places, positions, strict=True):
+        row = int(np.searchsorted(log.times, time))
+        if row < len(log.times) and time >= log.times[0]:
+            fixes[row], sigmas[row] = place, accuracies.get(round(each.utc, 1), math.nan)
+    return log._replace(fixes=fixes, sigmas=sigmas)
+
+
+def _first(log: DriveLog, utc: float) -> float:
+    """When the first fix came, by the log's clock, in [s]."""
+    begun = float(log.times[0])
+    of_day = begun % DAY
+    if begun < DAY and not begun <= utc <= float(log.times[-1]):
+        return begun
+    return begun - of_day + utc

@@ -1,0 +1,124 @@
+"""Which noise a recorded log speaks for."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import NamedTuple
+
+from handcart.robotics.navigation.outdoors.field_noise import FieldNoise
+
+from .drive_log import DriveLog
+from .replay import localizer_for, replay
+
+FACTORS = (0.25, 0.5, 0.71, 1.41, 2.0, 4.0)
+DRIFTS = (0.0, 0.25, 0.5, 1.0, 2.0)  # of a fix's white error
+SURE = 3.0  # by which a logarithm of likelihood has to grow: less is chance
+
+
+class Knob(NamedTuple):
+    """Figures that are scaled together."""
+
+    words: str
+    turned: Callable[[FieldNoise, float], FieldNoise]
+    factors: tuple[float, ...] = FACTORS
+
+
+class Fitted(NamedTuple):
+    """The noise under which a log's fixes are likeliest."""
+
+    noise: FieldNoise
+    before: float
+    """Logarithm of the fixes' likelihood by the noise that was told."""
+    after: float
+    changed: dict[str, float]
+    """By what each knob was turned; those left alone aren't in it."""
+
+
+def _wheels(noise: FieldNoise, factor: float) -> FieldNoise:
+    return noise._replace(
+        scale=factor * noise.scale,
+        slip=factor * noise.slip,
+        turn_slip=factor * noise.turn_slip,
+        side_slip=factor * noise.side_slip,
+    )
+
+
+def _gyro(noise: FieldNoise, factor: float) -> FieldNoise:
+    return noise._replace(
+        gyro_white=factor * noise.gyro_white,
+        gyro_walk=factor * noise.gyro_walk,
+        gyro_bias=factor * noise.gyro_bias,
+        gyro_scale=factor * noise.gyro_scale,
+    )
+
+
+def _white(noise: FieldNoise, factor: float) -> FieldNoise:
+    return noise._replace(gps_white=factor * noise.gps_white)
+
+
+def _drift(noise: FieldNoise, share: float) -> FieldNoise:
+    return noise._replace(gps_drift=share * noise.gps_white)
+
+
+KNOBS = (
+    Knob("fixes, white", _white),
+    Knob("fixes, drift, in white ones", _drift, DRIFTS),
+    Knob("wheels", _wheels),
+    Knob("gyros", _gyro),
+)
+
+
+def fit_noise(log: DriveLog, told: FieldNoise, passed: Callable[[float], None] | None = None) -> Fitted:
+    """Turn one knob after the other, twice, while the fixes get likelier (coordinate ascent).
+
+    Args:
+        log: a drive with fixes, kilometres rather than metres.
+        told: where to begin.
+        passed: hears now and then which share of it is done.
+    """
+    noise, best = told, _likelihood(log, told)
+    before, changed = best, dict[str, float]()
+    work = 2 * sum(len(knob.factors) for knob in KNOBS)
+    done = 0
+    for _ in range(2):
+        for knob in KNOBS:
+            tried = []
+            for factor in knob.factors:
+                tried.append((_likelihood(log, knob.turned(noise, factor)), factor))
+                done += 1
+                if passed is not None:
+                    passed(done / work)
+            likely, factor = max(tried)
+            if likely > best + SURE:
+                noise, best = knob.turned(noise, factor), likely
+                turned = factor if knob.turned is _drift else changed.get(knob.words, 1.0) * factor
+                changed[knob.words] = turned
+    return Fitted(noise, before, best, changed)
+
+
+def _likelihood(log: DriveLog, noise: FieldNoise) -> float:
+    """Of all fixes by a filter that supposes nothing else."""
+    return replay(log, localizer_for(log, noise, alone=True)).log_likelihood
+
+
+def in_yaml(noise: FieldNoise) -> str:
+    """The figures as a robot's file has them."""
+    deg = math.degrees
+    return "\n".join(
+        [
+            "ground:",
+            f"  scale_percent: {100 * noise.scale:.3g}",
+            f"  slip_percent: {100 * noise.slip:.3g}",
+            f"  turn_slip_percent: {100 * noise.turn_slip:.3g}",
+            f"  side_slip_deg: {deg(noise.side_slip):.3g}",
+            "imu:",
+            f"  angle_random_walk_deg_rt_s: {deg(noise.gyro_white):.3g}",
+            f"  rate_random_walk_deg_s_rt_s: {deg(noise.gyro_walk):.3g}",
+            f"  gyro_bias_deg_s: {deg(noise.gyro_bias):.3g}",
+            f"  gyro_scale_percent: {100 * noise.gyro_scale:.3g}",
+            "gps:",
+            f"  white_m: {noise.gps_white:.3g}",
+            f"  drift_m: {noise.gps_drift:.3g}",
+        ]
+    )

@@ -1,0 +1,131 @@
+"""Playing a recorded log to a robot's outdoor localization."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from handcart.robotics.geometry.pose2 import Pose2, wrap
+from handcart.robotics.navigation.outdoors.field_localizer import FieldLocalizer
+from handcart.robotics.navigation.outdoors.field_noise import FieldNoise
+from handcart.robotics.navigation.outdoors.gps_filter import GpsFilter
+from handcart.robotics.navigation.outdoors.particle_filter import ParticleErrors, ParticleFilter
+from handcart.robotics.navigation.outdoors.suppositions import Supposition
+
+from .drive_log import DriveLog
+
+EACH = 1.0  # [s] between points of the track
+UNSURE = 3.0  # sigmas of a fix: how well the first one tells where the base is
+STEERED = {"gyro_white": math.radians(0.5), "gyro_bias": math.radians(0.2), "gyro_scale": 0.05}
+"""What is supposed of turns where wheels or steering tell them, and no gyro."""
+Array = NDArray[np.float64]
+
+
+class ReplayedFix(NamedTuple):
+    """A fix, and what became of it."""
+
+    time: float
+    """[s]"""
+    position: tuple[float, float]
+    """East and north, in [m]."""
+    believed: bool
+    why: str
+    """It wasn't believed, or the filter was not; in words."""
+
+
+class Replayed(NamedTuple):
+    """What the localization made of a log."""
+
+    times: Array
+    """(k,) in [s]."""
+    poses: Array
+    """(k, 3): x, y in [m], heading in [rad]."""
+    covariances: Array
+    """(k, 3, 3) of them."""
+    known: NDArray[np.bool_]
+    """(k,) whether it could be said which way the robot headed."""
+    truth: Array
+    """(k, 3) by the log's reference; NaN where that says nothing."""
+    fixes: list[ReplayedFix]
+    log_likelihood: float
+    """Of the fixes; NaN for a localizer that doesn't tell."""
+
+    @property
+    def errors(self) -> Array:
+        """(k, 3) estimate less reference, in [m] and [rad]."""
+        away = self.poses - self.truth
+        away[:, 2] = (away[:, 2] + math.pi) % (2.0 * math.pi) - math.pi
+        return away
+
+
+def localizer_for(
+    log: DriveLog, noise: FieldNoise, kind: str = "gps_filter", alone: bool = False
+) -> FieldLocalizer:
+    """A localizer of that kind which starts as the log says, or as its first fix does.
+
+    Args:
+        log: what will be played.
+        noise: what to believe of wheels, gyros and receiver.
+        kind: `gps_filter` or `particle`.
+        alone: `gps_filter` supposes that noise and nothing else.
+    """
+    if log.antenna is not None:
+        noise = noise._replace(antenna=log.antenna)
+    if log.steered:
+        noise = noise._replace(**STEERED)
+    x, y, heading = log.start
+    position = 0.05
+    if not math.isfinite(x) or not math.isfinite(y):
+        told = np.flatnonzero(np.isfinite(log.fixes).all(axis=1))
+        x, y = log.fixes[told[0]].tolist() if len(told) else (0.0, 0.0)
+        position = UNSURE * noise.gps_white + math.hypot(*noise.antenna[:2])
+    if not math.isfinite(heading):
+        heading, noise = 0.0, noise._replace(start_heading=math.inf)
+    start = Pose2(x, y, wrap(heading))
+    if kind == "gps_filter":
+        supposed = [Supposition(noise, 1.0, 0)] if alone else None
+        return GpsFilter(start, noise, position, supposed=supposed)
+    errors = ParticleErrors(
+        gps=max(noise.gps_white, 0.05), start_position=position, start_heading=noise.start_heading
+    )
+    return ParticleFilter(start, errors)
+
+
+def replay(
+    log: DriveLog, localizer: FieldLocalizer, passed: Callable[[float], None] | None = None
+) -> Replayed:
+    """Play a log; `passed` hears now and then which share of it is done."""
+    steps = np.diff(log.times, prepend=log.times[0])
+    told = np.isfinite(log.fixes).all(axis=1)
+    rows: list[int] = []
+    poses, covariances, known, fixes = [], [], [], []
+    due = log.times[0]
+    for row in range(len(log.times)):
+        localizer.predict(log.rates[row], log.accelerations[row], log.wheels[row], float(steps[row]))
+        if told[row]:
+            sigma = float(log.sigmas[row])
+            believed = localizer.fix(log.fixes[row], sigma if sigma > 0.0 else None)
+            why = localizer.refusal
+            x, y = log.fixes[row].tolist()
+            fixes.append(ReplayedFix(float(log.times[row]), (x, y), believed, why))
+        if log.times[row] >= due or row == len(log.times) - 1:
+            due = max(due + EACH, log.times[row])
+            rows.append(row)
+            poses.append(localizer.pose)
+            covariances.append(localizer.covariance)
+            known.append(localizer.heading_known)
+            if passed is not None:
+                passed(row / len(log.times))
+    return Replayed(
+        log.times[rows],
+        np.array(poses),
+        np.array(covariances),
+        np.array(known),
+        log.reference[rows],
+        fixes,
+        localizer.log_likelihood,
+    )

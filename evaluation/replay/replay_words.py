@@ -1,0 +1,94 @@
+"""What a replay showed, in words and figures."""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from typing import Any
+
+import numpy as np
+
+from .replay import Replayed
+
+SHOWN = 12  # refused fixes that are told one by one
+
+
+def figures(replayed: Replayed) -> dict[str, Any]:
+    """Plain data: fixes, what is claimed, and how far it is from the log's reference, if it has one."""
+    claimed = np.sqrt(np.trace(replayed.covariances[:, :2, :2], axis1=1, axis2=2))
+    refused = [fix for fix in replayed.fixes if not fix.believed]
+    found: dict[str, Any] = {
+        "seconds": round(float(replayed.times[-1] - replayed.times[0]), 1),
+        "fixes": len(replayed.fixes),
+        "refused": [{"time_s": fix.time, "why": fix.why} for fix in refused],
+        "heading_known_after_s": _known_after(replayed),
+        "claimed_m_median": round(float(np.median(claimed)), 3),
+        "claimed_m_last": round(float(claimed[-1]), 3),
+    }
+    sure = replayed.known & np.isfinite(replayed.truth[:, :2]).all(axis=1)
+    if sure.any():
+        away = replayed.errors[sure]
+        lengths = np.hypot(away[:, 0], away[:, 1])
+        inverse = np.linalg.inv(replayed.covariances[sure][:, :2, :2])
+        squares = np.einsum("ni,nij,nj->n", away[:, :2], inverse, away[:, :2])
+        found |= {
+            "error_m_rms": round(float(np.sqrt(np.mean(lengths**2))), 3),
+            "error_m_r95": round(float(np.quantile(lengths, 0.95)), 3),
+            "error_m_max": round(float(lengths.max()), 3),
+            "nees": round(float(squares.mean()), 2),
+        }
+        turned = np.abs(away[:, 2][np.isfinite(away[:, 2])])
+        if len(turned):
+            found["error_deg_rms"] = round(math.degrees(float(np.sqrt(np.mean(turned**2)))), 2)
+    return found
+
+
+def in_words(replayed: Replayed) -> str:
+    """For a person."""
+    told = figures(replayed)
+    refused = [fix for fix in replayed.fixes if not fix.believed]
+    lines = [
+        f"{told['seconds']:.0f} s, {told['fixes']} fixes, {len(refused)} of them refused",
+        _of_heading(told["heading_known_after_s"]),
+        f"claimed: {told['claimed_m_median']:.2f} m in the median, {told['claimed_m_last']:.2f} m in the end",
+    ]
+    if "error_m_rms" in told:
+        lines.append(
+            f"against the reference: {told['error_m_rms']:.2f} m root mean square, 95 % within "
+            f"{told['error_m_r95']:.2f} m, at most {told['error_m_max']:.2f} m; "
+            f"squared errors are {told['nees']:.1f} claimed variances (2 where claims are true)"
+        )
+    lines += [f"  refused at {fix.time:.1f} s: {fix.why}" for fix in refused[:SHOWN]]
+    if len(refused) > SHOWN:
+        kinds = Counter(_kind(fix.why) for fix in refused[SHOWN:])
+        more = ", ".join(f"{count} {kind}" for kind, count in kinds.most_common())
+        lines.append(f"  and {len(refused) - SHOWN} more: {more}")
+    return "\n".join(lines)
+
+
+def _kind(why: str) -> str:
+    """A reason without its figures."""
+    for start, kind in (
+        ("fixes before", "after others that were off"),
+        ("the last", "off with those before"),
+    ):
+        if why.startswith(start):
+            return kind
+    return "off alone"
+
+
+def _known_after(replayed: Replayed) -> float | None:
+    """[s] from the beginning; None if never."""
+    if not replayed.known.any():
+        return None
+    return round(float(replayed.times[int(np.argmax(replayed.known))] - replayed.times[0]), 1)
+
+
+def _of_heading(seconds: float | None) -> str:
+    if seconds is None:
+        return "which way it headed is never known: it needs fixes over some metres of way"
+    return (
+        "the heading is known from the beginning"
+        if seconds == 0.0
+        else f"the heading is known after {seconds} s"
+    )

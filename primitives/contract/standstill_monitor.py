@@ -1,0 +1,37 @@
+"""A base that is driven and doesn't move."""
+
+from __future__ import annotations
+
+import math
+
+from handcart.backends.robot.robot import Robot
+
+from .discrepancy import Discrepancy, Measured
+
+PATIENCE = 10.0  # [s]
+MOVED = (0.005, math.radians(0.3))  # [m], [rad]: less is no motion
+
+
+class StandstillMonitor:
+    """Tells a base whose drives are stuck from one that waits: this one isn't told to drive.
+
+    One that is held back from what stands in its way waits until that goes away.
+    """
+
+    def __init__(self, robot: Robot) -> None:
+        self._robot = robot
+        self._place, self._driven = robot.pose, 0.0
+
+    def check(self) -> None:
+        """Once a period; raises `Discrepancy` where the base has been driven for long and stands as before."""
+        robot = self._robot
+        moved = robot.pose.distance(self._place) > MOVED[0] or robot.pose.turn(self._place) > MOVED[1]
+        if moved or robot.held is not None:
+            self._place, self._driven = robot.pose, 0.0
+        elif robot.driven != (0.0, 0.0):
+            self._driven += robot.period
+        if self._driven > PATIENCE:
+            stood = Measured("Base", "time driven without moving", self._driven, PATIENCE, "s")
+            raise Discrepancy(
+                "the base doesn't move, though it is driven", measured=stood, check="standstill"
+            )

@@ -1,0 +1,113 @@
+"""`handcart localize`: a recorded log, played to a robot's outdoor localization."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+if TYPE_CHECKING:
+    from handcart.evaluation.replay.drive_log import DriveLog
+    from handcart.evaluation.replay.replay import Replayed
+
+BAGS = (".bag", ".db3", ".mcap")
+PICTURES = (".svg", ".png", ".pdf")
+
+
+def localize(
+    log: Annotated[Path, typer.Argument(help="a CSV file with a header, or a ROS bag; see docs/localize.md")],
+    nmea: Annotated[
+        Path | None, typer.Option(help="a receiver's own log (NMEA 0183) with the fixes, beside the CSV file")
+    ] = None,
+    robot: Annotated[
+        str, typer.Option(help="what to believe of the sensors: a shipped robot, or the path of its file")
+    ] = "el_verde",
+    localizer: Annotated[str, typer.Option(help="gps_filter or particle")] = "gps_filter",
+    reference: Annotated[
+        str | None, typer.Option(help="topic of a ROS bag on which the true poses are")
+    ] = None,
+    output: Annotated[
+        Path | None, typer.Option("-o", "--output", help="FILE.svg, .png or .pdf: the track as a picture")
+    ] = None,
+    track: Annotated[Path | None, typer.Option(help="FILE.csv: poses and what is claimed of them")] = None,
+    fit: Annotated[
+        bool,
+        typer.Option("--fit", help="propose noise for the robot's file under which the fixes are likeliest"),
+    ] = False,
+    as_json: Annotated[bool, typer.Option("--json", help="one JSON object on stdout")] = False,
+) -> None:
+    """Tell where a robot was by a recorded log, how sure that is, and which fixes were refused and why."""
+    import orjson
+
+    from handcart.backends.description.robot_loading import load_robot
+    from handcart.backends.robot.localization.noise_model import field_noise
+    from handcart.evaluation.replay.noise_fit import fit_noise, in_yaml
+    from handcart.evaluation.replay.replay import localizer_for, replay
+    from handcart.evaluation.replay.replay_chart import draw_replay
+    from handcart.evaluation.replay.replay_words import figures, in_words
+    from handcart.files.suggest import suggest
+    from handcart.tools.terminal.share_shown import share_shown
+
+    if localizer not in KINDS:
+        raise typer.BadParameter(f"no localizer {localizer!r}{suggest(localizer, KINDS)}")
+    if output is not None and output.suffix not in PICTURES:
+        raise typer.BadParameter(f"no picture for {output.suffix!r}{suggest(output.suffix, PICTURES)}")
+    spec = load_robot(robot)
+    played = _read(log, nmea, reference)
+    noise = field_noise(spec, played.antenna or spec.antenna)
+    with share_shown("log") as passed:
+        replayed = replay(played, localizer_for(played, noise, localizer), passed)
+    found = figures(replayed)
+    if not as_json:
+        print(in_words(replayed))
+    if output is not None:
+        draw_replay(replayed, output, f"{log.name}, {localizer}")
+    if track is not None:
+        _write_track(track, replayed)
+    if fit:
+        with share_shown("fit") as passed:
+            fitted = fit_noise(played, noise, passed)
+        found["fit"] = {"log_likelihood": [fitted.before, fitted.after], "turned": fitted.changed}
+        if not as_json:
+            print(f"\nfor the robot's file (likelier by e^{fitted.after - fitted.before:.1f}):\n")
+            print(in_yaml(fitted.noise))
+    if as_json:
+        print(orjson.dumps(found, option=orjson.OPT_INDENT_2).decode())
+
+
+KINDS = ("gps_filter", "particle")
+
+
+def _read(log: Path, nmea: Path | None, reference: str | None) -> DriveLog:
+    """The log, whatever it is."""
+    if log.is_dir() or log.suffix in BAGS:
+        from handcart.evaluation.replay.bag_log import read_bag_log
+
+        if nmea is not None:
+            raise typer.BadParameter("--nmea goes with a CSV file, not with a bag")
+        return read_bag_log(log, reference)
+    from handcart.evaluation.replay.csv_log import read_csv_log
+
+    if reference is not None:
+        raise typer.BadParameter("--reference is a bag's topic; a CSV file has true_x and true_y")
+    played = read_csv_log(log)
+    if nmea is None:
+        return played
+    from handcart.evaluation.replay.nmea_log import with_nmea
+
+    return with_nmea(played, nmea)
+
+
+def _write_track(path: Path, replayed: Replayed) -> None:
+    """One row a second: pose, and the covariance's upper half."""
+    from handcart.tools.terminal.writing import write_text
+
+    lines = ["time_s,x_m,y_m,heading_rad,xx_m2,xy_m2,yy_m2,xh_m,yh_m,hh_rad2,heading_known"]
+    for time, pose, spread, known in zip(
+        replayed.times, replayed.poses, replayed.covariances, replayed.known, strict=True
+    ):
+        upper = spread[[0, 0, 1, 0, 1, 2], [0, 1, 1, 2, 2, 2]]
+        cells = [f"{time:.3f}", *(f"{each:.4f}" for each in pose), *(f"{each:.6g}" for each in upper)]
+        lines.append(",".join([*cells, str(int(known))]))
+    write_text(path, "\n".join(lines) + "\n")
