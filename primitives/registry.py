@@ -12,6 +12,7 @@ from handcart.tasks.domain import domains, imported
 GENERAL = {
     "MOVE_TO": "handcart.primitives.driving.move_to:MoveTo",
     "MODIFY": "handcart.primitives.driving.modify:Modify",
+    "ORIENT": "handcart.primitives.driving.orient:Orient",
     "STAND": "handcart.primitives.driving.stand:Stand",
 }
 """Of no domain, by name; domains add theirs, and other packages by an entry point of the group

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import Annotated
+from typing import Annotated, Literal
 
 from pydantic import Field
 
@@ -52,3 +52,5 @@ class GpsSpec(FileModel):
     """Slow error of the fixes, an axis: sigma (Gauss-Markov)."""
     drift_time_s: Positive = 300.0
     """Over which it changes."""
+    start_heading_deg: NotNegative | Literal["unknown"] = 1.0
+    """How well it is told which way the robot heads at first: sigma, or that nobody tells it (see ORIENT)."""

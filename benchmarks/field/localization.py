@@ -41,7 +41,6 @@ from handcart.robotics.navigation.outdoors.placement_errors import (
     share_radius,
     tip_covariance,
 )
-from handcart.robotics.navigation.outdoors.smoothing import TrackRecord
 
 COURSES: dict[str, Callable[[], FieldCourse]] = {"straight": straight_course, "zigzag": zigzag_course}
 PAPER = {"straight": (58.0, 148.0), "zigzag": (283.0, 123.0)}  # [mm], along and across
@@ -72,9 +71,9 @@ def one_run(job: tuple[str, str, int]) -> list[tuple[Key, FieldTrial]]:
     start = start_pose(log)
     if name == "turned":
         start = Pose2(0.0, 0.0, start.theta + math.pi)
-    record = TrackRecord()
-    trials = {"Kalman": try_course(log, GpsFilter(start, noise, record=record))}
-    trials["Kalman, as laid"] = as_laid(log, record.smoothed())
+    localizer = GpsFilter(start, noise, record=True)
+    trials = {"Kalman": try_course(log, localizer)}
+    trials["Kalman, as laid"] = as_laid(log, localizer.smoothed())
     trials["limit"] = limit(log, noise)
     if name == "REF":
         trials["paper's filter"] = try_course(log, ParticleFilter(start, seed=seed, euler=False))

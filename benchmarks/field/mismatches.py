@@ -1,10 +1,10 @@
 """What outdoor filters claim where the world isn't as they are told: python -m benchmarks.field.mismatches
 
-Each mismatch is a world of `WORLDS`; the filter is always told `REFERENCE`. Runs drive the straight course and
-the zigzag by turns. NEES in two dimensions (2 where the claim is true), the radius that holds 95 %, and the
-median claim are those of all places; where the fixes of the last minute contradict the claim, DEPLOY wouldn't
-lay: of the sensors that it would, the share that lies further off than three claimed sigma (1.1 % where errors
-are normal).
+Each mismatch is a world of `WORLDS`; the filter is always told `REFERENCE`. Runs drive the straight course
+and the zigzag by turns. NEES in two dimensions (2 where the claim is true), the radius that holds 95 %, and
+the median claim are those of all places; where the fixes of the last minute contradict the claim, DEPLOY
+wouldn't lay: of the sensors that it would, the share that lies further off than three claimed sigma (1.1 %
+where errors are normal).
 """
 
 from __future__ import annotations

@@ -62,6 +62,8 @@ def read_bag_log(path: Path, reference: str | None = None) -> DriveLog:
                 _row(reader.deserialize(raw, connection.msgtype), connection, reference)
                 for connection, _, raw in reader.messages(chosen)
             ]
+    except FileError:
+        raise
     except (AnyReaderError, OSError, ValueError, KeyError) as error:
         wrong = (
             f"no bag that can be read: {str(error).splitlines()[0] if str(error) else type(error).__name__}"

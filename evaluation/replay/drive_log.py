@@ -36,3 +36,25 @@ class DriveLog(NamedTuple):
     """In the base frame, in [m]; None: as the robot's file says."""
     steered: bool = False
     """Whether `rates` are those of a steering angle: there is no gyro."""
+
+    def one_row_a_time(self) -> DriveLog:
+        """Rows of the same time put together: the latest of each reading, and all of the travel."""
+        if (np.diff(self.times) > 0.0).all():
+            return self
+        starts = np.flatnonzero(np.diff(self.times, prepend=-np.inf) > 0.0)
+        travel = np.add.reduceat(np.nan_to_num(self.wheels), starts)
+        ends = np.append(starts[1:], len(self.times))
+        latest = {name: _latest(getattr(self, name), starts, ends) for name in _READINGS}
+        return self._replace(times=self.times[starts], wheels=travel, **latest)
+
+
+_READINGS = ("rates", "accelerations", "fixes", "sigmas", "reference")
+
+
+def _latest(values: Array, starts: NDArray[np.int64], ends: NDArray[np.int64]) -> Array:
+    """The last row between each start and end that tells anything; NaN where none does."""
+    told = np.isfinite(values) if values.ndim == 1 else np.isfinite(values).all(axis=1)
+    rows = np.maximum.accumulate(np.where(told, np.arange(len(values)), -1))[ends - 1]
+    found = values[rows]
+    found[rows < starts] = np.nan
+    return found

@@ -32,7 +32,7 @@ COLUMNS = {
 
 
 class DriveRecorder(RunObserver):
-    """Writes a row a period into the run's folder, for a robot that is outdoors; a simulated one's truth as well.
+    """Writes a row a period into the run's folder, for a robot that is outdoors; simulated: with the truth.
 
     A disk that takes no more ends the log, not the run.
     """

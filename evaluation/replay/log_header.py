@@ -41,7 +41,7 @@ QUANTITIES: dict[str, tuple[str, ...]] = {
     "true_latitude": ("degrees",),
     "true_longitude": ("degrees",),
 }
-"""What a column may hold, and what of that is measured; a wheel's length is its travel since the row before."""
+"""What a column may hold, and what of that is measured; a wheel's length is its travel since the last row."""
 
 
 class Column(FileModel):

@@ -21,8 +21,8 @@ NEAR = 2.0  # [s] between a GGA and the GST that belongs to it
 def with_nmea(log: DriveLog, path: Path) -> DriveLog:
     """A log with the fixes of a file of NMEA 0183 sentences (GGA, GST) instead of its own.
 
-    The receiver's clock is UTC. Where the log's times are seconds since 1970 or of the day, its clock is taken
-    to be UTC too; else the first fix is taken to have come with the first row. Sentences that are damaged are
+    The receiver's clock is UTC. Where the log's times are seconds since 1970 or of the day, its clock is
+    taken to be UTC too; else the first fix is taken to have come with the first row. Damaged sentences are
     left out.
 
     Raises:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,7 +20,7 @@ from .drive_log import DriveLog
 
 EACH = 1.0  # [s] between points of the track
 UNSURE = 3.0  # sigmas of a fix: how well the first one tells where the base is
-STEERED = {"gyro_white": math.radians(0.5), "gyro_bias": math.radians(0.2), "gyro_scale": 0.05}
+STEERED: dict[str, Any] = {"gyro_white": math.radians(0.5), "gyro_bias": math.radians(0.2), "gyro_scale": 0.05}
 """What is supposed of turns where wheels or steering tell them, and no gyro."""
 Array = NDArray[np.float64]
 
@@ -99,13 +99,15 @@ def replay(
     log: DriveLog, localizer: FieldLocalizer, passed: Callable[[float], None] | None = None
 ) -> Replayed:
     """Play a log; `passed` hears now and then which share of it is done."""
+    log = log.one_row_a_time()
     steps = np.diff(log.times, prepend=log.times[0])
-    told = np.isfinite(log.fixes).all(axis=1)
+    told = np.isfinite(log.fixes.sum(axis=1))
     rows: list[int] = []
     poses, covariances, known, fixes = [], [], [], []
     due = log.times[0]
     for row in range(len(log.times)):
-        localizer.predict(log.rates[row], log.accelerations[row], log.wheels[row], float(steps[row]))
+        if row:  # before the first one nobody knows since when
+            localizer.predict(log.rates[row], log.accelerations[row], log.wheels[row], float(steps[row]))
         if told[row]:
             sigma = float(log.sigmas[row])
             believed = localizer.fix(log.fixes[row], sigma if sigma > 0.0 else None)

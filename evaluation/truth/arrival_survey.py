@@ -50,6 +50,16 @@ def _stood(survey: Survey, claim: Claim) -> list[str]:
     ]
 
 
+def _oriented(survey: Survey, claim: Claim) -> list[str]:
+    """The heading is what it is claimed to be, within what is claimed of that."""
+    robot = survey.run.robot
+    if not robot.localization.heading_known:
+        return ["it isn't known which way the base heads"]
+    off = math.degrees(robot.pose.turn(survey.run.world.base))
+    most = STOOD_DEG + math.degrees(SIGMAS * robot.localization.sigma[1])
+    return at_most("the base heads {:.2f} deg beside what is believed", off, most)
+
+
 def _modified(survey: Survey, claim: Claim) -> list[str]:
     detour = survey.run.model.detour
     known = detour is not None and detour.goal == claim.primitive.place
@@ -60,7 +70,7 @@ class ArrivalSurvey(FiguresSurvey):
     """Notes the worst arrival of the run."""
 
     name = "arrival"
-    effects: ClassVar = {DRIVES: _moved_to, "STAND": _stood, "MODIFY": _modified}
+    effects: ClassVar = {DRIVES: _moved_to, "ORIENT": _oriented, "STAND": _stood, "MODIFY": _modified}
 
     def ended(self, number: int, primitive: ActionPrimitive, outcome: Outcome) -> list[str]:
         """See `Survey`."""

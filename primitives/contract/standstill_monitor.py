@@ -23,7 +23,7 @@ class StandstillMonitor:
         self._place, self._driven = robot.pose, 0.0
 
     def check(self) -> None:
-        """Once a period; raises `Discrepancy` where the base has been driven for long and stands as before."""
+        """Once a period; raises `Discrepancy` where the base was driven for long and stands as before."""
         robot = self._robot
         moved = robot.pose.distance(self._place) > MOVED[0] or robot.pose.turn(self._place) > MOVED[1]
         if moved or robot.held is not None:

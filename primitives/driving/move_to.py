@@ -153,6 +153,8 @@ class MoveTo(ActionPrimitive):
         lost = robot.localization.lost
         if lost is not None:
             raise NeedsPerson(f"the robot doesn't know where it is: {lost.why}", Measured(*lost[1:]))
+        if not robot.localization.heading_known:
+            raise Discrepancy("nobody told which way the robot heads: ORIENT finds it out", permanent=True)
         if self._monitor is None or len(self._ahead) < 2:
             return
         sensed = self._monitor.unexpected(robot)

@@ -116,6 +116,11 @@ class Localization(ABC):
         return None
 
     @property
+    def heading_known(self) -> bool:
+        """Whether it can be said which way the base heads."""
+        return True
+
+    @property
     def doubt(self) -> Lost | None:
         """Why what it claims about where it is isn't to be relied on just now; None while it is."""
         return self.lost

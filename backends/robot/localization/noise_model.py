@@ -13,6 +13,7 @@ from handcart.robotics.navigation.outdoors.gyro_only import GyroOnly
 from handcart.robotics.navigation.outdoors.particle_filter import ParticleErrors, ParticleFilter
 
 if TYPE_CHECKING:
+    from handcart.backends.description.ground_spec import GpsSpec
     from handcart.backends.description.robot_file import RobotFile
 
 START = 0.05  # [m] an axis: how well a task says where the robot starts
@@ -41,6 +42,7 @@ def field_noise(robot: RobotFile, antenna: tuple[float, float, float]) -> FieldN
             gps_white=max(LEAST_GPS, gps.white_m),
             gps_drift=gps.drift_m,
             gps_drift_time=gps.drift_time_s,
+            start_heading=_start_heading(gps),
         )
     if imu is not None:
         noise = noise._replace(
@@ -57,11 +59,20 @@ def field_noise(robot: RobotFile, antenna: tuple[float, float, float]) -> FieldN
     return noise
 
 
+def _start_heading(gps: GpsSpec) -> float:
+    """Sigma in [rad]; infinite where nobody tells it."""
+    told = gps.start_heading_deg
+    return math.inf if isinstance(told, str) else math.radians(told)
+
+
 def field_localizer(robot: RobotFile, start: Pose2, antenna: tuple[float, float, float]) -> FieldLocalizer:
     """The one that the robot's file names, starting at world_T_base; see `ground_spec.OUTDOORS`."""
     noise = field_noise(robot, antenna)
+    if math.isinf(noise.start_heading):
+        start = Pose2(start.x, start.y, 0.0)
     if robot.localizer == "gps_filter":
         return GpsFilter(start, noise, START, record=True)
     if robot.localizer == "particle":
-        return ParticleFilter(start, ParticleErrors(gps=max(noise.gps_white, 0.05)))
+        errors = ParticleErrors(gps=max(noise.gps_white, 0.05), start_heading=noise.start_heading)
+        return ParticleFilter(start, errors)
     return GyroOnly(start, noise, START)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from typing import ClassVar
 
 import numpy as np
@@ -16,7 +15,6 @@ from handcart.backends.plain_values import Kinds
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.localization.localizer import Localizer
 from handcart.robotics.navigation.outdoors.field_localizer import FieldLocalizer
-from handcart.robotics.navigation.outdoors.heading_search import KNOWN
 from handcart.robotics.navigation.outdoors.smoothing import Belief
 
 from .localization import Localization, Lost, Sensed
@@ -71,15 +69,16 @@ class OutdoorLocalization(Localization):
     @property
     def lost(self) -> Lost | None:
         """See `Localization`: by its wheels alone the base doesn't know how it turns."""
-        if not self._filter.heading_known:
-            sigma = math.degrees(math.sqrt(float(self._filter.covariance[2, 2])))
-            why = "nobody has told which way it heads, and fixes on its way haven't yet: drive it ahead with satellites in view"
-            return Lost(why, "Gps", "sigma of the heading", sigma, math.degrees(KNOWN), "deg")
         rolled = float(np.abs(np.subtract(self.travel, self._felt_at)).max())
         if rolled <= BLIND:
             return None
         why = "its gyros read nothing, or the same again and again"
         return Lost(why, "Imu", "way since a gyro read anything new", 1e3 * rolled, 1e3 * BLIND, "mm")
+
+    @property
+    def heading_known(self) -> bool:
+        """See `Localization`."""
+        return self._filter.heading_known
 
     @property
     def doubt(self) -> Lost | None:

@@ -159,8 +159,8 @@ class FieldKalman:
     def fix(self, position: Array, sigma: float | None, odometry: GyroOdometry) -> Fixed:
         """Take in a GPS position (2,) in [m], if it can be believed.
 
-        `sigma` [m] an axis is what the receiver says, None: what the filter supposes; `odometry` is what wheels
-        and gyros alone say.
+        `sigma` [m] an axis is what the receiver says, None: what the filter supposes; `odometry` is what
+        wheels and gyros alone say.
         """
         variance = (self._noise.gps_white if sigma is None else sigma) ** 2
         rows, residual, lever = self._forecast(position, odometry.tilt)

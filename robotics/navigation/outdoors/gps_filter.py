@@ -74,7 +74,7 @@ class GpsFilter(FieldLocalizer):
             tuple[float, float | None]
         ] = []  # times of fixes, and squares as in `Fixed`; None if refused
         shares = np.array([each.share for each in supposed])
-        self._weights = shares / shares.sum()
+        self._weights: Array = shares / shares.sum()
         self._worse = [each.worse for each in supposed]
         worse = np.array([[a.may_become(b) for a in supposed] for b in supposed])
         self._becomes = np.eye(len(shares)) + BECOMES * self._weights[:, None] * worse

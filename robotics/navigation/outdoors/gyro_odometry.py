@@ -45,9 +45,9 @@ class Advance(NamedTuple):
 class GyroOdometry:
     """Integrates wheel travel along the attitude that the gyros give; cancels their drift in each stop.
 
-    At rest the gyros' mean is their bias, gravity gives roll and pitch, and the heading stays as it is. A base
-    rests whose accelerometers have been quiet for half a second and whose wheels have been still; or have
-    crept, while the vertical gyro read nothing but its bias. What they crept is way all the same.
+    At rest the gyros' mean is their bias, gravity gives roll and pitch, and the heading stays as it is. A
+    base rests whose accelerometers have been quiet for half a second and whose wheels have been still; or
+    have crept, while the vertical gyro read nothing but its bias. What they crept is way all the same.
     """
 
     STATE: ClassVar = {"_state": Array, "_felt": Array, "_seen": Array}
@@ -149,7 +149,7 @@ def _quiet(felt: Array) -> bool:
 
 @compiled
 def _creeps(felt: Array, bias: float, known: bool, dt: float) -> bool:
-    """Whether wheels (columns 3 and 4) and vertical gyro (7) tell no more than they may of a base that stands."""
+    """Whether wheels (columns 3, 4) and vertical gyro (7) tell no more than they may of a base at rest."""
     count = len(felt)
     if max(abs(felt[:, 3].mean()), abs(felt[:, 4].mean())) > CREEP * dt:
         return False

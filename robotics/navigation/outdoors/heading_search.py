@@ -23,8 +23,8 @@ Array = NDArray[np.float64]
 class HeadingSearch:
     """Lays the track that wheels and gyros tell over the fixes, turned by each heading there is.
 
-    The heading's likelihood is that of all fixes with the place of the start left open within what is known of
-    it; fixes that lie far off the likeliest track don't count.
+    The heading's likelihood is that of all fixes with the place of the start left open within what is known
+    of it; fixes that lie far off the likeliest track don't count.
     """
 
     STATE: ClassVar = {"_track": list[tuple[float, ...]]}
@@ -35,7 +35,7 @@ class HeadingSearch:
         self._track: list[tuple[float, ...]] = []
 
     def take(self, antenna: Array, position: Array) -> None:
-        """A fix of the antenna's `position` (2,) came in where odometry has the `antenna` (2,), both in [m]."""
+        """A fix of the antenna's `position` (2,) came where odometry has the `antenna` (2,), both in [m]."""
         self._track.append((*antenna.tolist(), *position.tolist()))
         del self._track[:-LONGEST]
 

@@ -9,7 +9,7 @@ from handcart.robotics.navigation.outdoors.field_noise import FieldNoise
 
 LATE = 0.3  # [s] that a receiver's fixes may come too late, whatever is told
 SKIES = ((0.0, math.inf, 0.55), (0.25, 600.0, 0.25), (0.75, 600.0, 0.15), (4.0, 100.0, 0.05))
-"""Slow error of the fixes, in sigmas of one; over how many seconds it changes; share of worlds, as told first."""
+"""Slow error of the fixes, in sigmas of one; over how many seconds it changes; share of worlds."""
 GROUNDS = (0.6, 0.3, 0.1)  # shares of worlds: as told, more slip than told, a start heading further off
 
 

@@ -17,7 +17,7 @@ TRIED = {
     "librarian": "APPROACH INSERT MODIFY MOVE_TO PICK_UP RECOGNIZE RELEASE SEARCH",
     "toyama": "CALIBRATE_CAMERA CALIBRATE_SUSPENSION FIXATE PICK_UP_BLOCK STACK",
     "atrv": "DIVIDE MOVE_TO TRACK",
-    "el_verde": "DEPLOY MODIFY MOVE_TO STAND",
+    "el_verde": "DEPLOY MODIFY MOVE_TO ORIENT STAND",
 }
 """On which shipped robot faults are injected into which primitives."""
 

@@ -1,0 +1,91 @@
+"""Starts whose heading nobody told: python -m benchmarks.field.headings [--runs N] [--jobs N]
+
+Runs drive the straight course and the zigzag by turns, through the worlds of `benchmarks.field.mismatches` one
+after the other, and start with a heading that is drawn. Told: after how many seconds of driving the heading is
+known, whether it was said to be unknown until then, and how often what is claimed then is off by more than
+three sigma.
+"""
+
+from __future__ import annotations
+
+import argparse
+import math
+from concurrent.futures import ProcessPoolExecutor
+from multiprocessing import get_context
+from typing import NamedTuple
+
+import numpy as np
+from rich.console import Console
+from rich.progress import track
+
+from benchmarks.field.mismatches import WORLDS
+from handcart.robotics.geometry.pose2 import Pose2, wrap
+from handcart.robotics.navigation.outdoors.field_course import straight_course, zigzag_course
+from handcart.robotics.navigation.outdoors.field_drive import PERIOD, FieldTimes
+from handcart.robotics.navigation.outdoors.field_log import record_course
+from handcart.robotics.navigation.outdoors.field_noise import REFERENCE
+from handcart.robotics.navigation.outdoors.gps_filter import GpsFilter
+
+TIMES = FieldTimes(wait=10.0, dwell=5.0)
+ENOUGH = 60.0  # [s] of driving
+
+
+class Start(NamedTuple):
+    """One drive until the heading is known, or for as long as it lasts."""
+
+    seconds: float
+    """Of driving; infinite: never known, and said so."""
+    off: float
+    """Then, in claimed sigmas."""
+    wrong: bool
+    """It was claimed to be known before, and was off by more than three sigma, at `ENOUGH`."""
+
+
+def one_run(seed: int) -> Start:
+    """One drive through the world that the seed picks."""
+    world = list(WORLDS)[seed % len(WORLDS)]
+    course = (straight_course, zigzag_course)[seed // len(WORLDS) % 2](4)
+    log = record_course(course, WORLDS[world], seed, TIMES)
+    heading = float(np.random.default_rng([seed, 77]).uniform(-math.pi, math.pi))
+    localizer = GpsFilter(Pose2(0.0, 0.0, heading), REFERENCE._replace(start_heading=math.inf))
+    fixes = dict(zip(log.fix_rows.tolist(), log.fixes, strict=True))
+    drove, known, first = 0.0, math.inf, math.inf
+    for row in range(len(log.rates)):
+        localizer.predict(log.rates[row], log.accelerations[row], log.wheels[row], PERIOD)
+        if row in fixes:
+            localizer.fix(fixes[row])
+        drove += PERIOD * bool(log.drive.driven[row, 0] > 0.0)
+        if localizer.heading_known and math.isinf(known):
+            known, first = drove, _off(localizer, float(log.drive.poses[row, 2]))
+        if drove >= ENOUGH:
+            break
+    wrong = localizer.heading_known and _off(localizer, float(log.drive.poses[row, 2])) > 3.0
+    return Start(known, first, wrong)
+
+
+def _off(localizer: GpsFilter, truth: float) -> float:
+    return abs(wrap(localizer.pose.theta - truth)) / math.sqrt(float(localizer.covariance[2, 2]))
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("--runs", type=int, default=500, help="default 500")
+    parser.add_argument("--jobs", type=int, default=2, help="processes (default 2)")
+    chosen = parser.parse_args()
+    with ProcessPoolExecutor(chosen.jobs, get_context("spawn")) as pool:
+        done = pool.map(one_run, range(chosen.runs), chunksize=4)
+        starts = list(track(done, "runs", total=chosen.runs, console=Console(stderr=True)))
+    seconds = np.array([start.seconds for start in starts])
+    known = np.isfinite(seconds)
+    print(f"{len(starts)} starts; known after {np.median(seconds):.1f} s of driving in the median", end="; ")
+    print(f"within 30 s {int((seconds <= 30.0).sum())}, within {ENOUGH:.0f} s {int(known.sum())}", end=", ")
+    print(f"else said to be unknown: {int((~known).sum())}")
+    beyond = sum(start.off > 3.0 for start in starts if math.isfinite(start.seconds))
+    print(f"beyond three claimed sigma when first known: {beyond}; after {ENOUGH:.0f} s: ", end="")
+    print(sum(start.wrong for start in starts))
+
+
+if __name__ == "__main__":
+    main()

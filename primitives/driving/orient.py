@@ -1,0 +1,51 @@
+"""ORIENT: drive ahead until it shows which way the robot heads."""
+
+from __future__ import annotations
+
+from typing import Annotated, ClassVar
+
+from pydantic import Field
+
+from handcart.backends.capabilities.base import Base
+from handcart.backends.robot.robot import Robot
+from handcart.primitives.contract.action_primitive import ActionPrimitive, Periods
+from handcart.primitives.contract.discrepancy import Discrepancy, Measured
+from handcart.primitives.knowledge.world_model import ModelView
+
+PATIENCE = 10.0  # [s] that something may stand in the way
+SLOWS = 0.05  # [m/s] below which the base is let stop
+
+
+class Orient(ActionPrimitive):
+    """Drive straight ahead until fixes tell which way the robot heads, where nobody told it.
+
+    Nothing moves where that is known. What the range sensor shows keeps the base off, as everywhere; a base
+    that Fails has driven back the way it came.
+    """
+
+    longest_m: Annotated[float, Field(gt=0.0, le=200.0)] = 30.0
+    """How far at most."""
+
+    needs: ClassVar = (Base,)
+
+    def motion(self, robot: Robot, model: ModelView) -> Periods:
+        driven, speed, since = 0.0, 0.0, robot.time
+        limits = robot.drive_limits
+        while not robot.localization.heading_known:
+            if driven > self.longest_m:
+                way = Measured("Gps", "way without knowing the heading", driven, self.longest_m, "m")
+                raise Discrepancy("it doesn't show which way the robot heads", measured=way)
+            if robot.held is None:
+                since = robot.time
+            elif robot.time > since + PATIENCE:
+                near = Measured("RangeSensor", "room ahead", robot.held.room, robot.held.needed, "m")
+                raise Discrepancy(f"the base can't drive ahead: {robot.held.words}", measured=near)
+            speed = min(limits.speed, speed + limits.acceleration * robot.period)
+            robot.base.drive(speed, 0.0)
+            yield
+            driven += abs(robot.driven[0]) * robot.period
+            self.found(path_length_m=round(driven, 3))
+        while speed > SLOWS:
+            speed -= limits.acceleration * robot.period
+            robot.base.drive(speed, 0.0)
+            yield

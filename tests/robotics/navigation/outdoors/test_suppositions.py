@@ -1,0 +1,98 @@
+"""What a filter claims where the world isn't as it is told; `benchmarks.field.mismatches` has more runs."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from benchmarks.field.field_trial import start_pose, try_course
+from benchmarks.field.mismatches import WORLDS
+from handcart.robotics.navigation.outdoors.field_course import straight_course, zigzag_course
+from handcart.robotics.navigation.outdoors.field_log import record_course
+from handcart.robotics.navigation.outdoors.field_noise import REFERENCE
+from handcart.robotics.navigation.outdoors.gps_filter import GpsFilter
+from handcart.robotics.navigation.outdoors.placement_errors import nees
+from handcart.robotics.navigation.outdoors.suppositions import Supposition, suppositions
+
+
+def squares(world: str, seeds: range, alone: bool = False) -> np.ndarray:
+    """Of all placements in some runs; `alone`: nothing but what is told is supposed."""
+    supposed = [Supposition(REFERENCE, 1.0, 0)] if alone else None
+    found = []
+    for seed in seeds:
+        log = record_course((straight_course, zigzag_course)[seed % 2](5), WORLDS[world], seed)
+        trial = try_course(log, GpsFilter(start_pose(log), supposed=supposed))
+        found.append(nees(trial.errors, trial.covariances))
+    return np.concatenate(found)
+
+
+@pytest.mark.parametrize("world", ["drift", "antenna", "heading", "slip"])
+def test_claims_hold_where_the_world_is_not_as_told(world: str) -> None:
+    seeds = range(4)
+    assert squares(world, seeds).mean() < 4.0
+    assert squares(world, seeds, alone=True).mean() > 4.0
+
+
+def test_a_world_that_is_as_told_is_found_to_be() -> None:
+    log = record_course(straight_course(6), REFERENCE, 2)
+    localizer = GpsFilter(start_pose(log))
+    try_course(log, localizer)
+    assert localizer.weights[0] == localizer.weights.max()
+
+
+def test_what_once_was_worse_is_not_believed_to_be_as_told_soon() -> None:
+    log = record_course(straight_course(3), WORLDS["drift"], 3)
+    localizer = GpsFilter(start_pose(log))
+    localizer._weights[:] = [0.01, *[0.09] * 11]
+    for _ in range(200):
+        localizer.fix(np.array(localizer.pose[:2]))
+    told, worse = suppositions(REFERENCE)[0], suppositions(REFERENCE)[3]
+    assert told.may_become(worse)
+    assert not worse.may_become(told)
+    assert localizer._becomes[0].tolist() == [1.0] + [0.0] * 11
+
+
+def test_fixes_that_come_late_are_found_to() -> None:
+    log = record_course(straight_course(8), WORLDS["delay"], 1)
+    localizer = GpsFilter(start_pose(log))
+    try_course(log, localizer)
+    delay = float(localizer.best.belief.mean[12])
+    assert delay == pytest.approx(0.5, abs=0.35)
+    assert delay > 0.15
+
+
+def test_wheels_that_creep_stand_still() -> None:
+    """1 mm/s from the wheels of a base that stands: the gyros' bias is learned all the same."""
+    creeping, still = squares("creep", range(2)), squares("as told", range(2))
+    assert creeping.mean() == pytest.approx(still.mean(), rel=0.5)
+
+
+def test_turning_slowly_on_the_spot_is_no_creep() -> None:
+    from handcart.robotics.navigation.outdoors.gyro_odometry import GyroOdometry
+
+    odometry = GyroOdometry()
+    rng = np.random.default_rng(0)
+    up = np.array([0.0, 0.0, 9.81])
+    for period in range(1200):
+        turns = 0.0 if period < 600 else math.radians(1.0)
+        rolled = 0.3 * turns * 0.025
+        rates = np.array([0.0, 0.0, turns]) + 1e-3 * rng.standard_normal(3)
+        odometry.update(rates, up + 0.02 * rng.standard_normal(3), np.array([-rolled, rolled]), 0.025)
+    assert odometry.pose.theta == pytest.approx(math.radians(15.0), abs=math.radians(1.0))
+
+
+def test_a_minute_of_fixes_far_off_is_an_inconsistency() -> None:
+    localizer = GpsFilter(start_pose(record_course(straight_course(1), REFERENCE, 0)), REFERENCE)
+    rng = np.random.default_rng(1)
+    for _ in range(30):
+        assert localizer.inconsistency is None
+        localizer.predict(np.zeros(3), np.array([0.0, 0.0, 9.81]), np.zeros(2), 1.0)
+        localizer.fix(rng.standard_normal(2))
+    for count in range(60):
+        localizer.predict(np.zeros(3), np.array([0.0, 0.0, 9.81]), np.zeros(2), 1.0)
+        localizer.fix(np.array([40.0 * (-1) ** count, 60.0 * (count % 3)]))
+    found = localizer.inconsistency
+    assert found is not None
+    assert found.value > found.limit
