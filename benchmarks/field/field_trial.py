@@ -7,10 +7,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from benchmarks.field.field_drive import PERIOD
+from benchmarks.field.field_log import FieldLog
 from handcart.robotics.geometry.pose2 import Pose2
-from handcart.robotics.navigation.outdoors.field_drive import PERIOD
 from handcart.robotics.navigation.outdoors.field_localizer import FieldLocalizer
-from handcart.robotics.navigation.outdoors.field_log import FieldLog
 from handcart.robotics.navigation.outdoors.gps_filter import GpsFilter
 from handcart.robotics.navigation.outdoors.placement_errors import tip_covariance, tip_place
 from handcart.robotics.navigation.outdoors.smoothing import Belief

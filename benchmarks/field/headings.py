@@ -1,9 +1,9 @@
 """Starts whose heading nobody told: python -m benchmarks.field.headings [--runs N] [--jobs N]
 
-Runs drive the straight course and the zigzag by turns, through the worlds of `benchmarks.field.mismatches` one
-after the other, and start with a heading that is drawn. Told: after how many seconds of driving the heading is
-known, whether it was said to be unknown until then, and how often what is claimed then is off by more than
-three sigma.
+Runs drive the straight course and the zigzag by turns, through the worlds of `benchmarks.field.mismatches`
+one after the other, and start with a heading that is drawn. Printed: after how many seconds of driving the
+heading is known, in how many drives it is said to be unknown until the end, and how often what is claimed is
+off by more than three sigma.
 """
 
 from __future__ import annotations
@@ -18,11 +18,11 @@ import numpy as np
 from rich.console import Console
 from rich.progress import track
 
+from benchmarks.field.field_course import straight_course, zigzag_course
+from benchmarks.field.field_drive import PERIOD, FieldTimes
+from benchmarks.field.field_log import record_course
 from benchmarks.field.mismatches import WORLDS
 from handcart.robotics.geometry.pose2 import Pose2, wrap
-from handcart.robotics.navigation.outdoors.field_course import straight_course, zigzag_course
-from handcart.robotics.navigation.outdoors.field_drive import PERIOD, FieldTimes
-from handcart.robotics.navigation.outdoors.field_log import record_course
 from handcart.robotics.navigation.outdoors.field_noise import REFERENCE
 from handcart.robotics.navigation.outdoors.gps_filter import GpsFilter
 

@@ -27,13 +27,13 @@ from rich.table import Table
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 
+from benchmarks.field.field_course import FieldCourse, straight_course, zigzag_course
+from benchmarks.field.field_log import FieldLog, record_course
 from benchmarks.field.field_trial import FieldTrial, as_laid, start_pose, try_course
+from benchmarks.field.information_limit import information_limit
 from handcart.robotics.geometry.pose2 import Pose2
-from handcart.robotics.navigation.outdoors.field_course import FieldCourse, straight_course, zigzag_course
-from handcart.robotics.navigation.outdoors.field_log import FieldLog, record_course
 from handcart.robotics.navigation.outdoors.field_noise import REALISTIC, REFERENCE, RTK, FieldNoise
 from handcart.robotics.navigation.outdoors.gps_filter import GpsFilter
-from handcart.robotics.navigation.outdoors.information_limit import information_limit
 from handcart.robotics.navigation.outdoors.particle_filter import ParticleFilter
 from handcart.robotics.navigation.outdoors.placement_errors import (
     aligned_spread,

@@ -20,9 +20,9 @@ from rich.console import Console
 from rich.progress import track
 from rich.table import Table
 
+from benchmarks.field.field_course import straight_course, zigzag_course
+from benchmarks.field.field_log import record_course
 from benchmarks.field.field_trial import FieldTrial, start_pose, try_course
-from handcart.robotics.navigation.outdoors.field_course import straight_course, zigzag_course
-from handcart.robotics.navigation.outdoors.field_log import record_course
 from handcart.robotics.navigation.outdoors.field_noise import REFERENCE
 from handcart.robotics.navigation.outdoors.gps_filter import GpsFilter
 from handcart.robotics.navigation.outdoors.placement_errors import nees

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -44,7 +44,7 @@ class DriveLog(NamedTuple):
         starts = np.flatnonzero(np.diff(self.times, prepend=-np.inf) > 0.0)
         travel = np.add.reduceat(np.nan_to_num(self.wheels), starts)
         ends = np.append(starts[1:], len(self.times))
-        latest = {name: _latest(getattr(self, name), starts, ends) for name in _READINGS}
+        latest: dict[str, Any] = {name: _latest(getattr(self, name), starts, ends) for name in _READINGS}
         return self._replace(times=self.times[starts], wheels=travel, **latest)
 
 

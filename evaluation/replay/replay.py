@@ -20,7 +20,11 @@ from .drive_log import DriveLog
 
 EACH = 1.0  # [s] between points of the track
 UNSURE = 3.0  # sigmas of a fix: how well the first one tells where the base is
-STEERED: dict[str, Any] = {"gyro_white": math.radians(0.5), "gyro_bias": math.radians(0.2), "gyro_scale": 0.05}
+STEERED: dict[str, Any] = {
+    "gyro_white": math.radians(0.5),
+    "gyro_bias": math.radians(0.2),
+    "gyro_scale": 0.05,
+}
 """What is supposed of turns where wheels or steering tell them, and no gyro."""
 Array = NDArray[np.float64]
 

@@ -47,6 +47,7 @@ CAUGHT_S = 0.1  # [s] for which they hold it again
 GENTLE = 0.01  # [m/s] at which they open then: it comes to lean on one of them
 ABOVE = 0.02  # [m] over the sensor's top, from where closed fingers are lowered onto it
 SLANTED = 0.02  # [m] by which its top may be lower than upright
+SURE = 3.0  # sigmas within which a target is taken to be
 GROUND = ("the ground", "floor")  # as worlds call it
 LIFTED = 0.145  # [m] that the fingers are lifted further before the base drives on
 
@@ -191,6 +192,8 @@ class Deploy(TreePrimitive):
         begun = robot.time
         while True:
             sigma, doubt = self._sigma(robot, target), robot.localization.doubt
+            if doubt is None:
+                self._arm.check_near(self._arm.place_of(np.array([target.x, target.y])), SURE * sigma)
             if doubt is None and sigma <= self.sure_mm / 1e3:
                 break
             if robot.time - begun > self.longest_s:

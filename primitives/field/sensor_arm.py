@@ -82,15 +82,19 @@ class SensorArm:
         cos, sin = math.cos(mount[3]), math.sin(mount[3])
         return np.asarray((point - np.array(mount[:2])) @ np.array([[cos, -sin], [sin, cos]]))
 
+    def check_near(self, place: Vector, unsure: float) -> None:
+        """Raise `Discrepancy` where a place can't be reached, even if it is off by `unsure` [m]."""
+        x, y, *_ = self.scara.mount
+        if math.hypot(place[0] - x, place[1] - y) > self.scara.upper + self.scara.fore + unsure:
+            raise _out_of_reach(place)
+
     def reach(self, place: Vector) -> Periods:
         """Bring the tip over a place, from home through the middle state; checked to be free beforehand."""
         here = self._robot.arm.command()
         begin = self._middle if here[0] > self._middle[0] else here
         way = way_to(self.scara, begin, place)
         if way is None:
-            raise Discrepancy(
-                f"the arm doesn't reach the target from here: it is at ({place[0]:.2f}, {place[1]:.2f}) m"
-            )
+            raise _out_of_reach(place)
         yield from self._robot.compute(self._check_free, begin, way)
         if begin is self._middle:
             yield from follow(self._robot, np.array([here, begin]))
@@ -190,3 +194,9 @@ class SensorArm:
         if line_postures(self.scara, self._robot.arm.command(), end) is not None:
             yield from self.lead(end)
         yield from follow(self._robot, np.array([self._robot.arm.command(), self._middle]))
+
+
+def _out_of_reach(place: Vector) -> Discrepancy:
+    return Discrepancy(
+        f"the arm doesn't reach the target from here: it is at ({place[0]:.2f}, {place[1]:.2f}) m"
+    )

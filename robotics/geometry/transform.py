@@ -28,6 +28,19 @@ def transform(xyz: Sequence[float] = (0.0, 0.0, 0.0), rpy: Sequence[float] = (0.
     )
 
 
+def rotations(
+    roll: NDArray[np.float64], pitch: NDArray[np.float64], yaw: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """world_R_base (n, 3, 3) of angles (n,) in [rad], yaw about z first, then pitch about y, roll about x."""
+    cr, sr, cp, sp, cy, sy = (f(a) for a in (roll, pitch, yaw) for f in (np.cos, np.sin))
+    rows = [
+        [cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr],
+        [sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr],
+        [-sp, cp * sr, cp * cr],
+    ]
+    return np.moveaxis(np.array(rows), -1, 0)
+
+
 def inverse(a_T_b: Transform) -> Transform:
     """b_T_a of a_T_b."""
     result, turn = np.zeros((4, 4)), a_T_b[:3, :3].T

@@ -11,10 +11,10 @@ from typing import Any
 import numpy as np
 import pytest
 
+from benchmarks.field.field_course import straight_course
+from benchmarks.field.field_drive import PERIOD, FieldTimes
+from benchmarks.field.field_log import FieldLog, record_course
 from handcart.backends.can.sensors.sensor_lines import checksum
-from handcart.robotics.navigation.outdoors.field_course import straight_course
-from handcart.robotics.navigation.outdoors.field_drive import PERIOD, FieldTimes
-from handcart.robotics.navigation.outdoors.field_log import FieldLog, record_course
 from handcart.robotics.navigation.outdoors.field_noise import REFERENCE
 
 COLUMNS = {

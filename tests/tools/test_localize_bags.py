@@ -11,9 +11,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from handcart.robotics.navigation.outdoors.field_course import straight_course
-from handcart.robotics.navigation.outdoors.field_drive import PERIOD, FieldTimes
-from handcart.robotics.navigation.outdoors.field_log import FieldLog, record_course
+from benchmarks.field.field_course import straight_course
+from benchmarks.field.field_drive import PERIOD, FieldTimes
+from benchmarks.field.field_log import FieldLog, record_course
 from handcart.robotics.navigation.outdoors.field_noise import REFERENCE
 
 pytest.importorskip("rosbags", reason="bags are read by the extra `bags`")
@@ -86,7 +86,9 @@ def write_bag(folder: Path, log: FieldLog, storage: str, topics: tuple[str, ...]
             kind = f"{package}/msg/{name}"
             connection = writer.add_connection(topic, kind, typestore=store)
             for row in range(len(log.rates)):
-                stamp = time(sec=1000 + int(PERIOD * row), nanosec=round(1e9 * (PERIOD * row % 1.0)) % 10**9)
+                stamp: Any = time(
+                    sec=1000 + int(PERIOD * row), nanosec=round(1e9 * (PERIOD * row % 1.0)) % 10**9
+                )
                 message = make(row, header(stamp, "base_link"))
                 if message is not None:
                     at = 10**9 * stamp.sec + stamp.nanosec

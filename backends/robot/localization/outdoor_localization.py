@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import ClassVar
 
 import numpy as np
@@ -22,6 +23,7 @@ from .localization import Localization, Lost, Sensed
 Array = NDArray[np.float64]
 
 
+RECKONED = (0.3, math.radians(2.0))  # [m], [rad]: how well wheels and gyros tell a way of some metres
 BLIND = 0.15  # [m] that the wheels may roll while the gyros tell nothing new
 
 
@@ -55,6 +57,11 @@ class OutdoorLocalization(Localization):
     def covariance(self) -> NDArray[np.float64]:
         """See `Localization`."""
         return self._filter.covariance
+
+    @property
+    def sigma(self) -> tuple[float, float]:
+        """See `Localization`: before the heading is known, poses are by wheels and gyros alone."""
+        return super().sigma if self.heading_known else RECKONED
 
     @property
     def tilt(self) -> tuple[float, float]:

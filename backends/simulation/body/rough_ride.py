@@ -21,7 +21,7 @@ SETS_OUT = 1.0  # [s] of standing after which the ground under a curve is anothe
 class RoughRide:
     """Roll and pitch, slip along and beside the heading: Ornstein-Uhlenbeck processes over the distance.
 
-    The same model as `handcart.robotics.navigation.outdoors.field_drive`. `tilt` is roll and pitch in [rad].
+    The same model as `benchmarks.field.field_drive`. `tilt` is roll and pitch in [rad].
     """
 
     STATE: ClassVar = {

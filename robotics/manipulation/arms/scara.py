@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from handcart.robotics.geometry.pose2 import Pose2
-from handcart.robotics.navigation.outdoors.field_log import rotations
+from handcart.robotics.geometry.transform import rotations
 
 Array = NDArray[np.float64]
 

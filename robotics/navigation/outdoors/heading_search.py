@@ -16,7 +16,8 @@ HEADINGS = np.radians(np.arange(720) * 0.5)
 KNOWN = math.radians(4.0)  # sigma of a heading that is known
 FAR = 3.0  # sigmas beyond which a fix isn't looked at
 SLIPS = 0.02  # of the way: what odometry itself may be off
-LASTS = 2.0  # times as unsure as if errors of fixes didn't last from one to the next
+LASTS = 4.0  # times the variance, at least, that fixes would have whose errors don't last
+ALIKE = 0.98  # correlation of one fix's error with the next one's, at most
 Array = NDArray[np.float64]
 
 
@@ -65,30 +66,37 @@ class HeadingSearch:
             left = np.hypot(*(away[best] - offset[best]).T)
             scale = max(sigma, float(np.median(left)) / 1.18)
             counts = left <= FAR * scale
-        likely = np.exp(-0.5 * (squares - squares.min()) / (LASTS * scale) ** 2)
+        spread = scale * math.sqrt(_lasting((away[best] - offset[best])[counts]))
+        likely = np.exp(-0.5 * (squares - squares.min()) / spread**2)
         likely /= likely.sum()
         apart = np.array([wrap(float(heading - HEADINGS[best])) for heading in HEADINGS])
         mean = float(likely @ apart)
-        spread = math.sqrt(float(likely @ (apart - mean) ** 2) + (0.5 * SLIPS) ** 2)
-        if spread > KNOWN or counts.mean() < 0.5:
+        about = math.sqrt(float(likely @ (apart - mean) ** 2) + (0.5 * SLIPS) ** 2)
+        if about > KNOWN or counts.mean() < 0.5:
             return None
         turn = wrap(float(HEADINGS[best]) + mean)
-        return self._pose(odometry, turn, offset[best], spread, ways.mean(axis=0), scale, int(counts.sum()))
+        place = spread**2 / int(counts.sum()) + 1e-4
+        return _pose(odometry, turn, offset[best], about, ways.mean(axis=0), place)
 
-    def _pose(
-        self,
-        odometry: Pose2,
-        turn: float,
-        offset: Array,
-        spread: float,
-        middle: Array,
-        scale: float,
-        count: int,
-    ) -> FoundTrack:
-        """Of a track turned about the origin; what is least sure about the place is far from its middle."""
-        x, y = Pose2(0.0, 0.0, turn).apply(np.array([odometry[:2]])).reshape(2) + offset
-        arm = Pose2(0.0, 0.0, turn).apply(np.array([odometry[:2]]) - middle).reshape(2)
-        by_turn = np.array([-arm[1], arm[0], 1.0])
-        place = (LASTS * scale) ** 2 / count + 1e-4
-        covariance = spread**2 * np.outer(by_turn, by_turn) + np.diag([place, place, 0.0])
-        return FoundTrack(Pose2(float(x), float(y), wrap(odometry.theta + turn)), covariance)
+
+def _lasting(errors: Array) -> float:
+    """How many times the variance of fixes (n, 2) counts, by how alike each one's error is to the next one's.
+
+    So many fixes tell as much as one whose error is its own (Bartlett, 1946).
+    """
+    whole = float((errors**2).sum())
+    alike = float((errors[1:] * errors[:-1]).sum()) / whole if whole > 0.0 else 0.0
+    alike = min(ALIKE, max(0.0, alike))
+    return max(LASTS, (1.0 + alike) / (1.0 - alike))
+
+
+def _pose(
+    odometry: Pose2, turn: float, offset: Array, about: float, middle: Array, place: float
+) -> FoundTrack:
+    """Of a track turned about the origin, its middle known to `place` [m²], its heading to `about` [rad]."""
+    turned = Pose2(0.0, 0.0, turn)
+    x, y = turned.apply(np.array([odometry[:2]])).reshape(2) + offset
+    arm = turned.apply(np.array([odometry[:2]]) - middle).reshape(2)
+    by_turn = np.array([-arm[1], arm[0], 1.0])
+    covariance = about**2 * np.outer(by_turn, by_turn) + np.diag([place, place, 0.0])
+    return FoundTrack(Pose2(float(x), float(y), wrap(odometry.theta + turn)), covariance)

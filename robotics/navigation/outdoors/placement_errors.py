@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from handcart.robotics.geometry.pose2 import Pose2
-from handcart.robotics.navigation.outdoors.field_course import ASIDE
 
+ASIDE = 0.75  # [m] from the base to the target on its right
 LEAST = {0.95: 59, 0.997: 998}  # placements below which a share isn't claimed, with 95 % confidence
 Array = NDArray[np.float64]
 

@@ -221,3 +221,32 @@ class Wanders(ActionPrimitive):
             robot.base.drive(0.1, 0.0)
             yield
         raise Discrepancy("nobody is there")
+
+
+class Stuck(ActionPrimitive):
+    """Fails at once; on its way back the base is told to drive, and doesn't."""
+
+    needs: ClassVar = (Base,)
+
+    def motion(self, robot: Robot, model: ModelView) -> Periods:
+        yield
+        raise Discrepancy("nobody is there")
+
+    def restore(self, robot: Robot, model: ModelView, start: Snapshot, trace: Trace) -> Periods:
+        for _ in range(round(60.0 / robot.period)):
+            robot.base.drive(0.3, 0.0)
+            yield
+
+
+def test_a_base_that_is_stuck_on_the_way_back_is_given_up_soon(
+    make_rig: Callable[..., Rig], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Its drives are stuck for good: it stood for ten minutes before that was noticed."""
+    rig = make_rig()
+    base = rig.robot.backend.get(Base)  # type: ignore[type-abstract]
+    monkeypatch.setattr(type(base), "drive", lambda self, speed, turn_rate: None)
+    begun = rig.robot.time
+    outcome = rig.run(Stuck())
+    assert isinstance(outcome, GiveUp), outcome
+    assert "the base doesn't move, though it is driven" in outcome.reason
+    assert rig.robot.time - begun < 20.0

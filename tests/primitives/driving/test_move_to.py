@@ -80,7 +80,7 @@ def test_passers_by_are_waited_for_one_by_one() -> None:
     """Each of them may take `wait_s`; two that follow each other are not one that stands there."""
     move, way = MoveTo(place="there", wait_s=5.0), np.array([[0.0, 0.0], [2.0, 0.0]])
     in_the_way = (0.5, np.array([1.0, 0.0]))
-    now: Any = SimpleNamespace(time=0.0, localization=SimpleNamespace(lost=None))
+    now: Any = SimpleNamespace(time=0.0, localization=SimpleNamespace(lost=None, heading_known=True))
     stands: list[Any] = [None]
     monitor = SimpleNamespace(
         unexpected=lambda _: way[1:], obstacle=lambda *_: stands[0], kept=lambda points, _: points

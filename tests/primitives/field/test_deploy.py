@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 from handcart.backends.capabilities.arm import Arm
+from handcart.backends.robot.localization.localization import Lost
 from handcart.backends.simulation.field.field_props import FieldProps
 from handcart.evaluation.trials.rig import Rig
 from handcart.networks.task.preparing import prepare
@@ -193,3 +194,14 @@ def test_a_point_is_as_unsure_as_place_and_heading_of_the_base_make_it(away: tup
     places = np.array([Pose2(*each).apply(np.array([away]))[0] for each in draws.tolist()])
     expected = np.cov(places.T)
     assert _spread(robot, np.array(away)) == pytest.approx(expected, abs=0.03 * float(np.trace(expected)))
+
+
+def test_nothing_is_laid_while_the_fixes_contradict_what_is_claimed(
+    rig: Rig, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    doubt = Lost("the fixes of the last minute contradict what is claimed", "Gps", "mean square", 3.0, 1.5)
+    monkeypatch.setattr(type(rig.robot.localization), "doubt", property(lambda self: doubt))
+    failed = rig.do(Deploy(target="here", longest_s=2.0))
+    assert isinstance(failed, Fail), failed
+    assert failed.reason == f"it can't be told where the target is: {doubt.why}"
+    assert rig.model.of(FieldWork).laid == ()

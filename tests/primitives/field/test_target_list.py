@@ -9,12 +9,12 @@ from pathlib import Path
 
 import pytest
 
+from benchmarks.field.field_course import zigzag_course
 from handcart.files.errors import FileError
 from handcart.primitives.field.field import Field, Origin
 from handcart.primitives.field.target import Target
 from handcart.primitives.field.target_list import load_targets
 from handcart.robotics.geometry.pose2 import Pose2
-from handcart.robotics.navigation.outdoors.field_course import zigzag_course
 
 START = Pose2(0.0, 0.0, 0.0)
 FIELD = Field(

@@ -3,9 +3,9 @@ import math
 import numpy as np
 import pytest
 
+from benchmarks.field.field_course import straight_course
+from benchmarks.field.field_log import FieldLog, record_course
 from handcart.robotics.geometry.pose2 import Pose2
-from handcart.robotics.navigation.outdoors.field_course import straight_course
-from handcart.robotics.navigation.outdoors.field_log import FieldLog, record_course
 from handcart.robotics.navigation.outdoors.field_noise import REFERENCE
 from handcart.robotics.navigation.outdoors.gyro_odometry import GyroOdometry
 

@@ -7,11 +7,11 @@ import math
 import numpy as np
 import pytest
 
+from benchmarks.field.field_course import straight_course
+from benchmarks.field.field_drive import PERIOD, FieldTimes
+from benchmarks.field.field_log import record_course
 from handcart.robotics.geometry.pose2 import Pose2, wrap
-from handcart.robotics.navigation.outdoors.field_course import straight_course
-from handcart.robotics.navigation.outdoors.field_drive import PERIOD, FieldTimes
 from handcart.robotics.navigation.outdoors.field_localizer import FieldLocalizer
-from handcart.robotics.navigation.outdoors.field_log import record_course
 from handcart.robotics.navigation.outdoors.field_noise import REFERENCE, RTK, FieldNoise
 from handcart.robotics.navigation.outdoors.gps_filter import GpsFilter
 from handcart.robotics.navigation.outdoors.particle_filter import ParticleErrors, ParticleFilter

@@ -3,10 +3,10 @@ import math
 import numpy as np
 import pytest
 
+from benchmarks.field.field_course import zigzag_course
+from benchmarks.field.field_log import record_course
 from benchmarks.field.field_trial import start_pose, try_course
 from handcart.robotics.geometry.pose2 import Pose2
-from handcart.robotics.navigation.outdoors.field_course import zigzag_course
-from handcart.robotics.navigation.outdoors.field_log import record_course
 from handcart.robotics.navigation.outdoors.field_noise import REFERENCE
 from handcart.robotics.navigation.outdoors.particle_filter import ParticleErrors, ParticleFilter
 from handcart.robotics.navigation.outdoors.placement_errors import aligned_spread

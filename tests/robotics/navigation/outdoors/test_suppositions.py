@@ -7,10 +7,10 @@ import math
 import numpy as np
 import pytest
 
+from benchmarks.field.field_course import straight_course, zigzag_course
+from benchmarks.field.field_log import record_course
 from benchmarks.field.field_trial import start_pose, try_course
 from benchmarks.field.mismatches import WORLDS
-from handcart.robotics.navigation.outdoors.field_course import straight_course, zigzag_course
-from handcart.robotics.navigation.outdoors.field_log import record_course
 from handcart.robotics.navigation.outdoors.field_noise import REFERENCE
 from handcart.robotics.navigation.outdoors.gps_filter import GpsFilter
 from handcart.robotics.navigation.outdoors.placement_errors import nees

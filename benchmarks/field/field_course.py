@@ -7,7 +7,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-ASIDE = 0.75  # [m] from the base to the target on its right
+from handcart.robotics.navigation.outdoors.placement_errors import ASIDE
+
 SPACING = 0.05  # [m] between points of a line
 
 

@@ -3,15 +3,15 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from handcart.robotics.navigation.outdoors.field_course import (
-    ASIDE,
+from benchmarks.field.field_course import (
     FieldCourse,
     straight_course,
     zigzag_course,
 )
-from handcart.robotics.navigation.outdoors.field_drive import PERIOD, FieldTimes
-from handcart.robotics.navigation.outdoors.field_log import record_course
+from benchmarks.field.field_drive import PERIOD, FieldTimes
+from benchmarks.field.field_log import record_course
 from handcart.robotics.navigation.outdoors.field_noise import REFERENCE
+from handcart.robotics.navigation.outdoors.placement_errors import ASIDE
 
 
 @pytest.mark.parametrize("course", [straight_course(5), zigzag_course()])

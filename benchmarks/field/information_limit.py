@@ -11,7 +11,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from handcart.robotics.navigation.outdoors.field_drive import PERIOD, FieldDrive
+from benchmarks.field.field_drive import PERIOD, FieldDrive
 from handcart.robotics.navigation.outdoors.field_model import (
     BIAS,
     GPS_X,

@@ -8,8 +8,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from handcart.robotics.navigation.outdoors.field_course import FieldCourse
-from handcart.robotics.navigation.outdoors.field_drive import PERIOD, FieldDrive, FieldTimes, drive_course
+from benchmarks.field.field_course import FieldCourse
+from benchmarks.field.field_drive import PERIOD, FieldDrive, FieldTimes, drive_course
+from handcart.robotics.geometry.transform import rotations
 from handcart.robotics.navigation.outdoors.field_noise import FieldNoise
 
 GRAVITY = 9.81  # [m/s²]
@@ -53,17 +54,6 @@ def record_course(
         float(noise.start_heading * gyro.standard_normal()),
         drive,
     )
-
-
-def rotations(roll: Array, pitch: Array, yaw: Array) -> Array:
-    """world_R_base (n, 3, 3) of angles (n,) in [rad], yaw about z first, then pitch about y, roll about x."""
-    cr, sr, cp, sp, cy, sy = (f(a) for a in (roll, pitch, yaw) for f in (np.cos, np.sin))
-    rows = [
-        [cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr],
-        [sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr],
-        [-sp, cp * sr, cp * cr],
-    ]
-    return np.moveaxis(np.array(rows), -1, 0)
 
 
 def _turned(drive: FieldDrive) -> Array:

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from handcart.robotics.navigation.outdoors.field_course import SPACING, FieldCourse
+from benchmarks.field.field_course import SPACING, FieldCourse
 from handcart.robotics.navigation.outdoors.field_noise import SHARPEST, FieldNoise
 from handcart.robotics.numerics.compiled import compiled
 

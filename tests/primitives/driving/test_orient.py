@@ -1,0 +1,85 @@
+"""ORIENT: a robot that nobody told which way it heads."""
+
+from __future__ import annotations
+
+import math
+import shutil
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from handcart.backends.description.robot_loading import shipped_path
+from handcart.evaluation.trials.rig import Rig
+from handcart.networks.task.preparing import prepare
+from handcart.primitives.contract.outcome import Fail, Success
+from handcart.primitives.driving.move_to import MoveTo
+from handcart.primitives.driving.orient import Orient
+
+TASK = Path(__file__).parents[3] / "tasks" / "deploy_straight" / "task.yaml"
+WORLD = """\
+format: handcart-world/1
+start: {x_m: 0.0, y_m: 0.0, heading_deg: 70.0}
+ground: {}
+sensors: {count: 2}
+"""
+
+
+@pytest.fixture
+def unheaded(tmp_path: Path) -> Callable[..., Any]:
+    """Makes a rig whose robot's file says that nobody tells its heading; it heads 70 degrees."""
+
+    @contextmanager
+    def make(surprises: str = "") -> Iterator[Rig]:
+        folder = tmp_path / "robot"
+        shutil.copytree(shipped_path("el_verde").parent, folder)
+        text = (folder / "robot.yaml").read_text(encoding="utf-8")
+        assert "\n  period_s: 1.0\n" in text
+        told = text.replace("\n  period_s: 1.0\n", "\n  start_heading_deg: unknown\n  period_s: 1.0\n")
+        (folder / "robot.yaml").write_text(told, encoding="utf-8")
+        (tmp_path / "world.yaml").write_text(WORLD + surprises, encoding="utf-8")
+        settings = {"robot": str(folder / "robot.yaml"), "world": str(tmp_path / "world.yaml")}
+        with prepare(TASK, None, settings, 2) as prepared:
+            yield Rig(prepared.robot, prepared.model, prepared.backend)
+
+    return make
+
+
+def test_it_drives_ahead_until_the_heading_shows(unheaded: Callable[..., Any]) -> None:
+    with unheaded() as rig:
+        where = rig.robot.localization
+        assert not where.heading_known
+        refused = rig.do(MoveTo(place="1"))
+        assert isinstance(refused, Fail)
+        assert refused.reason == "nobody told which way the robot heads: ORIENT finds it out"
+        assert refused.permanent
+        assert isinstance(rig.do(Orient()), Success)
+        assert where.heading_known
+        truth = rig.backend.scene.base
+        assert 5.0 < math.hypot(*truth[:2]) < 30.0
+        off, sigma = rig.robot.pose.turn(truth), where.sigma[1]
+        assert off < 3.0 * sigma + math.radians(0.5)
+        again = rig.backend.scene.base
+        assert isinstance(rig.do(Orient()), Success)
+        assert rig.backend.scene.base.distance(again) < 0.01
+
+
+def test_what_stands_ahead_is_a_fail_and_it_drives_back(unheaded: Callable[..., Any]) -> None:
+    """5 m ahead of where it stands: too near for the heading to show."""
+    x, y = 5.0 * math.cos(math.radians(70.0)), 5.0 * math.sin(math.radians(70.0))
+    crate = f"surprises: [{{name: crate, x_m: {x:.2f}, y_m: {y:.2f}, size_m: [1.0, 1.0, 1.0]}}]\n"
+    with unheaded(crate) as rig:
+        failed = rig.do(Orient())
+        assert isinstance(failed, Fail), failed
+        assert failed.reason.startswith("the base can't drive ahead")
+        assert math.hypot(*rig.backend.scene.base[:2]) < 0.3
+
+
+def test_too_short_a_way_is_a_fail(unheaded: Callable[..., Any]) -> None:
+    with unheaded() as rig:
+        failed = rig.do(Orient(longest_m=2.0))
+        assert isinstance(failed, Fail), failed
+        assert failed.reason == "it doesn't show which way the robot heads"
+        assert math.hypot(*rig.backend.scene.base[:2]) < 0.3
