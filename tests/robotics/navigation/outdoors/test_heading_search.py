@@ -31,6 +31,14 @@ def driven_until_known(localizer: FieldLocalizer, noise: FieldNoise, seed: int) 
     return math.inf, math.inf
 
 
+def log_pose(noise: FieldNoise, seed: int, seconds: float) -> list[float]:
+    """Where the base is after so many seconds of driving."""
+    drive = record_course(straight_course(3), noise, seed, FieldTimes(wait=10.0, dwell=5.0)).drive
+    row = int(np.searchsorted(np.cumsum(drive.driven[:, 0] > 0.0) * PERIOD, seconds - 1e-9))
+    pose: list[float] = drive.poses[row].tolist()
+    return pose
+
+
 @pytest.mark.parametrize("noise", [REFERENCE, RTK], ids=["white 1 m", "RTK"])
 @pytest.mark.parametrize("heading", [0.0, 2.5, -1.2])
 def test_the_heading_is_found_on_the_way(noise: FieldNoise, heading: float) -> None:
@@ -38,6 +46,7 @@ def test_the_heading_is_found_on_the_way(noise: FieldNoise, heading: float) -> N
     assert localizer.covariance[2, 2] > 1.0
     seconds, off = driven_until_known(localizer, noise, 3)
     assert seconds < 40.0
+    assert localizer.pose.distance(Pose2(*log_pose(noise, 3, seconds))) < 1.5
     assert off < 3.0 * math.sqrt(localizer.covariance[2, 2])
     assert math.sqrt(localizer.covariance[2, 2]) < math.radians(5.0)
 

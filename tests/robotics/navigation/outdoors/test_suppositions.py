@@ -35,11 +35,36 @@ def test_claims_hold_where_the_world_is_not_as_told(world: str) -> None:
     assert squares(world, seeds, alone=True).mean() > 4.0
 
 
-def test_a_world_that_is_as_told_is_found_to_be() -> None:
-    log = record_course(straight_course(6), REFERENCE, 2)
-    localizer = GpsFilter(start_pose(log))
-    try_course(log, localizer)
-    assert localizer.weights[0] == localizer.weights.max()
+def test_what_the_world_is_like_is_found_out() -> None:
+    before = GpsFilter(start_pose(record_course(straight_course(1), REFERENCE, 0))).weights
+    for world, rows in (("as told", slice(0, 1)), ("jumps", slice(9, 12))):
+        log = record_course(straight_course(6), WORLDS[world], 2)
+        localizer = GpsFilter(start_pose(log))
+        try_course(log, localizer)
+        assert localizer.weights[rows].sum() > before[rows].sum() + 0.1
+
+
+def test_suppositions_that_are_apart_are_unsure() -> None:
+    localizer = GpsFilter(start_pose(record_course(straight_course(1), REFERENCE, 0)))
+    near = localizer.covariance[0, 0]
+    localizer.filters[1]._mean[0] += 2.0
+    share = localizer.weights[1]
+    assert localizer.covariance[0, 0] == pytest.approx(near + 4.0 * share * (1.0 - share))
+    assert localizer.pose.x == pytest.approx(2.0 * share, abs=1e-6)
+
+
+def test_fixes_twice_as_far_off_as_they_may_be_contradict_the_claim() -> None:
+    """Each could be, all of them can't."""
+    start = start_pose(record_course(straight_course(1), REFERENCE, 0))
+    localizer = GpsFilter(start, supposed=[Supposition(REFERENCE, 1.0, 0)])
+    rng = np.random.default_rng(3)
+    for _ in range(60):
+        localizer.predict(np.zeros(3), np.array([0.0, 0.0, 9.81]), np.zeros(2), 1.0)
+        localizer.fix(2.0 * rng.standard_normal(2))
+    found = localizer.inconsistency
+    assert found is not None
+    assert found.what == "mean square of their errors, in sigmas"
+    assert found.value > found.limit
 
 
 def test_what_once_was_worse_is_not_believed_to_be_as_told_soon() -> None:
