@@ -11,6 +11,7 @@ import numpy as np
 
 from handcart.backends.robot.robot import Robot
 from handcart.files.csv_table import number_in
+from handcart.networks.coordination.events import Event
 from handcart.networks.run_observer import RunObserver
 from handcart.networks.task.preparing import Prepared
 
@@ -39,12 +40,15 @@ class DriveRecorder(RunObserver):
 
     def __init__(self) -> None:
         self._file: TextIO | None = None
+        self._robot: Robot | None = None
+        self._noted = 0.0
 
     def begin(self, prepared: Prepared, run_dir: Path) -> None:
         """See `RunObserver`; the log of a run that goes on goes on from there."""
         robot = prepared.robot
         if robot.localization.sensed is None:
             return
+        self._robot, self._noted = robot, robot.time
         path = run_dir / NAME
         with suppress(OSError):
             lines = _kept(path, robot.time) if path.exists() else [_header(robot)]
@@ -53,10 +57,23 @@ class DriveRecorder(RunObserver):
 
     def period(self, robot: Robot) -> None:
         """See `RunObserver`."""
+        self._note(robot)
+
+    def event(self, event: Event) -> None:
+        """See `RunObserver`: a run that is killed goes on from what it had at an action's end."""
+        if self._robot is not None:
+            self._note(self._robot, whole=True)
+
+    def _note(self, robot: Robot, whole: bool = False) -> None:
+        """Write what was sensed last, once; `whole`: all of the log is handed to the system."""
         if self._file is None:
             return
         try:
-            self._file.write(_row(robot))
+            if robot.time > self._noted:
+                self._noted = robot.time
+                self._file.write(_row(robot))
+            if whole:
+                self._file.flush()
         except OSError:
             self.end()
 

@@ -6,12 +6,16 @@ import csv
 import json
 from pathlib import Path
 
+import numpy as np
 import pytest
 
+from handcart.evaluation.replay.csv_log import read_csv_log
+from handcart.evaluation.replay.replay import localizer_for, replay
 from handcart.evaluation.trials.running import resume_task, run_task
 from handcart.files.errors import FileError
 from handcart.networks.operator.permits import Permits
 from handcart.networks.run_options import RunOptions
+from handcart.robotics.navigation.outdoors.field_noise import REFERENCE
 from tests.conftest import Copier
 
 TASKS = Path(__file__).parents[2] / "tasks"
@@ -54,6 +58,11 @@ def test_two_sensors_are_laid_and_told_of(tmp_path: Path, small: dict[str, str])
     kinds = [feature["geometry"]["type"] for feature in laid["features"]]
     assert kinds == ["Point", "Polygon"] * 2
     assert (folder / "as_laid.svg").stat().st_size > 10_000
+    log = read_csv_log(folder / "drive.csv")
+    assert np.diff(log.times) == pytest.approx(0.025)
+    replayed = replay(log, localizer_for(log, REFERENCE))
+    assert len(replayed.fixes) == pytest.approx(log.times[-1], abs=2)
+    assert np.hypot(*replayed.errors[:, :2].T).max() < 1.0
 
 
 @pytest.mark.slow
@@ -76,7 +85,7 @@ def test_killed_it_goes_on_and_tells_of_all_sensors(
     again, status = resume_task(left, None, RunOptions(observers=(copier(0, left),)))
     assert status == 0
     assert again["metrics"]["placements"] == whole["metrics"]["placements"]
-    for name in ("as_laid.csv", "as_laid.geojson"):
+    for name in ("as_laid.csv", "as_laid.geojson", "drive.csv"):
         assert (left / name).read_bytes() == (Path(whole["run_dir"]) / name).read_bytes()
 
 
