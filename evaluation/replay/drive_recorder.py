@@ -16,6 +16,7 @@ from handcart.networks.run_observer import RunObserver
 from handcart.networks.task.preparing import Prepared
 
 NAME = "drive.csv"
+ROUNDED = 1e-4  # [s]: times are written so
 COLUMNS = {
     "time": "s",
     **{f"gyro_{axis}": "rad/s" for axis in "xyz"},
@@ -100,8 +101,8 @@ def _kept(path: Path, time: float) -> list[str]:
     """Lines of a log up to the moment from which its run goes on, in [s]."""
     lines = path.read_text(encoding="utf-8", errors="replace").splitlines(keepends=True)
     table = next((k for k, line in enumerate(lines) if line.startswith("time,")), len(lines) - 1) + 1
-    rows = [line for line in lines[table:] if line.endswith("\n") and number_in(line.split(",")[0]) <= time]
-    return lines[:table] + rows
+    whole = [line for line in lines[table:] if line.endswith("\n")]
+    return lines[:table] + [line for line in whole if number_in(line.split(",")[0]) < time + ROUNDED]
 
 
 def _header(robot: Robot) -> str:
