@@ -19,6 +19,7 @@ from handcart.robotics.navigation.outdoors.suppositions import Supposition
 from .drive_log import DriveLog
 
 EACH = 1.0  # [s] between points of the track
+CLOUDS = 5  # instants at which particles are kept: as many as figure 3 of Ohki et al. (2012) shows
 UNSURE = 3.0  # sigmas of a fix: how well the first one tells where the base is
 STEERED: dict[str, Any] = {
     "gyro_white": math.radians(0.5),
@@ -57,6 +58,8 @@ class Replayed(NamedTuple):
     fixes: list[ReplayedFix]
     log_likelihood: float
     """Of the fixes; NaN for a localizer that doesn't tell."""
+    clouds: list[tuple[float, Array]]
+    """Particles (3, n) at some instants [s], of a localizer that has any."""
 
     @property
     def errors(self) -> Array:
@@ -108,7 +111,8 @@ def replay(
     told = np.isfinite(log.fixes.sum(axis=1))
     rows: list[int] = []
     poses, covariances, known, fixes = [], [], [], []
-    due = log.times[0]
+    due, clouds = log.times[0], list[tuple[float, Array]]()
+    kept = set(np.linspace(0, len(log.times) - 1, CLOUDS).astype(int).tolist())
     for row in range(len(log.times)):
         if row:  # before the first one nobody knows since when
             localizer.predict(log.rates[row], log.accelerations[row], log.wheels[row], float(steps[row]))
@@ -118,6 +122,8 @@ def replay(
             why = localizer.refusal
             x, y = log.fixes[row].tolist()
             fixes.append(ReplayedFix(float(log.times[row]), (x, y), believed, why))
+        if row in kept and isinstance(localizer, ParticleFilter):
+            clouds.append((float(log.times[row]), localizer.particles))
         if log.times[row] >= due or row == len(log.times) - 1:
             due = max(due + EACH, log.times[row])
             rows.append(row)
@@ -134,4 +140,5 @@ def replay(
         log.reference[rows],
         fixes,
         localizer.log_likelihood,
+        clouds,
     )

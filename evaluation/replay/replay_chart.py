@@ -15,13 +15,16 @@ from handcart.files.whole_file import write_whole
 
 from .replay import Replayed
 
+PARTICLES = "#009e73"
 TRACK, TRUTH, REFUSED, FIX = "#0072b2", "#000000", "#d55e00", "#999999"  # Okabe and Ito (2008)
+WIDE = 9.0  # inches
+CLOUD = 1.0  # [m] on each side of a cloud's middle
 ELLIPSES = 25  # along the track
 SIGMAS = 3.0
 
 
 def draw_replay(replayed: Replayed, path: Path, title: str) -> None:
-    """The track with what is claimed of it, the fixes, and the reference; below, errors against claims.
+    """The track with claims, fixes and reference; particles, if there are any; errors against claims.
 
     Args:
         replayed: what is drawn.
@@ -31,8 +34,15 @@ def draw_replay(replayed: Replayed, path: Path, title: str) -> None:
     Raises:
         OSError: it can't be written.
     """
-    figure = Figure(figsize=(8.0, 9.0), layout="constrained")
-    above, below = figure.subplots(2, 1, height_ratios=[3.0, 1.0])
+    tall, rows = _tallness(replayed), ["track"] * max(1, len(replayed.clouds))
+    panels = [rows, ["errors"] * len(rows)]
+    heights = [WIDE * tall, 2.2]
+    if replayed.clouds:
+        panels.insert(1, [f"cloud {number}" for number in range(len(rows))])
+        heights.insert(1, 1.8)
+    figure = Figure(figsize=(WIDE, sum(heights) + 1.0), layout="constrained")
+    axes = figure.subplot_mosaic(panels, height_ratios=heights)  # type: ignore[arg-type]
+    above, below = axes["track"], axes["errors"]
     above.set_title(title)
     _draw_fixes(above, replayed)
     above.plot(*replayed.poses[:, :2].T, color=TRACK, linewidth=1.5, label="estimated", zorder=3)
@@ -42,7 +52,9 @@ def draw_replay(replayed: Replayed, path: Path, title: str) -> None:
     above.set_aspect("equal", adjustable="datalim")
     above.set_xlabel("x, east [m]")
     above.set_ylabel("y, north [m]")
-    above.legend(loc="best")
+    above.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0))
+    for number in range(len(replayed.clouds)):
+        _draw_cloud(axes[f"cloud {number}"], replayed, number)
     _draw_errors(below, replayed)
     packed = BytesIO()
     figure.savefig(packed, format=path.suffix.removeprefix(".") or "svg", dpi=120)
@@ -71,6 +83,31 @@ def _draw_claims(axes: Axes, replayed: Replayed) -> None:
         axes.add_patch(ring)
 
 
+def _tallness(replayed: Replayed) -> float:
+    """Height of the track's panel, in widths of the picture."""
+    places = np.array([fix.position for fix in replayed.fixes] or replayed.poses[:, :2])
+    width, height = (float(np.quantile(axis, 0.99) - np.quantile(axis, 0.01)) + 1.0 for axis in places.T)
+    return min(0.9, max(0.25, 0.8 * height / width))
+
+
+def _draw_cloud(axes: Axes, replayed: Replayed, number: int) -> None:
+    """Particles at an instant about where they are on average, as figure 3 of Ohki et al. (2012) has them."""
+    time, (x, y, _) = replayed.clouds[number]
+    axes.plot(x - x.mean(), y - y.mean(), ".", color=PARTICLES, markersize=1)
+    row = int(np.argmin(np.abs(replayed.times - time)))
+    if np.isfinite(replayed.truth[row, :2]).all():
+        axes.plot(*(replayed.truth[row, :2] - (x.mean(), y.mean())), "+", color=TRUTH, markersize=10)
+    axes.set_title(f"{time:.0f} s", fontsize="medium")
+    axes.set_xlim(-CLOUD, CLOUD)
+    axes.set_ylim(-CLOUD, CLOUD)
+    axes.set_aspect("equal")
+    axes.set_xlabel("[m]")
+    if number:
+        axes.set_yticklabels([])
+    else:
+        axes.set_ylabel("particles; + reference")
+
+
 def _draw_errors(axes: Axes, replayed: Replayed) -> None:
     claimed = SIGMAS * np.sqrt(np.trace(replayed.covariances[:, :2, :2], axis1=1, axis2=2))
     claimed = np.where(replayed.known, claimed, math.nan)
@@ -81,4 +118,4 @@ def _draw_errors(axes: Axes, replayed: Replayed) -> None:
     axes.set_xlabel("time [s]")
     axes.set_ylabel("[m]")
     axes.set_ylim(bottom=0.0)
-    axes.legend(loc="best")
+    axes.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0))
