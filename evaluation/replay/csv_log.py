@@ -43,7 +43,9 @@ def read_csv_log(path: Path) -> DriveLog:
     header = load_document(parse_document("\n".join(["", *lines[1:end]]).encode(), str(path)), LogHeader)
     scales = _scales(header)
     columns = _table(path, lines[end + 1 :], end + 2, header)
-    values = {name: columns[name] * scale for name, scale in scales.items()}
+    told = {name: column.factor for name, column in header.value.columns.items()}
+    values = {name: told[name] * scale * columns[name] for name, scale in scales.items()}
+    _take_out_held(values, header.value)
     return _log(values, header, Finding(str(path), end + 2, 1, ""))
 
 
@@ -161,6 +163,17 @@ def _log(values: dict[str, Array], loaded: Loaded[LogHeader], table: Finding) ->
     )
 
 
+def _take_out_held(values: dict[str, Array], header: LogHeader) -> None:
+    """Make NaN of what a recorder only wrote again; of a place, where neither of its two is new."""
+    for names in (*_PLACES, *((name,) for name in values if name not in sum(_PLACES, ()))):
+        held = [values[name] for name in names if name in values and header.columns[name].held]
+        if held:
+            again = np.all([each[1:] == each[:-1] for each in held], axis=0)
+            for each in held:
+                each[1:][again] = math.nan
+
+
+_PLACES = (("gps_east", "gps_north"), ("latitude", "longitude"), ("true_x", "true_y"))
 _TRUE = ("true_latitude", "true_longitude")
 _STILL = (("x", 0.0), ("y", 0.0), ("z", GRAVITY))  # what accelerometers that aren't there would read
 

@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+NEARLY = 0.8  # of a receiver's period: fixes don't come to the millisecond
 Array = NDArray[np.float64]
 
 
@@ -36,6 +37,16 @@ class DriveLog(NamedTuple):
     """In the base frame, in [m]; None: as the robot's file says."""
     steered: bool = False
     """Whether `rates` are those of a steering angle: there is no gyro."""
+
+    def thinned(self, period: float) -> DriveLog:
+        """With fixes about `period` [s] apart at least: those in between mostly err alike."""
+        fixes, latest = self.fixes.copy(), -np.inf
+        for row in np.flatnonzero(np.isfinite(fixes).all(axis=1)):
+            if self.times[row] < latest + NEARLY * period:
+                fixes[row] = np.nan
+            else:
+                latest = self.times[row]
+        return self._replace(fixes=fixes)
 
     def one_row_a_time(self) -> DriveLog:
         """Rows of the same time put together: the latest of each reading, and all of the travel."""

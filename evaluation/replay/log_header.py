@@ -51,6 +51,10 @@ class Column(FileModel):
     """See docs/localize.md; SI units, and those in use beside them."""
     name: str | None = None
     """What the table calls it; left out: as the quantity is called."""
+    factor: float = 1.0
+    """By which its numbers are multiplied first: -1 for an axis that points the other way."""
+    held: bool = False
+    """The recorder writes the last value again until there is a new one: what repeats tells nothing new."""
 
 
 class Start(FileModel):

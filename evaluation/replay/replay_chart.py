@@ -97,7 +97,7 @@ def _draw_cloud(axes: Axes, replayed: Replayed, number: int) -> None:
     row = int(np.argmin(np.abs(replayed.times - time)))
     if np.isfinite(replayed.truth[row, :2]).all():
         axes.plot(*(replayed.truth[row, :2] - (x.mean(), y.mean())), "+", color=TRUTH, markersize=10)
-    axes.set_title(f"{time:.0f} s", fontsize="medium")
+    axes.set_title(f"{time - replayed.times[0]:.0f} s", fontsize="medium")
     axes.set_xlim(-CLOUD, CLOUD)
     axes.set_ylim(-CLOUD, CLOUD)
     axes.set_aspect("equal")
@@ -111,10 +111,11 @@ def _draw_cloud(axes: Axes, replayed: Replayed, number: int) -> None:
 def _draw_errors(axes: Axes, replayed: Replayed) -> None:
     claimed = SIGMAS * np.sqrt(np.trace(replayed.covariances[:, :2, :2], axis1=1, axis2=2))
     claimed = np.where(replayed.known, claimed, math.nan)
-    axes.plot(replayed.times, claimed, color=TRACK, label="three claimed sigma")
+    times = replayed.times - replayed.times[0]
+    axes.plot(times, claimed, color=TRACK, label="three claimed sigma")
     if np.isfinite(replayed.truth[:, :2]).any():
         off = np.hypot(*replayed.errors[:, :2].T)
-        axes.plot(replayed.times, off, color=TRUTH, linewidth=1.0, label="off the reference")
+        axes.plot(times, off, color=TRUTH, linewidth=1.0, label="off the reference")
     axes.set_xlabel("time [s]")
     axes.set_ylabel("[m]")
     axes.set_ylim(bottom=0.0)

@@ -58,7 +58,8 @@ def in_words(replayed: Replayed) -> str:
             f"{told['error_m_r95']:.2f} m, at most {told['error_m_max']:.2f} m; "
             f"squared errors are {told['nees']:.1f} claimed variances (2 where claims are true)"
         )
-    lines += [f"  refused at {fix.time:.1f} s: {fix.why}" for fix in refused[:SHOWN]]
+    begun = float(replayed.times[0])
+    lines += [f"  refused after {fix.time - begun:.1f} s: {fix.why}" for fix in refused[:SHOWN]]
     if len(refused) > SHOWN:
         kinds = Counter(_kind(fix.why) for fix in refused[SHOWN:])
         more = ", ".join(f"{count} {kind}" for kind, count in kinds.most_common())

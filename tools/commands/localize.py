@@ -56,6 +56,7 @@ def localize(
     spec = load_robot(robot)
     played = _read(log, nmea, reference)
     noise = field_noise(spec, played.antenna or spec.antenna)
+    played = played.thinned(noise.gps_period)
     with share_shown("log") as passed:
         replayed = replay(played, localizer_for(played, noise, localizer), passed)
     found = figures(replayed)
