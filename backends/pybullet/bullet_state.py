@@ -28,8 +28,20 @@ _HEAD = struct.Struct("<4siQii")
 _POINTER = 8  # bytes
 _COLLIDERS = (b"MBLC", b"COBJ", b"RBDY")
 _POINTS = 4  # of a contact, at most
-_CHANGES = frozenset({"m_activationState1", "m_islandTag1", "m_companionId", "m_uniqueId"})
-"""Whole numbers of bodies that change while a world goes on; the last one as a body meets others or not."""
+_CHANGES = frozenset(
+    {
+        "m_activationState1",
+        "m_islandTag1",
+        "m_companionId",
+        "m_uniqueId",
+        "m_collisionFilterGroup",
+        "m_collisionFilterMask",
+    }
+)
+"""Whole numbers of bodies that change while a world goes on; the last three as a body meets others or not.
+
+What meets which isn't taken from a kept state: Bullet leaves it as it is, and each step says it anew.
+"""
 NEVER = 1.1e30
 """Thresholds that are never reached are 1e30, single or double; no number is larger."""
 _SMALL = 1_000_000  # of whole numbers of contacts, at most
