@@ -95,6 +95,8 @@ def test_a_log_is_played_with_track_and_picture(
     assert 0.05 < found["nees"] < 8.0
     assert picture.stat().st_size > 5_000
     rows = np.genfromtxt(track, delimiter=",", names=True)
+    (tmp_path / "drive.csv").write_bytes(log.read_bytes())
+    assert localized(tmp_path)["fixes"] == found["fixes"]
     assert rows["x_m"][-1] == pytest.approx(drive.drive.poses[-1, 0], abs=1.0)
 
 

@@ -10,19 +10,27 @@ import typer
 if TYPE_CHECKING:
     from handcart.evaluation.replay.drive_log import DriveLog
     from handcart.evaluation.replay.replay import Replayed
+    from handcart.robotics.navigation.outdoors.field_noise import FieldNoise
 
 BAGS = (".bag", ".db3", ".mcap")
+RUN_LOG = "drive.csv"
 PICTURES = (".svg", ".png", ".pdf")
 
 
 def localize(
-    log: Annotated[Path, typer.Argument(help="a CSV file with a header, or a ROS bag; see docs/localize.md")],
+    log: Annotated[
+        Path,
+        typer.Argument(help="a CSV file with a header, a run's folder, or a ROS bag; see docs/localize.md"),
+    ],
     nmea: Annotated[
         Path | None, typer.Option(help="a receiver's own log (NMEA 0183) with the fixes, beside the CSV file")
     ] = None,
     robot: Annotated[
-        str, typer.Option(help="what to believe of the sensors: a shipped robot, or the path of its file")
-    ] = "el_verde",
+        str | None,
+        typer.Option(
+            help="a shipped robot, or its file: what to believe of the sensors; left out: as el_verde"
+        ),
+    ] = None,
     localizer: Annotated[str, typer.Option(help="gps_filter or particle")] = "gps_filter",
     reference: Annotated[
         str | None, typer.Option(help="topic of a ROS bag on which the true poses are")
@@ -40,8 +48,6 @@ def localize(
     """Tell where a robot was by a recorded log, how sure that is, and which fixes were refused and why."""
     import orjson
 
-    from handcart.backends.description.robot_loading import load_robot
-    from handcart.backends.robot.localization.noise_model import field_noise
     from handcart.evaluation.replay.noise_fit import fit_noise, in_yaml
     from handcart.evaluation.replay.replay import localizer_for, replay
     from handcart.evaluation.replay.replay_chart import draw_replay
@@ -53,9 +59,8 @@ def localize(
         raise typer.BadParameter(f"no localizer {localizer!r}{suggest(localizer, KINDS)}")
     if output is not None and output.suffix not in PICTURES:
         raise typer.BadParameter(f"no picture for {output.suffix!r}{suggest(output.suffix, PICTURES)}")
-    spec = load_robot(robot)
     played = _read(log, nmea, reference)
-    noise = field_noise(spec, played.antenna or spec.antenna)
+    noise = _noise(robot)
     played = played.thinned(noise.gps_period)
     with share_shown("log") as passed:
         replayed = replay(played, localizer_for(played, noise, localizer), passed)
@@ -80,8 +85,22 @@ def localize(
 KINDS = ("gps_filter", "particle")
 
 
+def _noise(robot: str | None) -> FieldNoise:
+    """What to believe of wheels, gyros and receiver."""
+    from handcart.backends.description.robot_loading import load_robot
+    from handcart.backends.robot.localization.noise_model import field_noise
+    from handcart.robotics.navigation.outdoors.field_noise import REFERENCE
+
+    if robot is None:
+        return REFERENCE
+    spec = load_robot(robot)
+    return field_noise(spec, spec.antenna)
+
+
 def _read(log: Path, nmea: Path | None, reference: str | None) -> DriveLog:
-    """The log, whatever it is."""
+    """The log, whatever it is; of a run's folder, the one in it."""
+    if (log / RUN_LOG).is_file():
+        log = log / RUN_LOG
     if log.is_dir() or log.suffix in BAGS:
         from handcart.evaluation.replay.bag_log import read_bag_log
 
