@@ -15,10 +15,10 @@ from numpy.typing import NDArray
 from handcart.backends.robot.robot import Robot
 from handcart.files.whole_file import write_whole
 from handcart.networks.task.preparing import Prepared
-from handcart.primitives.field.earth_frame import EarthFrame
 from handcart.primitives.field.field_work import FieldWork
 from handcart.primitives.field.target import Laid
 from handcart.primitives.knowledge.world_model import WorldModel
+from handcart.robotics.geometry.earth_frame import EarthFrame
 from handcart.robotics.geometry.pose2 import Pose2
 
 SHARE = 0.95

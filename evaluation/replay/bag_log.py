@@ -13,7 +13,7 @@ from handcart.files.errors import FileError, Finding, InputError
 from handcart.files.extras import lack
 from handcart.files.suggest import listed
 
-from .csv_log import first_place, plane
+from .csv_log import first_place, held_on, plane
 from .drive_log import DriveLog
 
 IMU, ODOMETRY, FIX = "sensor_msgs/msg/Imu", "nav_msgs/msg/Odometry", "sensor_msgs/msg/NavSatFix"
@@ -118,8 +118,7 @@ def _log(path: Path, rows: list[_Row]) -> DriveLog:
     times, rates, felt, speeds, places, sigmas, reference = (
         np.array(each) for each in zip(*rows, strict=True)
     )
-    latest = np.maximum.accumulate(np.where(np.isfinite(speeds), np.arange(len(speeds)), 0))
-    way = np.nan_to_num(speeds[latest]) * np.diff(times, prepend=times[0])
+    way = held_on(speeds) * np.diff(times, prepend=times[0])
     fixes = plane(places[:, 0], places[:, 1], first_place(places[:, 0], places[:, 1]))
     nowhere = (math.nan,) * 3
     wheels = np.stack([way, way], axis=1)

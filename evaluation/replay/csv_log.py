@@ -16,12 +16,12 @@ from handcart.files.models.loading import Loaded, load_document
 from handcart.files.regular_file import BYTE_ORDER_MARK, decode_text, read_regular_file
 from handcart.files.suggest import listed
 from handcart.files.yaml.yaml_document import parse_document
+from handcart.robotics.geometry.earth_frame import EarthFrame
 
 from .drive_log import DriveLog
 from .log_header import QUANTITIES, UNITS, LogHeader
 
-MAX_BYTES = 1 << 30
-MAX_ROWS = 10_000_000
+MAX_BYTES = 1 << 28
 MARK = "---"
 SHOWN = 10  # bad cells that are told one by one
 GRAVITY = 9.81
@@ -43,14 +43,13 @@ def read_csv_log(path: Path) -> DriveLog:
     header = load_document(parse_document("\n".join(["", *lines[1:end]]).encode(), str(path)), LogHeader)
     scales = _scales(header)
     columns = _table(path, lines[end + 1 :], end + 2, header)
-    told = {name: column.factor for name, column in header.value.columns.items()}
-    values = {name: told[name] * scale * columns[name] for name, scale in scales.items()}
+    values = {name: scale * columns[name] for name, scale in scales.items()}
     _take_out_held(values, header.value)
-    return _log(values, header, Finding(str(path), end + 2, 1, ""))
+    return _log(values, header.value)
 
 
 def _scales(header: Loaded[LogHeader]) -> dict[str, float]:
-    """How many SI units one of each column's is."""
+    """By which each column's numbers are multiplied to have them in SI units."""
     findings, scales = Findings(), {}
     for quantity, column in header.value.columns.items():
         if quantity not in QUANTITIES:
@@ -62,7 +61,7 @@ def _scales(header: Loaded[LogHeader]) -> dict[str, float]:
             allowed = f"no unit of {quantity}: {column.unit!r}; allowed: {listed(units)}"
             findings.add(header.finding(("columns", quantity, "unit"), allowed))
             continue
-        scales[quantity] = units[column.unit]
+        scales[quantity] = column.factor * units[column.unit]
     for wanted, why in _needed(header.value):
         findings.add(header.finding(("columns",), f"{wanted}; needed: {why}", at_key=True))
     findings.raise_all()
@@ -80,7 +79,7 @@ def _needed(header: LogHeader) -> list[tuple[str, str]]:
     if not turns and not ({"wheel_left", "wheel_right"} <= has and header.tread_m is not None):
         ways = "gyro_z, or steering and wheelbase_m, or both wheels and tread_m"
         missing.append(("nothing tells how it turned", ways))
-    for one, other in (("gps_east", "gps_north"), ("latitude", "longitude"), ("true_x", "true_y"), _TRUE):
+    for one, other in _PLACES:
         if (one in has) != (other in has):
             missing.append((f"{one if one in has else other} alone", f"{one} and {other}"))
     return missing
@@ -100,6 +99,7 @@ def _table(path: Path, lines: list[str], first: int, header: Loaded[LogHeader]) 
             places[quantity] = titles.index(name)
     findings.raise_all()
     table: list[list[float]] = []
+    at = list(places).index("time")
     for row in rows:
         line = first + rows.line_num - 1
         if not any(cell.strip() for cell in row):
@@ -108,7 +108,9 @@ def _table(path: Path, lines: list[str], first: int, header: Loaded[LogHeader]) 
             findings.add(Finding(str(path), line, 1, f"{len(row)} cells; needed: {len(titles)}"))
         else:
             table.append([_number(row, place, path, line, findings) for place in places.values()])
-        if len(findings) >= SHOWN or len(table) > MAX_ROWS:
+            if not (table[-2][at] if len(table) > 1 else -math.inf) <= table[-1][at] < math.inf:
+                findings.add(Finding(str(path), line, 1, "time doesn't go on; needed: times that rise"))
+        if len(findings) >= SHOWN:
             break
     findings.raise_all()
     if len(table) < 2:
@@ -128,16 +130,10 @@ def _number(row: list[str], place: int, path: Path, line: int, findings: Finding
     return value
 
 
-def _log(values: dict[str, Array], loaded: Loaded[LogHeader], table: Finding) -> DriveLog:
-    header, times = loaded.value, values["time"]
+def _log(values: dict[str, Array], header: LogHeader) -> DriveLog:
+    times = values["time"]
     order = np.diff(times)
-    if not np.isfinite(times).all() or (order < 0.0).any():
-        row = (
-            int(np.argmax(~np.isfinite(times))) if not np.isfinite(times).all() else int(np.argmin(order)) + 1
-        )
-        wrong = f"row {row + 1}: time doesn't go on; needed: times that rise"
-        raise FileError([Finding(table.file, table.line + row + 1, 1, wrong)])
-    steps = np.concatenate([[np.median(order) if len(order) else 0.0], order])
+    steps = np.concatenate([[np.median(order)], order])
     nothing = np.full(len(times), math.nan)
     wheels = _travel(values, header, steps)
     rates, steered = _rates(values, header, wheels, steps)
@@ -165,7 +161,8 @@ def _log(values: dict[str, Array], loaded: Loaded[LogHeader], table: Finding) ->
 
 def _take_out_held(values: dict[str, Array], header: LogHeader) -> None:
     """Make NaN of what a recorder only wrote again; of a place, where neither of its two is new."""
-    for names in (*_PLACES, *((name,) for name in values if name not in sum(_PLACES, ()))):
+    paired = {name for names in _PLACES for name in names}
+    for names in (*_PLACES, *((name,) for name in values if name not in paired)):
         held = [values[name] for name in names if name in values and header.columns[name].held]
         if held:
             again = np.all([each[1:] == each[:-1] for each in held], axis=0)
@@ -173,8 +170,8 @@ def _take_out_held(values: dict[str, Array], header: LogHeader) -> None:
                 each[1:][again] = math.nan
 
 
-_PLACES = (("gps_east", "gps_north"), ("latitude", "longitude"), ("true_x", "true_y"))
 _TRUE = ("true_latitude", "true_longitude")
+_PLACES = (("gps_east", "gps_north"), ("latitude", "longitude"), ("true_x", "true_y"), _TRUE)
 _STILL = (("x", 0.0), ("y", 0.0), ("z", GRAVITY))  # what accelerometers that aren't there would read
 
 
@@ -184,11 +181,11 @@ def _travel(values: dict[str, Array], header: LogHeader, steps: Array) -> Array:
     for name in ("wheel_left", "wheel_right"):
         name = name if name in values else "speed"
         is_speed = header.columns[name].unit in UNITS["speed"]
-        travel.append(_held(values[name]) * steps if is_speed else np.nan_to_num(values[name]))
+        travel.append(held_on(values[name]) * steps if is_speed else np.nan_to_num(values[name]))
     return np.stack(travel, axis=1)
 
 
-def _held(values: Array) -> Array:
+def held_on(values: Array) -> Array:
     """(n,) with each NaN as the number before it; nothing before the first one."""
     latest = np.maximum.accumulate(np.where(np.isfinite(values), np.arange(len(values)), 0))
     return np.nan_to_num(values[latest], posinf=0.0, neginf=0.0)
@@ -201,7 +198,7 @@ def _rates(values: dict[str, Array], header: LogHeader, wheels: Array, steps: Ar
         return np.stack([*across, values["gyro_z"]], axis=1), False
     speed = np.divide(wheels.mean(axis=1), steps, out=np.zeros(len(steps)), where=steps > 0.0)
     if "steering" in values and header.wheelbase_m is not None:
-        about = speed * np.tan(_held(values["steering"])) / header.wheelbase_m
+        about = speed * np.tan(held_on(values["steering"])) / header.wheelbase_m
     else:
         assert header.tread_m is not None
         turned = (wheels[:, 1] - wheels[:, 0]) / header.tread_m
@@ -215,24 +212,20 @@ def _fixes(values: dict[str, Array], nothing: Array) -> Array:
         return np.stack([values["gps_east"], values["gps_north"]], axis=1)
     if "latitude" not in values:
         return np.stack([nothing, nothing], axis=1)
-    told = values["latitude"], values["longitude"]
-    return plane(*told, first_place(*told))
+    place = values["latitude"], values["longitude"]
+    return plane(*place, first_place(*place))
 
 
 def first_place(latitudes: Array, longitudes: Array) -> tuple[float, float] | None:
-    """The first that is told of latitudes and longitudes (n,), in [deg]; None where none is."""
-    told = np.flatnonzero(np.isfinite(latitudes) & np.isfinite(longitudes))
-    return None if not len(told) else (float(latitudes[told[0]]), float(longitudes[told[0]]))
+    """The first that is known of latitudes and longitudes (n,), in [deg]; None where none is."""
+    known = np.flatnonzero(np.isfinite(latitudes) & np.isfinite(longitudes))
+    return None if not len(known) else (float(latitudes[known[0]]), float(longitudes[known[0]]))
 
 
 def plane(latitudes: Array, longitudes: Array, origin: tuple[float, float] | None) -> Array:
     """(n, 2) east and north of an origin in [m], of latitudes and longitudes (n,); degrees all of them."""
-    from pyproj import CRS, Transformer
-
     found = np.full((len(latitudes), 2), math.nan)
     if origin is not None:
-        told = np.isfinite(latitudes) & np.isfinite(longitudes)
-        about = f"+proj=aeqd +lat_0={origin[0]} +lon_0={origin[1]} +datum=WGS84 +units=m"
-        to_plane = Transformer.from_crs("EPSG:4326", CRS.from_proj4(about), always_xy=True)
-        found[told] = np.stack(to_plane.transform(longitudes[told], latitudes[told]), axis=1)
+        known = np.isfinite(latitudes) & np.isfinite(longitudes)
+        found[known] = EarthFrame(*origin).points_to_field(latitudes[known], longitudes[known])
     return found

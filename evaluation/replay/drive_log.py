@@ -64,8 +64,8 @@ _READINGS = ("rates", "accelerations", "fixes", "sigmas", "reference")
 
 def _latest(values: Array, starts: NDArray[np.int64], ends: NDArray[np.int64]) -> Array:
     """The last row between each start and end that tells anything; NaN where none does."""
-    told = np.isfinite(values) if values.ndim == 1 else np.isfinite(values).all(axis=1)
-    rows = np.maximum.accumulate(np.where(told, np.arange(len(values)), -1))[ends - 1]
+    known = np.isfinite(values) if values.ndim == 1 else np.isfinite(values).all(axis=1)
+    rows = np.maximum.accumulate(np.where(known, np.arange(len(values)), -1))[ends - 1]
     found = values[rows]
     found[rows < starts] = np.nan
     return found

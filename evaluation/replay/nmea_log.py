@@ -43,8 +43,8 @@ def with_nmea(log: DriveLog, path: Path) -> DriveLog:
         raise FileError([Finding(str(path), 1, 1, wrong)])
     times = np.unwrap([each.utc for each in positions], period=DAY)
     times = times - times[0] + _first(log, positions[0].utc)
-    told = np.array([each.lat for each in positions]), np.array([each.lon for each in positions])
-    places = plane(*told, first_place(*told))
+    measured = np.array([each.lat for each in positions]), np.array([each.lon for each in positions])
+    places = plane(*measured, first_place(*measured))
     fixes, sigmas = np.full_like(log.fixes, math.nan), np.full_like(log.sigmas, math.nan)
     for time, place, each in zip(times, places, positions, strict=True):
         row = int(np.searchsorted(log.times, time))

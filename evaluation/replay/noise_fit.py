@@ -69,15 +69,15 @@ KNOBS = (
 )
 
 
-def fit_noise(log: DriveLog, told: FieldNoise, passed: Callable[[float], None] | None = None) -> Fitted:
+def fit_noise(log: DriveLog, given: FieldNoise, passed: Callable[[float], None] | None = None) -> Fitted:
     """Turn one knob after the other, twice, while the fixes get likelier (coordinate ascent).
 
     Args:
         log: a drive with fixes, kilometres rather than metres.
-        told: where to begin.
+        given: where to begin.
         passed: hears now and then which share of it is done.
     """
-    noise, best = told, _likelihood(log, told)
+    noise, best = given, _likelihood(log, given)
     before, changed = best, dict[str, float]()
     work = 2 * sum(len(knob.factors) for knob in KNOBS)
     done = 0

@@ -87,8 +87,8 @@ def localizer_for(
     x, y, heading = log.start
     position = 0.05
     if not math.isfinite(x) or not math.isfinite(y):
-        told = np.flatnonzero(np.isfinite(log.fixes).all(axis=1))
-        x, y = log.fixes[told[0]].tolist() if len(told) else (0.0, 0.0)
+        known_rows = np.flatnonzero(np.isfinite(log.fixes).all(axis=1))
+        x, y = log.fixes[known_rows[0]].tolist() if len(known_rows) else (0.0, 0.0)
         position = UNSURE * noise.gps_white + math.hypot(*noise.antenna[:2])
     if not math.isfinite(heading):
         heading, noise = 0.0, noise._replace(start_heading=math.inf)
@@ -108,7 +108,7 @@ def replay(
     """Play a log; `passed` hears now and then which share of it is done."""
     log = log.one_row_a_time()
     steps = np.diff(log.times, prepend=log.times[0])
-    told = np.isfinite(log.fixes.sum(axis=1))
+    known_rows = np.isfinite(log.fixes.sum(axis=1))
     rows: list[int] = []
     poses, covariances, known, fixes = [], [], [], []
     due, clouds = log.times[0], list[tuple[float, Array]]()
@@ -116,7 +116,7 @@ def replay(
     for row in range(len(log.times)):
         if row:  # before the first one nobody knows since when
             localizer.predict(log.rates[row], log.accelerations[row], log.wheels[row], float(steps[row]))
-        if told[row]:
+        if known_rows[row]:
             sigma = float(log.sigmas[row])
             believed = localizer.fix(log.fixes[row], sigma if sigma > 0.0 else None)
             why = localizer.refusal

@@ -45,18 +45,19 @@ def figures(replayed: Replayed) -> dict[str, Any]:
 
 def in_words(replayed: Replayed) -> str:
     """For a person."""
-    told = figures(replayed)
+    found = figures(replayed)
     refused = [fix for fix in replayed.fixes if not fix.believed]
     lines = [
-        f"{told['seconds']:.0f} s, {told['fixes']} fixes, {len(refused)} of them refused",
-        _of_heading(told["heading_known_after_s"]),
-        f"claimed: {told['claimed_m_median']:.2f} m in the median, {told['claimed_m_last']:.2f} m in the end",
+        f"{found['seconds']:.0f} s, {found['fixes']} fixes, {len(refused)} of them refused",
+        _of_heading(found["heading_known_after_s"]),
+        f"claimed: {found['claimed_m_median']:.2f} m in the median, "
+        f"{found['claimed_m_last']:.2f} m in the end",
     ]
-    if "error_m_rms" in told:
+    if "error_m_rms" in found:
         lines.append(
-            f"against the reference: {told['error_m_rms']:.2f} m root mean square, 95 % within "
-            f"{told['error_m_r95']:.2f} m, at most {told['error_m_max']:.2f} m; "
-            f"squared errors are {told['nees']:.1f} claimed variances (2 where claims are true)"
+            f"against the reference: {found['error_m_rms']:.2f} m root mean square, 95 % within "
+            f"{found['error_m_r95']:.2f} m, at most {found['error_m_max']:.2f} m; "
+            f"squared errors are {found['nees']:.1f} claimed variances (2 where claims are true)"
         )
     begun = float(replayed.times[0])
     lines += [f"  refused after {fix.time - begun:.1f} s: {fix.why}" for fix in refused[:SHOWN]]

@@ -15,9 +15,9 @@ from handcart.files.suggest import listed
 from handcart.files.yaml.yaml_document import read_document
 from handcart.files.yaml.yaml_node import Node
 from handcart.primitives.knowledge.place import Place
+from handcart.robotics.geometry.earth_frame import EarthFrame
 from handcart.robotics.geometry.pose2 import Pose2
 
-from .earth_frame import EarthFrame
 from .field import Field
 from .target import Target
 

@@ -265,16 +265,6 @@ class ScanLocalization(Localization):
         return Lost("its scans fit the map nowhere near", "RangeSensor", share, self.explained, LEAST_INLIERS)
 
     @property
-    def doubt(self) -> Lost | None:
-        """Why what it claims about where it is isn't to be relied on just now; None while it is."""
-        return self.lost
-
-    @property
-    def sensed(self) -> Sensed | None:
-        """What was sensed outdoors in the last period; None indoors."""
-        return None
-
-    @property
     def explained(self) -> float:
         """See `Localization`."""
         match = self._matching.last_match

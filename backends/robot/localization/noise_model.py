@@ -61,8 +61,8 @@ def field_noise(robot: RobotFile, antenna: tuple[float, float, float]) -> FieldN
 
 def _start_heading(gps: GpsSpec) -> float:
     """Sigma in [rad]; infinite where nobody tells it."""
-    told = gps.start_heading_deg
-    return math.inf if isinstance(told, str) else math.radians(told)
+    given = gps.start_heading_deg
+    return math.inf if isinstance(given, str) else math.radians(given)
 
 
 def field_localizer(robot: RobotFile, start: Pose2, antenna: tuple[float, float, float]) -> FieldLocalizer:

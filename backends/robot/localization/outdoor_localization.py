@@ -91,8 +91,8 @@ class OutdoorLocalization(Localization):
     def doubt(self) -> Lost | None:
         """See `Localization`."""
         found = self._filter.inconsistency
-        if found is None:
-            return None
+        if self.lost is not None or found is None:
+            return self.lost
         why = "the fixes of the last minute contradict what is claimed"
         return Lost(why, "Gps", found.what, found.value, found.limit)
 

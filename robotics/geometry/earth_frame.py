@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import numpy as np
+from numpy.typing import NDArray
+
 
 class EarthFrame:
     """An azimuthal equidistant projection about a field's origin: x is east, y north, on WGS 84.
@@ -22,6 +25,12 @@ class EarthFrame:
         """x and y in [m]."""
         x, y = self._to_field.transform(longitude_deg, latitude_deg)
         return float(x), float(y)
+
+    def points_to_field(
+        self, latitudes_deg: NDArray[np.float64], longitudes_deg: NDArray[np.float64]
+    ) -> NDArray[np.float64]:
+        """(n, 2) in [m] of latitudes and longitudes (n,) in [deg]."""
+        return np.stack(self._to_field.transform(longitudes_deg, latitudes_deg), axis=1)
 
     def to_earth(self, x: float, y: float) -> tuple[float, float]:
         """Latitude and longitude in [deg] of x and y in [m]."""
