@@ -62,6 +62,11 @@ def _positioning_findings(robot: RobotFile, document: Document) -> list[Finding]
     if robot.localizer in OUTDOORS and robot.imu is None:
         wrong = f"{robot.localizer} asks the gyros; needed: the section `imu`, or scan or odometry"
         return [document.finding(("localizer",), wrong)]
+    if robot.localizer == "gyro" and robot.gps is not None and robot.gps.start_heading_deg == "unknown":
+        wrong = (
+            "unknown, and the localizer gyro looks at no fix that could tell it; needed: a number of degrees"
+        )
+        return [document.finding(("gps", "start_heading_deg"), wrong)]
     return []
 
 

@@ -11,8 +11,9 @@ from typing import Any
 
 import pytest
 
-from handcart.backends.description.robot_loading import shipped_path
+from handcart.backends.description.robot_loading import load_robot, shipped_path
 from handcart.evaluation.trials.rig import Rig
+from handcart.files.errors import FileError
 from handcart.networks.task.preparing import prepare
 from handcart.primitives.contract.outcome import Fail, Success
 from handcart.primitives.driving.move_to import MoveTo
@@ -83,3 +84,14 @@ def test_too_short_a_way_is_a_fail(unheaded: Callable[..., Any]) -> None:
         assert isinstance(failed, Fail), failed
         assert failed.reason == "it doesn't show which way the robot heads"
         assert math.hypot(*rig.backend.scene.base[:2]) < 0.3
+
+
+def test_a_robot_that_never_could_find_its_heading_is_refused(tmp_path: Path) -> None:
+    """Gyros tell turns alone: it would drive ahead for nothing."""
+    folder = tmp_path / "robot"
+    shutil.copytree(shipped_path("el_verde").parent, folder)
+    path = folder / "robot.yaml"
+    text = path.read_text(encoding="utf-8").replace("localizer: gps_filter", "localizer: gyro")
+    path.write_text(text.replace("gps: ", "gps:\n  start_heading_deg: unknown", 1), encoding="utf-8")
+    with pytest.raises(FileError, match="gyro looks at no fix that could tell it"):
+        load_robot(str(path))
