@@ -28,6 +28,10 @@ class GeneratedBook:
     depth_mm: int
     grey: int
     font: str
+    label_mm: float = 10.0
+    label_lines: int = 1
+    gloss: float = 0.0
+    lean_deg: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -38,6 +42,9 @@ class Row:
     standing: tuple[GeneratedBook | float, ...]
     lent: tuple[GeneratedBook, ...]
     """The books whose gaps are in the row, from left to right."""
+    light: float = 0.1
+    objects: tuple[dict[str, float], ...] = ()
+    """What is no book, as in a world's file."""
 
 
 def call_numbers(rng: np.random.Generator, count: int, first: int) -> list[str]:

@@ -8,15 +8,17 @@ from pathlib import Path
 import numpy as np
 from pydantic import Field
 
+from handcart.backends.simulation.books.spec import TAG_ROOM_MM
 from handcart.evaluation.drawing.picture_file import write_png
 from handcart.files.models.model import FileModel
 from handcart.files.whole_file import write_whole
 from handcart.robotics.geometry.pose2 import Pose2
 
-from .library_books import GeneratedBook
+from .library_books import GeneratedBook, Row
 from .library_generator import RESOLUTION, Blocked, Library, Tag, make_library, place_before
 from .library_room import BOARD, CLEAR, FURNITURE, HOME, OUTER, SHELVES, STAND_OFF
 
+UNUSUAL = ("label_mm", "label_lines", "gloss", "lean_deg")
 NOBODYS = 249  # a tag's number that no catalogue of ours has
 
 
@@ -28,6 +30,8 @@ class Libraries(FileModel):
     tag: Tag = "readable"
     blocked: Blocked = "none"
     books: int = Field(default=1, ge=1, le=len(SHELVES))
+    unfriendly: tuple[str, ...] = ()
+    level: float = Field(default=1.0, ge=0.0, le=1.0)
 
     def __call__(self, seed: int, folder: Path) -> dict[str, str]:
         """See `WorldGenerator`."""
@@ -79,6 +83,7 @@ def _world(library: Library) -> str:
             f"  - name: {row.shelf}",
             *_indented(_pose(shelf)),
             f"    width_m: {CLEAR}",
+            *_unusual(row),
             "    books: # from left to right",
         ]
         lines += [
@@ -103,11 +108,29 @@ def _pose(pose: Pose2) -> str:
     return f"{{x_m: {round(pose.x, 4)}, y_m: {round(pose.y, 4)}, heading_deg: {heading}}}"
 
 
+def _unusual(row: Row) -> list[str]:
+    """What not every shelf has."""
+    lines = [f"    light: {row.light:g}"] if row.light != Row.light else []
+    if row.objects:
+        pairs = [", ".join(f"{key}: {value:g}" for key, value in each.items()) for each in row.objects]
+        lines += ["    objects:", *(f"      - {{{each}}}" for each in pairs)]
+    return lines
+
+
 def _book(book: GeneratedBook, accession: int | None = None) -> str:
     number = book.accession if accession is None else accession
+    unusual = [
+        f"{key}: {getattr(book, key):g}"
+        for key in UNUSUAL
+        if getattr(book, key) != getattr(GeneratedBook, key)
+    ]
+    if book.thickness_mm < TAG_ROOM_MM:
+        unusual.append("tag: none")
     return (
         f'{{accession: {number}, call: "{book.call}", thickness_mm: {book.thickness_mm:g}, '
-        f"height_mm: {book.height_mm}, depth_mm: {book.depth_mm}, grey: {book.grey}, font: {book.font}}}"
+        f"height_mm: {book.height_mm}, depth_mm: {book.depth_mm}, grey: {book.grey}, font: {book.font}"
+        + "".join(f", {pair}" for pair in unusual)
+        + "}"
     )
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Literal, get_args
 
@@ -17,6 +18,7 @@ from handcart.robotics.navigation.routes.voronoi_graph import voronoi_graph
 
 from .library_books import GeneratedBook, Row, make_row
 from .library_room import DEPTH, FURNITURE, HOME, OUTER, SHELF_DEPTH, SHELVES, STAND_OFF, WIDTH
+from .unfriendly import FACTORS, make_unfriendly, no_slot
 
 Tag = Literal["readable", "smeared", "unknown"]
 Blocked = Literal["none", "way_around", "closed"]
@@ -52,6 +54,8 @@ class Library:
     tag: Tag
     surprises: tuple[Surprise, ...]
     map: GridMap
+    no_slot: Mapping[int, str]
+    """Why there is no slot for a lent book, by its accession."""
 
 
 def make_library(
@@ -61,6 +65,8 @@ def make_library(
     tag: Tag = "readable",
     blocked: Blocked = "none",
     books: int = 1,
+    unfriendly: tuple[str, ...] = (),
+    level: float = 1.0,
 ) -> Library:
     """A library of five shelves.
 
@@ -71,7 +77,10 @@ def make_library(
         tag: of the book to return.
         books: how many are to be returned, each to another shelf.
         blocked: a box stands on the way to the shelf: with another way, or in the only doorway.
+        unfriendly: what makes it hard, of `FACTORS`, or `all`.
+        level: how hard, from 0 (not at all) to 1.
     """
+    factors = _factors(unfriendly)
     for value, kind in ((tag, Tag), (blocked, Blocked)):
         if value not in get_args(kind):
             raise NoSuchLibrary(f"no library with {value!r}; allowed: {', '.join(get_args(kind))}")
@@ -83,13 +92,45 @@ def make_library(
         raise NoSuchLibrary(f"no library with {books} books to return; allowed: 1 to {len(rows)}")
     shelves = [int(each) for each in rng.permutation(len(rows))[:books]]
     wanted = tuple(rows[each].lent[int(rng.integers(0, 2))] for each in shelves)
+    rows, wanted, spoilt = _unfriendly(rows, wanted, factors, level, seed)
     chosen = shelves[0]
     if not gap:
         rows = (*rows[:chosen], _closed(rows[chosen], wanted[0]), *rows[chosen + 1 :])
     walls = _walls(blocked == "closed")
     grid = _map(walls)
     surprises = _surprises(rng, blocked, grid, place_before(SHELVES[chosen]))
-    return Library(seed, walls, rows, wanted, tag, surprises, grid)
+    return Library(seed, walls, rows, wanted, tag, surprises, grid, spoilt)
+
+
+def _factors(named: tuple[str, ...]) -> tuple[str, ...]:
+    for name in named:
+        if name not in FACTORS and name != "all":
+            raise NoSuchLibrary(
+                f"no library that is unfriendly by {name!r}; allowed: all, {', '.join(FACTORS)}"
+            )
+    return tuple(FACTORS) if "all" in named else named
+
+
+def _unfriendly(
+    rows: tuple[Row, ...],
+    wanted: tuple[GeneratedBook, ...],
+    factors: tuple[str, ...],
+    level: float,
+    seed: int,
+) -> tuple[tuple[Row, ...], tuple[GeneratedBook, ...], dict[int, str]]:
+    """Rows made harder, the wanted books as they are then, and why a slot is none, by the lent book."""
+    if not factors or level <= 0.0:
+        return rows, wanted, {}
+    numbers = [book.accession for book in wanted]
+    harder = [
+        make_unfriendly(row, numbers, factors, level, np.random.default_rng([seed, at]))
+        for at, row in enumerate(rows)
+    ]
+    lent = {book.accession: book for row, _ in harder for book in row.lent}
+    spoilt = {number: why for _, whys in harder for number, why in whys.items()}
+    for row, _ in harder:
+        spoilt |= {book.accession: why for book in row.lent if (why := no_slot(row, book, spoilt))}
+    return tuple(row for row, _ in harder), tuple(lent[number] for number in numbers), spoilt
 
 
 def place_before(shelf: Pose2) -> Pose2:

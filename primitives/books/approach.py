@@ -23,7 +23,7 @@ from handcart.primitives.knowledge.world_model import ModelView
 from handcart.primitives.motions.arm_motion import move_straight, move_to_pose
 from handcart.robotics.geometry.transform import Transform, inverse, transform
 from handcart.robotics.kinematics.shapes import Box
-from handcart.robotics.perception.books.spines import Gap
+from handcart.robotics.perception.books.slots import Gap
 from handcart.robotics.perception.cameras.overlay import draw_overlay
 
 from .hand_view import look
@@ -35,7 +35,7 @@ CLEAR = 0.006  # [m] from the book's foot to the board
 LOOKS = 4
 GOOD = 0.0005  # [m] off its slot's middle that the hand needn't move for
 WITHIN = 0.010  # [m] from where SEARCH saw it that the slot's side is looked for
-WITHIN_AT_END = 0.005  # [m]: the same where nothing but its place tells it from another edge
+SURELY = 0.005  # [m]: the same where nothing but its place tells it from another edge
 
 
 class Approach(ActionPrimitive):
@@ -97,9 +97,7 @@ class Approach(ActionPrimitive):
     def _measured(self, robot: Robot, base_T_shelf: Transform, slot: Slot) -> Generator[None, None, Slot]:
         """The slot moved to where its left side is seen now."""
         view = yield from look(robot, base_T_shelf, self._held)
-        between = bool(slot.before)
-        within = WITHIN if between else WITHIN_AT_END
-        left = slot_edge(view, slot.left, within, between)
+        left = slot_edge(view, slot.left, WITHIN, SURELY)
         moved = slot if left is None else slot._replace(left=left, right=left - (slot.left - slot.right))
         self.evidence.pictures["slot"] = draw_overlay(
             view.image,
@@ -108,7 +106,7 @@ class Approach(ActionPrimitive):
             camera_T_shelf=view.camera_T_shelf,
         )
         if left is None:
-            unseen = Measured("Camera", "an edge near where the slot's side was", None, 1e3 * within, "mm")
+            unseen = Measured("Camera", "an edge near where the slot's side was", None, 1e3 * WITHIN, "mm")
             raise Discrepancy(
                 f"the slot's side is not seen where SEARCH saw it: {_beside(slot)}", measured=unseen
             )

@@ -28,10 +28,11 @@ from handcart.robotics.geometry.transform import Transform, transform
 from handcart.robotics.kinematics.shapes import Box
 from handcart.robotics.perception.books.call_number import CallNumber, parse
 from handcart.robotics.perception.books.gap_finder import GapFound, NoGap, find_gap, ordered
-from handcart.robotics.perception.books.label_reader import LabelReader
+from handcart.robotics.perception.books.label_reader import Label, LabelReader
 from handcart.robotics.perception.books.ocr_label_reader import OcrLabelReader
 from handcart.robotics.perception.books.shelf_views import ShelfReading, fuse_views
-from handcart.robotics.perception.books.spines import Gap, SpineView, find_spines
+from handcart.robotics.perception.books.slots import Gap, find_slots
+from handcart.robotics.perception.books.spines import LEANS, SpineView, find_spines
 from handcart.robotics.perception.books.template_label_reader import TemplateLabelReader
 from handcart.robotics.perception.cameras.overlay import draw_overlay
 
@@ -91,17 +92,19 @@ class Search(ActionPrimitive):
         reader = self._make_reader([each.call for each in books.catalogue.books])
         stops = self._stops(robot, place.shelf)
         yield from self._look_from(robot, reader, stops)
-        found = self._find(book, number)
+        found = self._where(book, number)
         end = _end_of_row(self._reading(), number, isinstance(found, NoGap))
         if end is not None:
-            closer = [end - book.thickness_mm / 1e3 - PLAY]
-        elif isinstance(found, GapFound):
-            closer = [found.centre + ASIDE, found.centre - ASIDE]
-        else:
-            closer = [(a + b) / 2 for a, b in pairwise(stops)][::-1]
-        yield from self._look_from(robot, reader, closer)
-        slots = None if end is None else self._slot_at(end, book)
-        self._conclude(model, self._find(book, number, slots))
+            yield from self._look_from(robot, reader, [end - book.thickness_mm / 1e3 - PLAY])
+            self._conclude(model, self._find(book, number, self._slot_at(end, book)))
+            return
+        if isinstance(found, NoGap):
+            yield from self._look_from(robot, reader, [(a + b) / 2 for a, b in pairwise(stops)][::-1])
+            found = self._where(book, number)
+        if isinstance(found, GapFound):
+            yield from self._look_from(robot, reader, [found.centre + ASIDE, found.centre - ASIDE])
+            found = self._slot_in(found, book, number)
+        self._conclude(model, found)
 
     def _make_reader(self, calls: Sequence[str]) -> LabelReader:
         numbers: list[CallNumber] = [number for call in calls if (number := parse(call)) is not None]
@@ -157,7 +160,7 @@ class Search(ActionPrimitive):
         seen = find_spines(view.image, view.camera, view.camera_T_shelf, labels, view.mask)
         self._views.append(seen)
         self.evidence.pictures[f"view_{len(self._views)}"] = draw_overlay(
-            view.image, (), labels, seen.spines, seen.gaps, view.camera, view.camera_T_shelf
+            view.image, (), labels, seen.spines, (), view.camera, view.camera_T_shelf
         )
 
     def _reading(self) -> ShelfReading:
@@ -169,12 +172,48 @@ class Search(ActionPrimitive):
         right = book_end(self._last, left, book.thickness_mm / 1e3)
         return () if right is None else (Gap(left, right),)
 
-    def _find(self, book: Book, number: CallNumber, slots: tuple[Gap, ...] | None = None) -> GapFound | NoGap:
-        """The slot in what was seen, among `slots` if they are given."""
+    def _where(self, book: Book, number: CallNumber) -> GapFound | NoGap:
+        """The interval between labelled books where it belongs; whether that is free isn't seen yet."""
         reading = self._reading()
         self._note(reading)
-        if slots is not None:
-            reading = reading._replace(gaps=slots)
+        widest = max((gap.width for gap in reading.intervals), default=0.0)
+        wide = reading._replace(gaps=reading.intervals)
+        return find_gap(wide, number, book.thickness_mm / 1e3, widest, self.misplacement)
+
+    def _slot_in(self, seen: GapFound, book: Book, number: CallNumber) -> GapFound | NoGap:
+        """The slot in an interval that was looked at from both sides."""
+        reading = self._reading()
+        near = min(
+            reading.intervals, key=lambda gap: abs(gap.left + gap.right - 2 * seen.centre), default=None
+        )
+        if near is None:
+            return NoGap("the slot isn't seen any more from nearby", "slots seen there", 0, 1, at=seen.centre)
+        leaning = self._leaning_in(near, reading.offsets)
+        if leaning is not None:
+            lean, limit = abs(math.degrees(leaning.lean)), math.degrees(LEANS)
+            text = f"where it belongs the book {leaning.text or 'there'} leans by {lean:.0f} degrees"
+            return NoGap(text, "lean of a label", lean, limit, "deg", seen.centre)
+        solid = [(each.left, each.right) for each in reading.books]
+        slots = find_slots(self._views, reading.offsets, near, solid)
+        return self._find(book, number, slots)
+
+    def _leaning_in(self, interval: Gap, offsets: Sequence[float]) -> Label | None:
+        """The label of a book that leans within an interval."""
+        return next(
+            (
+                label
+                for view, offset in zip(self._views, offsets, strict=True)
+                for label in view.leaning
+                if interval.right < label.lateral + offset < interval.left
+            ),
+            None,
+        )
+
+    def _find(self, book: Book, number: CallNumber, slots: tuple[Gap, ...]) -> GapFound | NoGap:
+        """The slot among `slots`."""
+        reading = self._reading()
+        self._note(reading)
+        reading = reading._replace(gaps=slots)
         return find_gap(reading, number, book.thickness_mm / 1e3, misplacement=self.misplacement)
 
     def _note(self, reading: ShelfReading) -> None:

@@ -18,25 +18,27 @@ PLAY = (0.0, 0.015)  # [m] by which a slot may be wider than its book, as measur
 DARKER = 0.65  # a slot's brightness, against the spine's
 
 
-def slot_edge(view: HandView, expected: float, within: float, dark: bool = True) -> float | None:
+def slot_edge(view: HandView, expected: float, within: float, surely: float) -> float | None:
     """y in the shelf frame of a slot's left side, in [m]; None where no such side is seen.
+
+    In most shelves a slot is darker than its neighbour: such an edge is taken before others.
 
     Args:
         view: past the held book.
         expected: y of the side as it was seen before, in [m].
         within: how far from there it may be, in [m].
-        dark: whether the slot must be darker than its neighbour, as it is between two books; at the end of
-            the row a book end may be seen through it.
+        surely: the same of an edge that isn't darker on the slot's side.
     """
     strips = _strips(view, HEIGHTS)
-    sides = []
+    darker: list[float] = []
+    others: list[float] = []
     for edge in falling_edges(strips):
         spine = strips.brightness(edge.y + SPINE[0], edge.y + SPINE[1], HEIGHTS[0])
         slot = strips.brightness(edge.y - DARK[0], edge.y - DARK[1], HEIGHTS[0])
-        if not dark or (spine is not None and slot is not None and slot < DARKER * spine):
-            sides.append(edge.y)
-    near = [y for y in sides if abs(y - expected) < within]
-    return min(near, key=lambda y: abs(y - expected), default=None)
+        dark = spine is not None and slot is not None and slot < DARKER * spine
+        if abs(edge.y - expected) < (within if dark else surely):
+            (darker if dark else others).append(edge.y)
+    return min(darker or others, key=lambda y: abs(y - expected), default=None)
 
 
 def book_end(view: HandView, left: float, thickness: float) -> float | None:

@@ -5,12 +5,11 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-import numpy as np
-
-from handcart.robotics.geometry.transform import Transform, transform
+from handcart.robotics.geometry.transform import Transform
 
 from .book import Book
 from .row import Member
+from .standing_book import leaned
 
 LIES = math.radians(45.0)  # a book that leans further slides down and lies
 
@@ -35,9 +34,7 @@ def lean_in_row(book: Book, S_T_foot: Transform, row: Sequence[Member], wish: fl
     angle = stopped if tips else min(abs(wish), stopped)
     if angle > LIES:
         return None
-    edge = transform((0.0, side * book.thickness / 2, 0.0))
-    turn = transform(rpy=(-side * angle, 0.0, 0.0))
-    return np.asarray(S_T_foot @ edge @ turn @ transform((0.0, -side * book.thickness / 2, 0.0)))
+    return leaned(S_T_foot, book.thickness, side * angle)
 
 
 def _until_met(book: Book, middle: float, row: Sequence[Member], side: float) -> float:

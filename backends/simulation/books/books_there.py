@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Sequence
 from typing import ClassVar, NamedTuple
 
@@ -19,7 +20,7 @@ from handcart.robotics.geometry.transform import Transform, transform
 from .book import Book
 from .shelf import Shelf
 from .spec import BookSpec, BooksSection
-from .standing_book import StandingBook
+from .standing_book import StandingBook, leaned
 
 SPINE_ON_TRAY = 0.02  # from the tray's rear to the book's spine, as a person sets it down [m]
 PROTRUSION = 0.003  # spines stand this much before or behind the board's front edge at most [m]
@@ -60,7 +61,8 @@ class BooksThere(Props[BooksSection]):
         for shelf in self.shelves.values():
             rng = keyed(self.seed, f"row of {shelf.name}")
             for spec, y in shelf.standing():
-                pose = shelf.pose @ transform((rng.uniform(-PROTRUSION, PROTRUSION), y, 0.0))
+                stands = transform((rng.uniform(-PROTRUSION, PROTRUSION), y, 0.0))
+                pose = shelf.pose @ leaned(stands, spec.thickness_mm / 1e3, math.radians(spec.lean_deg))
                 self.books[spec.accession] = Book(pose, Rest.TABLE, spec, shelf.name)
         if self.spec.tray is not None and self.scene.robot.has_tray:
             self.set_on_tray(self.spec.tray)

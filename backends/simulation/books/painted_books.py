@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from functools import lru_cache, partial
+from itertools import pairwise
 
 import cv2
 import numpy as np
@@ -17,12 +19,17 @@ from handcart.robotics.kinematics.shapes import Box
 
 from .book import Book
 from .books_there import BooksThere
-from .shelf import DEPTH, WOOD, Shelf
+from .shelf import DEPTH, HEIGHT, WOOD, Shelf
 from .spec import BookSpec
 from .textures import PX_PER_MM, draw_spine
 
-_INSIDE, _DEPTH_DARK, _BOARD = 14, 18, 60
-_PAGES, _METAL = 200, 90
+_BOARD, _PAGES, _METAL = 70, 200, 90
+_COVER = 0.75  # of a cover's grey beside its spine's: light comes from before it
+_DIMS = 0.03  # [m] into a shelf after which 1/e of the room's light is left
+_BANDS = (0.0, 0.004, 0.01, 0.02, 0.035, 0.06, 0.1, DEPTH)  # [m] into a shelf, each painted in one shade
+_WINDOW = (-2.0, 1.2)  # x, y in S of what glossy spines mirror, in [m]
+_BOW = 0.25  # [rad] by which a spine's sides are turned away from its middle
+_STREAK, _STREAK_GREY = 0.12, 200.0  # width of a mirrored window as a share of the spine's; of full gloss
 _SEES = 3.0  # shelves further away are painted without their books [m]
 
 
@@ -40,6 +47,12 @@ def painted(books: BooksThere, rests: frozenset[Rest]) -> Iterator[Painted]:
             yield Painted(book.box().pose[:3, 3], partial(_book, book=book, shelf=None))
 
 
+def _light(shelf: Shelf, depth: float) -> float:
+    """Share of the room's light that falls `depth` [m] behind the board's front edge."""
+    light = shelf.spec.light
+    return light + (1.0 - light) * math.exp(-max(0.0, depth) / _DIMS)
+
+
 def _shelf(canvas: Canvas, books: BooksThere, shelf: Shelf) -> None:
     parts = shelf.parts()
     eye = shelf.inverse_pose[:3, :3] @ canvas.eye + shelf.inverse_pose[:3, 3]
@@ -48,14 +61,16 @@ def _shelf(canvas: Canvas, books: BooksThere, shelf: Shelf) -> None:
             paint_box(canvas, parts[part], WOOD)
         return
     _inside(canvas, shelf)
-    ends = [parts["book end"]] if "book end" in parts else []
-    bodies: list[tuple[float, Book | Box]] = [
+    bodies: list[tuple[float, Book | tuple[Box, int]]] = [
         (_to_row(each.lateral, each.book.thickness, eye[1]), each.book)
         for each in books.shelf_books(shelf.name)
     ]
-    bodies += [
-        (_to_row((shelf.book_end_left - shelf.half_width) / 2, box.size[1], eye[1]), box) for box in ends
-    ]
+    greys = {part: each.grey for part, each in zip(shelf.objects(), shelf.spec.objects, strict=True)}
+    for part in parts.keys() & {"book end", *greys}:
+        box = parts[part]
+        middle = shelf.inverse_pose @ box.pose[:, 3]
+        grey = greys.get(part, _METAL) * _light(shelf, float(middle[0]) - box.size[0] / 2)
+        bodies.append((_to_row(float(middle[1]), box.size[1], eye[1]), (box, round(grey))))
     held = _held_inside(books, shelf)
     if held is not None:
         lateral = float((shelf.inverse_pose @ held.pose)[1, 3])
@@ -65,7 +80,7 @@ def _shelf(canvas: Canvas, books: BooksThere, shelf: Shelf) -> None:
         if isinstance(body, Book):
             _book(canvas, body, shelf)
         else:
-            paint_box(canvas, body, _METAL)
+            paint_box(canvas, *body)
     # Faces that look into the shelf are painted already, and books stand before them.
     for part, faces in (("plinth", (0,)), ("left panel", (0, 3, 5)), ("right panel", (0, 2, 5))):
         paint_box(canvas, parts[part], WOOD, faces)
@@ -88,16 +103,16 @@ def _reaches_in(book: Book, shelf: Shelf) -> bool:
 
 
 def _inside(canvas: Canvas, shelf: Shelf) -> None:
-    half, top = shelf.half_width, 0.35
-    walls = (
-        (((DEPTH, -half, 0), (DEPTH, half, 0), (DEPTH, half, top), (DEPTH, -half, top)), _INSIDE),
-        (((0, half, 0), (DEPTH, half, 0), (DEPTH, half, top), (0, half, top)), _DEPTH_DARK),
-        (((0, -half, 0), (DEPTH, -half, 0), (DEPTH, -half, top), (0, -half, top)), _DEPTH_DARK),
-        (((0, -half, 0), (DEPTH, -half, 0), (DEPTH, half, 0), (0, half, 0)), _BOARD // 3),
-        (((0, -half, 0), (0.01, -half, 0), (0.01, half, 0), (0, half, 0)), _BOARD),
-    )
-    for corners, grey in walls:
-        canvas.polygon(_in_world(shelf, corners), grey)
+    half = shelf.half_width
+    back = ((DEPTH, -half, 0), (DEPTH, half, 0), (DEPTH, half, HEIGHT), (DEPTH, -half, HEIGHT))
+    canvas.polygon(_in_world(shelf, back), round(WOOD * _light(shelf, DEPTH)))
+    for near, far in pairwise(_BANDS):
+        light = _light(shelf, (near + far) / 2)
+        for side in (half, -half):
+            panel = ((near, side, 0), (far, side, 0), (far, side, HEIGHT), (near, side, HEIGHT))
+            canvas.polygon(_in_world(shelf, panel), round(_COVER * WOOD * light))
+        board = ((near, -half, 0), (far, -half, 0), (far, half, 0), (near, half, 0))
+        canvas.polygon(_in_world(shelf, board), round(_BOARD * light))
 
 
 def _board_edge(canvas: Canvas, shelf: Shelf) -> None:
@@ -111,18 +126,48 @@ def _in_world(shelf: Shelf, corners: tuple[tuple[float, float, float], ...]) -> 
 
 
 def _book(canvas: Canvas, book: Book, shelf: Shelf | None) -> None:
-    """Covers and head, dark where they stand inside a shelf, then the spine."""
-    front = 0.0 if shelf is None else float(np.clip(-(shelf.inverse_pose @ book.pose)[0, 3], 0.0, book.depth))
-    lit_depth = book.depth if shelf is None else front
-    cover = round(book.spec.grey * 0.75)
-    if shelf is not None:
-        _part(canvas, book, (lit_depth, book.depth), _DEPTH_DARK, _PAGES // 3)
-    if lit_depth > 1e-4:
-        _part(canvas, book, (0.0, lit_depth), cover, _PAGES)
+    """Covers and head, the darker the deeper they stand inside a shelf, then the spine."""
+    front = 0.0 if shelf is None else float((shelf.inverse_pose @ book.pose)[0, 3])
+    if shelf is None:
+        _part(canvas, book, (0.0, book.depth), 1.0)
+    else:
+        spans = [(max(0.0, near - front), min(book.depth, far - front)) for near, far in pairwise(_BANDS)]
+        for near, far in [*spans[::-1], (0.0, min(book.depth, -front))]:
+            if far - near > 1e-4:
+                _part(canvas, book, (near, far), _light(shelf, front + (near + far) / 2))
     if canvas.seen_from_front(book.pose[:3, 3], -book.pose[:3, 0]):
         upper_left = transform((0.0, book.thickness / 2, book.height))
         face = book.pose @ upper_left @ _SPINE_FACE
-        canvas.texture(spine_levels(book.spec), face)
+        light = 1.0 if shelf is None else _light(shelf, front)
+        streak = _mirrored(book, shelf, canvas.eye)
+        canvas.texture(_lit(spine_levels(book.spec), light, streak, book.spec.gloss), face)
+
+
+def _mirrored(book: Book, shelf: Shelf | None, eye: NDArray[np.float64]) -> float | None:
+    """Where across a glossy spine, 0 to 1 from its left, a window is mirrored to the eye; None: nowhere."""
+    if shelf is None or book.spec.gloss == 0.0:
+        return None
+    spine, eye_S = (shelf.inverse_pose @ book.pose)[:2, 3], shelf.inverse_pose[:2] @ np.append(eye, 1.0)
+    angles = [math.atan2(y - spine[1], spine[0] - x) for x, y in (_WINDOW, eye_S)]
+    bent = (angles[0] + angles[1]) / 2 / _BOW
+    return 0.5 - 0.5 * bent if abs(bent) < 1.0 else None
+
+
+def _lit(
+    levels: list[tuple[GreyImage, float]], light: float, streak: float | None, gloss: float
+) -> list[tuple[GreyImage, float]]:
+    """A spine deeper in a shelf is darker; a mirrored window is a bright streak along it."""
+    if light > 0.999 and streak is None:
+        return levels
+    result = []
+    for picture, metres in levels:
+        across = (np.arange(picture.shape[1]) + 0.5) / picture.shape[1]
+        added = (
+            0.0 if streak is None else gloss * _STREAK_GREY * np.exp(-(((across - streak) / _STREAK) ** 2))
+        )
+        lit = np.clip(picture * light + added, 0.0, 255.0)
+        result.append((lit.astype(np.uint8), metres))
+    return result
 
 
 # A spine's picture: x to the right is -y of the book, y downwards is -z.
@@ -131,12 +176,21 @@ _SPINE_FACE = np.array(
 )
 
 
-def _part(canvas: Canvas, book: Book, span: tuple[float, float], cover: int, head: int) -> None:
+def _part(canvas: Canvas, book: Book, span: tuple[float, float], light: float) -> None:
+    """The book from one depth to another, in one shade."""
     middle = book.pose @ transform(((span[0] + span[1]) / 2, 0.0, book.height / 2))
     size = np.array([span[1] - span[0], book.thickness, book.height])
     normals = NORMALS @ middle[:3, :3].T
     corners = (CORNERS * size) @ middle[:3, :3].T + middle[:3, 3]
-    for i, grey in ((1, head), (2, cover), (3, cover), (4, cover), (5, head), (0, cover)):
+    cover = round(book.spec.grey * _COVER * light)
+    for i, grey in (
+        (1, round(_PAGES * light)),
+        (2, cover),
+        (3, cover),
+        (4, cover),
+        (5, round(_PAGES * light)),
+        (0, cover),
+    ):
         if canvas.seen_from_front(corners[i][0], normals[i]):
             canvas.polygon(corners[i], grey)
 
@@ -155,6 +209,8 @@ def spine_levels(spec: BookSpec) -> list[tuple[GreyImage, float]]:
         smear=spec.tag == "smeared",
         seed=spec.accession,
         family=spec.tags,
+        label_mm=spec.label_mm,
+        lines=spec.label_lines,
     )
     levels = [(picture, 1e-3 / PX_PER_MM)]
     for _ in range(3):

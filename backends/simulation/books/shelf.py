@@ -12,16 +12,14 @@ from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import Transform, inverse, transform
 from handcart.robotics.kinematics.shapes import Box
 
-from .spec import BookSpec, GapSpec, ShelfSpec
+from .spec import BookSpec, GapSpec, ObjectSpec, ShelfSpec
 
-BOARD_HEIGHT = 0.70  # top of the board above the floor [m]
 DEPTH = 0.25
 PANEL = 0.02
 BOARD = 0.02
 BACK = 0.005
-TOP = 1.05
-WOOD, DARK = 130, 16
-"""Greys, of what is lit and what isn't."""
+HEIGHT = 0.35  # of the side panels above the board [m]
+WOOD = 130  # grey
 INSIDE = ("back", "board", "left panel", "right panel")
 _BOOK_END_HEIGHT = 0.16
 _BOOK_END_FRONT = 0.03  # behind the board's front edge
@@ -39,7 +37,7 @@ class Shelf:
         self.name = spec.name
         self.half_width = spec.width_m / 2
         self.pose2 = Pose2(spec.x_m, spec.y_m, math.radians(spec.heading_deg))
-        self.pose: Transform = self.pose2.lift(BOARD_HEIGHT)
+        self.pose: Transform = self.pose2.lift(spec.board_m)
         """world_T_S (4, 4)."""
         self.inverse_pose: Transform = inverse(self.pose)
         used = sum(e.gap_mm if isinstance(e, GapSpec) else e.thickness_mm for e in spec.books) / 1e3
@@ -59,24 +57,38 @@ class Shelf:
     def parts(self) -> dict[str, Box]:
         """All that is solid but the books, posed in the world, by the part's name."""
         half, outer = self.half_width, self.half_width + PANEL
-        low = -BOARD_HEIGHT
+        low = min(self.spec.closed_from_m - self.spec.board_m, -BOARD - BACK)
         bounds = {
             "board": ((0.0, -half, -BOARD), (DEPTH, half, 0.0)),
             "plinth": ((0.0, -half, low), (DEPTH, half, -BOARD)),
-            "back": ((DEPTH, -outer, low), (DEPTH + BACK, outer, TOP - BOARD_HEIGHT)),
-            "left panel": ((0.0, half, low), (DEPTH, outer, TOP - BOARD_HEIGHT)),
-            "right panel": ((0.0, -outer, low), (DEPTH, -half, TOP - BOARD_HEIGHT)),
+            "back": ((DEPTH, -outer, low), (DEPTH + BACK, outer, HEIGHT)),
+            "left panel": ((0.0, half, low), (DEPTH, outer, HEIGHT)),
+            "right panel": ((0.0, -outer, low), (DEPTH, -half, HEIGHT)),
         }
         if self.book_end_left > -half + 1e-3:
             bounds["book end"] = (
                 (_BOOK_END_FRONT, -half, 0.0),
                 (DEPTH, self.book_end_left, _BOOK_END_HEIGHT),
             )
+        bounds |= {f"object {i + 1}": self._object_ends(each) for i, each in enumerate(self.spec.objects)}
         return {part: self._box(part, *ends) for part, ends in bounds.items()}
 
     def solids(self) -> list[Solid]:
-        """The same as a world has them: dark inside."""
-        return [Solid(box, grey=DARK if part in INSIDE else WOOD) for part, box in self.parts().items()]
+        """The same as a world has them: darker inside."""
+        greys = {part: each.grey for part, each in zip(self.objects(), self.spec.objects, strict=True)}
+        greys |= dict.fromkeys(INSIDE, round(WOOD * self.spec.light))
+        return [Solid(box, grey=greys.get(part, WOOD)) for part, box in self.parts().items()]
+
+    def objects(self) -> list[str]:
+        """The parts that are no furniture, by name, as in the file."""
+        return [f"object {i + 1}" for i in range(len(self.spec.objects))]
+
+    def _object_ends(self, each: ObjectSpec) -> tuple[tuple[float, float, float], tuple[float, float, float]]:
+        left, front = self.half_width - each.at_mm / 1e3, each.front_mm / 1e3
+        return (
+            (front, left - each.width_mm / 1e3, 0.0),
+            (front + each.depth_mm / 1e3, left, each.height_mm / 1e3),
+        )
 
     def _box(self, part: str, low: tuple[float, ...], high: tuple[float, ...]) -> Box:
         middle = (np.array(low) + high) / 2
@@ -89,4 +101,7 @@ class Shelf:
         walls = [(half, half + PANEL, 0.0), (-half - PANEL, -half, 0.0)]
         if self.book_end_left > -half + 1e-3:
             walls.append((-half, self.book_end_left, _BOOK_END_FRONT))
+        for each in self.spec.objects:
+            (front, right, _), (_, left, _) = self._object_ends(each)
+            walls.append((right, left, front))
         return walls

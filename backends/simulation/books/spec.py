@@ -10,6 +10,8 @@ from handcart.backends.simulation.world.world_file import FloorPose, Name, each_
 from handcart.files.models.model import FileModel
 from handcart.robotics.perception.landmarks.tag_family import USUAL, TagFamily, tags_of
 
+TAG_ROOM_MM = 14.0  # a tag of 10 mm and its white margins
+
 
 class BookSpec(FileModel):
     """A book: what is printed on its spine, and its measures."""
@@ -19,15 +21,35 @@ class BookSpec(FileModel):
     call: Annotated[str, Field(min_length=3, max_length=16)]
     """Call number on the label, "512.7 NAG"."""
     title: str = ""
-    thickness_mm: Annotated[float, Field(ge=15.0, le=45.0)]
+    thickness_mm: Annotated[float, Field(ge=6.0, le=80.0)]
     height_mm: Annotated[float, Field(ge=170.0, le=260.0)]
     depth_mm: Annotated[float, Field(ge=100.0, le=200.0)]
     grey: Annotated[int, Field(ge=0, le=255)] = 120
     font: str = "DejaVuSans"
     """A TTF of matplotlib's, without its ending."""
+    label_mm: Annotated[float, Field(ge=6.0, le=25.0)] = 10.0
+    """Of the label, across the spine."""
+    label_lines: Literal[1, 2] = 1
+    """With two, the letters stand below the number."""
+    gloss: Annotated[float, Field(ge=0.0, le=1.0)] = 0.0
+    """How much of a lamp the spine mirrors: 1 outshines paper."""
+    lean_deg: Annotated[float, Field(ge=-40.0, le=40.0)] = 0.0
+    """On a shelf, to the left, about the lower edge of that side; the list must leave it room."""
     tag: Literal["readable", "smeared", "none"] = "readable"
     tags: TagFamily = USUAL
     """The family that its tag is of."""
+
+    @model_validator(mode="after")
+    def _prints_fit(self) -> Self:
+        if self.label_mm > self.thickness_mm:
+            raise ValueError(
+                f"a label of {self.label_mm:g} mm; allowed: at most the spine's {self.thickness_mm:g}"
+            )
+        if self.tag != "none" and self.thickness_mm < TAG_ROOM_MM:
+            raise ValueError(
+                f"a tag needs a spine of {TAG_ROOM_MM:g} mm; allowed on {self.thickness_mm:g} mm: tag: none"
+            )
+        return self
 
     @model_validator(mode="after")
     def _tag_is_there(self) -> Self:
@@ -35,6 +57,19 @@ class BookSpec(FileModel):
             allowed = f"allowed: below {tags_of(self.tags)}"
             raise ValueError(f"the family {self.tags} has no tag {self.accession}; {allowed}")
         return self
+
+
+class ObjectSpec(FileModel):
+    """Something on the board that is no book and that nobody moves: a box before, in or behind the row."""
+
+    at_mm: Annotated[float, Field(ge=0.0, le=3000.0)]
+    """Its left side, from the left panel."""
+    width_mm: Annotated[float, Field(gt=0.0, le=500.0)]
+    height_mm: Annotated[float, Field(gt=0.0, le=330.0)]
+    front_mm: Annotated[float, Field(ge=-100.0, le=230.0)] = 0.0
+    """Behind the board's front edge."""
+    depth_mm: Annotated[float, Field(gt=0.0, le=250.0)] = 20.0
+    grey: Annotated[int, Field(ge=0, le=255)] = 120
 
 
 class GapSpec(FileModel):
@@ -51,6 +86,13 @@ class ShelfSpec(FloorPose):
     """Between the side panels."""
     books: tuple[BookSpec | GapSpec, ...] = ()
     """From left (+y) to right; a book end fills what is left on the right."""
+    objects: tuple[ObjectSpec, ...] = ()
+    light: Annotated[float, Field(ge=0.0, le=1.0)] = 0.1
+    """Share of the room's light that is left deep inside: 1 with lamps of its own."""
+    board_m: Annotated[float, Field(ge=0.1, le=2.0)] = 0.70
+    """Of the board above the floor."""
+    closed_from_m: Annotated[float, Field(ge=0.0, le=2.0)] = 0.0
+    """Height from which the front is closed below the board: higher for a shelf above another one."""
 
     @model_validator(mode="after")
     def _books_fit(self) -> Self:

@@ -5,6 +5,10 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
+import numpy as np
+
+from handcart.robotics.geometry.transform import Transform, transform
+
 from .book import Book
 
 
@@ -29,3 +33,12 @@ class StandingBook(NamedTuple):
         half = self.book.thickness / 2 * math.cos(self.lean)
         over = self.book.height * math.sin(self.lean)
         return self.lateral - half + min(0.0, over), self.lateral + half + max(0.0, over)
+
+
+def leaned(S_T_foot: Transform, thickness: float, angle: float) -> Transform:
+    """The pose (4, 4) of a book of that thickness [m] that stood at `S_T_foot` and leans by `angle` [rad] to
+    the left, about the lower edge of that side.
+    """
+    edge = math.copysign(thickness / 2, angle)
+    turn = transform((0.0, edge, 0.0), (-angle, 0.0, 0.0))
+    return np.asarray(S_T_foot @ turn @ transform((0.0, -edge, 0.0)))

@@ -20,14 +20,13 @@ PX_PER_MM = 8
 TAG_SIZE_MM = 10.0  # side of the black square
 TAG_QUIET_MM = 2.0  # white margin on each side of it
 TAG_CENTRE_FROM_HEAD_MM = 14.0
-LABEL_WIDTH_MM = 10.0  # across the spine
-LABEL_LENGTHS_MM = (42.0, 62.0)  # along the spine: cut to the text between these
+LABEL_WIDTH_MM = 10.0  # across the spine, if nothing else is said
+LABEL_LENGTHS_MM = (42.0, 62.0)  # along the spine: cut to the text between these, on a label of that width
 LABEL_FROM_FOOT_MM = 10.0  # its lower end above the book's foot
-CAP_HEIGHT_MM = 5.0
-DARKEST_COVER, BRIGHTEST_COVER = 60, 185  # covers are never as dark as a gap nor as white as paper
+CAP_HEIGHTS = {1: 0.5, 2: 0.32}  # of capitals, by the lines of a label: share of its width
 
 _PAPER, _INK = 244.0, 22.0
-_LABEL_MARGIN_MM = 2.5
+_LABEL_MARGIN = 0.25  # before and after the text: share of the label's width
 _ROUNDING_MM = 1.2
 _TITLE_WORDS = (
     "ALGEBRA",
@@ -54,15 +53,18 @@ def draw_spine(
     smear: bool = False,
     seed: int = 0,
     family: TagFamily = USUAL,
+    label_mm: float = LABEL_WIDTH_MM,
+    lines: int = 1,
 ) -> GreyImage:
     """A spine as seen from straight ahead, head at the top: grey (height, width) image, `px_per_mm` pixels a
     mm.
 
     `font` is the path of a TTF or the name of one of matplotlib's. `smear` makes the tag unreadable. `seed`
-    decides the cover's grain, bands and title, `family` which tag it is. Raises ValueError where tag or label
-    don't fit the spine.
+    decides the cover's grain, bands and title, `family` which tag it is; `label_mm` and `lines` are of the
+    label. Raises ValueError where tag or label don't fit the spine.
     """
-    if width_mm < TAG_SIZE_MM + 2 * TAG_QUIET_MM or height_mm < 2 * LABEL_LENGTHS_MM[1]:
+    tag_room = TAG_SIZE_MM + 2 * TAG_QUIET_MM if tag_id is not None else 0.0
+    if width_mm < max(tag_room, label_mm) or height_mm < 2 * LABEL_LENGTHS_MM[1]:
         raise ValueError(f"a spine of {width_mm:g} x {height_mm:g} mm has no room for tag and label")
     rng = np.random.default_rng(seed)
     spine = _cover(width_mm, height_mm, colour_grey, px_per_mm, rng)
@@ -72,37 +74,47 @@ def draw_spine(
         tag = _smeared(tag, rng) if smear else tag
         _paste(spine, tag, TAG_CENTRE_FROM_HEAD_MM * px_per_mm)
     if call_number is not None:
-        label = draw_label(call_number, font, px_per_mm)
+        label = draw_label(call_number, font, px_per_mm, label_mm, lines)
         _paste(spine, label, (height_mm - LABEL_FROM_FOOT_MM) * px_per_mm - label.shape[0] / 2)
     _round_edges(spine, px_per_mm)
     return np.clip(np.rint(spine), 0, 255).astype(np.uint8)
 
 
 def draw_label(
-    text: str, font: str | Path = "DejaVuSans.ttf", px_per_mm: int = PX_PER_MM
+    text: str,
+    font: str | Path = "DejaVuSans.ttf",
+    px_per_mm: int = PX_PER_MM,
+    width_mm: float = LABEL_WIDTH_MM,
+    lines: int = 1,
 ) -> NDArray[np.float32]:
-    """The paper label with `text` turned 90 degrees clockwise (it reads top to bottom), capitals 5 mm high.
+    """The paper label with `text` turned 90 degrees clockwise (it reads top to bottom), `width_mm` across the
+    spine, on one line or each word on its own.
 
     Raises ValueError for a text too long for the longest label.
     """
-    face = _face(str(font), CAP_HEIGHT_MM * px_per_mm)
-    words = text.split(" ")
+    cap = CAP_HEIGHTS[lines] * width_mm * px_per_mm
+    face, page_words = (
+        _face(str(font), cap),
+        [text.split(" ")] if lines == 1 else [[w] for w in text.split(" ")],
+    )
     # Spaces are set by hand: Computer Modern's fonts have no glyph for one.
-    space = 0.45 * CAP_HEIGHT_MM * px_per_mm
-    widths = [face.getlength(word) for word in words]
-    total = sum(widths) + space * (len(words) - 1)
-    needed_mm = total / px_per_mm + 2 * _LABEL_MARGIN_MM
-    if needed_mm > LABEL_LENGTHS_MM[1]:
-        raise ValueError(
-            f"{text!r} in {font} needs a label of {needed_mm:.0f} mm; {LABEL_LENGTHS_MM[1]:g} is longest"
-        )
-    height, length = (round(mm * px_per_mm) for mm in (LABEL_WIDTH_MM, max(LABEL_LENGTHS_MM[0], needed_mm)))
+    space = 0.45 * cap
+    totals = [sum(map(face.getlength, words)) + space * (len(words) - 1) for words in page_words]
+    needed_mm = max(totals) / px_per_mm + 2 * _LABEL_MARGIN * width_mm
+    shortest, longest = (
+        length * (width_mm / LABEL_WIDTH_MM if lines == 1 else 1.0) for length in LABEL_LENGTHS_MM
+    )
+    if needed_mm > longest:
+        raise ValueError(f"{text!r} in {font} needs a label of {needed_mm:.0f} mm; {longest:g} is longest")
+    shortest = shortest if lines == 1 else width_mm
+    height, length = (round(mm * px_per_mm) for mm in (width_mm, max(shortest, needed_mm)))
     page = Image.new("L", (length, height), round(_PAPER))
-    pen = ImageDraw.Draw(page)
-    x, baseline = (length - total) / 2, (height + CAP_HEIGHT_MM * px_per_mm) / 2
-    for word, width in zip(words, widths, strict=True):
-        pen.text((x, baseline), word, font=face, fill=round(_INK), anchor="ls")
-        x += width + space
+    pen, gap = ImageDraw.Draw(page), (height - len(page_words) * cap) / (len(page_words) + 1)
+    for line, (words, total) in enumerate(zip(page_words, totals, strict=True)):
+        x, baseline = (length - total) / 2, (line + 1) * (gap + cap)
+        for word in words:
+            pen.text((x, baseline), word, font=face, fill=round(_INK), anchor="ls")
+            x += face.getlength(word) + space
     return np.rot90(np.asarray(page, dtype=np.float32), -1).copy()
 
 
@@ -132,7 +144,7 @@ def _cover(
     height, width = round(height_mm * px_per_mm), round(width_mm * px_per_mm)
     grain = rng.normal(0.0, 4.0, (max(2, height // (px_per_mm // 2)), max(2, width // (px_per_mm // 2))))
     stains = rng.normal(0.0, 4.0, (max(2, int(height_mm / 15)), max(2, int(width_mm / 8))))
-    cover = np.full((height, width), float(np.clip(grey, DARKEST_COVER, BRIGHTEST_COVER)), dtype=np.float32)
+    cover = np.full((height, width), float(grey), dtype=np.float32)
     for layer, method in ((grain, cv2.INTER_LINEAR), (stains, cv2.INTER_CUBIC)):
         cover += cv2.resize(layer.astype(np.float32), (width, height), interpolation=method)
     return cover
@@ -149,7 +161,7 @@ def _decorate(spine: NDArray[np.float32], height_mm: float, px_per_mm: int, rng:
         spine[rows] += np.float32(contrast * rng.uniform(0.3, 0.9))
     title = " ".join(rng.choice(_TITLE_WORDS, size=int(rng.integers(1, 3))))
     room = round((free_bottom - free_top - 4.0) * px_per_mm)
-    across = min(spine.shape[1] - 4 * px_per_mm, 14 * px_per_mm)
+    across = min(spine.shape[1] - min(4 * px_per_mm, spine.shape[1] // 4), 14 * px_per_mm)
     page = Image.new("L", (room, across), 0)
     face = _face("DejaVuSerif-Bold.ttf", across * rng.uniform(0.25, 0.45))
     ImageDraw.Draw(page).text((room / 2, across / 2), title, font=face, fill=255, anchor="mm")

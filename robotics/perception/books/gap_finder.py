@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 from handcart.robotics.perception.books.call_number import CallNumber
 from handcart.robotics.perception.books.shelf_views import ShelfReading
-from handcart.robotics.perception.books.spines import Gap
+from handcart.robotics.perception.books.slots import Gap
 
 _LEAST_EXTRA = 0.002
 
@@ -57,8 +57,9 @@ def find_gap(
 
     The right place is the one that leaves the most books in order: the longest non-decreasing subsequence of
     what stands to the left and is not above `call_number`, and of what stands to the right and is not below
-    it. A misplaced book is in neither, wherever it stands; unread books fit everywhere. With `misplacement`
-    False only the two reads next to each slot are asked.
+    it. A misplaced book is in neither, wherever it stands. Unread books fit everywhere; but directly beside
+    the slot one might belong on its other side. With `misplacement` False only the two reads next to each
+    slot are asked.
     """
     numbers = [book.call_number for book in reading.books]
     if all(number is None for number in numbers):
@@ -88,6 +89,12 @@ def find_gap(
         )
     chosen = min(fitting, key=lambda gap: gap.width)
     place = _index(reading, chosen)
+    unread = sum(number is None for number in numbers[max(0, place - 1) : place + 1])
+    if unread:
+        reason = (
+            f"{call_number} belongs {where}; beside the slot there stands a book whose label can't be read"
+        )
+        return NoGap(reason, "books beside it that aren't read", unread, 0, at=chosen.left)
     before, after = _neighbours(numbers, call_number, [place])
     return GapFound(chosen.left, chosen.right, before, after, _misplaced(numbers, call_number, place))
 

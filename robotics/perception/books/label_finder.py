@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import NamedTuple
 
 import cv2
@@ -12,9 +13,10 @@ from handcart.robotics.perception.cameras.camera_model import CameraModel, Float
 
 _M_PER_PX = 0.0005
 _WIDEST_VIEW = 1.5  # [m]
-_WIDTHS, _LENGTHS = (0.0075, 0.0135), (0.030, 0.075)  # across and along the spine, [m]
+_WIDTHS, _LENGTHS = (0.0052, 0.0265), (0.015, 0.090)  # across and along the spine, [m]
 _LEVELS = range(70, 236, 15)
 _INK_SHARE = (0.04, 0.6)
+_SQUARE = 8  # the weight of being square against that of being large
 
 
 class LabelBox(NamedTuple):
@@ -26,6 +28,11 @@ class LabelBox(NamedTuple):
     along: tuple[float, float]
     length: float
     width: float
+
+    @property
+    def lean(self) -> float:
+        """How far it is turned to the left, in [rad]."""
+        return math.atan2(-self.along[0], -self.along[1])
 
     @property
     def corners(self) -> Floats:
@@ -95,8 +102,10 @@ def find_labels(
             near = next((key for key in best if _same_place(key, box)), None)
             if near is None:
                 near = (round(box.centre[0] * 1000), round(box.centre[1] * 1000))
-            if near not in best or squareness > best[near][0]:
-                best[near] = (squareness, box)
+            # Where print cuts a label's end off, that is square as well: the larger one is the label.
+            worth = squareness**_SQUARE * box.length * box.width
+            if near not in best or worth > best[near][0]:
+                best[near] = (worth, box)
     boxes = [box for _, box in best.values() if _printed(view, box)]
     return sorted(boxes, key=lambda box: -box.centre[0])
 
@@ -139,13 +148,14 @@ def _box(corners: NDArray[np.float32], view: View) -> LabelBox:
     centre = corners.mean(axis=0)
     sides = np.diff(corners[[0, 1, 2]], axis=0)
     spans = np.hypot(sides[:, 0], sides[:, 1])
-    longer = int(np.argmax(spans))
-    down = sides[longer] / spans[longer] * (1 if sides[longer][1] >= 0 else -1)
+    # Along the spine goes the steeper side: a label in two lines may be as broad as it is long.
+    upright = int(np.argmax(np.abs(sides[:, 1]) / np.maximum(spans, 1e-9)))
+    down = sides[upright] / spans[upright] * (1 if sides[upright][1] >= 0 else -1)
     return LabelBox(
         (view.left - float(centre[0]) * view.m_per_px, view.top - float(centre[1]) * view.m_per_px),
         (-float(down[0]), -float(down[1])),
-        (float(spans[longer]) + 1) * view.m_per_px,
-        (float(spans[1 - longer]) + 1) * view.m_per_px,
+        (float(spans[upright]) + 1) * view.m_per_px,
+        (float(spans[1 - upright]) + 1) * view.m_per_px,
     )
 
 
@@ -153,9 +163,8 @@ def _printed(view: View, box: LabelBox) -> bool:
     """A label has print on it; a bare band or a paper spine has none."""
     column, row = (view.left - box.centre[0]) / view.m_per_px, (view.top - box.centre[1]) / view.m_per_px
     half_w, half_h = 0.3 * box.width / view.m_per_px, 0.4 * box.length / view.m_per_px
-    inner = view.picture[
-        round(row - half_h) : round(row + half_h), round(column - half_w) : round(column + half_w)
-    ]
+    top, left = max(0, round(row - half_h)), max(0, round(column - half_w))
+    inner = view.picture[top : round(row + half_h), left : round(column + half_w)]
     white, black = np.percentile(inner, (95, 2))
     share = float((inner < (white + black) / 2).mean())
     return bool(white - black > 40 and _INK_SHARE[0] < share < _INK_SHARE[1])

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -11,7 +12,11 @@ from numpy.typing import NDArray
 
 from handcart.robotics.perception.books.call_number import CallNumber, parse, snap
 from handcart.robotics.perception.books.label_finder import LabelBox, find_labels
+from handcart.robotics.perception.books.text_lines import text_lines
 from handcart.robotics.perception.cameras.camera_model import CameraModel, Floats, GreyImage, plane_to_rays
+
+_CAP_HEIGHT_M = 0.005  # of capitals, where a crop shows `crop_height_m`
+_PAGE_M_PER_PX, _PAGE_SHARE = 0.000177, 0.9  # how lines are looked for: scale, and what isn't the paper's rim
 
 
 class Label(NamedTuple):
@@ -20,7 +25,7 @@ class Label(NamedTuple):
 
     `confidence` 0..1; `corners` (4, 2) in [px] of the image: the printed text's upper left first, then
     clockwise as the reader of the text sees them; `lateral`, `height`: its middle's y and z in the shelf
-    frame in [m].
+    frame, `width`: across the spine, in [m]; `lean`: how far it is turned to the left, in [rad].
     """
 
     text: str
@@ -29,6 +34,8 @@ class Label(NamedTuple):
     corners: Floats
     lateral: float
     height: float
+    width: float = 0.010
+    lean: float = 0.0
 
 
 class Reading(NamedTuple):
@@ -47,6 +54,7 @@ class LabelReader(ABC):
 
     crop_height_px = 48
     crop_height_m = 0.0085
+    """What a crop shows of a line whose capitals are 5 mm high; it is scaled with them."""
     least_confidence = 0.5
 
     def __init__(self, catalogue: Sequence[CallNumber] | None = None) -> None:
@@ -79,25 +87,46 @@ class LabelReader(ABC):
     def _crop(
         self, image: GreyImage, camera: CameraModel, camera_T_shelf: Floats, box: LabelBox
     ) -> GreyImage:
-        """The label turned so that its text runs left to right, and cut to its text."""
-        m_per_px = self.crop_height_m / self.crop_height_px
-        width = round(box.length / m_per_px)
-        along = np.array(box.along)
-        # Text's own right is towards the book's foot, its down is to the left (+y) of the shelf.
-        down = np.array([-along[1], along[0]])
-        start = np.array(box.centre) - (width - 1) / 2 * m_per_px * along
-        start = start - (self.crop_height_px - 1) / 2 * m_per_px * down
-        to_plane = np.eye(3)
-        to_plane[:2] = np.column_stack([along * m_per_px, down * m_per_px, start])
-        homography = plane_to_rays(camera_T_shelf) @ to_plane
-        return cut_to_print(camera.rectify(image, homography, (width, self.crop_height_px)))
+        """The label turned so that its text runs left to right, line after line, cut to print."""
+        flat = partial(_flat_label, image, camera, camera_T_shelf, box)
+        lines = text_lines(
+            flat(0.0, _PAGE_SHARE * box.width, round(_PAGE_SHARE * box.width / _PAGE_M_PER_PX))
+        )
+        tall = self.crop_height_m / _CAP_HEIGHT_M
+        parts = [
+            flat(line.middle * _PAGE_M_PER_PX, tall * line.cap * _PAGE_M_PER_PX, self.crop_height_px)
+            for line in lines
+        ]
+        return np.hstack([cut_to_print(part) for part in parts])
 
     def _label(self, box: LabelBox, reading: Reading, camera: CameraModel, camera_T_shelf: Floats) -> Label:
         number = parse(reading.text) if reading.confidence >= self.least_confidence else None
         if self._catalogue is not None and reading.text:
             number = snap(reading.text, self._catalogue)
         corners = camera.plane_in_image(box.corners[[1, 2, 3, 0]], camera_T_shelf)
-        return Label(reading.text, number, reading.confidence, corners, *box.centre)
+        return Label(reading.text, number, reading.confidence, corners, *box.centre, box.width, box.lean)
+
+
+def _flat_label(
+    image: GreyImage,
+    camera: CameraModel,
+    camera_T_shelf: Floats,
+    box: LabelBox,
+    below: float,
+    height: float,
+    rows: int,
+) -> GreyImage:
+    """A strip along a label as its reader sees it: `height` [m] as so many `rows`, `below` [m] the middle."""
+    m_per_px = height / rows
+    width = round(box.length / m_per_px)
+    along = np.array(box.along)
+    # Text's own right is towards the book's foot, its down is to the left (+y) of the shelf.
+    down = np.array([-along[1], along[0]])
+    start = np.array(box.centre) - (width - 1) / 2 * m_per_px * along
+    start = start + (below - (rows - 1) / 2 * m_per_px) * down
+    to_plane = np.eye(3)
+    to_plane[:2] = np.column_stack([along * m_per_px, down * m_per_px, start])
+    return camera.rectify(image, plane_to_rays(camera_T_shelf) @ to_plane, (width, rows))
 
 
 def cut_to_print(crop: GreyImage) -> GreyImage:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -10,12 +11,12 @@ from numpy.typing import NDArray
 
 from handcart.robotics.perception.books.call_number import CallNumber
 from handcart.robotics.perception.books.label_reader import Label
-from handcart.robotics.perception.books.spines import Gap, Spine, SpineView
+from handcart.robotics.perception.books.slots import NARROWEST, Gap
+from handcart.robotics.perception.books.spines import Spine, SpineView
 
 _SAME_CENTRE, _SAME_WIDTH = 0.008, 0.003  # of one book in two aligned views
 _POSE_ERROR = 0.020  # at most, between views
 _EDGE_SIGMA, _PARALLAX = 0.0002, 0.006  # a side's error: constant, and for each metre from the camera's axis
-_OVERLAP = 0.004
 
 
 class ShelfBook(NamedTuple):
@@ -35,11 +36,19 @@ class ShelfBook(NamedTuple):
 
 
 class ShelfReading(NamedTuple):
-    """What stands on a shelf, from left to right. `offsets` [m] were added to each view's positions."""
+    """What stands on a shelf, from left to right: books with labels, and `gaps` between them. `offsets` [m]
+    were added to each view's positions.
+    """
 
     books: tuple[ShelfBook, ...]
     gaps: tuple[Gap, ...]
     offsets: tuple[float, ...]
+
+    @property
+    def intervals(self) -> tuple[Gap, ...]:
+        """What no labelled book fills between the first and the last: slots, or what bears no label."""
+        between = (Gap(a.right, b.left) for a, b in pairwise(self.books))
+        return tuple(gap for gap in between if gap.width >= NARROWEST)
 
 
 class _Sighting(NamedTuple):
@@ -62,20 +71,14 @@ def fuse_views(views: Sequence[SpineView], fuse: bool = True) -> ShelfReading:
     """One reading of all views. Each view's lateral position may be a few millimetres off: the views are
     aligned by the books that they share, and all together keep their mean position.
 
-    With `fuse` False nothing is aligned, averaged or voted on: each book and gap is as the first view saw it.
+    Gaps are left to `find_slots`. With `fuse` False nothing is aligned, averaged or voted on: each book is as
+    the first view saw it.
     """
     offsets = _offsets(views) if fuse else np.zeros(len(views))
-    spines = _groups(_sightings(views, offsets, [view.spines for view in views]))
-    gaps = _groups(_sightings(views, offsets, [view.gaps for view in views]))
+    groups = _groups(_sightings(views, offsets))
     if not fuse:
-        spines, gaps = ([[min(g, key=lambda s: s.view)] for g in groups] for groups in (spines, gaps))
-    kept = [gap for gap in gaps if not any(_denies(spine, gap) for spine in spines)]
-    kept_spines = [spine for spine in spines if not any(_denies(gap, spine) for gap in kept)]
-    return ShelfReading(
-        tuple(_book(group) for group in kept_spines),
-        tuple(Gap(*_sides(group)) for group in kept),
-        tuple(offsets.tolist()),
-    )
+        groups = [[min(group, key=lambda s: s.view)] for group in groups]
+    return ShelfReading(tuple(_book(group) for group in groups), (), tuple(offsets.tolist()))
 
 
 def fuse_labels(labels: Iterable[Label]) -> tuple[CallNumber | None, float]:
@@ -132,15 +135,11 @@ def _number(spine: Spine) -> CallNumber | None:
     return spine.label.call_number if spine.label is not None else None
 
 
-def _sightings(
-    views: Sequence[SpineView], offsets: NDArray[np.float64], things: Sequence[Sequence[Spine | Gap]]
-) -> list[_Sighting]:
+def _sightings(views: Sequence[SpineView], offsets: NDArray[np.float64]) -> list[_Sighting]:
     return [
-        _Sighting(
-            i, t.left + offset, t.right + offset, view.eye + offset, t.label if isinstance(t, Spine) else None
-        )
-        for i, (view, offset, seen) in enumerate(zip(views, offsets.tolist(), things, strict=True))
-        for t in seen
+        _Sighting(i, spine.left + offset, spine.right + offset, view.eye + offset, spine.label)
+        for i, (view, offset) in enumerate(zip(views, offsets.tolist(), strict=True))
+        for spine in view.spines
     ]
 
 
@@ -154,17 +153,6 @@ def _groups(sightings: Sequence[_Sighting]) -> list[list[_Sighting]]:
         else:
             groups.append([sighting])
     return sorted(groups, key=lambda group: -group[0].centre)
-
-
-def _denies(first: Sequence[_Sighting], second: Sequence[_Sighting]) -> bool:
-    """Whether two things claim one place and the first has the better claim: a label, a straighter look."""
-    (left, right), (other_left, other_right) = _sides(first), _sides(second)
-    if min(left, other_left) - max(right, other_right) < _OVERLAP:
-        return False
-    claims = [
-        (any(s.label is not None for s in group), max(s.weight for s in group)) for group in (first, second)
-    ]
-    return claims[0] > claims[1]
 
 
 def _sides(group: Sequence[_Sighting]) -> tuple[float, float]:

@@ -41,6 +41,18 @@ class Strips(NamedTuple):
         """y in [m] of a column."""
         return self.left + self.sign * column * self.m_per_px
 
+    def above(self, height: float) -> Strips:
+        """Those above a height in [m]."""
+        return self._replace(grey=self.grey[self.z > height], z=self.z[self.z > height])
+
+    def at(self, y: Floats) -> Floats:
+        """Grey (n, m) of each strip at each of `y` (m,) in [m]; NaN where not seen."""
+        columns = (y - self.left) * self.sign / self.m_per_px
+        inside = (columns >= 0.0) & (columns < self.grey.shape[1] - 1)
+        below = np.where(inside, columns, 0.0).astype(int)
+        grey = self.grey[:, below] + (columns - below) * (self.grey[:, below + 1] - self.grey[:, below])
+        return np.where(inside, grey, np.nan)
+
     def brightness(self, left: float, right: float, lowest: float) -> float | None:
         """Median over the strips above height `lowest` of the mean grey from y `left` to `right`; None if
         less than half of it was seen.

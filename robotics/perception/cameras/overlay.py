@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from handcart.robotics.perception.books.label_reader import Label
-from handcart.robotics.perception.books.spines import Gap, Spine
+from handcart.robotics.perception.books.slots import Gap
+from handcart.robotics.perception.books.spines import Spine
 from handcart.robotics.perception.cameras.camera_model import CameraModel, Floats, GreyImage
 from handcart.robotics.perception.landmarks.landmark import Landmark
 from handcart.robotics.perception.landmarks.tag_reader import Tag

@@ -36,6 +36,6 @@ def test_tags_are_where_they_should_be_and_smeared_ones_are_unreadable() -> None
 
 def test_what_does_not_fit_is_an_error() -> None:
     with pytest.raises(ValueError, match="no room"):
-        draw_spine(12, 200, 100)
+        draw_spine(12, 200, 100, tag_id=1)
     with pytest.raises(ValueError, match="longest"):
         draw_label("512.123456 ABCDEFG")

@@ -8,7 +8,7 @@ import pytest
 from handcart.robotics.perception.books.call_number import CallNumber, parse
 from handcart.robotics.perception.books.gap_finder import GapFound, NoGap, find_gap, ordered
 from handcart.robotics.perception.books.shelf_views import ShelfBook, ShelfReading
-from handcart.robotics.perception.books.spines import Gap
+from handcart.robotics.perception.books.slots import Gap
 
 
 def _number(text: str) -> CallNumber:
@@ -78,16 +78,20 @@ def test_a_misplaced_neighbour_beside_the_gap_fools_only_the_naive_search() -> N
     assert isinstance(find_gap(reading, _number("512 AAA"), 0.03, misplacement=False), NoGap)
 
 
-def test_unread_books_are_allowed() -> None:
-    found = find_gap(_shelf(["511 AAA", None, 0.035, None, "513 AAA"]), _number("512 AAA"), 0.03)
-    assert isinstance(found, GapFound)
+def test_unread_books_are_allowed_but_not_beside_the_slot() -> None:
+    row = ["510 AAA", None, "511 AAA", 0.035, "513 AAA", None]
+    assert isinstance(find_gap(_shelf(row), _number("512 AAA"), 0.03), GapFound)
+    for beside in (["511 AAA", None, 0.035, "513 AAA"], ["511 AAA", 0.035, None, "513 AAA"]):
+        found = find_gap(_shelf(beside), _number("512 AAA"), 0.03)
+        assert isinstance(found, NoGap)
+        assert "beside the slot there stands a book whose label can't be read" in found.reason
 
 
 def test_of_two_slots_the_one_that_fits_best_is_taken() -> None:
-    """An unread book stands between them."""
+    """Another copy of it stands between them."""
     rows: tuple[list[str | float | None], ...] = (
-        ["511 AAA", 0.039, None, 0.033, "513 AAA"],
-        ["511 AAA", 0.033, None, 0.039, "513 AAA"],
+        ["511 AAA", 0.039, "512 AAA", 0.033, "513 AAA"],
+        ["511 AAA", 0.033, "512 AAA", 0.039, "513 AAA"],
     )
     for row in rows:
         found = find_gap(_shelf(row), _number("512 AAA"), 0.03)

@@ -10,7 +10,9 @@ from handcart.robotics.perception.books.gap_finder import GapFound, find_gap
 from handcart.robotics.perception.books.label_reader import Label
 from handcart.robotics.perception.books.ocr_label_reader import OcrLabelReader
 from handcart.robotics.perception.books.shelf_views import fuse_labels, fuse_views
-from handcart.robotics.perception.books.spines import Gap, Spine, SpineView, find_spines
+from handcart.robotics.perception.books.slots import Gap, find_slots
+from handcart.robotics.perception.books.spine_edges import Strips
+from handcart.robotics.perception.books.spines import Spine, SpineView, find_spines
 from handcart.robotics.perception.cameras.overlay import draw_overlay
 
 from ..conftest import Book, Bookshelf
@@ -20,6 +22,11 @@ TEXTS = [f"51{i}.{3 * i + 1} {c}AB" for i, c in enumerate("KLMNPRST")]
 
 def _label(text: str, confidence: float = 0.9) -> Label:
     return Label(text, parse(text), confidence, np.zeros((4, 2)), 0.0, 0.035)
+
+
+def _view(spine: Spine) -> SpineView:
+    nothing = Strips(np.zeros((2, 2)), np.zeros(2), 0.1, 0.1, -1)
+    return SpineView((spine,), (), nothing, 0.0, 0.1, -0.1)
 
 
 @pytest.fixture(scope="module")
@@ -58,11 +65,11 @@ def test_sides_of_spines_and_gaps_to_less_than_a_millimetre(
         assert spine.label is not None
         assert str(spine.label.call_number) == book.text
         assert (spine.left, spine.right) == pytest.approx((book.left, book.right), abs=0.0008)
-    assert len(view.gaps) == 1
-    assert tuple(view.gaps[0]) == pytest.approx((books[2].right, books[3].left), abs=0.0008)
+    slot = next(each for each in fuse_views([view]).intervals if each.width > 0.02)
+    assert tuple(slot) == pytest.approx((books[2].right, books[3].left), abs=0.0008)
 
 
-def test_a_held_book_hides_spines_but_makes_no_gap(bookshelf: Bookshelf, reader: OcrLabelReader) -> None:
+def test_a_held_book_hides_spines_but_makes_no_interval(bookshelf: Bookshelf, reader: OcrLabelReader) -> None:
     books = bookshelf.row_of_books(TEXTS, 12, left=0.11)
     mask = np.ones((480, 640), dtype=bool)
     mask[60:, 430:] = False
@@ -72,7 +79,7 @@ def test_a_held_book_hides_spines_but_makes_no_gap(bookshelf: Bookshelf, reader:
     labels = reader.read(image, bookshelf.camera, camera_T_shelf, mask)
     view = find_spines(image, bookshelf.camera, camera_T_shelf, labels, mask)
     assert view.spines
-    assert view.gaps == ()
+    assert fuse_views([view]).intervals == ()
 
 
 def test_views_with_wrong_poses_are_aligned_by_their_books(
@@ -92,10 +99,12 @@ def test_views_with_wrong_poses_are_aligned_by_their_books(
         book.left - next(b.left for b in books if b.text == str(book.call_number)) for book in reading.books
     ]
     assert np.ptp(shifts) < 0.0025
-    assert [gap.width for gap in reading.gaps] == pytest.approx([0.03, 0.036], abs=0.0015)
+    solid = [(book.left, book.right) for book in reading.books]
+    slots = [slot for each in reading.intervals for slot in find_slots(views, reading.offsets, each, solid)]
+    assert [slot.width for slot in slots] == pytest.approx([0.03, 0.036], abs=0.0015)
     wanted = parse("511.5 AAA")
     assert wanted is not None
-    found = find_gap(reading, wanted, 0.024)
+    found = find_gap(reading._replace(gaps=tuple(slots)), wanted, 0.024)
     assert isinstance(found, GapFound)
     assert (str(found.before), str(found.after)) == (TEXTS[1], TEXTS[2])
 
@@ -108,26 +117,24 @@ def test_fusing_outvotes_a_wrong_reading() -> None:
 
 
 def test_without_fusing_the_first_view_counts() -> None:
-    first = SpineView((Spine(0.05, 0.02, _label("512.7 NAC", 0.6)),), (), 0.0, 0.1, -0.1)
-    more = SpineView((Spine(0.052, 0.022, _label("512.7 NAG")),), (), 0.0, 0.1, -0.1)
+    first = _view(Spine(0.05, 0.02, _label("512.7 NAC", 0.6)))
+    more = _view(Spine(0.052, 0.022, _label("512.7 NAG")))
     raw = fuse_views([first, more, more], fuse=False)
     assert [str(book.call_number) for book in raw.books] == ["512.7 NAC"]
     assert raw.books[0].left == pytest.approx(0.05)
     assert [str(book.call_number) for book in fuse_views([first, more, more]).books] == ["512.7 NAG"]
 
 
-def test_a_labelled_spine_outweighs_a_gap_in_its_place() -> None:
-    spine = SpineView((Spine(0.05, 0.02, _label("512.7 NAG")),), (), 0.1, 0.1, -0.1)
-    shadow = SpineView((), (Gap(0.048, 0.024),), 0.035, 0.1, -0.1)
-    assert fuse_views([spine, shadow]).gaps == ()
+def test_no_views_show_no_books() -> None:
     assert fuse_views([]).books == ()
+    assert fuse_views([]).intervals == ()
 
 
 def test_overlay_is_a_coloured_copy(bookshelf: Bookshelf, reader: OcrLabelReader) -> None:
     books = bookshelf.row_of_books(TEXTS, 14, gaps={3: 0.03})
     view, image, labels, camera_T_shelf = _look(bookshelf, reader, books, 0.0, 14)
     before = image.copy()
-    picture = draw_overlay(image, (), labels, view.spines, view.gaps, bookshelf.camera, camera_T_shelf)
+    picture = draw_overlay(image, (), labels, view.spines, (), bookshelf.camera, camera_T_shelf)
     assert picture.shape == (480, 640, 3) and picture.dtype == np.uint8
     assert (picture[..., 0] != picture[..., 2]).mean() > 0.01
     assert np.array_equal(image, before)

@@ -1,0 +1,228 @@
+"""What makes a library hard: covers, light, labels, gloss, leaning rows, things in between."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Collection, Mapping
+from dataclasses import dataclass, field, replace
+from typing import Any, TypeGuard
+
+import numpy as np
+
+from .library_books import FONTS, GeneratedBook, Row
+from .library_room import CLEAR
+
+OTHER_FONTS = ("STIXGeneral", "STIXGeneralBol", "cmr10", "cmss10", "cmtt10", "cmb10")
+LEAST_PLAY_MM = 3.0  # that a slot must be wider than its book to count as one
+IN_THE_WAY = 0.3  # of the wanted slots that something is in or leans into, at level 1
+_THICKEST_HELD, _THINNEST_TAGGED = 55.0, 15.0
+_LEAST_SLOT_MM = 10.0  # what is narrower in a row is the play between books
+
+
+@dataclass(frozen=True)
+class _Making:
+    """A row while it is made harder."""
+
+    row: Row
+    wanted: frozenset[int]
+    """Accessions of the books whose slots mostly stay free."""
+    level: float
+    rng: np.random.Generator
+    spoilt: dict[int, str] = field(default_factory=dict)
+    """Why the slot of a book isn't one, by its accession."""
+
+    def each(self, change: Callable[[GeneratedBook], GeneratedBook]) -> _Making:
+        """With every book changed, the lent ones too."""
+        made = {book.accession: change(book) for book in (*_books(self.row), *self.row.lent)}
+        standing = tuple(x if isinstance(x, float) else made[x.accession] for x in self.row.standing)
+        lent = tuple(made[book.accession] for book in self.row.lent)
+        return replace(self, row=replace(self.row, standing=standing, lent=lent))
+
+
+def make_unfriendly(
+    row: Row, wanted: Collection[int], factors: Collection[str], level: float, rng: np.random.Generator
+) -> tuple[Row, dict[int, str]]:
+    """A row made harder, and why the slot of a lent book is none any more, by its accession.
+
+    Args:
+        row: as it would be.
+        wanted: accessions of the lent books that are to be returned.
+        factors: of `FACTORS`.
+        level: 0 leaves all as it is, 1 is as hard as it gets.
+        rng: decides what chance does.
+    """
+    making = _Making(row, frozenset(wanted), level, rng)
+    for name, factor in FACTORS.items():
+        if name in factors:
+            making = factor(making)
+    return making.row, making.spoilt
+
+
+def _covers(m: _Making) -> _Making:
+    """From nearly black to nearly white, for 70 to 180."""
+    low, high = 70.0 * (1.0 - m.level), 180.0 + 75.0 * m.level
+    return m.each(lambda book: replace(book, grey=round(m.rng.uniform(low, high))))
+
+
+def _light(m: _Making) -> _Making:
+    """Shelves with lamps of their own."""
+    return replace(m, row=replace(m.row, light=0.1 + 0.9 * m.level))
+
+
+def _thickness(m: _Making) -> _Making:
+    """From 6 to 80 mm, for 15 to 45; what is to be returned a hand can grip."""
+    low, high = 15.0 - 9.0 * m.level, 45.0 + 35.0 * m.level
+    gaps = dict(zip((b.accession for b in m.row.lent), _gaps(m.row), strict=True))
+    plays = {book.accession: gaps[book.accession] - book.thickness_mm for book in m.row.lent}
+    lent = {book.accession for book in m.row.lent}
+
+    def change(book: GeneratedBook) -> GeneratedBook:
+        ends = (_THINNEST_TAGGED, _THICKEST_HELD) if book.accession in lent else (low, high)
+        thickness = round(m.rng.uniform(max(low, ends[0]), min(high, ends[1])), 1)
+        return replace(book, thickness_mm=thickness, label_mm=min(book.label_mm, thickness))
+
+    changed = m.each(change)
+    return _fitted(_with_plays(changed, plays))
+
+
+def _labels(m: _Making) -> _Making:
+    """From 6 to 25 mm across the spine, the broad ones in two lines."""
+
+    def change(book: GeneratedBook) -> GeneratedBook:
+        width = m.rng.uniform(10.0 - 4.0 * m.level, 10.0 + 15.0 * m.level)
+        width = round(min(width, book.thickness_mm), 1)
+        return replace(book, label_mm=width, label_lines=2 if width > 12.0 else 1)
+
+    return m.each(change)
+
+
+def _fonts(m: _Making) -> _Making:
+    """Other faces on every label, or on a share of them."""
+
+    def change(book: GeneratedBook) -> GeneratedBook:
+        faces = OTHER_FONTS if m.rng.random() < m.level else FONTS
+        return replace(book, font=str(m.rng.choice(faces)))
+
+    return m.each(change)
+
+
+def _glare(m: _Making) -> _Making:
+    """Glossy spines, in which a window is mirrored."""
+    return m.each(lambda book: replace(book, gloss=round(m.level * m.rng.uniform(0.0, 1.0), 2)))
+
+
+def _narrow(m: _Making) -> _Making:
+    """Slots that may be too narrow by a hair."""
+    plays = {book.accession: round(m.rng.uniform(4.0 - 6.0 * m.level, 9.0), 1) for book in m.row.lent}
+    return _with_plays(m, plays)
+
+
+def _leaning(m: _Making) -> _Making:
+    """Books beside slots lean into them, up to three in a row."""
+    standing = list(m.row.standing)
+    for book in m.row.lent:
+        share = m.level * (IN_THE_WAY if book.accession in m.wanted else 1.0)
+        if m.rng.random() < share:
+            m.spoilt[book.accession] = "a neighbour leans into it"
+            _lean(standing, m.row.lent.index(book), int(m.rng.integers(1, 4)))
+    return _fitted(replace(m, row=replace(m.row, standing=tuple(standing))))
+
+
+def _objects(m: _Making) -> _Making:
+    """Things that are no books: in a slot, as far forward as books or deeper."""
+    objects = list(m.row.objects)
+    for number, book in enumerate(m.row.lent):
+        share = m.level * (IN_THE_WAY if book.accession in m.wanted else 1.0)
+        if m.rng.random() < share:
+            m.spoilt[book.accession] = "something stands in it"
+            left, gap = _gap_ends(m.row, number)
+            width = gap * m.rng.uniform(0.5, 0.98)
+            objects.append(
+                {
+                    "at_mm": round(left + m.rng.uniform(0.0, gap - width), 1),
+                    "width_mm": round(width, 1),
+                    "height_mm": round(m.rng.uniform(40.0, 200.0)),
+                    "front_mm": round(m.rng.choice([0.0, m.rng.uniform(0.0, 100.0)])),
+                    "grey": int(m.rng.integers(0, 256)),
+                }
+            )
+    return replace(m, row=replace(m.row, objects=tuple(objects)))
+
+
+FACTORS: Mapping[str, Callable[[_Making], _Making]] = {
+    "covers": _covers,
+    "light": _light,
+    "thickness": _thickness,
+    "labels": _labels,
+    "fonts": _fonts,
+    "glare": _glare,
+    "narrow": _narrow,
+    "leaning": _leaning,
+    "objects": _objects,
+}
+"""By name, in the order in which they are applied; what each is at level 1 its docstring tells."""
+
+
+def no_slot(row: Row, book: GeneratedBook, spoilt: Mapping[int, str]) -> str:
+    """Why there is no slot that this lent book could be put into; empty where there is one."""
+    if book.accession in spoilt:
+        return spoilt[book.accession]
+    play = _gaps(row)[row.lent.index(book)] - book.thickness_mm
+    return "" if play >= LEAST_PLAY_MM else f"it is {play:.1f} mm wider than the book"
+
+
+def _books(row: Row) -> list[GeneratedBook]:
+    return [each for each in row.standing if isinstance(each, GeneratedBook)]
+
+
+def _is_slot(each: GeneratedBook | float) -> TypeGuard[float]:
+    return isinstance(each, float) and each >= _LEAST_SLOT_MM
+
+
+def _gaps(row: Row) -> list[float]:
+    return [each for each in row.standing if _is_slot(each)]
+
+
+def _with_plays(m: _Making, plays: Mapping[int, float]) -> _Making:
+    """Each slot wider than its book by so much."""
+    gaps = iter([round(float(book.thickness_mm + plays[book.accession]), 2) for book in m.row.lent])
+    standing = tuple(next(gaps) if _is_slot(each) else each for each in m.row.standing)
+    return replace(m, row=replace(m.row, standing=standing))
+
+
+def _fitted(m: _Making) -> _Making:
+    """Without the books furthest from slots, until the row fits its shelf."""
+    standing: list[Any] = list(m.row.standing)
+    while _width(standing) > 1e3 * CLEAR - 20.0:
+        slots = [i for i, each in enumerate(standing) if _is_slot(each)]
+        standing.pop(max(range(len(standing)), key=lambda i: min(abs(i - slot) for slot in slots)))
+    return replace(m, row=replace(m.row, standing=tuple(standing)))
+
+
+def _width(standing: Collection[GeneratedBook | float]) -> float:
+    return sum(each if isinstance(each, float) else each.thickness_mm for each in standing)
+
+
+def _gap_ends(row: Row, number: int) -> tuple[float, float]:
+    """Where the slot of a lent book begins, from the left panel, and how wide it is, in [mm]."""
+    before, seen = 0.0, 0
+    for each in row.standing:
+        if _is_slot(each):
+            if seen == number:
+                return before, each
+            seen += 1
+        before += each if isinstance(each, float) else each.thickness_mm
+    raise IndexError(number)
+
+
+def _lean(standing: list[Any], number: int, count: int) -> None:
+    """The books to the left of a slot lean into it, parallel to each other."""
+    at = [i for i, each in enumerate(standing) if _is_slot(each)][number]
+    gap, first = standing[at], standing[at - 1]
+    angle = math.asin(min(0.6, gap / first.height_mm))
+    for i in range(at - 1, max(-1, at - 1 - count), -1):
+        if not isinstance(standing[i], GeneratedBook):
+            break
+        standing[i] = replace(standing[i], lean_deg=-round(math.degrees(angle) - 0.1, 1))
+        if i < at - 1:
+            standing.insert(i + 1, round(standing[i].thickness_mm * (1.0 / math.cos(angle) - 1.0) + 0.2, 2))

@@ -1,0 +1,179 @@
+"""Slots by geometry: what two views from beside each other show differently lies behind the shelf's front."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import combinations, pairwise
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from handcart.robotics.perception.books.spines import SpineView
+
+Floats = NDArray[np.float64]
+
+NARROWEST = 0.005  # [m]
+_LEAST_BASE, _MOST_BASE = 0.025, 0.16  # [m] between two views' cameras
+_STEP = 0.0003  # [m] between the columns that are compared
+_RIM = 0.0015  # [m] beside an edge that isn't compared
+_SAME_EDGE = 0.0012  # [m] between two views, of an edge that lies in the front
+_PROUD, _AWAY = 0.004, 0.285  # [m] that spines stand before or behind the front; of the camera
+_OFF = 0.0006  # [m] that two views may be aligned wrong
+_SEEN = 0.6  # of a piece, at least
+_NOISE = 1.2  # grey levels by which strips of the same thing differ
+_LEAST, _SHARE = 2.5, 0.5  # of a deep piece: grey levels, and share of what it shows, by which views differ
+
+
+class Gap(NamedTuple):
+    """A free slot between two spines, or spine and panel: `left` > `right`, y in the shelf frame in [m]."""
+
+    left: float
+    right: float
+
+    @property
+    def width(self) -> float:
+        return self.left - self.right
+
+
+class Alike(NamedTuple):
+    """How two views of a piece of the front compare: by how many grey levels they differ (`apart`) where they
+    match best, of how many that the piece shows at all (`shows`)."""
+
+    apart: float
+    shows: float
+
+    @property
+    def deep(self) -> bool:
+        """Whether what is seen there can't lie in the front."""
+        return self.apart > _NOISE + _LEAST and self.apart - _NOISE > _SHARE * self.shows
+
+
+def find_slots(
+    views: Sequence[SpineView], offsets: Sequence[float], interval: Gap, solid: Sequence[tuple[float, float]]
+) -> tuple[Gap, ...]:
+    """The free slots in an interval of the shelf's front, from left to right.
+
+    The two views from nearest before it decide. Where an edge has one place in both, something ends in the
+    front; between such edges a piece is deep if the views differ there, however they are laid upon each
+    other. What looks the same from both sides isn't free: a spine, or what can't be told from one.
+
+    Args:
+        views: from before the shelf.
+        offsets: in [m], that are to be added to each view's positions.
+        interval: between two spines that are sure.
+        solid: left and right of such spines, in [m]: how bright the views are is compared there.
+    """
+    pair = _best_pair(views, offsets, interval)
+    if pair is None:
+        return ()
+    a, b = pair
+    cuts = [interval.left, *_shared_edges(a, b, interval), interval.right]
+    deep = [_deep(compare(a, b, left, right, solid), left - right) for left, right in pairwise(cuts)]
+    slots: list[Gap] = []
+    for (left, right), free in zip(pairwise(cuts), deep, strict=True):
+        if free and slots and slots[-1].right == left:
+            slots[-1] = slots[-1]._replace(right=right)
+        elif free:
+            slots.append(Gap(left, right))
+    return tuple(slot for slot in slots if slot.width >= NARROWEST)
+
+
+def _deep(alike: Alike | None, width: float) -> bool:
+    return alike is not None and alike.deep
+
+
+class Placed(NamedTuple):
+    """A view, and what is to be added to its positions in [m]."""
+
+    view: SpineView
+    offset: float
+
+    @property
+    def eye(self) -> float:
+        """y of the camera, in [m]."""
+        return self.view.eye + self.offset
+
+    def at(self, y: Floats) -> Floats:
+        """Grey (n, m) of the view's strips at each of `y` (m,) in [m]."""
+        return self.view.strips.at(y - self.offset)
+
+    def shows(self, interval: Gap) -> bool:
+        """Whether most of it is seen, both ends included."""
+        ends = np.array([interval.left + 0.001, interval.right - 0.001])
+        if ends[0] > self.view.left + self.offset or ends[1] < self.view.right + self.offset:
+            return False
+        return bool(np.mean(~np.isnan(self.at(_columns(interval.left, interval.right)))) > _SEEN)
+
+
+def _best_pair(
+    views: Sequence[SpineView], offsets: Sequence[float], interval: Gap
+) -> tuple[Placed, Placed] | None:
+    """The two views of an interval from nearest before it, neither from the same place nor from far apart."""
+    middle = (interval.left + interval.right) / 2
+    placed = [Placed(view, offset) for view, offset in zip(views, offsets, strict=True)]
+    seeing = [each for each in placed if each.shows(interval)]
+    pairs = [p for p in combinations(seeing, 2) if _LEAST_BASE <= abs(p[0].eye - p[1].eye) <= _MOST_BASE]
+    return min(pairs, key=lambda p: sum((each.eye - middle) ** 2 for each in p), default=None)
+
+
+def _shared_edges(a: Placed, b: Placed, interval: Gap) -> list[float]:
+    """y of edges that both views have in one place within an interval, from left to right."""
+    edges: list[float] = []
+    for mine in sorted((y + a.offset for y in a.view.sides), reverse=True):
+        other = min((y + b.offset for y in b.view.sides), key=lambda y: abs(y - mine), default=None)
+        if other is None or abs(other - mine) > _SAME_EDGE:
+            continue
+        y = (mine + other) / 2
+        if interval.right + _RIM < y < interval.left - _RIM and (not edges or edges[-1] - y > _RIM):
+            edges.append(y)
+    return edges
+
+
+def compare(
+    a: Placed, b: Placed, left: float, right: float, solid: Sequence[tuple[float, float]]
+) -> Alike | None:
+    """How two views of a piece of the front compare; None where too little of it is seen.
+
+    `solid`: left and right of spines that are sure, in [m].
+    """
+    if left - right < 2 * _RIM + 4 * _STEP:
+        return None
+    y = _columns(left - _RIM, right + _RIM)
+    mine, level = a.at(y), _brightness(a, b, y, solid)
+    most = _PROUD / _AWAY * abs(a.eye - b.eye) + _OFF
+    apart = []
+    for shift in np.arange(-most, most + _STEP / 2, _STEP):
+        difference = np.abs(mine - level * b.at(y + shift))
+        if np.mean(~np.isnan(difference)) < _SEEN:
+            continue
+        apart.append(float(np.nanmean(difference)))
+    if not apart:
+        return None
+    both = (mine, level * b.at(y))
+    shows = float(np.mean([np.nanmean(np.abs(grey - np.nanmedian(grey))) for grey in both]))
+    return Alike(min(apart), shows)
+
+
+def _columns(left: float, right: float) -> Floats:
+    return np.arange(left, right, -_STEP)
+
+
+def _brightness(a: Placed, b: Placed, y: Floats, solid: Sequence[tuple[float, float]]) -> Floats:
+    """How much brighter `a` is than `b` at each of `y` (m,), by the spines that both show: a line through
+    them."""
+    places, ratios = [], []
+    for left, right in solid:
+        columns = _columns(left - _RIM, right + _RIM)
+        if len(columns) < 4:
+            continue
+        ratio = a.at(columns) / np.maximum(b.at(columns), 1.0)
+        if np.mean(~np.isnan(ratio)) > _SEEN:
+            places.append((left + right) / 2)
+            ratios.append(float(np.nanmedian(ratio)))
+    if not places:
+        return np.ones(len(y))
+    if len(places) < 3:
+        return np.full(len(y), float(np.mean(ratios)))
+    line = np.polyfit(places, ratios, 1)
+    return np.asarray(np.clip(np.polyval(line, y), 0.5, 2.0))

@@ -1,0 +1,37 @@
+"""The lines of print on a label."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from handcart.robotics.perception.cameras.camera_model import GreyImage
+
+_INKED = 0.25  # of the row with the most ink: less is no line of print
+_LEAST_CAP = 0.15  # of a label's width: what is lower is no line of print
+
+
+class TextLine(NamedTuple):
+    """A line: its `middle` below the label's, and how high its capitals are (`cap`), in [px]."""
+
+    middle: float
+    cap: float
+
+
+def text_lines(page: GreyImage) -> list[TextLine]:
+    """The lines on a label, from top to bottom; half of its height where none stands out.
+
+    `page` (h, w): the label without its rim, text running left to right.
+    """
+    height, width = page.shape
+    rim = max(1, width // 12)
+    inner = page[:, rim:-rim]
+    white, black = np.percentile(inner, (90, 2))
+    inked = (inner < (white + black) / 2).mean(axis=1)
+    rows = inked > max(_INKED * float(inked.max()), 0.02)
+    ends = np.flatnonzero(np.diff(np.concatenate([[False], rows, [False]]).astype(int)))
+    runs = [(int(a), int(b)) for a, b in ends.reshape(-1, 2) if b - a >= _LEAST_CAP * height]
+    if not runs:
+        return [TextLine(0.0, height / 2)]
+    return [TextLine((a + b) / 2 - height / 2, float(b - a)) for a, b in runs]
