@@ -28,7 +28,7 @@ from handcart.robotics.perception.cameras.overlay import draw_overlay
 
 from .hand_view import look
 from .shelf_front import measure_shelf
-from .slot_edge import slot_edge
+from .slot_edge import slot_edge, spine_edge
 
 BEFORE = 0.035  # [m] from the book's fore-edge to the shelf's front
 CLEAR = 0.006  # [m] from the book's foot to the board
@@ -98,6 +98,10 @@ class Approach(ActionPrimitive):
         """The slot moved to where its left side is seen now."""
         view = yield from look(robot, base_T_shelf, self._held)
         left = slot_edge(view, slot.left, WITHIN, SURELY)
+        if left is None and slot.neighbour:
+            # A dark spine doesn't show against the slot; its other side does.
+            beyond = spine_edge(view, slot.left + slot.neighbour, SURELY)
+            left = None if beyond is None else beyond - slot.neighbour
         moved = slot if left is None else slot._replace(left=left, right=left - (slot.left - slot.right))
         self.evidence.pictures["slot"] = draw_overlay(
             view.image,

@@ -28,6 +28,8 @@ class Slot(NamedTuple):
     """Call number of the left neighbour; empty at the end of the row."""
     before: str
     """Call number of the right neighbour."""
+    neighbour: float = 0.0
+    """How thick the left neighbour looked, in [m]; 0: none was seen."""
 
 
 @dataclass

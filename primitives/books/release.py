@@ -66,7 +66,7 @@ class Release(TreePrimitive):
     """The place before the shelf."""
 
     needs: ClassVar = (Arm, Gripper, Camera, RangeSensor)
-    reads: ClassVar = ("places", "book", "slot")
+    reads: ClassVar = ("places", "catalogue", "book", "slot")
 
     _base_T_shelf: Transform | None = PrivateAttr(default=None)
     _lateral: float = PrivateAttr(default=0.0)
@@ -152,7 +152,10 @@ class Release(TreePrimitive):
         yield
         image = robot.picture()
         camera_T_shelf = inverse(robot.base_T("hand") @ robot.camera.hand_T_camera) @ self._shelf
-        reader = OcrLabelReader()
+        known = [
+            number for book in model.of(Books).catalogue.books if (number := parse(book.call)) is not None
+        ]
+        reader = OcrLabelReader(known or None)
         labels = yield from robot.compute(reader.read, image, robot.camera.model, camera_T_shelf)
         self.evidence.pictures["after_release"] = draw_overlay(image, labels=labels)
         stands = self._stands(labels, model)

@@ -17,7 +17,7 @@ from handcart.backends.robot.robot import Robot
 from handcart.primitives.books.book_boxes import shelf_boxes, tray_box
 from handcart.primitives.books.book_grip import hand_to_spine
 from handcart.primitives.books.books import Books, Slot
-from handcart.primitives.books.catalogue import Book
+from handcart.primitives.books.catalogue import Book, Catalogue
 from handcart.primitives.contract.action_primitive import ActionPrimitive, Periods
 from handcart.primitives.contract.discrepancy import Discrepancy, Measured
 from handcart.primitives.knowledge.place import Shelf
@@ -77,6 +77,8 @@ class Search(ActionPrimitive):
     _held: Box | None = PrivateAttr(default=None)
     _around: tuple[Box, ...] = PrivateAttr(default=())
     _views: list[SpineView] = PrivateAttr(default_factory=list)
+    _thicknesses: dict[CallNumber, float] = PrivateAttr(default_factory=dict)
+    """Of the books in the catalogue, in [m]."""
     _last: HandView | None = PrivateAttr(default=None)
 
     def motion(self, robot: Robot, model: ModelView) -> Periods:
@@ -89,6 +91,7 @@ class Search(ActionPrimitive):
         self._around = shelf_boxes(self._base_T_shelf, place.shelf)
         if self._held is None and books.book_pose is not None:
             self._around += (tray_box(robot),)
+        self._thicknesses = _thicknesses(books.catalogue)
         reader = self._make_reader([each.call for each in books.catalogue.books])
         stops = self._stops(robot, place.shelf)
         yield from self._look_from(robot, reader, stops)
@@ -157,7 +160,7 @@ class Search(ActionPrimitive):
     def _see(self, robot: Robot, reader: LabelReader) -> Generator[None, None, None]:
         view = self._last = yield from look(robot, self._base_T_shelf, self._held)
         labels = reader.read(view.image, view.camera, view.camera_T_shelf, view.mask)
-        seen = find_spines(view.image, view.camera, view.camera_T_shelf, labels, view.mask)
+        seen = find_spines(view.image, view.camera, view.camera_T_shelf, labels, view.mask, self._thicknesses)
         self._views.append(seen)
         self.evidence.pictures[f"view_{len(self._views)}"] = draw_overlay(
             view.image, (), labels, seen.spines, (), view.camera, view.camera_T_shelf
@@ -230,7 +233,9 @@ class Search(ActionPrimitive):
         after, before = (str(number) if number is not None else "" for number in (found.before, found.after))
         self.found(gap_mm=round(1e3 * found.width, 1), gap_at_mm=round(1e3 * found.centre, 1))
         self.found(after=after, before=before, misplaced=", ".join(map(str, found.misplaced)))
-        model.of(Books).slot = Slot(self.shelf, found.left, found.right, SIGMA, after, before)
+        beside = min(self._reading().books, key=lambda each: abs(each.right - found.left), default=None)
+        thick = beside.left - beside.right if beside is not None and str(beside.call_number) == after else 0.0
+        model.of(Books).slot = Slot(self.shelf, found.left, found.right, SIGMA, after, before, thick)
 
     def _decided_by(self, found: NoGap) -> None:
         """The view that shows most nearly in its middle where the book belongs decided."""
@@ -248,6 +253,15 @@ def _wanted(model: ModelView) -> tuple[Book, CallNumber]:
     if number is None:
         raise Discrepancy(f"{book.call!r} in the catalogue is no call number", permanent=True)
     return book, number
+
+
+def _thicknesses(catalogue: Catalogue) -> dict[CallNumber, float]:
+    """In [m]; without numbers that books of different thickness share."""
+    known: dict[CallNumber, set[float]] = {}
+    for book in catalogue.books:
+        if (number := parse(book.call)) is not None:
+            known.setdefault(number, set()).add(book.thickness_mm / 1e3)
+    return {number: sizes.pop() for number, sizes in known.items() if len(sizes) == 1}
 
 
 def _end_of_row(reading: ShelfReading, number: CallNumber, no_gap: bool) -> float | None:

@@ -2,8 +2,14 @@
 
 from __future__ import annotations
 
-from handcart.robotics.perception.books.label_finder import flat_view
-from handcart.robotics.perception.books.spine_edges import Strips, falling_edges, strips_of, upright
+from handcart.robotics.perception.books.flat_view import flat_view
+from handcart.robotics.perception.books.spine_edges import (
+    Strips,
+    all_sides,
+    falling_edges,
+    strips_of,
+    upright,
+)
 
 from .hand_view import HandView
 
@@ -39,6 +45,12 @@ def slot_edge(view: HandView, expected: float, within: float, surely: float) -> 
         if abs(edge.y - expected) < (within if dark else surely):
             (darker if dark else others).append(edge.y)
     return min(darker or others, key=lambda y: abs(y - expected), default=None)
+
+
+def spine_edge(view: HandView, expected: float, within: float) -> float | None:
+    """y in the shelf frame of any edge of a spine within so far of where it is expected, all in [m]."""
+    near = [y for y in all_sides(_strips(view, HEIGHTS)) if abs(y - expected) < within]
+    return min(near, key=lambda y: abs(y - expected), default=None)
 
 
 def book_end(view: HandView, left: float, thickness: float) -> float | None:

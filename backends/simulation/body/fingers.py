@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from handcart.backends.simulation.world.thing import Rest, Thing
+from handcart.robotics.geometry.transform import inverse
 
 from .grasp import Pads
 from .hand import Hand
@@ -13,8 +16,8 @@ _LETS_GO = 0.001  # opening beyond a thing's thickness at which it is free
 class Fingers:
     """Open and close about things.
 
-    What stands between closing pads stops and aligns with them, as its props say; opened 1 mm wider, they let
-    it go. Where a rule says so they have no room to open.
+    What stands between closing pads slides before the one that meets it first, stops both and aligns with
+    them, as its props say; opened 1 mm wider, they let it go. Where a rule says so they have no room to open.
     """
 
     def __init__(self, hand: Hand) -> None:
@@ -29,6 +32,8 @@ class Fingers:
             if thing is not None and width <= self._thickness(thing):
                 self._grip(thing)
                 return
+            if thing is not None:
+                self._slide(thing, width)
         if scene.held is not None:
             thick = self._thickness(scene.held)
             if width <= thick + _LETS_GO:
@@ -56,6 +61,18 @@ class Fingers:
             ),
             None,
         )
+
+    def _slide(self, thing: Thing, width: float) -> None:
+        """The finger that meets a thing first slides it before itself."""
+        scene, pads = self._scene, self._pads()
+        aside = float((inverse(pads.world_T_hand) @ thing.pose @ thing.thing_T_middle)[1, 3])
+        over = abs(aside) + (self._thickness(thing) - width) / 2
+        if over > 0.0:
+            thing.pose = thing.pose.copy()
+            thing.pose[:3, 3] -= np.copysign(over, aside) * pads.world_T_hand[:3, 1]
+            if thing.rest is Rest.TRAY:
+                thing.base_T_thing = inverse(scene.world_T_base) @ thing.pose
+            scene.changes += 1
 
     def _grip(self, thing: Thing) -> None:
         scene, props = self._scene, self._scene.props_of(thing)

@@ -17,6 +17,7 @@ from .shelf import DEPTH, Shelf
 PUSH_FRICTION = 3.0  # of a standing book pushed on its spine [N]
 JAM_FRICTION = 10.0  # of a book pushed back by an edge that jams against it [N]
 _LEAST_OVERLAP = 3e-4
+_DEEP = 0.035  # behind the board's front edge [m]: further back than a book end, nothing bounds a slot
 
 
 class Member(NamedTuple):
@@ -81,10 +82,11 @@ def members(books: BooksThere, shelf: Shelf, without: Thing | None) -> list[Memb
 
 
 def slots(row: Sequence[Member]) -> list[FreeInterval]:
-    """The free intervals between the members."""
+    """The free intervals between the members; what stands deeper stops a book that is in already."""
+    before = [member for member in row if member.front < _DEEP]
     return [
         FreeInterval(a.left, b.right, min(a.front, b.front))
-        for a, b in pairwise(row)
+        for a, b in pairwise(before)
         if b.right - a.left > 1e-4
     ]
 

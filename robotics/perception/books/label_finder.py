@@ -2,112 +2,65 @@
 
 from __future__ import annotations
 
-import math
-from typing import NamedTuple
-
 import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from handcart.robotics.perception.cameras.camera_model import CameraModel, Floats, GreyImage, picture_of_plane
+from handcart.robotics.perception.books.flat_view import View, flat_view
+from handcart.robotics.perception.books.label_box import LabelBox
+from handcart.robotics.perception.books.print_finder import find_prints
+from handcart.robotics.perception.cameras.camera_model import CameraModel, Floats, GreyImage
 
-_M_PER_PX = 0.0005
-_WIDEST_VIEW = 1.5  # [m]
 _WIDTHS, _LENGTHS = (0.0052, 0.0265), (0.015, 0.090)  # across and along the spine, [m]
 _LEVELS = range(70, 236, 15)
+_CLOSED = ((7, 5), (15, 1))  # [px]
 _INK_SHARE = (0.04, 0.6)
 _SQUARE = 8  # the weight of being square against that of being large
-
-
-class LabelBox(NamedTuple):
-    """Where a label stands: `centre` (y, z) and `along` (unit vector towards its foot) on the plane x = 0 of
-    the shelf frame, `length` along the spine and `width` across it in [m].
-    """
-
-    centre: tuple[float, float]
-    along: tuple[float, float]
-    length: float
-    width: float
-
-    @property
-    def lean(self) -> float:
-        """How far it is turned to the left, in [rad]."""
-        return math.atan2(-self.along[0], -self.along[1])
-
-    @property
-    def corners(self) -> Floats:
-        """(4, 2) of y, z in [m]: upper left, upper right, lower right, lower left, seen from the front."""
-        down = np.array(self.along) * self.length / 2
-        right = np.array([self.along[1], -self.along[0]]) * self.width / 2
-        corners: Floats = np.stack([-down - right, right - down, down + right, down - right]) + self.centre
-        return corners
-
-
-class View(NamedTuple):
-    """The shelf's front plane drawn flat: `picture` (h, w), which of it was `seen` (h, w), and its scale.
-
-    Column c, row r show y = left - c * m_per_px, z = top - r * m_per_px.
-    """
-
-    picture: GreyImage
-    seen: NDArray[np.bool_]
-    left: float
-    top: float
-    m_per_px: float
-
-
-def flat_view(
-    image: GreyImage,
-    camera: CameraModel,
-    camera_T_shelf: Floats,
-    mask: NDArray[np.bool_] | None,
-    m_per_px: float = _M_PER_PX,
-    heights: tuple[float, float] | None = None,
-) -> View:
-    """The part of the plane x = 0 of the shelf that the image shows, lens and slant undone.
-
-    `mask` (h, w) is True where the image shows the shelf (False: a held book stands before it); `heights`
-    limits z in [m]. Raises ValueError when the camera doesn't look at the shelf's front.
-    """
-    stops = np.array([0.0, 0.5, 1.0])
-    # The view bulges: the middles of its sides are as far out as its corners.
-    across, down = np.meshgrid(stops * (camera.width - 1), stops * (camera.height - 1))
-    points = camera.pixel_on_plane(np.column_stack([across.ravel(), down.ravel()]), camera_T_shelf)
-    low, high = points.min(axis=0), points.max(axis=0)
-    if not np.isfinite(points).all() or (high - low).max() > _WIDEST_VIEW:
-        raise ValueError("the camera doesn't look at the shelf's front")
-    bottom, top = (low[1], high[1]) if heights is None else heights
-    size = (int((high[0] - low[0]) / m_per_px) + 1, int((top - bottom) / m_per_px) + 1)
-    homography = picture_of_plane(camera_T_shelf, (high[0], top), m_per_px)
-    shown = (
-        np.full(image.shape, 255, dtype=np.uint8) if mask is None else mask.astype(np.uint8) * np.uint8(255)
-    )
-    seen = camera.rectify(shown, homography, size) > 250
-    return View(camera.rectify(image, homography, size), seen, float(high[0]), float(top), m_per_px)
 
 
 def find_labels(
     image: GreyImage, camera: CameraModel, camera_T_shelf: Floats, mask: NDArray[np.bool_] | None = None
 ) -> list[LabelBox]:
     """The labels wholly in view, from left to right. Arguments as for flat_view; `camera_T_shelf` may be a
-    few millimetres and degrees off.
+    few millimetres and degrees off. On a cover as bright as paper no label shows: any print there counts.
     """
     view = flat_view(image, camera, camera_T_shelf, mask)
-    # Print is thinner than 3 mm: closing paints it over and leaves the paper as one bright patch.
-    paper = cv2.morphologyEx(view.picture, cv2.MORPH_CLOSE, np.ones((7, 5), np.uint8))
-    paper[~view.seen] = 0
     best: dict[tuple[int, int], tuple[float, LabelBox]] = {}
-    for level in _LEVELS:
-        for squareness, box in _patches(paper >= level, view):
-            near = next((key for key in best if _same_place(key, box)), None)
-            if near is None:
-                near = (round(box.centre[0] * 1000), round(box.centre[1] * 1000))
-            # Where print cuts a label's end off, that is square as well: the larger one is the label.
-            worth = squareness**_SQUARE * box.length * box.width
-            if near not in best or worth > best[near][0]:
-                best[near] = (worth, box)
+    for paper in _papers(view):
+        for level in _LEVELS:
+            for squareness, box in _patches(paper >= level, view):
+                near = next((key for key in best if _same_place(key, box)), None)
+                if near is None:
+                    near = (round(box.centre[0] * 1000), round(box.centre[1] * 1000))
+                # Where print cuts a label's end off, that is square as well: the larger one is the label.
+                worth = squareness**_SQUARE * box.length * box.width
+                if near not in best or worth > best[near][0]:
+                    best[near] = (worth, box)
     boxes = [box for _, box in best.values() if _printed(view, box)]
+    boxes += [box for box in find_prints(view) if not any(_within(box, other) for other in boxes)]
     return sorted(boxes, key=lambda box: -box.centre[0])
+
+
+def _papers(view: View) -> list[GreyImage]:
+    """The view with print painted over, which leaves paper as one bright patch: print is thinner than 3 mm.
+
+    So are the seams beside a label as broad as its spine: the second closes nothing across spines.
+    """
+    papers = [
+        np.asarray(cv2.morphologyEx(view.picture, cv2.MORPH_CLOSE, np.ones(size, np.uint8)), np.uint8)
+        for size in _CLOSED
+    ]
+    for paper in papers:
+        paper[~view.seen] = 0
+    return papers
+
+
+def _within(box: LabelBox, other: LabelBox) -> bool:
+    """Whether a box has its middle in another one."""
+    return (
+        abs(box.centre[0] - other.centre[0]) < other.width / 2
+        and abs(box.centre[1] - other.centre[1]) < other.length / 2
+    )
 
 
 def _same_place(key: tuple[int, int], box: LabelBox) -> bool:

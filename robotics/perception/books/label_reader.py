@@ -11,7 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from handcart.robotics.perception.books.call_number import CallNumber, parse, snap
-from handcart.robotics.perception.books.label_finder import LabelBox, find_labels
+from handcart.robotics.perception.books.label_box import LabelBox
+from handcart.robotics.perception.books.label_finder import find_labels
 from handcart.robotics.perception.books.text_lines import text_lines
 from handcart.robotics.perception.cameras.camera_model import CameraModel, Floats, GreyImage, plane_to_rays
 
@@ -79,10 +80,12 @@ class LabelReader(ABC):
         boxes = find_labels(image, camera, camera_T_shelf, mask)
         crops = [self._crop(image, camera, camera_T_shelf, box) for box in boxes]
         readings = self.read_crops(crops) if crops else []
-        return [
-            self._label(box, reading, camera, camera_T_shelf)
+        found = [
+            (box, self._label(box, reading, camera, camera_T_shelf))
             for box, reading in zip(boxes, readings, strict=True)
         ]
+        # Print that is no call number is a title.
+        return [label for box, label in found if box.paper or label.call_number is not None]
 
     def _crop(
         self, image: GreyImage, camera: CameraModel, camera_T_shelf: Floats, box: LabelBox

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from handcart.robotics.perception.books.label_finder import View
+from handcart.robotics.perception.books.flat_view import View
 
 Floats = NDArray[np.float64]
 
@@ -17,6 +17,8 @@ _REACH = 4  # columns on each side of an edge that are compared
 _LEAST_DROP, _LEAST_RELATIVE_DROP = 7.0, 0.14
 _COVERAGE, _FEWEST_STRIPS = 0.75, 12
 _APART = 7  # columns
+_SEAM_COLUMNS = 8
+_SEAM = 0.0018  # [m] between the spines of two books that touch, or spine and cover, at most
 
 
 class Strips(NamedTuple):
@@ -134,10 +136,39 @@ def falling_edges(strips: Strips) -> list[Edge]:
     for column in _peaks(strength, coverage):
         fitted = _fit(strips, column + _REACH)
         if fitted is not None and 0 < fitted < width - 1:
-            edges.append(
-                Edge(strips.lateral(fitted), float(np.nanmean(drop[:, column])), float(coverage[column]))
-            )
+            y = strips.lateral(fitted + _to_seam(grey, fitted))
+            edges.append(Edge(y, float(np.nanmean(drop[:, column])), float(coverage[column])))
     return edges
+
+
+def _to_seam(grey: Floats, column: float) -> float:
+    """Columns from the steepest fall to the darkest line behind it, where it brightens again behind that: a
+    spine ends where it is darkest.
+    """
+    near = grey[:, int(column) : int(column) + _SEAM_COLUMNS]
+    if near.shape[1] < _SEAM_COLUMNS or np.isnan(near).all(axis=0).any():
+        return 0.0
+    profile = np.nanmedian(near, axis=0)
+    darkest = int(np.argmin(profile[:-2]))
+    brightens = profile[darkest:].max() - profile[darkest]
+    if darkest == 0 or brightens < max(_LEAST_DROP / 2, _LEAST_RELATIVE_DROP / 2 * profile[0]):
+        return 0.0
+    a, b, c = profile[darkest - 1 : darkest + 2]
+    return float(darkest + 0.5 * (a - c) / max(a - 2 * b + c, 1e-9) - column % 1.0)
+
+
+def all_sides(strips: Strips) -> list[float]:
+    """y in [m] of all edges, falls seen from either end; a fall and a rise next to it are one: the dark seam
+    of two sides.
+    """
+    sides = []
+    rises = sorted((edge.y for edge in falling_edges(strips.mirrored())), reverse=True)
+    for fall in sorted((edge.y for edge in falling_edges(strips)), reverse=True):
+        rise = next((y for y in rises if 0.0 <= fall - y < _SEAM), None)
+        if rise is not None:
+            rises.remove(rise)
+        sides.append(fall if rise is None else (fall + rise) / 2)
+    return [*sides, *rises]
 
 
 def _peaks(strength: Floats, coverage: Floats) -> list[int]:

@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from types import MappingProxyType
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from handcart.robotics.perception.books.label_finder import flat_view
+from handcart.robotics.perception.books.call_number import CallNumber
+from handcart.robotics.perception.books.flat_view import flat_view
 from handcart.robotics.perception.books.label_reader import Label
-from handcart.robotics.perception.books.spine_edges import Strips, falling_edges, strips_of, upright
+from handcart.robotics.perception.books.spine_edges import Strips, all_sides, strips_of, upright
 from handcart.robotics.perception.cameras.camera_model import CameraModel, GreyImage
 
 Floats = NDArray[np.float64]
@@ -20,8 +22,11 @@ _M_PER_PX = 0.0003
 _HEIGHTS = (0.003, 0.150)  # of the shelf's front that is looked at, [m]: every book is taller
 _EDGES_FROM = 0.012  # [m]: below, the board shows between books
 _THINNEST, _THICKEST = 0.005, 0.085
-_SEAM = 0.0018  # [m] between the spines of two books that touch, or spine and cover, at most
 LEANS = math.radians(3.0)  # what is turned less may be the camera's roll
+_OFF_MIDDLE, _OFF_THICKNESS = (
+    0.004,
+    0.0025,
+)  # [m]: of a label on its spine; of a book, as the catalogue has it
 _RIM = 0.0008  # of a label that may look like a spine's side, [m]
 
 
@@ -54,50 +59,58 @@ def find_spines(
     camera_T_shelf: Floats,
     labels: Sequence[Label] = (),
     mask: NDArray[np.bool_] | None = None,
+    thicknesses: Mapping[CallNumber, float] = MappingProxyType({}),
 ) -> SpineView:
     """The labelled spines in `image`, both sides of which are in view.
 
-    A label makes a spine: its sides are the first edges beside it that run up the whole view. What stands
-    between two spines one view can't tell, see `find_slots`. `camera_T_shelf` (4, 4) may be a few millimetres
-    and degrees off, all positions are then off alike; `mask` (h, w) is True where the image shows the shelf.
-    Positions hold at the mean height of the view. Raises ValueError when the camera doesn't look at the
-    shelf.
+    A label makes a spine: its sides are the first edges beside it that run up the whole view; of a book whose
+    thickness is known, in [m], those that are as far apart: beside a dark slot a dark spine shows but one.
+    What stands between two spines one view can't tell, see `find_slots`. `camera_T_shelf` (4, 4) may be a few
+    millimetres and degrees off, all positions are then off alike; `mask` (h, w) is True where the image shows
+    the shelf. Positions hold at the mean height of the view. Raises ValueError when the camera doesn't look
+    at the shelf.
     """
     view = flat_view(image, camera, camera_T_shelf, mask, _M_PER_PX, _HEIGHTS)
     strips = upright(strips_of(view))
     above = strips.above(_EDGES_FROM)
     # Whatever edge comes first ends a spine: where its own fall is lost, the next one's stands beside it.
-    sides = _seams(
-        [edge.y for edge in falling_edges(above)], [edge.y for edge in falling_edges(above.mirrored())]
-    )
+    sides = all_sides(above)
     eye = float(np.linalg.inv(camera_T_shelf)[1, 3])
     right = view.left - view.picture.shape[1] * view.m_per_px
     leaning = tuple(label for label in labels if abs(label.lean) > LEANS)
-    spines = _labelled([label for label in labels if abs(label.lean) <= LEANS], sides)
+    spines = _labelled([label for label in labels if abs(label.lean) <= LEANS], sides, thicknesses)
     return SpineView(spines, tuple(sorted(sides)), strips, eye, view.left, right, leaning)
 
 
-def _seams(falls: Sequence[float], rises: Sequence[float]) -> list[float]:
-    """All edges; a fall, seen from the left, and a rise next to it are one: the dark seam of two sides."""
-    sides, left = [], sorted(rises, reverse=True)
-    for fall in sorted(falls, reverse=True):
-        rise = next((y for y in left if 0.0 <= fall - y < _SEAM), None)
-        if rise is not None:
-            left.remove(rise)
-        sides.append(fall if rise is None else (fall + rise) / 2)
-    return [*sides, *left]
-
-
-def _labelled(labels: Sequence[Label], sides: Sequence[float]) -> tuple[Spine, ...]:
+def _labelled(
+    labels: Sequence[Label], sides: Sequence[float], thicknesses: Mapping[CallNumber, float]
+) -> tuple[Spine, ...]:
     found: dict[tuple[float, float], Spine] = {}
     # Of several on one spine, a tag say, the one that was read counts.
     for label in sorted(labels, key=lambda each: (each.call_number is not None, each.confidence)):
-        half = label.width / 2 - _RIM
-        left = [y for y in sides if y > label.lateral + half]
-        right = [y for y in sides if y < label.lateral - half]
-        if left and right and _THINNEST <= min(left) - max(right) <= _THICKEST:
-            found[min(left), max(right)] = Spine(min(left), max(right), label)
+        thickness = thicknesses.get(label.call_number) if label.call_number is not None else None
+        ends = _first_edges(label, sides) if thickness is None else _as_thick(label, sides, thickness)
+        if ends is not None:
+            found[ends] = Spine(*ends, label)
     return tuple(_without_overlaps(list(found.values())))
+
+
+def _first_edges(label: Label, sides: Sequence[float]) -> tuple[float, float] | None:
+    half = label.width / 2 - _RIM
+    left = min((y for y in sides if y > label.lateral + half), default=math.inf)
+    right = max((y for y in sides if y < label.lateral - half), default=-math.inf)
+    return (left, right) if _THINNEST <= left - right <= _THICKEST else None
+
+
+def _as_thick(label: Label, sides: Sequence[float], thickness: float) -> tuple[float, float] | None:
+    """Two edges as far apart as the book is thick, the label about in their middle; or one of them."""
+    lefts, rights = (
+        [y for y in sides if abs(y - label.lateral - half) < _OFF_MIDDLE]
+        for half in (thickness / 2, -thickness / 2)
+    )
+    pairs = [(a, b) for a in lefts for b in rights if abs(a - b - thickness) < _OFF_THICKNESS]
+    pairs = pairs or [(a, a - thickness) for a in lefts] + [(b + thickness, b) for b in rights]
+    return min(pairs, key=lambda ends: abs(sum(ends) / 2 - label.lateral), default=None)
 
 
 def _without_overlaps(spines: list[Spine]) -> list[Spine]:

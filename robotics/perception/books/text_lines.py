@@ -8,7 +8,7 @@ import numpy as np
 
 from handcart.robotics.perception.cameras.camera_model import GreyImage
 
-_INKED = 0.25  # of the row with the most ink: less is no line of print
+_INKED = 0.12  # of the row with the most ink: less is no line of print
 _LEAST_CAP = 0.15  # of a label's width: what is lower is no line of print
 
 

@@ -7,7 +7,6 @@ import pytest
 
 from handcart.backends.simulation.books.textures import PX_PER_MM, draw_label
 from handcart.robotics.perception.books.call_number import CallNumber, parse
-from handcart.robotics.perception.books.label_finder import find_labels
 from handcart.robotics.perception.books.ocr_label_reader import OcrLabelReader
 from handcart.robotics.perception.books.template_label_reader import TemplateLabelReader
 
@@ -80,10 +79,22 @@ def test_what_a_held_book_covers_is_not_read(bookshelf: Bookshelf, ocr: OcrLabel
     assert all(label.corners[:, 0].max() < 402 for label in labels)
 
 
-def test_shelf_without_labels_has_none(bookshelf: Bookshelf) -> None:
+def test_shelf_without_labels_has_none(bookshelf: Bookshelf, ocr: OcrLabelReader) -> None:
+    """Titles on bright covers are none."""
     books = bookshelf.row_of_books([None] * 7, 3)
+    books[3] = books[3]._replace(grey=230)
     camera_T_shelf = bookshelf.looking_from(0.0)
-    assert find_labels(bookshelf.render(books, camera_T_shelf, 3), bookshelf.camera, camera_T_shelf) == []
+    assert ocr.read(bookshelf.render(books, camera_T_shelf, 3), bookshelf.camera, camera_T_shelf) == []
+
+
+@pytest.mark.parametrize("grey", [5, 215, 240])
+def test_labels_are_read_on_covers_from_black_to_white(
+    bookshelf: Bookshelf, ocr: OcrLabelReader, grey: int
+) -> None:
+    books = [book._replace(grey=grey) for book in bookshelf.row_of_books(TEXTS[:4], 3, left=0.07)]
+    camera_T_shelf = bookshelf.looking_from(0.0)
+    labels = ocr.read(bookshelf.render(books, camera_T_shelf, 3), bookshelf.camera, camera_T_shelf)
+    assert [label.text for label in labels] == list(TEXTS[:4])
 
 
 def test_a_camera_that_looks_away_is_an_error(bookshelf: Bookshelf, ocr: OcrLabelReader) -> None:

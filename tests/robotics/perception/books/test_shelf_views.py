@@ -10,7 +10,7 @@ from handcart.robotics.perception.books.gap_finder import GapFound, find_gap
 from handcart.robotics.perception.books.label_reader import Label
 from handcart.robotics.perception.books.ocr_label_reader import OcrLabelReader
 from handcart.robotics.perception.books.shelf_views import fuse_labels, fuse_views
-from handcart.robotics.perception.books.slots import Gap, find_slots
+from handcart.robotics.perception.books.slots import find_slots
 from handcart.robotics.perception.books.spine_edges import Strips
 from handcart.robotics.perception.books.spines import Spine, SpineView, find_spines
 from handcart.robotics.perception.cameras.overlay import draw_overlay

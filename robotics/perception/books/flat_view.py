@@ -1,0 +1,56 @@
+"""The front of a shelf drawn flat."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from handcart.robotics.perception.cameras.camera_model import CameraModel, Floats, GreyImage, picture_of_plane
+
+_M_PER_PX = 0.0005
+_WIDEST_VIEW = 1.5  # [m]
+
+
+class View(NamedTuple):
+    """The shelf's front plane drawn flat: `picture` (h, w), which of it was `seen` (h, w), and its scale.
+
+    Column c, row r show y = left - c * m_per_px, z = top - r * m_per_px.
+    """
+
+    picture: GreyImage
+    seen: NDArray[np.bool_]
+    left: float
+    top: float
+    m_per_px: float
+
+
+def flat_view(
+    image: GreyImage,
+    camera: CameraModel,
+    camera_T_shelf: Floats,
+    mask: NDArray[np.bool_] | None,
+    m_per_px: float = _M_PER_PX,
+    heights: tuple[float, float] | None = None,
+) -> View:
+    """The part of the plane x = 0 of the shelf that the image shows, lens and slant undone.
+
+    `mask` (h, w) is True where the image shows the shelf (False: a held book stands before it); `heights`
+    limits z in [m]. Raises ValueError when the camera doesn't look at the shelf's front.
+    """
+    stops = np.array([0.0, 0.5, 1.0])
+    # The view bulges: the middles of its sides are as far out as its corners.
+    across, down = np.meshgrid(stops * (camera.width - 1), stops * (camera.height - 1))
+    points = camera.pixel_on_plane(np.column_stack([across.ravel(), down.ravel()]), camera_T_shelf)
+    low, high = points.min(axis=0), points.max(axis=0)
+    if not np.isfinite(points).all() or (high - low).max() > _WIDEST_VIEW:
+        raise ValueError("the camera doesn't look at the shelf's front")
+    bottom, top = (low[1], high[1]) if heights is None else heights
+    size = (int((high[0] - low[0]) / m_per_px) + 1, int((top - bottom) / m_per_px) + 1)
+    homography = picture_of_plane(camera_T_shelf, (high[0], top), m_per_px)
+    shown = (
+        np.full(image.shape, 255, dtype=np.uint8) if mask is None else mask.astype(np.uint8) * np.uint8(255)
+    )
+    seen = camera.rectify(shown, homography, size) > 250
+    return View(camera.rectify(image, homography, size), seen, float(high[0]), float(top), m_per_px)

@@ -1,0 +1,36 @@
+"""Where a label stands on the front of a shelf."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from handcart.robotics.perception.cameras.camera_model import Floats
+
+
+class LabelBox(NamedTuple):
+    """Where a label stands: `centre` (y, z) and `along` (unit vector towards its foot) on the plane x = 0 of
+    the shelf frame, `length` along the spine and `width` across it in [m]. `paper`: its rim was seen, else
+    it is but print on bright ground.
+    """
+
+    centre: tuple[float, float]
+    along: tuple[float, float]
+    length: float
+    width: float
+    paper: bool = True
+
+    @property
+    def lean(self) -> float:
+        """How far it is turned to the left, in [rad]."""
+        return math.atan2(-self.along[0], -self.along[1])
+
+    @property
+    def corners(self) -> Floats:
+        """(4, 2) of y, z in [m]: upper left, upper right, lower right, lower left, seen from the front."""
+        down = np.array(self.along) * self.length / 2
+        right = np.array([self.along[1], -self.along[0]]) * self.width / 2
+        corners: Floats = np.stack([-down - right, right - down, down + right, down - right]) + self.centre
+        return corners
