@@ -7,7 +7,7 @@ import numpy as np
 from handcart.backends.simulation.world.thing import Rest, Thing
 from handcart.robotics.geometry.transform import inverse
 
-from .grasp import Pads
+from .grasp import Pads, aside_at_pads
 from .hand import Hand
 
 _LETS_GO = 0.001  # opening beyond a thing's thickness at which it is free
@@ -65,7 +65,7 @@ class Fingers:
     def _slide(self, thing: Thing, width: float) -> None:
         """The finger that meets a thing first slides it before itself."""
         scene, pads = self._scene, self._pads()
-        aside = float((inverse(pads.world_T_hand) @ thing.pose @ thing.thing_T_middle)[1, 3])
+        aside = aside_at_pads(thing, pads)
         over = abs(aside) + (self._thickness(thing) - width) / 2
         if over > 0.0:
             thing.pose = thing.pose.copy()

@@ -47,6 +47,15 @@ def fits(thing: Thing, pads: Pads) -> bool:
     return bool(abs(float(middle[1, axis])) > _SQUARE and near[0] and near[2] and inside)
 
 
+def aside_at_pads(thing: Thing, pads: Pads) -> float:
+    """How far to the left of the hand's middle a box's own is, where the pads are, in [m]."""
+    middle = inverse(pads.world_T_hand) @ thing.pose @ thing.thing_T_middle
+    along = int(np.argmax(np.abs(middle[0, :3])))
+    half = abs(middle[0, along]) * thing.size[along] / 2
+    ahead = np.clip(pads.finger.tip - PAD / 2 - middle[0, 3], -half, half)
+    return float(middle[1, 3] + ahead * middle[1, along] / middle[0, along])
+
+
 def hand_T_gripped(thing: Thing, pads: Pads) -> Transform:
     """hand_T_thing (4, 4): its sides align with the pads, and it slides between their middle; along the pads
     it stays.

@@ -79,10 +79,13 @@ def test_a_misplaced_neighbour_beside_the_gap_fools_only_the_naive_search() -> N
 
 
 def test_unread_books_are_allowed_but_not_beside_the_slot() -> None:
-    row = ["510 AAA", None, "511 AAA", 0.035, "513 AAA", None]
+    row: list[str | float | None] = ["510 AAA", None, "511 AAA", 0.035, "513 AAA", None]
     assert isinstance(find_gap(_shelf(row), _number("512 AAA"), 0.03), GapFound)
-    beside: list[str | float | None]
-    for beside in (["511 AAA", None, 0.035, "513 AAA"], ["511 AAA", 0.035, None, "513 AAA"]):
+    rows: tuple[list[str | float | None], ...] = (
+        ["511 AAA", None, 0.035, "513 AAA"],
+        ["511 AAA", 0.035, None, "513 AAA"],
+    )
+    for beside in rows:
         found = find_gap(_shelf(beside), _number("512 AAA"), 0.03)
         assert isinstance(found, NoGap)
         assert "beside the slot there stands a book whose label can't be read" in found.reason
