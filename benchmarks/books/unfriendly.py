@@ -1,6 +1,6 @@
 """Returning a book in libraries that make it hard: success against difficulty.
 
-python -m benchmarks.books.unfriendly [LIBRARIES] [FACTOR=LEVEL ...]
+python -m benchmarks.books.unfriendly [LIBRARIES|FIRST:END] [FACTOR=LEVEL ...]
 
 From before the shelf, docked within 5 mm and 0.5 degrees: RECOGNIZE, PICK_UP, SEARCH, APPROACH, INSERT,
 RELEASE, in a library of each seed; a Fail that isn't permanent is tried once more, from SEARCH on. Without
@@ -133,7 +133,8 @@ def _return(rig: Rig, shelf: str) -> tuple[Outcome, str]:
 
 def main() -> None:
     """Print the table."""
-    count = int(sys.argv[1]) if len(sys.argv) > 1 else 200
+    first, _, end = (sys.argv[1] if len(sys.argv) > 1 else "200").rpartition(":")
+    seeds = range(int(first or 0), int(end))
     asked = [(pair.split("=")[0], float(pair.split("=")[1])) for pair in sys.argv[2:]]
     rows = asked or [("none", 0.0), *((f, v) for f in (*FACTORS, "camera") for v in LEVELS)]
     rows = rows if asked else [*rows, *(("all", level) for level in LEVELS)]
@@ -141,8 +142,8 @@ def main() -> None:
     with ProcessPoolExecutor(2) as pool:
         for factor, level in rows:
             factors = () if factor == "none" else tuple(factor.split("+"))
-            running = pool.map(partial(run, factors=factors, level=level), range(count))
-            tried = list(track(running, f"{factor} {level:g}", count, console=Console(stderr=True)))
+            running = pool.map(partial(run, factors=factors, level=level), seeds)
+            tried = list(track(running, f"{factor} {level:g}", len(seeds), console=Console(stderr=True)))
             _print(factor, level, tried)
 
 
