@@ -155,15 +155,15 @@ def make_rig(tmp_path: Path) -> Callable[..., Rig]:
 def at_slot(make_rig: Callable[..., Rig], monkeypatch: pytest.MonkeyPatch) -> Callable[..., Rig]:
     """Builds a rig docked before the shelf, the book in the hand 50 mm before its slot, 5 mm above the board.
 
-    `aside` in [m]: how far to the left of the slot's middle the book is held.
+    `aside` in [m]: how far to the left of the slot's middle the book is held; `shelf`: more lines about it.
     """
     here = f"start: {{x_m: {SHELF.x_m}, y_m: {SHELF.y_m}, heading_deg: 90}}"
     docked = re.sub(r"start: .*", here, re.sub(r" +- \{accession: 3,.*\n", "", WORLD))
     monkeypatch.setitem(globals(), "WORLD", docked)
     monkeypatch.setitem(globals(), "HOME", SHELF)
 
-    def make(aside: float = 0.0, seed: int = 0) -> Rig:
-        rig = make_rig(row() + TRAY, seed=seed)
+    def make(aside: float = 0.0, seed: int = 0, shelf: str = "") -> Rig:
+        rig = make_rig(row() + shelf + TRAY, seed=seed)
         rig.book_is_recognized()
         assert isinstance(rig.run(PickUp()), Success)
         base_T_shelf = inverse(rig.scene.world_T_base) @ rig.scene.of(BookProps).shelves["shelf_1"].pose

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import tempfile
 from pathlib import Path
 from typing import Any
 
@@ -49,6 +50,33 @@ def test_the_same_seed_gives_the_same_library(tmp_path: Path) -> None:
         write_library(make_library(9), tmp_path / name)
     for path in (tmp_path / "a").iterdir():
         assert path.read_bytes() == (tmp_path / "b" / path.name).read_bytes()
+
+
+@settings(max_examples=10, deadline=None)
+@given(seed=st.integers(0, 10_000), level=st.floats(0.0, 1.0))
+def test_unfriendly_libraries_are_sound(seed: int, level: float) -> None:
+    library = make_library(seed, unfriendly=("all",), level=level)
+    wanted = library.wanted[0]
+    row = next(each for each in library.rows if each.shelf == wanted.shelf)
+    assert wanted in row.lent
+    if wanted.accession not in library.no_slot:
+        gaps = [each for each in row.standing if isinstance(each, float) and each >= 10.0]
+        assert gaps[row.lent.index(wanted)] >= wanted.thickness_mm + 3.0
+    with tempfile.TemporaryDirectory() as folder:
+        write_library(library, Path(folder))
+        world: Any = load(Path(folder) / "world.yaml", world_model())
+    assert all(len(shelf.books) >= 8 for shelf in world.shelves)
+
+
+def test_what_makes_a_library_hard_is_said(tmp_path: Path) -> None:
+    with pytest.raises(NoSuchLibrary, match="'dust'; allowed: all, covers, light"):
+        make_library(0, unfriendly=("dust",))
+    write_library(make_library(4, unfriendly=("light", "labels"), level=0.5), tmp_path)
+    world: Any = load(tmp_path / "world.yaml", world_model())
+    assert {shelf.light for shelf in world.shelves} == {0.55}
+    books = [book for shelf in world.shelves for book in shelf.books if hasattr(book, "label_mm")]
+    assert {book.label_lines for book in books} == {1, 2}
+    assert min(book.label_mm for book in books) < 9.0
 
 
 def test_an_unknown_option_is_refused() -> None:

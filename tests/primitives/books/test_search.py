@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from typing import Literal
 
@@ -9,6 +10,7 @@ import numpy as np
 import pytest
 
 from handcart.backends.simulation.books.book_props import BookProps
+from handcart.backends.simulation.books.standing_book import leaned
 from handcart.primitives.books.books import Books
 from handcart.primitives.books.catalogue import Book, Catalogue
 from handcart.primitives.books.search import Search, _end_of_row
@@ -22,8 +24,8 @@ from tests.primitives.conftest import Rig
 def docked(at_slot: Callable[..., Rig]) -> Callable[..., Rig]:
     """Builds a rig before the shelf, the book in the hand, no slot known, all books in the catalogue."""
 
-    def make(seed: int = 0, call: str = "512.7 NAG") -> Rig:
-        rig = at_slot(seed=seed)
+    def make(seed: int = 0, call: str = "512.7 NAG", shelf: str = "") -> Rig:
+        rig = at_slot(seed=seed, shelf=shelf)
         known = rig.model.of(Books)
         known.slot = None
         assert known.book is not None
@@ -99,6 +101,48 @@ def test_where_no_slot_is_free_it_is_a_fail_for_good_and_the_arm_back(docked: Ca
     assert outcome.permanent
     assert np.array_equal(rig.robot.arm.command(), before)
     assert rig.model.of(Books).slot is None
+
+
+def in_slot(front_mm: float, grey: int = 120) -> str:
+    """A thing of 28 mm in the slot of 31 mm, so far behind the shelf's front."""
+    thing = f"{{at_mm: 321, width_mm: 28, height_mm: 180, front_mm: {front_mm}, grey: {grey}}}"
+    return f"    objects: [{thing}]\n"
+
+
+@pytest.mark.parametrize("light", [0.0, 1.0])
+def test_darkness_tells_no_slot(docked: Callable[..., Rig], light: float) -> None:
+    rig = docked(3, shelf=f"    light: {light}\n")
+    assert isinstance(rig.run(Search(shelf="shelf_1")), Success)
+    slot = rig.model.of(Books).slot
+    assert slot is not None
+    left, right = row(rig)[7][1], row(rig)[8][0]
+    assert slot.left - slot.right == pytest.approx(left - right, abs=0.002)
+
+
+@pytest.mark.parametrize("grey", [0, 120])
+def test_what_stands_in_the_slot_as_far_forward_as_a_spine_is_no_slot(
+    docked: Callable[..., Rig], grey: int
+) -> None:
+    """Black as an empty slot, or not."""
+    rig = docked(0, shelf=in_slot(0.0, grey))
+    outcome = rig.run(Search(shelf="shelf_1"))
+    assert isinstance(outcome, Fail)
+    assert outcome.permanent
+    assert "there is no free slot" in outcome.reason or "too narrow" in outcome.reason
+
+
+def test_where_a_neighbour_leans_into_the_slot_is_a_fail(docked: Callable[..., Rig]) -> None:
+    rig = docked(0)
+    books = rig.scene.of(BookProps)
+    neighbour = books.shelf_books("shelf_1")[7].book
+    shelf = books.shelves["shelf_1"]
+    neighbour.pose = shelf.pose @ leaned(shelf.inverse_pose @ neighbour.pose, neighbour.thickness, -0.14)
+    rig.scene.changes += 1
+    outcome = rig.run(Search(shelf="shelf_1"))
+    assert isinstance(outcome, Fail)
+    assert re.search(r"where it belongs the book 510.7 ?ABE leans by 8 degrees", outcome.reason), (
+        outcome.reason
+    )
 
 
 def test_without_a_book_there_is_nothing_to_look_for(docked: Callable[..., Rig]) -> None:
