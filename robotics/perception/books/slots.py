@@ -69,18 +69,17 @@ def find_slots(
         return ()
     a, b = pair
     cuts = [interval.left, *_shared_edges(a, b, interval), interval.right]
-    deep = [_deep(compare(a, b, left, right, solid), left - right) for left, right in pairwise(cuts)]
+    pieces = list(pairwise(cuts))
+    compared = [compare(a, b, left, right, solid) for left, right in pieces]
     slots: list[Gap] = []
-    for (left, right), free in zip(pairwise(cuts), deep, strict=True):
-        if free and slots and slots[-1].right == left:
+    for (left, right), alike in zip(pieces, compared, strict=True):
+        if alike is None or not alike.deep:
+            continue
+        if slots and slots[-1].right == left:
             slots[-1] = slots[-1]._replace(right=right)
-        elif free:
+        else:
             slots.append(Gap(left, right))
     return tuple(slot for slot in slots if slot.width >= NARROWEST)
-
-
-def _deep(alike: Alike | None, width: float) -> bool:
-    return alike is not None and alike.deep
 
 
 class Placed(NamedTuple):

@@ -39,6 +39,16 @@ def test_it_takes_the_book_by_the_rear_of_its_covers(with_book: Callable[..., Ri
     assert rig.scene.contacts == []
 
 
+@pytest.mark.parametrize("aside", [0.004, -0.004])
+def test_fingers_slide_a_book_that_stands_aside(with_book: Callable[..., Rig], aside: float) -> None:
+    rig = with_book()
+    pose = rig.model.of(Books).book_pose
+    assert pose is not None
+    rig.model.of(Books).book_pose = pose._replace(y=pose.y + aside)
+    assert isinstance(rig.run(PickUp()), Success)
+    assert abs(rig.scene.hand_T_held[1, 3]) < 0.001
+
+
 def test_a_grip_of_nothing_is_a_fail_while_the_tag_is_where_it_was(with_book: Callable[..., Rig]) -> None:
     rig = with_book()
     pose = rig.model.of(Books).book_pose
