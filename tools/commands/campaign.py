@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 import sys
+from contextlib import ExitStack
+from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from handcart.evaluation.trials.action_shares import ActionShare
-    from handcart.evaluation.trials.campaign import CampaignReport, CampaignSetting, Trial, WorldGenerator
+    from handcart.evaluation.campaigns.campaign_setting import CampaignSetting, WorldGenerator
+    from handcart.evaluation.campaigns.trial_log import TrialLog
 
 
 def campaign(
@@ -33,36 +35,106 @@ def campaign(
             help="NAME or NAME.KEY=VALUE: a generated world for each seed, such as library.blocked=way_around"
         ),
     ] = None,
+    out: Annotated[
+        Path | None,
+        typer.Option(help="the campaign's folder: each trial is kept there, and the same command goes on"),
+    ] = None,
+    shard: Annotated[
+        str | None, typer.Option(help="K/N: the K-th of N parts, for `handcart campaign merge`; needs --out")
+    ] = None,
     as_json: Annotated[bool, typer.Option("--json", help="end with one JSON object on stdout")] = False,
-    runs: Annotated[Path, typer.Option(help="where the runs' folders are made")] = Path("runs"),
+    runs: Annotated[
+        Path | None, typer.Option(help="where the runs' folders are made; otherwise runs, or OUT/runs")
+    ] = None,
 ) -> None:
     """Run seeded trials of a task side by side, and count how they end."""
+    from handcart.evaluation.campaign_report.campaign_report import CampaignReport
+    from handcart.evaluation.campaigns.campaign_setting import CampaignSetting
+    from handcart.files.models.settings import split_setting
+    from handcart.tools.terminal.campaign_words import CampaignWords
+
+    words = [*(settings or []), *([f"robot={robot}"] if robot else [])]
+    chosen = dict(split_setting(each) for each in words)
+    world = _worlds(generate) if generate else None
+    setting = CampaignSetting(task, backend, chosen, world, runs or Path("runs"))
+    seeds = _part(range(first, first + trials), shard, out)
+    arguments: dict[str, Any] = {
+        "task": str(task),
+        "backend": backend,
+        "settings": chosen,
+        "generate": sorted(generate or []),
+        "first": first,
+        "trials": trials,
+        "shard": shard,
+    }
+    with ExitStack() as stack:
+        log = _log(stack, setting, arguments, out)
+        if out is not None and runs is None:
+            setting = replace(setting, runs=out / "runs")
+        interrupted = _run(setting, seeds, jobs, log)
+        report = CampaignReport(log.trials())
+        told = CampaignWords(report, arguments, interrupted)
+        if as_json:
+            import orjson
+
+            print(orjson.dumps(told.facts()).decode())
+        elif report.trials:
+            print("\n".join(told.lines()))
+        if interrupted:
+            sys.exit(130)
+        sys.exit(0 if not report.untrue else 5)
+
+
+def _part(seeds: range, shard: str | None, out: Path | None) -> range:
+    """The seeds that this process has to do."""
+    if shard is None:
+        return seeds
+    number, _, count = shard.partition("/")
+    if not (number.isdecimal() and count.isdecimal() and 1 <= int(number) <= int(count)):
+        raise typer.BadParameter(f"--shard {shard}; allowed: K/N with K from 1 to N, such as 3/40")
+    if out is None:
+        raise typer.BadParameter("--shard without --out; needed: the folder for this part")
+    return seeds[int(number) - 1 :: int(count)]
+
+
+def _log(stack: ExitStack, setting: CampaignSetting, arguments: dict[str, Any], out: Path | None) -> TrialLog:
+    """Where the trials are kept: in the campaign's folder, or in one that is gone afterwards."""
+    import tempfile
+
+    from handcart.evaluation.campaigns.campaign_folder import CampaignFolder
+    from handcart.evaluation.campaigns.trial_log import TrialLog
+
+    if out is None:
+        folder = stack.enter_context(tempfile.TemporaryDirectory())
+        return stack.enter_context(TrialLog(Path(folder) / "trials.jsonl", sync=False))
+    from importlib.metadata import version
+
+    from handcart.evaluation.campaigns.campaign_files import checksums
+    from handcart.networks.task.task_file import load_task
+
+    read = load_task(setting.task, setting.settings)
+    arguments |= {"handcart": version("handcart"), "files": checksums(setting, read)}
+    return stack.enter_context(CampaignFolder.made(out, arguments).log())
+
+
+def _run(setting: CampaignSetting, seeds: Sequence[int], jobs: int, log: TrialLog) -> bool:
+    """Run what isn't in the log yet; whether it was interrupted."""
+    from rich.console import Console
     from rich.progress import track
 
-    from handcart.evaluation.trials.campaign import CampaignReport, CampaignSetting, run_campaign
-    from handcart.files.models.settings import split_setting
+    from handcart.evaluation.campaigns.campaign import run_campaign
 
-    settings = [*(settings or []), *([f"robot={robot}"] if robot else [])]
-    chosen = dict(split_setting(each) for each in settings)
-    setting = CampaignSetting(task, backend, chosen, _worlds(generate) if generate else None, runs)
-    running = run_campaign(setting, range(first, first + trials), jobs)
-    from rich.console import Console
-
-    done: list[Trial] = []
-    interrupted = False
+    there = len(log)
+    if there:
+        print(f"{there} of {len(seeds)} trials are there already", file=sys.stderr)
+    running = run_campaign(setting, seeds, jobs, log)
     try:
-        done.extend(track(running, "trials", trials, console=Console(stderr=True)))
+        for _ in track(running, "trials", len(seeds) - there, console=Console(stderr=True)):
+            pass
     except KeyboardInterrupt:
-        interrupted = True
-        print(f"interrupted after {len(done)} of {trials} trials", file=sys.stderr)
-    report = CampaignReport(tuple(sorted(done, key=lambda each: each.seed)))
-    if as_json:
-        _print_json(report, trials, interrupted)
-    elif done:
-        _print_table(report, setting, generate or ())
-    if interrupted:
-        sys.exit(130)
-    sys.exit(0 if not report.untrue else 5)
+        print(f"interrupted after {len(log)} of {len(seeds)} trials", file=sys.stderr)
+        return True
+    return False
 
 
 def _worlds(words: Sequence[str]) -> WorldGenerator:
@@ -81,66 +153,3 @@ def _worlds(words: Sequence[str]) -> WorldGenerator:
     options = [option for _, _, option in named if option]
     worlds: WorldGenerator = typed_model(imported(known[name]), options, f"--generate {name}")
     return worlds
-
-
-def _print_table(report: CampaignReport, setting: CampaignSetting, generate: Sequence[str]) -> None:
-    low, high = report.wilson
-    count = len(report.trials)
-    print(f"Success {report.successes} of {count}; by Wilson {100 * low:.1f} to {100 * high:.1f} % (95 %)")
-    print(f"outcomes that the ground truth contradicts: {len(report.untrue)} of {count} trials")
-    for outcome, times in report.outcomes.most_common():
-        print(f"  {times:4d} x {outcome}")
-    print(f"\n{'metric':<16}{'trials':>8}{'least':>11}{'median':>11}{'95 %':>11}{'most':>11}")
-    for name, each in report.spreads().items():
-        print(
-            f"{name:<16}{each.count:>8}{each.least:>11.2f}{each.median:>11.2f}{each.most_95:>11.2f}{each.most:>11.2f}"
-        )
-    print(f"\n{'action':<56}{'attempts':>9}{'p':>7}{'95 %':>15}{'p_give_up':>11}")
-    for share in _shares(report):
-        low, high = share.wilson
-        ends = f"{share.p:>7.3f}{f'{low:.3f} to {high:.3f}':>17}{share.give_up / share.attempts:>9.3f}"
-        print(f"{share.action:<56}{share.attempts:>9}{ends}")
-    for trial in report.worst():
-        print(f"\nseed {trial.seed}: {'; '.join(trial.untrue) or trial.summary['reason'] or 'with Fails'}")
-        print(f"  {_rerun(setting, trial.seed, generate)}")
-
-
-def _shares(report: CampaignReport) -> list[ActionShare]:
-    from handcart.evaluation.trials.action_shares import action_shares
-
-    return action_shares(Path(trial.summary["run_dir"]) for trial in report.trials)
-
-
-def _rerun(setting: CampaignSetting, seed: int, generate: Sequence[str]) -> str:
-    chosen = "".join(f" --set {key}={value}" for key, value in (setting.settings or {}).items())
-    if not generate:
-        return f"handcart run {setting.task} --seed {seed}{chosen}"
-    worlds = "".join(f" --generate {each}" for each in generate)
-    return f"handcart campaign {setting.task} --trials 1 --first {seed} --jobs 1{worlds}{chosen}"
-
-
-def _print_json(report: CampaignReport, asked: int, interrupted: bool) -> None:
-    import orjson
-
-    low, high = report.wilson
-    summary = {
-        "trials": len(report.trials),
-        "asked": asked,
-        "interrupted": interrupted,
-        "successes": report.successes,
-        "wilson": [low, high],
-        "untrue": {trial.seed: list(trial.untrue) for trial in report.untrue},
-        "outcomes": dict(report.outcomes),
-        "metrics": report.spreads(),
-        "actions": [
-            {
-                "action": each.action,
-                "attempts": each.attempts,
-                "p": each.p,
-                "p_wilson": each.wilson,
-                "p_give_up": each.give_up / each.attempts,
-            }
-            for each in _shares(report)
-        ],
-    }
-    print(orjson.dumps(summary, option=orjson.OPT_NON_STR_KEYS).decode())

@@ -1,0 +1,23 @@
+"""What all trials of a campaign have in common."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+WorldGenerator = Callable[[int, Path], Mapping[str, str]]
+"""Writes the files of a world, by a seed, into a folder, and gives the settings of a task that name them."""
+
+
+@dataclass(frozen=True)
+class CampaignSetting:
+    """What each trial is told, beside its seed."""
+
+    task: Path
+    backend: str | None = None
+    settings: Mapping[str, str] | None = None
+    world: WorldGenerator | None = None
+    """What makes each trial a world of its own, by its seed; None: the task's own."""
+    runs: Path = Path("runs")
+    """Where the runs' folders are made."""
