@@ -66,7 +66,8 @@ def _one_by_one(setting: CampaignSetting, seeds: Iterable[int]) -> Generator[lis
 
 def _beside(setting: CampaignSetting, seed: int) -> Trial:
     """A trial in a process that computes beside others."""
-    import cv2
+    if setting.level == "run":
+        import cv2
 
-    cv2.setNumThreads(1)
+        cv2.setNumThreads(1)
     return run_trial(setting, seed)

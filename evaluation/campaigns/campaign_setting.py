@@ -5,9 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Literal
 
 WorldGenerator = Callable[[int, Path], Mapping[str, str]]
 """Writes the files of a world, by a seed, into a folder, and gives the settings of a task that name them."""
+
+Level = Literal["run", "network"]
+"""What a trial is: a run on a backend, or a walk through the network, outcomes drawn by their `p`."""
 
 
 @dataclass(frozen=True)
@@ -21,3 +25,4 @@ class CampaignSetting:
     """What makes each trial a world of its own, by its seed; None: the task's own."""
     runs: Path = Path("runs")
     """Where the runs' folders are made."""
+    level: Level = "run"

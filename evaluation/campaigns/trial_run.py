@@ -14,8 +14,12 @@ from .trial import Trial
 
 
 def run_trial(setting: CampaignSetting, seed: int) -> Trial:
-    """One seeded run, in a world of its own where the setting says so."""
+    """One seeded run, in a world of its own where the setting says so; or a walk through the network."""
     chosen = dict(setting.settings or {})
+    if setting.level == "network":
+        from .network_trial import network_trials
+
+        return network_trials(setting.task, tuple(chosen.items())).trial(seed)
     if setting.world is None:
         return _run(setting, chosen, seed)
     with tempfile.TemporaryDirectory() as folder:

@@ -13,7 +13,7 @@ import typer
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from handcart.evaluation.campaigns.campaign_setting import CampaignSetting, WorldGenerator
+    from handcart.evaluation.campaigns.campaign_setting import CampaignSetting, Level, WorldGenerator
     from handcart.evaluation.campaigns.trial_log import TrialLog
 
 
@@ -21,7 +21,9 @@ def campaign(
     task: Annotated[Path, typer.Argument(help="the task's file")],
     trials: Annotated[int, typer.Option(min=1, help="how many")] = 20,
     first: Annotated[int, typer.Option(help="the first trial's seed")] = 0,
-    jobs: Annotated[int, typer.Option(min=1, help="processes side by side")] = 2,
+    jobs: Annotated[
+        int | None, typer.Option(min=1, help="processes side by side; otherwise 2, on the network 1")
+    ] = None,
     backend: Annotated[str | None, typer.Option(help="another backend than the task names")] = None,
     robot: Annotated[
         str | None, typer.Option(help="another robot than the task names, or the path of its file")
@@ -42,6 +44,9 @@ def campaign(
     shard: Annotated[
         str | None, typer.Option(help="K/N: the K-th of N parts, for `handcart campaign merge`; needs --out")
     ] = None,
+    level: Annotated[
+        str, typer.Option(help="run, or network: no robot, outcomes are drawn by each action's `p`")
+    ] = "run",
     as_json: Annotated[bool, typer.Option("--json", help="end with one JSON object on stdout")] = False,
     runs: Annotated[
         Path | None, typer.Option(help="where the runs' folders are made; otherwise runs, or OUT/runs")
@@ -56,7 +61,7 @@ def campaign(
     words = [*(settings or []), *([f"robot={robot}"] if robot else [])]
     chosen = dict(split_setting(each) for each in words)
     world = _worlds(generate) if generate else None
-    setting = CampaignSetting(task, backend, chosen, world, runs or Path("runs"))
+    setting = CampaignSetting(task, backend, chosen, world, runs or Path("runs"), _level(level, generate))
     seeds = _part(range(first, first + trials), shard, out)
     arguments: dict[str, Any] = {
         "task": str(task),
@@ -65,13 +70,14 @@ def campaign(
         "generate": sorted(generate or []),
         "first": first,
         "trials": trials,
+        "level": level,
         "shard": shard,
     }
     with ExitStack() as stack:
         log = _log(stack, setting, arguments, out)
         if out is not None and runs is None:
             setting = replace(setting, runs=out / "runs")
-        interrupted = _run(setting, seeds, jobs, log)
+        interrupted = _run(setting, seeds, jobs or (2 if level == "run" else 1), log)
         report = CampaignReport(log.trials())
         told = CampaignWords(report, arguments, interrupted)
         if as_json:
@@ -83,6 +89,16 @@ def campaign(
         if interrupted:
             sys.exit(130)
         sys.exit(0 if not report.untrue else 5)
+
+
+def _level(level: str, generate: list[str] | None) -> Level:
+    if level == "run":
+        return "run"
+    if level != "network":
+        raise typer.BadParameter(f"--level {level}; allowed: run, network")
+    if generate:
+        raise typer.BadParameter("--level network --generate; allowed: one of them, for a network has no world")
+    return "network"
 
 
 def _part(seeds: range, shard: str | None, out: Path | None) -> range:

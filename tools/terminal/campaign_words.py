@@ -85,6 +85,9 @@ class CampaignWords:
         said = self._arguments
         chosen = "".join(f" --set {key}={value}" for key, value in said["settings"].items())
         chosen += f" --backend {said['backend']}" if said.get("backend") else ""
+        if said.get("level") == "network":
+            once = f"--level network --trials 1 --first {trial.seed}"
+            return f"handcart campaign {said['task']} {once}{chosen}"
         if not said["generate"]:
             return f"handcart run {said['task']} --seed {trial.seed}{chosen}"
         worlds = "".join(f" --generate {each}" for each in said["generate"])
