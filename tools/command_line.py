@@ -35,6 +35,7 @@ COMMANDS = {
     "bringup": ("hardware.bringup", "bringup", "Bring a real robot up, rung by rung."),
     "campaign": ("commands.campaign", "campaign", "Run a task many times, with seeds, and count."),
     "campaign merge": ("commands.campaign_merge", "merge", "Put the parts of a campaign together."),
+    "campaign compare": ("commands.campaign_compare", "compare", "Compare two campaigns, paired by seed."),
     "conformance": ("commands.conformance", "conformance", "Try whether a backend keeps what it promises."),
 }
 """Name to module below this room, function and what help says of it. A name of two words goes before the

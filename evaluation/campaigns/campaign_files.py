@@ -7,7 +7,6 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from handcart.backends.description.robot_loading import load_robot
 from handcart.files.errors import InputError
 from handcart.files.yaml.yaml_document import read_document
 from handcart.networks.journal.run_header import robot_fingerprint
@@ -19,8 +18,8 @@ _YAML = (".yaml", ".yml")
 
 
 def checksums(setting: CampaignSetting, task: Task) -> dict[str, str]:
-    """SHA-256 of the task's file and of those that it names, and they in turn, by their names, and of the
-    robot's description.
+    """SHA-256 of the task's file and of those that it names, and they in turn, by their names; and of the
+    robot's description, where there is a robot.
 
     Raises:
         FileError: the robot's file is wrong.
@@ -28,6 +27,10 @@ def checksums(setting: CampaignSetting, task: Task) -> dict[str, str]:
     found: dict[Path, str] = {}
     _add(found, Path(task.document.file), _values(task.document.data))
     sums = {path.name: digest for path, digest in sorted(found.items(), reverse=True)}
+    if setting.level == "network":
+        return sums
+    from handcart.backends.description.robot_loading import load_robot
+
     return {**sums, "the robot": robot_fingerprint(load_robot(task.robot, drives=False))}
 
 

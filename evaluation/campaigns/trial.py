@@ -6,8 +6,6 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
-from handcart.networks.coordination.supervision import INTERRUPTED
-
 
 class ActionEnd(NamedTuple):
     """How an action that was started ended."""
@@ -57,7 +55,11 @@ class Trial:
     @property
     def interrupted(self) -> bool:
         """Whether a signal stopped it, or came as it was over; it stops all that the trial is part of."""
-        return self.signalled or (self.cancelled and self.summary["reason"] == INTERRUPTED)
+        if self.signalled or not self.cancelled:
+            return self.signalled
+        from handcart.networks.coordination.supervision import INTERRUPTED
+
+        return bool(self.summary["reason"] == INTERRUPTED)
 
     @property
     def untrue(self) -> Sequence[str]:

@@ -97,7 +97,7 @@ def _level(level: str, generate: list[str] | None) -> Level:
     if level != "network":
         raise typer.BadParameter(f"--level {level}; allowed: run, network")
     if generate:
-        raise typer.BadParameter("--level network --generate; allowed: one of them, for a network has no world")
+        raise typer.BadParameter("--level network --generate; allowed: one of them, a network has no world")
     return "network"
 
 
