@@ -26,7 +26,7 @@ from handcart.evaluation.campaigns.network_trial import NetworkTrials
 from handcart.evaluation.campaigns.trial import Trial
 from handcart.networks.task.task_file import load_task
 
-LOWER = 0.6
+LOWER = 0.4
 """The first action's probability in the second campaign, where there is a difference."""
 
 
@@ -63,7 +63,7 @@ def main() -> None:
     seen, exact = sum(each.success.proven for each in other), sum(_mcnemar(each) for each in other)
     print(shown(f"first action {LOWER} for 0.85, success called proven", seen, chosen.pairs))
     print(shown("that, by the exact McNemar test alone", exact, chosen.pairs))
-    print(shown("the same, e-value ever at 20", sum(_ever(each) for each in other), chosen.pairs))
+    print(shown("that, e-value ever at 20", sum(_ever(each) for each in other), chosen.pairs))
     loss = 100.0 * (exact - seen) / chosen.pairs
     print(f"power lost for looking at other metrics too: {loss:.1f} points")
     sys.exit(1 if alarms > ALPHA * chosen.pairs or loss > 2.0 else 0)

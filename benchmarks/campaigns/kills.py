@@ -1,6 +1,6 @@
 """Campaigns whose parent or worker is killed at random instants: is any trial lost or counted twice?
 
-    python -m benchmarks.campaigns.kills [--kills 200] [--trials 20000] [--seed 0]
+    python -m benchmarks.campaigns.kills [--kills 200] [--trials 60000] [--seed 0]
 
 Each campaign goes on with the same command until it is over; then its report must be that of one that
 nobody disturbed, to the byte.
@@ -41,13 +41,18 @@ def children(process: int) -> list[int]:
     return [int(each) for each in found.split()]
 
 
-def disturbed(words: list[str], chance: random.Random, most: int) -> Counter[str]:
-    """Run a campaign, killing what runs at random instants, until it has had so many kills, or is over."""
+def disturbed(words: list[str], chance: random.Random, most: int, lasts: float) -> Counter[str]:
+    """Run a campaign, killing what runs at random instants, until it has had so many kills, or is over.
+
+    Undisturbed it lasts so long, in [s].
+    """
     kills: Counter[str] = Counter()
     while sum(kills.values()) < most:
         process = subprocess.Popen(words, **QUIET)  # type: ignore[call-overload]
+        wait = chance.uniform(0.0, 1.2 * lasts)
         while True:
-            time.sleep(chance.uniform(0.05, 1.5))
+            time.sleep(wait)
+            wait = chance.uniform(0.0, 0.3 * lasts)
             if process.poll() is not None:
                 return kills
             workers = children(process.pid)
@@ -67,7 +72,7 @@ def main() -> None:
     """Kill, check and print."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else None)
     parser.add_argument("--kills", type=int, default=200)
-    parser.add_argument("--trials", type=int, default=20000)
+    parser.add_argument("--trials", type=int, default=60000)
     parser.add_argument("--seed", type=int, default=0)
     chosen = parser.parse_args()
     chance, kills, campaigns = random.Random(chosen.seed), Counter[str](), 0
@@ -75,14 +80,16 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as name, Progress(console=Console(stderr=True)) as progress:
         folder = Path(name)
         task = walk(folder)
+        began = time.monotonic()
         whole = subprocess.check_output(
             command(task, folder / "whole", chosen.trials), stderr=subprocess.DEVNULL
         )
+        lasts = time.monotonic() - began
         shown = progress.add_task("kills", total=chosen.kills)
         while kills.total() < chosen.kills:
             campaigns += 1
             words = command(task, folder / f"out{campaigns}", chosen.trials)
-            kills += disturbed(words, chance, chosen.kills - kills.total())
+            kills += disturbed(words, chance, chosen.kills - kills.total(), lasts)
             report = subprocess.check_output(words, stderr=subprocess.DEVNULL)
             lines = (folder / f"out{campaigns}" / "trials.jsonl").read_bytes().splitlines()
             seeds = Counter(json.loads(line)["seed"] for line in lines)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Generator, Iterable, Iterator
+from collections.abc import Generator, Iterable
 from contextlib import closing
 from functools import partial
 
@@ -18,7 +18,7 @@ from .workers import TOGETHER_S, Workers
 
 def run_campaign(
     setting: CampaignSetting, seeds: Iterable[int], jobs: int, log: TrialLog | None = None
-) -> Iterator[Trial]:
+) -> Generator[Trial, None, None]:
     """Run the trials, each handed out when it has ended, and is in the log.
 
     A trial that was cancelled by itself is left out. An interrupt (Ctrl-C, SIGTERM, SIGHUP) stops the trials

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from contextlib import ExitStack
+from contextlib import ExitStack, closing
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -13,6 +13,8 @@ import typer
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from handcart.evaluation.campaign_report.campaign_report import CampaignReport
+    from handcart.evaluation.campaign_report.claim import Settling
     from handcart.evaluation.campaigns.campaign_setting import CampaignSetting, Level, WorldGenerator
     from handcart.evaluation.campaigns.trial_log import TrialLog
 
@@ -44,6 +46,10 @@ def campaign(
     shard: Annotated[
         str | None, typer.Option(help="K/N: the K-th of N parts, for `handcart campaign merge`; needs --out")
     ] = None,
+    until: Annotated[
+        str | None, typer.Option(help='"p > 0.95": end when it is sure whether that holds; 3 where not')
+    ] = None,
+    junit: Annotated[Path | None, typer.Option(help="also write the trials as JUnit XML")] = None,
     level: Annotated[
         str, typer.Option(help="run, or network: no robot, outcomes are drawn by each action's `p`")
     ] = "run",
@@ -63,6 +69,7 @@ def campaign(
     world = _worlds(generate) if generate else None
     setting = CampaignSetting(task, backend, chosen, world, runs or Path("runs"), _level(level, generate))
     seeds = _part(range(first, first + trials), shard, out)
+    settling = _settling(until, seeds, shard)
     arguments: dict[str, Any] = {
         "task": str(task),
         "backend": backend,
@@ -71,15 +78,19 @@ def campaign(
         "first": first,
         "trials": trials,
         "level": level,
+        "until": None if settling is None else str(settling.claim),
         "shard": shard,
     }
     with ExitStack() as stack:
         log = _log(stack, setting, arguments, out)
         if out is not None and runs is None:
             setting = replace(setting, runs=out / "runs")
-        interrupted = _run(setting, seeds, jobs or (2 if level == "run" else 1), log)
-        report = CampaignReport(log.trials())
-        told = CampaignWords(report, arguments, interrupted)
+        interrupted = _run(setting, seeds, jobs or (2 if level == "run" else 1), log, settling)
+        counted = log.trials() if settling is None else log.trials()[: settling.count]
+        report = CampaignReport(counted)
+        told = CampaignWords(report, arguments, interrupted, settling)
+        if junit is not None:
+            _write_junit(junit, str(task), report, settling)
         if as_json:
             import orjson
 
@@ -88,7 +99,29 @@ def campaign(
             print("\n".join(told.lines()))
         if interrupted:
             sys.exit(130)
-        sys.exit(0 if not report.untrue else 5)
+        if report.untrue:
+            sys.exit(5)
+        sys.exit(0 if settling is None or settling.verdict else 3)
+
+
+def _settling(until: str | None, seeds: Sequence[int], shard: str | None) -> Settling | None:
+    from handcart.evaluation.campaign_report.claim import Claim, Settling
+
+    if until is None:
+        return None
+    if shard is not None:
+        raise typer.BadParameter("--until --shard; allowed: one of them, a part alone can't settle it")
+    return Settling(Claim.of(until), seeds)
+
+
+def _write_junit(path: Path, name: str, report: CampaignReport, settling: Settling | None) -> None:
+    from handcart.evaluation.campaign_report.junit import write_junit
+    from handcart.tools.terminal.writing import NotWritable
+
+    try:
+        write_junit(path, name, report.trials, settling)
+    except OSError as error:
+        raise NotWritable(path, error.strerror) from None
 
 
 def _level(level: str, generate: list[str] | None) -> Level:
@@ -133,8 +166,10 @@ def _log(stack: ExitStack, setting: CampaignSetting, arguments: dict[str, Any], 
     return stack.enter_context(CampaignFolder.made(out, arguments).log())
 
 
-def _run(setting: CampaignSetting, seeds: Sequence[int], jobs: int, log: TrialLog) -> bool:
-    """Run what isn't in the log yet; whether it was interrupted."""
+def _run(
+    setting: CampaignSetting, seeds: Sequence[int], jobs: int, log: TrialLog, settling: Settling | None
+) -> bool:
+    """Run what isn't in the log yet, until a claim is settled; whether it was interrupted."""
     from rich.console import Console
     from rich.progress import track
 
@@ -143,10 +178,15 @@ def _run(setting: CampaignSetting, seeds: Sequence[int], jobs: int, log: TrialLo
     there = len(log)
     if there:
         print(f"{there} of {len(seeds)} trials are there already", file=sys.stderr)
+    if settling is not None and any(settling.hear(trial) for trial in log.trials()):
+        return False
     running = run_campaign(setting, seeds, jobs, log)
+    shown = track(running, "trials", len(seeds) - there, console=Console(stderr=True))
     try:
-        for _ in track(running, "trials", len(seeds) - there, console=Console(stderr=True)):
-            pass
+        with closing(running):
+            for trial in shown:
+                if settling is not None and settling.hear(trial):
+                    break
     except KeyboardInterrupt:
         print(f"interrupted after {len(log)} of {len(seeds)} trials", file=sys.stderr)
         return True

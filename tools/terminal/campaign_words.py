@@ -11,6 +11,7 @@ from handcart.evaluation.campaign_report.exact_value import beside, exact_goal
 
 if TYPE_CHECKING:
     from handcart.evaluation.campaign_report.campaign_report import CampaignReport, Spread
+    from handcart.evaluation.campaign_report.claim import Settling
     from handcart.evaluation.campaigns.campaign_folder import CampaignFolder
     from handcart.evaluation.campaigns.trial import Trial
 
@@ -18,9 +19,16 @@ if TYPE_CHECKING:
 class CampaignWords:
     """Tells a report, with what was asked for."""
 
-    def __init__(self, report: CampaignReport, arguments: Mapping[str, Any], interrupted: bool) -> None:
-        """Of a report, and the arguments that its campaign's folder keeps."""
+    def __init__(
+        self,
+        report: CampaignReport,
+        arguments: Mapping[str, Any],
+        interrupted: bool,
+        settling: Settling | None = None,
+    ) -> None:
+        """Of a report, the arguments that its campaign's folder keeps, and what became of a claim."""
         self._report, self._arguments, self._interrupted = report, arguments, interrupted
+        self._settling = settling
 
     def lines(self) -> Iterator[str]:
         """For people."""
@@ -28,6 +36,8 @@ class CampaignWords:
         low, high = report.wilson
         count = len(report.trials)
         yield f"Success {report.successes} of {count}; by Wilson {100 * low:.1f} to {100 * high:.1f} % (95 %)"
+        if self._settling is not None:
+            yield self._settling.words()
         yield from self._exact_lines()
         yield f"outcomes that the ground truth contradicts: {len(report.untrue)} of {count} trials"
         for outcome, times in report.outcomes.most_common():
@@ -46,6 +56,11 @@ class CampaignWords:
         found = beside(goal, self._report.successes, len(self._report.trials))
         verdict = "they agree" if found.agrees else "they differ: the probabilities in the file don't hold"
         yield f"handcart check reckons {100 * goal:.2f} %: {verdict} (exact test, p = {found.p_value:.3g})"
+
+    def _claim(self) -> dict[str, Any] | None:
+        if self._settling is None:
+            return None
+        return {"claim": str(self._settling.claim), "holds": self._settling.verdict}
 
     def _metric_lines(self) -> Iterator[str]:
         names = ("trials", "least", "median", "95 %", "most")
@@ -114,6 +129,7 @@ class CampaignWords:
             "successes": report.successes,
             "wilson": list(report.wilson),
             "exact": exact,
+            "until": self._claim(),
             "untrue": {str(trial.seed): list(trial.untrue) for trial in report.untrue},
             "outcomes": dict(report.outcomes),
             "metrics": {name: asdict(each) for name, each in report.spreads().items()},
