@@ -26,6 +26,8 @@ def checksums(setting: CampaignSetting, task: Task) -> dict[str, str]:
     """
     found: dict[Path, str] = {}
     _add(found, Path(task.document.file), _values(task.document.data))
+    if setting.faults is not None:
+        _add(found, setting.faults, iter(()))
     sums = {path.name: digest for path, digest in sorted(found.items(), reverse=True)}
     if setting.level == "network":
         return sums

@@ -26,3 +26,5 @@ class CampaignSetting:
     runs: Path = Path("runs")
     """Where the runs' folders are made."""
     level: Level = "run"
+    faults: Path | None = None
+    """A file of faults that come in each trial."""

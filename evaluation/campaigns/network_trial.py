@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from functools import cache
+from functools import lru_cache
 from pathlib import Path
 from random import Random
 from typing import Any
@@ -77,7 +77,12 @@ class NetworkTrials:
         return Trial(seed, status, {**summary, "seed": seed, "run_dir": "", "metrics": {}}, ends)
 
 
-@cache
-def network_trials(task: Path, settings: tuple[tuple[str, str], ...]) -> NetworkTrials:
-    """The trials of a task's file, which is read once in each process; raises `FileError`."""
+def network_trials(task: Path, settings: Mapping[str, str]) -> NetworkTrials:
+    """The trials of a task's file, which is read once as long as it doesn't change; raises `FileError`."""
+    changed = task.stat().st_mtime_ns if task.exists() else 0
+    return _read(task, tuple(settings.items()), changed)
+
+
+@lru_cache(maxsize=4)
+def _read(task: Path, settings: tuple[tuple[str, str], ...], changed: int) -> NetworkTrials:
     return NetworkTrials(load_task(task, dict(settings)))

@@ -41,6 +41,8 @@ class Trial:
     """In the order in which they ended."""
     signalled: bool = False
     """Whether an interrupt came, be it after its last action."""
+    faults: Sequence[Mapping[str, Any]] = ()
+    """What was injected, in order: each with `fault`, `at_s` and `bitten`."""
 
     @property
     def success(self) -> bool:

@@ -8,7 +8,7 @@ import zlib
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 from types import TracebackType
-from typing import BinaryIO, overload
+from typing import Any, BinaryIO, overload
 
 import orjson
 
@@ -152,12 +152,14 @@ class TrialLog:
 
 def line_of(trial: Trial) -> bytes:
     """A trial's line, with its checksum."""
-    fields = {
+    fields: dict[str, Any] = {
         "seed": trial.seed,
         "status": trial.status,
         "summary": dict(trial.summary),
         "actions": [list(each) for each in trial.actions],
     }
+    if trial.faults:
+        fields["faults"] = list(trial.faults)
     body = orjson.dumps(fields, option=orjson.OPT_SERIALIZE_NUMPY)[:-1]
     return b'%b,"crc":"%08x"}\n' % (body, zlib.crc32(body))
 
@@ -170,7 +172,7 @@ def trial_of(line: bytes) -> Trial | None:
         return None
     fields = orjson.loads(line)
     ends = [ActionEnd(*each) for each in fields["actions"]]
-    return Trial(fields["seed"], fields["status"], fields["summary"], ends)
+    return Trial(fields["seed"], fields["status"], fields["summary"], ends, faults=fields.get("faults", ()))
 
 
 def read_offsets(path: Path) -> tuple[dict[int, int], int]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import tempfile
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 
 from handcart.networks.coordination.interrupts import Interrupts
@@ -19,7 +20,7 @@ def run_trial(setting: CampaignSetting, seed: int) -> Trial:
     if setting.level == "network":
         from .network_trial import network_trials
 
-        return network_trials(setting.task, tuple(chosen.items())).trial(seed)
+        return network_trials(setting.task, chosen).trial(seed)
     if setting.world is None:
         return _run(setting, chosen, seed)
     with tempfile.TemporaryDirectory() as folder:
@@ -35,5 +36,12 @@ def _run(setting: CampaignSetting, settings: Mapping[str, str], seed: int) -> Tr
     ends = ActionEnds()
     with Interrupts() as heard:
         options = RunOptions(setting.backend, settings, seed, interrupts=heard, observers=(ends,))
+        if setting.faults is None:
+            summary, status = run_task(setting.task, setting.runs, options)
+            return Trial(seed, status, summary, ends.ends, heard.came)
+        from .fault_plan import InjectedFaults, load_faults
+
+        faults = InjectedFaults(load_faults(setting.faults), seed)
+        options = replace(options, observers=(ends, faults), around=faults.around)
         summary, status = run_task(setting.task, setting.runs, options)
-    return Trial(seed, status, summary, ends.ends, heard.came)
+    return Trial(seed, status, summary, ends.ends, heard.came, faults.injected)

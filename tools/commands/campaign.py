@@ -50,6 +50,9 @@ def campaign(
         str | None, typer.Option(help='"p > 0.95": end when it is sure whether that holds; 3 where not')
     ] = None,
     junit: Annotated[Path | None, typer.Option(help="also write the trials as JUnit XML")] = None,
+    faults: Annotated[
+        Path | None, typer.Option(help="a file of faults that come in each simulated trial")
+    ] = None,
     level: Annotated[
         str, typer.Option(help="run, or network: no robot, outcomes are drawn by each action's `p`")
     ] = "run",
@@ -70,6 +73,8 @@ def campaign(
     setting = CampaignSetting(task, backend, chosen, world, runs or Path("runs"), _level(level, generate))
     seeds = _part(range(first, first + trials), shard, out)
     settling = _settling(until, seeds, shard)
+    if faults is not None:
+        setting = replace(setting, faults=_faults(faults, setting))
     arguments: dict[str, Any] = {
         "task": str(task),
         "backend": backend,
@@ -78,6 +83,7 @@ def campaign(
         "first": first,
         "trials": trials,
         "level": level,
+        "faults": None if faults is None else str(faults),
         "until": None if settling is None else str(settling.claim),
         "shard": shard,
     }
@@ -102,6 +108,16 @@ def campaign(
         if report.untrue:
             sys.exit(5)
         sys.exit(0 if settling is None or settling.verdict else 3)
+
+
+def _faults(path: Path, setting: CampaignSetting) -> Path:
+    """The file, read once before anything moves."""
+    from handcart.evaluation.campaigns.fault_plan import load_faults
+
+    load_faults(path)
+    if setting.level == "network":
+        raise typer.BadParameter("--level network --faults; allowed: one of them, a network has no robot")
+    return path
 
 
 def _settling(until: str | None, seeds: Sequence[int], shard: str | None) -> Settling | None:

@@ -103,9 +103,10 @@ class CampaignWords:
         if said.get("level") == "network":
             once = f"--level network --trials 1 --first {trial.seed}"
             return f"handcart campaign {said['task']} {once}{chosen}"
-        if not said["generate"]:
-            return f"handcart run {said['task']} --seed {trial.seed}{chosen}"
         worlds = "".join(f" --generate {each}" for each in said["generate"])
+        worlds += f" --faults {said['faults']}" if said.get("faults") else ""
+        if not worlds:
+            return f"handcart run {said['task']} --seed {trial.seed}{chosen}"
         return f"handcart campaign {said['task']} --trials 1 --first {trial.seed} --jobs 1{worlds}{chosen}"
 
     def _exact(self) -> float | str:
