@@ -7,6 +7,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
+from .variation import Variation
+
 WorldGenerator = Callable[[int, Path], Mapping[str, str]]
 """Writes the files of a world, by a seed, into a folder, and gives the settings of a task that name them."""
 
@@ -26,5 +28,9 @@ class CampaignSetting:
     runs: Path = Path("runs")
     """Where the runs' folders are made."""
     level: Level = "run"
+    varied: Variation | None = None
+    """What varies from trial to trial."""
+    seeds: range = range(0)
+    """Of all trials, in whatever parts they are run: what varies is spread over them."""
     faults: Path | None = None
     """A file of faults that come in each trial."""

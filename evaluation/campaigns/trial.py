@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
 
@@ -41,6 +41,8 @@ class Trial:
     """In the order in which they ended."""
     signalled: bool = False
     """Whether an interrupt came, be it after its last action."""
+    varied: Mapping[str, float] = field(default_factory=dict)
+    """The numbers that vary from trial to trial, by name."""
     faults: Sequence[Mapping[str, Any]] = ()
     """What was injected, in order: each with `fault`, `at_s` and `bitten`."""
 

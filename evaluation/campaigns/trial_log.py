@@ -158,6 +158,8 @@ def line_of(trial: Trial) -> bytes:
         "summary": dict(trial.summary),
         "actions": [list(each) for each in trial.actions],
     }
+    if trial.varied:
+        fields["varied"] = dict(trial.varied)
     if trial.faults:
         fields["faults"] = list(trial.faults)
     body = orjson.dumps(fields, option=orjson.OPT_SERIALIZE_NUMPY)[:-1]
@@ -172,7 +174,14 @@ def trial_of(line: bytes) -> Trial | None:
         return None
     fields = orjson.loads(line)
     ends = [ActionEnd(*each) for each in fields["actions"]]
-    return Trial(fields["seed"], fields["status"], fields["summary"], ends, faults=fields.get("faults", ()))
+    return Trial(
+        fields["seed"],
+        fields["status"],
+        fields["summary"],
+        ends,
+        varied=fields.get("varied", {}),
+        faults=fields.get("faults", ()),
+    )
 
 
 def read_offsets(path: Path) -> tuple[dict[int, int], int]:

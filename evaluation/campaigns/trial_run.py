@@ -7,8 +7,10 @@ from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 
+from handcart.files.yaml.changed_numbers import changed_numbers
 from handcart.networks.coordination.interrupts import Interrupts
 from handcart.networks.run_options import RunOptions
+from handcart.networks.task.task_file import load_task
 
 from .campaign_setting import CampaignSetting
 from .trial import Trial
@@ -16,10 +18,21 @@ from .trial import Trial
 
 def run_trial(setting: CampaignSetting, seed: int) -> Trial:
     """One seeded run, in a world of its own where the setting says so; or a walk through the network."""
+    if setting.varied is None:
+        return _trial(setting, seed)
+    row = setting.varied.row(seed, setting.seeds)
+    task = load_task(setting.task, setting.settings)
+    with changed_numbers(setting.varied.changes(row, task)):
+        return replace(_trial(setting, seed), varied=row)
+
+
+def _trial(setting: CampaignSetting, seed: int) -> Trial:
     chosen = dict(setting.settings or {})
     if setting.level == "network":
-        from .network_trial import network_trials
+        from .network_trial import NetworkTrials, network_trials
 
+        if setting.varied is not None:
+            return NetworkTrials(load_task(setting.task, chosen)).trial(seed)
         return network_trials(setting.task, chosen).trial(seed)
     if setting.world is None:
         return _run(setting, chosen, seed)
@@ -44,4 +57,4 @@ def _run(setting: CampaignSetting, settings: Mapping[str, str], seed: int) -> Tr
         faults = InjectedFaults(load_faults(setting.faults), seed)
         options = replace(options, observers=(ends, faults), around=faults.around)
         summary, status = run_task(setting.task, setting.runs, options)
-    return Trial(seed, status, summary, ends.ends, heard.came, faults.injected)
+    return Trial(seed, status, summary, ends.ends, heard.came, faults=faults.injected)

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from handcart.evaluation.campaign_report.claim import Settling
     from handcart.evaluation.campaigns.campaign_setting import CampaignSetting, Level, WorldGenerator
     from handcart.evaluation.campaigns.trial_log import TrialLog
+    from handcart.evaluation.campaigns.variation import Variation
 
 
 def campaign(
@@ -50,6 +51,9 @@ def campaign(
         str | None, typer.Option(help='"p > 0.95": end when it is sure whether that holds; 3 where not')
     ] = None,
     junit: Annotated[Path | None, typer.Option(help="also write the trials as JUnit XML")] = None,
+    vary: Annotated[
+        Path | None, typer.Option(help="a file of numbers in task, robot or world that vary by trial")
+    ] = None,
     faults: Annotated[
         Path | None, typer.Option(help="a file of faults that come in each simulated trial")
     ] = None,
@@ -73,6 +77,9 @@ def campaign(
     setting = CampaignSetting(task, backend, chosen, world, runs or Path("runs"), _level(level, generate))
     seeds = _part(range(first, first + trials), shard, out)
     settling = _settling(until, seeds, shard)
+    if vary is not None:
+        varied = _variation(vary, setting)
+        setting = replace(setting, varied=varied, seeds=range(first, first + trials))
     if faults is not None:
         setting = replace(setting, faults=_faults(faults, setting))
     arguments: dict[str, Any] = {
@@ -83,6 +90,8 @@ def campaign(
         "first": first,
         "trials": trials,
         "level": level,
+        "vary_file": None if vary is None else str(vary),
+        "vary": None if setting.varied is None else setting.varied.model_dump(mode="json"),
         "faults": None if faults is None else str(faults),
         "until": None if settling is None else str(settling.claim),
         "shard": shard,
@@ -108,6 +117,16 @@ def campaign(
         if report.untrue:
             sys.exit(5)
         sys.exit(0 if settling is None or settling.verdict else 3)
+
+
+def _variation(path: Path, setting: CampaignSetting) -> Variation:
+    """What varies, each of it a number in the task's files."""
+    from handcart.evaluation.campaigns.variation import load_variation
+    from handcart.networks.task.task_file import load_task
+
+    if setting.world is not None:
+        raise typer.BadParameter("--vary --generate; allowed: one of them, for a generated world has no file")
+    return load_variation(path, load_task(setting.task, setting.settings))
 
 
 def _faults(path: Path, setting: CampaignSetting) -> Path:

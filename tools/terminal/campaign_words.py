@@ -91,7 +91,8 @@ class CampaignWords:
         median = self._report.median_run
         for trial in self._report.worst():
             words = "; ".join(trial.untrue) or trial.summary["reason"] or "with Fails"
-            yield f"\nseed {trial.seed}: {words}"
+            varied = ", ".join(f"{name} {value:g}" for name, value in trial.varied.items())
+            yield f"\nseed {trial.seed}: {words}{f' (with {varied})' if varied else ''}"
             if median is not None and (found := first_difference(trial, median)):
                 yield f"  {found.words('it', f'the median run (seed {median.seed})')}"
             yield f"  {self._rerun(trial)}"
@@ -100,6 +101,12 @@ class CampaignWords:
         said = self._arguments
         chosen = "".join(f" --set {key}={value}" for key, value in said["settings"].items())
         chosen += f" --backend {said['backend']}" if said.get("backend") else ""
+        if said.get("vary_file"):
+            part = f"{trial.seed - said['first'] + 1}/{said['trials']} --out again-{trial.seed}"
+            whole = f"--first {said['first']} --trials {said['trials']} --vary {said['vary_file']}"
+            chosen += " --level network" if said["level"] == "network" else ""
+            chosen += f" --faults {said['faults']}" if said.get("faults") else ""
+            return f"handcart campaign {said['task']} {whole} --shard {part}{chosen}"
         if said.get("level") == "network":
             once = f"--level network --trials 1 --first {trial.seed}"
             return f"handcart campaign {said['task']} {once}{chosen}"
