@@ -52,11 +52,11 @@ def disturbed(words: list[str], chance: random.Random, most: int, lasts: float) 
         wait = chance.uniform(0.0, 1.2 * lasts)
         while True:
             time.sleep(wait)
-            wait = chance.uniform(0.0, 0.3 * lasts)
+            wait = chance.uniform(0.0, 0.2 * lasts)
             if process.poll() is not None:
                 return kills
             workers = children(process.pid)
-            kill_worker = bool(workers) and chance.random() < 0.6 and sum(kills.values()) < most - 1
+            kill_worker = bool(workers) and chance.random() < 0.7 and sum(kills.values()) < most - 1
             if kill_worker:
                 subprocess.run(["kill", "-9", str(chance.choice(workers))], check=False, **QUIET)  # type: ignore[call-overload]
                 kills["worker"] += 1
@@ -97,6 +97,8 @@ def main() -> None:
             double += sum(times - 1 for times in seeds.values())
             unequal += report != whole
             progress.update(shown, completed=kills.total())
+            if not progress.console.is_terminal:
+                print(f"{kills.total()} of {chosen.kills} kills, {campaigns} campaigns", file=sys.stderr)
     print(f"{kills['parent']} parents and {kills['worker']} workers killed in {campaigns} campaigns of")
     print(f"{chosen.trials} trials: {lost} lost, {double} double, {unequal} reports that aren't equal")
     sys.exit(1 if lost or double or unequal else 0)

@@ -29,6 +29,8 @@ AHEAD_S = 0.1
 MOST_AHEAD = 256
 DEATHS = 5
 """Of the process in one trial, until that counts as its end."""
+STILLBORN = 20
+"""Processes, one after the other, that end before they begin, until the campaign does."""
 
 
 class TrialFault(HandcartError):
@@ -46,6 +48,8 @@ class Worker:
         context = get_context("spawn")
         self.connection, theirs = context.Pipe()
         self.seeds: deque[int] = deque()
+        self.begun = False
+        """Whether it came to work at all."""
         self.process: BaseProcess = context.Process(target=_serve, args=(theirs, work), daemon=True)
         self.process.start()
         theirs.close()
@@ -68,6 +72,7 @@ class Worker:
             return None
         if isinstance(said, Exception):
             raise said
+        self.begun = True
         for each in said:
             self.seeds.remove(each.seed)
         return said
@@ -86,7 +91,7 @@ class Workers:
         self._work, self._jobs = work, jobs
         self._workers: list[Worker] = []
         self._deaths: Counter[int] = Counter()
-        self._took, self._ended = 0.0, 0
+        self._took, self._ended, self._stillborn = 0.0, 0, 0
         self._left: Iterator[int] = iter(())
 
     def trials(self, seeds: Iterable[int]) -> Generator[list[Trial], None, None]:
@@ -106,7 +111,8 @@ class Workers:
                     done = worker.taken()
                     if done is None:
                         done = self._buried(worker)
-                    else:
+                    elif done:
+                        self._stillborn = 0
                         self._ended += len(done)
                         self._took = (time.monotonic() - began) * len(self._workers) / max(1, self._ended)
                         self._feed(worker)
@@ -144,7 +150,10 @@ class Workers:
         self._workers.remove(worker)
         worker.process.join()
         first = worker.seeds[0]
-        self._deaths[first] += 1
+        self._deaths[first] += worker.begun
+        self._stillborn += not worker.begun
+        if self._stillborn > STILLBORN:
+            raise TrialFault(f"processes die before they begin, at last {_how(worker.process)}")
         if self._deaths[first] < DEATHS:
             self._left = chain(worker.seeds, self._left)
             return []
@@ -202,6 +211,7 @@ def _serve(connection: Connection, work: Work) -> None:
 def _run_all(connection: Connection, work: Work) -> None:
     seeds: deque[int] = deque()
     done: list[Trial] = []
+    connection.send(done)  # here it begins
     sent = time.monotonic()
     while True:
         while not seeds or connection.poll():
