@@ -56,7 +56,7 @@ def disturbed(words: list[str], chance: random.Random, most: int, lasts: float) 
             if process.poll() is not None:
                 return kills
             workers = children(process.pid)
-            kill_worker = bool(workers) and chance.random() < 0.7 and sum(kills.values()) < most - 1
+            kill_worker = bool(workers) and chance.random() < 0.8 and sum(kills.values()) < most - 1
             if kill_worker:
                 subprocess.run(["kill", "-9", str(chance.choice(workers))], check=False, **QUIET)  # type: ignore[call-overload]
                 kills["worker"] += 1
@@ -98,7 +98,11 @@ def main() -> None:
             unequal += report != whole
             progress.update(shown, completed=kills.total())
             if not progress.console.is_terminal:
-                print(f"{kills.total()} of {chosen.kills} kills, {campaigns} campaigns", file=sys.stderr)
+                found = f"{lost} lost, {double} double, {unequal} unequal"
+                print(
+                    f"{kills.total()} of {chosen.kills} kills, {campaigns} campaigns: {found}",
+                    file=sys.stderr,
+                )
     print(f"{kills['parent']} parents and {kills['worker']} workers killed in {campaigns} campaigns of")
     print(f"{chosen.trials} trials: {lost} lost, {double} double, {unequal} reports that aren't equal")
     sys.exit(1 if lost or double or unequal else 0)
