@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from handcart.backends.backend import Backend
 from handcart.networks.coordination.interrupts import Interrupts
 from handcart.networks.operator.permits import Permits
 
@@ -42,5 +43,7 @@ class RunOptions:
     """Who permits actions that need it; None: nobody is asked, so only a simulated robot may start them."""
     interrupts: Interrupts | None = None
     """Who hears of Ctrl-C; None: somebody of its own, until the folder is whole."""
+    around: Callable[[Backend], Backend] | None = None
+    """Puts another backend around a simulated one: faults, say."""
     observers: tuple[RunObserver, ...] = ()
     """They hear of all that happens, in this order."""

@@ -71,8 +71,8 @@ class Domain:
     """A sequence of `handcart.evaluation.conformance.checks.check:Check`: what must hold of every backend
     that shows the domain's things. The conformance kit makes them with its own."""
     worlds: Mapping[str, str] = field(default_factory=dict)
-    """By name, what makes a `handcart.evaluation.trials.campaign:WorldGenerator` of its options, given as
-    keyword arguments: `handcart campaign --generate NAME.KEY=VALUE`."""
+    """By name, what makes a `handcart.evaluation.campaigns.campaign_setting:WorldGenerator` of its options,
+    given as keyword arguments: `handcart campaign --generate NAME.KEY=VALUE`."""
     commands: Mapping[str, Command] = field(default_factory=dict)
     """Commands of `handcart`, by name."""
     task_facts: str | None = None

@@ -13,8 +13,8 @@ import orjson
 from handcart.files.errors import FileError, Finding, InputError
 
 if TYPE_CHECKING:
+    from handcart.evaluation.campaign_report.campaign_report import CampaignReport
     from handcart.evaluation.conformance.report import KitReport
-    from handcart.evaluation.trials.campaign import CampaignReport
     from handcart.networks.journal.past_run import PastAction
     from handcart.networks.task.task_file import Task
 
@@ -197,7 +197,9 @@ def campaign(
         KeyboardInterrupt: somebody ended it.
         HandcartError: a trial can't be run; in words.
     """
-    from handcart.evaluation.trials.campaign import CampaignReport, CampaignSetting, run_campaign
+    from handcart.evaluation.campaign_report.campaign_report import CampaignReport
+    from handcart.evaluation.campaigns.campaign import run_campaign
+    from handcart.evaluation.campaigns.campaign_setting import CampaignSetting
 
     setting = CampaignSetting(Path(task), backend, _words(set, robot), None, Path(runs))
     done = run_campaign(setting, range(first, first + trials), jobs)

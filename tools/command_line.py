@@ -34,9 +34,12 @@ COMMANDS = {
     "jog": ("hardware.jog", "jog", "Move one axis of a real robot while a key is held."),
     "bringup": ("hardware.bringup", "bringup", "Bring a real robot up, rung by rung."),
     "campaign": ("commands.campaign", "campaign", "Run a task many times, with seeds, and count."),
+    "campaign merge": ("commands.campaign_merge", "merge", "Put the parts of a campaign together."),
+    "campaign compare": ("commands.campaign_compare", "compare", "Compare two campaigns, paired by seed."),
     "conformance": ("commands.conformance", "conformance", "Try whether a backend keeps what it promises."),
 }
-"""Name to module below this room, function and what help says of it."""
+"""Name to module below this room, function and what help says of it. A name of two words goes before the
+command of the first alone: a task's file of that name is `./merge`."""
 
 
 def all_commands() -> dict[str, tuple[str, str]]:
@@ -64,6 +67,12 @@ class LazyGroup(TyperGroup):
     def list_commands(self, ctx: Any) -> list[str]:
         """The framework's in the table's order, then those of the domains."""
         return list(all_commands())
+
+    def resolve_command(self, ctx: Any, args: list[str]) -> Any:
+        """The command, and what is left to it; some have names of two words."""
+        if (two := " ".join(args[:2])) in COMMANDS:
+            return two, self.get_command(ctx, two), args[2:]
+        return super().resolve_command(ctx, args)
 
     def get_command(self, ctx: Any, cmd_name: str) -> Any:
         """The command, imported now."""

@@ -9,7 +9,9 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from handcart.evaluation.trials.campaign import CampaignSetting, Trial, run_campaign
+from handcart.evaluation.campaigns.campaign import run_campaign
+from handcart.evaluation.campaigns.campaign_setting import CampaignSetting
+from handcart.evaluation.campaigns.trial import Trial
 
 TRIALS = 20  # of an experiment
 COLUMNS = ("x", "y", "processed_x", "processed_y", "yaw_mrad", "lean_mrad")

@@ -14,7 +14,9 @@ from rich.progress import track
 
 from handcart.backends.description.robot_loading import ROBOTS
 from handcart.evaluation.books.library_files import Libraries
-from handcart.evaluation.trials.campaign import CampaignReport, CampaignSetting, run_campaign
+from handcart.evaluation.campaign_report.campaign_report import CampaignReport
+from handcart.evaluation.campaigns.campaign import run_campaign
+from handcart.evaluation.campaigns.campaign_setting import CampaignSetting
 
 TASK = Path(__file__).parent.parent.parent / "tasks" / "return_book" / "task.yaml"
 

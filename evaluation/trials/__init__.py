@@ -1,1 +1,1 @@
-"""A run with its metrics, and many of them."""
+"""A run with its metrics."""

@@ -11,7 +11,7 @@ from typing import Any
 
 from handcart.evaluation.replay.drive_recorder import DriveRecorder
 from handcart.evaluation.truth.judge import Judge
-from handcart.files.errors import HandcartError
+from handcart.files.errors import HandcartError, InputError
 from handcart.files.printable import printable
 from handcart.networks.coordination.interrupts import Interrupts
 from handcart.networks.journal.retracing import NeedsOperator
@@ -23,12 +23,19 @@ from handcart.networks.runs.resuming import Past, read_past, task_of
 from handcart.networks.runs.robot_claim import claimed
 from handcart.networks.runs.run import execute
 from handcart.networks.runs.state_check import check_state, gone_on, standing_as_left
-from handcart.networks.task.preparing import Prepared, beginning_at, prepare
+from handcart.networks.task.preparing import Prepared, beginning_at, make_robot, prepare
 from handcart.networks.task.task_file import load_task
 
 
 class NoFolder(HandcartError):
     """A run can't have a folder of its own; nothing has moved."""
+
+
+class NotSimulated(InputError):
+    """Faults are for simulated robots alone; nothing has moved."""
+
+    def __init__(self, backend: str) -> None:
+        super().__init__(f"faults on purpose on the backend {backend!r}; allowed: a simulated one")
 
 
 def run_task(task: Path, runs: Path, options: RunOptions | None = None) -> tuple[dict[str, Any], int]:
@@ -46,6 +53,7 @@ def run_task(task: Path, runs: Path, options: RunOptions | None = None) -> tuple
         FileError: something in the task or a file that it names is wrong; nothing has moved.
         NoBench, NoWindow, NoVideo: there are no drives to simulate; it can't be shown, or recorded.
         NeedsOperator: a real robot's last run waits for a person.
+        NotSimulated: something is put around a real robot.
         RobotBusy: it is in another run.
     """
     options = options or RunOptions()
@@ -71,7 +79,7 @@ def run_task(task: Path, runs: Path, options: RunOptions | None = None) -> tuple
 
 
 def _prepared(task: Path, options: RunOptions) -> Prepared:
-    return prepare(
+    prepared = prepare(
         task,
         options.backend,
         options.settings,
@@ -81,6 +89,14 @@ def _prepared(task: Path, options: RunOptions) -> Prepared:
         errors=options.errors,
         bench=options.bench,
     )
+    if options.around is None:
+        return prepared
+    if not prepared.backend.simulated:
+        prepared.backend.close()
+        raise NotSimulated(prepared.backend_name)
+    backend = options.around(prepared.backend)
+    robot = make_robot(prepared.task, backend, prepared.robot.spec, prepared.model)
+    return replace(prepared, backend=backend, robot=robot)
 
 
 def _report(prepared: Prepared, folder: Path, judge: Judge, observers: Sequence[RunObserver]) -> None:

@@ -18,6 +18,7 @@ from ruamel.yaml.error import YAMLError
 
 from handcart.files.errors import FileError, Finding
 from handcart.files.regular_file import decode_text, read_regular_file
+from handcart.files.yaml.changed_numbers import with_changes
 from handcart.files.yaml.yaml_builder import TreeBuilder
 from handcart.files.yaml.yaml_node import KeyPath, Node
 from handcart.files.yaml.yaml_syntax import syntax_error
@@ -83,7 +84,8 @@ class Document:
 
 def read_document(path: Path | str, *, max_bytes: int = MAX_BYTES, max_nodes: int = MAX_NODES) -> Document:
     """Read the YAML file `path`; raises `FileError` with all that is wrong with it as YAML."""
-    return parse_document(read_regular_file(path, max_bytes), str(path), max_nodes=max_nodes)
+    document = parse_document(read_regular_file(path, max_bytes), str(path), max_nodes=max_nodes)
+    return replace(document, root=with_changes(Path(path), document.root))
 
 
 def parse_document(content: bytes, file: str, *, max_nodes: int = MAX_NODES) -> Document:

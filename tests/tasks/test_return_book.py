@@ -12,7 +12,9 @@ from typing import Any
 import pytest
 
 from handcart.evaluation.books.library_files import Libraries
-from handcart.evaluation.trials.campaign import CampaignSetting, Trial, run_trial
+from handcart.evaluation.campaigns.campaign_setting import CampaignSetting
+from handcart.evaluation.campaigns.trial import Trial
+from handcart.evaluation.campaigns.trial_run import run_trial
 from handcart.networks.journal.journal_record import read_journal, without_wall
 
 ROOT = Path(__file__).resolve().parents[2]

@@ -32,7 +32,7 @@ def test_help_imports_nothing_heavy() -> None:
 
 @pytest.mark.parametrize("name", list(all_commands()))
 def test_every_subcommand_has_help(handcart: Callable[..., Said], name: str) -> None:
-    said = handcart(name, "--help")
+    said = handcart(*name.split(), "--help")
     assert said.status == 0
     assert all_commands()[name][1] in said.out
 

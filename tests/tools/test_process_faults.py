@@ -148,7 +148,7 @@ def test_every_command_names_libraries_that_are_too_old_or_missing(
     (handcart_itself / "METADATA").write_text(f"Name: handcart\n{lines}\nRequires-Dist: text>=1\n")
     monkeypatch.syspath_prepend(tmp_path)
     for command in COMMANDS:
-        said = handcart(command, "--help")
+        said = handcart(*command.split(), "--help")
         assert said.status == 2
         assert "the library numpy is 1.26.4; needed: >=2.0; " in said.err
         assert "opencv-python-headless is 5.0.0.1; needed: <5,>=4.10" in said.err

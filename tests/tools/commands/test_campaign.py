@@ -17,7 +17,10 @@ from typing import Any
 
 import pytest
 
-from handcart.evaluation.trials.campaign import CampaignSetting, Trial, _end, run_campaign
+from handcart.evaluation.campaigns.campaign import run_campaign
+from handcart.evaluation.campaigns.campaign_setting import CampaignSetting
+from handcart.evaluation.campaigns.trial import Trial
+from handcart.evaluation.campaigns.workers import end as end_processes
 from handcart.networks.run_options import RunOptions
 from tests.tools.conftest import Said
 
@@ -63,7 +66,7 @@ class Trials:
 def trials(monkeypatch: pytest.MonkeyPatch) -> Callable[..., Trials]:
     def made(*args: Any) -> Trials:
         double = Trials(*args)
-        monkeypatch.setattr("handcart.evaluation.trials.campaign.run_trial", double)
+        monkeypatch.setattr("handcart.evaluation.campaigns.campaign.run_trial", double)
         return double
 
     return made
@@ -92,10 +95,8 @@ def test_what_ended_before_an_interrupt_is_told(
     trials: Callable[..., Trials],
     handcart: Callable[..., Said],
     tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     trials("interrupted")
-    monkeypatch.setattr("handcart.tools.commands.campaign._shares", lambda report: [])
     said = handcart("campaign", tmp_path / "task.yaml", "--trials", "5", "--jobs", "1", "--json")
     summary = json.loads(said.out)
     assert (said.status, summary["trials"], summary["asked"], summary["interrupted"]) == (130, 2, 5, True)
@@ -107,12 +108,10 @@ def test_outcomes_that_are_not_so_are_a_fault(
     trials: Callable[..., Trials],
     handcart: Callable[..., Said],
     tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
     as_json: bool,
 ) -> None:
     """The campaign ends with status 5, and tells which trial to look at first."""
     ran = trials("stopped by request")
-    monkeypatch.setattr("handcart.tools.commands.campaign._shares", lambda report: [])
     words = ("campaign", tmp_path / "task.yaml", "--trials", "6", "--jobs", "1", *["--json"] * as_json)
     assert handcart(*words).status == 0
     ran.untrue[4] = ["4. RELEASE Success: it stands beside its place"]
@@ -136,7 +135,7 @@ def test_a_signal_after_a_trials_last_action_ends_the_campaign_too(
         signal.raise_signal(signal.SIGTERM)
         return {"outcome": "Success", "reason": "", "metrics": {}}, 0
 
-    monkeypatch.setattr("handcart.evaluation.trials.campaign.run_task", run)
+    monkeypatch.setattr("handcart.evaluation.trials.running.run_task", run)
     trials = run_campaign(CampaignSetting(tmp_path / "task.yaml"), range(500), 1)
     assert next(trials).success
     with pytest.raises(KeyboardInterrupt):
@@ -161,7 +160,7 @@ def test_a_process_that_was_told_to_end_as_its_trial_was_over_is_told_again(tmp_
     while not ready.exists():
         assert time.monotonic() < end
         time.sleep(0.02)
-    ending = threading.Thread(target=_end, args=([process],), daemon=True)
+    ending = threading.Thread(target=end_processes, args=([process],), daemon=True)
     ending.start()
     ending.join(20.0)
     assert not process.is_alive()

@@ -14,8 +14,9 @@ import numpy as np
 import pytest
 
 from handcart.evaluation.books.library_files import Libraries
+from handcart.evaluation.campaigns.campaign_setting import CampaignSetting
+from handcart.evaluation.campaigns.trial_run import run_trial
 from handcart.evaluation.explanation.explanation import explain
-from handcart.evaluation.trials.campaign import CampaignSetting, run_trial
 from handcart.networks.journal.journal import Journal
 from handcart.networks.journal.past_run import read_run
 from handcart.networks.runs.flight_recorder import load_readings

@@ -1,0 +1,1 @@
+"""Campaigns: killed at any instant, compared with themselves, timed."""

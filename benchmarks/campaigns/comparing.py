@@ -1,0 +1,81 @@
+"""How often `campaign compare` sees a difference: where there is none, and where there is one.
+
+    python -m benchmarks.campaigns.comparing [--pairs 1000] [--trials 200]
+
+A pair of campaigns are walks through one action network, outcomes drawn independently in both, or with a
+lower probability of one action in the second. The power is held against that of the exact McNemar test.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+import tempfile
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+
+from rich.console import Console
+from rich.progress import track
+
+from benchmarks.campaigns.walk import walk
+from handcart.evaluation.campaign_report.comparison import Comparison, compare
+from handcart.evaluation.campaign_report.intervals import wilson
+from handcart.evaluation.campaign_report.paired_tests import ALPHA, mcnemar
+from handcart.evaluation.campaigns.network_trial import NetworkTrials
+from handcart.evaluation.campaigns.trial import Trial
+from handcart.networks.task.task_file import load_task
+
+LOWER = 0.4
+"""The first action's probability in the second campaign, where there is a difference."""
+
+
+def drawn(trials: NetworkTrials, count: int, first: int) -> Sequence[Trial]:
+    """So many trials from a seed on, renumbered from 0: what is drawn for a pair is independent."""
+    return [replace(trials.trial(first + seed), seed=seed) for seed in range(count)]
+
+
+def shown(words: str, seen: int, count: int) -> str:
+    """A share with its interval."""
+    low, high = wilson(seen, count)
+    return f"{words:<58}{seen:>6} of {count} ({100 * low:.1f} to {100 * high:.1f} %)"
+
+
+def main() -> None:
+    """Measure and print."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else None)
+    parser.add_argument("--pairs", type=int, default=1000)
+    parser.add_argument("--trials", type=int, default=200)
+    chosen = parser.parse_args()
+    with tempfile.TemporaryDirectory() as name:
+        same = NetworkTrials(load_task(walk(Path(name))))
+        lower = NetworkTrials(load_task(walk(Path(name), LOWER)))
+    equal, other = [], []
+    for number in track(range(chosen.pairs), "pairs", console=Console(stderr=True)):
+        first = 3 * number * chosen.trials
+        one = drawn(same, chosen.trials, first)
+        equal.append(compare(one, drawn(same, chosen.trials, first + chosen.trials)))
+        other.append(compare(one, drawn(lower, chosen.trials, first + 2 * chosen.trials)))
+    alarms = sum(any(each.proven for each in found.changes) for found in equal)
+    print(f"{chosen.pairs} pairs of campaigns of {chosen.trials} trials")
+    print(shown("no difference, any metric called proven", alarms, chosen.pairs))
+    print(shown("no difference, e-value ever at 20", sum(_ever(each) for each in equal), chosen.pairs))
+    seen, exact = sum(each.success.proven for each in other), sum(_mcnemar(each) for each in other)
+    print(shown(f"first action {LOWER} for 0.85, success called proven", seen, chosen.pairs))
+    print(shown("that, by the exact McNemar test alone", exact, chosen.pairs))
+    print(shown("that, e-value ever at 20", sum(_ever(each) for each in other), chosen.pairs))
+    loss = 100.0 * (exact - seen) / chosen.pairs
+    print(f"power lost for looking at other metrics too: {loss:.1f} points")
+    sys.exit(1 if alarms > ALPHA * chosen.pairs or loss > 2.0 else 0)
+
+
+def _ever(found: Comparison) -> bool:
+    return found.sure_at is not None
+
+
+def _mcnemar(found: Comparison) -> bool:
+    return mcnemar(found.only_one, found.only_other) <= ALPHA
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,49 @@
+"""The first action in which two runs of one task differ."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import zip_longest
+
+from handcart.evaluation.campaigns.trial import ActionEnd, Trial
+
+
+@dataclass(frozen=True)
+class Divergence:
+    """Where two runs part."""
+
+    number: int
+    """Of the action, from 1."""
+    one: ActionEnd | None
+    """None: this run has ended before."""
+    other: ActionEnd | None
+
+    def words(self, one: str, other: str) -> str:
+        """For people, by what the two runs are called."""
+        return f"differs first in action {self.number}: {one} {_said(self.one)}; {other} {_said(self.other)}"
+
+    @property
+    def kind(self) -> str:
+        """The same for all pairs of runs that part in the same way."""
+        return f"{_kind(self.one)} against {_kind(self.other)}"
+
+
+def first_difference(one: Trial, other: Trial) -> Divergence | None:
+    """The first action, or its outcome, that isn't the same; None: there is none."""
+    pairs = zip_longest(one.actions, other.actions)
+    for number, (mine, theirs) in enumerate(pairs, start=1):
+        if mine is None or theirs is None or _identity(mine) != _identity(theirs):
+            return Divergence(number, mine, theirs)
+    return None
+
+
+def _identity(end: ActionEnd) -> tuple[str, str, str, str]:
+    return end.action, end.source, end.target, end.outcome
+
+
+def _said(end: ActionEnd | None) -> str:
+    return "has ended" if end is None else f"{_kind(end)}{': ' if end.reason else ''}{end.reason}"
+
+
+def _kind(end: ActionEnd | None) -> str:
+    return "the end" if end is None else f"{end.action} {end.outcome}"

@@ -1,0 +1,50 @@
+"""What `handcart check` reckons exactly, beside what was measured."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+from scipy.stats import binomtest
+
+from handcart.files.errors import InputError
+from handcart.networks.analysis.figures import figures, missing_chances
+from handcart.networks.chains.policy import TooLarge
+from handcart.networks.task.task_file import load_task
+
+UNLIKELY = 0.05
+
+
+@dataclass(frozen=True)
+class ExactValue:
+    """P(goal), if the probabilities in the task's file are right; and whether the measured share fits."""
+
+    goal: float
+    p_value: float
+    """Of the exact binomial test that it is the measured share's true value."""
+
+    @property
+    def agrees(self) -> bool:
+        """Whether the measured share gives no reason to doubt it."""
+        return self.p_value >= UNLIKELY
+
+
+def exact_goal(task: Path, settings: Mapping[str, str]) -> float | str:
+    """P(goal) of a task by its file's probabilities, or why there is none."""
+    try:
+        read = load_task(task, settings)
+    except InputError:
+        return "the task's file can't be read any more"
+    if missing := missing_chances(read):
+        count = len(missing)
+        return f"{count} action{'s have' if count > 1 else ' has'} no probability `p` in the task's file"
+    try:
+        return figures(read).forecast.goal
+    except TooLarge as error:
+        return str(error)
+
+
+def beside(goal: float, successes: int, count: int) -> ExactValue:
+    """The exact value beside a measured share."""
+    return ExactValue(goal, float(binomtest(successes, count, min(1.0, max(0.0, goal))).pvalue))

@@ -1,0 +1,104 @@
+"""Exact tests of paired campaigns, and what they could have seen."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import brentq
+from scipy.special import betaln
+from scipy.stats import binom, binomtest, wilcoxon
+
+ALPHA = 0.05
+POWER = 0.8
+FIRST_SHARE = 0.9
+"""Of `ALPHA`, that the success rate has to itself; the other metrics share the rest."""
+
+
+def mcnemar(only_one: int, only_other: int) -> float:
+    """The exact, two-sided p-value that two success rates are equal.
+
+    McNemar (1947): a pair in which one alone succeeds is as likely to be of the one as of the other.
+
+    Args:
+        only_one: pairs in which the one alone succeeded.
+        only_other: those in which the other alone did.
+    """
+    count = only_one + only_other
+    return 1.0 if not count else float(binomtest(only_one, count, 0.5).pvalue)
+
+
+def signed_rank(differences: NDArray[np.float64]) -> float:
+    """The two-sided p-value that a metric's differences, (n,), are symmetric about 0, by Wilcoxon (1945)."""
+    there = differences[differences != 0.0]
+    if not len(there):
+        return 1.0
+    exact = len(there) <= 50 and len(np.unique(np.abs(there))) == len(there)
+    return float(wilcoxon(there, method="exact" if exact else "approx", correction=not exact).pvalue)
+
+
+def holm(p_values: Mapping[str, float], weights: Mapping[str, float]) -> dict[str, float]:
+    """P-values as they count if many are looked at: at most `ALPHA` of campaigns without any difference have
+    one at or below `ALPHA`.
+
+    Holm (1979), section 4: weighted, step by step, the most telling for its weight first.
+    """
+    left, out, least = dict(p_values), {}, 0.0
+    while left:
+        name = min(left, key=lambda each: left[each] / weights[each])
+        total = sum(weights[each] for each in left)
+        least = max(least, min(1.0, left.pop(name) * total / weights[name]))
+        out[name] = least
+    return out
+
+
+def weights_of(first: str, others: list[str]) -> dict[str, float]:
+    """The first one has `FIRST_SHARE` to itself, the others share the rest."""
+    rest = (1.0 - FIRST_SHARE) / max(1, len(others))
+    return {first: FIRST_SHARE, **dict.fromkeys(others, rest)}
+
+
+def e_value(only_one: int, only_other: int) -> float:
+    """How much one would have won by betting against equal success rates, starting with 1.
+
+    It may be looked at after each pair: that it ever reaches 1 / ALPHA has a probability of at most ALPHA if
+    they are equal (Ville 1939). The bet is the mixture over all rates by a uniform prior (Robbins 1970).
+    """
+    count = only_one + only_other
+    log = float(betaln(1 + only_one, 1 + only_other)) + count * math.log(2.0)
+    return math.exp(min(log, 700.0))
+
+
+def mcnemar_power(difference: float, lost: float, pairs: int, alpha: float = ALPHA) -> float:
+    """The probability that the exact McNemar test sees a difference of success rates.
+
+    Args:
+        difference: of the rates.
+        lost: share of pairs in which the worse one alone succeeds; the better one alone does in
+            `lost + difference`.
+        pairs: how many.
+        alpha: of the test.
+    """
+    share = min(1.0, 2.0 * lost + difference)
+    low, high = binom.ppf([1e-10, 1.0 - 1e-10], pairs, share)
+    counts = np.arange(int(low), int(high) + 1)
+    # The largest smaller count that is still significant; -1: none is.
+    critical = binom.ppf(alpha / 2.0, counts, 0.5).astype(int)
+    critical -= 2.0 * binom.cdf(critical, counts, 0.5) > alpha
+    better = (lost + difference) / share if share else 0.5
+    seen = binom.cdf(critical, counts, better) + binom.sf(counts - critical - 1, counts, better)
+    seen[critical < 0] = 0.0
+    return float(np.sum(binom.pmf(counts, pairs, share) * seen))
+
+
+def smallest_difference(only_one: int, only_other: int, pairs: int) -> float | None:
+    """The smallest difference of success rates that the test would have seen with a probability of `POWER`,
+    if the worse campaign alone succeeds as often as here. None: so few pairs show none.
+    """
+    lost = min(only_one, only_other) / pairs
+    most = 1.0 - 2.0 * lost
+    if most <= 0.0 or mcnemar_power(most, lost, pairs) < POWER:
+        return None
+    return float(brentq(lambda each: mcnemar_power(each, lost, pairs) - POWER, 0.0, most, xtol=1e-5))

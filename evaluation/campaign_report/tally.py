@@ -1,0 +1,102 @@
+"""What is counted of a campaign's trials, in one pass over them."""
+
+from __future__ import annotations
+
+import heapq
+import math
+import re
+from array import array
+from collections import Counter
+from collections.abc import Iterable
+from typing import NamedTuple
+
+from handcart.evaluation.campaigns.trial import Trial
+
+OUTCOMES = ("Success", "Fail", "GiveUp")
+WORST = 10
+OF_ALL = ("sim_time_s", "actions", "fails")
+"""Figures that each trial has, beside its task's metrics. How long the machine took is none."""
+_NUMBER = re.compile(r"(?<![\w.])-?\d+(?:\.\d+)?(?:e[+-]?\d+)?(?!\w)")
+
+
+class Blame(NamedTuple):
+    """A kind of Fail or GiveUp."""
+
+    primitive: str
+    outcome: str
+    check: str
+    """What found it out: see `Cause.check`; empty where that isn't known."""
+    reason: str
+    """With # for each number."""
+
+
+def in_general(reason: str) -> str:
+    """Words with # for each number, so that those are equal that differ in measured values alone."""
+    return _NUMBER.sub("#", reason)
+
+
+def figures(trial: Trial) -> dict[str, float | bool]:
+    """The metrics of a trial that are one number, or yes and no, by name."""
+    found = {**trial.summary["metrics"], **{key: trial.summary[key] for key in OF_ALL}}
+    return {
+        name: value
+        for name, value in found.items()
+        if isinstance(value, bool | int | float) and math.isfinite(value)
+    }
+
+
+class Tally:
+    """Counts; of 100,000 trials it takes some MB."""
+
+    def __init__(self, trials: Iterable[Trial]) -> None:
+        self.count = self.successes = 0
+        self.outcomes: Counter[str] = Counter()
+        """Of the trials, with the reason in general where it isn't Success."""
+        self.untrue: list[int] = []
+        """Which trials have an outcome that the ground truth contradicts."""
+        self.columns: dict[str, array[float]] = {}
+        """Each metric's values."""
+        self.yes_no: set[str] = set()
+        """Those of the metrics that are yes or no."""
+        self.actions: dict[str, Counter[str]] = {}
+        """Of each action of the file how often it ended how."""
+        self.blames: Counter[Blame] = Counter()
+        self.worst: list[tuple[bool, bool, float, int]] = []
+        """The trials to look at first, by rank, the last element saying which."""
+        self._times: list[tuple[float, int]] = []
+        for at, trial in enumerate(trials):
+            self._add(at, trial)
+        self.worst.sort(reverse=True)
+
+    @property
+    def median_run(self) -> int | None:
+        """Which trial took the median time of those that succeeded; None: none did."""
+        ordered = sorted(self._times)
+        return ordered[(len(ordered) - 1) // 2][1] if ordered else None
+
+    def _add(self, at: int, trial: Trial) -> None:
+        summary = trial.summary
+        self.count += 1
+        self.successes += trial.success
+        reason = in_general(summary["reason"])
+        self.outcomes[summary["outcome"] + (f": {reason}" if reason else "")] += 1
+        if trial.untrue:
+            self.untrue.append(at)
+        if trial.success:
+            self._times.append((summary["sim_time_s"], at))
+        for name, value in figures(trial).items():
+            self.columns.setdefault(name, array("d")).append(value)
+            if isinstance(value, bool):
+                self.yes_no.add(name)
+        for end in trial.actions:
+            self.actions.setdefault(end.action, Counter())[end.outcome] += 1
+            if end.outcome != "Success":
+                self.blames[Blame(end.primitive, end.outcome, end.check, in_general(end.reason))] += 1
+        self._rank(at, trial)
+
+    def _rank(self, at: int, trial: Trial) -> None:
+        """Untrue ones first, then those that did not succeed, then those with most Fails."""
+        fails = float(trial.summary["fails"])
+        if trial.untrue or not trial.success or fails:
+            rank = (bool(trial.untrue), not trial.success, fails, -at)
+            (heapq.heappush if len(self.worst) < WORST else heapq.heappushpop)(self.worst, rank)

@@ -1,0 +1,139 @@
+"""A campaign's folder: `campaign.json`, what was asked for; `trials.jsonl`, what has ended; `runs`."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import orjson
+
+from handcart.files.errors import InputError
+from handcart.files.printable import printable
+from handcart.files.whole_file import write_whole
+
+from .trial_log import TrialFile, TrialLog, read_offsets
+
+FORMAT = "handcart-campaign/1"
+TRIALS, ARGUMENTS, RUNS = "trials.jsonl", "campaign.json", "runs"
+_MOST = 16 * 2**20
+Arguments = Mapping[str, Any]
+"""What decides how a campaign's trials end, ready for JSON: equal in all its parts but for `shard`."""
+_NAMES_ALONE = ("format", "task", "vary_file", "faults")  # where they lie says nothing; their content does
+
+
+class NoCampaign(InputError):
+    """A folder holds no campaign that can be read, or gone on with."""
+
+    def __init__(self, folder: Path, wrong: str) -> None:
+        words = f"{folder}: {wrong}; allowed: the folder of a campaign, made by handcart campaign --out"
+        super().__init__(printable(words))
+
+
+class OtherCampaign(InputError):
+    """A folder belongs to a campaign with other arguments."""
+
+    def __init__(self, folder: Path, different: list[str]) -> None:
+        listed = "".join(f"\n  {each}" for each in different)
+        words = f"{folder} holds another campaign:{listed}\nallowed: the same arguments, or another folder"
+        super().__init__("\n".join(map(printable, words.split("\n"))))
+
+
+@dataclass(frozen=True)
+class CampaignFolder:
+    """A folder that holds a campaign, or a part of one."""
+
+    folder: Path
+    arguments: Arguments
+
+    @classmethod
+    def made(cls, folder: Path, arguments: Arguments) -> CampaignFolder:
+        """A new one, or the same as is there.
+
+        Raises:
+            NoCampaign: something else is there, or it can't be made.
+            OtherCampaign: other arguments made what is there.
+        """
+        asked: Arguments = orjson.loads(orjson.dumps({"format": FORMAT, **arguments}))
+        try:
+            folder.mkdir(parents=True, exist_ok=True)
+            if (folder / ARGUMENTS).exists():
+                there = cls.read(folder).arguments
+                if different := differences(there, asked):
+                    raise OtherCampaign(folder, different)
+                return cls(folder, there)
+            if any(not each.name.startswith(".") for each in folder.iterdir()):
+                raise NoCampaign(folder, "the folder holds something else")
+            write_whole(folder / ARGUMENTS, orjson.dumps(asked, option=orjson.OPT_INDENT_2))
+        except OSError as error:
+            raise NoCampaign(folder, f"can't be written: {error.strerror}") from None
+        return cls(folder, asked)
+
+    @classmethod
+    def read(cls, folder: Path) -> CampaignFolder:
+        """One that is there.
+
+        Raises:
+            NoCampaign: there is none.
+        """
+        path = folder / ARGUMENTS
+        try:
+            with path.open("rb") as file:
+                arguments = orjson.loads(file.read(_MOST))
+        except FileNotFoundError:
+            raise NoCampaign(folder, f"there is no {ARGUMENTS} in it") from None
+        except (OSError, orjson.JSONDecodeError) as error:
+            raise NoCampaign(folder, f"{ARGUMENTS} in it can't be read: {error}") from None
+        if not isinstance(arguments, dict) or arguments.get("format") != FORMAT:
+            raise NoCampaign(folder, f"{ARGUMENTS} in it is not of the format {FORMAT}")
+        return cls(folder, arguments)
+
+    @property
+    def runs(self) -> Path:
+        """Where its runs' folders are."""
+        return self.folder / RUNS
+
+    def log(self) -> TrialLog:
+        """To append to; raises as `TrialLog` does."""
+        return TrialLog(self.folder / TRIALS)
+
+    def trials(self) -> TrialFile:
+        """What has ended by now, to look at only.
+
+        Raises:
+            TrialLogError: a line isn't what was written.
+        """
+        path = self.folder / TRIALS
+        return TrialFile(path, read_offsets(path)[0].items() if path.exists() else ())
+
+
+def differences(there: Arguments, asked: Arguments, but: tuple[str, ...] = ()) -> list[str]:
+    """In words, what differs between two campaigns' arguments, but for some."""
+    words = []
+    for key in dict.fromkeys([*there, *asked]):
+        mine, given = there.get(key), asked.get(key)
+        if mine == given or key in (*_NAMES_ALONE, *but):
+            continue
+        if isinstance(mine, dict) and isinstance(given, dict):
+            names = [name for name in dict.fromkeys([*mine, *given]) if mine.get(name) != given.get(name)]
+            if key == "files":
+                words += [f"{name} has another content" for name in names]
+            else:
+                words += [
+                    f"{key} {name}: {_said(mine, name)} there, {_said(given, name)} now" for name in names
+                ]
+        else:
+            words.append(f"{key}: {_said(there, key)} there, {_said(asked, key)} now")
+    return words
+
+
+def _said(arguments: Arguments, key: str) -> str:
+    value = arguments.get(key)
+    return (
+        "nothing"
+        if value is None
+        else orjson.dumps(value).decode()
+        if isinstance(value, list)
+        else str(value)
+    )

@@ -1,0 +1,36 @@
+"""What all trials of a campaign have in common."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Literal
+
+from .variation import Variation
+
+WorldGenerator = Callable[[int, Path], Mapping[str, str]]
+"""Writes the files of a world, by a seed, into a folder, and gives the settings of a task that name them."""
+
+Level = Literal["run", "network"]
+"""What a trial is: a run on a backend, or a walk through the network, outcomes drawn by their `p`."""
+
+
+@dataclass(frozen=True)
+class CampaignSetting:
+    """What each trial is told, beside its seed."""
+
+    task: Path
+    backend: str | None = None
+    settings: Mapping[str, str] | None = None
+    world: WorldGenerator | None = None
+    """What makes each trial a world of its own, by its seed; None: the task's own."""
+    runs: Path = Path("runs")
+    """Where the runs' folders are made."""
+    level: Level = "run"
+    varied: Variation | None = None
+    """What varies from trial to trial."""
+    seeds: range = range(0)
+    """Of all trials, in whatever parts they are run: what varies is spread over them."""
+    faults: Path | None = None
+    """A file of faults that come in each trial."""

@@ -1,0 +1,140 @@
+"""Faults in a campaign's trials: which, and when."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Iterator
+from pathlib import Path
+from random import Random
+from typing import Annotated, Any, Literal
+
+from pydantic import Field, model_validator
+
+from handcart.backends.backend import Backend
+from handcart.backends.robot.robot import Robot
+from handcart.evaluation.conformance.faults.fault import SENSORS, Fault, FaultKind
+from handcart.evaluation.conformance.faults.faulty_backend import FaultyBackend
+from handcart.files.models.loading import load
+from handcart.files.models.model import FileModel
+from handcart.files.suggest import suggest
+from handcart.networks.run_observer import RunObserver
+
+Seconds = Annotated[float, Field(gt=0.0, le=1e6)]
+_OF_A_SENSOR = ("stale sensor", "NaN")
+
+
+class PlannedFault(FileModel):
+    """A fault, and when it comes: one of `at_s`, `every_s` and `rate_per_s`."""
+
+    kind: Literal["exception", "refused command", "stuck actuator", "slip", "stale sensor", "NaN"]
+    sensor: str = ""
+    """Which one is concerned; of an exception, empty: the next command."""
+    periods: Annotated[int, Field(ge=1, le=1_000_000)] = 1
+    """For how long."""
+    speed_m_s: float = 0.0
+    """At which a standing base slides ahead."""
+    turn_deg_s: float = 0.0
+    """At which a standing base slides round."""
+    at_s: Annotated[float, Field(ge=0.0, le=1e6)] | None = None
+    """Once, at that time of the robot's."""
+    every_s: Seconds | None = None
+    """Again and again, first after that time."""
+    rate_per_s: Annotated[float, Field(gt=0.0, le=1e3)] | None = None
+    """So often on average, at instants drawn by the trial's seed."""
+
+    @model_validator(mode="after")
+    def _whole(self) -> PlannedFault:
+        if sum(each is not None for each in (self.at_s, self.every_s, self.rate_per_s)) != 1:
+            raise ValueError("when it comes isn't clear; needed: one of at_s, every_s, rate_per_s")
+        if self.sensor not in SENSORS and (self.sensor or self.kind in _OF_A_SENSOR):
+            raise ValueError(f"unknown sensor {self.sensor!r}{suggest(self.sensor, SENSORS)}")
+        return self
+
+    def fault(self) -> Fault:
+        """What is injected."""
+        turn = math.radians(self.turn_deg_s)
+        return Fault(FaultKind(self.kind), self.sensor, self.periods, self.speed_m_s, turn)
+
+    def instants(self, draw: Random) -> Iterator[float]:
+        """When it comes, in [s] of the robot's time."""
+        if self.at_s is not None:
+            yield self.at_s
+        elif self.every_s is not None:
+            yield from itertools.count(self.every_s, self.every_s)
+        else:
+            time = 0.0
+            while True:
+                time += draw.expovariate(self.rate_per_s or 1.0)
+                yield time
+
+
+class FaultPlan(FileModel):
+    """What stands in a file of faults."""
+
+    format: Literal["handcart-faults/1"]
+    faults: Annotated[list[PlannedFault], Field(min_length=1)]
+
+
+def load_faults(path: Path) -> FaultPlan:
+    """A file of faults; raises `FileError`."""
+    return load(path, FaultPlan)
+
+
+class InjectedFaults(RunObserver):
+    """Puts itself around a trial's backend, and injects the plan's faults while the run goes on.
+
+    There is one fault at a time: one that comes ends the one before it. Exceptions hit whoever asks the
+    backend next but the localizer, which runs above all backends alike.
+    """
+
+    def __init__(self, plan: FaultPlan, seed: int) -> None:
+        """Nothing is wrong yet.
+
+        Args:
+            plan: which faults come when.
+            seed: of the trial.
+        """
+        self.injected: list[dict[str, Any]] = []
+        """Each with `fault`, `at_s` and `bitten`: how often it changed something."""
+        self._backend: _Faulty | None = None
+        self._coming = [
+            (each.fault(), each.instants(Random(f"{seed} fault {number}")))
+            for number, each in enumerate(plan.faults)
+        ]
+        self._next = [next(instants, math.inf) for _, instants in self._coming]
+
+    def around(self, backend: Backend) -> Backend:
+        """The backend that errs."""
+        self._backend = _Faulty(backend)
+        return self._backend
+
+    def period(self, robot: Robot) -> None:
+        """Inject what is due."""
+        assert self._backend is not None
+        self._backend.asked = True
+        for number, (fault, instants) in enumerate(self._coming):
+            if robot.time < self._next[number] - 1e-9:
+                continue
+            while self._next[number] <= robot.time + 1e-9:
+                self._next[number] = next(instants, math.inf)
+            self._note()
+            self._backend.bitten = 0
+            self._backend.inject(fault)
+            self.injected.append({"fault": str(fault), "at_s": round(robot.time, 6), "bitten": 0})
+
+    def end(self) -> None:
+        """Note what the last one has changed."""
+        self._note()
+
+    def _note(self) -> None:
+        if self.injected and self._backend is not None:
+            self.injected[-1]["bitten"] = self._backend.bitten
+
+
+class _Faulty(FaultyBackend):
+    """While a period passes, the localizer asks, and no primitive."""
+
+    def step(self) -> None:
+        self.asked = False
+        super().step()

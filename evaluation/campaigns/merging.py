@@ -1,0 +1,60 @@
+"""Parts of one campaign, put together."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from handcart.files.errors import InputError
+from handcart.files.printable import printable
+
+from .campaign_folder import CampaignFolder, differences
+
+
+class NotOneCampaign(InputError):
+    """Folders aren't the parts of one campaign."""
+
+
+def merged(parts: Sequence[Path], out: Path) -> CampaignFolder:
+    """A folder with the trials of all parts.
+
+    Args:
+        parts: folders of one campaign, each made with another `--shard`.
+        out: the folder; nothing is there yet, or the same.
+
+    Raises:
+        NotOneCampaign: they differ in more than the shard, hold a trial twice, or lack one.
+        NoCampaign, OtherCampaign, TrialLogError: a folder can't be read, or written.
+    """
+    found = [CampaignFolder.read(each) for each in parts]
+    wrong = _faults(found)
+    if wrong:
+        raise NotOneCampaign("\n".join(printable(each) for each in wrong))
+    whole = CampaignFolder.made(out, {**found[0].arguments, "shard": None})
+    with whole.log() as log:
+        for each in found:
+            log.append(list(each.trials()))
+    return whole
+
+
+def _faults(found: Sequence[CampaignFolder]) -> list[str]:
+    first, wrong = found[0], []
+    for each in found[1:]:
+        different = differences(first.arguments, each.arguments, ("shard",))
+        wrong += [f"{each.folder} and {first.folder}: {words}" for words in different]
+    if wrong:
+        return [*wrong, "allowed: parts of one campaign, each with another --shard"]
+    held: dict[int, Path] = {}
+    for each in found:
+        seeds = {trial.seed for trial in each.trials()}
+        twice = sorted(seeds & held.keys())
+        if twice:
+            wrong.append(f"{each.folder} and {held[twice[0]]} both hold the trial of seed {twice[0]}")
+        held |= dict.fromkeys(seeds, each.folder)
+    asked = range(first.arguments["first"], first.arguments["first"] + first.arguments["trials"])
+    missing = [seed for seed in asked if seed not in held]
+    if missing:
+        shards = ", ".join(str(each.arguments["shard"]) for each in found)
+        words = f"{len(missing)} of {len(asked)} trials are in none of the folders (parts {shards})"
+        wrong.append(f"{words}, the first is seed {missing[0]}; needed: all parts, each run to its end")
+    return wrong

@@ -1,0 +1,77 @@
+"""One run of a campaign: how it ended, and each action on the way."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any, NamedTuple
+
+
+class ActionEnd(NamedTuple):
+    """How an action that was started ended."""
+
+    action: str
+    """As in the file, the same for all elements of a repeat: `MOVE_TO (loaded to there)`."""
+    source: str
+    """The situation, in a repeat with its copy's number: `loaded[2]`."""
+    target: str
+    outcome: str
+    """Success, Fail or GiveUp."""
+    time_s: float
+    """When it ended, of the robot's time."""
+    reason: str = ""
+    """Why it didn't succeed."""
+    check: str = ""
+    """What found that out: see `Cause.check`."""
+
+    @property
+    def primitive(self) -> str:
+        """Its name."""
+        return self.action.partition(" ")[0]
+
+
+@dataclass(frozen=True)
+class Trial:
+    """One run of a campaign."""
+
+    seed: int
+    status: int
+    summary: Mapping[str, Any]
+    actions: Sequence[ActionEnd] = ()
+    """In the order in which they ended."""
+    signalled: bool = False
+    """Whether an interrupt came, be it after its last action."""
+    varied: Mapping[str, float] = field(default_factory=dict)
+    """The numbers that vary from trial to trial, by name."""
+    faults: Sequence[Mapping[str, Any]] = ()
+    """What was injected, in order: each with `fault`, `at_s` and `bitten`."""
+
+    @property
+    def success(self) -> bool:
+        """Whether the goal was reached."""
+        return self.status == 0
+
+    @property
+    def cancelled(self) -> bool:
+        """Whether somebody stopped it: then it says nothing of the task."""
+        return bool(self.summary["outcome"] == "Cancelled")
+
+    @property
+    def interrupted(self) -> bool:
+        """Whether a signal stopped it, or came as it was over; it stops all that the trial is part of."""
+        if self.signalled or not self.cancelled:
+            return self.signalled
+        from handcart.networks.coordination.supervision import INTERRUPTED
+
+        return bool(self.summary["reason"] == INTERRUPTED)
+
+    @property
+    def untrue(self) -> Sequence[str]:
+        """What the ground truth contradicts."""
+        return list(self.summary["metrics"].get("untrue", []))
+
+
+def died(seed: int, reason: str) -> Trial:
+    """A trial whose process doesn't survive it: a fault in here, or in a library."""
+    nothing = {"sim_time_s": 0.0, "wall_time_s": 0.0, "actions": 0, "fails": 0, "metrics": {}}
+    return Trial(seed, 5, {"outcome": "Error", "reason": reason, "seed": seed, "run_dir": "", **nothing})

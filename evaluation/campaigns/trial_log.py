@@ -1,0 +1,226 @@
+"""The trials of a campaign on disk: one line each, appended when it has ended, with a checksum."""
+
+from __future__ import annotations
+
+import fcntl
+import os
+import zlib
+from collections.abc import Iterable, Iterator, Sequence
+from pathlib import Path
+from types import TracebackType
+from typing import Any, BinaryIO, overload
+
+import orjson
+
+from handcart.files.errors import HandcartError, InputError
+from handcart.files.printable import printable
+
+from .trial import ActionEnd, Trial
+
+_FLAGS = os.O_RDWR | os.O_CREAT | os.O_APPEND | os.O_CLOEXEC | os.O_NOFOLLOW
+_TAIL = 18  # bytes of `,"crc":"01234567"}`
+MAX_LINE = 64 * 2**20
+
+
+class TrialLogError(HandcartError):
+    """The trials of a campaign can't be written, or aren't what was written. Exit status 5."""
+
+    def __init__(self, path: Path, reason: str) -> None:
+        super().__init__(printable(f"{path}: {reason}"))
+
+
+class CampaignAlive(InputError):
+    """Another process goes on with the campaign."""
+
+    def __init__(self, path: Path) -> None:
+        words = (
+            f"the campaign in {path.parent} is alive: another process writes it; allowed: wait for its end"
+        )
+        super().__init__(printable(words))
+
+
+class TrialFile(Sequence[Trial]):
+    """Trials in a file, in the order of their seeds, each read when it is asked for."""
+
+    def __init__(self, path: Path, offsets: Iterable[tuple[int, int]]) -> None:
+        """Of a file that holds lines as `line_of` writes them; seeds and where their lines begin."""
+        self._path = path
+        self._offsets = [offset for _, offset in sorted(offsets)]
+
+    def __len__(self) -> int:
+        return len(self._offsets)
+
+    @overload
+    def __getitem__(self, at: int) -> Trial: ...
+    @overload
+    def __getitem__(self, at: slice) -> TrialFile: ...
+    def __getitem__(self, at: int | slice) -> Trial | TrialFile:
+        if isinstance(at, slice):
+            part = TrialFile(self._path, ())
+            part._offsets = self._offsets[at]
+            return part
+        with self._path.open("rb") as file:
+            return _read_at(file, self._offsets[at], self._path)
+
+    def __iter__(self) -> Iterator[Trial]:
+        with self._path.open("rb") as file:
+            for offset in self._offsets:
+                yield _read_at(file, offset, self._path)
+
+
+class TrialLog:
+    """Appends trials to a file that nobody else writes; each seed once. A context manager.
+
+    What a crash left half written at the end is cut off when the file is opened; nothing else may be wrong.
+    """
+
+    def __init__(self, path: Path, sync: bool = True) -> None:
+        """Open a file, or make it.
+
+        Args:
+            path: its name.
+            sync: whether trials wait until they are on the disk.
+
+        Raises:
+            CampaignAlive: another process writes it.
+            TrialLogError: it can't be opened, or a line in it isn't what was written.
+        """
+        self._path, self._sync = path, sync
+        try:
+            self._file = os.open(path, _FLAGS, 0o666)
+        except OSError as error:
+            raise TrialLogError(path, f"can't be opened: {error.strerror}") from None
+        try:
+            self._lock()
+            self._offsets, self._size = read_offsets(path)
+            if os.fstat(self._file).st_size > self._size:
+                os.ftruncate(self._file, self._size)
+            if sync:
+                os.fsync(self._file)
+                _sync_folder(path.parent)
+        except OSError as error:
+            os.close(self._file)
+            raise TrialLogError(path, f"can't be gone on with: {error.strerror}") from None
+        except HandcartError:
+            os.close(self._file)
+            raise
+
+    def _lock(self) -> None:
+        try:
+            fcntl.flock(self._file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            raise CampaignAlive(self._path) from None
+
+    def __enter__(self) -> TrialLog:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        os.close(self._file)
+
+    def __contains__(self, seed: object) -> bool:
+        return seed in self._offsets
+
+    def __len__(self) -> int:
+        return len(self._offsets)
+
+    def trials(self) -> TrialFile:
+        """Those that are there by now."""
+        return TrialFile(self._path, self._offsets.items())
+
+    def append(self, trials: Sequence[Trial]) -> None:
+        """Write trials that have ended; when this returns, they are on disk.
+
+        Raises:
+            TrialLogError: they can't be written; what could be is there all the same.
+        """
+        lines = [(each.seed, line_of(each)) for each in trials if each.seed not in self._offsets]
+        content = b"".join(line for _, line in lines)
+        try:
+            if content and os.write(self._file, content) != len(content):
+                os.ftruncate(self._file, self._size)
+                raise TrialLogError(self._path, "can't be written: the disk is full")
+            if content and self._sync:
+                os.fdatasync(self._file)
+        except OSError as error:
+            raise TrialLogError(self._path, f"can't be written: {error.strerror}") from None
+        for seed, line in lines:
+            self._offsets[seed] = self._size
+            self._size += len(line)
+
+
+def line_of(trial: Trial) -> bytes:
+    """A trial's line, with its checksum."""
+    fields: dict[str, Any] = {
+        "seed": trial.seed,
+        "status": trial.status,
+        "summary": dict(trial.summary),
+        "actions": [list(each) for each in trial.actions],
+    }
+    if trial.varied:
+        fields["varied"] = dict(trial.varied)
+    if trial.faults:
+        fields["faults"] = list(trial.faults)
+    body = orjson.dumps(fields, option=orjson.OPT_SERIALIZE_NUMPY)[:-1]
+    return b'%b,"crc":"%08x"}\n' % (body, zlib.crc32(body))
+
+
+def trial_of(line: bytes) -> Trial | None:
+    """The trial in a line; None where it isn't what was written."""
+    line = line.rstrip(b"\n")
+    body = line[:-_TAIL]
+    if line[-_TAIL:] != b',"crc":"%08x"}' % zlib.crc32(body):
+        return None
+    fields = orjson.loads(line)
+    ends = [ActionEnd(*each) for each in fields["actions"]]
+    return Trial(
+        fields["seed"],
+        fields["status"],
+        fields["summary"],
+        ends,
+        varied=fields.get("varied", {}),
+        faults=fields.get("faults", ()),
+    )
+
+
+def read_offsets(path: Path) -> tuple[dict[int, int], int]:
+    """Where the trial of each seed begins, and where the last whole line ends, in [bytes].
+
+    Raises:
+        TrialLogError: it can't be read, or a line that others follow isn't what was written.
+    """
+    offsets: dict[int, int] = {}
+    offset, torn = 0, False
+    try:
+        with path.open("rb") as file:
+            for number, line in enumerate(file, start=1):
+                if torn:
+                    wrong = f"line {number - 1} at byte {offset} isn't what was written"
+                    raise TrialLogError(path, wrong)
+                trial = trial_of(line) if line.endswith(b"\n") else None
+                torn = trial is None
+                if trial is not None:
+                    if trial.seed in offsets:
+                        raise TrialLogError(path, f"line {number}: the seed {trial.seed} is there twice")
+                    offsets[trial.seed] = offset
+                    offset += len(line)
+    except OSError as error:
+        raise TrialLogError(path, f"can't be read: {error.strerror}") from None
+    return offsets, offset
+
+
+def _read_at(file: BinaryIO, offset: int, path: Path) -> Trial:
+    file.seek(offset)
+    trial = trial_of(file.readline(MAX_LINE))
+    if trial is None:
+        raise TrialLogError(path, f"the line at byte {offset} isn't what was written")
+    return trial
+
+
+def _sync_folder(folder: Path) -> None:
+    handle = os.open(folder, os.O_RDONLY | os.O_DIRECTORY)
+    try:
+        os.fsync(handle)
+    finally:
+        os.close(handle)

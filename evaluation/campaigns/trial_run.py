@@ -1,0 +1,60 @@
+"""Running one trial of a campaign."""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path
+
+from handcart.files.yaml.changed_numbers import changed_numbers
+from handcart.networks.coordination.interrupts import Interrupts
+from handcart.networks.run_options import RunOptions
+from handcart.networks.task.task_file import load_task
+
+from .campaign_setting import CampaignSetting
+from .trial import Trial
+
+
+def run_trial(setting: CampaignSetting, seed: int) -> Trial:
+    """One seeded run, in a world of its own where the setting says so; or a walk through the network."""
+    if setting.varied is None:
+        return _trial(setting, seed)
+    row = setting.varied.row(seed, setting.seeds)
+    task = load_task(setting.task, setting.settings)
+    with changed_numbers(setting.varied.changes(row, task)):
+        return replace(_trial(setting, seed), varied=row)
+
+
+def _trial(setting: CampaignSetting, seed: int) -> Trial:
+    chosen = dict(setting.settings or {})
+    if setting.level == "network":
+        from .network_trial import NetworkTrials, network_trials
+
+        if setting.varied is not None:
+            return NetworkTrials(load_task(setting.task, chosen)).trial(seed)
+        return network_trials(setting.task, chosen).trial(seed)
+    if setting.world is None:
+        return _run(setting, chosen, seed)
+    with tempfile.TemporaryDirectory() as folder:
+        named = setting.world(seed, Path(folder))
+        return _run(setting, {**named, **chosen}, seed)
+
+
+def _run(setting: CampaignSetting, settings: Mapping[str, str], seed: int) -> Trial:
+    from handcart.evaluation.trials.running import run_task
+
+    from .action_ends import ActionEnds
+
+    ends = ActionEnds()
+    with Interrupts() as heard:
+        options = RunOptions(setting.backend, settings, seed, interrupts=heard, observers=(ends,))
+        if setting.faults is None:
+            summary, status = run_task(setting.task, setting.runs, options)
+            return Trial(seed, status, summary, ends.ends, heard.came)
+        from .fault_plan import InjectedFaults, load_faults
+
+        faults = InjectedFaults(load_faults(setting.faults), seed)
+        options = replace(options, observers=(ends, faults), around=faults.around)
+        summary, status = run_task(setting.task, setting.runs, options)
+    return Trial(seed, status, summary, ends.ends, heard.came, faults=faults.injected)

@@ -1,0 +1,203 @@
+"""Numbers in a campaign's files that vary from trial to trial."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from functools import lru_cache
+from pathlib import Path
+from random import Random
+from typing import Annotated, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import Field, model_validator
+
+from handcart.backends.description.robot_loading import shipped_path
+from handcart.files.errors import FileError
+from handcart.files.models.loading import load
+from handcart.files.models.model import FileModel
+from handcart.files.suggest import suggest
+from handcart.files.yaml.changed_numbers import Changes
+from handcart.files.yaml.yaml_document import Document, read_document
+from handcart.files.yaml.yaml_node import KeyPath, Node
+from handcart.networks.task.task_file import Task
+
+Pair = Annotated[list[float], Field(min_length=2, max_length=2)]
+
+
+class Grid(FileModel):
+    """Evenly spaced values, both ends among them."""
+
+    least: float
+    most: float
+    count: Annotated[int, Field(ge=2, le=10_000)]
+
+
+class Varied(FileModel):
+    """A number and its values: one of `list`, `grid`, `uniform`, `log_uniform` and `normal`."""
+
+    file: Literal["task", "robot", "world"]
+    key: str
+    """Where it stands: keys and numbers of list items from 0, with dots between: `actions.0.cost_s`."""
+    list: Annotated[Sequence[int | float], Field(min_length=1)] | None = None
+    grid: Grid | None = None
+    uniform: Pair | None = None
+    """Least and most."""
+    log_uniform: Pair | None = None
+    """The same, evenly in the logarithm."""
+    normal: Pair | None = None
+    """Mean and standard deviation."""
+
+    @model_validator(mode="after")
+    def _whole(self) -> Varied:
+        given = (self.list, self.grid, self.uniform, self.log_uniform, self.normal)
+        if sum(each is not None for each in given) != 1:
+            raise ValueError("which values? needed: one of list, grid, uniform, log_uniform, normal")
+        for pair in (self.uniform, self.log_uniform):
+            if pair is not None and pair[0] >= pair[1]:
+                raise ValueError("the least isn't below the most")
+        if self.log_uniform is not None and self.log_uniform[0] <= 0.0:
+            raise ValueError("log_uniform: the least isn't above 0")
+        if self.normal is not None and self.normal[1] <= 0.0:
+            raise ValueError("normal: the standard deviation isn't above 0")
+        return self
+
+    @property
+    def name(self) -> str:
+        """For people: `robot errors.slip`."""
+        return f"{self.file} {self.key}"
+
+    @property
+    def path(self) -> KeyPath:
+        """The key, step by step."""
+        return tuple(int(step) if step.isdecimal() else step for step in self.key.split("."))
+
+    def values(self) -> Sequence[float] | None:
+        """All of them; None for a distribution."""
+        if self.grid is not None:
+            step = (self.grid.most - self.grid.least) / (self.grid.count - 1)
+            return [self.grid.least + number * step for number in range(self.grid.count)]
+        return self.list
+
+    def at(self, share: float) -> float:
+        """The value below which that share of all values is; `share` is from 0 up to 1, that excluded."""
+        values = self.values()
+        if values is not None:
+            return values[int(share * len(values))]
+        if self.uniform is not None:
+            return self.uniform[0] + share * (self.uniform[1] - self.uniform[0])
+        if self.log_uniform is not None:
+            low, high = map(math.log, self.log_uniform)
+            return math.exp(low + share * (high - low))
+        from scipy.special import ndtri
+
+        assert self.normal is not None
+        return self.normal[0] + self.normal[1] * float(ndtri(min(max(share, 1e-12), 1.0 - 1e-12)))
+
+
+class Variation(FileModel):
+    """What stands in a file of variations."""
+
+    format: Literal["handcart-vary/1"]
+    design: Literal["grid", "random", "latin_hypercube"] = "random"
+    """`grid`: all combinations, one after the other; `random`: drawn by the trial's seed; `latin_hypercube`:
+    over all trials each number takes each of as many equal shares of its values once."""
+    vary: Annotated[list[Varied], Field(min_length=1)]
+
+    @model_validator(mode="after")
+    def _whole(self) -> Variation:
+        endless = [each.name for each in self.vary if each.values() is None]
+        if self.design == "grid" and endless:
+            raise ValueError(f"a grid of a distribution ({endless[0]}); allowed: list, grid")
+        return self
+
+    def row(self, seed: int, seeds: range) -> Mapping[str, float]:
+        """The numbers of a trial; `seeds` are those of all trials, in whatever parts they are run."""
+        if self.design == "grid":
+            every = [each.values() or () for each in self.vary]
+            at, combined = seed % math.prod(map(len, every)), []
+            for values in reversed(every):
+                at, step = divmod(at, len(values))
+                combined.append(values[step])
+            return self._named(combined[::-1])
+        if self.design == "random":
+            return self._at(self._drawn(seed))
+        shares = _hypercube(len(self.vary), len(seeds), seeds.start)
+        return self._at(shares[seeds.index(seed)].tolist())
+
+    def _drawn(self, seed: int) -> list[float]:
+        return [Random(f"{seed} varied {each.name}").random() for each in self.vary]
+
+    def _at(self, shares: Sequence[float]) -> Mapping[str, float]:
+        return self._named([each.at(share) for each, share in zip(self.vary, shares, strict=True)])
+
+    def _named(self, values: Sequence[float]) -> Mapping[str, float]:
+        return {each.name: value for each, value in zip(self.vary, values, strict=True)}
+
+    def changes(self, row: Mapping[str, float], task: Task) -> Changes:
+        """What a trial's numbers change in the files of a task."""
+        changed: dict[Path, dict[KeyPath, float]] = {}
+        for each in self.vary:
+            changed.setdefault(file_of(each.file, task).resolve(), {})[each.path] = row[each.name]
+        return changed
+
+
+@lru_cache(maxsize=4)
+def _hypercube(numbers: int, trials: int, seed: int) -> NDArray[np.float64]:
+    from scipy.stats.qmc import LatinHypercube
+
+    shares: NDArray[np.float64] = LatinHypercube(numbers, rng=seed).random(trials)
+    return shares
+
+
+def file_of(name: str, task: Task) -> Path:
+    """The file of a task, its robot or its world; where there is no world, the task's."""
+    by_path = task.robot.endswith((".yaml", ".yml"))
+    files = {
+        "task": Path(task.document.file),
+        "robot": Path(task.robot) if by_path else shipped_path(task.robot),
+        "world": task.path("world"),
+    }
+    return files[name] or Path(task.document.file)
+
+
+def load_variation(path: Path, task: Task | None = None) -> Variation:
+    """A file of variations.
+
+    Args:
+        path: the file's.
+        task: whose files must hold what varies; None: that was seen to.
+
+    Raises:
+        FileError: something in it is wrong, or names what is no number in the task's files.
+    """
+    read = load(path, Variation)
+    if task is None:
+        return read
+    document = read_document(path)
+    wrong = []
+    for number, each in enumerate(read.vary):
+        other = read_document(file_of(each.file, task))
+        fault = _fault(each, other)
+        if fault:
+            wrong.append(document.finding(("vary", number, "key"), fault))
+    if wrong:
+        raise FileError(wrong)
+    return read
+
+
+def _fault(varied: Varied, other: Document) -> str:
+    node, there = other.root.deepest(varied.path)
+    if there and isinstance(node.content, int | float) and not isinstance(node.content, bool):
+        return ""
+    if there:
+        return f"{other.file}:{node.line}: {varied.key} is no number; allowed: one that stands in the file"
+    known = _keys(node)
+    return f"{other.file} has no number {varied.key}{suggest(varied.key.split('.')[-1], known)}"
+
+
+def _keys(node: Node) -> list[str]:
+    if isinstance(node.content, dict):
+        return list(node.content)
+    return [str(at) for at in range(len(node.content))] if isinstance(node.content, list) else []

@@ -1,0 +1,247 @@
+"""Processes that run trials side by side; one that dies loses none."""
+
+from __future__ import annotations
+
+import os
+import pickle
+import signal
+import threading
+import time
+from collections import Counter, deque
+from collections.abc import Callable, Generator, Iterable, Iterator
+from contextlib import suppress
+from itertools import chain, islice
+from multiprocessing import get_context, parent_process
+from multiprocessing.connection import Connection
+from multiprocessing.connection import wait as wait_for
+from multiprocessing.process import BaseProcess
+
+from handcart.files.errors import HandcartError
+
+from .trial import Trial, died
+
+Work = Callable[[int], Trial]
+"""Runs the trial of a seed."""
+TOGETHER_S = 0.02
+"""[s] for which short trials are collected before they are handed on."""
+AHEAD_S = 0.1
+"""[s] of work that a process has before it, at least the trial that it runs."""
+MOST_AHEAD = 256
+DEATHS = 5
+"""Of the process in one trial, until that counts as its end."""
+STILLBORN = 20
+"""Processes, one after the other, that end before they begin, until the campaign does."""
+
+
+class TrialFault(HandcartError):
+    """A trial can't be run; the error's words, and the exit status that it has."""
+
+    def __init__(self, words: str, exit_status: int = 5) -> None:
+        super().__init__(words)
+        self.exit_status = exit_status  # type: ignore[misc]
+
+
+class Worker:
+    """A process, and the seeds that it was given and hasn't brought back, the running one first."""
+
+    def __init__(self, work: Work) -> None:
+        context = get_context("spawn")
+        self.connection, theirs = context.Pipe()
+        self.seeds: deque[int] = deque()
+        self.begun = False
+        """Whether it came to work at all."""
+        self.process: BaseProcess = context.Process(target=_serve, args=(theirs, work), daemon=True)
+        self.process.start()
+        theirs.close()
+
+    def give(self, seeds: list[int]) -> None:
+        """More to do; one that has died in the meantime is found out when it is asked."""
+        self.seeds.extend(seeds)
+        with suppress(OSError):
+            self.connection.send(seeds)
+
+    def taken(self) -> list[Trial] | None:
+        """What has ended; None: the process did.
+
+        Raises:
+            HandcartError: a trial can't be run.
+        """
+        try:
+            said: list[Trial] | Exception = self.connection.recv()
+        except (EOFError, OSError):
+            return None
+        if isinstance(said, Exception):
+            raise said
+        self.begun = True
+        for each in said:
+            self.seeds.remove(each.seed)
+        return said
+
+
+class Workers:
+    """Runs trials in processes. Who leaves the iteration early ends them."""
+
+    def __init__(self, work: Work, jobs: int) -> None:
+        """Nothing is started before it is iterated.
+
+        Args:
+            work: can be pickled.
+            jobs: how many processes.
+        """
+        self._work, self._jobs = work, jobs
+        self._workers: list[Worker] = []
+        self._deaths: Counter[int] = Counter()
+        self._took, self._ended, self._stillborn = 0.0, 0, 0
+        self._left: Iterator[int] = iter(())
+
+    def trials(self, seeds: Iterable[int]) -> Generator[list[Trial], None, None]:
+        """Run a trial for each seed; those that have ended by the same time come together.
+
+        Raises:
+            HandcartError: one can't be run.
+        """
+        self._left = iter(seeds)
+        began = time.monotonic()
+        try:
+            while self._busy():
+                waits = {each.connection: each for each in self._workers}
+                for connection in wait_for(list(waits)):
+                    assert isinstance(connection, Connection)
+                    worker = waits[connection]
+                    done = worker.taken()
+                    if done is None:
+                        done = self._buried(worker)
+                    elif done:
+                        self._stillborn = 0
+                        self._ended += len(done)
+                        self._took = (time.monotonic() - began) * len(self._workers) / max(1, self._ended)
+                        self._feed(worker)
+                    if done:
+                        yield done
+        except BaseException:
+            self._end()
+            raise
+        self._let_go()
+
+    def _busy(self) -> bool:
+        """Whether there is anything to wait for; as many processes as are useful have work."""
+        self._workers = [each for each in self._workers if each.seeds or self._feed(each)]
+        while len(self._workers) < self._jobs:
+            first = next(self._left, None)
+            if first is None:
+                break
+            worker = Worker(self._work)
+            self._workers.append(worker)
+            worker.give([first])
+        return bool(self._workers)
+
+    def _feed(self, worker: Worker) -> bool:
+        """Give it as much as it should have before it; whether it has anything to do."""
+        ahead = min(MOST_AHEAD, int(AHEAD_S / self._took)) if self._took else 0
+        more = list(islice(self._left, max(0, 1 + ahead - len(worker.seeds))))
+        if more:
+            worker.give(more)
+        elif not worker.seeds:
+            _let_go(worker)
+        return bool(worker.seeds)
+
+    def _buried(self, worker: Worker) -> list[Trial]:
+        """What it had to do is done by others; a trial that kills each of them has ended."""
+        self._workers.remove(worker)
+        worker.process.join()
+        first = worker.seeds[0]
+        self._deaths[first] += worker.begun
+        self._stillborn += not worker.begun
+        if self._stillborn > STILLBORN:
+            raise TrialFault(f"processes die before they begin, at last {_how(worker.process)}")
+        if self._deaths[first] < DEATHS:
+            self._left = chain(worker.seeds, self._left)
+            return []
+        worker.seeds.popleft()
+        self._left = chain(worker.seeds, self._left)
+        return [died(first, f"its process died {DEATHS} times, at last {_how(worker.process)}")]
+
+    def _let_go(self) -> None:
+        for each in self._workers:
+            _let_go(each)
+
+    def _end(self) -> None:
+        end([each.process for each in self._workers])
+
+
+def end(processes: Iterable[BaseProcess]) -> None:
+    """Tell them to end until they have: a trial stops its robot, and one that was just over is followed by
+    another that waits. Who is interrupted here once more kills them.
+    """
+    alive = list(processes)
+    try:
+        while alive := [each for each in alive if each.is_alive()]:
+            for process in alive:
+                process.terminate()
+            wait_for([each.sentinel for each in alive], timeout=0.5)
+    finally:
+        for process in alive:
+            process.kill()
+
+
+def _let_go(worker: Worker) -> None:
+    worker.connection.close()
+    worker.process.join(5.0)
+    if worker.process.is_alive():  # what it wrote is whole; something of a library's doesn't end
+        worker.process.kill()
+
+
+def _how(process: BaseProcess) -> str:
+    code = process.exitcode or 0
+    return f"by signal {-code}" if code < 0 else f"with status {code}"
+
+
+def _serve(connection: Connection, work: Work) -> None:
+    """In each process: run what is sent, send what has ended, until nobody is at the other end."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # it comes to all of a terminal's processes; one is enough
+    threading.Thread(target=_end_with_parent, daemon=True).start()
+    try:
+        _run_all(connection, work)
+    except (EOFError, OSError, KeyboardInterrupt):
+        return
+    except Exception as error:
+        connection.send(_sendable(error))
+
+
+def _run_all(connection: Connection, work: Work) -> None:
+    seeds: deque[int] = deque()
+    done: list[Trial] = []
+    connection.send(done)  # here it begins
+    sent = time.monotonic()
+    while True:
+        while not seeds or connection.poll():
+            seeds.extend(connection.recv())
+        trial = work(seeds.popleft())
+        if trial.signalled:
+            return
+        done.append(trial)
+        if not seeds or time.monotonic() - sent > TOGETHER_S:
+            connection.send(done)
+            done, sent = [], time.monotonic()
+
+
+def _sendable(error: Exception) -> Exception:
+    """The error, if it is the same when it is unpacked; else its words."""
+    try:
+        again = pickle.loads(pickle.dumps(error))
+        if str(again) == str(error):
+            return error
+    except Exception:
+        pass
+    if isinstance(error, HandcartError):
+        return TrialFault(str(error), error.exit_status)
+    return TrialFault(f"{type(error).__name__}: {error}")
+
+
+def _end_with_parent() -> None:
+    parent = parent_process()
+    assert parent is not None
+    parent.join()
+    while True:
+        os.kill(os.getpid(), signal.SIGTERM)
+        time.sleep(1.0)

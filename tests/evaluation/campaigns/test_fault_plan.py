@@ -1,0 +1,78 @@
+"""Faults in a campaign's trials."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Callable
+from pathlib import Path
+from random import Random
+
+import pytest
+
+from handcart.evaluation.campaigns.campaign_folder import CampaignFolder
+from handcart.evaluation.campaigns.fault_plan import InjectedFaults, load_faults
+from handcart.files.errors import FileError
+from tests.tools.conftest import Said
+from tests.tools.conftest import handcart as handcart
+
+DRIVE = Path(__file__).resolve().parents[3] / "tasks" / "drive_map" / "task.yaml"
+PLAN = """\
+format: handcart-faults/1
+faults:
+  - {kind: exception, at_s: 2.0}
+  - {kind: slip, every_s: 3.0, periods: 4}
+  - {kind: stale sensor, sensor: range, rate_per_s: 0.5, periods: 2}
+"""
+
+
+@pytest.fixture
+def plan(tmp_path: Path) -> Path:
+    path = tmp_path / "faults.yaml"
+    path.write_text(PLAN, encoding="utf-8")
+    return path
+
+
+def test_when_they_come(plan: Path) -> None:
+    once, again, drawn = load_faults(plan).faults
+    assert list(once.instants(Random(0))) == [2.0]
+    assert list(itertools.islice(again.instants(Random(0)), 3)) == [3.0, 6.0, 9.0]
+    instants = list(itertools.islice(drawn.instants(Random(1)), 2000))
+    assert instants[-1] == pytest.approx(4000.0, rel=0.07)
+    assert instants == list(itertools.islice(drawn.instants(Random(1)), 2000))
+    assert InjectedFaults(load_faults(plan), 1)._next != InjectedFaults(load_faults(plan), 2)._next
+
+
+@pytest.mark.parametrize(
+    ("line", "wrong"),
+    [
+        ("{kind: slip}", "needed: one of at_s, every_s, rate_per_s"),
+        ("{kind: slip, at_s: 1, every_s: 2}", "needed: one of"),
+        ("{kind: stale sensor, sensor: rnage, at_s: 1}", "did you mean 'range'?"),
+        ("{kind: stale sensor, at_s: 1}", "unknown sensor"),
+        ("{kind: slipp, at_s: 1}", "slip"),
+    ],
+)
+def test_a_plan_that_makes_no_sense_is_refused(tmp_path: Path, line: str, wrong: str) -> None:
+    path = tmp_path / "faults.yaml"
+    path.write_text(f"format: handcart-faults/1\nfaults:\n  - {line}\n", encoding="utf-8")
+    with pytest.raises(FileError) as refused:
+        load_faults(path)
+    assert wrong in str(refused.value)
+    assert "faults.yaml:3:" in str(refused.value)
+
+
+@pytest.mark.slow
+def test_they_come_and_are_recorded_with_each_trial(
+    handcart: Callable[..., Said], tmp_path: Path, plan: Path
+) -> None:
+    command = ["campaign", DRIVE, "--robot", "cart", "--set", "tour=[desk]", "--trials", "1", "--jobs", "1"]
+    said = handcart(*command, "--faults", plan, "--out", tmp_path / "out")
+    assert said.status == 0, said.err
+    (trial,) = CampaignFolder.read(tmp_path / "out").trials()
+    assert trial.faults[0] == {"fault": "exception", "at_s": 2.0, "bitten": 1}
+    assert sum(each["fault"].startswith("slip") for each in trial.faults) >= 2
+    assert "MOVE_TO Fail (motion): InjectedError: the backend broke" in said.out
+    assert f"--faults {plan}" in said.out
+    plan.write_text(PLAN.replace("2.0", "2.5"), encoding="utf-8")
+    said = handcart(*command, "--faults", plan, "--out", tmp_path / "out")
+    assert (said.status, "faults.yaml has another content" in said.err) == (2, True)

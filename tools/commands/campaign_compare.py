@@ -1,0 +1,59 @@
+"""`handcart campaign compare`: whether a second campaign is better or worse than a first one, and why."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Iterator
+from dataclasses import asdict
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+if TYPE_CHECKING:
+    from handcart.evaluation.campaign_report.comparison import Comparison
+
+
+def compare(
+    one: Annotated[Path, typer.Argument(help="a campaign's folder: how it was")],
+    other: Annotated[Path, typer.Argument(help="another's: how it is now")],
+    as_json: Annotated[bool, typer.Option("--json", help="end with one JSON object on stdout")] = False,
+) -> None:
+    """Compare two campaigns, paired by seed; status 3 where the second one's success rate is proven lower."""
+    import orjson
+
+    from handcart.evaluation.campaign_report.comparison import compare as compared
+    from handcart.evaluation.campaigns.campaign_folder import CampaignFolder
+
+    found = compared(CampaignFolder.read(one).trials(), CampaignFolder.read(other).trials())
+    if as_json:
+        facts = {**asdict(found), "changes": [{**asdict(e), "proven": e.proven} for e in found.changes]}
+        print(orjson.dumps({**facts, "worse": found.worse}, default=list).decode())
+    else:
+        print("\n".join(_lines(found)))
+    sys.exit(3 if found.worse else 0)
+
+
+def _lines(found: Comparison) -> Iterator[str]:
+    left = f"; {found.unpaired} trials without a partner are left out" if found.unpaired else ""
+    yield f"{found.pairs} pairs of the same seed{left}"
+    yield f"A alone succeeded in {found.only_one}, B alone in {found.only_other}"
+    verdict = "no difference is proven"
+    if found.success.proven:
+        verdict = f"B is {'worse' if found.worse else 'better'}: chance is no explanation"
+    yield f"success rate, B less A: {100 * found.success.mean:+.2f} %; {verdict}"
+    sure = "" if found.sure_at is None else f"; it was sure after {found.sure_at} pairs"
+    yield f"e-value {found.e_value:.3g} (20 is sure, whenever it is looked at){sure}"
+    least = "none, with so few pairs" if found.smallest is None else f"{100 * found.smallest:.2f} %"
+    yield f"smallest difference that would have been seen (power 80 %): {least}"
+    yield f"\n{'metric':<24}{'pairs':>8}{'B less A':>14}{'p':>11}{'by Holm':>11}"
+    for each in found.changes:
+        end = "  proven" if each.proven else ""
+        figures = f"{each.mean:>+14.4g}{each.p_value:>11.3g}{each.adjusted:>11.3g}"
+        yield f"{each.name:<24}{each.pairs:>8}{figures}{end}"
+    if found.partings:
+        yield "\nwhere pairs part of which one alone succeeded"
+    for kind, parting in found.partings.items():
+        yield f"{parting.times:>6} x {kind}; seeds {', '.join(map(str, parting.seeds))}"
+        if parting.example is not None:
+            yield f"         {parting.example.words('A', 'B')}"

@@ -1,0 +1,29 @@
+"""`handcart campaign merge`: the parts of a campaign that ran on many machines, as one."""
+
+from __future__ import annotations
+
+import sys
+import tempfile
+from contextlib import ExitStack
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+
+def merge(
+    parts: Annotated[list[Path], typer.Argument(help="folders of the parts, each made with another --shard")],
+    out: Annotated[Path | None, typer.Option(help="keep the whole campaign in this folder")] = None,
+    as_json: Annotated[bool, typer.Option("--json", help="end with one JSON object on stdout")] = False,
+) -> None:
+    """Put the parts of a campaign together, and tell what one machine would have told."""
+    import orjson
+
+    from handcart.evaluation.campaigns.merging import merged
+    from handcart.tools.terminal.campaign_words import report_of
+
+    with ExitStack() as stack:
+        folder = out or Path(stack.enter_context(tempfile.TemporaryDirectory())) / "whole"
+        report, told = report_of(merged(parts, folder))
+        print(orjson.dumps(told.facts()).decode() if as_json else "\n".join(told.lines()))
+        sys.exit(0 if not report.untrue else 5)

@@ -1,0 +1,185 @@
+"""A campaign's report for people and for programs: the same bytes for the same trials."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import asdict
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from handcart.evaluation.campaign_report.exact_value import beside, exact_goal
+
+if TYPE_CHECKING:
+    from handcart.evaluation.campaign_report.campaign_report import CampaignReport, Spread
+    from handcart.evaluation.campaign_report.claim import Settling
+    from handcart.evaluation.campaigns.campaign_folder import CampaignFolder
+    from handcart.evaluation.campaigns.trial import Trial
+
+
+class CampaignWords:
+    """Tells a report, with what was asked for."""
+
+    def __init__(
+        self,
+        report: CampaignReport,
+        arguments: Mapping[str, Any],
+        interrupted: bool,
+        settling: Settling | None = None,
+    ) -> None:
+        """Of a report, the arguments that its campaign's folder keeps, and what became of a claim."""
+        self._report, self._arguments, self._interrupted = report, arguments, interrupted
+        self._settling = settling
+
+    def lines(self) -> Iterator[str]:
+        """For people."""
+        report = self._report
+        low, high = report.wilson
+        count = len(report.trials)
+        yield f"Success {report.successes} of {count}; by Wilson {100 * low:.1f} to {100 * high:.1f} % (95 %)"
+        if self._settling is not None:
+            yield self._settling.words()
+        yield from self._exact_lines()
+        yield f"outcomes that the ground truth contradicts: {len(report.untrue)} of {count} trials"
+        for outcome, times in report.outcomes.most_common():
+            yield f"  {times:4d} x {outcome}"
+        if self._interrupted:
+            yield f"interrupted after {count} of {self._arguments['trials']} trials"
+        yield from self._metric_lines()
+        yield from self._action_lines()
+        yield from self._blame_lines()
+        yield from self._worst_lines()
+
+    def _exact_lines(self) -> Iterator[str]:
+        goal = self._exact()
+        if isinstance(goal, str):
+            return
+        found = beside(goal, self._report.successes, len(self._report.trials))
+        verdict = "they agree" if found.agrees else "they differ: the probabilities in the file don't hold"
+        yield f"handcart check reckons {100 * goal:.2f} %: {verdict} (exact test, p = {found.p_value:.3g})"
+
+    def _claim(self) -> dict[str, Any] | None:
+        if self._settling is None:
+            return None
+        return {"claim": str(self._settling.claim), "holds": self._settling.verdict}
+
+    def _metric_lines(self) -> Iterator[str]:
+        names = ("trials", "least", "median", "95 %", "most")
+        yield f"\n{'metric':<20}" + "".join(f"{each:>11}" for each in names) + f"{'95 % interval':>25}"
+        for name, each in self._report.spreads().items():
+            figures = (each.least, each.median, each.most_95, each.most)
+            shown = "".join(f"{figure:>11.2f}" for figure in figures)
+            yield f"{name:<20}{each.count:>11}{shown}{_interval(each, name in self._report.tally.yes_no):>25}"
+
+    def _action_lines(self) -> Iterator[str]:
+        yield f"\n{'action':<56}{'attempts':>9}{'p':>7}{'95 %':>15}{'p_give_up':>11}"
+        for share in self._report.shares:
+            low, high = share.wilson
+            ends = f"{share.p:>7.3f}{f'{low:.3f} to {high:.3f}':>17}{share.give_up / share.attempts:>9.3f}"
+            yield f"{share.action:<56}{share.attempts:>9}{ends}"
+
+    def _blame_lines(self) -> Iterator[str]:
+        blames = self._report.blames
+        if blames:
+            yield "\nFails and GiveUps by primitive and cause"
+        for blame, times in blames:
+            found = f" ({blame.check})" if blame.check else ""
+            yield f"{times:>6} x {blame.primitive} {blame.outcome}{found}: {blame.reason}"
+
+    def _worst_lines(self) -> Iterator[str]:
+        from handcart.evaluation.campaign_report.divergence import first_difference
+
+        median = self._report.median_run
+        for trial in self._report.worst():
+            words = "; ".join(trial.untrue) or trial.summary["reason"] or "with Fails"
+            varied = ", ".join(f"{name} {value:g}" for name, value in trial.varied.items())
+            yield f"\nseed {trial.seed}: {words}{f' (with {varied})' if varied else ''}"
+            if median is not None and (found := first_difference(trial, median)):
+                yield f"  {found.words('it', f'the median run (seed {median.seed})')}"
+            yield f"  {self._rerun(trial)}"
+
+    def _rerun(self, trial: Trial) -> str:
+        said = self._arguments
+        chosen = "".join(f" --set {key}={value}" for key, value in said["settings"].items())
+        chosen += f" --backend {said['backend']}" if said.get("backend") else ""
+        if said.get("vary_file"):
+            part = f"{trial.seed - said['first'] + 1}/{said['trials']} --out again-{trial.seed}"
+            whole = f"--first {said['first']} --trials {said['trials']} --vary {said['vary_file']}"
+            chosen += " --level network" if said["level"] == "network" else ""
+            chosen += f" --faults {said['faults']}" if said.get("faults") else ""
+            return f"handcart campaign {said['task']} {whole} --shard {part}{chosen}"
+        if said.get("level") == "network":
+            once = f"--level network --trials 1 --first {trial.seed}"
+            return f"handcart campaign {said['task']} {once}{chosen}"
+        worlds = "".join(f" --generate {each}" for each in said["generate"])
+        worlds += f" --faults {said['faults']}" if said.get("faults") else ""
+        if not worlds:
+            return f"handcart run {said['task']} --seed {trial.seed}{chosen}"
+        return f"handcart campaign {said['task']} --trials 1 --first {trial.seed} --jobs 1{worlds}{chosen}"
+
+    def _exact(self) -> float | str:
+        if not self._report.trials:
+            return "no trial has ended"
+        return exact_goal(Path(self._arguments["task"]), self._arguments["settings"])
+
+    def facts(self) -> dict[str, Any]:
+        """For programs."""
+        from handcart.evaluation.campaign_report.divergence import first_difference
+
+        report, median, goal = self._report, self._report.median_run, self._exact()
+        exact: dict[str, Any] = {"unknown": goal} if isinstance(goal, str) else {"p_goal": goal}
+        if not isinstance(goal, str):
+            found = beside(goal, report.successes, len(report.trials))
+            exact |= {"p_value": found.p_value, "agrees": found.agrees}
+        return {
+            "trials": len(report.trials),
+            "asked": self._arguments["trials"],
+            "interrupted": self._interrupted,
+            "successes": report.successes,
+            "wilson": list(report.wilson),
+            "exact": exact,
+            "until": self._claim(),
+            "untrue": {str(trial.seed): list(trial.untrue) for trial in report.untrue},
+            "outcomes": dict(report.outcomes),
+            "metrics": {name: asdict(each) for name, each in report.spreads().items()},
+            "actions": [
+                {
+                    "action": each.action,
+                    "attempts": each.attempts,
+                    "p": each.p,
+                    "p_wilson": each.wilson,
+                    "p_give_up": each.give_up / each.attempts,
+                }
+                for each in report.shares
+            ],
+            "blames": [{**blame._asdict(), "times": times} for blame, times in report.blames],
+            "median_seed": None if median is None else median.seed,
+            "worst": [
+                {
+                    "seed": each.seed,
+                    "outcome": each.summary["outcome"],
+                    "reason": each.summary["reason"],
+                    "rerun": self._rerun(each),
+                    "differs": None if median is None else _difference(first_difference(each, median)),
+                }
+                for each in report.worst()
+            ],
+        }
+
+
+def _difference(found: Any) -> Any:
+    return None if found is None else {"action": found.number, "words": found.words("it", "the median run")}
+
+
+def _interval(spread: Spread, yes_no: bool) -> str:
+    if spread.low is None or spread.high is None:
+        return ""
+    of = "yes" if yes_no else "median"
+    return f"{of} {spread.low:.2f} to {spread.high:.2f}"
+
+
+def report_of(found: CampaignFolder) -> tuple[CampaignReport, CampaignWords]:
+    """What a campaign's folder holds by now, and the words for it."""
+    from handcart.evaluation.campaign_report.campaign_report import CampaignReport
+
+    report = CampaignReport(found.trials())
+    return report, CampaignWords(report, found.arguments, False)
