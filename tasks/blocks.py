@@ -26,6 +26,7 @@ DOMAIN = Domain(
         "building": "handcart.primitives.blocks.building:Building",
         "drawing": "handcart.primitives.blocks.drawing:Drawing",
     },
+    task_facts="handcart.evaluation.blocks.stop_check:block_facts",
     commands={
         "wall": Command("handcart.tools.blocks.wall:wall", "Plan how a drawn wall is built; write a task.")
     },

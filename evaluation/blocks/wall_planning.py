@@ -134,6 +134,8 @@ def plan_wall(loaded: Loaded[Drawing], spec: RobotFile, grid: GridMap) -> WallPl
         plan = WallPlan(drawing, tuple(order), fetching, laying, grid, keepout)
         if best is None or _worth(plan) > _worth(best):
             best = plan
+        if len(laying) == 1:
+            break  # no order needs fewer
     if best is None:
         raise refusals[0]
     return best

@@ -25,8 +25,11 @@ Touches = Callable[[Floats, int], str]
 
 BESIDE = 0.05  # [m] by which a base stops beside its place
 TURNED = 0.05  # [rad]
-_ASIDE = tuple(
-    (x, y, turn) for x, y, turn in product((-BESIDE, BESIDE), (-BESIDE, BESIDE), (-TURNED, TURNED))
+_ASIDE = (
+    (BESIDE, BESIDE, TURNED),
+    (-BESIDE, BESIDE, -TURNED),
+    (-BESIDE, -BESIDE, TURNED),
+    (BESIDE, -BESIDE, -TURNED),
 )
 _ATTEMPTS = 40
 _HALVINGS = 2
@@ -90,18 +93,22 @@ class StopPlacer:
 
     def table(self, bases: Floats, goals: Sequence[Goal]) -> Table:
         """Of base poses (b, 3)."""
-        values, served = (
-            np.zeros((len(bases), len(goals))),
-            np.zeros((len(bases), len(goals)), dtype=np.bool_),
-        )
-        for number, goal in enumerate(goals):
-            scores = self._placer.scores(bases, goal.work)
-            good: Masks = np.asarray(scores.usable.all(axis=1))
-            for path in (goal.work, *goal.looks):
-                good = self._also_beside(bases, path, good)
-            served[:, number] = good
-            values[:, number] = np.where(good, scores.values.min(axis=1), 0.0)
-        return Table(values, served, self._in_sight(bases, np.asarray(served.any(axis=1))))
+        values = np.zeros((len(bases), len(goals)))
+        served = np.zeros((len(bases), len(goals)), dtype=np.bool_)
+        sights = self._in_sight(bases)
+        some = np.flatnonzero(sights.any(axis=1))
+        if len(some):
+            for number, goal in enumerate(goals):
+                values[some, number], served[some, number] = self._worth(bases[some], goal)
+        return Table(values, served, sights)
+
+    def _worth(self, bases: Floats, goal: Goal) -> tuple[Floats, Masks]:
+        """(b,) the least score along a goal's motion, 0 where it isn't served; and whether it is."""
+        scores = self._placer.scores(bases, goal.work)
+        good: Masks = np.asarray(scores.usable.all(axis=1))
+        for path in (goal.work, *goal.looks):
+            good = self._also_beside(bases, path, good)
+        return np.where(good, scores.values.min(axis=1), 0.0), good
 
     def place(
         self, goals: Sequence[Goal], blocked: Blocked, touches: Touches | None = None, cost: float = 0.3
@@ -147,11 +154,11 @@ class StopPlacer:
             good[some] = self._placer.reached(bases[some] + aside, path).all(axis=1)
         return good
 
-    def _in_sight(self, bases: Floats, asked: Masks) -> Masks:
-        """(b, m): which landmarks can be looked at; only of the base poses that are `asked`."""
+    def _in_sight(self, bases: Floats) -> Masks:
+        """(b, m): which landmarks can be looked at."""
         seen = np.zeros((len(bases), len(self._sights)), dtype=np.bool_)
-        for heading in np.unique(bases[asked, 2]):
-            some = np.flatnonzero(asked & (bases[:, 2] == heading))
+        for heading in np.unique(bases[:, 2]):
+            some = np.flatnonzero(bases[:, 2] == heading)
             for number, sight in enumerate(self._sights):
                 good = np.ones(len(some), dtype=np.bool_)
                 seen[some, number] = self._also_beside(bases[some], sight(float(heading)), good)
@@ -195,10 +202,9 @@ class StopPlacer:
         touched = [why for _, number, why in refused if number == goal]
         if touched:
             return Untrackable(goal, touched[0])
-        only = [goals[goal]]
-        if not self.table(candidates, only).served.any():
+        if not self._worth(candidates, goals[goal])[1].any():
             return Untrackable(goal, _NOWHERE)
-        if not len(bases) or not self.table(bases, only).served.any():
+        if not len(bases) or not self._worth(bases, goals[goal])[1].any():
             return Untrackable(goal, _NO_ROOM)
         return Untrackable(goal, _NO_SIGHT)
 
