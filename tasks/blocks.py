@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from .domain import Domain, Knowledge
+from .domain import Command, Domain, Knowledge
 
 _HERE = Path(__file__).parent
 
@@ -22,6 +22,13 @@ DOMAIN = Domain(
         "STACK": "handcart.primitives.blocks.stack:Stack",
     },
     survey="handcart.evaluation.blocks.block_survey:BlockSurvey",
-    files={"building": "handcart.primitives.blocks.building:Building"},
+    files={
+        "building": "handcart.primitives.blocks.building:Building",
+        "drawing": "handcart.primitives.blocks.drawing:Drawing",
+    },
+    task_facts="handcart.evaluation.blocks.stop_check:block_facts",
+    commands={
+        "wall": Command("handcart.tools.blocks.wall:wall", "Plan how a drawn wall is built; write a task.")
+    },
     rehearsals={_HERE / "stack_blocks" / "unload.yaml": {"blocks": "[1]"}},
 )

@@ -18,7 +18,8 @@ from scipy.spatial.transform import Rotation, Slerp
 
 from handcart.backends.description.robot_file import RobotFile
 from handcart.backends.simulation.body.simulated_parts import ArmError
-from handcart.primitives.seam.seam_room import work_of, working_arm
+from handcart.primitives.motions.working_arm import working_arm
+from handcart.primitives.seam.seam_placer import work_of
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import inverse
 from handcart.robotics.manipulation.placement.placer import Placer

@@ -9,10 +9,11 @@ from handcart.files.errors import FileError
 from handcart.networks.task.preparing import load_model
 from handcart.networks.task.task_file import Task
 from handcart.primitives.contract.discrepancy import Discrepancy
+from handcart.primitives.driving.standing_room import StandingRoom
 from handcart.primitives.seam.divide import Divide
 from handcart.primitives.seam.seam import Seam
 from handcart.primitives.seam.seam_file import untrackable
-from handcart.primitives.seam.seam_room import SeamRoom, placer_of
+from handcart.primitives.seam.seam_placer import placer_of
 from handcart.robotics.manipulation.placement.untrackable import Untrackable
 
 
@@ -33,7 +34,7 @@ def seam_facts(task: Task) -> dict[str, Any]:
     boxes = tuple(each.box for each in work.work_piece.boxes) if work.work_piece else ()
     try:
         placer, start = placer_of(spec), task.knowledge.start
-        room = SeamRoom(spec, placer.arm, model.map, model.obstacles, start, boxes)
+        room = StandingRoom(spec, placer.arm, model.map, model.obstacles, start, boxes)
         found = placer.place(work.seam, room.blocked, most.placements, room.free, most.move_m)
     except Discrepancy as lacking:
         raise FileError([task.document.finding(("robot",), f"DIVIDE can't be done: {lacking}")]) from None

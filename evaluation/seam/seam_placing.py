@@ -14,8 +14,9 @@ from handcart.evaluation.drawing.picture_file import write_png
 from handcart.files.errors import InputError
 from handcart.files.whole_file import write_whole
 from handcart.primitives.contract.discrepancy import Discrepancy
+from handcart.primitives.driving.standing_room import StandingRoom
 from handcart.primitives.seam.seam_file import load_seam, untrackable
-from handcart.primitives.seam.seam_room import SeamRoom, placer_of
+from handcart.primitives.seam.seam_placer import placer_of
 from handcart.primitives.seam.work_piece import WorkBox, WorkPiece
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.manipulation.placement.placement_division import Division
@@ -96,7 +97,7 @@ def place_seam(
         raise NoToolArm(spec, lacking.reason) from None
     grid = _floor(seam, placer, work_piece)
     boxes = tuple(each.box for each in work_piece.boxes) if work_piece else ()
-    room = SeamRoom(spec, placer.arm, grid, np.empty((0, 2)), _corner(grid, spec), boxes)
+    room = StandingRoom(spec, placer.arm, grid, np.empty((0, 2)), _corner(grid, spec), boxes)
     try:
         placements = placer.place(seam, room.blocked, count, room.free)
     except Untrackable as error:
@@ -127,7 +128,7 @@ def _corner(grid: GridMap, spec: RobotFile) -> Pose2:
     return Pose2(grid.origin_x + away, grid.origin_y + away, 0.0)
 
 
-def _start(placements: Placements, seam: ToolPath, room: SeamRoom) -> Pose2:
+def _start(placements: Placements, seam: ToolPath, room: StandingRoom) -> Pose2:
     """Some way back from the first place; that place where there is no room."""
     base = placements.bases[placements.segments[0].placement]
     back = base[:2] - seam.points[0, :2]

@@ -56,7 +56,7 @@ class Placed(NamedTuple):
 class Blocks(Section):
     """Of a robot that stacks them."""
 
-    LEARNED: ClassVar = ("fixed", "placed")
+    LEARNED: ClassVar = ("fixed", "placed", "taken")
 
     building: Building | None = None
     """The building plan."""
@@ -64,6 +64,8 @@ class Blocks(Section):
     """Where the base stands by the landmark that was seen last."""
     placed: tuple[Placed, ...] = ()
     """The blocks that stand where they go."""
+    taken: tuple[int, ...] = ()
+    """The blocks that don't wait any more."""
 
     @classmethod
     def load(cls, files: NamedFiles) -> Self:
@@ -81,4 +83,5 @@ class Blocks(Section):
         return {
             "fixed": list(self.fixed) if self.fixed else None,
             "placed": [list(each) for each in self.placed],
+            "taken": list(self.taken),
         }

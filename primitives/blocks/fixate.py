@@ -48,7 +48,7 @@ class Fixate(ActionPrimitive):
     """Whether a landmark out of view is searched for."""
 
     needs: ClassVar = (Arm, Camera)
-    reads: ClassVar = ("places", "building", "placed")
+    reads: ClassVar = ("places", "building", "placed", "taken")
     writes: ClassVar = ("fixed",)
 
     def motion(self, robot: Robot, model: ModelView) -> Periods:

@@ -16,7 +16,7 @@ from handcart.robotics.geometry.transform import Transform, transform
 from handcart.robotics.kinematics.shapes import Box
 from handcart.robotics.manipulation.motions.collision_model import HELD
 
-from .building import Building
+from .building import Building, name_of_block
 
 BITE = 0.025  # [m] of a block's height that the pads cover
 VIEW = 0.30  # [m] from the camera down to what it looks at
@@ -49,14 +49,15 @@ def held_block(robot: Robot, plan: Building) -> Box:
 
 
 def surroundings(robot: Robot, model: ModelView) -> tuple[Box, ...]:
-    """The tables, and the blocks that were put where they go, posed in the base frame."""
+    """The tables, the blocks that wait and those that were put where they go, posed in the base frame."""
     plan = building(model)
     base_T_map = standing(robot, model).inverse().lift()
     boxes = [table.box for table in plan.tables.values()]
-    length, width, height = plan.block
-    for each in model.of(Blocks).placed:
-        middle = each.pose.lift(each.height + height / 2)
-        boxes.append(Box(middle, (length, width, height), f"block {each.number}"))
+    half, blocks = plan.block[2] / 2, model.of(Blocks)
+    feet = [(each.number, each.pose.lift(each.height + half)) for each in blocks.placed]
+    waiting = (each for each in enumerate(plan.supply, start=1) if each[0] not in blocks.taken)
+    feet += [(number, place.floor.lift(place.height_m + half)) for number, place in waiting]
+    boxes += [Box(middle, plan.block, name_of_block(number)) for number, middle in feet]
     return tuple(Box(base_T_map @ box.pose, box.size, box.name) for box in boxes)
 
 

@@ -55,6 +55,7 @@ class PickUpBlock(ActionPrimitive):
 
     needs: ClassVar = (Arm, Gripper, Camera)
     reads: ClassVar = ("building", "fixed", "placed")
+    writes: ClassVar = ("taken",)
 
     _held: bool = PrivateAttr(default=False)
     _touched: bool = PrivateAttr(default=False)
@@ -80,6 +81,8 @@ class PickUpBlock(ActionPrimitive):
             raise Discrepancy("the fingers don't hold a block", measured=_opening(robot, plan))
         self._held = True
         yield from move_straight(robot, above, held_block(robot, plan))
+        if self.at == "supply":
+            model.of(Blocks).taken = (*model.of(Blocks).taken, self.number)
         self.found(width_mm=round(1e3 * robot.gripper.width(), 2))
 
     def watch(self, robot: Robot, model: ModelView) -> None:
@@ -103,7 +106,8 @@ class PickUpBlock(ActionPrimitive):
 
     def restore(self, robot: Robot, model: ModelView, start: Snapshot, trace: Trace) -> Periods:
         """Played backwards, the block stands where it stood; then a picture tells whether it does."""
-        self._held = False
+        self._held, blocks = False, model.of(Blocks)
+        blocks.taken = tuple(number for number in blocks.taken if number != self.number)
         yield from retrace(robot, start, trace)
         if not self._touched:
             return

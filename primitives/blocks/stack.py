@@ -85,7 +85,7 @@ class Stack(ActionPrimitive):
     """Whether the arm goes home in the end, as it must before the base drives away."""
 
     needs: ClassVar = (Arm, Gripper, Camera)
-    reads: ClassVar = ("places", "building")
+    reads: ClassVar = ("places", "building", "taken")
     writes: ClassVar = ("fixed", "placed")
 
     _placed: Placed | None = PrivateAttr(default=None)

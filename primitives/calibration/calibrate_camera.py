@@ -60,7 +60,7 @@ class CalibrateCamera(ActionPrimitive):
     """How many pictures are taken."""
 
     needs: ClassVar = (Arm, Camera)
-    reads: ClassVar = ("building", "placed", "fixed")
+    reads: ClassVar = ("building", "placed", "fixed", "taken")
 
     def motion(self, robot: Robot, model: ModelView) -> Periods:
         plan = _board_of(model, self.board)

@@ -69,7 +69,7 @@ class CalibrateSuspension(ActionPrimitive):
     """How often the hand swings out and back."""
 
     needs: ClassVar = (Arm, Gripper, Camera)
-    reads: ClassVar = ("building", "placed", "fixed")
+    reads: ClassVar = ("building", "placed", "fixed", "taken")
 
     def unmet_precondition(self, robot: Robot, model: ModelView) -> str:
         """A hand that holds nothing: the base gives under a load."""

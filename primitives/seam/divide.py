@@ -12,6 +12,7 @@ from handcart.backends.capabilities.arm import Arm
 from handcart.backends.robot.robot import Robot
 from handcart.primitives.contract.action_primitive import ActionPrimitive, Periods
 from handcart.primitives.contract.discrepancy import Discrepancy
+from handcart.primitives.driving.standing_room import StandingRoom
 from handcart.primitives.knowledge.place import Place
 from handcart.primitives.knowledge.world_model import ModelView
 from handcart.primitives.seam.seam import Seam
@@ -20,7 +21,7 @@ from handcart.robotics.manipulation.placement.placer import Placements, Placer
 from handcart.robotics.manipulation.placement.untrackable import Untrackable
 from handcart.robotics.manipulation.tracking.tool_path import ToolPath
 
-from .seam_room import SeamRoom, placer_of
+from .seam_placer import placer_of
 from .seam_work import SeamPart, SeamWork
 
 
@@ -46,7 +47,7 @@ class Divide(ActionPrimitive):
         known = model.of(Seam)
         seam, work = seam_of(model), known.seam_work
         boxes = tuple(each.box for each in known.work_piece.boxes) if known.work_piece else ()
-        room = SeamRoom(
+        room = StandingRoom(
             robot.spec, robot.arm_model, model.map, model.obstacles, robot.pose, boxes, work.avoided
         )
         if work.tracked == len(seam.points) - 1 or self._stays(work, room):
@@ -61,11 +62,11 @@ class Divide(ActionPrimitive):
         model.detour = None
         self.found(placements=len(parts), score=round(found.score / rest.length, 4))
 
-    def _stays(self, work: SeamWork, room: SeamRoom) -> bool:
+    def _stays(self, work: SeamWork, room: StandingRoom) -> bool:
         """Whether the next place of a division can still be stood at."""
         return work.next is not None and not room.blocked(np.array([work.next.pose]))[0]
 
-    def _divided(self, placer: Placer, rest: ToolPath, room: SeamRoom, tracked: int) -> Placements:
+    def _divided(self, placer: Placer, rest: ToolPath, room: StandingRoom, tracked: int) -> Placements:
         try:
             return placer.place(rest, room.blocked, self.placements, room.free, self.move_m)
         except Untrackable as error:

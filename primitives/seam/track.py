@@ -27,7 +27,7 @@ from handcart.robotics.manipulation.tracking.tracking_limits import ArmLoad
 from handcart.robotics.manipulation.tracking.tracking_time import TimedTracking, TrackingLimits, time_tracking
 
 from .divide import seam_of
-from .seam_room import placer_of
+from .seam_placer import placer_of
 from .seam_work import SeamPart
 
 LOOK = 2.0  # [s] at rest in which the positioning is averaged

@@ -116,6 +116,15 @@ class Placer:
         """Of base poses (b, 3)."""
         return self._scores(bases, path, self._rule)
 
+    def reached(self, bases: Floats, path: ToolPath) -> Masks:
+        """(b, p): which points the arm reaches from base poses (b, 3), however slowly."""
+        return self._scores(bases, path, self._rule._replace(measure=Measure.REACHABILITY)).usable
+
+    @property
+    def spacing(self) -> tuple[float, float]:
+        """Of the `candidates`: in [m], and of their headings in [rad]."""
+        return self._step, 2.0 * np.pi / self._grid.headings
+
     def _scores(self, bases: Floats, path: ToolPath, rule: ScoreRule) -> PlacementScores:
         if self.pitch_arm is not None:
             return self.pitch_arm.scores(bases, path, rule)

@@ -1,4 +1,4 @@
-"""Where a base can stand beside a seam, and whether the arm is free there: what DIVIDE and others ask."""
+"""Where a base can stand, and whether the arm is free there: what those ask who choose places."""
 
 from __future__ import annotations
 
@@ -8,21 +8,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from handcart.backends.description.robot_file import RobotFile
-from handcart.primitives.contract.discrepancy import Discrepancy
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.kinematics.arm_model import ArmModel
 from handcart.robotics.kinematics.shapes import Box
-from handcart.robotics.manipulation.arms.screw_arm import FreeTurn
 from handcart.robotics.manipulation.motions.collision_model import CollisionModel
-from handcart.robotics.manipulation.placement.placer import Placer, Work
 from handcart.robotics.manipulation.placement.standing_places import has_way, stands_clear
 from handcart.robotics.navigation.maps.clearances import Clearances
 from handcart.robotics.navigation.maps.grid_map import GridMap
 from handcart.robotics.navigation.routes.ways import ROOM_AT_GOAL, SENSED_ROOM
 
-MARGIN = 0.002  # [m] between the arm and the work piece
+MARGIN = 0.002  # [m] between the arm and what stands around
 AVOIDED = 0.15  # [m] from where it couldn't be done
-FREE = {"nothing": FreeTurn.NONE, "azimuth": FreeTurn.VERTICAL, "roll": FreeTurn.TOOL}
 EVERY = 4  # points of a path between looks for contacts
 OFF = 0.3  # [m] that the base may stand too near to something, when it sets out
 
@@ -30,8 +26,8 @@ Floats = NDArray[np.float64]
 Masks = NDArray[np.bool_]
 
 
-class SeamRoom:
-    """What stands around a seam, for one robot."""
+class StandingRoom:
+    """What stands around some work, for one robot."""
 
     def __init__(
         self,
@@ -51,7 +47,7 @@ class SeamRoom:
             grid: the map.
             sensed: (n, 2) points that are not on it, in [m].
             here: map_T_base from where it sets out.
-            boxes: the work piece, posed on the map.
+            boxes: that the arm must not touch, posed on the map.
             avoided: where it can't be done.
         """
         self._arm, self._boxes, self._avoided = arm, boxes, avoided
@@ -87,29 +83,3 @@ class SeamRoom:
                 if has_way(np.array([[*spot, 0.0]]), self._grid, spot, self._radius)[0]:
                     return spot
         return here.x, here.y
-
-
-def work_of(spec: RobotFile, speed: float | None = None) -> Work:
-    """What the robot's tool does, by its file; raises `Discrepancy` where it has none."""
-    tool = spec.tool
-    if tool is None:
-        raise Discrepancy("the robot's file has no tool", permanent=True)
-    tolerance = math.radians(tool.azimuth_tolerance_deg)
-    return Work(speed or tool.speed_m_s, tool.force_n, FREE[tool.free], tolerance)
-
-
-def working_arm(spec: RobotFile) -> ArmModel:
-    """The robot's arm, its joint speeds limited by the robot's file as well as by the URDF."""
-    if spec.arm is None:
-        raise Discrepancy("the robot's file has no arm", permanent=True)
-    arm = spec.arm_model()
-    arm.velocity = np.minimum(arm.velocity, spec.joint_speeds())
-    return arm
-
-
-def placer_of(spec: RobotFile, speed: float | None = None) -> Placer:
-    """What divides seams for the robot; raises `Discrepancy` where arm or tool can't."""
-    try:
-        return Placer(working_arm(spec), work_of(spec, speed))
-    except ValueError as wrong:
-        raise Discrepancy(str(wrong), permanent=True) from None

@@ -1,0 +1,108 @@
+"""What is reached from each stop of a task that stacks blocks, found out without moving."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from handcart.backends.description.robot_loading import load_robot
+from handcart.networks.graph.network import Action
+from handcart.networks.task.task_file import Task
+from handcart.primitives.blocks.blocks import Blocks
+from handcart.primitives.blocks.building import Building, LevelPose
+from handcart.primitives.blocks.fixate import Fixate
+from handcart.primitives.blocks.pick_up_block import PickUpBlock
+from handcart.primitives.blocks.stack import Stack
+from handcart.primitives.contract.discrepancy import Discrepancy
+from handcart.primitives.driving.move_to import MoveTo
+from handcart.robotics.manipulation.placement.stops import BESIDE
+
+from .stop_reach import StopReach
+
+Work = dict[tuple[str, str], dict[str, LevelPose]]
+"""By place and landmark: the blocks that are taken or laid from there, where they stand."""
+
+
+def block_facts(task: Task) -> dict[str, Any]:
+    """What the arm reaches from each place at which a landmark tells where the base stands."""
+    blocks = task.knowledge.sections.get("blocks")
+    plan = blocks.building if isinstance(blocks, Blocks) else None
+    work = {} if plan is None else _work(task, plan)
+    if plan is None or not work:
+        return {}
+    try:
+        reach = StopReach(load_robot(task.robot), plan.block)
+    except Discrepancy as lacking:
+        return {"stops": f"not known: {lacking.reason}"}
+    places = task.knowledge.all_places()
+    return {
+        f"stop {name}": _words(reach, plan, np.array(places[name].pose), mark, todo)
+        for (name, mark), todo in work.items()
+        if name in places
+    }
+
+
+def _words(
+    reach: StopReach, plan: Building, base: NDArray[np.float64], mark: str, todo: dict[str, LevelPose]
+) -> str:
+    placer = reach.stops([plan.landmarks[mark]])
+    names, goals = list(todo), [reach.goal(place) for place in todo.values()]
+    table = placer.table(base[None], goals)
+    if not table.sights[0, 0]:
+        return f"landmark {mark} can't be looked at from {1e3 * BESIDE:g} mm beside it"
+    values, served = table.values[0], table.served[0]
+    missed = [name for name, good in zip(names, served.tolist(), strict=True) if not good]
+    if missed:
+        return f"not reached from {1e3 * BESIDE:g} mm beside it: {', '.join(missed)}"
+    least = int(np.argmin(values))
+    return (
+        f"reaches {len(names)} blocks, score {values.mean():.2f}, least {values[least]:.2f} at {names[least]}"
+    )
+
+
+def _work(task: Task, plan: Building) -> Work:
+    """What is done from where, by the network: after each FIXATE until the base drives, or another one."""
+    found: Work = {}
+    for action in task.network.actions:
+        if not _does(action, Fixate) or action.binding is None:
+            continue
+        fixed = action.binding.fixed
+        name = fixed.get("landmark")
+        if name not in plan.landmarks:
+            continue
+        place = fixed.get("place") or plan.landmarks[name].place
+        todo = found.setdefault((place, name), {})
+        for each in _until_driven(task, action.target):
+            todo |= _block(each, plan)
+    return {key: todo for key, todo in found.items() if todo}
+
+
+def _until_driven(task: Task, situation: str) -> list[Action]:
+    """Actions that may follow, none beyond a MOVE_TO or a FIXATE."""
+    seen, ahead, found = {situation}, [situation], list[Action]()
+    while ahead:
+        for _, target, action in task.network.graph.out_edges(ahead.pop(), data="action"):
+            if _does(action, MoveTo) or _does(action, Fixate):
+                continue
+            found.append(action)
+            if target not in seen:
+                seen.add(target)
+                ahead.append(target)
+    return found
+
+
+def _block(action: Action, plan: Building) -> dict[str, LevelPose]:
+    """The block that an action takes from the supply, or lays."""
+    fixed = action.binding.fixed if action.binding else {}
+    number = fixed.get("number", 0)
+    if _does(action, PickUpBlock) and fixed.get("at") == "supply" and 0 < number <= len(plan.supply):
+        return {f"block {number}": plan.supply[number - 1]}
+    if _does(action, Stack) and fixed.get("onto") == "goal" and 0 < number <= len(plan.goals):
+        return {f"goal {number}": plan.goals[number - 1]}
+    return {}
+
+
+def _does(action: Action, kind: type) -> bool:
+    return action.binding is not None and issubclass(action.binding.kind, kind)

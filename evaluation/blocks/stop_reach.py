@@ -1,0 +1,109 @@
+"""What the hand does at blocks and landmarks, for the placer of stops; and what it would touch there."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import partial
+
+import numpy as np
+from numpy.typing import NDArray
+
+from handcart.backends.description.robot_file import RobotFile
+from handcart.backends.robot.mounted_camera import known_camera
+from handcart.primitives.blocks.building import LevelPose
+from handcart.primitives.blocks.hand_down import BITE, VIEW, pointing_down
+from handcart.primitives.blocks.pick_up_block import ABOVE, OPEN, SPEED
+from handcart.primitives.blocks.stack import UNEXPECTED
+from handcart.primitives.contract.discrepancy import Discrepancy
+from handcart.primitives.driving.standing_room import MARGIN
+from handcart.primitives.motions.working_arm import working_arm
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.geometry.transform import transform
+from handcart.robotics.kinematics.shapes import Box
+from handcart.robotics.manipulation.arms.screw_arm import FreeTurn
+from handcart.robotics.manipulation.motions.collision_model import HELD, CollisionModel
+from handcart.robotics.manipulation.placement.placer import Placer, Work
+from handcart.robotics.manipulation.placement.stops import Goal, StopPlacer
+from handcart.robotics.manipulation.placement.untrackable import Untrackable
+from handcart.robotics.manipulation.tracking.tool_path import ToolPath, tool_path
+
+RISE = 0.02  # [m] between two heights from which something is looked at
+
+Floats = NDArray[np.float64]
+
+
+class StopReach:
+    """One robot at blocks of one size."""
+
+    def __init__(self, spec: RobotFile, block: tuple[float, float, float]) -> None:
+        """Prepare a robot.
+
+        Args:
+            spec: of the robot.
+            block: length, width, height in [m].
+
+        Raises:
+            Discrepancy: it lacks arm, gripper or camera, or its arm can't do it anywhere.
+        """
+        if spec.gripper is None or spec.camera is None:
+            lacking = "gripper" if spec.gripper is None else "camera"
+            raise Discrepancy(f"the robot's file has no {lacking}", permanent=True)
+        arm = working_arm(spec)
+        try:
+            self.placer = Placer(arm, Work(SPEED, UNEXPECTED, FreeTurn.NONE, 0.0))
+        except ValueError as wrong:
+            raise Discrepancy(str(wrong), permanent=True) from None
+        self._block, self._tip = block, spec.finger_shape.tip
+        self._hand_T_camera = known_camera(spec.camera, arm).hand_T_camera
+        width = (block[0] + OPEN) / 2.0
+        self._open = arm.with_others({"left_finger": width, "right_finger": width})
+
+    def stops(self, landmarks: Sequence[LevelPose]) -> StopPlacer:
+        """The placer, for these landmarks."""
+        return StopPlacer(self.placer, [partial(self._sight, mark) for mark in landmarks])
+
+    def goal(self, place: LevelPose) -> Goal:
+        """What the hand does at a block: it comes from above, and looks at it from above."""
+        grip = pointing_down(place.floor, place.height_m + self._block[2] - BITE + self._tip)
+        work = tool_path([transform((0.0, 0.0, up)) @ grip for up in (ABOVE, ABOVE / 2, 0.0)])
+        level = place.floor.theta
+        return Goal(work, (self._looking(place.floor, place.height_m + self._block[2], level),))
+
+    def touches(self, base: Floats, place: LevelPose, around: Sequence[Box], held: bool) -> str:
+        """What arm or held block would touch over a block's place and at it; nothing where all is clear.
+
+        Args:
+            base: map_T_base (3,).
+            place: of the block.
+            around: what stands there, posed on the map.
+            held: whether the hand comes with the block, and puts it down there.
+        """
+        path, stand = self.goal(place).work, Pose2(*base.tolist()).lift()
+        try:
+            angles = self.placer.joints(base, path)
+        except Untrackable as error:
+            return error.why
+        length, width, height = self._block
+        middle = transform((self._tip - BITE + height / 2, 0.0, 0.0))
+        body = Box(middle, (height, length, width), HELD) if held else None
+        free = CollisionModel(self._open, around, None, stand, MARGIN)
+        loaded = CollisionModel(self._open, around, body, stand, MARGIN)
+        for number, q in enumerate(angles):
+            model = loaded if number < len(angles) - 1 else free  # in the end it touches what carries it
+            if model.in_collision(q):
+                return "is reached only with the arm touching something"
+        return ""
+
+    def body(self, place: LevelPose, name: str) -> Box:
+        """A block that stands there, on the map."""
+        return Box(place.floor.lift(place.height_m + self._block[2] / 2), self._block, name)
+
+    def _sight(self, mark: LevelPose, heading: float) -> ToolPath:
+        """Over a landmark, turned as the base is."""
+        return self._looking(mark.floor, mark.height_m, heading)
+
+    def _looking(self, floor: Pose2, height: float, heading: float) -> ToolPath:
+        """The hand (2 points) with the camera straight above a place."""
+        view = pointing_down(Pose2(0.0, 0.0, heading), 0.0)
+        view[:3, 3] = (floor.x, floor.y, height + VIEW) - (view @ self._hand_T_camera)[:3, 3]
+        return tool_path([view, transform((0.0, 0.0, RISE)) @ view])

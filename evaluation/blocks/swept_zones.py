@@ -1,0 +1,64 @@
+"""Where the base must keep out of, so that the robot, turning, touches nothing that stands on tables."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from handcart.backends.description.robot_file import RobotFile
+from handcart.robotics.geometry.transform import apply
+from handcart.robotics.kinematics.shapes import Box, Cylinder, Hull, Shape, Sphere
+
+AROUND = 24  # points about a cylinder
+LEAST = 0.01  # [m] of a zone's side
+SPARE = 0.01  # [m] above and below
+
+Floats = NDArray[np.float64]
+Zone = tuple[float, float, float, float, float]
+"""x, y, yaw, length, width in [m] and [rad]."""
+
+
+def swept_zones(spec: RobotFile, things: Sequence[Box]) -> list[Zone]:
+    """Zones for a base as wide as its footprint that keep the robot, in its posture `home`, off things.
+
+    What reaches less far at a thing's height than the footprint may come nearer: the zone is that much
+    smaller.
+
+    Args:
+        spec: of the robot.
+        things: upright boxes, posed on the map.
+    """
+    bodies = [_points(shape) for shape in spec.arm_model().link_shapes(np.array(spec.posture("home")))]
+    zones = []
+    for thing in things:
+        low, high = thing.pose[2, 3] - thing.size[2] / 2 - SPARE, thing.pose[2, 3] + thing.size[2] / 2 + SPARE
+        beside = [each for each in bodies if each[:, 2].min() < high and each[:, 2].max() > low]
+        if not beside:
+            continue
+        reach = max(float(np.hypot(each[:, 0], each[:, 1]).max()) for each in beside)
+        spare = max(0.0, spec.footprint_radius_m - reach)
+        less = 2.0 * spare / math.sqrt(2.0)  # at a corner both sides count
+        yaw = math.atan2(thing.pose[1, 0], thing.pose[0, 0])
+        length, width = (max(LEAST, side - less) for side in thing.size[:2])
+        zones.append((float(thing.pose[0, 3]), float(thing.pose[1, 3]), yaw, length, width))
+    return zones
+
+
+def _points(shape: Shape) -> Floats:
+    """(n, 3) points whose hull holds the shape, nearly."""
+    if isinstance(shape, Box):
+        corners = np.array([(x, y, z) for x in (-0.5, 0.5) for y in (-0.5, 0.5) for z in (-0.5, 0.5)])
+        return apply(shape.pose, corners * shape.size)
+    if isinstance(shape, Sphere):
+        return shape.pose[:3, 3] + shape.radius * np.vstack((np.eye(3), -np.eye(3)))
+    if isinstance(shape, Cylinder):
+        turns = np.linspace(0.0, 2.0 * math.pi, AROUND, endpoint=False)
+        ring = shape.radius * np.column_stack((np.cos(turns), np.sin(turns), np.zeros(AROUND)))
+        up = np.array((0.0, 0.0, shape.length / 2))
+        ends = np.vstack((ring - up, ring + up))
+        return apply(shape.pose, ends)
+    assert isinstance(shape, Hull)
+    return apply(shape.pose, shape.points)

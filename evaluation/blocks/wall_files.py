@@ -1,0 +1,247 @@
+"""A plan of a wall as a task with all its files."""
+
+from __future__ import annotations
+
+import math
+import shutil
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+
+from handcart.evaluation.drawing.picture_file import write_png
+from handcart.files.whole_file import write_whole
+from handcart.primitives.blocks.building import LevelPose, Table
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.navigation.maps.grid_map import GridMap, from_boxes
+
+from .wall_planning import NamedStop, Trip, WallPlan
+
+FOOT = 0.4  # of a table's side is its pedestal's
+TONES = (154, 190, 215)  # of rows: a block can't be told from one of the same tone below it
+STONE = 60
+
+
+def write_wall(plan: WallPlan, chart: Path, robot: str, folder: Path, world: Path | None = None) -> None:
+    """Write a task with its building plan, places, map, zones to keep out of, and world.
+
+    Args:
+        plan: how the wall is built.
+        chart: the map's file; it is copied, with its picture.
+        robot: as the task is to name it.
+        folder: is made where it is missing.
+        world: of the simulation; left out: the tables, the landmarks and the blocks as they are drawn.
+
+    Raises:
+        OSError: something can't be written.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    _copy_map(chart, folder)
+    _draw(plan.keepout, folder / "keepout.png")
+    texts = {
+        "task.yaml": TASK.format(
+            count=len(plan.blocks), robot=robot, first=plan.trips[0].fetched_at.name
+        ).replace("TRIPS", "\n".join(_trips(plan.trips))),
+        "building.yaml": _building(plan),
+        "places.yaml": _places(plan),
+        "keepout.yaml": _map_yaml(plan.keepout, "keepout.png"),
+        "world.yaml": _world(plan) if world is None else world.read_text(encoding="utf-8"),
+    }
+    if world is None:
+        beside = _beside_tables(plan)
+        _draw(beside, folder / "hall.png")
+        texts["hall.yaml"] = _map_yaml(beside, "hall.png")
+    for name, text in texts.items():
+        write_whole(folder / name, text)
+
+
+def _beside_tables(plan: WallPlan) -> GridMap:
+    """What the map shows besides the tables: in the simulated world these stand by themselves."""
+    grid = plan.grid
+    outlines = [(each.x_m, each.y_m, each.floor.theta, *each.size_m) for each in plan.drawing.tables.values()]
+    size = grid.occupied.shape[1] * grid.resolution, grid.occupied.shape[0] * grid.resolution
+    tables = from_boxes(outlines, grid.resolution, (grid.origin_x, grid.origin_y), size)
+    return grid._replace(occupied=grid.occupied & ~tables.occupied)
+
+
+def _draw(grid: GridMap, file: Path) -> None:
+    write_png(file, np.where(grid.occupied, 0, 254).astype(np.uint8)[::-1])
+
+
+def _copy_map(chart: Path, folder: Path) -> None:
+    """With the picture that it names beside it."""
+    from handcart.files.yaml.yaml_document import read_document
+
+    if chart.parent.resolve() == folder.resolve() and chart.name == "map.yaml":
+        return
+    image = str(read_document(chart).root.deepest(("image",))[0].content)
+    picture = f"map{Path(image).suffix}"
+    shutil.copyfile(chart.parent / image, folder / picture)
+    write_whole(folder / "map.yaml", chart.read_text(encoding="utf-8").replace(image, picture))
+
+
+def _building(plan: WallPlan) -> str:
+    drawing, stops = plan.drawing, (*plan.fetching, *plan.laying)
+    seen_from = {stop.landmark: stop.name for stop in reversed(stops)}
+    lines = [
+        "# What the robot is told of the wall; made by `handcart wall`. All on the map but `carried`.",
+        "format: handcart-building/1",
+        f"block_mm: [{', '.join(f'{side:g}' for side in drawing.block_mm)}]",
+        "landmarks:",
+    ]
+    for name, mark in drawing.landmarks.items():
+        place = seen_from.get(name, stops[0].name)
+        lines.append(f"  {name}: {{{_level(mark)}, side_mm: {mark.side_mm:g}, place: {place}}}")
+    lines += ["tables:", *(f"  {name}: {{{_table(each)}}}" for name, each in drawing.tables.items())]
+    lines += ["supply:", *(f"  - {{{_level(each)}}}" for each in drawing.supply)]
+    lines += ["carried:", *(f"  - {{{_level(each)}}}" for each in drawing.carried)]
+    lines += ["goals:", *(f"  - {{{_level(each.place)}}}   # {each.words}" for each in plan.blocks)]
+    return "\n".join(lines) + "\n"
+
+
+def _places(plan: WallPlan) -> str:
+    start = f"  start: {{{_pose(plan.drawing.start.pose)}}}"
+    stops = [f"  {each.name}: {{{_pose(each.pose)}}}" for each in (*plan.fetching, *plan.laying)]
+    head = "# Where the robot's base stands; made by `handcart wall`.\nformat: handcart-places/1\nplaces:"
+    return "\n".join([head, start, *stops]) + "\n"
+
+
+def _world(plan: WallPlan) -> str:
+    drawing = plan.drawing
+    lines = [
+        "# What stands there, as it is drawn; made by `handcart wall`. The robot doesn't see this file.",
+        "format: handcart-world/1",
+        "map: hall.yaml",
+        f"start: {{{_pose(drawing.start.pose)}}}",
+        "tables:",
+    ]
+    highest = [min(each.height_m for each in drawing.tables.values())]
+    stones = {name: each for name, each in drawing.tables.items() if each.height_m > highest[0]}
+    for name, each in drawing.tables.items():
+        if name not in stones:
+            foot = ", ".join(f"{FOOT * side:.3f}" for side in each.size_m)
+            size = ", ".join(f"{side:g}" for side in (*each.size_m, each.height_m))
+            lines.append(
+                f"  - {{name: {name}, {_pose(each.floor)}, size_m: [{size}], "
+                f"slab_m: {each.thickness_m:g}, foot_m: [{foot}]}}"
+            )
+    lines += ["marks:", *(f"  - {{{_level(each)}}}" for each in drawing.landmarks.values()), "blocks:"]
+    for number, place in enumerate(drawing.supply, start=1):
+        grey = _tone(plan, number)
+        lines.append(f'  - {{name: "{number}", {_level(place)}, grey: {grey}}}')
+    for name, each in stones.items():
+        size = ", ".join(f"{1e3 * side:g}" for side in (*each.size_m, each.thickness_m))
+        foot = f"{_pose(each.floor)}, height_m: {each.height_m - each.thickness_m:g}"
+        lines.append(f"  - {{name: {name}, {foot}, size_mm: [{size}], grey: {STONE}}}")
+    return "\n".join(lines) + "\n"
+
+
+def _tone(plan: WallPlan, number: int) -> int:
+    if number > len(plan.blocks):
+        return TONES[0]
+    heights = sorted({block.place.height_m for block in plan.blocks})
+    return TONES[heights.index(plan.blocks[number - 1].place.height_m) % len(TONES)]
+
+
+def _trips(trips: Sequence[Trip]) -> list[str]:
+    lines = []
+    for number, trip in enumerate(trips):
+        following = trips[min(number + 1, len(trips) - 1)].fetched_at
+        count = len(trip.numbers)
+        lines.append(
+            f"    - {{{_stop('fetch', trip.fetched_at)}, {_stop('lay', trip.laid_at)}, "
+            f"next: {following.name}, load: {count},"
+        )
+        for at, block in enumerate(trip.numbers):
+            left = count - at
+            last = str(left == 1).lower()
+            text = f"{{number: {block}, loaded: {at}, left: {left}, after: {left - 1}, last: {last}}}"
+            head, tail = "       blocks: [" if at == 0 else "                ", "]}" if left == 1 else ","
+            lines.append(head + text + tail)
+    return lines
+
+
+def _stop(what: str, stop: NamedStop) -> str:
+    return f"{what}: {stop.name}, {what}_by: {stop.landmark}"
+
+
+def _pose(pose: Pose2) -> str:
+    return f"x_m: {pose.x:.4f}, y_m: {pose.y:.4f}, heading_deg: {math.degrees(pose.theta):.3f}"
+
+
+def _level(place: LevelPose) -> str:
+    turned = f", heading_deg: {place.heading_deg:.6g}" if place.heading_deg else ""
+    return f"x_m: {place.x_m:.6g}, y_m: {place.y_m:.6g}, height_m: {place.height_m:.6g}{turned}"
+
+
+def _table(table: Table) -> str:
+    size = ", ".join(f"{side:g}" for side in table.size_m)
+    return f"{_level(table)}, size_m: [{size}], thickness_m: {table.thickness_m:g}"
+
+
+def _map_yaml(grid: GridMap, image: str) -> str:
+    origin = f"[{grid.origin_x:.4f}, {grid.origin_y:.4f}, 0.0]"
+    return (
+        f"image: {image}\nresolution: {grid.resolution}\norigin: {origin}\n"
+        "negate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n"
+    )
+
+
+TASK = """\
+# Builds a wall of {count} blocks; made by `handcart wall`. `trips` says what is fetched from which stop, and
+# laid from which: of each block, how many lie on the robot before it is loaded, stacked, and after that.
+format: handcart-task/1
+title: Build a wall of {count} blocks
+robot: {{parameter: robot}}
+world: world.yaml
+knowledge:
+  map: map.yaml
+  places: places.yaml
+  keepout: keepout.yaml
+  building: building.yaml
+  start: start
+
+parameters:
+  robot: {robot}
+  method: fix_again_imu
+  trips:
+TRIPS
+
+start: at_rest
+goal: built
+
+situations:
+  at_rest: {{base: where it sets out, load: 0}}
+  at_supply: {{base: at the supply, load: 0}}
+  to_load: {{base: at the supply, load: {{each: block.loaded}}}}
+  taken: {{base: at the supply, load: {{each: block.loaded}}, hand: holds a block}}
+  loaded: {{base: at the supply, load: {{each: trip.load}}}}
+  at_wall: {{base: at the wall, load: {{each: trip.load}}}}
+  to_stack: {{base: at the wall, load: {{each: block.left}}}}
+  in_hand: {{base: at the wall, load: {{each: block.after}}, hand: holds a block}}
+  stacked: {{base: at the wall, load: 0}}
+  built: {{base: at the supply, load: 0}}
+
+actions:
+  - {{do: MOVE_TO, from: at_rest, to: at_supply, cost_s: 20, with: {{place: {first}}}}}
+  - {{do: FIXATE, from: at_supply, to: to_load, cost_s: 6,
+     with: {{landmark: {{each: trip.fetch_by}}, place: {{each: trip.fetch}}}}}}
+  - {{do: PICK_UP_BLOCK, from: to_load, to: taken, cost_s: 6,
+     with: {{number: {{each: block.number}}, at: supply}}}}
+  - {{do: STACK, from: taken, to: loaded, cost_s: 6,
+     with: {{number: {{each: block.number}}, onto: robot, stow: {{each: block.last}}}}}}
+  - {{do: MOVE_TO, from: loaded, to: at_wall, cost_s: 20, with: {{place: {{each: trip.lay}}}}}}
+  - {{do: FIXATE, from: at_wall, to: to_stack, cost_s: 6,
+     with: {{landmark: {{each: trip.lay_by}}, place: {{each: trip.lay}}}}}}
+  - {{do: PICK_UP_BLOCK, from: to_stack, to: in_hand, cost_s: 6,
+     with: {{number: {{each: block.number}}, at: robot, look: true}}}}
+  - {{do: STACK, from: in_hand, to: stacked, cost_s: 9,
+     with: {{number: {{each: block.number}}, onto: goal, method: {{parameter: method}},
+            stow: {{each: block.last}}}}}}
+  - {{do: MOVE_TO, from: stacked, to: built, cost_s: 20, with: {{place: {{each: trip.next}}}}}}
+
+repeat:
+  - {{over: {{parameter: trips}}, as: trip, start: at_supply, goal: built}}
+  - {{over: {{each: trip.blocks}}, as: block, start: to_load, goal: loaded}}
+  - {{over: {{each: trip.blocks}}, as: block, start: to_stack, goal: stacked}}
+"""

@@ -1,0 +1,206 @@
+"""From a drawing of a wall and a robot to stops of the base, and the order of the blocks."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import groupby
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from handcart.backends.description.robot_file import RobotFile
+from handcart.files.errors import FileError
+from handcart.files.models.loading import Loaded
+from handcart.primitives.blocks.building import LevelPose
+from handcart.primitives.blocks.drawing import Drawing, DrawnBlock
+from handcart.primitives.blocks.laying_order import laying_orders, wall_findings
+from handcart.primitives.driving.standing_room import StandingRoom
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.kinematics.shapes import Box
+from handcart.robotics.manipulation.placement.stops import Stop
+from handcart.robotics.manipulation.placement.untrackable import Untrackable
+from handcart.robotics.navigation.maps.grid_map import GridMap, from_boxes
+from handcart.robotics.navigation.maps.keepout import with_keepout
+from handcart.robotics.navigation.routes.ways import Ways
+
+from .stop_reach import StopReach
+from .swept_zones import swept_zones
+
+MOVE = 0.3  # scores of blocks that one more stop has to gain
+
+Floats = NDArray[np.float64]
+
+
+class NamedStop(NamedTuple):
+    """A stop of the base."""
+
+    name: str
+    pose: Pose2
+    """map_T_base."""
+    landmark: str
+    """That it is looked at from there."""
+    numbers: range
+    """Of the blocks, from 1 in the order of laying."""
+    score: float
+    """The mean of its blocks, 0 to 1."""
+    least: int
+    """The block that is worth least."""
+    clearance: float
+    """From its middle to what it keeps off, in [m]."""
+
+    def words(self) -> str:
+        """For people, a line."""
+        x, y, turn = self.pose
+        blocks = f"blocks {self.numbers[0]} to {self.numbers[-1]}"
+        stands = f"({x:.2f}, {y:.2f}) m, {np.degrees(turn):.0f} deg"
+        worth = f"score {self.score:.2f}, least at block {self.least}"
+        return f"{self.name} {stands}: {blocks}, {worth}; {self.clearance:.2f} m to what stands there"
+
+
+class Trip(NamedTuple):
+    """What is fetched and laid in one go."""
+
+    fetched_at: NamedStop
+    laid_at: NamedStop
+    numbers: range
+    """Of the blocks, from 1."""
+
+
+class WallPlan(NamedTuple):
+    """How a wall is built."""
+
+    drawing: Drawing
+    blocks: tuple[DrawnBlock, ...]
+    """In the order in which they are laid: block 1 is the first."""
+    fetching: tuple[NamedStop, ...]
+    laying: tuple[NamedStop, ...]
+    grid: GridMap
+    """The map."""
+    keepout: GridMap
+    """Zones for the base to keep out of."""
+
+    @property
+    def trips(self) -> list[Trip]:
+        """As many blocks at a time as the robot carries, from one stop to one other."""
+        found = []
+        numbers = range(1, len(self.blocks) + 1)
+        for (fetched, laid), group in groupby(
+            numbers, lambda n: (_of(self.fetching, n), _of(self.laying, n))
+        ):
+            several, most = list(group), len(self.drawing.carried)
+            for at in range(0, len(several), most):
+                part = several[at : at + most]
+                found.append(Trip(fetched, laid, range(part[0], part[-1] + 1)))
+        return found
+
+
+def plan_wall(loaded: Loaded[Drawing], spec: RobotFile, grid: GridMap) -> WallPlan:
+    """Stops for a robot that takes the blocks of a drawing and lays them.
+
+    Args:
+        loaded: the drawing.
+        spec: of the robot.
+        grid: the map.
+
+    Raises:
+        FileError: the wall can't be built: which blocks, and why.
+        Discrepancy: the robot lacks something.
+    """
+    found = list(wall_findings(loaded))
+    if found:
+        raise FileError(found)
+    drawing = loaded.value
+    start = drawing.start.pose
+    reach = StopReach(spec, drawing.block)
+    keepout = _keepout(drawing, spec, reach, grid)
+    barred = with_keepout(grid, keepout)
+    room = StandingRoom(spec, reach.placer.arm, barred, np.empty((0, 2)), start)
+    planning = _Planning(drawing, reach, room, Ways(barred, spec.footprint_radius_m, start))
+    count = len(drawing.blocks)
+    try:
+        fetching = planning.stops(drawing.supply[:count], "supply", held=False)
+    except Untrackable as error:
+        key = ("supply", error.index)
+        raise loaded.refuse(key, _refusal(f"block {error.index + 1} of the supply", error)) from None
+    refusals, best = list[FileError](), None
+    for order in laying_orders(drawing):
+        try:
+            laying = planning.stops([block.place for block in order], "wall", held=True)
+        except Untrackable as error:
+            block = order[error.index]
+            refusals.append(loaded.refuse(block.key, _refusal(block.words, error)))
+            continue
+        plan = WallPlan(drawing, tuple(order), fetching, laying, grid, keepout)
+        if best is None or _worth(plan) > _worth(best):
+            best = plan
+        if len(laying) == 1:
+            break  # no order needs fewer
+    if best is None:
+        raise refusals[0]
+    return best
+
+
+class _Planning(NamedTuple):
+    """What stays the same for both ends of the way."""
+
+    drawing: Drawing
+    reach: StopReach
+    room: StandingRoom
+    ways: Ways
+
+    def stops(self, places: Sequence[LevelPose], name: str, held: bool) -> tuple[NamedStop, ...]:
+        """Named stops for blocks at places, in their order; raises `Untrackable`."""
+        around = self._around(places, held)
+
+        def touches(base: Floats, number: int) -> str:
+            return self.reach.touches(base, places[number], around[number], held)
+
+        placer = self.reach.stops(list(self.drawing.landmarks.values()))
+        goals = [self.reach.goal(place) for place in places]
+        stops = placer.place(goals, self.room.blocked, touches, MOVE)
+        return tuple(self._named(f"{name}_{n}", stop, places) for n, stop in enumerate(stops, start=1))
+
+    def _around(self, places: Sequence[LevelPose], held: bool) -> list[list[Box]]:
+        """What stands when the hand comes to each block: tables, and blocks that are laid, or still wait."""
+        bodies = [self.reach.body(place, f"block {n}") for n, place in enumerate(places, start=1)]
+        tables = [table.box for table in self.drawing.tables.values()]
+        return [[*tables, *(bodies[:n] if held else bodies[n + 1 :])] for n in range(len(places))]
+
+    def _named(self, name: str, stop: Stop, places: Sequence[LevelPose]) -> NamedStop:
+        marks = list(self.drawing.landmarks)
+        middle = np.mean([places[n].floor[:2] for n in range(stop.first, stop.last + 1)], axis=0)
+
+        def off(number: int) -> float:
+            return float(np.linalg.norm(self.drawing.landmarks[marks[number]].floor[:2] - middle))
+
+        pose = Pose2(*stop.base.tolist())
+        numbers = range(stop.first + 1, stop.last + 2)
+        least = numbers[int(np.argmin(stop.scores))]
+        mark = marks[min(stop.sights, key=off)]
+        return NamedStop(
+            name, pose, mark, numbers, float(stop.scores.mean()), least, self.ways.to(pose).clearance
+        )
+
+
+def _keepout(drawing: Drawing, spec: RobotFile, reach: StopReach, grid: GridMap) -> GridMap:
+    blocks = [*drawing.supply, *(block.place for block in drawing.blocks)]
+    things = [table.box for table in drawing.tables.values()]
+    things += [reach.body(place, "block") for place in blocks]
+    height, width = grid.occupied.shape
+    size = width * grid.resolution, height * grid.resolution
+    zones = swept_zones(spec, things)
+    return from_boxes(zones, grid.resolution, (grid.origin_x, grid.origin_y), size)
+
+
+def _of(stops: Sequence[NamedStop], number: int) -> NamedStop:
+    return next(stop for stop in stops if number in stop.numbers)
+
+
+def _worth(plan: WallPlan) -> float:
+    scores = sum(stop.score * len(stop.numbers) for stop in plan.laying)
+    return scores - MOVE * len(plan.trips)
+
+
+def _refusal(words: str, error: Untrackable) -> str:
+    return f"{words} {error.why}; needed: another place for it, its table or its landmark"

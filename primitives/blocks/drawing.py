@@ -1,0 +1,97 @@
+"""A wall as it is drawn: its rows, where its blocks wait, what it stands on; how it is built is left open."""
+
+from __future__ import annotations
+
+import math
+from typing import Annotated, Literal, NamedTuple
+
+from pydantic import Field
+
+from handcart.files.models.model import FileModel
+from handcart.robotics.geometry.pose2 import Pose2
+
+from .building import BlockPlace, LevelPose, Positive, Table
+
+
+class Start(FileModel):
+    """A pose of the base, on the map."""
+
+    x_m: float
+    y_m: float
+    heading_deg: float = 0.0
+
+    @property
+    def pose(self) -> Pose2:
+        """map_T_base."""
+        return Pose2(self.x_m, self.y_m, math.radians(self.heading_deg))
+
+
+class DrawnLandmark(LevelPose):
+    """A landmark, on the map."""
+
+    side_mm: Positive = 60.0
+
+
+class DrawnRow(LevelPose):
+    """Blocks beside each other, on the map: its pose is that of a block at 0."""
+
+    along_mm: Annotated[tuple[float, ...], Field(min_length=1)]
+    """Where the blocks stand along the row's own y."""
+
+
+class DrawnBlock(NamedTuple):
+    """A block of a drawing."""
+
+    row: int
+    """From 0."""
+    column: int
+    """From 0."""
+    place: BlockPlace
+
+    @property
+    def key(self) -> tuple[str | int, ...]:
+        """Where it stands in the file."""
+        return "rows", self.row, "along_mm", self.column
+
+    @property
+    def words(self) -> str:
+        """For people."""
+        return f"block {self.column + 1} of row {self.row + 1}"
+
+
+class Drawing(FileModel):
+    """A drawing of a wall."""
+
+    format: Literal["handcart-drawing/1"]
+    start: Start
+    """Where the robot sets out."""
+    block_mm: tuple[Positive, Positive, Positive]
+    """Length (along which the fingers close), width, height of all blocks."""
+    landmarks: Annotated[dict[str, DrawnLandmark], Field(min_length=1)]
+    tables: Annotated[dict[str, Table], Field(min_length=1)]
+    """What carries blocks; a stone that a row ends at is one, too."""
+    supply: Annotated[tuple[LevelPose, ...], Field(min_length=1)]
+    """Where the blocks wait, on the map, in the order in which they are taken."""
+    carried: Annotated[tuple[LevelPose, ...], Field(min_length=1)]
+    """Where they stand on the robot's own table, in the base frame."""
+    rows: Annotated[tuple[DrawnRow, ...], Field(min_length=1)]
+    """Of the wall, in any order."""
+
+    @property
+    def block(self) -> tuple[float, float, float]:
+        """Length, width, height in [m]."""
+        length, width, height = (each / 1e3 for each in self.block_mm)
+        return length, width, height
+
+    @property
+    def blocks(self) -> list[DrawnBlock]:
+        """All blocks of the wall, row by row."""
+        found = []
+        for row, drawn in enumerate(self.rows):
+            for column, along in enumerate(drawn.along_mm):
+                floor = drawn.floor.compose(Pose2(0.0, along / 1e3, 0.0))
+                place = BlockPlace(
+                    x_m=floor.x, y_m=floor.y, height_m=drawn.height_m, heading_deg=drawn.heading_deg
+                )
+                found.append(DrawnBlock(row, column, place))
+        return found

@@ -1,0 +1,120 @@
+"""In which order the blocks of a drawing can be laid: none before what carries it."""
+
+from __future__ import annotations
+
+import heapq
+import math
+from collections.abc import Callable, Iterator, Sequence
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from handcart.files.errors import Finding
+from handcart.files.models.loading import Loaded
+from handcart.robotics.geometry.pose2 import Pose2
+
+from .drawing import Drawing, DrawnBlock
+from .supports import LEVEL
+
+STEADY = 0.003  # [m] by which a block's middle lies inside of what carries it
+APART = 1e-6  # [m²] of overlap that two blocks may have
+
+Floats = NDArray[np.float64]
+Rectangle = tuple[tuple[float, float], tuple[float, float], float]
+
+
+def wall_findings(loaded: Loaded[Drawing]) -> Iterator[Finding]:
+    """What of a drawing no robot could build: blocks in each other, blocks that nothing carries."""
+    drawing = loaded.value
+    blocks, (length, width, height) = drawing.blocks, drawing.block
+    for number, block in enumerate(blocks):
+        own = _rectangle(block.place.floor, length, width)
+        for other in blocks[:number]:
+            level = abs(other.place.height_m - block.place.height_m) < height - LEVEL
+            if level and _area(_common(own, _rectangle(other.place.floor, length, width))) > APART:
+                wrong = f"{block.words} stands in {other.words}; allowed: blocks beside each other"
+                yield loaded.finding(block.key, wrong)
+        ground = _carrying(drawing, block, blocks)
+        if not len(ground):
+            wrong = (
+                f"nothing carries {block.words}: no table and no block ends {block.place.height_m:g} m high"
+            )
+            yield loaded.finding(block.key, f"{wrong} below it; needed: one")
+        elif _inside(ground, block.place.floor) < STEADY:
+            wrong = f"{block.words} tips over: its middle lies beside what carries it"
+            yield loaded.finding(block.key, f"{wrong}; needed: support on both sides of it")
+    if len(drawing.supply) < len(blocks):
+        wrong = f"{len(drawing.supply)} blocks wait for a wall of {len(blocks)}; needed: one for each"
+        yield loaded.finding(("supply",), wrong)
+
+
+def laying_orders(drawing: Drawing) -> list[list[DrawnBlock]]:
+    """Orders to choose from: row by row, and in steps along the wall."""
+    blocks = drawing.blocks
+    ends = np.array([block.place.floor[:2] for block in blocks])
+    _, _, axes = np.linalg.svd(ends - ends.mean(axis=0))
+    along = (ends - ends.mean(axis=0)) @ axes[0]
+    by_rows = {block: (block.place.height_m, at) for block, at in zip(blocks, along.tolist(), strict=True)}
+    in_steps = {block: (at, block.place.height_m) for block, at in zip(blocks, along.tolist(), strict=True)}
+    orders = [_order(drawing, blocks, rank.__getitem__) for rank in (by_rows, in_steps)]
+    return orders[:1] if orders[0] == orders[1] else orders
+
+
+def _order(
+    drawing: Drawing, blocks: Sequence[DrawnBlock], rank: Callable[[DrawnBlock], tuple[float, float]]
+) -> list[DrawnBlock]:
+    """The first by rank of those whose support stands, and again."""
+    below = {block: [each for each in blocks if _carries(drawing, each, block)] for block in blocks}
+    laid, waiting = list[DrawnBlock](), [(rank(block), block) for block in blocks if not below[block]]
+    heapq.heapify(waiting)
+    while waiting:
+        laid.append(heapq.heappop(waiting)[1])
+        for block in blocks:
+            if laid[-1] in below[block] and set(below[block]) <= set(laid):
+                heapq.heappush(waiting, (rank(block), block))
+    return laid
+
+
+def _carries(drawing: Drawing, lower: DrawnBlock, upper: DrawnBlock) -> bool:
+    length, width, height = drawing.block
+    if abs(lower.place.height_m + height - upper.place.height_m) > LEVEL:
+        return False
+    feet = (_rectangle(each.place.floor, length, width) for each in (lower, upper))
+    return _area(_common(*feet)) > APART
+
+
+def _carrying(drawing: Drawing, block: DrawnBlock, blocks: Sequence[DrawnBlock]) -> Floats:
+    """(n, 2) corners of where it is carried."""
+    length, width, _ = drawing.block
+    foot = _rectangle(block.place.floor, length, width)
+    under = [_rectangle(b.place.floor, length, width) for b in blocks if _carries(drawing, b, block)]
+    tables = [t for t in drawing.tables.values() if abs(t.height_m - block.place.height_m) < LEVEL]
+    under += [_rectangle(table.floor, *table.size_m) for table in tables]
+    return np.vstack([np.empty((0, 2)), *(_common(foot, each) for each in under)])
+
+
+def _rectangle(floor: Pose2, length: float, width: float) -> Rectangle:
+    return (floor.x, floor.y), (length, width), math.degrees(floor.theta)
+
+
+def _common(one: Rectangle, other: Rectangle) -> Floats:
+    """(n, 2) corners of what two rectangles share, in [m]."""
+    middle = np.array(one[0])  # near the origin, as OpenCV reckons in single precision
+    beside = (other[0][0] - one[0][0], other[0][1] - one[0][1])
+    found, corners = cv2.rotatedRectangleIntersection(((0.0, 0.0), *one[1:]), (beside, *other[1:]))
+    if found == cv2.INTERSECT_NONE:
+        return np.empty((0, 2))
+    return np.asarray(np.asarray(corners, dtype=np.float64).reshape(-1, 2) + middle)
+
+
+def _area(corners: Floats) -> float:
+    if len(corners) < 3:
+        return 0.0
+    return float(cv2.contourArea(cv2.convexHull((corners - corners[0]).astype(np.float32))))
+
+
+def _inside(corners: Floats, floor: Pose2) -> float:
+    """How far a pose lies inside the hull of corners (n, 2), in [m]; less than zero: outside."""
+    hull = cv2.convexHull((corners - floor[:2]).astype(np.float32))
+    return float(cv2.pointPolygonTest(hull, (0.0, 0.0), True))

@@ -1,0 +1,18 @@
+"""The arm as it may be used."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from handcart.backends.description.robot_file import RobotFile
+from handcart.primitives.contract.discrepancy import Discrepancy
+from handcart.robotics.kinematics.arm_model import ArmModel
+
+
+def working_arm(spec: RobotFile) -> ArmModel:
+    """The robot's arm, its joint speeds limited by the robot's file as well as by the URDF."""
+    if spec.arm is None:
+        raise Discrepancy("the robot's file has no arm", permanent=True)
+    arm = spec.arm_model()
+    arm.velocity = np.minimum(arm.velocity, spec.joint_speeds())
+    return arm

@@ -1,0 +1,30 @@
+"""What divides seams for a robot."""
+
+from __future__ import annotations
+
+import math
+
+from handcart.backends.description.robot_file import RobotFile
+from handcart.primitives.contract.discrepancy import Discrepancy
+from handcart.primitives.motions.working_arm import working_arm
+from handcart.robotics.manipulation.arms.screw_arm import FreeTurn
+from handcart.robotics.manipulation.placement.placer import Placer, Work
+
+FREE = {"nothing": FreeTurn.NONE, "azimuth": FreeTurn.VERTICAL, "roll": FreeTurn.TOOL}
+
+
+def work_of(spec: RobotFile, speed: float | None = None) -> Work:
+    """What the robot's tool does, by its file; raises `Discrepancy` where it has none."""
+    tool = spec.tool
+    if tool is None:
+        raise Discrepancy("the robot's file has no tool", permanent=True)
+    tolerance = math.radians(tool.azimuth_tolerance_deg)
+    return Work(speed or tool.speed_m_s, tool.force_n, FREE[tool.free], tolerance)
+
+
+def placer_of(spec: RobotFile, speed: float | None = None) -> Placer:
+    """What divides seams for the robot; raises `Discrepancy` where arm or tool can't."""
+    try:
+        return Placer(working_arm(spec), work_of(spec, speed))
+    except ValueError as wrong:
+        raise Discrepancy(str(wrong), permanent=True) from None

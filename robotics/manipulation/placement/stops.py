@@ -1,0 +1,244 @@
+"""Places for single goals of the hand: which of them are served from which stop of the base."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from itertools import product
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from handcart.robotics.manipulation.tracking.tool_path import ToolPath
+
+from .placement_division import best_division_by_cost
+from .placement_scores import PlacementScores
+from .placer import Blocked, Placer
+from .untrackable import Untrackable
+
+Floats = NDArray[np.float64]
+Masks = NDArray[np.bool_]
+Sight = Callable[[float], ToolPath]
+"""How the hand looks at a landmark from a base of that heading in [rad]."""
+Touches = Callable[[Floats, int], str]
+"""What is touched from a base pose (3,) at the goal of that number; nothing where all is clear."""
+
+BESIDE = 0.05  # [m] by which a base stops beside its place
+TURNED = 0.05  # [rad]
+_ASIDE = (
+    (BESIDE, BESIDE, TURNED),
+    (-BESIDE, BESIDE, -TURNED),
+    (-BESIDE, -BESIDE, TURNED),
+    (BESIDE, -BESIDE, -TURNED),
+)
+_ATTEMPTS = 40
+_HALVINGS = 2
+_NEAR = 0.05  # [m] about a stop from which a goal couldn't be done
+_NOWHERE = "is out of the arm's reach, wherever the base stands"
+_NO_ROOM = "is reached only from where the base can't stand, or doesn't get to"
+_NO_SIGHT = "is reached only from where no landmark can be looked at"
+
+
+class Goal(NamedTuple):
+    """What the hand does at one place."""
+
+    work: ToolPath
+    """Its motion there: what it is scored along."""
+    looks: tuple[ToolPath, ...] = ()
+    """Where else it has to come."""
+
+
+class Stop(NamedTuple):
+    """A place of the base, and what is done from there."""
+
+    base: Floats
+    """(3,) x and y in [m], heading in [rad]."""
+    first: int
+    last: int
+    """Goals, both included."""
+    sights: tuple[int, ...]
+    """Landmarks that can be looked at from there."""
+    scores: Floats
+    """(last - first + 1,) of the goals: the least along each motion, 0 to 1."""
+
+
+class Table(NamedTuple):
+    """Base poses b, goals n, landmarks m."""
+
+    values: Floats
+    """(b, n), 0 where not served."""
+    served: Masks
+    """(b, n): reached and looked at, also from where a base may stop beside its place."""
+    sights: Masks
+    """(b, m)."""
+
+    @property
+    def usable(self) -> Masks:
+        """(b, n): served, with a landmark in sight."""
+        sighted = np.asarray(self.sights.any(axis=1))
+        return np.asarray(self.served & sighted[:, None])
+
+
+class StopPlacer:
+    """Divides goals, in their order, among stops of the base: what Placer is for paths.
+
+    Hatano et al. (2000), section 3, split each goal into a pose of the base and a posture of the arm, and
+    leave open which. Here a stop is worth the directional manipulability (Shin 2005) along the motions at its
+    goals, and each stop more has to gain `cost`. A landmark must be in sight, and all of that must hold from
+    where the base may stop beside its place as well.
+    """
+
+    def __init__(self, placer: Placer, sights: Sequence[Sight]) -> None:
+        self._placer, self._sights = placer, sights
+
+    def table(self, bases: Floats, goals: Sequence[Goal]) -> Table:
+        """Of base poses (b, 3)."""
+        values = np.zeros((len(bases), len(goals)))
+        served = np.zeros((len(bases), len(goals)), dtype=np.bool_)
+        sights = self._in_sight(bases)
+        some = np.flatnonzero(sights.any(axis=1))
+        if len(some):
+            for number, goal in enumerate(goals):
+                values[some, number], served[some, number] = self._worth(bases[some], goal)
+        return Table(values, served, sights)
+
+    def _worth(self, bases: Floats, goal: Goal) -> tuple[Floats, Masks]:
+        """(b,) the least score along a goal's motion, 0 where it isn't served; and whether it is."""
+        scores = self._placer.scores(bases, goal.work)
+        good: Masks = np.asarray(scores.usable.all(axis=1))
+        for path in (goal.work, *goal.looks):
+            good = self._also_beside(bases, path, good)
+        return np.where(good, scores.values.min(axis=1), 0.0), good
+
+    def place(
+        self, goals: Sequence[Goal], blocked: Blocked, touches: Touches | None = None, cost: float = 0.3
+    ) -> tuple[Stop, ...]:
+        """The best stops.
+
+        Args:
+            goals: in their order.
+            blocked: asked of many base poses.
+            touches: asked of the stops that are chosen.
+            cost: what one more stop has to gain, in scores of goals.
+
+        Raises:
+            Untrackable: no stop serves a goal: its number, and why.
+        """
+        around = _joined(goals)
+        candidates = self._placer.candidates(around)
+        bases = candidates[~blocked(candidates)]
+        table, refused = self.table(bases, goals), list[tuple[Floats, int, str]]()
+        for _ in range(_ATTEMPTS):
+            usable = _without(table.usable, bases, refused)
+            if not usable.any(axis=0).all():
+                raise self._explained(int(np.argmin(usable.any(axis=0))), goals, bases, candidates, refused)
+            stops = self._refined(_stops(bases, table, usable, cost), goals, blocked, refused)
+            bad = [
+                (stop.base, goal, why)
+                for stop in stops
+                for goal in range(stop.first, stop.last + 1)
+                if touches is not None and (why := touches(stop.base, goal))
+            ]
+            if not bad:
+                return stops
+            refused += bad
+        raise Untrackable(bad[0][1], f"{bad[0][2]}; so it was with {_ATTEMPTS} divisions")
+
+    def _also_beside(self, bases: Floats, path: ToolPath, good: Masks) -> Masks:
+        """Of base poses (b, 3) that are `good`: whether all of a path is reached also from beside them."""
+        good = good.copy()
+        for aside in ((0.0, 0.0, 0.0), *_ASIDE):
+            some = np.flatnonzero(good)
+            if not len(some):
+                break
+            good[some] = self._placer.reached(bases[some] + aside, path).all(axis=1)
+        return good
+
+    def _in_sight(self, bases: Floats) -> Masks:
+        """(b, m): which landmarks can be looked at."""
+        seen = np.zeros((len(bases), len(self._sights)), dtype=np.bool_)
+        for heading in np.unique(bases[:, 2]):
+            some = np.flatnonzero(bases[:, 2] == heading)
+            for number, sight in enumerate(self._sights):
+                good = np.ones(len(some), dtype=np.bool_)
+                seen[some, number] = self._also_beside(bases[some], sight(float(heading)), good)
+        return seen
+
+    def _refined(
+        self,
+        stops: tuple[Stop, ...],
+        goals: Sequence[Goal],
+        blocked: Blocked,
+        refused: Sequence[tuple[Floats, int, str]],
+    ) -> tuple[Stop, ...]:
+        """The same number of stops, each moved to where it is worth more."""
+        step, turn = self._placer.spacing
+        for _ in range(_HALVINGS):
+            step, turn = step / 2, turn / 2
+            moved = []
+            for stop in stops:
+                ways = np.array(list(product((0.0, -1.0, 1.0), repeat=3))) * (step, step, turn)
+                tried = stop.base + ways
+                tried = tried[~blocked(tried)]
+                own = goals[stop.first : stop.last + 1]
+                table = self.table(tried, own)
+                refused_here = [(base, goal - stop.first, why) for base, goal, why in refused]
+                whole = _without(table.usable, tried, refused_here).all(axis=1)
+                worth = np.where(whole, table.values.sum(axis=1), -1.0)
+                best = int(np.argmax(worth)) if len(tried) else -1
+                better = best >= 0 and worth[best] >= stop.scores.sum()
+                moved.append(_stop(tried, table, best, stop.first, stop.last, stop.first) if better else stop)
+            stops = tuple(moved)
+        return stops
+
+    def _explained(
+        self,
+        goal: int,
+        goals: Sequence[Goal],
+        bases: Floats,
+        candidates: Floats,
+        refused: Sequence[tuple[Floats, int, str]],
+    ) -> Untrackable:
+        touched = [why for _, number, why in refused if number == goal]
+        if touched:
+            return Untrackable(goal, touched[0])
+        if not self._worth(candidates, goals[goal])[1].any():
+            return Untrackable(goal, _NOWHERE)
+        if not len(bases) or not self._worth(bases, goals[goal])[1].any():
+            return Untrackable(goal, _NO_ROOM)
+        return Untrackable(goal, _NO_SIGHT)
+
+
+def _stops(bases: Floats, table: Table, usable: Masks, cost: float) -> tuple[Stop, ...]:
+    """The best division of goals: each is a step of a path, between goals there are steps without length."""
+    values, joined = np.where(usable, table.values, 0.0), np.ones((len(bases), 2 * usable.shape[1] - 1), bool)
+    joined[:, ::2] = usable
+    twice = np.repeat(values, 2, axis=1).astype(np.float32)
+    scores = PlacementScores(np.asfortranarray(twice), np.ones_like(twice, dtype=np.bool_), joined)
+    lengths = np.concatenate(([0.0], np.cumsum(np.arange(2 * usable.shape[1] - 1) % 2 == 0)))
+    division = best_division_by_cost(scores, lengths, cost)
+    found = []
+    for placement, start, end in division.segments:
+        first, last = (start + 1) // 2, (end - 1) // 2
+        if first <= last:
+            found.append(_stop(bases, table, placement, first, last, 0))
+    return tuple(found)
+
+
+def _stop(bases: Floats, table: Table, row: int, first: int, last: int, offset: int) -> Stop:
+    sights = tuple(np.flatnonzero(table.sights[row]).tolist())
+    return Stop(bases[row], first, last, sights, table.values[row, first - offset : last + 1 - offset])
+
+
+def _without(usable: Masks, bases: Floats, refused: Sequence[tuple[Floats, int, str]]) -> Masks:
+    usable = usable.copy()
+    for base, goal, _ in refused:
+        if 0 <= goal < usable.shape[1]:
+            usable[np.linalg.norm(bases - base, axis=1) < _NEAR, goal] = False
+    return usable
+
+
+def _joined(goals: Sequence[Goal]) -> ToolPath:
+    """The motions at all goals, one after the other, as far as places around them are asked for."""
+    works = [goal.work for goal in goals]
+    return ToolPath(*(np.concatenate(field) for field in zip(*works, strict=True)))
