@@ -22,6 +22,7 @@ from handcart.networks.runs.resuming import NothingToResume as NothingToResume
 from handcart.networks.runs.resuming import Past, read_past, task_of
 from handcart.networks.runs.robot_claim import claimed
 from handcart.networks.runs.run import execute
+from handcart.networks.runs.run_names import name_of, point_latest
 from handcart.networks.runs.state_check import check_state, gone_on, standing_as_left
 from handcart.networks.task.preparing import Prepared, beginning_at, prepare
 from handcart.networks.task.task_file import load_task
@@ -58,7 +59,8 @@ def run_task(task: Path, runs: Path, options: RunOptions | None = None) -> tuple
             from .video import Video
 
             observers.append(stack.enter_context(Video(options.video, prepared.robot)))
-        folder = new_folder(runs, f"{task.resolve().parent.name}-{options.seed}")
+        folder = new_folder(runs, name_of(task, options.seed))
+        point_latest(folder)
         judge = Judge(prepared, folder)
         if claim is not None:
             claim.begin(folder)
