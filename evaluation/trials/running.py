@@ -69,6 +69,8 @@ def run_task(task: Path, runs: Path, options: RunOptions | None = None) -> tuple
         _report(prepared, folder, judge, options.observers)
         if options.draw:
             _draw(prepared, folder, judge, options.observers)
+        if options.report:
+            _write_page(folder, options.observers)
     return ran.summary, ran.end.exit_status
 
 
@@ -102,6 +104,16 @@ def _draw(prepared: Prepared, folder: Path, judge: Judge, observers: Sequence[Ru
         draw_overview(folder, model.map, model.places, radius, judge.surveys.shown)
     except OSError as error:
         _say(observers, f"{folder} can't be written: {error.strerror}; there is no overview.svg")
+
+
+def _write_page(folder: Path, observers: Sequence[RunObserver]) -> None:
+    """Write the run's page; whatever keeps it from being written doesn't change how the run ended."""
+    from handcart.evaluation.report.report import write_report
+
+    try:
+        write_report(folder)
+    except (OSError, HandcartError) as error:
+        _say(observers, f"there is no report of {folder}: {error}")
 
 
 def _say(observers: Sequence[RunObserver], words: str) -> None:
