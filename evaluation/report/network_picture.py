@@ -79,11 +79,12 @@ def draw_network(network: ActionNetwork, actions: Sequence[PastAction]) -> Netwo
         Box(*corner[each], *size[each], _kind(each, done), _words(each), _below(each, done))
         for each in corner
     ]
-    links = [
-        Link(_curve(corner, size, a, b), any(done[way, end] for end in ("Success", "Fail", "GiveUp", "")))
-        for way in ways
-        for a, b in ((way.source, way), (way, way.target))
-    ]
+    links = []
+    for way in ways:
+        # A Fail leaves the situation as it was: only a Success has come to the target.
+        came, went = done[way, "Success"] > 0, any(done[way, end] for end in _ENDS)
+        links.append(Link(_curve(corner, size, way.source, way), went))
+        links.append(Link(_curve(corner, size, way, way.target), came))
     width = max(box.x + box.width for box in boxes) + MARGIN
     return NetworkPicture(width, height, boxes, links)
 

@@ -74,7 +74,7 @@ def _sentence(run: PastRun) -> str:
     """What happened."""
     end, fails = run.end, sum(each.fails for each in run.actions)
     task = str(run.header["task"])
-    count = f"{len(run.actions)} action{'' if len(run.actions) == 1 else 's'}, {fails} of which failed"
+    count = f"{len(run.actions)} action{'' if len(run.actions) == 1 else 's'} ({fails or 'none'} failed)"
     if end is None:
         return f"{task}: no end is known after {count}; it was killed, or still goes on."
     reason = f": {end['reason']}" if end["reason"] else ""

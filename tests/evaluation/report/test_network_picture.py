@@ -54,6 +54,19 @@ def test_copies_of_a_repeat_are_one_box_that_counts_them_all() -> None:
     assert {box.kind for box in boxes} == {"situation", "mixed", "untried"}
 
 
+def test_a_fail_has_not_come_to_the_target() -> None:
+    network = ActionNetwork.build(
+        [Situation("here", {}), Situation("there", {})],
+        [Action("here", "there", NamedBinding(name="GO"))],
+        "here",
+        "there",
+    )
+    failed = draw_network(network, [an_action(1, "GO", "here", "there", "Fail")])
+    assert [link.travelled for link in failed.links] == [True, False]
+    went = draw_network(network, [an_action(1, "GO", "here", "there", "Success")])
+    assert [link.travelled for link in went.links] == [True, True]
+
+
 def test_only_the_number_of_an_element_is_folded() -> None:
     assert folded("taken[1][12]") == "taken"
     assert folded("at_shelf_2") == "at_shelf_2"
